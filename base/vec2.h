@@ -1,0 +1,32 @@
+/* base/vec2.h - points and vectors of the plane.  Multiplication by a unit vector is a turn, as with
+ * complex numbers, which is what most of planar kinematics consists of. */
+#ifndef LW_BASE_VEC2_H
+#define LW_BASE_VEC2_H
+
+#include <math.h>
+
+#define LW_PI 3.14159265358979323846
+
+typedef struct lw_vec2 { double x, y; } lw_vec2;
+
+static inline lw_vec2 lw_v2(double x, double y) { return (lw_vec2){ x, y }; }
+static inline lw_vec2 lw_v2_add(lw_vec2 a, lw_vec2 b) { return lw_v2(a.x + b.x, a.y + b.y); }
+static inline lw_vec2 lw_v2_sub(lw_vec2 a, lw_vec2 b) { return lw_v2(a.x - b.x, a.y - b.y); }
+static inline lw_vec2 lw_v2_scale(lw_vec2 a, double s) { return lw_v2(s*a.x, s*a.y); }
+static inline double  lw_v2_dot(lw_vec2 a, lw_vec2 b) { return a.x*b.x + a.y*b.y; }
+static inline double  lw_v2_cross(lw_vec2 a, lw_vec2 b) { return a.x*b.y - a.y*b.x; }
+static inline double  lw_v2_norm(lw_vec2 a) { return hypot(a.x, a.y); }
+static inline lw_vec2 lw_v2_perp(lw_vec2 a) { return lw_v2(-a.y, a.x); }            /* i a      */
+static inline lw_vec2 lw_v2_polar(double r, double t) { return lw_v2(r*cos(t), r*sin(t)); }
+/* complex product: turn a by the angle of unit vector u (and stretch by |u|) */
+static inline lw_vec2 lw_v2_turn(lw_vec2 a, lw_vec2 u)
+{
+    return lw_v2(a.x*u.x - a.y*u.y, a.x*u.y + a.y*u.x);
+}
+/* a times the conjugate of u: the coordinates of a in the frame whose x axis is u */
+static inline lw_vec2 lw_v2_unturn(lw_vec2 a, lw_vec2 u)
+{
+    return lw_v2(a.x*u.x + a.y*u.y, a.y*u.x - a.x*u.y);
+}
+
+#endif

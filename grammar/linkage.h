@@ -1,0 +1,81 @@
+/* grammar/linkage.h - a linkage as people draw one: links, joints with their place in one assembled
+ * posture, the input, tracer points.
+ *
+ * The posture holds every dimension: distances and angles between what a link carries.  A multiple
+ * joint (several links on one pin) is several joints at one place.  Plain data, copied with '=';
+ * nothing here allocates or needs freeing.  All in SI; `units` says only how a person wrote it. */
+#ifndef LW_GRAMMAR_LINKAGE_H
+#define LW_GRAMMAR_LINKAGE_H
+
+#include <stddef.h>
+#include "base/error.h"
+#include "base/units.h"
+#include "base/vec2.h"
+
+#define LW_LINK_MAX   32
+#define LW_JOINT_MAX  64
+#define LW_TRACER_MAX 16
+#define LW_INPUT_MAX   8
+#define LW_NAME_SIZE  32
+
+typedef enum lw_joint_kind {
+    LW_JOINT_REVOLUTE = 'r',   /* pin                               1 freedom  */
+    LW_JOINT_SLIDER   = 't',   /* translation along `along`         1 freedom  */
+    LW_JOINT_SLOT     = 'p',   /* pin of link[1] in a slot of link[0], 2 freedoms */
+    LW_JOINT_GEAR     = 'g'    /* gear or cam contact               2 freedoms */
+} lw_joint_kind;
+
+typedef struct lw_joint {
+    char          name[LW_NAME_SIZE];
+    lw_joint_kind kind;
+    int           link[2];     /* the two links it joins                                       */
+    lw_vec2       at;          /* r: the pin; t, p: a point of the slide line; g: contact [m]  */
+    lw_vec2       along;       /* t, p: unit direction of the slide line; else (0, 0)          */
+    double        ratio;       /* g: speed of link[1] over that of link[0]; else 0             */
+} lw_joint;
+
+/* A driven joint.  For a pin the input is the direction [rad, counter-clockwise from +x] of the
+ * driven link's x axis (see mbs/plan.h: from the input pin to the next joint of that link); for a
+ * slider the displacement [m] of link[1] relative to link[0] along `along`, 0 in the given posture
+ * unless `value` says otherwise. */
+typedef struct lw_input {
+    int    joint;
+    double value;              /* in the given posture                     [rad] or [m]         */
+    double first, last;        /* the motion wanted; first == last: all of it                    */
+} lw_input;
+
+typedef struct lw_tracer {
+    char    name[LW_NAME_SIZE];
+    int     link;
+    lw_vec2 at;                /* in the given posture [m]                                      */
+    double  angle;             /* direction of a tool fixed to the link, in the posture [rad]   */
+} lw_tracer;
+
+typedef struct lw_linkage {
+    char      name[64];
+    int       n_link, n_joint, n_input, n_tracer;
+    int       ground;                              /* the fixed link                            */
+    char      link_name[LW_LINK_MAX][LW_NAME_SIZE];
+    lw_joint  joint[LW_JOINT_MAX];
+    lw_input  input[LW_INPUT_MAX];
+    lw_tracer tracer[LW_TRACER_MAX];
+    lw_units  units;
+} lw_linkage;
+
+/* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2). */
+int lw_linkage_mobility(const lw_linkage *k);
+
+/* Check what a plan may rely on: indices in range, two different links a joint, connected, finite
+ * numbers, unit directions, different names.  LW_E_ARG with a text naming the joint or link. */
+lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
+
+/* Read one linkage from JSON text (docs/notation.md, "Linkage").  `file` is for messages only.
+ * LW_E_NOTATION with line and column, also for faults of meaning (a link that does not exist). */
+lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k,
+                          lw_error *e);
+
+/* JSON text of a linkage, in k->units, every double written so that it reads back bit-equal (to
+ * rounding of the unit conversion).  Free with free(); NULL when out of memory.  indent 0: one line. */
+char *lw_linkage_write(const lw_linkage *k, int indent);
+
+#endif

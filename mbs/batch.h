@@ -1,0 +1,54 @@
+/* mbs/batch.h - many poses at once, laid out so that one instruction serves eight of them.
+ *
+ * A lane is one pose.  Arrays over lanes are contiguous.  Dimensions are either one set for all
+ * lanes (a linkage over many inputs) or one set a lane (many candidates): `dim_stride` is 0 or the
+ * distance between dim[d] of lane k and dim[d+1] of lane k, dim[d*dim_stride + k].  Modes likewise.
+ *
+ * Lanes that cannot close are answered by the nearest pose that nearly closes (square root of a
+ * negative number taken as 0) and tell so in `margin`; no NaN for finite input.
+ *     margin = least over the dyads of  the squared sine of the angle at which its two circles or
+ *              lines meet at the solution, negative when they do not meet [1]
+ * so sqrt(margin) is the sine of the transmission angle of an RRR dyad, 0 at a dead point. */
+#ifndef LW_MBS_BATCH_H
+#define LW_MBS_BATCH_H
+
+#include "mbs/plan.h"
+
+typedef struct lw_lanes {
+    size_t        n;            /* lanes                                                          */
+    const double *c, *s;        /* input: cos, sin in the ground frame; or displacement [m], unused */
+    const double *dim;          /* (n_dim) or (n_dim * dim_stride)                                */
+    size_t        dim_stride;
+    const double *mode;         /* (n_dyad), or (n_dyad * mode_stride), +1 or -1                  */
+    size_t        mode_stride;
+} lw_lanes;
+
+/* Bytes of scratch for the calls below, whatever n; 64-byte aligned scratch is fastest. */
+size_t lw_batch_work_size(const lw_plan *plan);
+
+/* Positions of output `which` [m] (and direction of its link as unit vector, when u, v are given) of
+ * every lane, in the plane (x0, y0, theta0 applied). margin may be NULL. */
+void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    double *x, double *y, double *u, double *v, double *margin);
+
+/* The same in the ground frame of the linkage, not moved by x0, y0, theta0, for the link's ORIGIN
+ * and direction: what a linear fit of place, size and tracer needs,
+ *     P = z0 + a (o + c d),   z0, a, c complex. */
+void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    double *ox, double *oy, double *dx, double *dy, double *margin);
+
+/* Positions and their exact derivatives, dim_stride = 0 only.  jx[d*ld + k] is d x / d dim[d] of lane
+ * k; jt: of the angle of the output's link [rad], may be NULL.  tx, ty, tt: derivative of x, y, angle by the input. */
+typedef struct lw_jacobian { double *x, *y, *u, *v, *margin, *jx, *jy, *jt, *tx, *ty, *tt; size_t ld; } lw_jacobian;
+void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                       const lw_jacobian *out);
+
+/* f = sum over lanes of w |P - T|^2 (w NULL: 1) and its gradient by every dimension, fused; one set
+ * of dimensions.  Returns f; *margin the least margin, may be NULL. */
+double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    const double *tx, const double *ty, const double *w, double *grad, double *margin);
+
+/* Name of the instruction set the plan's kernels were compiled for: "x86-64-v4", "generic", ... */
+const char *lw_batch_isa(const lw_plan *plan);
+
+#endif

@@ -1,0 +1,74 @@
+/* tests/check.h - checks that print what they saw, count, and go on.
+ *
+ *     int main(void) { RUN(closes_everywhere); RUN(reads_back); return check_end(); }
+ *
+ * LW_SEED=... repeats a randomised run; check_seed() gives it (printed when a check fails). */
+#ifndef LW_TESTS_CHECK_H
+#define LW_TESTS_CHECK_H
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int check_failed_here, check_n_passed, check_n_failed, check_n_shown;
+
+static inline uint64_t check_seed(void)
+{
+    const char *s = getenv("LW_SEED");
+    return s ? strtoull(s, NULL, 10) : 20260101u;
+}
+
+static inline int check_fail(const char *file, int line)
+{
+    check_failed_here = 1;
+    if (check_n_shown++ >= 20)
+        return 0;                                    /* a loop of failures need not fill the screen */
+    fprintf(stderr, "%s:%d: (LW_SEED=%llu) ", file, line, (unsigned long long)check_seed());
+    return 1;
+}
+
+#define CHECK(cond) \
+    do { if (!(cond) && check_fail(__FILE__, __LINE__)) fprintf(stderr, "not true: %s\n", #cond); } while (0)
+
+/* |got - want| <= absolute + relative * |want|; NaN fails */
+#define CHECK_NEAR(got, want, absolute, relative) \
+    do { double g_ = (got), w_ = (want), t_ = (absolute) + (relative)*fabs(w_); \
+         if (!(fabs(g_ - w_) <= t_) && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = %.17g, want %s = %.17g, off by %.3g, allowed %.3g\n", \
+                     #got, g_, #want, w_, fabs(g_ - w_), t_); } while (0)
+
+#define CHECK_INT(got, want) \
+    do { long long g_ = (long long)(got), w_ = (long long)(want); \
+         if (g_ != w_ && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = %lld, want %s = %lld\n", #got, g_, #want, w_); } while (0)
+
+#define CHECK_TEXT(got, want) \
+    do { const char *g_ = (got), *w_ = (want); \
+         if ((!g_ || strcmp(g_, w_) != 0) && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "%s = \"%s\", want \"%s\"\n", #got, g_ ? g_ : "(null)", w_); } while (0)
+
+/* text holds part */
+#define CHECK_HAS(text, part) \
+    do { const char *g_ = (text), *w_ = (part); \
+         if ((!g_ || !strstr(g_, w_)) && check_fail(__FILE__, __LINE__)) \
+             fprintf(stderr, "\"%s\" does not hold \"%s\"\n", g_ ? g_ : "(null)", w_); } while (0)
+
+#define RUN(test) \
+    do { check_failed_here = 0; test(); \
+         if (check_failed_here) { check_n_failed++; printf("FAIL %s\n", #test); } \
+         else check_n_passed++; fflush(stdout); } while (0)
+
+static inline const char *check_program(void)
+{
+    extern char *program_invocation_short_name;
+    return program_invocation_short_name;
+}
+
+static inline int check_end(void)
+{
+    printf("%s: %d passed, %d failed\n", check_program(), check_n_passed, check_n_failed);
+    return check_n_failed ? 1 : 0;
+}
+#endif
