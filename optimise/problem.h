@@ -1,0 +1,105 @@
+/* optimise/problem.h - one fitting problem, as every solver sees it.
+ *
+ *     f(x) = sum over stations of  w { a |P - T|^2 + b (alpha - theta)^2 }   (Makkonen 1999, eq. 17)
+ *
+ * x holds the dimensions of the plan, and behind them, where the task has them, the input angle of
+ * station 0 (`input0`) and the mounting angle of the tool (`tool0`).  Inside, the target is moved to
+ * the origin and scaled to size one, so that coordinates around 1e9 or 1e-9 are as good as any.
+ *
+ * Timing.  prescribed: the input angle of station i is input0 + angle[i].  free: each station takes
+ * the input that suits it best, in the order of the stations (a monotone assignment, one turn at
+ * most).  none: the nearest points, both ways: station to curve and curve to target polygon.
+ * The assignment is part of f, worked out inside; f is differentiable through it (envelope theorem).
+ *
+ * Subsidiary conditions are g(x) >= 0: first the linear ones (rows of `linear`), then the others. */
+#ifndef LW_OPTIMISE_PROBLEM_H
+#define LW_OPTIMISE_PROBLEM_H
+
+#include <stdint.h>
+#include "mbs/types.h"
+#include "optimise/target.h"
+
+#define LW_VAR_MAX    (LW_DIM_MAX + 2)
+#define LW_LINEAR_MAX  8
+
+typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
+typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
+
+/* From where the angles of a prescribed timing count. */
+typedef enum lw_datum {
+    LW_DATUM_FREE,        /* only differences matter: the first angle is found                    */
+    LW_DATUM_FRAME,       /* from the x axis of the ground frame (the line of the fixed pivots)   */
+    LW_DATUM_PLANE        /* from the x axis of the plane                                         */
+} lw_datum;
+
+typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
+
+/* What a person asks for; in SI. */
+typedef struct lw_fit_spec {
+    lw_task   task;
+    lw_timing timing;
+    lw_datum  datum;
+    double    a, b;                    /* eq. 17; [1/m^2], [1/rad^2]                              */
+    bool      crank_only;              /* the input must turn fully                               */
+    bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
+    double    min_transmission;        /* [rad], 0: not asked                                     */
+    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], 0: not asked */
+    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
+    double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
+    int       n_bound;
+    lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
+} lw_fit_spec;
+
+lw_fit_spec lw_fit_spec_default(void);
+
+/* A family: a type of linkage, and linear conditions on its lengths that make its input turn fully,
+ * or none.  Rows of a table in optimise/family.c. */
+struct lw_family;
+
+typedef struct lw_problem {
+    const struct lw_family *family;
+    lw_plan      plan;
+    double       mode[LW_DYAD_MAX];      /* assembly of this run                                   */
+    int          sense;                  /* +1: stations follow a rising input, -1: a falling one  */
+    lw_task      task;
+    lw_timing    timing;
+    lw_datum     datum;
+    bool         turns;                  /* the input must turn fully                              */
+    double       a, b;                   /* for the scaled target                                  */
+    double       scale;                  /* objective in the user's units = scale * f              */
+    lw_vec2      origin;                 /* user's point = origin + unit * scaled point            */
+    double       unit;
+    /* stations, scaled; owned by the problem's creator (n) */
+    size_t       n;
+    const double *x, *y, *theta, *angle, *w;
+    bool         closed;
+    /* variables */
+    int          n_dim, n_var, i_input0, i_tool0;          /* -1: not there                        */
+    double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
+    int          n_linear;                                  /* linear[j] . x >= 0                   */
+    double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
+    double       min_transmission, max_acceleration;       /* scaled; 0: not asked                 */
+} lw_problem;
+
+const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */
+
+/* Scratch for the calls below.  Opaque memory of this size, one a thread, 64-byte aligned;
+ * _init once before the first use. It remembers the last assignment, nothing that changes an answer. */
+size_t lw_problem_work_size(const lw_problem *p);
+void   lw_problem_work_init(const lw_problem *p, void *work);
+
+/* f(x), and its gradient (n_var) when grad is given.  INFINITY when the linkage cannot close at some
+ * station (prescribed timing) or not at all; grad is then the direction that lessens the opening. */
+double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work);
+
+/* Residuals r (n_residual) with f = sum r^2, and their derivatives j[i*n_var + d] (may be NULL).
+ * false where f is INFINITY. */
+size_t lw_problem_residual_count(const lw_problem *p);
+bool   lw_problem_residuals(const lw_problem *p, const double *x, double *r, double *j, void *work);
+
+/* Subsidiary conditions g(x) >= 0 (n_constraint) and their derivatives j[i*n_var + d] (may be NULL):
+ * the linear ones, the opening of prescribed stations, transmission, acceleration. All of order one. */
+size_t lw_problem_constraint_count(const lw_problem *p);
+void   lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work);
+
+#endif
