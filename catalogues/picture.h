@@ -1,0 +1,19 @@
+/* catalogues/picture.h - the bridge to cairo: a drawing as PNG, PDF, or pixels.  No dates, no paths, so
+ * the same drawing gives the same bytes with the same cairo and fonts. */
+#ifndef LW_CATALOGUES_PICTURE_H
+#define LW_CATALOGUES_PICTURE_H
+
+#include <stdint.h>
+#include "catalogues/bytes.h"
+#include "catalogues/diagram.h"
+#include "catalogues/drawing.h"
+
+lw_status lw_picture_png(const lw_drawing *d, lw_bytes *out, lw_error *e);
+lw_status lw_picture_pdf(const lw_drawing *d, lw_bytes *out, lw_error *e);
+
+/* Pixels 0x00RRGGBB, row by row, of the drawing with every link where it is in `frame` of the scene;
+ * s NULL: as drawn.  pixel: (width * height), the sizes of d rounded up. */
+lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *s, size_t frame, uint32_t *pixel,
+                            lw_error *e);
+
+#endif

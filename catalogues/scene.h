@@ -1,0 +1,71 @@
+/* catalogues/scene.h - what there is to show of a linkage: its posture, the curves of its tracers, its
+ * motion as a row of postures, and the target it was made for.  Plain numbers in metres; no picture yet.
+ *
+ * The motion is that of the branch which holds the posture of the file: a full turn of the input when
+ * it can turn, otherwise from limit to limit and, through the limits, back on the other side. */
+#ifndef LW_CATALOGUES_SCENE_H
+#define LW_CATALOGUES_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "grammar/linkage.h"
+#include "mbs/plan.h"
+#include "optimise/target.h"
+
+#define LW_CURVE_MAX 64
+
+/* Where a link is: its reference point (lw_scene.origin of the posture) now, and the turn since the
+ * posture as unit vector, so that a point p of the link is now at  at + turn * (p - origin). */
+typedef struct lw_place { lw_vec2 at, turn; } lw_place;
+
+typedef struct lw_curve {
+    int      tracer;
+    bool     shown_branch;        /* false: of another circuit or assembly mode (drawn dashed)       */
+    bool     closed;              /* the last point is followed by the first                         */
+    size_t   n;
+    lw_vec2 *p;                   /* [m]                                                    (n)      */
+} lw_curve;
+
+typedef struct lw_scene {
+    char       title[128];
+    lw_linkage linkage;                       /* in the posture shown                                */
+    lw_vec2    origin[LW_LINK_MAX];           /* reference point of each link in that posture [m]    */
+    size_t     n_station;
+    lw_vec2   *station;                       /* target points [m]; none for a function (n_station)  */
+    bool       station_closed;
+    int        n_curve;
+    lw_curve   curve[LW_CURVE_MAX];
+    size_t     n_frame;                       /* postures of the motion; 1: it does not move         */
+    size_t     first_frame;                   /* the frame nearest to the posture shown              */
+    bool       loops;                         /* the last is followed by the first, else by the one
+                                               * before it, back and forth                           */
+    lw_place  *place;                         /* [frame * n_link + link]           (n_frame*n_link)  */
+    double    *input;                         /* of each frame [rad] or [m]        (n_frame)         */
+    int        n_dim;                         /* 0 when no plan could be made                        */
+    char       dim_name[LW_DIM_MAX][16];
+    double     dim[LW_DIM_MAX];               /* [m] or [rad]                                        */
+    lw_dim_kind dim_kind[LW_DIM_MAX];
+    int        dim_link[LW_DIM_MAX];
+    char       note[256];                     /* why it does not move; "" when it does               */
+} lw_scene;
+
+typedef struct lw_scene_options {
+    const char *title;            /* NULL: the linkage's name                                        */
+    size_t      n_frame;          /* of the motion                                            (120)  */
+    size_t      n_curve_point;    /* of each curve, at least                                  (360)  */
+    bool        other_branches;   /* curves of the other assembly modes and circuits too     (false) */
+} lw_scene_options;
+
+lw_scene_options lw_scene_options_default(void);
+
+/* Work out the scene of k.  t (may be NULL) gives the target points.  o NULL: defaults.  A linkage that
+ * mbs/plan.h cannot solve, or whose posture does not close, still gives a scene, of one frame and with
+ * a note.  LW_E_ARG as lw_linkage_check; LW_E_MEMORY.  Free with lw_scene_free, also after a failure. */
+lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
+                        lw_scene *s, lw_error *e);
+void      lw_scene_free(lw_scene *s);
+
+/* Where point p of a link (in the posture shown) is in a frame [m]. */
+lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p);
+
+#endif
