@@ -58,7 +58,8 @@ static inline int check_fail(const char *file, int line)
 #define RUN(test) \
     do { check_failed_here = 0; test(); \
          if (check_failed_here) { check_n_failed++; printf("FAIL %s\n", #test); } \
-         else check_n_passed++; fflush(stdout); } while (0)
+         else { check_n_passed++; } \
+         fflush(stdout); } while (0)
 
 static inline const char *check_program(void)
 {
