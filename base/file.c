@@ -1,0 +1,250 @@
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FILE_SIZE_MAX ((size_t)256 << 20)
+#define READ_STEP     ((size_t)1 << 16)
+
+/* ---- words for the errors of the system ---------------------------------------------------------- */
+
+typedef struct reason { int number; const char *why; } reason;
+
+static const reason reasons[] = {
+    { ENOENT,       "no such file or folder; check the spelling" },
+    { ENOTDIR,      "a part of the path is a file, not a folder" },
+    { EISDIR,       "it is a folder, not a file" },
+    { EACCES,       "permission denied; check the rights of the file and its folder" },
+    { EPERM,        "the system does not permit it here" },
+    { EROFS,        "the file system is read-only; choose another folder" },
+    { ENOSPC,       "no space left on the device; free some, or choose another folder" },
+    { EDQUOT,       "the disk quota is used up; free some space, or choose another folder" },
+    { EFBIG,        "the file would become too large" },
+    { ENAMETOOLONG, "the name is too long" },
+    { ELOOP,        "too many symbolic links" },
+    { EMFILE,       "too many open files" },
+    { ENFILE,       "too many open files" },
+    { EPIPE,        "the program at the other end of the pipe has ended" },
+    { EIO,          "the device reports an error" },
+    { ETXTBSY,      "the file is being executed" },
+    { EBADF,        "it is not open" },
+};
+
+static lw_status failed(lw_error *e, const char *verb, const char *path, int number)
+{
+    for (size_t i = 0; i < sizeof reasons/sizeof *reasons; i++)
+        if (reasons[i].number == number)
+            return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be %s: %s", verb, reasons[i].why);
+    return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be %s: system error %d", verb, number);
+}
+
+/* ---- in --------------------------------------------------------------------------------------- */
+
+/* Read fd to its end into a growing, terminated buffer.  Returns 0 or an error number; EFBIG when
+ * there is more than FILE_SIZE_MAX. */
+static int read_all(int fd, size_t expected, char **text, size_t *size)
+{
+    size_t room = expected + READ_STEP, n = 0;
+    char *buf = malloc(room + 1);
+    int error = buf ? 0 : ENOMEM;
+    while (!error) {
+        if (n == room) {
+            char *more = realloc(buf, 2*room + 1);
+            if (!more) {
+                error = ENOMEM;
+                break;
+            }
+            buf = more;
+            room *= 2;
+        }
+        ssize_t got = read(fd, buf + n, room - n);
+        if (got == 0)
+            break;
+        if (got < 0)
+            error = errno == EINTR ? 0 : errno;
+        else if ((n += (size_t)got) > FILE_SIZE_MAX)
+            error = EFBIG;
+    }
+    if (error) {
+        free(buf);
+        return error;
+    }
+    buf[n] = '\0';
+    *text = buf;
+    *size = n;
+    return 0;
+}
+
+lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e)
+{
+    bool standard = strcmp(path, "-") == 0;
+    int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    struct stat st;
+    int error = 0;
+    size_t expected = 0;
+    if (fd < 0)
+        return failed(e, "read", path, errno);
+    if (fstat(fd, &st) != 0)
+        error = errno;
+    else if (S_ISDIR(st.st_mode))
+        error = EISDIR;
+    else if (S_ISREG(st.st_mode) && st.st_size > (off_t)FILE_SIZE_MAX)
+        error = EFBIG;
+    else if (S_ISREG(st.st_mode))
+        expected = (size_t)st.st_size;
+    if (!error)
+        error = read_all(fd, expected, text, size);
+    if (!standard)
+        close(fd);
+    if (error == EFBIG)
+        return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be read: it is larger than %zu MiB, "
+                           "which is no file meant for here", FILE_SIZE_MAX >> 20);
+    if (error == ENOMEM)
+        return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be read: out of memory");
+    return error ? failed(e, "read", path, error) : LW_OK;
+}
+
+/* ---- out -------------------------------------------------------------------------------------- */
+
+/* The open file that a path names ("-", "/dev/stdout", "/dev/fd/3"), -1 for others.  Opening these
+ * anew would truncate or replace what the caller of the program has redirected. */
+static int named_stream(const char *path)
+{
+    static const char *const folders[] = { "/dev/fd/", "/proc/self/fd/" };
+    if (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    for (size_t i = 0; i < sizeof folders/sizeof *folders; i++) {
+        size_t n = strlen(folders[i]);
+        char *end;
+        if (strncmp(path, folders[i], n) == 0 && path[n] >= '0' && path[n] <= '9') {
+            long fd = strtol(path + n, &end, 10);
+            if (!*end && fd < INT_MAX)
+                return (int)fd;
+        }
+    }
+    return -1;
+}
+
+/* Create a file of a new name in the folder of o->path.  The name does not grow with the target's,
+ * which may already be as long as the system allows. */
+static int create_beside(lw_output *o)
+{
+    const char *slash = strrchr(o->path, '/');
+    int folder = slash ? (int)(slash - o->path) + 1 : 0, fd = -1;
+    for (int i = 0; i < 1000 && fd < 0; i++) {
+        snprintf(o->temp, sizeof o->temp, "%.*s.lw-%ld-%d.tmp", folder, o->path, (long)getpid(), i);
+        fd = open(o->temp, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (fd < 0 && errno != EEXIST)
+            break;
+    }
+    return fd;
+}
+
+/* A regular file is replaced where it really lies: a symbolic link keeps pointing to it. */
+static int open_replacement(lw_output *o, const char *path, const struct stat *old)
+{
+    char real[PATH_MAX];
+    const char *target = old && realpath(path, real) ? real : path;
+    if (!*target || strlen(target) >= sizeof o->path) {
+        errno = *target ? ENAMETOOLONG : ENOENT;
+        return -1;
+    }
+    strcpy(o->path, target);
+    if (old && access(o->path, W_OK) != 0)          /* rename() would overrule the protection */
+        return -1;
+    int fd = create_beside(o);
+    if (fd >= 0 && old && fchmod(fd, old->st_mode & 07777) != 0)
+        errno = 0;                                   /* a file system without rights: keep going */
+    return fd;
+}
+
+lw_status lw_output_open(lw_output *o, const char *path, lw_error *e)
+{
+    struct stat st;
+    int stream = named_stream(path), fd;
+    size_t n = strlen(path);
+    *o = (lw_output){ .f = NULL };
+    if (stream >= 0) {
+        fflush(stream == STDERR_FILENO ? stderr : stdout);
+        fd = dup(stream);
+    } else if (stat(path, &st) != 0) {
+        if (n > 0 && path[n-1] == '/')
+            return failed(e, "written", path, EISDIR);
+        fd = errno == ENOENT || errno == ENAMETOOLONG ? open_replacement(o, path, NULL) : -1;
+    } else if (S_ISDIR(st.st_mode)) {
+        return failed(e, "written", path, EISDIR);
+    } else if (S_ISREG(st.st_mode)) {
+        fd = open_replacement(o, path, &st);
+    } else {
+        fd = open(path, O_WRONLY | O_CLOEXEC);       /* a device or pipe cannot be replaced */
+    }
+    if (fd < 0)
+        return failed(e, "written", path, errno);
+    if (!o->temp[0])
+        snprintf(o->path, sizeof o->path, "%s", path);
+    o->f = fdopen(fd, "wb");
+    if (!o->f) {
+        close(fd);
+        lw_output_abandon(o);
+        return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be written: out of memory");
+    }
+    return LW_OK;
+}
+
+/* Everything on the disk, or the number of the error.  Pipes and terminals cannot be synced. */
+static int finish(FILE *f, bool sync)
+{
+    int error = 0;
+    errno = 0;
+    if (fflush(f) != 0 || ferror(f))
+        error = errno ? errno : EIO;
+    if (!error && sync && fsync(fileno(f)) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
+        error = errno;
+    if (fclose(f) != 0 && !error)
+        error = errno;
+    return error;
+}
+
+lw_status lw_output_commit(lw_output *o, lw_error *e)
+{
+    if (!o->f)
+        return lw_error_set(e, LW_E_ARG, "this output is not open");
+    int error = finish(o->f, o->temp[0] != '\0');
+    o->f = NULL;
+    if (!error && o->temp[0] && rename(o->temp, o->path) != 0)
+        error = errno;
+    if (error) {
+        lw_output_abandon(o);
+        return failed(e, "written", o->path, error);
+    }
+    o->temp[0] = '\0';
+    return LW_OK;
+}
+
+void lw_output_abandon(lw_output *o)
+{
+    if (o->f)
+        fclose(o->f);
+    if (o->temp[0])
+        unlink(o->temp);
+    o->f = NULL;
+    o->temp[0] = '\0';
+}
+
+lw_status lw_file_write(const char *path, const void *bytes, size_t size, lw_error *e)
+{
+    lw_output o;
+    lw_status s = lw_output_open(&o, path, e);
+    if (s != LW_OK)
+        return s;
+    fwrite(bytes, 1, size, o.f);                     /* _commit looks at ferror */
+    return lw_output_commit(&o, e);
+}

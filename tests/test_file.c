@@ -1,0 +1,227 @@
+/* Files in and out: nothing half-written, every refusal says why. */
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <dirent.h>
+
+#include "base/file.h"
+#include "tests/check.h"
+
+static char folder[64];
+
+static const char *in_folder(const char *name)
+{
+    static char path[4][1500];
+    static int k;
+    k = (k + 1)%4;
+    snprintf(path[k], sizeof path[k], "%s/%s", folder, name);
+    return path[k];
+}
+
+static int count_files(void)
+{
+    int n = 0;
+    DIR *d = opendir(folder);
+    for (struct dirent *e; d && (e = readdir(d)); )
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    if (d)
+        closedir(d);
+    return n;
+}
+
+static void check_content(const char *path, const char *want)
+{
+    char *text = NULL;
+    size_t size = 0;
+    CHECK_INT(lw_file_read(path, &text, &size, NULL), LW_OK);
+    CHECK_TEXT(text, want);
+    CHECK_INT(size, strlen(want));
+    free(text);
+}
+
+static void check_refused(const char *path, const char *part)
+{
+    lw_error e = { 0 };
+    CHECK_INT(lw_file_write(path, "x", 1, &e), LW_E_IO);
+    CHECK_HAS(e.text, part);
+    CHECK_HAS(e.text, "cannot be written");
+}
+
+static void write_then_read(void)
+{
+    const char *path = in_folder("a.txt");
+    CHECK_INT(lw_file_write(path, "hello\n", 6, NULL), LW_OK);
+    check_content(path, "hello\n");
+    CHECK_INT(lw_file_write(path, "", 0, NULL), LW_OK);
+    check_content(path, "");
+    CHECK_INT(count_files(), 1);
+    unlink(path);
+}
+
+static void large_file_with_zero_bytes(void)
+{
+    size_t n = 3000001, size = 0;
+    char *bytes = malloc(n), *text = NULL;
+    for (size_t i = 0; i < n; i++)
+        bytes[i] = (char)(i*i >> 3);
+    CHECK_INT(lw_file_write(in_folder("big"), bytes, n, NULL), LW_OK);
+    CHECK_INT(lw_file_read(in_folder("big"), &text, &size, NULL), LW_OK);
+    CHECK_INT(size, n);
+    CHECK(text && memcmp(text, bytes, n) == 0 && text[n] == '\0');
+    free(text);
+    free(bytes);
+    unlink(in_folder("big"));
+}
+
+static void unfinished_output_leaves_the_old_file(void)
+{
+    const char *path = in_folder("keep");
+    lw_output o;
+    CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
+    CHECK_INT(lw_output_open(&o, path, NULL), LW_OK);
+    fputs("new, but never finished", o.f);
+    fflush(o.f);
+    check_content(path, "old");
+    lw_output_abandon(&o);
+    lw_output_abandon(&o);                            /* harmless twice */
+    check_content(path, "old");
+    CHECK_INT(count_files(), 1);
+    CHECK_INT(lw_output_commit(&o, NULL), LW_E_ARG);
+    unlink(path);
+}
+
+static void rights_and_links_survive(void)
+{
+    struct stat st;
+    const char *path = in_folder("script"), *link = in_folder("link");
+    CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
+    CHECK_INT(chmod(path, 0750), 0);
+    CHECK_INT(symlink("script", link), 0);
+    CHECK_INT(lw_file_write(link, "new", 3, NULL), LW_OK);
+    CHECK_INT(lstat(link, &st), 0);
+    CHECK(S_ISLNK(st.st_mode));
+    CHECK_INT(stat(path, &st), 0);
+    CHECK_INT(st.st_mode & 0777, 0750);
+    check_content(path, "new");
+    unlink(link);
+    unlink(path);
+}
+
+static void longest_name_the_system_allows(void)
+{
+    char name[257];
+    memset(name, 'n', 255);
+    name[255] = '\0';
+    CHECK_INT(lw_file_write(in_folder(name), "x", 1, NULL), LW_OK);
+    check_content(in_folder(name), "x");
+    unlink(in_folder(name));
+    name[255] = 'n';
+    name[256] = '\0';
+    check_refused(in_folder(name), "too long");
+}
+
+static void what_cannot_be_written(void)
+{
+    char longest[1400];
+    memset(longest, 'd', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    check_refused("/dev/full", "no space left");
+    check_refused(in_folder("no/such/folder/x"), "no such file or folder");
+    check_refused(folder, "folder");
+    check_refused(in_folder("new/"), "folder");
+    check_refused("/proc/linkwright-test", "cannot be written");
+    check_refused("", "no such file");
+    check_refused(longest, "too long");
+    CHECK_INT(lw_file_write(in_folder("plain"), "x", 1, NULL), LW_OK);
+    check_refused(in_folder("plain/below"), "a part of the path is a file");
+    unlink(in_folder("plain"));
+    CHECK_INT(count_files(), 0);
+}
+
+static void devices_are_written_in_place(void)
+{
+    struct stat st;
+    CHECK_INT(lw_file_write("/dev/null", "x", 1, NULL), LW_OK);
+    CHECK_INT(stat("/dev/null", &st), 0);
+    CHECK(S_ISCHR(st.st_mode));
+}
+
+static void check_unreadable(const char *path, const char *part)
+{
+    char *text = NULL;
+    size_t size;
+    lw_error e = { 0 };
+    CHECK_INT(lw_file_read(path, &text, &size, &e), LW_E_IO);
+    CHECK_HAS(e.text, part);
+    CHECK_TEXT(e.file, path);
+    CHECK(text == NULL);
+}
+
+static void what_cannot_be_read(void)
+{
+    check_unreadable(in_folder("missing"), "no such file");
+    check_unreadable(folder, "folder, not a file");
+    check_unreadable("/dev/zero", "larger than 256 MiB");
+    check_unreadable("/proc/self/mem", "cannot be read");
+}
+
+/* A child whose standard output is a file already begun: "-" and "/dev/stdout" go on from there. */
+static void standard_output_is_continued(void)
+{
+    static const char *const names[] = { "-", "/dev/stdout", "/dev/fd/1" };
+    for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
+        const char *path = in_folder("out");
+        fflush(stdout);
+        pid_t child = fork();
+        if (child == 0) {
+            if (!freopen(path, "w", stdout))
+                _exit(9);
+            printf("one ");
+            int s = lw_file_write(names[i], "two", 3, NULL) == LW_OK ? 0 : 1;
+            _exit(s);
+        }
+        int status = -1;
+        waitpid(child, &status, 0);
+        CHECK_INT(status, 0);
+        check_content(path, "one two");
+        unlink(path);
+    }
+}
+
+static void standard_input_is_read(void)
+{
+    const char *path = in_folder("in");
+    CHECK_INT(lw_file_write(path, "given", 5, NULL), LW_OK);
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        char *text;
+        size_t size;
+        if (!freopen(path, "r", stdin))
+            _exit(9);
+        _exit(lw_file_read("-", &text, &size, NULL) == LW_OK && strcmp(text, "given") == 0 ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    CHECK_INT(status, 0);
+    unlink(path);
+}
+
+int main(void)
+{
+    strcpy(folder, "/tmp/lw-test-file-XXXXXX");
+    if (!mkdtemp(folder))
+        return 1;
+    RUN(write_then_read);
+    RUN(large_file_with_zero_bytes);
+    RUN(unfinished_output_leaves_the_old_file);
+    RUN(rights_and_links_survive);
+    RUN(longest_name_the_system_allows);
+    RUN(what_cannot_be_written);
+    RUN(devices_are_written_in_place);
+    RUN(what_cannot_be_read);
+    RUN(standard_output_is_continued);
+    RUN(standard_input_is_read);
+    rmdir(folder);
+    return check_end();
+}

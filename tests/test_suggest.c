@@ -1,0 +1,49 @@
+/* Suggestions for misspelt words. */
+#include "base/suggest.h"
+#include "tests/check.h"
+
+static const char *const commands[] = { "fit", "trace", "draw", "classify", "bench", "catalogue" };
+static const char *const columns[] = { "x", "y", "theta", "angle", "t", "weight" };
+
+static const char *command(const char *word) { return lw_suggest(word, commands, 6); }
+static const char *column(const char *word) { return lw_suggest(word, columns, 6); }
+
+static void near_words(void)
+{
+    CHECK_TEXT(command("fti"), "fit");               /* swapped neighbours count once */
+    CHECK_TEXT(command("FIT"), "fit");
+    CHECK_TEXT(command("clasify"), "classify");
+    CHECK_TEXT(command("darw"), "draw");
+    CHECK_TEXT(command("catalog"), "catalogue");     /* its beginning */
+    CHECK_TEXT(command("cat"), "catalogue");
+    CHECK_TEXT(column("wieght"), "weight");
+    CHECK_TEXT(column("thetha"), "theta");
+    CHECK_TEXT(column("angel"), "angle");
+    CHECK_TEXT(column("X"), "x");
+}
+
+static void far_words(void)
+{
+    char longer[200];
+    memset(longer, 'a', sizeof longer - 1);
+    longer[sizeof longer - 1] = '\0';
+    CHECK(command("zebra") == NULL);
+    CHECK(command("") == NULL);
+    CHECK(command(longer) == NULL);
+    CHECK(lw_suggest("fit", commands, 0) == NULL);
+    CHECK(lw_suggest("fit", (const char *const[]){ longer }, 1) == NULL);
+}
+
+static void exact_beats_beginning(void)
+{
+    static const char *const words[] = { "fitting", "fit" };
+    CHECK_TEXT(lw_suggest("fit", words, 2), "fit");
+}
+
+int main(void)
+{
+    RUN(near_words);
+    RUN(far_words);
+    RUN(exact_beats_beginning);
+    return check_end();
+}
