@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "base/vec2.h"
+#include "grammar/chain.h"
 
-#define LW_LINK_MAX   32
 #define LW_JOINT_MAX  64
 #define LW_TRACER_MAX 16
 #define LW_INPUT_MAX   8
