@@ -26,7 +26,7 @@ static void what_is_none(void)
 {
     static const char *const bad[] = {
         "", " ", "1 ", " 1", "x", "1x", "1e", "1e+", "e5", ".", "-", "+", "--1", "+-1", "1,5", "1.2.3",
-        "0x10", "1p3", "nan", "inf", "-inf", "NaN(1)", "1_000", "1e5.5", "\xef\xbb\xbf" "1" };
+        "0x10", "1p3", "nan", "inf", "-inf", "NaN(1)", "1_000", "1e5.5", ("\xef\xbb\xbf" "1") };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         double v = 99;
         CHECK_INT(parse(bad[i], &v), LW_E_NOTATION);
