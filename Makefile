@@ -1,4 +1,4 @@
-# linkwright: make, make test, make demo, make bench, make check, make install.  See README.md.
+# linkwright: make, make test, make demo, make check, make bench, make install.  See README.md.
 VERSION  = 0.1.0
 SO_MAJOR = 0
 B        = build
@@ -8,6 +8,7 @@ PREFIX   = /usr/local
 STAGES   = base grammar enumerate mbs optimise catalogues     # each includes only those before it
 
 PKGS     = gsl nlopt jansson cairo
+DEPS     = gcc libc6-dev pkg-config libgsl-dev libnlopt-dev libjansson-dev libcairo2-dev libgif-dev libplanarity-dev
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
@@ -20,10 +21,13 @@ ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,na
 LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
 LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
-TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c))
+TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c tests/fuzz/fuzz_*.c))
+BENCHES := $(patsubst %.c,$B/%,$(wildcard tests/bench/*.c))
+SONAME   = liblinkwright.so.$(SO_MAJOR)
 
 all: $B/linkwright
 
+# ---- building ------------------------------------------------------------------------------------
 $B/mbs/kernel-%.o: mbs/kernel.c
 	@mkdir -p $(@D)
 	$(COMPILE) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
@@ -32,16 +36,58 @@ $B/%.o: %.c
 	$(COMPILE) -c $< -o $@
 $B/liblinkwright.a: $(LIB_OBJ)
 	rm -f $@; ar rcs $@ $^
+$B/$(SONAME): $(LIB_OBJ) linkwright.map
+	$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=linkwright.map $(CFLAGS) $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+$B/tests/fuzz/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 
-test: $B/linkwright $(TESTS)
-	@for t in $(TESTS); do LW_PROGRAM=$B/linkwright $$t || exit 1; done
+# ---- test and demo also install what is missing; pkg-config is asked when make starts, hence twice
+JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
+deps:
+	@.ci/deps $(DEPS)
+test demo: deps
+	@$(MAKE) --no-print-directory $(JOBS) run-$@
+run-test: $B/linkwright $(TESTS)
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
+run-demo: $B/linkwright
+	@mkdir -p $B/demo
+	$B/linkwright fit examples/*.csv --save $B/demo
+
+# ---- looking after it ----------------------------------------------------------------------------
+check: $B/$(SONAME)
+	tests/check_layers.sh
+	@for f in $(wildcard $(STAGES:%=%/*.c) cli/*.c tests/*.c tests/*/*.c); do \
+	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
+	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
+	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
+sanitize:
+	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
+fuzz:      # SECONDS=60 a target
+	$(MAKE) B=$B/fuzz CC=clang CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
+run-fuzz: $B/liblinkwright.a $(patsubst %.c,$B/%.o,$(wildcard tests/fuzz/fuzz_*.c))
+	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
+	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
+	    $B/$$t -max_total_time=$(or $(SECONDS),20) $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
+bench: $(BENCHES) $B/linkwright
+	@for b in $(BENCHES); do $$b || exit 1; done
+
+install: all $B/$(SONAME)
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 $(STAGES:%=include/linkwright/%))
+	install $B/linkwright $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $B/liblinkwright.a $B/$(SONAME) $(DESTDIR)$(PREFIX)/lib
+	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblinkwright.so
+	install -m 644 docs/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
+	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h))); do \
+	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|' linkwright.pc.in \
+	    > $(DESTDIR)$(PREFIX)/lib/pkgconfig/linkwright.pc
 
 clean:
 	rm -rf $B
-.PHONY: all test clean
+.PHONY: all deps test demo run-test run-demo check sanitize fuzz run-fuzz bench install clean
 .SECONDARY:
 -include $(shell find $B -name '*.d' 2>/dev/null)
