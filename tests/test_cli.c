@@ -1,0 +1,163 @@
+/* The built program from outside: help, exit codes, wrong usage, bad input, output. */
+#include "tests/check.h"
+#include "tests/cli_run.h"
+
+#include <jansson.h>
+
+static void expect(const char *command, int code, const char *out_has, const char *err_has)
+{
+    ran r = run(command);
+    if (r.code != code)
+        fprintf(stderr, "%s\n  said: %s", command, r.err);
+    CHECK_INT(r.code, code);
+    if (out_has)
+        CHECK_HAS(r.out, out_has);
+    if (err_has)
+        CHECK_HAS(r.err, err_has);
+    ran_free(&r);
+}
+
+static json_t *json_of(const char *command)
+{
+    json_error_t e;
+    ran r = run(command);
+    CHECK_INT(r.code, 0);
+    json_t *j = json_loads(r.out, 0, &e);
+    if (!j)
+        fprintf(stderr, "%s: line %d: %s\n", command, e.line, e.text);
+    CHECK(j != NULL);
+    ran_free(&r);
+    return j;
+}
+
+static const char *const commands[] = { "classify" };
+
+#define N_COMMAND ((int)(sizeof commands/sizeof *commands))
+
+static void help_of_every_command(void)
+{
+    char line[256];
+    for (int i = 0; i < N_COMMAND; i++) {
+        snprintf(line, sizeof line, "$P %s --help", commands[i]);
+        ran a = run(line);
+        snprintf(line, sizeof line, "$P help %s", commands[i]);
+        ran b = run(line);
+        CHECK_INT(a.code, 0);
+        CHECK_TEXT(a.out, b.out);
+        CHECK(strstr(a.out, "Examples:") && strstr(a.out, "Examples:") < strstr(a.out, "Options"));
+        for (const char *const *o = (const char *const[]){ "--seed", "--jobs", "--time", "--json",
+                                                           "--output", "--quiet", NULL }; *o; o++)
+            CHECK_HAS(a.out, *o);
+        ran_free(&a);
+        ran_free(&b);
+    }
+    expect("$P help", 0, "classify", NULL);
+    expect("$P --help", 0, "classify", NULL);
+    expect("$P --version", 0, "linkwright 0.", NULL);
+    expect("$P", 2, NULL, "Usage:");
+}
+
+/* Every option of every command stands in the man page. */
+static void man_page_is_complete(void)
+{
+    char line[512];
+    for (int i = 0; i < N_COMMAND; i++) {
+        snprintf(line, sizeof line, "for o in $($P %s --help | grep -oE -- '--[a-z-]+' | sort -u); do "
+                 "grep -qF -- \"$(echo $o | sed 's/-/\\\\-/g')\" docs/linkwright.1 || echo missing $o; done",
+                 commands[i]);
+        ran r = run(line);
+        CHECK_TEXT(r.out, "");
+        ran_free(&r);
+    }
+}
+
+static void misspelt_words(void)
+{
+    expect("$P clasify 4 2 5 3", 2, NULL, "did you mean 'classify'?");
+    expect("$P help clasify", 2, NULL, "did you mean 'classify'?");
+    expect("$P xyzzy", 2, NULL, "there is no command 'xyzzy'\n");
+    expect("$P classify 4 2 5 3 --tolerence 1", 2, NULL, "did you mean --tolerance?");
+    expect("$P classify 4 2 5 3 --unit=grad", 2, NULL, "deg|rad|turn");
+}
+
+static void options_are_strict(void)
+{
+    expect("$P classify 5 2 4 4 --tolerance", 2, NULL, "needs a value");
+    expect("$P classify 5 2 4 4 --tolerance --json", 2, NULL, "needs a value");
+    expect("$P classify 5 2 4 4 --tolerance 1 --tolerance 2", 2, NULL, "out of range");
+    expect("$P classify 5 2 4 4 --json --json", 2, NULL, "twice");
+    expect("$P classify 5 2 4 4 --json=yes", 2, NULL, "takes no value");
+    expect("$P classify 5 2 4 4 --seed -1", 2, NULL, "no seed");
+    expect("$P classify 5 2 4 4 --seed 18446744073709551616", 2, NULL, "no seed");
+    expect("$P classify 5 2 4 4 --jobs 1.5", 2, NULL, "no whole number");
+    expect("$P classify 5 2 4 4 --tolerance 0x10", 2, NULL, "no number");
+    expect("$P classify 5 2 4 4 -z", 2, NULL, "there is no option");
+    expect("$P classify 5 2 4", 2, NULL, "L1 L2 L3 L4");
+    expect("$P classify 5 2 4 4 7", 2, NULL, "one word too many");
+    /* all the ways to give one, and the order does not matter */
+    expect("$P classify -u rad 5 --tolerance=1e-9 2 -qj2 -- 4 4", 0, "crank-rocker", NULL);
+    expect("$P classify -urad 5 2 4 4", 0, " rad\n", NULL);
+    /* a negative number is a word, not an option */
+    expect("$P classify -5 2 4 4", 3, NULL, "positive");
+}
+
+/* One row of each kind of theory.md, section 5: (frame, input, coupler, output). */
+static void classify_table(void)
+{
+    static const struct { const char *lengths; int number; const char *symbol; } row[] = {
+        { "1 4 5 4", 1, "GCCC" },  { "5 2 4 4", 2, "GCRR" },  { "4 4 1 5", 3, "GRCR" },
+        { "5 4 4 2", 4, "GRRC" },  { "7 3 4 4", 5, "RRR1" },  { "4 7 3 4", 6, "RRR2" },
+        { "4 4 7 3", 7, "RRR3" },  { "3 4 4 7", 8, "RRR4" },  { "2 3 5 4", 9, "CPCCC" },
+        { "4 2 5 3", 10, "CPCRR" }, { "4 5 2 3", 11, "CPRCR" }, { "5 3 4 2", 12, "CPRRC" },
+        { "4 2 4 2", 13, "CP2X" }, { "3 3 3 3", 14, "CP3X" },
+    };
+    char line[256];
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
+        snprintf(line, sizeof line, "$P classify %s --json", row[i].lengths);
+        json_t *j = json_of(line);
+        CHECK_INT(json_integer_value(json_object_get(j, "class")), row[i].number);
+        CHECK_TEXT(json_string_value(json_object_get(j, "symbol")), row[i].symbol);
+        json_decref(j);
+    }
+}
+
+/* Dead points of a crank-rocker, crank and coupler in line, by the cosine rule. */
+static void classify_numbers(void)
+{
+    json_t *j = json_of("$P classify 5 2 4 4 --json --unit rad"), *d = json_object_get(j, "dead_points");
+    double out = acos((25.0 + 36 - 16)/(2*5*6)), in = acos((25.0 + 4 - 16)/(2*5*2));
+    CHECK_INT(json_array_size(d), 4);
+    CHECK_NEAR(json_real_value(json_array_get(d, 2)), out, 1e-14, 0);
+    CHECK_NEAR(json_real_value(json_array_get(d, 3)), M_PI - in, 1e-14, 0);      /* folded */
+    json_decref(j);
+    expect("$P classify 5 2 4 100", 3, NULL, "cannot be assembled");
+    expect("$P classify 5 2 4 0", 3, NULL, "positive");
+    expect("$P classify 5 2 4 four", 3, NULL, "'four' is no number");
+    expect("$P classify 5 2 4 nan", 3, NULL, "no number");
+}
+
+static void output_is_whole_or_absent(void)
+{
+    expect("$P classify 5 2 4 4 > /dev/full", 3, NULL, "no space left");
+    expect("$P help > /dev/full", 3, NULL, "cannot write");
+    expect("$P classify 5 2 4 4 -o /dev/full", 3, NULL, "no space left");
+    expect("$P classify 5 2 4 4 -o $D/none/x.txt", 3, NULL, "no such file or folder");
+    expect("$P classify 5 2 4 4 -o $D", 3, NULL, "folder");
+    expect("echo old > $D/x.txt; $P classify 5 2 4 100 -o $D/x.txt; cat $D/x.txt", 0, "old", NULL);
+    expect("$P classify 5 2 4 4 -o $D/x.txt && cat $D/x.txt && ls -A $D | grep -v std", 0,
+           "crank-rocker", NULL);
+    expect("ls -A $D | grep tmp", 1, NULL, NULL);
+}
+
+int main(void)
+{
+    RUN(help_of_every_command);
+    RUN(man_page_is_complete);
+    RUN(misspelt_words);
+    RUN(options_are_strict);
+    RUN(classify_table);
+    RUN(classify_numbers);
+    RUN(output_is_whole_or_absent);
+    run_end();
+    return check_end();
+}
