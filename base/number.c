@@ -1,11 +1,12 @@
 #include "base/number.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+#include "base/c_locale.h"
 
 #define NUMBER_TEXT_MAX 1000    /* 767 digits decide the rounding of every double */
 
@@ -40,20 +41,6 @@ static bool is_number(const char *s, size_t n)
     return i == n;
 }
 
-/* strtod under the "C" locale whatever the program has set.  (glibc hands out one static object for
- * this locale: nothing is allocated.) */
-static double to_double(const char *text)
-{
-    locale_t c = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (c == (locale_t)0)
-        return strtod(text, NULL);
-    locale_t old = uselocale(c);
-    double v = strtod(text, NULL);
-    uselocale(old);
-    freelocale(c);
-    return v;
-}
-
 lw_status lw_number_parse(const char *s, size_t n, double *out)
 {
     char text[NUMBER_TEXT_MAX + 1];
@@ -61,7 +48,9 @@ lw_status lw_number_parse(const char *s, size_t n, double *out)
         return LW_E_NOTATION;
     memcpy(text, s, n);
     text[n] = '\0';
-    double v = to_double(text);
+    lw_c_locale old = lw_c_locale_enter();
+    double v = strtod(text, NULL);
+    lw_c_locale_leave(old);
     if (!isfinite(v))
         return LW_E_NUMERIC;
     *out = v;

@@ -34,10 +34,10 @@ typedef struct lw_joint {
     double        ratio;       /* g: speed of link[1] over that of link[0]; else 0             */
 } lw_joint;
 
-/* A driven joint.  For a pin the input is the direction [rad, counter-clockwise from +x] of the
- * driven link's x axis (see mbs/plan.h: from the input pin to the next joint of that link); for a
- * slider the displacement [m] of link[1] relative to link[0] along `along`, 0 in the given posture
- * unless `value` says otherwise. */
+/* A driven joint, a pin or a slider.  For a pin the input is the direction [rad, counter-clockwise from
+ * +x of the plane] of the driven link's x axis, see lw_linkage_posture_input; mbs/plan.h counts it from the
+ * ground frame instead.  For a slider it is the displacement [m] of link[1] relative to link[0]
+ * along `along`, 0 in the given posture unless `value` says otherwise. */
 typedef struct lw_input {
     int    joint;
     double value;              /* in the given posture                     [rad] or [m]         */
@@ -65,9 +65,19 @@ typedef struct lw_linkage {
 /* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2). */
 int lw_linkage_mobility(const lw_linkage *k);
 
+#define LW_COORDINATE_MAX 1e100   /* larger ones overflow when squared: refused [m] */
+
 /* Check what a plan may rely on: indices in range, two different links a joint, connected, finite
  * numbers, unit directions, different names.  LW_E_ARG with a text naming the joint or link. */
 lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
+
+/* What an input counts in the given posture when nobody says otherwise.  A slider: 0 [m].  A pin [rad, in
+ * (-pi, pi]]: the direction of the x axis of its driven link, which is the one of its two links that is
+ * not the ground; when both move, that of link[1] less that of link[0].  The x axis runs from the
+ * input pin to the first other joint of the link in the order of `joint` (gears, and joints at the
+ * same place, are passed over), or along that joint's slide line if it is a slider or the link
+ * carries the slot; to the link's first tracer when it has no such joint; else along +x. */
+double lw_linkage_posture_input(const lw_linkage *k, int joint);
 
 /* Read one linkage from JSON text (docs/notation.md, "Linkage").  `file` is for messages only.
  * LW_E_NOTATION with line and column, also for faults of meaning (a link that does not exist). */
@@ -75,7 +85,8 @@ lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_li
                           lw_error *e);
 
 /* JSON text of a linkage, in k->units, every double written so that it reads back bit-equal (to
- * rounding of the unit conversion).  Free with free(); NULL when out of memory.  indent 0: one line. */
+ * rounding of the unit conversion).  indent: blanks a level, ends with a newline; 0: one line without
+ * a newline.  Free with free(); NULL when out of memory. */
 char *lw_linkage_write(const lw_linkage *k, int indent);
 
 #endif

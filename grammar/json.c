@@ -1,0 +1,214 @@
+/* The bridge to jansson: parsing, access, and its errors turned into ours. */
+#include "grammar/json.h"
+
+#include <jansson.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/c_locale.h"
+#include "base/suggest.h"
+#include "grammar/json_locate.h"
+
+static const char byte_order_mark[] = "\xef\xbb\xbf";
+
+static bool is_blank(const char *text, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        if (text[i] != ' ' && text[i] != '\t' && text[i] != '\r' && text[i] != '\n')
+            return false;
+    return true;
+}
+
+lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e)
+{
+    size_t skip = size >= 3 && memcmp(text, byte_order_mark, 3) == 0 ? 3 : 0;
+    json_error_t error;
+    *json = (lw_json){ text, size, file, NULL };
+    if (is_blank(text + skip, size - skip))
+        return lw_error_at(e, LW_E_NOTATION, file, 1, 1, "nothing is in this file; a JSON object { ... } "
+                           "is expected");
+    lw_c_locale old = lw_c_locale_enter();          /* jansson reads numbers by strtod */
+    json->root = json_loadb(text + skip, size - skip, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error);
+    lw_c_locale_leave(old);
+    if (json->root)
+        return LW_OK;
+    if (json_error_code(&error) == json_error_out_of_memory)
+        return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
+    long line, column;
+    size_t at = error.position > 0 ? (size_t)error.position - 1 + skip : skip;   /* last byte of the token */
+    lw_text_place(text, size, at < size ? at : size, &line, &column);
+    return lw_error_at(e, LW_E_NOTATION, file, line, column, "this is not JSON: %s", error.text);
+}
+
+void lw_json_close(lw_json *json)
+{
+    json_decref(json->root);
+    json->root = NULL;
+}
+
+lw_json_node lw_json_root(const lw_json *json)
+{
+    return (lw_json_node){ .json = json, .value = json->root };
+}
+
+lw_json_kind lw_json_kind_of(const lw_json_node *n)
+{
+    switch (json_typeof((json_t *)n->value)) {
+    case JSON_OBJECT:  return LW_JSON_OBJECT;
+    case JSON_ARRAY:   return LW_JSON_ARRAY;
+    case JSON_STRING:  return LW_JSON_TEXT;
+    case JSON_INTEGER:
+    case JSON_REAL:    return LW_JSON_NUMBER;
+    default:           return LW_JSON_OTHER;
+    }
+}
+
+size_t lw_json_count(const lw_json_node *n)
+{
+    return json_is_object((json_t *)n->value) ? json_object_size(n->value) : json_array_size(n->value);
+}
+
+lw_json_node lw_json_element(const lw_json_node *array, size_t index)
+{
+    return (lw_json_node){ .json = array->json, .parent = array, .index = index,
+                           .value = json_array_get(array->value, index) };
+}
+
+/* jansson walks through an object in the order of the text, so the count is the place there. */
+bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *out)
+{
+    const char *name;
+    json_t *value;
+    size_t index = 0;
+    json_object_foreach((json_t *)object->value, name, value) {
+        if (strcmp(name, key) == 0) {
+            *out = (lw_json_node){ object->json, object, key, index, value };
+            return true;
+        }
+        index++;
+    }
+    return false;
+}
+
+/* ---- faults ------------------------------------------------------------------------------------ */
+
+/* "joints[2].links[1]" from the root down to n. */
+static int print_way(const lw_json_node *n, char *buf, size_t size, lw_json_way *way)
+{
+    if (!n->parent)
+        return 0;
+    int used = print_way(n->parent, buf, size, way);
+    if (way->n < (int)(sizeof way->index/sizeof *way->index))
+        way->index[way->n++] = n->index;
+    if (used >= (int)size - 1)
+        return used;
+    return used + (n->key ? snprintf(buf + used, size - (size_t)used, "%s%s", used ? "." : "", n->key)
+                          : snprintf(buf + used, size - (size_t)used, "[%zu]", n->index));
+}
+
+static lw_status fault(const lw_json_node *n, bool key, lw_error *e, const char *format, va_list arg)
+{
+    char where[160] = "", text[640];
+    lw_json_way way = { .n = 0 };
+    long line, column;
+    const lw_json *j = n->json;
+    print_way(n, where, sizeof where, &way);
+    vsnprintf(text, sizeof text, format, arg);
+    lw_text_place(j->text, j->size, lw_json_locate(j->text, j->size, &way, key), &line, &column);
+    return lw_error_at(e, LW_E_NOTATION, j->file, line, column, "%s%s%s", where, *where ? ": " : "", text);
+}
+
+lw_status lw_json_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
+{
+    va_list arg;
+    va_start(arg, format);
+    lw_status s = fault(n, false, e, format, arg);
+    va_end(arg);
+    return s;
+}
+
+static lw_status key_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static lw_status key_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
+{
+    va_list arg;
+    va_start(arg, format);
+    lw_status s = fault(n, true, e, format, arg);
+    va_end(arg);
+    return s;
+}
+
+/* ---- values ------------------------------------------------------------------------------------ */
+
+static const char *kind_text(lw_json_kind kind)
+{
+    switch (kind) {
+    case LW_JSON_OBJECT: return "an object { ... }";
+    case LW_JSON_ARRAY:  return "a list [ ... ]";
+    case LW_JSON_TEXT:   return "a text \"...\"";
+    case LW_JSON_NUMBER: return "a number";
+    case LW_JSON_OTHER:  break;
+    }
+    return "true, false or null";
+}
+
+lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e)
+{
+    lw_json_kind found = lw_json_kind_of(n);
+    if (found == kind)
+        return LW_OK;
+    return lw_json_fault(n, e, "%s is expected here, this is %s", kind_text(kind), kind_text(found));
+}
+
+lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e)
+{
+    lw_status s = lw_json_want(n, LW_JSON_NUMBER, e);
+    if (s == LW_OK)
+        *out = json_number_value(n->value);
+    return s;
+}
+
+const char *lw_json_text(const lw_json_node *n)
+{
+    return json_string_value(n->value);
+}
+
+lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *e)
+{
+    lw_status s = lw_json_want(n, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    size_t length = json_string_length(n->value);
+    if (length == 0)
+        return lw_json_fault(n, e, "an empty name; write one of 1 to %zu bytes", size - 1);
+    if (length >= size)
+        return lw_json_fault(n, e, "this name has %zu bytes; at most %zu are allowed", length, size - 1);
+    memcpy(out, json_string_value(n->value), length + 1);
+    return LW_OK;
+}
+
+static bool is_known(const char *key, const char *const *known, int n_known)
+{
+    for (int i = 0; i < n_known; i++)
+        if (strcmp(key, known[i]) == 0)
+            return true;
+    return strncmp(key, "x-", 2) == 0;
+}
+
+lw_status lw_json_known_keys(const lw_json_node *object, const char *const *known, int n_known, lw_error *e)
+{
+    const char *key;
+    json_t *value;
+    size_t index = 0;
+    json_object_foreach((json_t *)object->value, key, value) {
+        if (!is_known(key, known, n_known)) {
+            lw_json_node n = { object->json, object, key, index, value };
+            const char *near = lw_suggest(key, known, n_known);
+            return key_fault(&n, e, "this key is not known%s%s%s; keys of your own begin with \"x-\"",
+                             near ? "; did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+        }
+        index++;
+    }
+    return LW_OK;
+}

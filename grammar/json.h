@@ -1,0 +1,60 @@
+/* grammar/json.h - a JSON text that a person wrote, read so that every fault is told with its line and
+ * column: faults of syntax, and faults of meaning found later.
+ *
+ * A node is a value together with the way to it from the root; it lives on the caller's stack and
+ * points to its parent, which must outlive it.  jansson stays inside json.c. */
+#ifndef LW_GRAMMAR_JSON_H
+#define LW_GRAMMAR_JSON_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+
+typedef struct lw_json {
+    const char *text;          /* the caller's, kept for places          */
+    size_t      size;
+    const char *file;
+    void       *root;          /* jansson's                              */
+} lw_json;
+
+typedef struct lw_json_node {
+    const lw_json             *json;
+    const struct lw_json_node *parent;   /* NULL: the root                                 */
+    const char                *key;      /* its name in an object, NULL in an array        */
+    size_t                     index;    /* its place in an array or object, from 0        */
+    void                      *value;    /* jansson's                                      */
+} lw_json_node;
+
+typedef enum lw_json_kind { LW_JSON_OBJECT, LW_JSON_ARRAY, LW_JSON_TEXT, LW_JSON_NUMBER, LW_JSON_OTHER } lw_json_kind;
+
+/* Parse; the text must outlive the result.  Duplicate keys, texts with NUL and numbers beyond a
+ * double are refused; a UTF-8 byte order mark is skipped.  LW_E_NOTATION with a place, LW_E_MEMORY. */
+lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e);
+void      lw_json_close(lw_json *json);
+
+lw_json_node lw_json_root(const lw_json *json);
+lw_json_kind lw_json_kind_of(const lw_json_node *n);
+
+/* Elements of an array or object; 0 for others. */
+size_t lw_json_count(const lw_json_node *n);
+/* The element of an array; index < lw_json_count. */
+lw_json_node lw_json_element(const lw_json_node *array, size_t index);
+/* The member of an object; false when there is none. */
+bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *out);
+
+/* LW_E_NOTATION with the place of the node and "joints[2].at: " before the text; returns it. */
+lw_status lw_json_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Fault unless the node is of this kind. */
+lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e);
+lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e);
+/* A text of 1 to size-1 bytes into out; the node's own text (no copy) by lw_json_text. */
+lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *e);
+const char *lw_json_text(const lw_json_node *n);     /* NULL when it is no text */
+
+/* Fault at the first key of an object that is none of the known ones, with a suggestion.  Keys that
+ * begin with "x-" are everybody's own and pass. */
+lw_status lw_json_known_keys(const lw_json_node *object, const char *const *known, int n_known, lw_error *e);
+
+#endif

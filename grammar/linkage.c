@@ -1,0 +1,61 @@
+/* Mobility, and the directions that a posture gives to its inputs. */
+#include "grammar/linkage.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+int lw_linkage_mobility(const lw_linkage *k)
+{
+    int freedom = 3*(k->n_link - 1);
+    for (int i = 0; i < k->n_joint; i++) {
+        lw_joint_kind kind = k->joint[i].kind;
+        freedom -= kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
+    }
+    return freedom;
+}
+
+static bool carries(const lw_joint *j, int link) { return j->link[0] == link || j->link[1] == link; }
+
+/* Does this joint put its slide line on the link, rather than a pin? */
+static bool slides_on(const lw_joint *j, int link)
+{
+    return j->kind == LW_JOINT_SLIDER || (j->kind == LW_JOINT_SLOT && j->link[0] == link);
+}
+
+/* The x axis of a link as seen from one of its pins; not normalised. */
+static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
+{
+    lw_vec2 from = k->joint[joint].at;
+    for (int i = 0; i < k->n_joint; i++) {
+        const lw_joint *j = &k->joint[i];
+        if (i == joint || !carries(j, link) || j->kind == LW_JOINT_GEAR)
+            continue;
+        if (slides_on(j, link))
+            return j->along;
+        lw_vec2 d = lw_v2_sub(j->at, from);
+        if (d.x != 0 || d.y != 0)
+            return d;
+    }
+    for (int i = 0; i < k->n_tracer; i++)
+        if (k->tracer[i].link == link)
+            return lw_v2_sub(k->tracer[i].at, from);
+    return lw_v2(1, 0);
+}
+
+double lw_linkage_posture_input(const lw_linkage *k, int joint)
+{
+    const lw_joint *j = &k->joint[joint];
+    if (j->kind != LW_JOINT_REVOLUTE)
+        return 0;
+    double direction[2];
+    for (int i = 0; i < 2; i++) {
+        lw_vec2 x = x_axis(k, joint, j->link[i]);
+        direction[i] = j->link[i] == k->ground ? 0 : atan2(x.y, x.x);
+    }
+    if (j->link[0] == k->ground)
+        return direction[1];
+    if (j->link[1] == k->ground)
+        return direction[0];
+    double turn = remainder(direction[1] - direction[0], 2*LW_PI);
+    return turn <= -LW_PI ? LW_PI : turn;
+}

@@ -1,0 +1,192 @@
+/* What every user of a linkage may rely on. */
+#include "grammar/linkage_internal.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+static bool sane(double v) { return fabs(v) <= LW_COORDINATE_MAX; }      /* false for NaN too */
+static bool in_range(int i, int n) { return i >= 0 && i < n; }
+
+/* ---- names ------------------------------------------------------------------------------------ */
+
+typedef struct name_list { const char *what, *first; size_t stride; int n; } name_list;
+
+static lw_status check_names(const name_list *list, int *bad, lw_error *e)
+{
+    for (int i = 0; i < list->n; i++) {
+        const char *name = list->first + (size_t)i*list->stride;
+        *bad = i;
+        if (!memchr(name, '\0', LW_NAME_SIZE))
+            return lw_error_set(e, LW_E_ARG, "the name of %s %d is not terminated", list->what, i + 1);
+        if (!*name)
+            return lw_error_set(e, LW_E_ARG, "%s %d has no name; give it one", list->what, i + 1);
+        for (int j = 0; j < i; j++)
+            if (strcmp(name, list->first + (size_t)j*list->stride) == 0)
+                return lw_error_set(e, LW_E_ARG, "%ss %d and %d are both called \"%s\"; names of %ss "
+                                    "must differ", list->what, j + 1, i + 1, name, list->what);
+    }
+    return LW_OK;
+}
+
+/* ---- parts ------------------------------------------------------------------------------------ */
+
+static lw_status check_counts(const lw_linkage *k, lw_error *e)
+{
+    const struct { const char *what; int n, least, most; } count[] = {
+        { "links",   k->n_link,   2, LW_LINK_MAX },
+        { "joints",  k->n_joint,  1, LW_JOINT_MAX },
+        { "inputs",  k->n_input,  0, LW_INPUT_MAX },
+        { "tracers", k->n_tracer, 0, LW_TRACER_MAX },
+    };
+    for (size_t i = 0; i < sizeof count/sizeof *count; i++)
+        if (count[i].n < count[i].least || count[i].n > count[i].most)
+            return lw_error_set(e, LW_E_ARG, "a linkage has %d to %d %s, this one has %d", count[i].least,
+                                count[i].most, count[i].what, count[i].n);
+    if (!in_range(k->ground, k->n_link))
+        return lw_error_set(e, LW_E_ARG, "the ground is link number %d, which does not exist", k->ground);
+    if (!(k->units.metre > 0 && isfinite(k->units.metre) && k->units.radian > 0 && isfinite(k->units.radian)))
+        return lw_error_set(e, LW_E_ARG, "units must be positive and finite; use lw_units_si()");
+    if (!memchr(k->name, '\0', sizeof k->name))
+        return lw_error_set(e, LW_E_ARG, "the name of the linkage is not terminated");
+    return LW_OK;
+}
+
+/* A slide line needs a direction of unit length, other joints must not have one: a nonzero
+ * direction there means that someone meant another kind. */
+static lw_status check_direction(const lw_joint *j, lw_error *e)
+{
+    bool slides = j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT;
+    double size = hypot(j->along.x, j->along.y);
+    if (slides && !(fabs(size - 1) <= 1e-9))
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" slides, so `along` must be a direction of length 1; "
+                            "it has length %.3g", j->name, size);
+    if (!slides && size != 0)
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no direction; `along` belongs to "
+                            "kinds 't' and 'p'", j->name, (char)j->kind);
+    if (j->kind == LW_JOINT_GEAR && !(sane(j->ratio) && j->ratio != 0))
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is a gear, so its ratio must be a number other than "
+                            "0", j->name);
+    if (j->kind != LW_JOINT_GEAR && j->ratio != 0)
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no ratio; only gears ('g') have",
+                            j->name, (char)j->kind);
+    return LW_OK;
+}
+
+static lw_status check_joint(const lw_linkage *k, const lw_joint *j, lw_error *e)
+{
+    if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT &&
+        j->kind != LW_JOINT_GEAR)
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
+                            "slot, g gear", j->name);
+    if (!in_range(j->link[0], k->n_link) || !in_range(j->link[1], k->n_link))
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins links number %d and %d; there are links 0 to "
+                            "%d", j->name, j->link[0], j->link[1], k->n_link - 1);
+    if (j->link[0] == j->link[1])
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins link \"%s\" to itself; name two links",
+                            j->name, k->link_name[j->link[0]]);
+    if (!sane(j->at.x) || !sane(j->at.y))
+        return lw_error_set(e, LW_E_ARG, "the place of joint \"%s\" is not finite or beyond %g m", j->name,
+                            LW_COORDINATE_MAX);
+    return check_direction(j, e);
+}
+
+static lw_status check_input(const lw_linkage *k, int i, lw_error *e)
+{
+    const lw_input *in = &k->input[i];
+    if (!in_range(in->joint, k->n_joint))
+        return lw_error_set(e, LW_E_ARG, "input %d drives joint number %d, which does not exist", i + 1,
+                            in->joint);
+    const lw_joint *j = &k->joint[in->joint];
+    if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER)
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' cannot be driven; an input is a pin "
+                            "('r') or a slider ('t')", j->name, (char)j->kind);
+    for (int h = 0; h < i; h++)
+        if (k->input[h].joint == in->joint)
+            return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
+    if (!sane(in->value) || !sane(in->first) || !sane(in->last))
+        return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite",
+                            j->name);
+    return LW_OK;
+}
+
+static lw_status check_tracer(const lw_linkage *k, const lw_tracer *t, lw_error *e)
+{
+    if (!in_range(t->link, k->n_link))
+        return lw_error_set(e, LW_E_ARG, "tracer \"%s\" sits on link number %d, which does not exist",
+                            t->name, t->link);
+    if (!sane(t->at.x) || !sane(t->at.y) || !sane(t->angle))
+        return lw_error_set(e, LW_E_ARG, "tracer \"%s\" has a number that is not finite", t->name);
+    return LW_OK;
+}
+
+/* ---- the whole -------------------------------------------------------------------------------- */
+
+/* Index of a link that no chain of joints ties to the ground, -1 if there is none. */
+static int find_loose_link(const lw_linkage *k)
+{
+    bool reached[LW_LINK_MAX] = { false }, more = true;
+    reached[k->ground] = true;
+    while (more) {
+        more = false;
+        for (int i = 0; i < k->n_joint; i++) {
+            const int *link = k->joint[i].link;
+            if (reached[link[0]] != reached[link[1]])
+                reached[link[0]] = reached[link[1]] = more = true;
+        }
+    }
+    for (int i = 0; i < k->n_link; i++)
+        if (!reached[i])
+            return i;
+    return -1;
+}
+
+/* Names of links, joints and tracers first: later messages quote them. */
+static lw_status check_all_names(const lw_linkage *k, lw_linkage_place *place, lw_error *e)
+{
+    const struct { lw_linkage_part part; name_list names; } list[] = {
+        { LW_PART_LINK,   { "link",   k->link_name[0],   sizeof k->link_name[0], k->n_link } },
+        { LW_PART_JOINT,  { "joint",  k->joint[0].name,  sizeof k->joint[0],     k->n_joint } },
+        { LW_PART_TRACER, { "tracer", k->tracer[0].name, sizeof k->tracer[0],    k->n_tracer } },
+    };
+    lw_status s = LW_OK;
+    for (size_t i = 0; s == LW_OK && i < sizeof list/sizeof *list; i++) {
+        place->part = list[i].part;
+        s = check_names(&list[i].names, &place->index, e);
+    }
+    return s;
+}
+
+lw_status lw_linkage_find_fault(const lw_linkage *k, lw_linkage_place *place, lw_error *e)
+{
+    lw_status s;
+    *place = (lw_linkage_place){ LW_PART_WHOLE, 0 };
+    if ((s = check_counts(k, e)) != LW_OK || (s = check_all_names(k, place, e)) != LW_OK)
+        return s;
+    for (int i = 0; i < k->n_joint; i++) {
+        *place = (lw_linkage_place){ LW_PART_JOINT, i };
+        if ((s = check_joint(k, &k->joint[i], e)) != LW_OK)
+            return s;
+    }
+    for (int i = 0; i < k->n_input; i++) {
+        *place = (lw_linkage_place){ LW_PART_INPUT, i };
+        if ((s = check_input(k, i, e)) != LW_OK)
+            return s;
+    }
+    for (int i = 0; i < k->n_tracer; i++) {
+        *place = (lw_linkage_place){ LW_PART_TRACER, i };
+        if ((s = check_tracer(k, &k->tracer[i], e)) != LW_OK)
+            return s;
+    }
+    *place = (lw_linkage_place){ LW_PART_LINK, find_loose_link(k) };
+    if (place->index >= 0)
+        return lw_error_set(e, LW_E_ARG, "no chain of joints ties link \"%s\" to the ground; join it or "
+                            "leave it out", k->link_name[place->index]);
+    return LW_OK;
+}
+
+lw_status lw_linkage_check(const lw_linkage *k, lw_error *e)
+{
+    lw_linkage_place place;
+    return lw_linkage_find_fault(k, &place, e);
+}

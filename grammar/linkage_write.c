@@ -1,0 +1,196 @@
+/* A linkage as JSON text: one joint or tracer a line, numbers as short as reads back the same. */
+#include "grammar/linkage.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "base/number.h"
+
+typedef struct writer {
+    FILE           *f;
+    const lw_units *units;
+    int             indent;      /* blanks a level; 0: everything on one line */
+} writer;
+
+static void put_line(const writer *w, int level)
+{
+    if (w->indent > 0)
+        fprintf(w->f, "\n%*s", w->indent*level, "");
+}
+
+/* Separator before element i of a list, each on its own line. */
+static void put_step(const writer *w, int level, int i)
+{
+    if (i > 0)
+        fputs(w->indent > 0 ? "," : ", ", w->f);
+    put_line(w, level);
+}
+
+static void put_string(const writer *w, const char *s)
+{
+    fputc('"', w->f);
+    for (; *s; s++)
+        if (*s == '"' || *s == '\\')
+            fprintf(w->f, "\\%c", *s);
+        else if ((unsigned char)*s < 0x20)
+            fprintf(w->f, "\\u%04x", (unsigned)*s);
+        else
+            fputc(*s, w->f);
+    fputc('"', w->f);
+}
+
+static void put_text(const writer *w, const char *key, const char *value)
+{
+    fprintf(w->f, "\"%s\": ", key);
+    put_string(w, value);
+}
+
+static void put_number(const writer *w, double v, double unit)
+{
+    char text[LW_NUMBER_SIZE];
+    lw_number_print_in(v, unit, text);
+    fputs(text, w->f);
+}
+
+static void put_pair(const writer *w, const char *key, lw_vec2 p, double unit)
+{
+    fprintf(w->f, ", \"%s\": [", key);
+    put_number(w, p.x, unit);
+    fputs(", ", w->f);
+    put_number(w, p.y, unit);
+    fputc(']', w->f);
+}
+
+static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
+{
+    fputc('{', w->f);
+    put_text(w, "name", j->name);
+    fprintf(w->f, ", \"kind\": \"%c\", \"links\": [", (char)j->kind);
+    put_string(w, k->link_name[j->link[0]]);
+    fputs(", ", w->f);
+    put_string(w, k->link_name[j->link[1]]);
+    fputc(']', w->f);
+    put_pair(w, "at", j->at, w->units->metre);
+    if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT)
+        put_pair(w, "along", j->along, 1);
+    if (j->kind == LW_JOINT_GEAR) {
+        fputs(", \"ratio\": ", w->f);
+        put_number(w, j->ratio, 1);
+    }
+    fputc('}', w->f);
+}
+
+static void put_input(const writer *w, const lw_linkage *k, const lw_input *in)
+{
+    const lw_joint *j = &k->joint[in->joint];
+    double unit = j->kind == LW_JOINT_SLIDER ? w->units->metre : w->units->radian;
+    fputc('{', w->f);
+    put_text(w, "joint", j->name);
+    fputs(", \"value\": ", w->f);
+    put_number(w, in->value, unit);
+    if (in->first != 0 || in->last != 0) {
+        fputs(", \"first\": ", w->f);
+        put_number(w, in->first, unit);
+        fputs(", \"last\": ", w->f);
+        put_number(w, in->last, unit);
+    }
+    fputc('}', w->f);
+}
+
+static void put_tracer(const writer *w, const lw_linkage *k, const lw_tracer *t)
+{
+    fputc('{', w->f);
+    put_text(w, "name", t->name);
+    fputs(", ", w->f);
+    put_text(w, "link", k->link_name[t->link]);
+    put_pair(w, "at", t->at, w->units->metre);
+    fputs(", \"angle\": ", w->f);
+    put_number(w, t->angle, w->units->radian);
+    fputc('}', w->f);
+}
+
+static void put_head(const writer *w, const lw_linkage *k)
+{
+    put_line(w, 1);
+    fputs("\"linkwright\": 1", w->f);
+    put_step(w, 1, 1);
+    put_text(w, "name", k->name);
+    put_step(w, 1, 1);
+    fputs("\"units\": {", w->f);
+    if (k->units.length[0]) {
+        put_text(w, "length", k->units.length);
+        fputs(", ", w->f);
+    }
+    put_text(w, "angle", k->units.angle);
+    fputc('}', w->f);
+    put_step(w, 1, 1);
+    fputs("\"links\": [", w->f);
+    for (int i = 0; i < k->n_link; i++) {
+        fputs(i > 0 ? ", " : "", w->f);
+        put_string(w, k->link_name[i]);
+    }
+    fputc(']', w->f);
+    put_step(w, 1, 1);
+    put_text(w, "ground", k->link_name[k->ground]);
+}
+
+static void put_inputs(const writer *w, const lw_linkage *k)
+{
+    if (k->n_input == 0)
+        return;
+    put_step(w, 1, 1);
+    fputs(k->n_input == 1 ? "\"input\": " : "\"inputs\": [", w->f);
+    for (int i = 0; i < k->n_input; i++) {
+        if (k->n_input > 1)
+            put_step(w, 2, i);
+        put_input(w, k, &k->input[i]);
+    }
+    if (k->n_input > 1) {
+        put_line(w, 1);
+        fputc(']', w->f);
+    }
+}
+
+static void put_linkage(const writer *w, const lw_linkage *k)
+{
+    fputc('{', w->f);
+    put_head(w, k);
+    put_step(w, 1, 1);
+    fputs("\"joints\": [", w->f);
+    for (int i = 0; i < k->n_joint; i++) {
+        put_step(w, 2, i);
+        put_joint(w, k, &k->joint[i]);
+    }
+    put_line(w, 1);
+    fputc(']', w->f);
+    put_inputs(w, k);
+    if (k->n_tracer > 0) {
+        put_step(w, 1, 1);
+        fputs("\"tracers\": [", w->f);
+        for (int i = 0; i < k->n_tracer; i++) {
+            put_step(w, 2, i);
+            put_tracer(w, k, &k->tracer[i]);
+        }
+        put_line(w, 1);
+        fputc(']', w->f);
+    }
+    put_line(w, 0);
+    fputs(w->indent > 0 ? "}\n" : "}", w->f);
+}
+
+char *lw_linkage_write(const lw_linkage *k, int indent)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *f = open_memstream(&text, &size);
+    if (!f)
+        return NULL;
+    put_linkage(&(writer){ .f = f, .units = &k->units, .indent = indent }, k);
+    bool failed = ferror(f) != 0;
+    if (fclose(f) != 0 || failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}

@@ -1,0 +1,197 @@
+/* Mobility, the check, and what a posture says about its inputs. */
+#include "grammar/linkage.h"
+#include "tests/check.h"
+
+static void add_link(lw_linkage *k, const char *name) { strcpy(k->link_name[k->n_link++], name); }
+
+static void add_joint(lw_linkage *k, lw_joint_kind kind, int a, int b, double x, double y)
+{
+    lw_joint *j = &k->joint[k->n_joint];
+    bool slides = kind == LW_JOINT_SLIDER || kind == LW_JOINT_SLOT;
+    *j = (lw_joint){ .kind = kind, .link = { a, b }, .at = { x, y }, .along = { slides ? 1 : 0, 0 },
+                     .ratio = kind == LW_JOINT_GEAR ? -2 : 0 };
+    snprintf(j->name, sizeof j->name, "J%d", ++k->n_joint);
+}
+
+/* A four-bar with pins at (0,0) (0,1) (3,2) (4,0) and its tracer on the coupler. */
+static lw_linkage four_bar(void)
+{
+    lw_linkage k = { .units = lw_units_si() };
+    add_link(&k, "ground");
+    add_link(&k, "crank");
+    add_link(&k, "coupler");
+    add_link(&k, "rocker");
+    add_joint(&k, LW_JOINT_REVOLUTE, 0, 1, 0, 0);
+    add_joint(&k, LW_JOINT_REVOLUTE, 1, 2, 0, 1);
+    add_joint(&k, LW_JOINT_REVOLUTE, 2, 3, 3, 2);
+    add_joint(&k, LW_JOINT_REVOLUTE, 3, 0, 4, 0);
+    k.n_input = k.n_tracer = 1;
+    strcpy(k.tracer[0].name, "P");
+    k.tracer[0].link = 2;
+    k.tracer[0].at = lw_v2(1, 3);
+    return k;
+}
+
+/* F = 3 (P - 1) - 2 n1 - n2.  Chains and their freedoms: Makkonen 1999, section 3.2. */
+static void mobility_of_known_chains(void)
+{
+    static const struct { int n_link, n_pin, n_slider, n_slot, n_gear, freedom; } known[] = {
+        { 4, 4, 0, 0, 0, 1 }, { 4, 3, 1, 0, 0, 1 }, { 3, 2, 0, 1, 0, 1 }, { 6, 7, 0, 0, 0, 1 },
+        { 5, 5, 0, 0, 0, 2 }, { 3, 2, 0, 0, 1, 1 }, { 3, 3, 0, 0, 0, 0 }, { 2, 1, 0, 0, 0, 1 },
+        { 8, 9, 1, 0, 0, 1 }, { 2, 0, 0, 1, 1, 1 },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_linkage k = { .n_link = known[i].n_link };
+        for (int n = 0; n < known[i].n_pin; n++)
+            add_joint(&k, LW_JOINT_REVOLUTE, 0, 1, 0, 0);
+        for (int n = 0; n < known[i].n_slider; n++)
+            add_joint(&k, LW_JOINT_SLIDER, 0, 1, 0, 0);
+        for (int n = 0; n < known[i].n_slot; n++)
+            add_joint(&k, LW_JOINT_SLOT, 0, 1, 0, 0);
+        for (int n = 0; n < known[i].n_gear; n++)
+            add_joint(&k, LW_JOINT_GEAR, 0, 1, 0, 0);
+        CHECK_INT(lw_linkage_mobility(&k), known[i].freedom);
+    }
+}
+
+static void good_linkages_pass(void)
+{
+    lw_linkage k = four_bar();
+    lw_error e = { 0 };
+    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+    CHECK_INT(lw_linkage_check(&k, NULL), LW_OK);
+    k.n_input = k.n_tracer = 0;
+    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+    add_link(&k, "wheel");
+    add_joint(&k, LW_JOINT_GEAR, 0, 4, 5, 5);
+    add_joint(&k, LW_JOINT_SLOT, 3, 4, 5, 6);
+    CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+}
+
+/* One fault a function; the text must name what is wrong. */
+static void two_links_one_name(lw_linkage *k)   { strcpy(k->link_name[2], "crank"); }
+static void link_without_name(lw_linkage *k)    { k->link_name[1][0] = '\0'; }
+static void name_without_end(lw_linkage *k)     { memset(k->link_name[1], 'x', LW_NAME_SIZE); }
+static void two_joints_one_name(lw_linkage *k)  { strcpy(k->joint[3].name, "J1"); }
+static void two_tracers_one_name(lw_linkage *k) { k->tracer[k->n_tracer++] = k->tracer[0]; }
+static void joint_to_itself(lw_linkage *k)      { k->joint[1].link[1] = 1; }
+static void joint_to_nowhere(lw_linkage *k)     { k->joint[1].link[1] = 4; }
+static void joint_below_zero(lw_linkage *k)     { k->joint[1].link[0] = -1; }
+static void joint_of_no_kind(lw_linkage *k)     { k->joint[1].kind = (lw_joint_kind)'q'; }
+static void joint_at_nan(lw_linkage *k)         { k->joint[2].at.y = NAN; }
+static void joint_too_far(lw_linkage *k)        { k->joint[2].at.x = 1e101; }
+static void slider_without_direction(lw_linkage *k) { k->joint[2].kind = LW_JOINT_SLIDER; }
+static void slider_not_unit(lw_linkage *k)
+{
+    k->joint[2].kind = LW_JOINT_SLIDER;
+    k->joint[2].along = lw_v2(1, 1);
+}
+static void pin_with_direction(lw_linkage *k)   { k->joint[2].along = lw_v2(1, 0); }
+static void pin_with_ratio(lw_linkage *k)       { k->joint[2].ratio = 1; }
+static void gear_without_ratio(lw_linkage *k)   { k->joint[2].kind = LW_JOINT_GEAR; }
+static void no_ground(lw_linkage *k)            { k->ground = 4; }
+static void too_many_links(lw_linkage *k)       { k->n_link = LW_LINK_MAX + 1; }
+static void no_joints(lw_linkage *k)            { k->n_joint = 0; }
+static void loose_link(lw_linkage *k)           { add_link(k, "lost"); }
+static void loose_pair(lw_linkage *k)
+{
+    add_link(k, "lost");
+    add_link(k, "found");
+    add_joint(k, LW_JOINT_REVOLUTE, 4, 5, 1, 1);
+}
+static void input_at_no_joint(lw_linkage *k)    { k->input[0].joint = 4; }
+static void input_at_slot(lw_linkage *k)
+{
+    add_joint(k, LW_JOINT_SLOT, 0, 1, 1, 1);
+    k->input[0].joint = 4;
+}
+static void input_twice(lw_linkage *k)          { k->n_input = 2; }
+static void input_nan(lw_linkage *k)            { k->input[0].value = NAN; }
+static void tracer_on_no_link(lw_linkage *k)    { k->tracer[0].link = -1; }
+static void tracer_nan(lw_linkage *k)           { k->tracer[0].angle = INFINITY; }
+static void unit_zero(lw_linkage *k)            { k->units.metre = 0; }
+static void title_without_end(lw_linkage *k)    { memset(k->name, 'x', sizeof k->name); }
+
+static void every_fault_is_named(void)
+{
+    static const struct { void (*spoil)(lw_linkage *); const char *part; } faults[] = {
+        { two_links_one_name, "links 2 and 3 are both called \"crank\"" },
+        { link_without_name, "link 2 has no name" }, { name_without_end, "link 2 is not terminated" },
+        { two_joints_one_name, "joints 1 and 4 are both called \"J1\"" },
+        { two_tracers_one_name, "tracers 1 and 2 are both called \"P\"" },
+        { joint_to_itself, "\"J2\" joins link \"crank\" to itself" },
+        { joint_to_nowhere, "\"J2\" joins links number 1 and 4" }, { joint_below_zero, "\"J2\"" },
+        { joint_of_no_kind, "\"J2\" is of no known kind" }, { joint_at_nan, "\"J3\" is not finite" },
+        { joint_too_far, "\"J3\" is not finite or beyond" },
+        { slider_without_direction, "\"J3\" slides" }, { slider_not_unit, "it has length 1.41" },
+        { pin_with_direction, "\"J3\" of kind 'r' has no direction" },
+        { pin_with_ratio, "\"J3\" of kind 'r' has no ratio" },
+        { gear_without_ratio, "\"J3\" is a gear" }, { no_ground, "the ground is link number 4" },
+        { too_many_links, "2 to 32 links" }, { no_joints, "1 to 64 joints" },
+        { loose_link, "ties link \"lost\"" }, { loose_pair, "ties link \"lost\"" },
+        { input_at_no_joint, "joint number 4" }, { input_at_slot, "\"J5\" of kind 'p' cannot be driven" },
+        { input_twice, "\"J1\" is driven twice" }, { input_nan, "\"J1\" has a number that is not finite" },
+        { tracer_on_no_link, "\"P\" sits on link number -1" }, { tracer_nan, "\"P\" has a number" },
+        { unit_zero, "units" }, { title_without_end, "the linkage is not terminated" },
+    };
+    for (size_t i = 0; i < sizeof faults/sizeof *faults; i++) {
+        lw_linkage k = four_bar();
+        lw_error e = { 0 };
+        faults[i].spoil(&k);
+        CHECK_INT(lw_linkage_check(&k, &e), LW_E_ARG);
+        CHECK_INT(e.status, LW_E_ARG);
+        CHECK_HAS(e.text, faults[i].part);
+    }
+}
+
+static void pin_input_is_the_direction_of_its_link(void)
+{
+    lw_linkage k = four_bar();
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI/2, 0, 1e-15);             /* crank up            */
+    CHECK_NEAR(lw_linkage_posture_input(&k, 3), atan2(2, -1), 0, 1e-15);        /* rocker, ground last */
+    /* between moving links: coupler (0,1)-(3,2) less crank (0,1)-(0,0) */
+    CHECK_NEAR(lw_linkage_posture_input(&k, 1), atan2(1, 3) + LW_PI/2, 0, 1e-15);
+    k.joint[1].at = k.joint[0].at;                  /* crank of length 0: its next joint decides */
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), 0, 0, 0);
+    add_joint(&k, LW_JOINT_GEAR, 1, 2, 9, 9);       /* a contact moves on the link: passed over */
+    add_joint(&k, LW_JOINT_REVOLUTE, 1, 2, -1, 0);
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI, 0, 0);
+}
+
+static void slide_lines_give_the_direction_too(void)
+{
+    lw_linkage k = four_bar();
+    k.joint[1].kind = LW_JOINT_SLIDER;
+    k.joint[1].along = lw_v2(0.6, -0.8);
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), atan2(-0.8, 0.6), 0, 0);
+    CHECK_NEAR(lw_linkage_posture_input(&k, 1), 0, 0, 0);                       /* a slider: 0         */
+    k.joint[1].kind = LW_JOINT_SLOT;                /* the crank carries the slot ...                  */
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), atan2(-0.8, 0.6), 0, 0);
+    k.joint[1].link[0] = 2;                         /* ... or the pin in it                            */
+    k.joint[1].link[1] = 1;
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), LW_PI/2, 0, 1e-15);
+}
+
+static void a_link_with_one_joint_points_to_its_tracer(void)
+{
+    lw_linkage k = { .units = lw_units_si() };
+    add_link(&k, "ground");
+    add_link(&k, "pendulum");
+    add_joint(&k, LW_JOINT_REVOLUTE, 1, 0, 1, 1);
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), 0, 0, 0);
+    k.n_tracer = 1;
+    k.tracer[0].link = 1;
+    k.tracer[0].at = lw_v2(1, 0);
+    CHECK_NEAR(lw_linkage_posture_input(&k, 0), -LW_PI/2, 0, 1e-15);
+}
+
+int main(void)
+{
+    RUN(mobility_of_known_chains);
+    RUN(good_linkages_pass);
+    RUN(every_fault_is_named);
+    RUN(pin_input_is_the_direction_of_its_link);
+    RUN(slide_lines_give_the_direction_too);
+    RUN(a_link_with_one_joint_points_to_its_tracer);
+    return check_end();
+}
