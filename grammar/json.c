@@ -1,5 +1,5 @@
 /* The bridge to jansson: parsing, access, and its errors turned into ours. */
-#include "grammar/json.h"
+#include "grammar/json_internal.h"
 
 #include <jansson.h>
 #include <stdarg.h>
@@ -8,7 +8,7 @@
 
 #include "base/c_locale.h"
 #include "base/suggest.h"
-#include "grammar/json_locate.h"
+#include "grammar/json_locate_internal.h"
 
 static const char byte_order_mark[] = "\xef\xbb\xbf";
 

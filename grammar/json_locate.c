@@ -1,4 +1,4 @@
-#include "grammar/json_locate.h"
+#include "grammar/json_locate_internal.h"
 
 #include <string.h>
 

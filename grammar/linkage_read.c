@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "grammar/json.h"
+#include "grammar/json_internal.h"
 #include "grammar/linkage_internal.h"
 
 #define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))

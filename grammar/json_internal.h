@@ -1,10 +1,10 @@
-/* grammar/json.h - a JSON text that a person wrote, read so that every fault is told with its line and
+/* grammar/json_internal.h - a JSON text that a person wrote, read so that every fault is told with its line and
  * column: faults of syntax, and faults of meaning found later.
  *
  * A node is a value together with the way to it from the root; it lives on the caller's stack and
  * points to its parent, which must outlive it.  jansson stays inside json.c. */
-#ifndef LW_GRAMMAR_JSON_H
-#define LW_GRAMMAR_JSON_H
+#ifndef LW_GRAMMAR_JSON_INTERNAL_H
+#define LW_GRAMMAR_JSON_INTERNAL_H
 
 #include <stdbool.h>
 #include <stddef.h>

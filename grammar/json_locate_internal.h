@@ -1,6 +1,6 @@
-/* grammar/json_locate.h - where a value stands in a JSON text that is known to be well-formed. */
-#ifndef LW_GRAMMAR_JSON_LOCATE_H
-#define LW_GRAMMAR_JSON_LOCATE_H
+/* grammar/json_locate_internal.h - where a value stands in a JSON text that is known to be well-formed. */
+#ifndef LW_GRAMMAR_JSON_LOCATE_INTERNAL_H
+#define LW_GRAMMAR_JSON_LOCATE_INTERNAL_H
 
 #include <stdbool.h>
 #include <stddef.h>
