@@ -7,8 +7,9 @@ CFLAGS   = -O3 -g
 PREFIX   = /usr/local
 STAGES   = base grammar enumerate mbs optimise catalogues     # each includes only those before it
 
-PKGS     = gsl nlopt jansson cairo
-DEPS     = gcc libc6-dev pkg-config libgsl-dev libnlopt-dev libjansson-dev libcairo2-dev libgif-dev libplanarity-dev
+PKGS     = gsl igraph nlopt jansson cairo
+DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
+           libgif-dev libplanarity-dev
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math

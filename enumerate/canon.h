@@ -1,0 +1,62 @@
+/* enumerate/canon.h - canonical form and symmetry of small coloured graphs.
+ *
+ * Chains and structures come here as one shape: vertices with a colour, and a tie (0 none, 1 .. 255)
+ * between any two; a tie of a chain is the freedoms of the joint, of a structure the number of
+ * parallel lines.  Two graphs are isomorphic exactly when their canonical forms are equal.
+ *
+ * Method: colour refinement with 64-bit colours, first from each vertex's surroundings, then with one
+ * vertex after the other singled out.  Where this tells all vertices apart, which it does for nearly
+ * every graph without symmetry, sorting the colours is the canonical labelling and the group is
+ * trivial; a collision of colours could only send a graph to the second way.  That second way is
+ * BLISS (Junttila & Kaski 2007) through igraph.  igraph is not thread-safe, so calls to it queue at a
+ * lock; its error handler is exchanged for one that returns, and put back, under the same lock. */
+#ifndef LW_ENUMERATE_CANON_H
+#define LW_ENUMERATE_CANON_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "base/status.h"
+#include "grammar/chain.h"
+#include "grammar/structure.h"
+
+#define LW_GRAPH_MAX LW_LINK_MAX
+
+typedef struct lw_graph {
+    int     n;                                 /* vertices, 1 .. LW_GRAPH_MAX     */
+    uint8_t colour[LW_GRAPH_MAX];
+    uint8_t tie[LW_GRAPH_MAX][LW_GRAPH_MAX];   /* symmetric, diagonal 0           */
+} lw_graph;
+
+/* Links with colour 0, ties = freedoms of the joint; circles, ties = number of parallel lines. */
+void lw_graph_of_chain(const lw_chain *c, lw_graph *g);
+void lw_graph_of_structure(const lw_structure *s, lw_graph *g);
+
+/* Colours that do not depend on the numbering: vertices of one orbit have equal colours (not always
+ * the other way round).  colour (g->n). */
+void lw_graph_refine(const lw_graph *g, uint64_t *colour);
+
+/* Canonical labelling: vertex i has place to[i] in the canonical form.  to (g->n).
+ * LW_E_MEMORY is the only failure. */
+lw_status lw_graph_label(const lw_graph *g, uint8_t *to);
+
+/* The canonical form itself, for chains and for structures. */
+lw_status lw_chain_canonical(const lw_chain *c, lw_chain *form);
+lw_status lw_structure_canonical(const lw_structure *s, lw_structure *form);
+
+/* The automorphism group.  p is a permutation: vertex i goes to p[i]. */
+typedef struct lw_group {
+    int     n;                                    /* vertices                                       */
+    int     n_generator;                          /* 0 for the trivial group                        */
+    uint8_t (*generator)[LW_GRAPH_MAX];           /* (n_generator) owned, see lw_group_free         */
+    uint8_t orbit[LW_GRAPH_MAX];                  /* lowest vertex of the orbit of each vertex      */
+} lw_group;
+
+lw_status lw_graph_group(const lw_graph *g, lw_group *group);
+void      lw_group_free(lw_group *group);
+
+/* All elements, the identity first.  *element is allocated, free with free(); *n at least 1.
+ * LW_E_MEMORY also when there are more than 2^24. */
+lw_status lw_group_elements(const lw_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n);
+
+#endif

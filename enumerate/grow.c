@@ -1,0 +1,170 @@
+/* enumerate/grow.c - see grow.h. */
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/grow.h"
+
+/* What is known of the parent before any ear is tried. */
+typedef struct nursery {
+    const lw_structure *parent;
+    uint8_t             degree[LW_CIRCLE_MAX];
+    uint64_t            removable;               /* lines, as bits                                */
+    uint64_t            first;                   /* first line of each set of parallel lines      */
+    uint64_t            second;                  /* second line of each set                       */
+} nursery;
+
+static bool same_ends(const lw_structure *s, int e, int f)
+{
+    return memcmp(s->end[e], s->end[f], 2) == 0;
+}
+
+static void prepare(nursery *n, const lw_structure *parent)
+{
+    *n = (nursery){ .parent = parent };
+    lw_structure_degrees(parent, n->degree);
+    for (int e = 0; e < parent->n_line; e++) {
+        bool parallel = e > 0 && same_ends(parent, e - 1, e);
+        if (!parallel)
+            n->first |= (uint64_t)1 << e;
+        else if (n->first >> (e - 1) & 1)
+            n->second |= (uint64_t)1 << e;
+        if (parallel ? n->removable >> (e - 1) & 1 : lw_structure_removable(parent, e))
+            n->removable |= (uint64_t)1 << e;
+    }
+}
+
+/* Smaller and larger degree of the ends of a line as one number. */
+static int line_measure(int degree_a, int degree_b)
+{
+    return degree_a < degree_b ? degree_a*256 + degree_b : degree_b*256 + degree_a;
+}
+
+/* Does some line of the parent, untouched by the ear, beat a new line of the given measure?  The lines
+ * that may be taken from the parent may be taken from the child: an ear keeps it 2-connected. */
+static bool beaten_by_parent(const nursery *n, const uint8_t *degree, uint64_t touched, int measure)
+{
+    for (uint64_t rest = n->removable & ~touched; rest; rest &= rest - 1) {
+        const uint8_t *end = n->parent->end[__builtin_ctzll(rest)];
+        if (line_measure(degree[end[0]], degree[end[1]]) > measure)
+            return true;
+    }
+    return false;
+}
+
+/* Colour of a line from those of its circles and the number of its parallels. */
+static uint64_t line_colour(const lw_graph *g, const uint64_t *colour, const uint8_t *end)
+{
+    uint64_t a = colour[end[0]], b = colour[end[1]];
+    return (a + b)*0x9e3779b97f4a7c15u + (a ^ b) + g->tie[end[0]][end[1]];
+}
+
+/* Is the line a - b of the child the best of those that can be taken away?  Ties count as best. */
+static bool best_of_child(const lw_structure *child, int a, int b)
+{
+    lw_graph g;
+    uint64_t colour[LW_GRAPH_MAX];
+    uint8_t degree[LW_CIRCLE_MAX], end[2] = { (uint8_t)(a < b ? a : b), (uint8_t)(a < b ? b : a) };
+    lw_graph_of_structure(child, &g);
+    lw_graph_refine(&g, colour);
+    lw_structure_degrees(child, degree);
+    int measure = line_measure(degree[a], degree[b]);
+    uint64_t own = line_colour(&g, colour, end);
+    for (int e = 0; e < child->n_line; e++) {
+        int other = line_measure(degree[child->end[e][0]], degree[child->end[e][1]]);
+        if (other < measure || (e > 0 && same_ends(child, e - 1, e)))
+            continue;
+        if ((other > measure || line_colour(&g, colour, child->end[e]) > own)
+            && lw_structure_removable(child, e))
+            return false;
+    }
+    return true;
+}
+
+typedef struct growth { const nursery *n; lw_grow_visit *visit; void *context; } growth;
+
+/* Try one ear; degree is that of the child for the parent's circles, from and to the ends of the new line. */
+static lw_status try_ear(const growth *w, lw_ear ear, uint64_t touched, const uint8_t *degree, int from, int to)
+{
+    const lw_structure *parent = w->n->parent;
+    int degree_from = from < parent->n_circle ? degree[from] : 3;
+    int degree_to = to < parent->n_circle ? degree[to] : 3;
+    lw_structure child;
+    if (beaten_by_parent(w->n, degree, touched, line_measure(degree_from, degree_to)))
+        return LW_OK;
+    if (lw_structure_grow(parent, ear, &child) != LW_OK || !best_of_child(&child, from, to))
+        return LW_OK;
+    return w->visit(w->context, ear, &child);
+}
+
+static lw_status grow_circles(const growth *w)
+{
+    uint8_t degree[LW_CIRCLE_MAX];
+    int n_circle = w->n->parent->n_circle;
+    lw_status status = LW_OK;
+    memcpy(degree, w->n->degree, sizeof degree);
+    for (int a = 0; a < n_circle; a++) {
+        degree[a]++;
+        for (int b = a + 1; b < n_circle && status == LW_OK; b++) {
+            degree[b]++;
+            lw_ear ear = { LW_EAR_CIRCLES, (uint8_t)a, (uint8_t)b };
+            status = try_ear(w, ear, 0, degree, a, b);
+            degree[b]--;
+        }
+        degree[a]--;
+    }
+    return status;
+}
+
+static lw_status grow_circle_line(const growth *w)
+{
+    uint8_t degree[LW_CIRCLE_MAX];
+    int n_circle = w->n->parent->n_circle;
+    lw_status status = LW_OK;
+    memcpy(degree, w->n->degree, sizeof degree);
+    for (int a = 0; a < n_circle; a++) {
+        degree[a]++;
+        for (uint64_t rest = w->n->first; rest && status == LW_OK; rest &= rest - 1) {
+            int b = __builtin_ctzll(rest);
+            lw_ear ear = { LW_EAR_CIRCLE_LINE, (uint8_t)a, (uint8_t)b };
+            status = try_ear(w, ear, (uint64_t)1 << b, degree, a, n_circle);
+        }
+        degree[a]--;
+    }
+    return status;
+}
+
+/* Two lines that are parallel to others in the same way give the same child: one of each kind is tried,
+ * and for two lines of one set the first two. */
+static lw_status grow_lines(const growth *w)
+{
+    const nursery *n = w->n;
+    int n_circle = n->parent->n_circle;
+    lw_status status = LW_OK;
+    for (uint64_t rest = n->first; rest; rest &= rest - 1) {
+        int a = __builtin_ctzll(rest);
+        uint64_t later = (rest & (rest - 1)) | (n->second & (uint64_t)2 << a);
+        for (; later && status == LW_OK; later &= later - 1) {
+            int b = __builtin_ctzll(later);
+            lw_ear ear = { LW_EAR_LINES, (uint8_t)a, (uint8_t)b };
+            status = try_ear(w, ear, (uint64_t)1 << a | (uint64_t)1 << b, n->degree, n_circle, n_circle + 1);
+        }
+    }
+    for (uint64_t rest = n->first; rest && status == LW_OK; rest &= rest - 1) {
+        int a = __builtin_ctzll(rest);
+        lw_ear ear = { LW_EAR_LINE, (uint8_t)a, (uint8_t)a };
+        status = try_ear(w, ear, (uint64_t)1 << a, n->degree, n_circle, n_circle + 1);
+    }
+    return status;
+}
+
+lw_status lw_grow(const lw_structure *parent, lw_grow_visit *visit, void *context)
+{
+    nursery n;
+    prepare(&n, parent);
+    growth w = { &n, visit, context };
+    lw_status status = grow_circles(&w);
+    if (status == LW_OK)
+        status = grow_circle_line(&w);
+    if (status == LW_OK)
+        status = grow_lines(&w);
+    return status;
+}

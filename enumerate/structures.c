@@ -1,0 +1,240 @@
+/* enumerate/structures.c - see structures.h. */
+#include <stdlib.h>
+#include <string.h>
+#include "base/parallel.h"
+#include "enumerate/canon.h"
+#include "enumerate/grow.h"
+#include "enumerate/structures.h"
+
+/* Where a structure comes from; its circles are kept for sorting. */
+typedef struct origin {
+    uint32_t parent;
+    lw_ear   ear;
+    uint8_t  n_circle;
+} origin;
+
+typedef struct level { size_t n; origin *origin; } level;
+
+struct lw_structures {
+    int   loops;
+    level level[LW_LOOP_MAX + 1];
+};
+
+int lw_structures_loops(const lw_structures *set) { return set->loops; }
+
+size_t lw_structures_count(const lw_structures *set, int loops)
+{
+    return loops < 2 || loops > set->loops ? 0 : set->level[loops].n;
+}
+
+void lw_structures_derive(const lw_structures *set, int loops, size_t index, lw_derivation *d)
+{
+    d->n_ear = loops - 2;
+    for (int l = loops; l > 2; l--) {
+        const origin *o = &set->level[l].origin[index];
+        d->ear[l - 3] = o->ear;
+        index = o->parent;
+    }
+}
+
+void lw_structures_get(const lw_structures *set, int loops, size_t index, lw_structure *s)
+{
+    lw_derivation d;
+    lw_structures_derive(set, loops, index, &d);
+    (void)lw_derivation_replay(&d, s);      /* holds: every ear in the set fitted when it was found */
+}
+
+/* ---- candidates: what one block of parents brings ----------------------------------------------- */
+
+#define BLOCK 32          /* parents a job          */
+#define WAVE  256         /* blocks before a merge  */
+
+typedef struct candidate {
+    origin  from;
+    uint8_t end[LW_LINE_MAX][2];      /* canonical form */
+} candidate;
+
+typedef struct block {
+    const lw_structures *set;
+    int        loops;                 /* of the parents */
+    size_t     first, last;           /* parents        */
+    uint32_t   parent;                /* the one at work */
+    candidate *found;
+    size_t     n, room;
+    lw_status  status;
+} block;
+
+static lw_status take_child(void *context, lw_ear ear, const lw_structure *child)
+{
+    block *b = context;
+    lw_structure form;
+    if (b->n == b->room) {
+        size_t room = b->room ? 2*b->room : 64;
+        candidate *found = realloc(b->found, room*sizeof *found);
+        if (!found)
+            return LW_E_MEMORY;
+        b->found = found;
+        b->room = room;
+    }
+    lw_status status = lw_structure_canonical(child, &form);
+    if (status != LW_OK)
+        return status;
+    candidate *c = &b->found[b->n++];
+    c->from = (origin){ b->parent, ear, child->n_circle };
+    memcpy(c->end, form.end, sizeof c->end);
+    return LW_OK;
+}
+
+static void grow_block(void *context, size_t job, int thread)
+{
+    block *b = (block *)context + job;
+    (void)thread;
+    b->status = LW_OK;
+    for (size_t p = b->first; p < b->last && b->status == LW_OK; p++) {
+        lw_structure parent;
+        lw_structures_get(b->set, b->loops, p, &parent);
+        b->parent = (uint32_t)p;
+        b->status = lw_grow(&parent, take_child, b);
+    }
+}
+
+/* ---- the level being built ---------------------------------------------------------------------- */
+
+/* New structures in order of discovery, their canonical forms (a line less than three per loop takes two
+ * bytes), and a table of their numbers + 1 to find them again. */
+typedef struct builder {
+    size_t    n, room, n_slot;
+    size_t    form_size;
+    origin   *origin;
+    uint8_t  *form;
+    uint32_t *slot;
+} builder;
+
+static size_t find_slot(const builder *b, const uint8_t *form, size_t size)
+{
+    uint64_t h = 14695981039346656037u;               /* FNV-1a */
+    for (size_t i = 0; i < size; i++)
+        h = (h ^ form[i])*1099511628211u;
+    size_t at = (size_t)(h ^ h >> 29) & (b->n_slot - 1);
+    while (b->slot[at] && memcmp(b->form + (b->slot[at] - 1)*b->form_size, form, size) != 0)
+        at = (at + 1) & (b->n_slot - 1);
+    return at;
+}
+
+static lw_status enlarge(builder *b)
+{
+    size_t room = b->room ? 2*b->room : 64;
+    origin *o = realloc(b->origin, room*sizeof *o);
+    if (o)
+        b->origin = o;
+    uint8_t *form = realloc(b->form, room*b->form_size);
+    if (form)
+        b->form = form;
+    free(b->slot);
+    b->n_slot = 2*room;
+    b->slot = calloc(b->n_slot, sizeof *b->slot);
+    if (!o || !form || !b->slot || room > UINT32_MAX/2)
+        return LW_E_MEMORY;
+    b->room = room;
+    for (size_t k = 0; k < b->n; k++)
+        b->slot[find_slot(b, b->form + k*b->form_size, b->form_size)] = (uint32_t)k + 1;
+    return LW_OK;
+}
+
+static lw_status add(builder *b, const candidate *c)
+{
+    if (b->n == b->room) {
+        lw_status status = enlarge(b);
+        if (status != LW_OK)
+            return status;
+    }
+    size_t at = find_slot(b, c->end[0], b->form_size);
+    if (b->slot[at])
+        return LW_OK;
+    b->origin[b->n] = c->from;
+    memcpy(b->form + b->n*b->form_size, c->end, b->form_size);
+    b->slot[at] = (uint32_t)++b->n;
+    return LW_OK;
+}
+
+static lw_status grow_wave(builder *b, block *wave, size_t n_block, int n_thread)
+{
+    lw_status status = lw_parallel(n_thread, n_block, grow_block, wave);
+    for (size_t k = 0; k < n_block; k++) {
+        if (status == LW_OK)
+            status = wave[k].status;
+        for (size_t c = 0; c < wave[k].n && status == LW_OK; c++)
+            status = add(b, &wave[k].found[c]);
+        free(wave[k].found);
+    }
+    return status;
+}
+
+/* Fewer circles first, discovery order kept. */
+static lw_status sort_level(const builder *b, level *l)
+{
+    size_t place[LW_CIRCLE_MAX + 2] = { 0 };
+    l->origin = malloc((b->n ? b->n : 1)*sizeof *l->origin);
+    if (!l->origin)
+        return LW_E_MEMORY;
+    l->n = b->n;
+    for (size_t k = 0; k < b->n; k++)
+        place[b->origin[k].n_circle + 1]++;
+    for (int v = 1; v < LW_CIRCLE_MAX + 2; v++)
+        place[v] += place[v - 1];
+    for (size_t k = 0; k < b->n; k++)
+        l->origin[place[b->origin[k].n_circle]++] = b->origin[k];
+    return LW_OK;
+}
+
+static lw_status build_level(lw_structures *set, int loops, int n_thread)
+{
+    builder b = { .form_size = 2*3*(size_t)(loops - 1) };
+    block *wave = malloc(WAVE*sizeof *wave);
+    size_t n_parent = set->level[loops - 1].n;
+    lw_status status = wave ? LW_OK : LW_E_MEMORY;
+    for (size_t done = 0; done < n_parent && status == LW_OK; ) {
+        size_t n_block = 0;
+        for (; n_block < WAVE && done < n_parent; n_block++, done += BLOCK) {
+            size_t last = done + BLOCK < n_parent ? done + BLOCK : n_parent;
+            wave[n_block] = (block){ .set = set, .loops = loops - 1, .first = done, .last = last };
+        }
+        status = grow_wave(&b, wave, n_block, n_thread);
+    }
+    if (status == LW_OK)
+        status = sort_level(&b, &set->level[loops]);
+    free(wave);
+    free(b.origin);
+    free(b.form);
+    free(b.slot);
+    return status;
+}
+
+lw_status lw_structures_create(int loops, int n_thread, lw_structures **out)
+{
+    if (loops < 2 || loops > LW_LOOP_MAX)
+        return LW_E_ARG;
+    lw_structures *set = calloc(1, sizeof *set);
+    if (!set)
+        return LW_E_MEMORY;
+    set->loops = loops;
+    set->level[2].n = 1;                              /* the theta structure has no origin */
+    lw_status status = LW_OK;
+    for (int l = 3; l <= loops && status == LW_OK; l++)
+        status = build_level(set, l, n_thread);
+    if (status != LW_OK) {
+        lw_structures_free(set);
+        return status;
+    }
+    *out = set;
+    return LW_OK;
+}
+
+void lw_structures_free(lw_structures *set)
+{
+    if (!set)
+        return;
+    for (int l = 0; l <= LW_LOOP_MAX; l++)
+        free(set->level[l].origin);
+    free(set);
+}

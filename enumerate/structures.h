@@ -1,0 +1,31 @@
+/* enumerate/structures.h - all Franke structures, each once, with a derivation.
+ *
+ * Grown level by level from the theta structure with the ears of grow.h, pruned by canonical form
+ * after every step.  Order, and numbering of circles, do not depend on the number of threads nor
+ * on the library behind canon.h: fewer circles first, then the parent's place, then the
+ * ear (rule, a, b); of isomorphic children the first stays.
+ *
+ * Numbers for 2 .. 8 loops: 1, 4, 17, 118, 1198, 17133, 311757. */
+#ifndef LW_ENUMERATE_STRUCTURES_H
+#define LW_ENUMERATE_STRUCTURES_H
+
+#include <stddef.h>
+#include "grammar/structure.h"
+
+/* Levels 2 .. loops; eight bytes a structure, which is its last ear and its parent.  Read-only once made,
+ * so threads share it. */
+typedef struct lw_structures lw_structures;
+
+/* loops 2 .. LW_LOOP_MAX.  n_thread < 1: one per core.  LW_E_ARG, LW_E_MEMORY. */
+lw_status lw_structures_create(int loops, int n_thread, lw_structures **set);
+void      lw_structures_free(lw_structures *set);
+
+/* The most loops in the set; how many structures have `loops` loops. */
+int    lw_structures_loops(const lw_structures *set);
+size_t lw_structures_count(const lw_structures *set, int loops);
+
+/* Structure number `index` (from 0) of those with `loops` loops, and its derivation. */
+void lw_structures_get(const lw_structures *set, int loops, size_t index, lw_structure *s);
+void lw_structures_derive(const lw_structures *set, int loops, size_t index, lw_derivation *d);
+
+#endif

@@ -1,0 +1,303 @@
+/* test_structure.c - Franke structures: the ear grammar, all structures against published counts and against
+ * the exhaustive search over multigraphs, derivations. */
+#include <stdlib.h>
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/structures.h"
+#include "tests/check.h"
+
+/* Biconnected loopless multigraphs with minimum degree 3, by loops and circles (2, 3, ...); published-counts.csv,
+ * recomputed there with geng and multig.  Totals for 2 .. 8 loops: 1, 4, 17, 118, 1198, 17133, 311757. */
+static const size_t by_circles[][9] = { [2] = { 1 }, [3] = { 1, 1, 2 }, [4] = { 1, 2, 5, 4, 5 },
+                                        [5] = { 1, 3, 13, 24, 38, 23, 16 } };
+static const size_t total[] = { [2] = 1, 4, 17, 118, 1198, 17133 };
+
+static void counts_are_the_published_ones(void)
+{
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(7, 1, &set), LW_OK);
+    CHECK_INT(lw_structures_loops(set), 7);
+    for (int l = 2; l <= 7; l++)
+        CHECK_INT(lw_structures_count(set, l), total[l]);
+    CHECK_INT(lw_structures_count(set, 8), 0);
+    CHECK_INT(lw_structures_count(set, 1), 0);
+    for (int l = 2; l <= 5; l++) {
+        size_t n[LW_CIRCLE_MAX + 1] = { 0 };
+        lw_structure s;
+        for (size_t k = 0; k < lw_structures_count(set, l); k++) {
+            lw_structures_get(set, l, k, &s);
+            n[s.n_circle]++;
+        }
+        for (int v = 2; v <= 2*(l - 1); v++)
+            CHECK_INT(n[v], by_circles[l][v - 2]);
+    }
+    lw_structures_free(set);
+    lw_structures_free(NULL);
+}
+
+static void refuses_impossible_loops(void)
+{
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(1, 1, &set), LW_E_ARG);
+    CHECK_INT(lw_structures_create(LW_LOOP_MAX + 1, 1, &set), LW_E_ARG);
+    CHECK(set == NULL);
+}
+
+/* Every structure passes its check, has its derivation, and stands after those with fewer circles. */
+static void each_is_sound_and_replays(void)
+{
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
+    for (int l = 2; l <= 6; l++) {
+        int circles = 0;
+        for (size_t k = 0; k < lw_structures_count(set, l); k++) {
+            lw_structure s, again;
+            lw_derivation d;
+            lw_structures_get(set, l, k, &s);
+            lw_structures_derive(set, l, k, &d);
+            CHECK_INT(lw_structure_check(&s, NULL), LW_OK);
+            CHECK_INT(lw_structure_loops(&s), l);
+            CHECK_INT(d.n_ear, l - 2);
+            CHECK_INT(lw_derivation_replay(&d, &again), LW_OK);
+            CHECK(lw_structure_same(&s, &again));
+            CHECK(s.n_circle >= circles);
+            circles = s.n_circle;
+        }
+    }
+    lw_structures_free(set);
+}
+
+static void order_does_not_depend_on_threads(void)
+{
+    lw_structures *one = NULL, *three = NULL;
+    CHECK_INT(lw_structures_create(6, 1, &one), LW_OK);
+    CHECK_INT(lw_structures_create(6, 3, &three), LW_OK);
+    for (size_t k = 0; k < lw_structures_count(one, 6); k++) {
+        lw_structure a, b;
+        lw_structures_get(one, 6, k, &a);
+        lw_structures_get(three, 6, k, &b);
+        CHECK(lw_structure_same(&a, &b));
+    }
+    lw_structures_free(one);
+    lw_structures_free(three);
+}
+
+/* ---- exhaustive search over multigraphs ---------------------------------------------------------- */
+
+typedef struct collection { lw_structure form[256]; size_t n; } collection;
+
+static void collect(collection *c, const lw_structure *s)
+{
+    lw_structure form;
+    CHECK_INT(lw_structure_canonical(s, &form), LW_OK);
+    for (size_t k = 0; k < c->n; k++)
+        if (lw_structure_same(&c->form[k], &form))
+            return;
+    if (c->n < 256)
+        c->form[c->n++] = form;
+}
+
+/* Choose lines in rising order of their circles, parallel ones allowed. */
+static void all_multigraphs(collection *c, lw_structure *s, int n_line, int a, int b)
+{
+    if (s->n_line == n_line) {
+        if (lw_structure_check(s, NULL) == LW_OK)
+            collect(c, s);
+        return;
+    }
+    for (; a < s->n_circle - 1; a++, b = a + 1)
+        for (; b < s->n_circle; b++) {
+            s->end[s->n_line][0] = (uint8_t)a;
+            s->end[s->n_line++][1] = (uint8_t)b;
+            all_multigraphs(c, s, n_line, a, b);
+            s->n_line--;
+        }
+}
+
+static void agrees_with_all_multigraphs(void)
+{
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(5, 1, &set), LW_OK);
+    for (int l = 2; l <= 5; l++)
+        for (int v = 2; v <= 2*(l - 1) && v <= (l == 5 ? 4 : 6); v++) {
+            static collection brute, grown;
+            lw_structure s = { .n_circle = (uint8_t)v };
+            brute.n = grown.n = 0;
+            all_multigraphs(&brute, &s, l - 1 + v, 0, 1);
+            for (size_t k = 0; k < lw_structures_count(set, l); k++) {
+                lw_structures_get(set, l, k, &s);
+                if (s.n_circle == v)
+                    collect(&grown, &s);
+            }
+            CHECK_INT(brute.n, by_circles[l][v - 2]);
+            CHECK_INT(grown.n, brute.n);
+            for (size_t k = 0; k < grown.n; k++) {
+                size_t n = brute.n;
+                collect(&brute, &grown.form[k]);
+                CHECK_INT(brute.n, n);
+            }
+        }
+    lw_structures_free(set);
+}
+
+/* ---- single rules -------------------------------------------------------------------------------- */
+
+static int possible_ears(const lw_structure *s, lw_ear *ear)
+{
+    lw_structure grown;
+    int n = 0;
+    for (int rule = LW_EAR_CIRCLES; rule <= LW_EAR_LINE; rule++)
+        for (int a = 0; a < LW_LINE_MAX; a++)
+            for (int b = 0; b < LW_LINE_MAX; b++) {
+                lw_ear trial = { (uint8_t)rule, (uint8_t)a, (uint8_t)b };
+                if (lw_structure_grow(s, trial, &grown) == LW_OK)
+                    ear[n++] = trial;
+            }
+    return n;
+}
+
+/* V circles and E lines allow V (V - 1)/2 + V E + E (E - 1)/2 + E ears; each gives a structure with one loop
+ * more, from which the new line can be taken. */
+static void ears_keep_structures_sound(void)
+{
+    static lw_ear ear[4096];
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(4, 1, &set), LW_OK);
+    for (int l = 2; l <= 4; l++)
+        for (size_t k = 0; k < lw_structures_count(set, l); k++) {
+            lw_structure s, t;
+            lw_structures_get(set, l, k, &s);
+            int v = s.n_circle, e = s.n_line, n = possible_ears(&s, ear);
+            CHECK_INT(n, v*(v - 1)/2 + v*e + e*(e - 1)/2 + e);
+            for (int i = 0; i < n; i++) {
+                CHECK_INT(lw_structure_grow(&s, ear[i], &t), LW_OK);
+                CHECK_INT(lw_structure_check(&t, NULL), LW_OK);
+                CHECK_INT(lw_structure_loops(&t), l + 1);
+            }
+        }
+    lw_structures_free(set);
+}
+
+/* The slow way: take the line out, melt circles left with two lines, check what remains. */
+static bool removable_by_trial(const lw_structure *s, int line)
+{
+    int end[LW_LINE_MAX][2], n = 0, degree[LW_CIRCLE_MAX] = { 0 };
+    for (int e = 0; e < s->n_line; e++)
+        if (e != line) {
+            end[n][0] = s->end[e][0];
+            end[n++][1] = s->end[e][1];
+        }
+    for (int side = 0; side < 2; side++) {
+        int c = s->end[line][side], meet[2], n_meet = 0, far[2] = { 0, 0 };
+        for (int e = 0; e < n; e++)
+            for (int k = 0; k < 2; k++)
+                if (end[e][k] == c && n_meet < 2) {
+                    meet[n_meet] = e;
+                    far[n_meet++] = end[e][1 - k];
+                } else if (end[e][k] == c)
+                    n_meet++;
+        if (n_meet != 2)
+            continue;
+        end[meet[0]][0] = far[0];
+        end[meet[0]][1] = far[1];
+        n--;
+        end[meet[1]][0] = end[n][0];
+        end[meet[1]][1] = end[n][1];
+    }
+    lw_structure left = { 0 };
+    uint8_t to[LW_CIRCLE_MAX];
+    for (int e = 0; e < n; e++) {
+        if (end[e][0] == end[e][1])
+            return false;
+        degree[end[e][0]]++;
+        degree[end[e][1]]++;
+    }
+    for (int c = 0; c < s->n_circle; c++)
+        if (degree[c])
+            to[c] = left.n_circle++;
+    left.n_line = (uint8_t)n;
+    uint8_t same[LW_CIRCLE_MAX];
+    for (int c = 0; c < LW_CIRCLE_MAX; c++)
+        same[c] = (uint8_t)c;
+    for (int e = 0; e < n; e++) {
+        int a = to[end[e][0]], b = to[end[e][1]];
+        left.end[e][0] = (uint8_t)(a < b ? a : b);
+        left.end[e][1] = (uint8_t)(a < b ? b : a);
+    }
+    lw_structure_relabel(&left, same, &left);
+    return lw_structure_check(&left, NULL) == LW_OK;
+}
+
+static void removable_lines_are_those_that_leave_a_structure(void)
+{
+    lw_structures *set = NULL;
+    CHECK_INT(lw_structures_create(6, 1, &set), LW_OK);
+    for (int l = 3; l <= 6; l++)
+        for (size_t k = 0; k < lw_structures_count(set, l); k++) {
+            lw_structure s;
+            int n = 0;
+            lw_structures_get(set, l, k, &s);
+            for (int e = 0; e < s.n_line; e++) {
+                CHECK_INT(lw_structure_removable(&s, e), removable_by_trial(&s, e));
+                n += lw_structure_removable(&s, e);
+            }
+            CHECK(n > 0);                                     /* Whitney 1932 */
+        }
+    lw_structures_free(set);
+}
+
+static void faults_are_named(void)
+{
+    lw_error e = { 0 };
+    lw_structure s = lw_structure_theta();
+    CHECK_INT(lw_structure_check(&s, &e), LW_OK);
+    CHECK(!lw_structure_removable(&s, 0));
+    s.n_line = 2;
+    CHECK_INT(lw_structure_check(&s, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "circle 1 has 2 lines");
+    s = (lw_structure){ 3, 6, { {0,1}, {0,1}, {0,1}, {1,2}, {1,2}, {1,2} } };
+    CHECK_INT(lw_structure_check(&s, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "falls apart at circle 2");
+    s = (lw_structure){ 2, 3, { {0,1}, {1,1}, {0,1} } };
+    CHECK_INT(lw_structure_check(&s, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "line 2");
+    s = (lw_structure){ 3, 5, { {0,2}, {0,1}, {0,1}, {1,2}, {1,2} } };
+    CHECK_INT(lw_structure_check(&s, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "out of order");
+    s = (lw_structure){ 1, 0, { {0,0} } };
+    CHECK_INT(lw_structure_check(&s, &e), LW_E_ARG);
+    CHECK_INT(lw_structure_grow(&s, (lw_ear){ 5, 0, 1 }, &s), LW_E_ARG);
+    lw_derivation d = { 1, { { LW_EAR_LINES, 1, 1 } } };
+    CHECK_INT(lw_derivation_replay(&d, &s), LW_E_ARG);
+}
+
+/* Weights 2, 2, 0 and 2, 1, 1 on the theta structure: Watt and Stephenson (errata of the source, no. 2). */
+static void weights_make_chains(void)
+{
+    lw_structure s = lw_structure_theta();
+    lw_chain c;
+    CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 2, 2, 0 }, &c), LW_OK);
+    CHECK_INT(c.n_link, 6);
+    CHECK_INT(lw_chain_freedom(&c, 0, 1), 1);
+    CHECK(lw_chain_freedom(&c, 0, 2) && lw_chain_freedom(&c, 2, 3) && lw_chain_freedom(&c, 3, 1));
+    CHECK_INT(lw_chain_check(&c, NULL), LW_OK);
+    CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 2, 1, 1 }, &c), LW_OK);
+    CHECK_INT(lw_chain_mobility(&c), 1);
+    CHECK_INT(lw_chain_freedom(&c, 0, 1), 0);
+    CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 0, 4, 0 }, &c), LW_E_ARG);
+    CHECK_INT(lw_structure_chain(&s, (uint8_t[]){ 30, 1, 0 }, &c), LW_E_ARG);
+}
+
+int main(void)
+{
+    RUN(counts_are_the_published_ones);
+    RUN(refuses_impossible_loops);
+    RUN(each_is_sound_and_replays);
+    RUN(order_does_not_depend_on_threads);
+    RUN(agrees_with_all_multigraphs);
+    RUN(ears_keep_structures_sound);
+    RUN(removable_lines_are_those_that_leave_a_structure);
+    RUN(faults_are_named);
+    RUN(weights_make_chains);
+    return check_end();
+}
