@@ -128,7 +128,7 @@ static int run(const cli_call *call)
     return cli_close(call, &o, CLI_DONE);
 }
 
-const cli_command cli_classify = {
+const cli_command cli_classify_command = {
     .name = "classify",
     .words = "L1 L2 L3 L4",
     .title = "class of a four-bar, with margins, limits and dead points",
