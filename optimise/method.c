@@ -1,10 +1,33 @@
-/* optimise/method.c - what all methods share: start, stages, the last repair, the result. */
-#include "optimise/method.h"
+/* optimise/method.c - what all methods share: options, start, the last repair, the result. */
+#include "optimise/method_internal.h"
 
 #include <math.h>
 #include <string.h>
 #include "base/clock.h"
 #include "optimise/feasible.h"
+
+lw_solver_options lw_solver_options_default(void)
+{
+    return (lw_solver_options){
+        .seed = 1, .max_evals = 10000, .f_tol = 1e-14, .x_tol = 1e-14, .step = 1e-3,
+        .barrier_first = 1e-2, .barrier_last = 1e-10, .barrier_ratio = 0.1
+    };
+}
+
+const char *lw_stop_text(lw_stop s)
+{
+    switch (s) {
+    case LW_STOP_F_TOL:    return "the objective no longer falls";
+    case LW_STOP_X_TOL:    return "the variables no longer move";
+    case LW_STOP_GRADIENT: return "the gradient is zero to rounding";
+    case LW_STOP_F_TARGET: return "good enough";
+    case LW_STOP_EVALS:    return "limit of evaluations";
+    case LW_STOP_TIME:     return "time limit";
+    case LW_STOP_USER:     return "stopped by the user";
+    case LW_STOP_FAILED:   return "the method gave up";
+    }
+    return "unknown reason";
+}
 
 static const lw_method methods[] = {
 #define X(id, name, box, takes_g, takes_gradient, method, source) { name, box, takes_g, method },

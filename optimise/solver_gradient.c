@@ -5,7 +5,7 @@
  * once with a line search and once literally. */
 #include <math.h>
 #include <string.h>
-#include "optimise/method.h"
+#include "optimise/method_internal.h"
 
 /* ---- with line search: spectral projected gradient (Birgin, Martinez & Raydan 2000, SPG2) ----
  *

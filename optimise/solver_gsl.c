@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "optimise/feasible.h"
-#include "optimise/method.h"
+#include "optimise/method_internal.h"
 
 #define N_ROUND     40
 #define N_STEP      200

@@ -11,7 +11,7 @@
 #include <string.h>
 #include "base/clock.h"
 #include "optimise/feasible.h"
-#include "optimise/method.h"
+#include "optimise/method_internal.h"
 
 typedef struct call { lw_stage *stage; nlopt_opt opt; } call;
 

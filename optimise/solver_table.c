@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/vec2.h"
-#include "optimise/method.h"
+#include "optimise/method_internal.h"
 
 static double call_value(void *context, const double *x, double *grad)
 {
@@ -90,27 +90,4 @@ const lw_solver *lw_solver_find(const char *name)
         if (strcmp(s->name, name) == 0)
             return s;
     return NULL;
-}
-
-lw_solver_options lw_solver_options_default(void)
-{
-    return (lw_solver_options){
-        .seed = 1, .max_evals = 10000, .f_tol = 1e-14, .x_tol = 1e-14, .step = 1e-3,
-        .barrier_first = 1e-2, .barrier_last = 1e-10, .barrier_ratio = 0.1
-    };
-}
-
-const char *lw_stop_text(lw_stop s)
-{
-    switch (s) {
-    case LW_STOP_F_TOL:    return "the objective no longer falls";
-    case LW_STOP_X_TOL:    return "the variables no longer move";
-    case LW_STOP_GRADIENT: return "the gradient is zero to rounding";
-    case LW_STOP_F_TARGET: return "good enough";
-    case LW_STOP_EVALS:    return "limit of evaluations";
-    case LW_STOP_TIME:     return "time limit";
-    case LW_STOP_USER:     return "stopped by the user";
-    case LW_STOP_FAILED:   return "the method gave up";
-    }
-    return "unknown reason";
 }

@@ -1,9 +1,9 @@
-/* optimise/method.h - the methods behind the rows of the solver table, on any lw_function.
+/* optimise/method_internal.h - the methods behind the rows of the solver table, on any lw_function.
  *
  * A row is one line of the list: a method that lowers F of a stage, and whether it searches the whole
  * box and takes conditions itself.  The others run inside the barrier. */
-#ifndef LW_OPTIMISE_METHOD_H
-#define LW_OPTIMISE_METHOD_H
+#ifndef LW_OPTIMISE_METHOD_INTERNAL_H
+#define LW_OPTIMISE_METHOD_INTERNAL_H
 
 #include "optimise/barrier.h"
 
