@@ -16,13 +16,24 @@
  * Each moving link has a frame too: origin at the joint by which its dyad found it, x axis towards
  * its next joint (pin) or along its slide.
  *
+ * Without a ground pin the origin is the meeting point of the first two ground lines (of the first line
+ * and nothing, when they are parallel in the posture the plan was made from).  A link that carries no
+ * pin has its origin where its first two lines meet, so that neither needs an offset.
+ * The driven link's x axis runs from the input pin to its next joint in the order of the linkage
+ * (lw_linkage_posture_input).  Only the sum of the offsets of two links that slide on each other matters:
+ * it is one dimension, of the link that was known first (of the first link, for the inner slider of RPR).
+ *
  * Names of dimensions follow the links, numbered in the order in which the plan meets them, ground 1,
  * input link 2 ("r1 r2 r3 r4 cx cy x0 y0 theta0" for a four-bar with its tracer on the coupler):
+ * They stand in this order: link by link, of ground its pins only; then the slide lines of
+ * ground; then the tracers; then x0 y0 theta0.
  *     r<k>     distance of the first two pins of link k                      length, > 0
- *     e<k>     signed distance of a slide line from the origin of link k, positive to the left of the
- *              line's direction                                             coordinate
- *     beta<k>  direction of a further slide line in the frame of link k      angle
- *     x<k>_<j> y<k>_<j>   a further pin (joint number j) on link k           coordinate
+ *     e<k>     signed distance of a slide line (the path of the pin that slides) from the origin of
+ *              link k, positive to the left of the line's direction         coordinate
+ *     beta<k>  direction of a slide line in the frame of link k, when that frame is not laid along it
+ *                                                                            angle
+ *     e<k>_<j> beta<k>_<j>  those of a further line (joint number j, from 1) on link k
+ *     x<k>_<j> y<k>_<j>     a further pin (joint number j, from 1) on link k  coordinate
  *     cx cy    the first tracer in the frame of its link (cx2 cy2 the next)  coordinate
  *     x0 y0    place of the ground frame                                     coordinate
  *     theta0   its angle                                                     angle
@@ -40,11 +51,40 @@
 
 typedef enum lw_dim_kind { LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_ANGLE } lw_dim_kind;
 
+typedef enum lw_dim_role {
+    LW_ROLE_R, LW_ROLE_X, LW_ROLE_Y,                  /* of pin `joint`, in the frame of `link`  */
+    LW_ROLE_E, LW_ROLE_BETA,                          /* of the line of slider `joint`           */
+    LW_ROLE_CX, LW_ROLE_CY,                           /* of tracer `joint`                       */
+    LW_ROLE_X0, LW_ROLE_Y0, LW_ROLE_THETA0            /* of the whole                            */
+} lw_dim_role;
+
 typedef struct lw_dim_info {
     char        name[16];
     lw_dim_kind kind;         /* length and coordinate scale with the linkage, angle does not    */
     int         link;         /* the link it belongs to (index in the linkage)                   */
+    lw_dim_role role;
+    int         joint;        /* joint or tracer it is read from (index in the linkage), or -1   */
 } lw_dim_info;
+
+/* Where the frame of a link lies in a posture.  -1 in `origin`: where the lines of the two sliders
+ * in meet[] cross; meet[1] == -1: at the point of the line of meet[0] (the place of the joint less
+ * the input's value for ground, which makes displacement and input value the same). */
+typedef struct lw_frame {
+    int origin;               /* pin (joint index) or -1                                         */
+    int meet[2];              /* sliders                                                         */
+    int axis;                 /* joint: x axis towards this pin or along this slider; -1: tracer */
+    int axis_tracer;          /* when axis is -1: tracer, or -1: the x axis of the plane         */
+} lw_frame;
+
+/* A dyad: two links, the joints outer, inner, outer.  The first link is the one that hangs on the
+ * link numbered higher (of equals: the lower index in the linkage).  Modes, +1 or -1:
+ *     RRR   inner pin left or right of the line from the first outer pin to the second;
+ *     RRP   inner pin before or behind the foot of the outer pin, along the slide's direction;
+ *     RPR   second outer pin before or behind the first, along the slide's direction. */
+typedef struct lw_dyad {
+    int link[2];
+    int joint[3];
+} lw_dyad;
 
 typedef enum lw_step_kind {
     LW_STEP_INPUT_PIN,        /* direction of the input link from the input                      */
@@ -54,8 +94,19 @@ typedef enum lw_step_kind {
     LW_STEP_RRR, LW_STEP_RRP, LW_STEP_RPR, LW_STEP_PRP, LW_STEP_PPR
 } lw_step_kind;
 
-/* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused; the meaning by kind
- * stands at the kernels in mbs/plan_make.c. */
+/* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused.  A register is a point
+ * or a direction (unit vector); 0 is the origin and 1 the x axis of the ground frame.
+ *     kind          in                      out             dim
+ *     INPUT_PIN                             u
+ *     INPUT_SLIDE   q, w  (line)            q + s w
+ *     POINT         o, d  (frame)           o + (x + iy) d  x, y
+ *     LINE          o, d                    q, w            e, beta   w = d e^{i beta}, q = o + e i w;
+ *                                                                     dim[2]: number in plan.angle
+ *     RRR           a, b  (pins)            u1, u2, c       r1, r2    c = a + r1 u1 = b + r2 u2
+ *     RRP           a, q, w                 u, c            r         c = a + r u = q + t w
+ *     RPR           a, b                    u               e         b = a + (t + ie) u
+ *     PRP, PPR      q1, w1, q2, w2          c                         c = q1 + t1 w1 = q2 + t2 w2
+ * out u2 of RRR is -1 when nobody needs it.  PPR is handed the line of its inner slider as second. */
 typedef struct lw_step {
     lw_step_kind kind;
     int in[4], out[4], dim[3], dyad;
@@ -66,10 +117,24 @@ typedef struct lw_plan {
     bool        input_is_slider;
     lw_dim_info dim[LW_DIM_MAX];
     lw_step     step[LW_STEP_MAX];
+    lw_dyad     dyad[LW_DYAD_MAX];
+    int         n_link;                           /* links worked out                             */
+    int         link[LW_LINK_MAX];                /* their indices; link[0] ground, link[1] input */
+    lw_frame    frame[LW_LINK_MAX];               /* by index in the linkage                      */
+    int         input_joint;
+    int         joint_pin[LW_JOINT_MAX];          /* of pins: the first joint of the same pin     */
+    int         slider_base[LW_JOINT_MAX];        /* the link the slide line is a line of         */
+    int         slider_ref[LW_JOINT_MAX];         /* the pin whose path a slide line is, or -1    */
+    int         slider_dir[LW_JOINT_MAX];         /* register of its direction, -1: left out      */
+    double      slider_sign[LW_JOINT_MAX];        /* line direction = this times `along`          */
     int         i_x0, i_y0, i_theta0;             /* where these stand in dim                     */
+    int         n_angle, angle[LW_DIM_MAX];       /* the dimensions that are angles, theta0 last  */
     int         output_point[LW_TRACER_MAX];      /* register of each output's point ...          */
     int         output_dir[LW_TRACER_MAX];        /* ... and of the direction of its link         */
     int         output_link[LW_TRACER_MAX];
+    int         output_tracer[LW_TRACER_MAX];     /* index in the linkage                         */
+    int         n_output_step[LW_TRACER_MAX];     /* the steps an output depends on, in order     */
+    unsigned char output_step[LW_TRACER_MAX][LW_STEP_MAX];
     int         i_cx[LW_TRACER_MAX], i_cy[LW_TRACER_MAX];   /* its coordinates in dim, or -1      */
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */
     int         link_dir[LW_LINK_MAX];
@@ -77,14 +142,15 @@ typedef struct lw_plan {
     const struct lw_kernels *kernels;             /* chosen for this processor                    */
 } lw_plan;
 
-/* What a caller wants worked out. */
+/* What a caller wants worked out.  Outputs are numbered 0, 1, ... in the order of the tracers. */
 typedef struct lw_want {
     unsigned tracers;         /* bit i: tracer i                                                  */
     bool     all_joints;      /* every joint and link too (for drawings and traces)               */
 } lw_want;
 
 /* Make the plan.  LW_E_KIND, with a text saying which links are left over, when the linkage is not
- * a chain of one input and dyads; other failures as lw_linkage_check. */
+ * a chain of one input at the ground and dyads of pins and sliders; other failures as
+ * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
 lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
 /* Read dimensions, modes and input value [rad] or [m] off the posture of k (the linkage the plan was
@@ -93,7 +159,9 @@ lw_status lw_plan_read(const lw_plan *plan, const lw_linkage *k, double *dim, do
                        double *input, lw_error *e);
 
 /* The other way: put the posture at `input` with these dimensions into k, which brings the topology
- * and names.  Needs a plan with all_joints.  LW_OPEN when it cannot close there. */
+ * and names.  Needs a plan with all_joints.  LW_OPEN when it cannot close there (k untouched).
+ * Tracers without an output, tool angles and the places of slide lines go with their links; the
+ * input's value moves by as much as the input. */
 lw_status lw_plan_write(const lw_plan *plan, const double *dim, const double *mode, double input,
                         lw_linkage *k);
 

@@ -1,0 +1,50 @@
+/* mbs/kernel_run.h - the registers of a block of lanes and the loops over it.  Included by mbs/kernel.c
+ * alone, once per instruction set. */
+#ifndef LW_MBS_KERNEL_RUN_H
+#define LW_MBS_KERNEL_RUN_H
+
+#include <string.h>
+#include "mbs/kernels.h"
+#include "mbs/sincos.h"
+
+/* Lanes do not depend on each other: nothing a lane writes is read by another. */
+#if defined(__clang__)
+#define LW_LANES(n) _Pragma("clang loop vectorize(assume_safety)") for (size_t i = 0; i < (n); i++)
+#else
+#define LW_LANES(n) _Pragma("GCC ivdep") for (size_t i = 0; i < (n); i++)
+#endif
+
+/* A block of lanes.  Rows are nb doubles long; dimension d of lane i is dim[d*dim_row + i], or dim[d] when
+ * the lanes share one set (then dim_row is 1). */
+typedef struct run {
+    const lw_plan *plan;
+    size_t nb;
+    const double *c, *s;
+    const double *dim, *mode;
+    size_t dim_row, mode_row;
+    double *reg, *margin, *spare;            /* registers: x row, y row                     */
+    double *aux;                             /* a row a dyad: reciprocal of its root        */
+    double *turn;                            /* cosines, sines of the angles                */
+    size_t turn_row;
+    double *bar;                             /* adjoints of the registers                   */
+    double *row;                             /* derivatives by the dimensions               */
+    size_t row_row;
+    double *spread_dim, *spread_mode;        /* one set copied to every lane                */
+    double *tail;                            /* the padded last group                       */
+} run;
+
+LW_INLINE double *reg_x(const run *k, int r) { return k->reg + 2*(size_t)r*k->nb; }
+LW_INLINE double *reg_y(const run *k, int r) { return reg_x(k, r) + k->nb; }
+LW_INLINE double *bar_x(const run *k, int r) { return k->bar + 2*(size_t)r*k->nb; }
+LW_INLINE double *bar_y(const run *k, int r) { return bar_x(k, r) + k->nb; }
+LW_INLINE double *aux_row(const run *k, int dyad) { return k->aux + (size_t)dyad*k->nb; }
+LW_INLINE double *dim_bar(const run *k, int d) { return d < 0 ? k->spare : k->row + (size_t)d*k->row_row; }
+LW_INLINE const double *dim_of(const run *k, int d) { return d < 0 ? reg_x(k, 0) : k->dim + (size_t)d*k->dim_row; }
+LW_INLINE const double *mode_of(const run *k, int dyad) { return k->mode + (size_t)dyad*k->mode_row; }
+LW_INLINE const double *cos_of(const run *k, int angle) { return k->turn + 2*(size_t)angle*k->turn_row; }
+LW_INLINE const double *sin_of(const run *k, int angle) { return cos_of(k, angle) + k->turn_row; }
+
+/* What a forward sweep leaves beside the registers. */
+enum { POSE_ONLY, WITH_MARGIN, WITH_ROOTS };
+
+#endif

@@ -1,0 +1,231 @@
+/* The topology of a plan: which pins are one pin, which links move as dyads, in which order.
+ *
+ * Any linkage of one freedom whose Assur groups are dyads is taken apart by looking, again and again,
+ * for two links not yet known that are joined to each other and, one joint each, to known ones
+ * (Assur 1914; every such linkage is found, in whatever order, since a dyad once found stays one). */
+#include "mbs/plan_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+#include "mbs/kernels.h"
+
+/* ---- pins ------------------------------------------------------------------------------------- */
+
+static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
+
+/* Joints i and j are one pin when a chain of shared links and bit-same places ties them. */
+static void join_pins(lw_topology *t)
+{
+    const lw_linkage *k = t->k;
+    for (int i = 0; i < k->n_joint; i++) {
+        t->pin[i] = i;
+        t->on_pin[i] = 1u << k->joint[i].link[0] | 1u << k->joint[i].link[1];
+    }
+    for (bool more = true; more; ) {
+        more = false;
+        for (int i = 0; i < k->n_joint; i++)
+            for (int j = 0; j < i; j++) {
+                int a = t->pin[i], b = t->pin[j];
+                if (a == b || k->joint[i].kind != LW_JOINT_REVOLUTE || k->joint[j].kind != LW_JOINT_REVOLUTE ||
+                    !(t->on_pin[a] & t->on_pin[b]) || !same_place(k->joint[i].at, k->joint[j].at))
+                    continue;
+                int keep = a < b ? a : b, drop = a < b ? b : a;
+                for (int h = 0; h < k->n_joint; h++)
+                    if (t->pin[h] == drop)
+                        t->pin[h] = keep;
+                t->on_pin[keep] |= t->on_pin[drop];
+                more = true;
+            }
+    }
+}
+
+/* ---- dyads ------------------------------------------------------------------------------------ */
+
+static bool is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
+
+/* The link that has been known longest of those that carry this joint, -1 when none is. */
+static int known_link(const lw_topology *t, int joint)
+{
+    uint32_t on = is_pin(t, joint) ? t->on_pin[t->pin[joint]]
+                                   : 1u << t->k->joint[joint].link[0] | 1u << t->k->joint[joint].link[1];
+    int best = -1;
+    for (int i = 0; i < t->k->n_link; i++)
+        if (on >> i & 1 && t->rank[i] >= 0 && (best < 0 || t->rank[i] < t->rank[best]))
+            best = i;
+    return best;
+}
+
+/* First joint of an unknown link whose other side is known, -1 when there is none. */
+static int outer_joint(const lw_topology *t, int link)
+{
+    for (int j = 0; j < t->k->n_joint; j++) {
+        bool carries = is_pin(t, j) ? t->on_pin[t->pin[j]] >> link & 1 : lw_joint_has(&t->k->joint[j], link);
+        if (carries && known_link(t, j) >= 0)
+            return j;
+    }
+    return -1;
+}
+
+static int inner_joint(const lw_topology *t, int a, int b)
+{
+    for (int j = 0; j < t->k->n_joint; j++) {
+        const lw_joint *q = &t->k->joint[j];
+        if (known_link(t, j) >= 0)
+            continue;
+        if (is_pin(t, j) ? (t->on_pin[t->pin[j]] >> a & 1 && t->on_pin[t->pin[j]] >> b & 1)
+                         : lw_joint_has(q, a) && lw_joint_has(q, b))
+            return j;
+    }
+    return -1;
+}
+
+/* Kind by joints outer, inner, outer; three sliders are no dyad: two links that cannot turn against
+ * each other are held in two directions by three conditions. */
+static bool dyad_kind(const lw_topology *t, lw_group *g)
+{
+    static const lw_step_kind kind[8] = {                /* bit set: pin; bits outer, inner, outer */
+        LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
+    };
+    g->kind = kind[is_pin(t, g->joint[0])*4 + is_pin(t, g->joint[1])*2 + is_pin(t, g->joint[2])];
+    return g->kind != LW_STEP_POINT;
+}
+
+static bool try_dyad(const lw_topology *t, int a, int b, lw_group *g)
+{
+    *g = (lw_group){ .link = { a, b }, .joint = { outer_joint(t, a), inner_joint(t, a, b), outer_joint(t, b) } };
+    if (g->joint[0] < 0 || g->joint[1] < 0 || g->joint[2] < 0 || !dyad_kind(t, g))
+        return false;
+    g->base[0] = known_link(t, g->joint[0]);
+    g->base[1] = known_link(t, g->joint[2]);
+    if (t->rank[g->base[0]] < t->rank[g->base[1]])
+        *g = (lw_group){ g->kind, { b, a }, { g->joint[2], g->joint[1], g->joint[0] },
+                         { g->base[1], g->base[0] }, { false, false } };
+    return true;
+}
+
+static bool find_dyad(const lw_topology *t, lw_group *g)
+{
+    for (int a = 0; a < t->k->n_link; a++)
+        for (int b = a + 1; t->rank[a] < 0 && b < t->k->n_link; b++)
+            if (t->rank[b] < 0 && try_dyad(t, a, b, g))
+                return true;
+    return false;
+}
+
+/* ---- the whole -------------------------------------------------------------------------------- */
+
+/* Freedom with multiple joints counted as they are: a pin of m links takes 2 (m - 1). */
+static int mobility(const lw_topology *t)
+{
+    int f = 3*(t->k->n_link - 1);
+    for (int j = 0; j < t->k->n_joint; j++)
+        if (!is_pin(t, j))
+            f -= 2;
+        else if (t->pin[j] == j)
+            f -= 2*(__builtin_popcount(t->on_pin[j]) - 1);
+    return f;
+}
+
+static lw_status check_joints(const lw_linkage *k, lw_error *e)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER)
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; closed-form plans know pins ('r') "
+                                "and sliders ('t')", k->joint[j].name, (char)k->joint[j].kind);
+    if (k->n_input != 1)
+        return lw_error_set(e, LW_E_KIND, "a closed-form plan needs one input, this linkage has %d", k->n_input);
+    return LW_OK;
+}
+
+static lw_status find_input(lw_topology *t, lw_error *e)
+{
+    const lw_linkage *k = t->k;
+    t->input_joint = k->input[0].joint;
+    const lw_joint *j = &k->joint[t->input_joint];
+    if (!lw_joint_has(j, k->ground))
+        return lw_error_set(e, LW_E_KIND, "the input joint \"%s\" does not touch the ground link \"%s\"; closed-form "
+                            "plans start from a driven link at the ground", j->name, k->link_name[k->ground]);
+    t->driven = lw_joint_other(j, k->ground);
+    t->rank[k->ground] = 0;
+    t->rank[t->driven] = 1;
+    return LW_OK;
+}
+
+static lw_status left_over(const lw_topology *t, lw_error *e)
+{
+    char list[400] = "";
+    for (int i = 0; i < t->k->n_link; i++)
+        if (t->rank[i] < 0) {
+            size_t n = strlen(list);
+            snprintf(list + n, sizeof list - n, "%s\"%s\"", n ? ", " : "", t->k->link_name[i]);
+        }
+    return lw_error_set(e, LW_E_KIND, "not a chain of dyads (pairs of links joined to what is known already): %s left "
+                        "over", list);
+}
+
+static lw_status find_groups(lw_topology *t, lw_error *e)
+{
+    int known = 2;
+    for (lw_group g; find_dyad(t, &g); known += 2) {
+        if (t->n_group == LW_DYAD_MAX)
+            return lw_error_set(e, LW_E_KIND, "more than %d dyads", LW_DYAD_MAX);
+        t->group[t->n_group++] = g;
+        t->rank[g.link[0]] = known;
+        t->rank[g.link[1]] = known + 1;
+    }
+    if (known != t->k->n_link)
+        return left_over(t, e);
+    if (mobility(t) != 1)
+        return lw_error_set(e, LW_E_KIND, "the linkage has freedom F = %d; one input needs F = 1", mobility(t));
+    return LW_OK;
+}
+
+/* Backward slice: a link is needed by an output on it, or by a needed dyad that hangs on it.  The
+ * pin side of PPR needs its own pin and a direction only, not the link it slides on. */
+static void slice(lw_topology *t, lw_want want)
+{
+    bool need[LW_LINK_MAX] = { false };
+    for (int i = 0; i < t->k->n_link; i++)
+        need[i] = want.all_joints;
+    for (int i = 0; i < t->k->n_tracer; i++)
+        if (want.tracers >> i & 1)
+            need[t->k->tracer[i].link] = true;
+    for (int i = t->n_group - 1; i >= 0; i--) {
+        lw_group *g = &t->group[i];
+        g->need[0] = need[g->link[0]];
+        g->need[1] = need[g->link[1]];
+        if (g->need[0] || g->need[1])
+            need[g->base[0]] = need[g->base[1]] = true;
+    }
+}
+
+lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+{
+    lw_topology t = { .k = k };
+    for (int i = 0; i < LW_LINK_MAX; i++)
+        t.rank[i] = -1;
+    lw_status s = lw_linkage_check(k, e);
+    if (s != LW_OK)
+        return s;
+    if (k->n_tracer < 32 && want.tracers >> k->n_tracer)
+        return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
+    if (!want.tracers && !want.all_joints)
+        return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
+    if ((s = check_joints(k, e)) != LW_OK || (s = find_input(&t, e)) != LW_OK)
+        return s;
+    join_pins(&t);
+    if ((s = find_groups(&t, e)) != LW_OK)
+        return s;
+    slice(&t, want);
+    memset(plan, 0, sizeof *plan);
+    plan->kernels = lw_kernels_supported(0);
+    return lw_plan_emit(&t, want, plan, e);
+}
+
+int lw_plan_dim(const lw_plan *plan, const char *name)
+{
+    for (int d = 0; d < plan->n_dim; d++)
+        if (strcmp(plan->dim[d].name, name) == 0)
+            return d;
+    return -1;
+}

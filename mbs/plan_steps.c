@@ -1,0 +1,542 @@
+/* Frames, dimensions, registers and steps of a plan, from its topology. */
+#include "mbs/plan_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct builder {
+    const lw_topology *t;
+    lw_plan *p;
+    int      number[LW_LINK_MAX];          /* in the names of dimensions: ground 1, input 2, ...    */
+    int      pin_reg[LW_JOINT_MAX];        /* register of each pin (first joint), -1: not yet        */
+    int      place[LW_DIM_MAX];            /* sort key of each dimension                             */
+    int      n_line[LW_LINK_MAX][2];       /* offsets and angles named so far                        */
+    bool     full;                         /* a table of the plan overflowed                         */
+} builder;
+
+static bool is_slider(const builder *b, int j) { return b->t->k->joint[j].kind == LW_JOINT_SLIDER; }
+
+/* ---- growing the plan -------------------------------------------------------------------------- */
+
+static int new_reg(builder *b)
+{
+    if (b->p->n_reg == LW_REG_MAX) {
+        b->full = true;
+        return 0;
+    }
+    return b->p->n_reg++;
+}
+
+static lw_step *new_step(builder *b, lw_step_kind kind)
+{
+    if (b->p->n_step == LW_STEP_MAX) {
+        b->full = true;
+        b->p->n_step--;
+    }
+    lw_step *s = &b->p->step[b->p->n_step++];
+    *s = (lw_step){ kind, { -1, -1, -1, -1 }, { -1, -1, -1, -1 }, { -1, -1, -1 }, -1 };
+    return s;
+}
+
+/* The names of mbs/plan.h. */
+static void name_dim(const builder *b, lw_dim_info *d, int number, int count)
+{
+    static const char *const stem[] = { "r", "x", "y", "e", "beta", "cx", "cy", "x0", "y0", "theta0" };
+    const char *s = stem[d->role];
+    switch (d->role) {
+    case LW_ROLE_R: snprintf(d->name, sizeof d->name, "%s%d", s, b->number[d->link]); break;
+    case LW_ROLE_X: case LW_ROLE_Y: snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number); break;
+    case LW_ROLE_E: case LW_ROLE_BETA:
+        if (count == 0)
+            snprintf(d->name, sizeof d->name, "%s%d", s, b->number[d->link]);
+        else
+            snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number);
+        break;
+    case LW_ROLE_CX: case LW_ROLE_CY:
+        if (count == 0)
+            snprintf(d->name, sizeof d->name, "%s", s);
+        else
+            snprintf(d->name, sizeof d->name, "%s%d", s, count + 1);
+        break;
+    default: snprintf(d->name, sizeof d->name, "%s", s);
+    }
+}
+
+/* Ground slides come after the links, tracers after them, the frame last. */
+static int place_of(const builder *b, const lw_dim_info *d)
+{
+    bool line = d->role == LW_ROLE_E || d->role == LW_ROLE_BETA;
+    int group = d->role >= LW_ROLE_X0 ? 3 : d->role >= LW_ROLE_CX ? 2 : line && d->link == b->t->k->ground ? 1 : 0;
+    return (group*64 + (group == 0 ? b->number[d->link] : 0))*LW_DIM_MAX;
+}
+
+static int new_dim(builder *b, lw_dim_role role, int link, int joint, int count)
+{
+    static const lw_dim_kind kind[] = {
+        LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE,
+        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE
+    };
+    lw_plan *p = b->p;
+    if (p->n_dim == LW_DIM_MAX) {
+        b->full = true;
+        return 0;
+    }
+    lw_dim_info *d = &p->dim[p->n_dim];
+    *d = (lw_dim_info){ .kind = kind[role], .link = link, .role = role, .joint = joint };
+    if (role == LW_ROLE_E || role == LW_ROLE_BETA)
+        count = b->n_line[link][role == LW_ROLE_BETA]++;
+    name_dim(b, d, joint + 1, count);
+    b->place[p->n_dim] = place_of(b, d) + p->n_dim;
+    return p->n_dim++;
+}
+
+/* ---- frames ------------------------------------------------------------------------------------ */
+
+static bool across(const builder *b, int i, int j)
+{
+    lw_vec2 u = b->t->k->joint[i].along, v = b->t->k->joint[j].along;
+    return fabs(lw_v2_cross(u, v)) > 1e-9;
+}
+
+/* Ground: its first two pins, or a pin and a line, or two lines, in the order of use. */
+static void ground_frame(builder *b)
+{
+    const lw_topology *t = b->t;
+    int pin[2] = { -1, -1 }, line[2] = { -1, -1 }, n_pin = 0, n_line = 0;
+    for (int i = -1; i < t->n_group; i++)
+        for (int side = 0; side < 2; side++) {
+            if (i < 0 ? side : !(t->group[i].need[0] || t->group[i].need[1]) || t->group[i].base[side] != t->k->ground)
+                continue;
+            int j = i < 0 ? t->input_joint : t->group[i].joint[2*side];
+            if (is_slider(b, j)) {
+                if (n_line < 2)
+                    line[n_line++] = j;
+            } else if (n_pin < 2 && (n_pin == 0 || pin[0] != t->pin[j]))
+                pin[n_pin++] = t->pin[j];
+        }
+    if (n_line == 2 && !across(b, line[0], line[1]))
+        line[1] = -1;
+    b->p->frame[t->k->ground] = (lw_frame){ pin[0], { line[0], line[1] }, n_pin > 1 ? pin[1] : line[0], -1 };
+}
+
+/* The first joint of the driven link beside the input, as lw_linkage_posture_input has it. */
+static int next_joint(const lw_topology *t)
+{
+    const lw_linkage *k = t->k;
+    lw_vec2 at = k->joint[t->input_joint].at;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *q = &k->joint[j];
+        if (j != t->input_joint && lw_joint_has(q, t->driven) &&
+            (q->kind == LW_JOINT_SLIDER || q->at.x != at.x || q->at.y != at.y))
+            return j;
+    }
+    return -1;
+}
+
+static int first_tracer(const lw_topology *t)
+{
+    for (int i = 0; i < t->k->n_tracer; i++)
+        if (t->k->tracer[i].link == t->driven)
+            return i;
+    return -1;
+}
+
+static lw_frame input_frame(const builder *b)
+{
+    const lw_topology *t = b->t;
+    if (!is_slider(b, t->input_joint)) {
+        int j = next_joint(t);
+        return (lw_frame){ t->pin[t->input_joint], { -1, -1 }, j < 0 || is_slider(b, j) ? j : t->pin[j],
+                           first_tracer(t) };
+    }
+    lw_frame f = { -1, { t->input_joint, -1 }, t->input_joint, -1 };
+    for (int j = t->k->n_joint - 1; j >= 0; j--)
+        if (j != t->input_joint && lw_joint_has(&t->k->joint[j], t->driven)) {
+            if (!is_slider(b, j))
+                f.origin = t->pin[j];
+            else if (across(b, j, t->input_joint))
+                f.meet[1] = j;
+        }
+    return f;
+}
+
+/* A link of a dyad that hangs on its outer joint; `inner` is shared. */
+static lw_frame dyad_frame(const builder *b, int outer, int inner, int other_outer)
+{
+    const int *pin = b->t->pin;
+    bool p_outer = is_slider(b, outer), p_inner = is_slider(b, inner);
+    if (!p_outer)                                /* RRx: towards the inner pin; RPx: along a slide */
+        return (lw_frame){ pin[outer], { -1, -1 },
+                           !p_inner ? pin[inner] : is_slider(b, other_outer) ? other_outer : inner, -1 };
+    if (!p_inner)
+        return (lw_frame){ pin[inner], { -1, -1 }, outer, -1 };
+    return (lw_frame){ -1, { outer, inner }, outer, -1 };
+}
+
+static void set_slider(builder *b, int j, int base, int ref)
+{
+    if (!is_slider(b, j))
+        return;
+    b->p->slider_base[j] = base;
+    b->p->slider_ref[j] = ref;
+}
+
+static void set_frames(builder *b)
+{
+    const lw_topology *t = b->t;
+    lw_frame *frame = b->p->frame;
+    ground_frame(b);
+    frame[t->driven] = input_frame(b);
+    set_slider(b, t->input_joint, t->k->ground, frame[t->driven].origin);
+    for (int i = 0; i < t->n_group; i++) {
+        const lw_group *g = &t->group[i];
+        const int *j = g->joint;
+        frame[g->link[0]] = dyad_frame(b, j[0], j[1], j[2]);
+        frame[g->link[1]] = dyad_frame(b, j[2], j[1], j[0]);
+        int ref = is_slider(b, j[1]) ? -1 : t->pin[j[1]];
+        set_slider(b, j[0], g->base[0], ref);
+        set_slider(b, j[2], g->base[1], ref);
+        bool first_has_pin = !is_slider(b, j[0]);       /* PPR with the pin first: a line of the second */
+        bool second_has_pin = !is_slider(b, j[2]);
+        set_slider(b, j[1], g->link[!second_has_pin], t->pin[second_has_pin ? j[2] : first_has_pin ? j[0] : 0]);
+    }
+}
+
+/* ---- points and lines of known links ------------------------------------------------------------ */
+
+static int point_reg(builder *b, int link, int dim_x, int dim_y)
+{
+    lw_step *s = new_step(b, LW_STEP_POINT);
+    s->in[0] = b->p->link_origin[link];
+    s->in[1] = b->p->link_dir[link];
+    s->dim[0] = dim_x;
+    s->dim[1] = dim_y;
+    return s->out[0] = new_reg(b);
+}
+
+/* The register of a pin that sits on a known link. */
+static int pin_reg(builder *b, int joint, int base)
+{
+    int pin = b->t->pin[joint];
+    const lw_frame *f = &b->p->frame[base];
+    if (b->pin_reg[pin] >= 0)
+        return b->pin_reg[pin];
+    if (f->origin == pin)
+        return b->pin_reg[pin] = b->p->link_origin[base];
+    if (f->axis == pin)
+        return b->pin_reg[pin] = point_reg(b, base, new_dim(b, LW_ROLE_R, base, pin, 0), -1);
+    int x = new_dim(b, LW_ROLE_X, base, pin, 0);
+    return b->pin_reg[pin] = point_reg(b, base, x, new_dim(b, LW_ROLE_Y, base, pin, 0));
+}
+
+/* Point and direction of the line of slider j on link `base`.  No offset for a line through the
+ * origin: one that helped to define it, or whose rider has no pin to be measured from. */
+static void line_regs(builder *b, int j, int base, int *q, int *w)
+{
+    const lw_frame *f = &b->p->frame[base];
+    bool defines = f->origin < 0 && (f->meet[0] == j || f->meet[1] == j);
+    int e = defines || b->p->slider_ref[j] < 0 ? -1 : new_dim(b, LW_ROLE_E, base, j, 0);
+    *q = b->p->link_origin[base];
+    *w = b->p->link_dir[base];
+    if (f->axis != j) {
+        lw_step *s = new_step(b, LW_STEP_LINE);
+        s->in[0] = *q;
+        s->in[1] = *w;
+        s->dim[0] = e;
+        s->dim[1] = new_dim(b, LW_ROLE_BETA, base, j, 0);
+        *q = s->out[0] = new_reg(b);
+        *w = s->out[1] = new_reg(b);
+    } else if (e >= 0)
+        *q = point_reg(b, base, -1, e);
+    b->p->slider_dir[j] = *w;
+}
+
+/* ---- steps ------------------------------------------------------------------------------------- */
+
+static void set_link(builder *b, int link, int origin, int dir)
+{
+    b->p->link_origin[link] = origin;
+    b->p->link_dir[link] = dir;
+}
+
+static void emit_input(builder *b)
+{
+    const lw_topology *t = b->t;
+    int j = t->input_joint, q, w;
+    set_link(b, t->k->ground, LW_ORIGIN_REG, LW_AXIS_REG);
+    if (!is_slider(b, j)) {
+        lw_step *s = new_step(b, LW_STEP_INPUT_PIN);
+        set_link(b, t->driven, pin_reg(b, j, t->k->ground), s->out[0] = new_reg(b));
+        return;
+    }
+    line_regs(b, j, t->k->ground, &q, &w);
+    lw_step *s = new_step(b, LW_STEP_INPUT_SLIDE);
+    s->in[0] = q;
+    s->in[1] = w;
+    set_link(b, t->driven, s->out[0] = new_reg(b), w);
+    if (b->p->frame[t->driven].origin >= 0)
+        b->pin_reg[b->p->frame[t->driven].origin] = s->out[0];
+}
+
+static void emit_rrr(builder *b, const lw_group *g)
+{
+    int in0 = pin_reg(b, g->joint[0], g->base[0]), in1 = pin_reg(b, g->joint[2], g->base[1]);
+    int r0 = new_dim(b, LW_ROLE_R, g->link[0], b->t->pin[g->joint[1]], 0);
+    int r1 = new_dim(b, LW_ROLE_R, g->link[1], b->t->pin[g->joint[1]], 0);
+    lw_step *s = new_step(b, LW_STEP_RRR);
+    s->in[0] = in0;
+    s->in[1] = in1;
+    s->dim[0] = r0;
+    s->dim[1] = r1;
+    set_link(b, g->link[0], in0, s->out[0] = new_reg(b));
+    set_link(b, g->link[1], in1, s->out[1] = g->need[1] ? new_reg(b) : -1);
+    b->pin_reg[b->t->pin[g->joint[1]]] = s->out[2] = new_reg(b);
+    s->dyad = b->p->n_dyad;
+}
+
+static void emit_rrp(builder *b, const lw_group *g)
+{
+    int pin = is_slider(b, g->joint[0]), slide = !pin, q, w;       /* sides of the dyad */
+    int in0 = pin_reg(b, g->joint[2*pin], g->base[pin]);
+    line_regs(b, g->joint[2*slide], g->base[slide], &q, &w);
+    int r = new_dim(b, LW_ROLE_R, g->link[pin], b->t->pin[g->joint[1]], 0);
+    lw_step *s = new_step(b, LW_STEP_RRP);
+    s->in[0] = in0;
+    s->in[1] = q;
+    s->in[2] = w;
+    s->dim[0] = r;
+    set_link(b, g->link[pin], in0, s->out[0] = new_reg(b));
+    b->pin_reg[b->t->pin[g->joint[1]]] = s->out[1] = new_reg(b);
+    set_link(b, g->link[slide], s->out[1], w);
+    s->dyad = b->p->n_dyad;
+}
+
+static void emit_rpr(builder *b, const lw_group *g)
+{
+    int in0 = pin_reg(b, g->joint[0], g->base[0]), in1 = pin_reg(b, g->joint[2], g->base[1]);
+    int e = new_dim(b, LW_ROLE_E, g->link[0], g->joint[1], 0);
+    lw_step *s = new_step(b, LW_STEP_RPR);
+    s->in[0] = in0;
+    s->in[1] = in1;
+    s->dim[0] = e;
+    s->out[0] = new_reg(b);
+    set_link(b, g->link[0], in0, s->out[0]);
+    set_link(b, g->link[1], in1, s->out[0]);
+    b->p->slider_dir[g->joint[1]] = s->out[0];
+    s->dyad = b->p->n_dyad;
+}
+
+static void emit_prp(builder *b, const lw_group *g)
+{
+    int q[2], w[2];
+    line_regs(b, g->joint[0], g->base[0], &q[0], &w[0]);
+    line_regs(b, g->joint[2], g->base[1], &q[1], &w[1]);
+    lw_step *s = new_step(b, LW_STEP_PRP);
+    for (int i = 0; i < 2; i++) {
+        s->in[2*i] = q[i];
+        s->in[2*i + 1] = w[i];
+    }
+    b->pin_reg[b->t->pin[g->joint[1]]] = s->out[0] = new_reg(b);
+    set_link(b, g->link[0], s->out[0], w[0]);
+    set_link(b, g->link[1], s->out[0], w[1]);
+    s->dyad = b->p->n_dyad;
+}
+
+/* The link between the two sliders meets the path of the other link's pin; it needs no turning, so
+ * that both links have the direction of the outer slide. */
+static void emit_ppr(builder *b, const lw_group *g)
+{
+    int pin = is_slider(b, g->joint[0]), slide = !pin, q, w;
+    int in = pin_reg(b, g->joint[2*pin], g->base[pin]);
+    line_regs(b, g->joint[2*slide], g->base[slide], &q, &w);
+    set_link(b, g->link[pin], in, w);
+    if (!g->need[slide])
+        return;
+    lw_step *s = new_step(b, LW_STEP_LINE);
+    s->in[0] = in;
+    s->in[1] = w;
+    s->dim[1] = new_dim(b, LW_ROLE_BETA, g->link[slide], g->joint[1], 0);
+    int at = s->out[0] = new_reg(b), v = s->out[1] = new_reg(b);
+    b->p->slider_dir[g->joint[1]] = v;
+    s = new_step(b, LW_STEP_PPR);
+    s->in[0] = q;
+    s->in[1] = w;
+    s->in[2] = at;
+    s->in[3] = v;
+    set_link(b, g->link[slide], s->out[0] = new_reg(b), w);
+    s->dyad = b->p->n_dyad;
+}
+
+static void emit_groups(builder *b)
+{
+    for (int i = 0; i < b->t->n_group; i++) {
+        const lw_group *g = &b->t->group[i];
+        if (!g->need[0] && !g->need[1])
+            continue;
+        int before = b->p->n_step;
+        switch (g->kind) {
+        case LW_STEP_RRR: emit_rrr(b, g); break;
+        case LW_STEP_RRP: emit_rrp(b, g); break;
+        case LW_STEP_RPR: emit_rpr(b, g); break;
+        case LW_STEP_PRP: emit_prp(b, g); break;
+        default:          emit_ppr(b, g);
+        }
+        if (b->p->n_step > before && b->p->step[b->p->n_step - 1].dyad == b->p->n_dyad)
+            b->p->dyad[b->p->n_dyad++] = (lw_dyad){ { g->link[0], g->link[1] },
+                                                    { g->joint[0], g->joint[1], g->joint[2] } };
+    }
+}
+
+/* ---- outputs ------------------------------------------------------------------------------------ */
+
+static void emit_outputs(builder *b, lw_want want)
+{
+    lw_plan *p = b->p;
+    for (int i = 0; i < b->t->k->n_tracer; i++) {
+        if (!(want.tracers >> i & 1))
+            continue;
+        int o = p->n_output++, link = b->t->k->tracer[i].link;
+        p->i_cx[o] = new_dim(b, LW_ROLE_CX, link, i, o);
+        p->i_cy[o] = new_dim(b, LW_ROLE_CY, link, i, o);
+        p->output_point[o] = point_reg(b, link, p->i_cx[o], p->i_cy[o]);
+        p->output_dir[o] = p->link_dir[link];
+        p->output_link[o] = link;
+        p->output_tracer[o] = i;
+    }
+    p->i_x0 = new_dim(b, LW_ROLE_X0, b->t->k->ground, -1, 0);
+    p->i_y0 = new_dim(b, LW_ROLE_Y0, b->t->k->ground, -1, 0);
+    p->i_theta0 = new_dim(b, LW_ROLE_THETA0, b->t->k->ground, -1, 0);
+}
+
+/* The steps that output o depends on, found from the last to the first. */
+static void slice_output(lw_plan *p, int o)
+{
+    bool need[LW_REG_MAX] = { false }, step[LW_STEP_MAX] = { false };
+    need[p->output_point[o]] = need[p->output_dir[o]] = need[p->link_origin[p->output_link[o]]] = true;
+    for (int i = p->n_step - 1; i >= 0; i--) {
+        const lw_step *s = &p->step[i];
+        for (int h = 0; h < 4; h++)
+            if (s->out[h] >= 0 && need[s->out[h]])
+                step[i] = true;
+        for (int h = 0; step[i] && h < 4; h++)
+            if (s->in[h] >= 0)
+                need[s->in[h]] = true;
+    }
+    for (int i = 0; i < p->n_step; i++)
+        if (step[i])
+            p->output_step[o][p->n_output_step[o]++] = (unsigned char)i;
+}
+
+/* ---- finish ------------------------------------------------------------------------------------- */
+
+static void renumber(int *d, const int *to)
+{
+    if (*d >= 0)
+        *d = to[*d];
+}
+
+static void sort_dims(builder *b)
+{
+    lw_plan *p = b->p;
+    lw_dim_info old[LW_DIM_MAX];
+    int to[LW_DIM_MAX];
+    memcpy(old, p->dim, sizeof old);
+    for (int i = 0; i < p->n_dim; i++) {
+        to[i] = 0;
+        for (int j = 0; j < p->n_dim; j++)
+            to[i] += b->place[j] < b->place[i];
+        p->dim[to[i]] = old[i];
+    }
+    for (int i = 0; i < p->n_step; i++)
+        for (int h = 0; h < 3; h++)
+            renumber(&p->step[i].dim[h], to);
+    for (int o = 0; o < p->n_output; o++) {
+        renumber(&p->i_cx[o], to);
+        renumber(&p->i_cy[o], to);
+    }
+    renumber(&p->i_x0, to);
+    renumber(&p->i_y0, to);
+    renumber(&p->i_theta0, to);
+}
+
+/* Number the angles, whose cosine and sine are worked out before the steps. */
+static void number_angles(lw_plan *p)
+{
+    for (int d = 0; d < p->n_dim; d++) {
+        if (p->dim[d].kind != LW_DIM_ANGLE)
+            continue;
+        for (int i = 0; i < p->n_step; i++)
+            if (p->step[i].kind == LW_STEP_LINE && p->step[i].dim[1] == d)
+                p->step[i].dim[2] = p->n_angle;
+        p->angle[p->n_angle++] = d;
+    }
+}
+
+/* A slide line is shown where its pin is, or at the origin of the link that rides on it. */
+static void set_joint_points(builder *b)
+{
+    const lw_linkage *k = b->t->k;
+    lw_plan *p = b->p;
+    for (int j = 0; j < k->n_joint; j++)
+        if (!is_slider(b, j))
+            p->joint_point[j] = b->pin_reg[b->t->pin[j]];
+        else if (p->slider_ref[j] >= 0)
+            p->joint_point[j] = b->pin_reg[p->slider_ref[j]];
+        else
+            p->joint_point[j] = p->link_origin[lw_joint_other(&k->joint[j], p->slider_base[j])];
+}
+
+static void number_links(builder *b)
+{
+    const lw_topology *t = b->t;
+    lw_plan *p = b->p;
+    p->link[p->n_link++] = t->k->ground;
+    p->link[p->n_link++] = t->driven;
+    for (int i = 0; i < t->n_group; i++) {
+        const lw_group *g = &t->group[i];
+        bool any = g->need[0] || g->need[1], alone = g->kind == LW_STEP_PPR;
+        for (int s = 0; s < 2; s++)
+            if (any && (g->need[s] || !alone || !is_slider(b, g->joint[2*s])))
+                p->link[p->n_link++] = g->link[s];
+    }
+    for (int i = 0; i < p->n_link; i++)
+        b->number[p->link[i]] = i + 1;
+}
+
+static void start(builder *b)
+{
+    const lw_linkage *k = b->t->k;
+    lw_plan *p = b->p;
+    p->n_reg = 2;
+    p->input_joint = b->t->input_joint;
+    p->input_is_slider = is_slider(b, p->input_joint);
+    for (int i = 0; i < LW_LINK_MAX; i++)
+        p->link_origin[i] = p->link_dir[i] = -1;
+    for (int j = 0; j < LW_JOINT_MAX; j++) {
+        b->pin_reg[j] = p->joint_point[j] = p->slider_ref[j] = p->slider_base[j] = p->slider_dir[j] = -1;
+        p->joint_pin[j] = j < k->n_joint ? b->t->pin[j] : -1;
+        p->slider_sign[j] = 1;
+    }
+    if (p->input_is_slider && k->joint[p->input_joint].link[1] == k->ground)
+        p->slider_sign[p->input_joint] = -1;
+}
+
+lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_error *e)
+{
+    builder b = { .t = t, .p = plan };
+    start(&b);
+    number_links(&b);
+    set_frames(&b);
+    emit_input(&b);
+    emit_groups(&b);
+    emit_outputs(&b, want);
+    if (b.full)
+        return lw_error_set(e, LW_E_KIND, "the plan needs more than %d dimensions, %d steps or %d registers",
+                            LW_DIM_MAX, LW_STEP_MAX, LW_REG_MAX);
+    set_joint_points(&b);
+    sort_dims(&b);
+    number_angles(plan);
+    for (int o = 0; o < plan->n_output; o++)
+        slice_output(plan, o);
+    return LW_OK;
+}

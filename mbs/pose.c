@@ -1,0 +1,280 @@
+/* One pose through the steps of the plan, and its derivatives by truncated Taylor arithmetic: every
+ * number is replaced by its Taylor coefficients in the input, sums and products by theirs
+ * (Griewank & Walther 2008, ch. 13), so that the derivatives are exact to rounding. */
+#include "mbs/pose.h"
+#include "mbs/dyad.h"
+#include "mbs/plan_internal.h"
+
+#include <string.h>
+
+/* ---- the pose alone --------------------------------------------------------------------------------- */
+
+static double value(const double *dim, int d) { return d < 0 ? 0 : dim[d]; }
+
+static double solve_rrr(const lw_step *s, const double *dim, double mode, lw_vec2 *reg)
+{
+    double r1 = dim[s->dim[0]], r2 = dim[s->dim[1]];
+    lw_rrr z = lw_rrr_solve(reg[s->in[0]], reg[s->in[1]], r1, r2, mode);
+    reg[s->out[0]] = lw_rrr_first(&z);
+    if (s->out[1] >= 0)
+        reg[s->out[1]] = lw_rrr_second(&z);
+    reg[s->out[2]] = lw_point(reg[s->in[0]], reg[s->out[0]], r1, 0);
+    return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
+}
+
+/* One step; returns the margin of a dyad, 1 for other steps. */
+static double solve_step(const lw_step *s, const double *dim, const double *mode, double input, lw_vec2 *reg)
+{
+    const int *in = s->in, *out = s->out;
+    double sign = s->dyad < 0 ? 1 : mode[s->dyad];
+    switch (s->kind) {
+    case LW_STEP_INPUT_PIN:
+        reg[out[0]] = lw_v2_polar(1, input);
+        return 1;
+    case LW_STEP_INPUT_SLIDE:
+        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], input, 0);
+        return 1;
+    case LW_STEP_POINT:
+        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], value(dim, s->dim[0]), value(dim, s->dim[1]));
+        return 1;
+    case LW_STEP_LINE:
+        reg[out[1]] = lw_v2_turn(lw_v2_polar(1, dim[s->dim[1]]), reg[in[1]]);
+        reg[out[0]] = lw_point(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
+        return 1;
+    case LW_STEP_RRR:
+        return solve_rrr(s, dim, sign, reg);
+    case LW_STEP_RRP: {
+        lw_rrp z = lw_rrp_solve(reg[in[0]], reg[in[1]], reg[in[2]], dim[s->dim[0]], sign);
+        reg[out[0]] = z.u;
+        reg[out[1]] = z.c;
+        return lw_rrp_margin(&z);
+    }
+    case LW_STEP_RPR: {
+        lw_rpr z = lw_rpr_solve(reg[in[0]], reg[in[1]], dim[s->dim[0]], sign);
+        reg[out[0]] = z.u;
+        return lw_rpr_margin(&z);
+    }
+    default: {
+        lw_prp z = lw_prp_solve(reg[in[0]], reg[in[1]], reg[in[2]], reg[in[3]]);
+        reg[out[0]] = z.c;
+        return lw_prp_margin(&z);
+    }
+    }
+}
+
+double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                         lw_vec2 reg[LW_REG_MAX])
+{
+    double margin = 1;
+    reg[LW_ORIGIN_REG] = lw_v2(0, 0);
+    reg[LW_AXIS_REG] = lw_v2(1, 0);
+    for (int i = 0; i < plan->n_step; i++)
+        margin = fmin(margin, solve_step(&plan->step[i], dim, mode, input, reg));
+    return margin;
+}
+
+/* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
+
+#define N (LW_ORDER_MAX + 1)
+typedef struct jet { double c[N]; } jet;
+typedef struct jet2 { jet x, y; } jet2;
+
+static jet constant(double a) { return (jet){ { a } }; }
+
+static jet add(jet a, jet b)
+{
+    for (int i = 0; i < N; i++)
+        a.c[i] += b.c[i];
+    return a;
+}
+
+static jet scale(jet a, double s)
+{
+    for (int i = 0; i < N; i++)
+        a.c[i] *= s;
+    return a;
+}
+
+static jet sub(jet a, jet b) { return add(a, scale(b, -1)); }
+
+static jet mul(jet a, jet b)
+{
+    jet p = { { 0 } };
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j <= i; j++)
+            p.c[i] += a.c[j]*b.c[i - j];
+    return p;
+}
+
+static jet divide(jet a, jet b)
+{
+    for (int i = 0; i < N; i++) {
+        for (int j = 0; j < i; j++)
+            a.c[i] -= a.c[j]*b.c[i - j];
+        a.c[i] /= b.c[0];
+    }
+    return a;
+}
+
+static jet root(jet a)
+{
+    jet r = { { sqrt(a.c[0]) } };
+    for (int i = 1; i < N; i++) {
+        double rest = a.c[i];
+        for (int j = 1; j < i; j++)
+            rest -= r.c[j]*r.c[i - j];
+        r.c[i] = rest/(2*r.c[0]);
+    }
+    return r;
+}
+
+static jet2 add2(jet2 a, jet2 b) { return (jet2){ add(a.x, b.x), add(a.y, b.y) }; }
+static jet2 sub2(jet2 a, jet2 b) { return (jet2){ sub(a.x, b.x), sub(a.y, b.y) }; }
+static jet2 turn2(jet2 a, jet2 u)
+{
+    return (jet2){ sub(mul(a.x, u.x), mul(a.y, u.y)), add(mul(a.x, u.y), mul(a.y, u.x)) };
+}
+static jet2 scale2(jet2 a, jet s) { return (jet2){ mul(a.x, s), mul(a.y, s) }; }
+static jet2 conjugate(jet2 a) { return (jet2){ a.x, scale(a.y, -1) }; }
+static jet cross2(jet2 a, jet2 b) { return sub(mul(a.x, b.y), mul(a.y, b.x)); }
+static jet dot2(jet2 a, jet2 b) { return add(mul(a.x, b.x), mul(a.y, b.y)); }
+static jet2 constant2(double x, double y) { return (jet2){ constant(x), constant(y) }; }
+static jet2 point2(jet2 o, jet2 d, double x, double y) { return add2(o, turn2(constant2(x, y), d)); }
+
+/* ---- steps in Taylor arithmetic: the formulas of mbs/dyad.h, where they close ------------------------- */
+
+static jet2 input_direction(double input)
+{
+    double c = cos(input), s = sin(input);
+    jet2 u = { { { c } }, { { s } } };
+    for (int i = 1; i < N; i++) {
+        u.x.c[i] = -u.y.c[i - 1]/i;
+        u.y.c[i] = u.x.c[i - 1]/i;
+    }
+    return u;
+}
+
+static void jet_rrr(const lw_step *s, const double *dim, double mode, jet2 *reg)
+{
+    double r1 = dim[s->dim[0]], r2 = dim[s->dim[1]], sum = r1 + r2, dif = r1 - r2;
+    jet2 a = reg[s->in[0]], span = sub2(reg[s->in[1]], a);
+    jet d2 = dot2(span, span);
+    jet y = scale(root(mul(sub(constant(sum*sum), d2), sub(d2, constant(dif*dif)))), mode);
+    jet2 u1 = turn2(span, (jet2){ add(d2, constant(sum*dif)), y });
+    jet2 u2 = turn2(span, (jet2){ sub(constant(sum*dif), d2), y });
+    reg[s->out[0]] = scale2(u1, divide(constant(0.5/r1), d2));
+    if (s->out[1] >= 0)
+        reg[s->out[1]] = scale2(u2, divide(constant(0.5/r2), d2));
+    reg[s->out[2]] = point2(a, reg[s->out[0]], r1, 0);
+}
+
+static void jet_rrp(const lw_step *s, const double *dim, double mode, jet2 *reg)
+{
+    double r = dim[s->dim[0]];
+    jet2 a = reg[s->in[0]], w = reg[s->in[2]];
+    jet away = cross2(w, sub2(reg[s->in[1]], a));
+    jet y = scale(root(mul(sub(constant(r), away), add(constant(r), away))), mode);
+    jet2 arm = turn2((jet2){ y, away }, w);
+    reg[s->out[0]] = scale2(arm, constant(1/r));
+    reg[s->out[1]] = add2(a, arm);
+}
+
+static void jet_rpr(const lw_step *s, const double *dim, double mode, jet2 *reg)
+{
+    double e = dim[s->dim[0]];
+    jet2 span = sub2(reg[s->in[1]], reg[s->in[0]]);
+    jet d2 = dot2(span, span);
+    jet y = scale(root(sub(d2, constant(e*e))), mode);
+    reg[s->out[0]] = scale2(turn2(span, conjugate((jet2){ y, constant(e) })), divide(constant(1), d2));
+}
+
+static void jet_prp(const lw_step *s, jet2 *reg)
+{
+    jet2 q1 = reg[s->in[0]], w1 = reg[s->in[1]], q2 = reg[s->in[2]], w2 = reg[s->in[3]];
+    jet t = divide(cross2(sub2(q2, q1), w2), cross2(w1, w2));
+    reg[s->out[0]] = add2(q1, scale2(w1, t));
+}
+
+static void jet_step(const lw_step *s, const double *dim, const double *mode, double input, jet2 *reg)
+{
+    const int *in = s->in, *out = s->out;
+    jet slide = { { input, 1 } };
+    switch (s->kind) {
+    case LW_STEP_INPUT_PIN:   reg[out[0]] = input_direction(input); break;
+    case LW_STEP_INPUT_SLIDE: reg[out[0]] = add2(reg[in[0]], scale2(reg[in[1]], slide)); break;
+    case LW_STEP_POINT:
+        reg[out[0]] = point2(reg[in[0]], reg[in[1]], value(dim, s->dim[0]), value(dim, s->dim[1]));
+        break;
+    case LW_STEP_LINE:
+        reg[out[1]] = turn2(constant2(cos(dim[s->dim[1]]), sin(dim[s->dim[1]])), reg[in[1]]);
+        reg[out[0]] = point2(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
+        break;
+    case LW_STEP_RRR: jet_rrr(s, dim, mode[s->dyad], reg); break;
+    case LW_STEP_RRP: jet_rrp(s, dim, mode[s->dyad], reg); break;
+    case LW_STEP_RPR: jet_rpr(s, dim, mode[s->dyad], reg); break;
+    default:          jet_prp(s, reg);
+    }
+}
+
+/* ---- into the pose ------------------------------------------------------------------------------------ */
+
+typedef struct sink { int order; lw_vec2 z0, turn; double theta0; } sink;
+
+static void put_point(const sink *k, const jet2 *p, lw_vec2 out[N])
+{
+    double factorial = 1;
+    for (int i = 0; i <= k->order; i++) {
+        factorial *= i > 1 ? i : 1;
+        out[i] = lw_v2_scale(lw_v2_turn(lw_v2(p->x.c[i], p->y.c[i]), k->turn), factorial);
+    }
+    out[0] = lw_v2_add(k->z0, out[0]);
+}
+
+/* The rate of the angle of a unit vector is u x du. */
+static void put_angle(const sink *k, const jet2 *u, double out[N])
+{
+    jet2 du = constant2(0, 0);
+    for (int i = 1; i < N; i++) {
+        du.x.c[i - 1] = i*u->x.c[i];
+        du.y.c[i - 1] = i*u->y.c[i];
+    }
+    jet rate = cross2(*u, du);
+    double factorial = 1;
+    out[0] = atan2(u->y.c[0], u->x.c[0]) + k->theta0;
+    for (int i = 1; i <= k->order; i++) {
+        out[i] = factorial*rate.c[i - 1];
+        factorial *= i;
+    }
+}
+
+static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_pose *pose)
+{
+    for (int j = 0; j < LW_JOINT_MAX; j++)
+        if (plan->joint_point[j] >= 0)
+            put_point(k, &reg[plan->joint_point[j]], pose->joint[j]);
+    for (int i = 0; i < plan->n_link; i++)
+        if (plan->link_dir[plan->link[i]] >= 0)
+            put_angle(k, &reg[plan->link_dir[plan->link[i]]], pose->angle[plan->link[i]]);
+    for (int o = 0; o < plan->n_output; o++)
+        put_point(k, &reg[plan->output_point[o]], pose->tracer[o]);
+}
+
+lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order,
+                        lw_pose *pose)
+{
+    lw_vec2 flat[LW_REG_MAX];
+    jet2 reg[LW_REG_MAX];
+    if (order < 0 || order > LW_ORDER_MAX)
+        return LW_E_ARG;
+    memset(pose, 0, sizeof *pose);
+    pose->input = input;
+    pose->margin = lw_pose_registers(plan, dim, mode, input, flat);
+    for (int r = 0; r < plan->n_reg; r++)
+        reg[r] = constant2(flat[r].x, flat[r].y);
+    if (order > 0 && pose->margin > LW_MARGIN_FLAT)
+        for (int i = 0; i < plan->n_step; i++)
+            jet_step(&plan->step[i], dim, mode, input, reg);
+    sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };
+    put_all(plan, &k, reg, pose);
+    return pose->margin < 0 ? LW_OPEN : LW_OK;
+}

@@ -1,0 +1,87 @@
+/* The four-link types: dimensions by name, no type forgotten, postures that say what their plan says. */
+#include "check.h"
+#include "mbs/pose.h"
+#include "mbs/types.h"
+
+/* What a plan of the type with its tracer on the coupler must call its dimensions. */
+static const struct { const char *type, *dims; } known[] = {
+    { "RRRR", "r1 r2 r3 r4 cx cy x0 y0 theta0" },
+    { "RRRP", "r2 r3 e1 cx cy x0 y0 theta0" },
+    { "RRPR", "r1 r2 e3 cx cy x0 y0 theta0" },
+    { "PRRP", "r3 beta1 cx cy x0 y0 theta0" },
+    { "RPRR", "r1 e2 r4 cx cy x0 y0 theta0" },
+    { "PRRR", "r3 r4 e1 cx cy x0 y0 theta0" },
+    { "PRPR", "e3 e1 cx cy x0 y0 theta0" },
+    { "RPRP", "e2 e1 cx cy x0 y0 theta0" },
+    { "RPPR", "r1 beta3 cx cy x0 y0 theta0" },
+    { "RRPP", "r2 cx cy x0 y0 theta0" },
+    { "PPRR", "beta2 r4 cx cy x0 y0 theta0" },
+};
+
+static void names_of(const lw_plan *p, char *text, size_t size)
+{
+    size_t n = 0;
+    for (int d = 0; d < p->n_dim; d++)
+        n += (size_t)snprintf(text + n, size - n, "%s%s", d ? " " : "", p->dim[d].name);
+}
+
+static void dimensions_have_their_names(void)
+{
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_linkage k;
+        lw_plan p;
+        char text[256];
+        lw_type_linkage(lw_type_find(known[i].type), &k);
+        CHECK_INT(lw_plan_make(&k, (lw_want){ 1, false }, &p, NULL), LW_OK);
+        names_of(&p, text, sizeof text);
+        CHECK_TEXT(text, known[i].dims);
+        CHECK_INT(lw_plan_dim(&p, "theta0"), p.i_theta0);
+        CHECK_INT(lw_plan_dim(&p, "r9"), -1);
+    }
+}
+
+/* Every word of four letters R and P with at most two P, up to reading the loop from the other end of
+ * the coupler's side, has its row: the first letter is the input, so the words are all different. */
+static void no_type_is_forgotten(void)
+{
+    int n = 0;
+    for (const lw_type *t = lw_type_table; t->letters; t++) {
+        n++;
+        CHECK_INT(t->input_is_slider, t->letters[0] == 'P');
+        CHECK(lw_type_find(t->name) == t && lw_type_find(t->letters) == t);
+        for (const lw_type *o = lw_type_table; o != t; o++)
+            CHECK(strcmp(o->letters, t->letters) != 0 && strcmp(o->name, t->name) != 0);
+    }
+    CHECK_INT(n, 1 + 4 + 6);                          /* no slider, one, two of four joints */
+    CHECK(lw_type_find("RPPP") == NULL && lw_type_find("") == NULL && lw_type_find(NULL) == NULL);
+}
+
+static void postures_are_sound(void)
+{
+    for (const lw_type *t = lw_type_table; t->letters; t++) {
+        lw_linkage k;
+        lw_plan p;
+        lw_pose pose;
+        lw_error e;
+        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        lw_type_linkage(t, &k);
+        CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+        CHECK_INT(lw_linkage_mobility(&k), 1);
+        CHECK_INT(lw_plan_make(&k, (lw_want){ 1, true }, &p, &e), LW_OK);
+        CHECK_INT(lw_plan_read(&p, &k, dim, mode, &input, &e), LW_OK);
+        CHECK_INT(p.input_is_slider, t->input_is_slider);
+        CHECK_NEAR(k.input[0].value, input, 1e-15, 0);
+        CHECK_INT(lw_pose_solve(&p, dim, mode, input, 0, &pose), LW_OK);
+        CHECK(pose.margin > 0.1);
+        CHECK_NEAR(pose.tracer[0][0].x, k.tracer[0].at.x, 4e-15, 0);
+        CHECK_NEAR(pose.tracer[0][0].y, k.tracer[0].at.y, 4e-15, 0);
+    }
+}
+
+int main(void)
+{
+    RUN(dimensions_have_their_names);
+    RUN(no_type_is_forgotten);
+    RUN(postures_are_sound);
+    return check_end();
+}
