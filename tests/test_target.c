@@ -1,0 +1,423 @@
+/* Targets from CSV: what is read, and that every fault names its place, the reason and the remedy. */
+#include "base/file.h"
+#include "base/rng.h"
+#include "base/vec2.h"
+#include "optimise/target.h"
+#include "tests/check.h"
+
+static lw_status read_with(const char *text, size_t size, const lw_target_options *o, lw_target *t, lw_error *e)
+{
+    char *copy = malloc(size + 1);                    /* exact size, no terminator: a step beyond it shows */
+    memcpy(copy, text, size);
+    memset(e, 0, sizeof *e);
+    lw_status s = lw_target_read(copy, size, "p.csv", o, t, e);
+    free(copy);
+    return s;
+}
+
+static lw_status read(const char *text, lw_target *t, lw_error *e)
+{
+    return read_with(text, strlen(text), NULL, t, e);
+}
+
+static void check_reads(const char *text, size_t n)
+{
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read(text, &t, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(t.n, n);
+    lw_target_free(&t);
+}
+
+/* ---- files ------------------------------------------------------------------------------------- */
+
+static lw_target from_file(const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_target t = { .n = 0 };
+    lw_error e = { .text = "" };
+    CHECK_INT(lw_file_read(path, &text, &size, &e), LW_OK);
+    CHECK_INT(lw_target_read(text, size, path, NULL, &t, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    free(text);
+    return t;
+}
+
+static void published_files(void)
+{
+    static const struct { const char *path; size_t n; bool x, theta, angle, closed; } files[] = {
+        { "tests/data/paths/line6.csv", 6, 1, 0, 0, 0 },
+        { "tests/data/paths/arc5.csv", 5, 1, 0, 1, 0 },
+        { "tests/data/paths/arch6.csv", 6, 1, 0, 1, 0 },
+        { "tests/data/paths/closed18.csv", 18, 1, 0, 1, 1 },
+        { "tests/data/paths/closed18free.csv", 18, 1, 0, 0, 1 },
+        { "tests/data/paths/ellipse10.csv", 10, 1, 0, 0, 1 },
+        { "tests/data/tasks/s03-slidercrank-path36.csv", 36, 1, 1, 1, 1 },
+        { "tests/data/tasks/f01-log.csv", 61, 0, 1, 1, 0 },
+        { "tests/data/tasks/f02-x15.csv", 61, 0, 1, 1, 0 },
+        { "tests/data/tasks/f03-sin.csv", 61, 0, 1, 1, 0 },
+        { "tests/data/tasks/f04-square.csv", 61, 0, 1, 1, 0 },
+    };
+    for (size_t i = 0; i < sizeof files/sizeof *files; i++) {
+        lw_target t = from_file(files[i].path);
+        CHECK_INT(t.n, files[i].n);
+        CHECK(!t.x == !files[i].x && !t.y == !files[i].x && !t.theta == !files[i].theta);
+        CHECK(!t.angle == !files[i].angle && t.closed == files[i].closed);
+        lw_target_free(&t);
+    }
+}
+
+/* theta_in_rad is the input, angle the tool: the coupler's direction oscillates about theta0 = 0.35. */
+static void published_names_of_columns(void)
+{
+    lw_target t = from_file("tests/data/tasks/s03-slidercrank-path36.csv");
+    CHECK_NEAR(t.angle[1], 10*LW_PI/180, 0, 1e-14);
+    CHECK_NEAR(t.theta[0], 0.495675987553583, 0, 0);
+    CHECK_NEAR(t.angle[35], 350*LW_PI/180, 0, 1e-14);
+    lw_target_free(&t);
+    t = from_file("tests/data/tasks/f01-log.csv");
+    CHECK_NEAR(t.angle[60], LW_PI/3, 0, 1e-10);
+    CHECK_NEAR(t.theta[60], LW_PI/2, 0, 1e-10);
+    lw_target_free(&t);
+}
+
+static void length_and_size(void)
+{
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read("x,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
+    CHECK(t.closed);                                          /* gap 5 <= 1.5 * 4 */
+    CHECK_NEAR(t.length, 12, 0, 0);
+    CHECK_NEAR(t.size, 5, 0, 0);
+    lw_target_free(&t);
+    CHECK_INT(read("# closed: no\nx,y\n0,0\n3,0\n3,4\n", &t, &e), LW_OK);
+    CHECK(!t.closed);
+    CHECK_NEAR(t.length, 7, 0, 0);
+    lw_target_free(&t);
+    t = from_file("tests/data/paths/line6.csv");
+    CHECK_NEAR(t.length, 25, 0, 0);
+    CHECK_INT(t.line[0], 7);
+    CHECK_INT(t.line[5], 12);
+    lw_target_free(&t);
+}
+
+/* ---- forms ------------------------------------------------------------------------------------- */
+
+static void separators_and_line_ends(void)
+{
+    check_reads("x,y\n1,2\n3,4\n", 2);
+    check_reads("x,y\n1,2\n3,4", 2);
+    check_reads("x,y\r\n1,2\r\n3,4\r\n", 2);
+    check_reads("x,y\r1,2\r3,4\r", 2);
+    check_reads("\xef\xbb\xbfx,y\n1,2\n", 1);
+    check_reads("x;y\n1;2\n", 1);
+    check_reads("x\ty\n1\t2\n", 1);
+    check_reads("x y\n 1   2 \n\t3\t4\n", 2);
+    check_reads("\"x\" , \"y\"\n\" 1\" ,\"2\"\n", 1);
+    check_reads("\n\n# a comment\n  # another\nX,Y\n\n1,2 # and behind a line\n\n", 1);
+}
+
+static void units_by_comment_suffix_and_option(void)
+{
+    static const struct { const char *text; double x, angle; } cases[] = {
+        { "# units: mm deg\nx,y,angle\n1,2,90\n", 1e-3, LW_PI/2 },
+        { "# Units : deg, mm\nx,y,angle\n1,2,90\n", 1e-3, LW_PI/2 },
+        { "x_mm,y_mm,angle_deg\n1,2,90\n", 1e-3, LW_PI/2 },
+        { "x_mm,y,angle\n1,2,90\n", 1e-3, 90 },
+        { "x_in,y,theta_in_deg\n1,2,90\n", 0.0254, LW_PI/2 },
+        { "x,y,theta_in\n1,2,3\n", 1, 3 },
+        { "x,y,angle_turn\n1,2,0.25\n", 1, LW_PI/2 },
+        { "x,y,t\n1,2,0.25\n", 1, LW_PI/2 },
+        { "# units: mm\nx_mm,y,t\n1,2,0.5\n", 1e-3, LW_PI },
+    };
+    for (size_t i = 0; i < sizeof cases/sizeof *cases; i++) {
+        lw_target t;
+        lw_error e;
+        CHECK_INT(read(cases[i].text, &t, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK_NEAR(t.x[0], cases[i].x, 0, 1e-15);
+        CHECK_NEAR(t.y[0], 2*cases[i].x, 0, 1e-15);
+        CHECK_NEAR(t.angle[0], cases[i].angle, 0, 1e-15);
+        lw_target_free(&t);
+    }
+}
+
+static void options_overrule_comments(void)
+{
+    static const char text[] = "# units: mm deg\n# closed: yes\nx,y,angle\n1,2,3\n4,5,6\n";
+    const lw_target_options o = { .closed = 0, .length_unit = "cm", .angle_unit = "rad" };
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read_with(text, strlen(text), &o, &t, &e), LW_OK);
+    CHECK_NEAR(t.x[0], 0.01, 0, 0);
+    CHECK_NEAR(t.angle[1], 6, 0, 0);
+    CHECK(!t.closed);
+    CHECK_TEXT(t.units.length, "cm");
+    lw_target_free(&t);
+    CHECK_INT(read_with("x_mm,y\n1,2\n", 11, &o, &t, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "units are mixed");
+    CHECK_HAS(e.text, "the command line said cm");
+    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ -1, "mile", NULL }, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "\"mile\"");
+    CHECK_INT(read_with("x,y\n1,2\n", 8, &(lw_target_options){ -1, NULL, "grad" }, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "\"grad\"");
+}
+
+static void columns_in_any_order(void)
+{
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read("weight,theta,y,angle,x\n0.5,1,2,3,4\n0,1,2,4,4\n", &t, &e), LW_OK);
+    CHECK(t.weight[0] == 0.5 && t.theta[0] == 1 && t.y[0] == 2 && t.angle[0] == 3 && t.x[0] == 4);
+    CHECK(t.weight[1] == 0);
+    lw_target_free(&t);
+    CHECK_INT(read("x,y\n1,2\n", &t, &e), LW_OK);
+    CHECK(t.weight[0] == 1);
+    CHECK_TEXT(t.units.length, "");
+    lw_target_free(&t);
+}
+
+static void few_stations_and_repeated_points(void)
+{
+    check_reads("x,y\n1,2\n", 1);
+    check_reads("x,y\n1,2\n1,2\n", 2);
+    check_reads("x,y\n0,0\n0,0\n0,0\n", 3);
+    check_reads("x,y\n-0,1e-9\n1e9,1E9\n", 2);
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read("x,y\n5,5\n5,5\n5,5\n", &t, &e), LW_OK);
+    CHECK(!t.closed && t.size == 0 && t.length == 0);
+    lw_target_free(&t);
+}
+
+/* ---- angles ------------------------------------------------------------------------------------ */
+
+static void check_angles(const char *text, size_t n, const double *want)
+{
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read(text, &t, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    for (size_t i = 0; i < n && i < t.n; i++)
+        CHECK_NEAR(t.angle[i]*180/LW_PI, want[i], 1e-12, 1e-15);
+    lw_target_free(&t);
+}
+
+static void cyclic_order_is_order(void)
+{
+    check_angles("x,y,angle_deg\n0,0,0\n1,0,10\n2,0,350\n", 3, (double[]){ 0, 10, 350 });
+    check_angles("x,y,angle_deg\n0,0,30\n1,0,20\n2,0,-200\n", 3, (double[]){ 30, 20, -200 });
+    check_angles("x,y,angle_deg\n0,0,300\n1,0,340\n2,0,20\n3,0,60\n", 4, (double[]){ 300, 340, 380, 420 });
+    check_angles("x,y,angle_deg\n0,0,20\n1,0,10\n2,0,350\n3,0,300\n", 4, (double[]){ 20, 10, -10, -60 });
+    check_angles("x,y,angle_deg\n0,0,0\n1,0,180\n0,0,360\n", 3, (double[]){ 0, 180, 360 });
+    check_angles("x,y,angle_deg\n0,0,0\n1,0,180\n0,0,0\n", 3, (double[]){ 0, 180, 360 });
+    check_angles("x,y,angle_deg\n0,0,5\n0,0,5\n1,0,7\n", 3, (double[]){ 5, 5, 7 });
+    check_angles("x,y,angle_deg\n0,0,5\n", 1, (double[]){ 5 });
+    check_angles("angle_deg,theta_deg\n0,0\n350,20\n", 2, (double[]){ 0, 350 });
+}
+
+static double whole_turns(double a) { return floor(a/360)*360; }
+
+/* Any sequence that a slow search finds to be cyclic within one turn is read, and no other. */
+static void order_against_brute_force(void)
+{
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 0);
+    for (int trial = 0; trial < 5000; trial++) {
+        int n = 2 + (int)(lw_rng_bits(&r)%5), ok = 0;
+        double a[8], x[8], y[8], rad[8];
+        for (int i = 0; i < n; i++) {
+            a[i] = 30*(double)(lw_rng_bits(&r)%13);           /* 0, 30, ... 360 */
+            rad[i] = a[i]*LW_PI/180;
+            x[i] = i;
+            y[i] = 0;
+        }
+        for (int sense = -1; sense <= 1; sense += 2)          /* wrap behind place k, n: nowhere */
+            for (int k = 1; k <= n; k++) {
+                int good = 1;
+                double b[8];
+                for (int i = 0; i < n; i++)
+                    b[i] = sense*a[i] + (i >= k ? 360 : 0);
+                for (int i = 1; i < n; i++)
+                    good &= b[i] >= b[i-1];
+                ok |= good && b[n-1] - b[0] <= 360;
+            }
+        for (int i = 0; i < n; i++)                           /* every point is another one */
+            for (int j = 0; j < i; j++)
+                ok &= a[i] - whole_turns(a[i]) != a[j] - whole_turns(a[j]);
+        lw_target t;
+        lw_error e = { .text = "" };
+        lw_status s = lw_target_make((size_t)n, x, y, NULL, rad, NULL, -1, &t, &e);
+        CHECK_INT(s, ok ? LW_OK : LW_E_ARG);
+        CHECK(ok || strstr(e.text, "station") || strstr(e.text, "turn"));
+        for (int i = 1; ok && i < n; i++)
+            CHECK((t.angle[i] - t.angle[i-1])*(t.angle[n-1] - t.angle[0]) >= 0);
+        lw_target_free(&t);
+    }
+}
+
+/* ---- faults ------------------------------------------------------------------------------------ */
+
+static void every_fault_has_its_place(void)
+{
+    static const struct { const char *text; long line, column; const char *part; } faults[] = {
+        { "", 1, 1, "nothing is in this file" },
+        { "# only\n\n# comments\n", 3, 1, "nothing is in this file" },
+        { "x,y\n", 1, 1, "no stations follow" },
+        { "x,y\n# closed: yes\n\n", 3, 1, "no stations follow" },
+        { "\xff\xfex\0", 1, 1, "UTF-16" },
+        { "x\n1\n", 1, 1, "column \"y\" is missing" },
+        { "y,angle\n1,2\n", 1, 1, "column \"x\" is missing" },
+        { "weight\n1\n", 1, 1, "column \"x\" is missing" },
+        { "theta\n1\n", 1, 1, "column \"angle\" is missing" },
+        { "angle,weight\n1,1\n", 1, 1, "column \"theta\" is missing" },
+        { "x,y,x\n1,2,3\n", 1, 5, "column \"x\" is there twice, here and as column 1" },
+        { "x,y,x_mm\n1,2,3\n", 1, 5, "column \"x_mm\" is there twice" },
+        { "x,y,wieght\n1,2,3\n", 1, 5, "did you mean \"weight\"" },
+        { "x,y,x_furlong\n1,2,3\n", 1, 5, "unknown column \"x_furlong\"" },
+        { "x,y,\n1,2,3\n", 1, 5, "has no name" },
+        { "1,2\n3,4\n", 1, 1, "must name the columns" },
+        { "x,y;angle\n1,2;3\n", 1, 1, "commas and semicolons" },
+        { "x,y,theta_mm\n1,2,3\n", 1, 5, "is no length, so mm cannot" },
+        { "x_deg,y\n1,2\n", 1, 1, "is no angle, so deg cannot" },
+        { "x,y,weight_m\n1,2,3\n", 1, 5, "is no length, so m cannot" },
+        { "x,y,angle,t\n1,2,3,4\n", 1, 11, "both give the input angle" },
+        { "x,y,t,theta_in\n1,2,3,4\n", 1, 7, "both give the input angle" },
+        { "x,y,theta,angle,theta_in\n1,2,3,4,5\n", 1, 11, "both give the tool angle" },
+        { "x_mm,y_cm\n1,2\n", 1, 6, "\"y_cm\" says cm, but \"x_mm\" said mm" },
+        { "# units: mm\nx,y_cm\n1,2\n", 2, 3, "a comment said mm" },
+        { "x,y\n1,2\n# units: mm m\n", 3, 13, "units are mixed" },
+        { "x,y,theta_deg,theta_in_rad\n1,2,3,4\n", 1, 15, "units are mixed" },
+        { "# units: mm\n# units: cm\nx,y\n1,2\n", 2, 10, "units are mixed" },
+        { "# units: parsec\nx,y\n1,2\n", 1, 10, "unknown unit \"parsec\"" },
+        { "# closed: perhaps\nx,y\n1,2\n", 1, 11, "yes or no" },
+        { "# closed:\nx,y\n1,2\n", 1, 10, "yes or no" },
+        { "# closed: yes\n# closed: no\nx,y\n1,2\n", 2, 11, "keep one" },
+        { "x,y\n1,two\n", 2, 3, "y is \"two\", which is no number" },
+        { "x,y\n1,2\n1, 0x10\n", 3, 4, "\"0x10\"" },
+        { "x,y\n1,NaN\n", 2, 3, "no finite number" },
+        { "x,y\n-inf,1\n", 2, 1, "no finite number" },
+        { "x,y\n1,1e999\n", 2, 3, "too large" },
+        { "x,y\n1,1e101\n", 2, 3, "too large" },
+        { "x,y,angle\n1,1,1e7\n", 2, 5, "too large" },
+        { "x,y\n1,\n", 2, 3, "the field of y is empty" },
+        { "x,y\n,1\n", 2, 1, "the field of x is empty" },
+        { "x,y\n1,2\n3\n", 3, 2, "this line has 1 of the 2 fields" },
+        { "x,y\n1,2,3\n", 2, 5, "more than the 2 fields" },
+        { "x,y\n1,2,\n", 2, 5, "more than the 2 fields" },
+        { "x,y\n1 2\n", 2, 1, "\"1 2\", which is no number" },
+        { "x;y\n1,5;2,5\n", 2, 1, "write decimals with a point" },
+        { "x y\n1 2 3\n", 2, 4, "more than the 2 fields" },
+        { "x\ty\n1\t\t3\n", 2, 3, "the field of y is empty" },
+        { "x,y,weight\n1,2,1\n1,2,-1\n", 3, 5, "a weight is at least 0" },
+        { "x,y,weight\n1,2,0\n1,2,0\n", 2, 5, "all weights are 0" },
+        { "x,y,angle_deg\n0,0,5\n1,0,7\n2,0,5\n", 4, 5, "angle 5 deg stands in line 2 already" },
+        { "x,y,angle_deg\n0,0,0\n1,0,7\n2,0,360\n", 4, 5, "360 deg stands in line 2 already" },
+        { "x,y,angle_deg\n0,0,1e-12\n1,0,7\n2,0,359.999999999\n", 4, 5, "stands in line 2 already" },
+        { "angle,theta\n1,1\n1,2\n", 3, 1, "stands in line 2 already" },
+        { "x,y,theta,angle_deg\n0,0,0,5\n0,0,1,5\n", 3, 7, "stands in line 2 already" },
+        { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to 10" },
+        { "x,y,angle_deg\n0,0,30\n1,0,20\n2,0,25\n3,0,10\n", 4, 5, "fall up to line 3" },
+        { "x,y,angle_deg\n0,0,200\n1,0,350\n2,0,10\n3,0,30\n4,0,20\n", 6, 5, "rise up to line 5" },
+        { "x,y,angle_deg\n0,0,0\n1,0,200\n2,0,400\n", 4, 5, "more than one turn" },
+        { "x,y,t\n0,0,0\n1,0,0.7\n2,0,1.5\n", 4, 5, "more than one turn" },
+    };
+    for (size_t i = 0; i < sizeof faults/sizeof *faults; i++) {
+        lw_target t;
+        lw_error e;
+        size_t size = faults[i].text[0] == '\xff' ? 4 : strlen(faults[i].text);
+        CHECK_INT(read_with(faults[i].text, size, NULL, &t, &e), LW_E_NOTATION);
+        CHECK_HAS(e.text, faults[i].part);
+        CHECK_TEXT(e.file, "p.csv");
+        CHECK_INT(e.line, faults[i].line);
+        CHECK_INT(e.column, faults[i].column);
+        CHECK(t.n == 0 && t.store == NULL);
+    }
+}
+
+static void as_many_rows_as_allowed(void)
+{
+    size_t size = 0, n = LW_STATION_MAX + 1;
+    char *text = malloc(4 + 4*n + 1);
+    size += (size_t)sprintf(text, "x,y\n");
+    for (size_t i = 0; i < n; i++)
+        size += (size_t)sprintf(text + size, "%zu,1\n", i%10);
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read_with(text, size - 4, NULL, &t, &e), LW_OK);
+    CHECK_INT(t.n, LW_STATION_MAX);
+    lw_target_free(&t);
+    CHECK_INT(read_with(text, size, NULL, &t, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "this is station 100001");
+    CHECK_INT(e.line, 100002);
+    free(text);
+}
+
+/* ---- arrays ------------------------------------------------------------------------------------ */
+
+static void made_from_arrays(void)
+{
+    const double x[] = { 0, 1, 1 }, y[] = { 0, 0, 1 }, a[] = { 0, 1, 2 }, w[] = { 0, 0, 0 }, bad[] = { 0, NAN, 1 };
+    lw_target t;
+    lw_error e;
+    CHECK_INT(lw_target_make(3, x, y, a, a, NULL, 1, &t, &e), LW_OK);
+    CHECK(t.closed && t.x != x && t.x[1] == 1 && t.theta[2] == 2 && t.weight[0] == 1 && t.line[2] == 0);
+    CHECK_NEAR(t.length, 2 + sqrt(2), 0, 1e-15);
+    lw_target_free(&t);
+    lw_target_free(&t);                                          /* harmless twice */
+    CHECK_INT(lw_target_make(3, NULL, NULL, a, a, NULL, -1, &t, &e), LW_OK);
+    CHECK(!t.x && !t.closed);
+    lw_target_free(&t);
+    CHECK_INT(lw_target_make(0, x, y, NULL, NULL, NULL, -1, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_make(3, x, NULL, NULL, NULL, NULL, -1, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_make(3, NULL, NULL, a, NULL, NULL, -1, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_make(3, x, y, NULL, NULL, w, -1, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_target_make(3, x, bad, NULL, NULL, NULL, -1, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "station 2");
+    CHECK_INT(lw_target_make(3, x, y, NULL, NULL, bad, -1, &t, NULL), LW_E_ARG);
+    CHECK(t.store == NULL);
+}
+
+/* No cut and no changed byte may do more harm than an error. */
+static void any_bytes_are_survived(void)
+{
+    static const char good[] = "# units: mm deg\n# closed: yes\nx,y_mm,theta,theta_in_deg,weight\n1,2,3,4,1\n"
+                               "2.5e1,-.5,6,7,0.25\r\n\n3,\"3\",3,9,1 # c\n";
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 1);
+    check_reads(good, 3);
+    for (int trial = 0; trial < 50000; trial++) {
+        char text[sizeof good];
+        lw_target t;
+        lw_error e;
+        size_t n = trial%4 ? sizeof good - 1 : (size_t)(lw_rng_bits(&r)%sizeof good);
+        memcpy(text, good, sizeof good);
+        for (int i = 0; i < trial%4; i++)
+            text[lw_rng_bits(&r)%(sizeof good - 1)] = i%2 ? (char)lw_rng_bits(&r) : good[lw_rng_bits(&r)%sizeof good];
+        lw_status s = read_with(text, n, NULL, &t, &e);
+        CHECK(s == LW_OK || s == LW_E_NOTATION);
+        CHECK(s == LW_OK ? t.n > 0 : e.text[0] && e.line > 0 && e.column > 0);
+        lw_target_free(&t);
+    }
+}
+
+int main(void)
+{
+    RUN(published_files);
+    RUN(published_names_of_columns);
+    RUN(length_and_size);
+    RUN(separators_and_line_ends);
+    RUN(units_by_comment_suffix_and_option);
+    RUN(options_overrule_comments);
+    RUN(columns_in_any_order);
+    RUN(few_stations_and_repeated_points);
+    RUN(cyclic_order_is_order);
+    RUN(order_against_brute_force);
+    RUN(every_fault_has_its_place);
+    RUN(as_many_rows_as_allowed);
+    RUN(made_from_arrays);
+    RUN(any_bytes_are_survived);
+    return check_end();
+}
