@@ -23,6 +23,7 @@ LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
 LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c tests/fuzz/fuzz_*.c))
+SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
 BENCHES := $(patsubst %.c,$B/%,$(wildcard tests/bench/*.c))
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 
@@ -45,6 +46,8 @@ $B/tests/fuzz/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/replay.o $B/liblinkwr
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+$B/docs/examples/%: $B/docs/examples/%.o $B/liblinkwright.a
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 
 # ---- test and demo also install what is missing; pkg-config is asked when make starts, hence twice
 JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
@@ -52,7 +55,7 @@ deps:
 	@.ci/deps $(DEPS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
-run-test: $B/linkwright $(TESTS)
+run-test: $B/linkwright $(TESTS) $(SAMPLES)
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 run-demo: $B/linkwright
 	@mkdir -p $B/demo

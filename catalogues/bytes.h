@@ -23,8 +23,18 @@ void lw_bytes_text(lw_bytes *b, const char *text);                  /* as it is 
 void lw_bytes_xml(lw_bytes *b, const char *text);                   /* & < > " ' as entities; bytes
                                                                      * that are no UTF-8 or no XML
                                                                      * character become U+FFFD      */
-void lw_bytes_fixed(lw_bytes *b, double v, int decimals);           /* "1.5", trailing zeros cut; |v| < 1e12, else "0" */
-void lw_bytes_number(lw_bytes *b, double v, int digits);            /* shortest of %g with `digits` */
+void lw_bytes_fixed(lw_bytes *b, double v, int decimals);           /* "-1.5": at most so many decimals
+                                                                     * (0 .. 6), trailing zeros cut;
+                                                                     * "0" unless |v| < 1e12        */
+void lw_bytes_integer(lw_bytes *b, long v);
+void lw_bytes_number(lw_bytes *b, double v, int digits);            /* as lw_number_text            */
+
+/* v with so many significant digits (1 .. 17), trailing zeros cut: "0.0125", "1.25e-9", "nan". */
+void lw_number_text(char text[32], double v, int digits);
+
+/* Copy text into out[size] in whole characters, as far as they fit; what is no UTF-8 or no character
+ * a document may hold becomes U+FFFD. */
+void lw_text_clean(char *out, size_t size, const char *text);
 
 /* LW_E_MEMORY with a text, b freed, when a call above failed; else LW_OK. */
 lw_status lw_bytes_end(lw_bytes *b, lw_error *e);

@@ -13,7 +13,8 @@
 
 typedef struct lw_diagram_options {
     double width, height;      /* [px]                                               (1000, 750)  */
-    bool   labels;             /* names of joints, lengths, numbers of stations            (true) */
+    bool   labels;             /* names of joints, numbers of stations                     (true) */
+    bool   length_labels;      /* lengths beside their links                               (true) */
     bool   whole_motion;       /* the view holds every posture, for animation              (false) */
     bool   dimensions;         /* the list of dimensions below the title                   (true) */
 } lw_diagram_options;

@@ -65,7 +65,7 @@ typedef struct lw_shape {
     lw_role role;
     int     item;              /* which joint, link, station, ... it stands for; -1: none          */
     int     link;              /* the link it moves with; -1: stands still                          */
-    int     panel;             /* 0, or 1 for the second view (its own scale and clip)              */
+    int     panel;             /* the view (0, 1) it lies in and is clipped to; -1: the whole page  */
     lw_ink  stroke, fill;
     double  width;             /* of the stroke [px]; for text: the size of the type                */
     double  alpha;             /* of the fill, 0 .. 1                                               */
@@ -76,10 +76,12 @@ typedef struct lw_shape {
     double  align;             /* text: 0 begins, 0.5 is centred, 1 ends at `at`                    */
     double  turn;              /* text: [rad], clockwise on the page (y is down)                    */
     bool    bold, italic;
+    bool    upright;           /* moves with its link as `hold` does, but does not turn             */
+    lw_vec2 hold;              /* the point of the link that it belongs to [px]                     */
 } lw_shape;
 
-/* A view of the plane:  pixel = centre + scale * (x - middle.x, -(y - middle.y)).  Shapes of panels
- * are clipped to their box. */
+/* A view of the plane:  pixel = centre + scale * (x - middle.x, -(y - middle.y)).  What lies in it is
+ * clipped to its box. */
 typedef struct lw_view {
     lw_vec2 middle;            /* [m]                              */
     double  scale;             /* [px/m]                           */
@@ -96,7 +98,7 @@ typedef struct lw_drawing {
     lw_vec2  *point;   size_t n_point, point_room;
     char     *text;    size_t n_text,  text_room;
     int       n_view;
-    lw_view   view[2];                 /* of panel 0 and 1                            */
+    lw_view   view[2];                 /* of panels 0 and 1                           */
     lw_shape  spare;                   /* given out after a failure                   */
     bool      failed;                  /* memory ran out: ask with lw_drawing_end     */
 } lw_drawing;                          /* { 0 } is empty                              */
@@ -104,7 +106,8 @@ typedef struct lw_drawing {
 void lw_drawing_free(lw_drawing *d);
 
 /* Add shapes; the returned pointer is good until the next call and never NULL (after a failure it
- * points to d->spare).  Fields not named: no stroke, no fill, alpha 1, link -1, item -1, panel 0. */
+ * points to d->spare).  Fields not named: no stroke, no fill, width 1, alpha 1,
+ * link -1, item -1, panel -1; text is filled with LW_INK_TEXT. */
 lw_shape *lw_drawing_path(lw_drawing *d, lw_role role, const lw_vec2 *p, size_t n, bool closed);
 lw_shape *lw_drawing_line(lw_drawing *d, lw_role role, lw_vec2 a, lw_vec2 b);
 lw_shape *lw_drawing_circle(lw_drawing *d, lw_role role, lw_vec2 at, double radius);

@@ -36,7 +36,7 @@ typedef struct lw_scene {
     int        n_curve;
     lw_curve   curve[LW_CURVE_MAX];
     size_t     n_frame;                       /* postures of the motion; 1: it does not move         */
-    size_t     first_frame;                   /* the frame nearest to the posture shown              */
+    size_t     first_frame;                   /* the frame that is the posture shown                  */
     bool       loops;                         /* the last is followed by the first, else by the one
                                                * before it, back and forth                           */
     lw_place  *place;                         /* [frame * n_link + link]           (n_frame*n_link)  */

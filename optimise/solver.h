@@ -49,7 +49,8 @@ typedef struct lw_solver {
     bool        global;          /* searches the whole box, needs finite bounds                   */
     bool        takes_constraints;   /* gets g(x) >= 0 itself; the others run inside the barrier  */
     bool        takes_gradient;
-    /* Improve x (n_var) in place.  LW_OK or LW_STOPPED; failures < 0 leave x untouched. */
+    /* Improve x (n_var) in place.  LW_OK; LW_STOPPED by evaluations, time or user; LW_NOTHING when no
+     * feasible point was seen.  That and failures < 0 leave x untouched. Thread-safe. */
     lw_status (*run)(const lw_problem *p, const lw_solver_options *o, double *x,
                      lw_solver_result *r);
 } lw_solver;

@@ -2,10 +2,8 @@
 #ifndef LW_TESTS_CLI_RUN_H
 #define LW_TESTS_CLI_RUN_H
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
+#include "tests/check.h"
 
 typedef struct ran { int code; char *out, *err; } ran;
 
@@ -44,6 +42,20 @@ static inline void ran_free(ran *r)
 {
     free(r->out);
     free(r->err);
+}
+
+/* Run, and check the exit code and a part of what it said (NULL: not looked at). */
+static inline void expect(const char *command, int code, const char *out_has, const char *err_has)
+{
+    ran r = run(command);
+    if (r.code != code)
+        fprintf(stderr, "%s\n  said: %s", command, r.err);
+    CHECK_INT(r.code, code);
+    if (out_has)
+        CHECK_HAS(r.out, out_has);
+    if (err_has)
+        CHECK_HAS(r.err, err_has);
+    ran_free(&r);
 }
 
 static inline void run_end(void)

@@ -1,21 +1,7 @@
 /* The built program from outside: help, exit codes, wrong usage, bad input, output. */
-#include "tests/check.h"
 #include "tests/cli_run.h"
 
 #include <jansson.h>
-
-static void expect(const char *command, int code, const char *out_has, const char *err_has)
-{
-    ran r = run(command);
-    if (r.code != code)
-        fprintf(stderr, "%s\n  said: %s", command, r.err);
-    CHECK_INT(r.code, code);
-    if (out_has)
-        CHECK_HAS(r.out, out_has);
-    if (err_has)
-        CHECK_HAS(r.err, err_has);
-    ran_free(&r);
-}
 
 static json_t *json_of(const char *command)
 {

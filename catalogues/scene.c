@@ -1,0 +1,295 @@
+/* catalogues/scene.c - see scene.h */
+#include "catalogues/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/bytes.h"
+#include "catalogues/walk.h"
+
+/* What the stages of lw_scene_make share. */
+typedef struct lw_work {
+    lw_scene  *s;
+    lw_linkage linkage;                    /* with a tracer more for every link without a pin      */
+    lw_plan    plan;
+    double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - its tracer              */
+    lw_pose    start, pose;                /* of the posture, and the one at work                  */
+    lw_walk    walk;
+} lw_work;
+
+lw_scene_options lw_scene_options_default(void)
+{
+    return (lw_scene_options){ .n_frame = 120, .n_curve_point = 360 };
+}
+
+void lw_scene_free(lw_scene *s)
+{
+    for (int i = 0; i < s->n_curve; i++)
+        free(s->curve[i].p);
+    free(s->station);
+    free(s->place);
+    free(s->input);
+    s->n_curve = 0;
+    s->station = NULL;
+    s->place = NULL;
+    s->input = NULL;
+}
+
+lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p)
+{
+    const lw_place *a = &s->place[frame*(size_t)s->linkage.n_link + (size_t)link];
+    return lw_v2_add(a->at, lw_v2_turn(lw_v2_sub(p, s->origin[link]), a->turn));
+}
+
+static bool copy_target(lw_scene *s, const lw_target *t)
+{
+    if (!t || !t->x || !t->y)
+        return true;
+    s->station = malloc((t->n ? t->n : 1)*sizeof *s->station);
+    if (!s->station)
+        return false;
+    for (size_t i = 0; i < t->n; i++)
+        s->station[i] = lw_v2(t->x[i], t->y[i]);
+    s->n_station = t->n;
+    s->station_closed = t->closed;
+    return true;
+}
+
+static bool make_frames(lw_scene *s, size_t n)
+{
+    size_t n_link = (size_t)s->linkage.n_link;
+    s->place = malloc(n*n_link*sizeof *s->place);
+    s->input = calloc(n, sizeof *s->input);
+    if (!s->place || !s->input)
+        return false;
+    s->n_frame = n;
+    for (size_t i = 0; i < n*n_link; i++)
+        s->place[i] = (lw_place){ s->origin[i % n_link], { 1, 0 } };
+    return true;
+}
+
+/* A reference point for every link: a pin where it has one, else a tracer of its own. */
+static bool choose_references(lw_work *w)
+{
+    lw_linkage *k = &w->linkage;
+    for (int link = 0; link < k->n_link; link++) {
+        int pin = -1;
+        for (int i = 0; i < k->n_joint && pin < 0; i++)
+            if (k->joint[i].kind == LW_JOINT_REVOLUTE
+                && (k->joint[i].link[0] == link || k->joint[i].link[1] == link))
+                pin = i;
+        w->pin[link] = pin;
+        if (pin >= 0 || link == k->ground)
+            continue;
+        if (k->n_tracer == LW_TRACER_MAX)
+            return false;
+        lw_tracer *t = &k->tracer[k->n_tracer];
+        *t = (lw_tracer){ .link = link };
+        snprintf(t->name, sizeof t->name, "link %d", link);
+        for (int i = 0; i < k->n_joint; i++)
+            if (k->joint[i].link[0] == link || k->joint[i].link[1] == link)
+                t->at = k->joint[i].at;
+        w->pin[link] = -1 - k->n_tracer++;
+    }
+    return true;
+}
+
+static lw_vec2 reference(const lw_work *w, const lw_pose *pose, int link)
+{
+    int pin = w->pin[link];
+    return pin >= 0 ? pose->joint[pin][0] : pose->tracer[-1 - pin][0];
+}
+
+static void keep_dimensions(lw_work *w)
+{
+    lw_scene *s = w->s;
+    int own = s->linkage.n_tracer;
+    for (int i = 0; i < w->plan.n_dim; i++) {
+        bool added = false;                            /* the place of a reference point of ours */
+        for (int t = own; t < w->linkage.n_tracer; t++)
+            added = added || w->plan.i_cx[t] == i || w->plan.i_cy[t] == i;
+        if (added)
+            continue;
+        snprintf(s->dim_name[s->n_dim], sizeof s->dim_name[0], "%s", w->plan.dim[i].name);
+        s->dim_kind[s->n_dim] = w->plan.dim[i].kind;
+        s->dim_link[s->n_dim] = w->plan.dim[i].link;
+        s->dim[s->n_dim++] = w->dim[i];
+    }
+}
+
+/* Plan, dimensions and starting pose; failing that, says why in the note. */
+static bool prepare(lw_work *w)
+{
+    lw_error why = { 0 };
+    const lw_want want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
+    lw_status st = lw_plan_make(&w->linkage, want, &w->plan, &why);
+    if (st == LW_OK)
+        st = lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, &why);
+    if (st == LW_OK)
+        keep_dimensions(w);
+    if (st == LW_OK)
+        st = lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start);
+    if (st != LW_OK)
+        snprintf(w->s->note, sizeof w->s->note, "Shown without motion: %.200s",
+                 why.text[0] ? why.text : lw_status_text(st));
+    return st == LW_OK;
+}
+
+/* The size of the linkage: what its joints span, in the posture. */
+static double span(const lw_linkage *k)
+{
+    double d = 0;
+    for (int i = 0; i < k->n_joint; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[i].at, k->joint[0].at)));
+    for (int i = 0; i < k->n_tracer; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->tracer[i].at, k->joint[0].at)));
+    return d;
+}
+
+/* The frames of the walk, as places of the links relative to the posture. */
+static bool take_frames(lw_work *w, size_t n)
+{
+    lw_scene *s = w->s;
+    const lw_walk *walk = &w->walk;
+    size_t n_link = (size_t)s->linkage.n_link;
+    if (!make_frames(s, n))
+        return false;
+    double per = walk->n_stage/(walk->loops ? (double)n : (double)(n - 1));
+    double start = walk->turns ? 0 : lw_walk_time(walk, w->input);
+    s->loops = walk->loops;
+    s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
+    for (size_t f = 0; f < n; f++) {
+        double t = f == s->first_frame ? start : per*(double)f;
+        if (lw_walk_pose(walk, t, &w->pose) != LW_OK)
+            w->pose = f ? w->pose : w->start;       /* at a limit: rounding decides; nearest pose */
+        s->input[f] = w->pose.input;
+        for (size_t link = 0; link < n_link; link++) {
+            int i = (int)link;
+            double turn = w->pose.angle[i][0] - w->start.angle[i][0];
+            if (i != s->linkage.ground)
+                s->place[f*n_link + link] = (lw_place){ reference(w, &w->pose, i),
+                                                        lw_v2_polar(1, turn) };
+        }
+    }
+    return true;
+}
+
+typedef struct lw_growing { lw_vec2 *p; size_t n, room; bool failed; } lw_growing;
+
+static void grow(lw_growing *g, lw_vec2 p)
+{
+    if (g->n == g->room) {
+        size_t room = g->room ? 2*g->room : 1024;
+        lw_vec2 *q = realloc(g->p, room*sizeof *q);
+        g->failed = g->failed || !q;
+        if (!q)
+            return;
+        g->p = q;
+        g->room = room;
+    }
+    g->p[g->n++] = p;
+}
+
+static lw_vec2 trace(lw_work *w, int tracer, double t)
+{
+    lw_walk_pose(&w->walk, t, &w->pose);               /* an open pose is the nearest: good enough */
+    return w->pose.tracer[tracer][0];
+}
+
+/* Points between t0 and t1 (a excluded, b included), halved until a step is short against the curve
+ * or as good as straight. */
+static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_vec2 b, double size,
+                   int depth, lw_growing *g)
+{
+    double tm = t0 + (t1 - t0)/2;
+    lw_vec2 m = trace(w, tracer, tm), chord = lw_v2_sub(b, a);
+    double off = lw_v2_norm(lw_v2_sub(m, lw_v2_add(a, lw_v2_scale(chord, 0.5))));
+    if (depth == 0 || off < 4e-4*size) {
+        grow(g, b);
+        return;
+    }
+    refine(w, tracer, t0, a, tm, m, size, depth - 1, g);
+    refine(w, tracer, tm, m, t1, b, size, depth - 1, g);
+}
+
+static bool take_curve(lw_work *w, int tracer, size_t n)
+{
+    lw_scene *s = w->s;
+    lw_growing g = { 0 };
+    double size = 0, per = w->walk.n_stage/(double)n;
+    lw_vec2 first = trace(w, tracer, 0), a = first;
+    for (size_t i = 1; i < n; i++)
+        size = fmax(size, lw_v2_norm(lw_v2_sub(trace(w, tracer, per*(double)i), first)));
+    grow(&g, first);
+    for (size_t i = 1; i <= n; i++) {
+        double t = i == n ? w->walk.n_stage : per*(double)i;
+        lw_vec2 b = trace(w, tracer, t);
+        refine(w, tracer, per*(double)(i - 1), a, t, b, size, 5, &g);
+        a = b;
+    }
+    if (w->walk.loops && g.n > 1)
+        g.n--;                                         /* the last is the first again */
+    s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = true,
+                                         .closed = w->walk.loops, .n = g.n, .p = g.p };
+    return !g.failed;
+}
+
+/* Only the range of input that the linkage's file asks for. */
+static void restrict_input(lw_work *w)
+{
+    const lw_input *in = &w->linkage.input[0];
+    double first = fmin(in->first, in->last), last = fmax(in->first, in->last);
+    double tolerance = 1e-9*(last - first);
+    if (!(first < last) || (!w->plan.input_is_slider && last - first >= 2*LW_PI*(1 - 1e-12))
+        || in->value < first - tolerance || in->value > last + tolerance)
+        return;
+    lw_walk_restrict(&w->walk, w->input + (first - in->value), w->input + (last - in->value));
+}
+
+/* Curves and frames; false when memory ran out. */
+static bool show_motion(lw_work *w, const lw_scene_options *o)
+{
+    lw_scene *s = w->s;
+    for (int i = 0; i < s->linkage.n_link; i++)
+        if (i != s->linkage.ground)
+            s->origin[i] = reference(w, &w->start, i);
+    if (lw_walk_make(&w->plan, w->dim, w->mode, w->input, span(&w->linkage), &w->walk) != LW_OK)
+        return make_frames(s, 1);
+    for (int i = 0; i < s->linkage.n_tracer; i++)
+        if (!take_curve(w, i, o->n_curve_point < 8 ? 8 : o->n_curve_point))
+            return false;
+    restrict_input(w);
+    return take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+}
+
+lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
+                        lw_scene *s, lw_error *e)
+{
+    lw_scene_options standard = lw_scene_options_default();
+    o = o ? o : &standard;
+    *s = (lw_scene){ .n_frame = 0 };
+    lw_status st = lw_linkage_check(k, e);
+    if (st != LW_OK)
+        return st;
+    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : k->name);
+    s->linkage = *k;
+    for (int i = 0; i < k->n_link; i++)
+        for (int j = 0; j < k->n_joint; j++)
+            if (k->joint[j].link[0] == i || k->joint[j].link[1] == i)
+                s->origin[i] = k->joint[j].at;
+    lw_work *w = calloc(1, sizeof *w);
+    bool ok = w && copy_target(s, t);
+    if (ok) {
+        w->s = s;
+        w->linkage = *k;
+        ok = choose_references(w) && prepare(w) ? show_motion(w, o) : make_frames(s, 1);
+    }
+    free(w);
+    if (ok)
+        return LW_OK;
+    lw_scene_free(s);
+    return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
+}

@@ -1,0 +1,110 @@
+/* catalogues/views.c - see views.h */
+#include "catalogues/views.h"
+
+#include <math.h>
+
+#include "catalogues/anatomy.h"
+
+void lw_box_empty(lw_box *b)
+{
+    *b = (lw_box){ INFINITY, INFINITY, -INFINITY, -INFINITY };
+}
+
+bool lw_box_is_empty(const lw_box *b)
+{
+    return !(b->x0 <= b->x1);
+}
+
+void lw_box_add(lw_box *b, lw_vec2 p)
+{
+    if (!isfinite(p.x) || !isfinite(p.y))
+        return;
+    b->x0 = fmin(b->x0, p.x);
+    b->y0 = fmin(b->y0, p.y);
+    b->x1 = fmax(b->x1, p.x);
+    b->y1 = fmax(b->y1, p.y);
+}
+
+void lw_box_join(lw_box *b, const lw_box *other)
+{
+    if (lw_box_is_empty(other))
+        return;
+    lw_box_add(b, lw_v2(other->x0, other->y0));
+    lw_box_add(b, lw_v2(other->x1, other->y1));
+}
+
+double lw_box_size(const lw_box *b)
+{
+    return lw_box_is_empty(b) ? 0 : hypot(b->x1 - b->x0, b->y1 - b->y0);
+}
+
+static void add_points(lw_box *b, const lw_vec2 *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        lw_box_add(b, p[i]);
+}
+
+static lw_box curve_box(const lw_scene *s, bool shown_branch)
+{
+    lw_box b;
+    lw_box_empty(&b);
+    for (int i = 0; i < s->n_curve; i++)
+        if (s->curve[i].shown_branch == shown_branch)
+            add_points(&b, s->curve[i].p, s->curve[i].n);
+    return b;
+}
+
+lw_box lw_scene_path_box(const lw_scene *s)
+{
+    lw_box b, curve = curve_box(s, true);
+    lw_box_empty(&b);
+    add_points(&b, s->station, s->n_station);
+    if (lw_box_size(&b) == 0 || lw_box_size(&curve) < LW_SPECK*lw_box_size(&b))
+        lw_box_join(&b, &curve);
+    return b;
+}
+
+static void add_links(lw_box *b, const lw_scene *s, size_t frame)
+{
+    const lw_linkage *k = &s->linkage;
+    for (int i = 0; i < k->n_joint; i++) {
+        const lw_joint *j = &k->joint[i];
+        if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT) {
+            lw_slide w = lw_anatomy_slide(s, i);
+            lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));
+            lw_box_add(b, lw_scene_at(s, frame, w.guide,
+                                      lw_v2_add(w.at, lw_v2_scale(w.along, w.lo))));
+            lw_box_add(b, lw_scene_at(s, frame, w.guide,
+                                      lw_v2_add(w.at, lw_v2_scale(w.along, w.hi))));
+        } else
+            lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
+    }
+    for (int i = 0; i < k->n_tracer; i++)
+        lw_box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
+}
+
+lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
+{
+    lw_box b = curve_box(s, true), other = curve_box(s, false);
+    add_points(&b, s->station, s->n_station);
+    add_links(&b, s, s->first_frame);
+    for (size_t f = 0; whole_motion && f < s->n_frame; f++)
+        add_links(&b, s, f);
+    lw_box with = b;                       /* other branches where they do not make the rest small */
+    lw_box_join(&with, &other);
+    return lw_box_size(&with) < 1.6*lw_box_size(&b) ? with : b;
+}
+
+lw_view lw_view_fit(lw_box c, double x, double y, double w, double h, double margin)
+{
+    double room_x = fmax(w - 2*margin, 0.2*w), room_y = fmax(h - 2*margin, 0.2*h);
+    double scale = fmin(room_x/(c.x1 - c.x0), room_y/(c.y1 - c.y0));
+    if (!isfinite(scale))                                  /* one point: any scale shows it */
+        scale = 0.25*fmin(room_x, room_y)/fmax(fmax(fabs(c.x0), fabs(c.y0)), 1e-300);
+    if (!isfinite(scale))
+        scale = 1;
+    return (lw_view){
+        .middle = lw_v2(c.x0 + (c.x1 - c.x0)/2, c.y0 + (c.y1 - c.y0)/2),
+        .scale = scale, .centre = lw_v2(x + w/2, y + h/2), .x = x, .y = y, .w = w, .h = h,
+    };
+}
