@@ -28,6 +28,7 @@ BENCHES := $(patsubst %.c,$B/%,$(wildcard tests/bench/*.c))
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 
 all: $B/linkwright
+MAKEFLAGS += --no-builtin-rules
 
 # ---- building ------------------------------------------------------------------------------------
 $B/mbs/kernel-%.o: mbs/kernel.c
