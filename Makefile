@@ -56,7 +56,7 @@ deps:
 	@.ci/deps $(DEPS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
-run-test: $B/linkwright $(TESTS) $(SAMPLES)
+run-test: $B/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 run-demo: $B/linkwright
 	@mkdir -p $B/demo
