@@ -1,0 +1,91 @@
+#include "check.h"
+#include "topology.h"
+#include "grammar/edges.h"
+
+static void reads_back(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 1000; trial++) {
+        lw_mechanism m = random_topology(&rng, 2 + trial % 30, trial % 30, "rtpg"), back;
+        char text[LW_EDGES_SIZE];
+        m.ground = trial % 3 ? trial % m.n_link : LW_NONE;
+        m.output = trial % 2 ? (trial + 1) % m.n_link : LW_NONE;
+        for (int j = 0; j < m.n_joint && m.n_input < trial % 4; j += 2)
+            if (lw_kind_freedom(m.kind[j]) == 1)
+                m.input[m.n_input++] = (uint8_t)j;
+        size_t n = lw_edges_print(&m, text, sizeof text);
+        CHECK(n < sizeof text);
+        CHECK_INT(lw_edges_read(text, n, NULL, &back, NULL), LW_OK);
+        CHECK(lw_mechanism_same(&m, &back));
+    }
+}
+
+static void as_documented(void)
+{
+    static const char text[] = "1-2! 1-4 2-3 3-4:p @1 >3";
+    lw_mechanism m;
+    char out[LW_EDGES_SIZE], dot[LW_DOT_SIZE];
+    CHECK_INT(lw_edges_read("3-4:p  4-1 2-1! >3 3-2 @1\n", 26, NULL, &m, NULL), LW_OK);
+    lw_edges_print(&m, out, sizeof out);
+    CHECK_TEXT(out, text);
+    lw_dot_print(&m, "m", dot, sizeof dot);
+    CHECK_HAS(dot, "graph m {");
+    CHECK_HAS(dot, "  1 [shape=doublecircle];\n");
+    CHECK_HAS(dot, "  3 -- 4 [label=\"p\"];\n");
+    CHECK_HAS(dot, "  1 -- 2 [label=\"r\" penwidth=3];\n");
+}
+
+/* The largest topology fits the documented sizes. */
+static void sizes(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    lw_mechanism m = random_topology(&rng, 32, 600, "t");
+    char out[LW_GRAPHML_SIZE];
+    CHECK_INT(m.n_joint, LW_JOINT_MAX);
+    m.ground = m.output = 31;
+    for (; m.n_input < LW_INPUT_MAX; m.n_input++)
+        m.input[m.n_input] = (uint8_t)(m.n_joint - LW_INPUT_MAX + m.n_input);
+    CHECK(lw_edges_print(&m, out, sizeof out) < LW_EDGES_SIZE);
+    CHECK(lw_dot_print(&m, "m", out, sizeof out) < LW_DOT_SIZE);
+    CHECK(lw_graphml_print(&m, out, sizeof out) < LW_GRAPHML_SIZE);
+    CHECK_HAS(out, "</graphml>");
+    CHECK_INT(lw_graphml_print(&m, out, 10), lw_graphml_print(&m, NULL, 0));
+    CHECK_INT(strlen(out), 9);
+}
+
+static void faults_have_a_column(void)
+{
+    static const struct { const char *text; long column; const char *part; } known[] = {
+        { "", 1, "no joint" },
+        { "1-2 2-2", 5, "link 2 is joined to itself" },
+        { "1-2 2-3 2-1", 9, "2 and 1 are joined twice" },
+        { "1-2:k", 5, "'k' is no joint letter" },
+        { "1-2:p!", 6, "one freedom" },
+        { "1-33", 3, "numbered 1 to 32" },
+        { "0-1", 1, "numbered 1 to 32" },
+        { "1 2", 2, "'-' between two links" },
+        { "1-2 1-4 2-4", 1, "no link 3" },
+        { "1-2 @3", 5, "link 3 has no joint" },
+        { "1-2 >1 >2", 8, "second output" },
+        { "1-2 @x", 6, "'x' where a link" },
+        { "1-2\n1-3", 1, "one line" },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_mechanism m;
+        lw_error e = { 0 };
+        CHECK_INT(lw_edges_read(known[i].text, strlen(known[i].text), NULL, &m, &e), LW_E_NOTATION);
+        CHECK_INT(e.column, known[i].column);
+        CHECK_HAS(e.text, known[i].part);
+    }
+}
+
+int main(void)
+{
+    RUN(reads_back);
+    RUN(as_documented);
+    RUN(sizes);
+    RUN(faults_have_a_column);
+    return check_end();
+}

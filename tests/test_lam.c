@@ -1,0 +1,120 @@
+#include "check.h"
+#include "topology.h"
+#include "grammar/lam.h"
+
+/* The matrix printed at the end of paper F (Makkonen 1999, line 3396), six parts and seven joints; its
+ * last rows, cut off there, can only hold joint 7 of the last two parts. */
+static void matrix_of_the_source(void)
+{
+    static const char text[] = "0 1 0 2 0 3\n0 0 4 0 0 0\n0 0 0 5 6 0\n0 0 0 0 0 0\n0 0 0 0 0 7\n0 0 0 0 0 0\n";
+    lw_lam a, b;
+    lw_mechanism m;
+    lw_chain c;
+    char out[LW_LAM_SIZE];
+    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, NULL), LW_OK);
+    CHECK_INT(a.n_link, 6);
+    CHECK_INT(a.n_joint, 7);
+    lw_lam_mechanism(&a, &m, NULL);
+    lw_mechanism_chain(&m, &c);
+    CHECK_INT(lw_chain_mobility(&c), 1);
+    CHECK_INT(lw_chain_check(&c, NULL), LW_OK);
+    lw_lam_from_mechanism(&m, &b);                     /* it numbers row by row, as we do */
+    lw_lam_print(&b, out, sizeof out);
+    CHECK_TEXT(out, text);
+}
+
+static void reads_back(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 500; trial++) {
+        lw_mechanism m = random_topology(&rng, 1 + trial % LW_LINK_MAX, trial % 20, "rtpg"), back;
+        uint8_t number[LW_JOINT_MAX];
+        lw_lam a, b;
+        char text[LW_LAM_SIZE];
+        lw_lam_from_mechanism(&m, &a);
+        for (int j = 0; j < a.n_joint/2; j++) {        /* another numbering: swap j and its mirror */
+            int k = a.n_joint - 1 - j;
+            a.number[m.link[j][0]][m.link[j][1]] = (uint8_t)(k + 1);
+            a.number[m.link[k][0]][m.link[k][1]] = (uint8_t)(j + 1);
+            a.kind[k] = m.kind[j];
+            a.kind[j] = m.kind[k];
+        }
+        size_t n = lw_lam_print(&a, text, sizeof text);
+        CHECK(n < sizeof text);
+        CHECK_INT(lw_lam_read(text, n, NULL, &b, NULL), LW_OK);
+        CHECK(!memcmp(&a, &b, sizeof a));
+        lw_lam_mechanism(&b, &back, number);
+        CHECK(lw_mechanism_same(&m, &back));
+        for (int j = 0; j < m.n_joint; j++)
+            CHECK_INT(number[j], m.n_joint - j);
+    }
+}
+
+static void other_ways_to_write_it(void)
+{
+    static const char *const same[] = {
+        "0 1 0 2;0 0 3 0;0 0 0 4p;0 0 0 0", "# a four-bar\n0 1 0 2\r\n\n1 0 3 0\n0 3 0 4p # p\n2 0 4p 0\n",
+        "0\t1 0 2\n0 0 3 0\n0 0 0 4p\n0 0 0 0",
+    };
+    lw_lam first, other;
+    CHECK_INT(lw_lam_read(same[0], strlen(same[0]), NULL, &first, NULL), LW_OK);
+    CHECK_INT(first.kind[3], 'p');
+    for (size_t i = 1; i < sizeof same/sizeof *same; i++) {
+        CHECK_INT(lw_lam_read(same[i], strlen(same[i]), NULL, &other, NULL), LW_OK);
+        CHECK(!memcmp(&first, &other, sizeof first));
+    }
+}
+
+static void faults_have_a_place(void)
+{
+    static const struct { const char *text; long line, column; const char *part; } known[] = {
+        { "", 1, 1, "no matrix" },
+        { "# nothing\n", 2, 1, "no matrix" },
+        { "0 1 2\n0 0 1\n0 0 0\n", 2, 5, "numbered twice: first at line 1, column 3" },
+        { "0 1\n0 2\n", 2, 3, "link 2 is joined to itself" },
+        { "0 1 2\n0 0\n", 2, 4, "row 2 has 2 entries" },
+        { "0 1 2\n0 0 3\n", 3, 1, "must be square" },
+        { "0 1 3\n0 0 4\n0 0 0\n", 2, 5, "no joint 2" },
+        { "0 1k\n0 0\n", 1, 4, "'k' is no joint letter" },
+        { "0 x\n0 0\n", 1, 3, "'x' where a joint number" },
+        { "0 0p\n0 0\n", 1, 4, "takes no joint letter" },
+        { "0 1 2\n0 0 3\n0 2 0\n", 3, 3, "mirror image" },
+        { "0 65\n0 0\n", 1, 3, "at most 64" },
+        { "0 9999999999\n0 0\n", 1, 3, "where a joint number" },
+        { "0 -1\n0 0\n", 1, 3, "'-'" },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_lam a;
+        lw_error e = { 0 };
+        CHECK_INT(lw_lam_read(known[i].text, strlen(known[i].text), "m.lam", &a, &e), LW_E_NOTATION);
+        CHECK_INT(e.line, known[i].line);
+        CHECK_INT(e.column, known[i].column);
+        CHECK_HAS(e.text, known[i].part);
+    }
+}
+
+static void too_large(void)
+{
+    char text[4096] = "";
+    lw_lam a;
+    lw_error e = { 0 };
+    for (int i = 0; i < 33; i++)
+        strcat(text, "0 ");
+    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "more than 32 entries");
+    text[0] = '\0';
+    for (int i = 0; i < 33; i++)
+        strcat(text, "0\n");
+    CHECK_INT(lw_lam_read(text, strlen(text), NULL, &a, &e), LW_E_NOTATION);
+}
+
+int main(void)
+{
+    RUN(matrix_of_the_source);
+    RUN(reads_back);
+    RUN(other_ways_to_write_it);
+    RUN(faults_have_a_place);
+    RUN(too_large);
+    return check_end();
+}
