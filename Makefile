@@ -13,7 +13,7 @@ DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjan
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
-INCS    := $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif -lpthread -lm
 COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
 
@@ -34,6 +34,12 @@ MAKEFLAGS += --no-builtin-rules
 $B/mbs/kernel-%.o: mbs/kernel.c
 	@mkdir -p $(@D)
 	$(COMPILE) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
+# the web page's style sheet and script as C texts, line by line
+$B/catalogues/page.o: $B/catalogues/page_files.h
+$B/catalogues/page_files.h: catalogues/page.css catalogues/page.js
+	@mkdir -p $(@D)
+	@for f in $^; do echo "static const char *const lw_$$(basename $$f | tr . _)[] = {"; \
+	    sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $$f; echo 'NULL };'; done > $@
 $B/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) -c $< -o $@

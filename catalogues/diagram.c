@@ -14,8 +14,8 @@
 
 lw_diagram_options lw_diagram_options_default(void)
 {
-    return (lw_diagram_options){ .width = 1000, .height = 750, .labels = true,
-                                 .length_labels = true, .dimensions = true };
+    return (lw_diagram_options){ .width = 1000, .height = 750, .zoom = 1, .title = true,
+                                 .labels = true, .length_labels = true, .dimensions = true };
 }
 
 lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t frame, int link)
@@ -115,7 +115,7 @@ static void draw_stations(lw_sketch *k, int panel)
     double u = k->u*(s->n_station > 400 ? 0.45 : s->n_station > 80 ? 0.7 : 1);
     for (size_t i = 0; i < s->n_station; i++) {
         lw_vec2 at = lw_sketch_pixel(k, panel, s->station[i]);
-        lw_symbol_station(k->d, (lw_bearer){ (int)i, -1, panel }, at, u);
+        lw_symbol_station(k->d, LW_ROLE_STATION, (lw_bearer){ (int)i, -1, panel }, at, u);
         lw_label_map_disc(&k->map, at, 5*u, 1.5);
     }
 }
@@ -187,17 +187,18 @@ static lw_status make_views(lw_sketch *k, double top, lw_box *path, lw_error *e)
     *path = lw_scene_path_box(k->s);
     if (lw_box_is_empty(&all))
         return lw_error_set(e, LW_E_NUMERIC, "nothing to draw: no coordinate is a finite number");
-    double w = d->width, h = d->height - top, margin = 44*k->u, foot = 30*k->u;
+    double w = d->width, h = d->height - top, margin = 44*k->u;
     double size = lw_box_size(path);
     bool two = size > 0 && lw_box_size(&all) > LW_SPECK*size, tall = h > w;
     double w0 = two && !tall ? 0.56*w : w, h0 = two && tall ? 0.56*h : h;
     d->n_view = two ? 2 : 1;
-    d->view[0] = lw_view_fit(all, 0, top, w0, h0 - foot, margin);
+    d->view[0] = lw_view_fit(all, 0, top, w0, h0 - lw_sketch_foot(k, w0), margin);
     d->view[0].h = h0;                                    /* the foot holds scale bar and legend */
     if (two) {
         double x = tall ? 8*k->u : w0, y = tall ? top + h0 : top;
         double w1 = w - x - 8*k->u, h1 = d->height - y - 8*k->u;
-        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - foot - 18*k->u, margin*0.8);
+        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - lw_sketch_foot(k, w1) - 18*k->u,
+                                 margin*0.8);
         d->view[1].y = y;
         d->view[1].h = h1;
     }
@@ -235,12 +236,13 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
     lw_diagram_options standard = lw_diagram_options_default();
     o = o ? o : &standard;
     *d = (lw_drawing){ .width = o->width, .height = o->height };
-    if (!(o->width >= 64 && o->width <= 8192 && o->height >= 64 && o->height <= 8192))
-        return lw_error_set(e, LW_E_ARG, "a picture of %g by %g px: sizes are 64 to 8192", o->width,
-                            o->height);
+    if (!(o->width >= 64 && o->width <= 8192 && o->height >= 64 && o->height <= 8192)
+        || !(o->zoom >= 0.1 && o->zoom <= 10))
+        return lw_error_set(e, LW_E_ARG, "a picture of %g by %g px, signs %g times as large: sizes "
+                            "are 64 to 8192, zoom 0.1 to 10", o->width, o->height, o->zoom);
     lw_sketch k = { .s = s, .o = o, .d = d };
     double size = fmin(o->width/1000, o->height/750);
-    k.u = size < 1 ? sqrt(size) : size;             /* letters stay legible in small pictures */
+    k.u = o->zoom*(size < 1 ? sqrt(size) : size);   /* letters stay legible in small pictures */
     lw_box path;
     lw_status status = lw_label_map_make(&k.map, o->width, o->height, e);
     if (status == LW_OK) {

@@ -13,6 +13,8 @@
 
 typedef struct lw_diagram_options {
     double width, height;      /* [px]                                               (1000, 750)  */
+    double zoom;               /* of signs and letters against what is usual for that size (1)    */
+    bool   title;              /* the scene's title above                                  (true) */
     bool   labels;             /* names of joints, numbers of stations                     (true) */
     bool   length_labels;      /* lengths beside their links                               (true) */
     bool   whole_motion;       /* the view holds every posture, for animation              (false) */
@@ -21,7 +23,7 @@ typedef struct lw_diagram_options {
 
 lw_diagram_options lw_diagram_options_default(void);
 
-/* LW_E_ARG for sizes outside 64 .. 8192 px; LW_E_NUMERIC when nothing in the scene is finite. */
+/* LW_E_ARG for sizes outside 64 .. 8192 px or a zoom outside 0.1 .. 10; LW_E_NUMERIC when nothing in the scene is finite. */
 lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_drawing *d,
                           lw_error *e);
 

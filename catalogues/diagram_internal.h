@@ -21,6 +21,7 @@ void    lw_sketch_linkage(lw_sketch *k);                  /* in panel 0         
 void    lw_sketch_label_linkage(lw_sketch *k);
 
 double  lw_sketch_header(lw_sketch *k);                   /* paper, title, dimensions; height used   */
+double  lw_sketch_foot(const lw_sketch *k, double width); /* height that a panel's foot takes        */
 void    lw_sketch_feet(lw_sketch *k);                     /* scale bars, legend, note                */
 
 #endif

@@ -75,12 +75,12 @@ double lw_sketch_header(lw_sketch *k)
     lw_drawing_path(d, LW_ROLE_PAPER, page, 4, true)->fill = LW_INK_PAPER;
     char title[sizeof k->s->title + 4];
     lw_text_clean(title, sizeof title - 4, k->s->title);
-    if (title[0]) {
+    if (title[0] && k->o->title) {
         shorten(title, 19*u, d->width - 32*u);
         y += 16*u;
         lw_drawing_text(d, LW_ROLE_TITLE, title, lw_v2(16*u, y), 19*u, 0)->bold = true;
         y += 21*u;
-    } else
+    } else if (k->o->dimensions)
         y += 8*u;
     if (k->o->dimensions && k->s->n_dim > 0)
         y = list_dimensions(k, y);
@@ -116,45 +116,64 @@ static void scale_bar(lw_sketch *k, int panel)
                                          v->y + v->h });
 }
 
-static bool has_curve(const lw_scene *s, bool shown_branch)
+/* The entries of the legend, from the right: what it shows, its text, room for the sample [px]. */
+typedef enum lw_sample { TARGET, OTHER, TRACED, N_SAMPLE } lw_sample;
+static const struct { const char *text; double room; } samples[N_SAMPLE] = {
+    [TARGET] = { "target", 36 }, [OTHER] = { "other branch", 52 }, [TRACED] = { "traced curve", 52 },
+};
+
+static bool is_shown(const lw_scene *s, lw_sample sample)
 {
+    if (sample == TARGET)
+        return s->n_station > 0;
     for (int i = 0; i < s->n_curve; i++)
-        if (s->curve[i].shown_branch == shown_branch)
+        if (s->curve[i].shown_branch == (sample == TRACED))
             return true;
     return false;
 }
 
-/* One entry, right-aligned at x; returns where the next may end. */
-static double entry(lw_sketch *k, double x, double y, const char *text, int kind)
+static double legend_width(const lw_sketch *k)
 {
-    double u = k->u, size = 12*u;
-    double left = x - lw_text_width(text, size);
-    lw_drawing_text(k->d, LW_ROLE_LEGEND, text, lw_v2(left, y), size, 0);
-    lw_vec2 a = lw_v2(left - 34*u, y - 4*u), b = lw_v2(left - 8*u, y - 4*u);
-    if (kind == 2) {
-        size_t first = k->d->n_shape;
-        lw_symbol_station(k->d, (lw_bearer){ -1, -1, -1 }, lw_v2(left - 14*u, y - 4*u), u);
-        if (k->d->n_shape > first)
-            k->d->shape[first].role = LW_ROLE_LEGEND;
-    } else {
-        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, a, b);
-        s->stroke = LW_INK_BLUE;
-        s->width = (kind ? 1.6 : 2.6)*u;
-        s->dashed = kind == 1;
-    }
-    return left - (kind == 2 ? 36 : 52)*u;
+    double w = 0;
+    for (int i = 0; i < N_SAMPLE; i++)
+        if (is_shown(k->s, (lw_sample)i))
+            w += lw_text_width(samples[i].text, 12*k->u) + samples[i].room*k->u;
+    return w;
 }
 
+double lw_sketch_foot(const lw_sketch *k, double width)
+{
+    bool beside = legend_width(k) + 0.24*width + 130*k->u < width;
+    return (beside ? 30 : 48)*k->u;
+}
+
+/* One entry that ends at x; returns where the next may end. */
+static double entry(lw_sketch *k, double x, double y, lw_sample sample)
+{
+    double u = k->u, left = x - lw_text_width(samples[sample].text, 12*u);
+    lw_drawing_text(k->d, LW_ROLE_LEGEND, samples[sample].text, lw_v2(left, y), 12*u, 0);
+    if (sample == TARGET)
+        lw_symbol_station(k->d, LW_ROLE_LEGEND, (lw_bearer){ -1, -1, -1 },
+                          lw_v2(left - 14*u, y - 4*u), u);
+    else {
+        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, lw_v2(left - 34*u, y - 4*u),
+                                      lw_v2(left - 8*u, y - 4*u));
+        s->stroke = LW_INK_BLUE;
+        s->width = (sample == OTHER ? 1.6 : 2.6)*u;
+        s->dashed = sample == OTHER;
+    }
+    return left - samples[sample].room*u;
+}
+
+/* In the last panel, beside its scale bar, or above it where it is narrow. */
 static void legend(lw_sketch *k)
 {
     const lw_view *v = &k->d->view[k->d->n_view - 1];
-    double u = k->u, end = v->x + v->w - 14*u, x = end, y = v->y + v->h - 12*u;
-    if (k->s->n_station)
-        x = entry(k, x, y, "target", 2);
-    if (has_curve(k->s, false))
-        x = entry(k, x, y, "other branch", 1);
-    if (has_curve(k->s, true))
-        x = entry(k, x, y, "traced curve", 0);
+    double u = k->u, end = v->x + v->w - 14*u, x = end;
+    double y = v->y + v->h - lw_sketch_foot(k, v->w) + 18*u;
+    for (int i = 0; i < N_SAMPLE; i++)
+        if (is_shown(k->s, (lw_sample)i))
+            x = entry(k, x, y, (lw_sample)i);
     if (x < end)
         lw_label_map_take(&k->map, (lw_box){ x, y - 16*u, end, v->y + v->h });
 }
@@ -168,7 +187,7 @@ void lw_sketch_feet(lw_sketch *k)
     if (k->s->note[0] == 0)
         return;
     char note[sizeof k->s->note + 4];
-    double u = k->u, y = v->y + v->h - 36*u;
+    double u = k->u, y = v->y + v->h - 6*u - lw_sketch_foot(k, v->w);
     lw_text_clean(note, sizeof note - 4, k->s->note);
     shorten(note, 12*u, v->w - 32*u);
     lw_drawing_text(k->d, LW_ROLE_NOTE, note, lw_v2(16*u, y), 12*u, 0)->fill = LW_INK_FAINT;

@@ -124,12 +124,12 @@ void lw_symbol_tracer(lw_drawing *d, lw_bearer b, lw_vec2 at, double u)
     bear(lw_drawing_circle(d, LW_ROLE_TRACER, at, 3*u), b)->fill = LW_INK_BLUE;
 }
 
-void lw_symbol_station(lw_drawing *d, lw_bearer b, lw_vec2 at, double u)
+void lw_symbol_station(lw_drawing *d, lw_role role, lw_bearer b, lw_vec2 at, double u)
 {
     double r = 5.2*u;
     lw_vec2 corner[4] = { lw_v2(at.x, at.y - r), lw_v2(at.x + r, at.y), lw_v2(at.x, at.y + r),
                           lw_v2(at.x - r, at.y) };
-    lw_shape *s = stroke(lw_drawing_path(d, LW_ROLE_STATION, corner, 4, true), b, LW_INK_PAPER, 0.9*u);
+    lw_shape *s = stroke(lw_drawing_path(d, role, corner, 4, true), b, LW_INK_PAPER, 0.9*u);
     s->fill = LW_INK_RED;
 }
 

@@ -20,7 +20,7 @@ void lw_symbol_slot(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, lw_ink ink
 void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, double u);
 void lw_symbol_arrow(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u);
 void lw_symbol_tracer(lw_drawing *d, lw_bearer b, lw_vec2 at, double u);
-void lw_symbol_station(lw_drawing *d, lw_bearer b, lw_vec2 at, double u);
+void lw_symbol_station(lw_drawing *d, lw_role role, lw_bearer b, lw_vec2 at, double u);
 /* Bar for two points, shaded polygon for more (their convex hull); nothing for fewer. */
 void lw_symbol_link(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u);
 
