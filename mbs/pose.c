@@ -259,6 +259,15 @@ static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_pose
         put_point(k, &reg[plan->output_point[o]], pose->tracer[o]);
 }
 
+static bool all_finite(const jet2 *reg, int n)
+{
+    for (int r = 0; r < n; r++)
+        for (int i = 0; i < N; i++)
+            if (!isfinite(reg[r].x.c[i]) || !isfinite(reg[r].y.c[i]))
+                return false;
+    return true;
+}
+
 lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mode, double input, int order,
                         lw_pose *pose)
 {
@@ -274,6 +283,10 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
     if (order > 0 && pose->margin > LW_MARGIN_FLAT)
         for (int i = 0; i < plan->n_step; i++)
             jet_step(&plan->step[i], dim, mode, input, reg);
+    /* a dyad that closes by rounding in one of the two ways of reckoning and not in the other */
+    if (!all_finite(reg, plan->n_reg))
+        for (int r = 0; r < plan->n_reg; r++)
+            reg[r] = constant2(flat[r].x, flat[r].y);
     sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };
     put_all(plan, &k, reg, pose);
     return pose->margin < 0 ? LW_OPEN : LW_OK;

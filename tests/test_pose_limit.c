@@ -1,0 +1,63 @@
+/* Poses within rounding of a limit of motion: finite, whatever the order asked for. */
+#include "base/file.h"
+#include "mbs/pose.h"
+#include "tests/check.h"
+
+static void check_finite(const lw_pose *p, const lw_plan *plan)
+{
+    for (int i = 0; i <= LW_ORDER_MAX; i++) {
+        CHECK(isfinite(p->tracer[0][i].x) && isfinite(p->tracer[0][i].y));
+        CHECK(isfinite(p->angle[plan->output_link[0]][i]));
+    }
+}
+
+/* Jansen's leg in the mode +++, which closes on part of the turn only: walk onto each limit by
+ * halving, then through the numbers next to it. */
+static void finite_around_every_limit(void)
+{
+    static lw_linkage k;
+    static lw_plan plan;
+    static lw_pose pose;
+    double dim[LW_DIM_MAX], file_mode[LW_DYAD_MAX], file_input;
+    char *text;
+    size_t size;
+    lw_error e;
+    CHECK_INT(lw_file_read("examples/jansen.json", &text, &size, &e), LW_OK);
+    CHECK_INT(lw_linkage_read(text, size, "jansen.json", &k, &e), LW_OK);
+    free(text);
+    CHECK_INT(lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
+    CHECK_INT(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &e), LW_OK);
+    int n_limit = 0;
+    for (int set = 0; set < 1 << plan.n_dyad; set++) {
+        double mode[LW_DYAD_MAX];
+        for (int d = 0; d < plan.n_dyad; d++)
+            mode[d] = set >> d & 1 ? -1 : 1;
+        for (int i = 0; i < 720; i++) {
+            double in = i*LW_PI/360, out = (i + 1)*LW_PI/360;
+            bool left = lw_pose_solve(&plan, dim, mode, in, 0, &pose) == LW_OK;
+            if (left == (lw_pose_solve(&plan, dim, mode, out, 0, &pose) == LW_OK))
+                continue;
+            n_limit++;
+            for (int step = 0; step < 60; step++) {
+                double middle = 0.5*(in + out);
+                bool closes = lw_pose_solve(&plan, dim, mode, middle, LW_ORDER_MAX, &pose) == LW_OK;
+                check_finite(&pose, &plan);
+                if (closes == left)
+                    in = middle;
+                else
+                    out = middle;
+            }
+            for (double q = in - 1e-14; q < in + 1e-14; q = nextafter(q, 10)) {
+                lw_pose_solve(&plan, dim, mode, q, LW_ORDER_MAX, &pose);
+                check_finite(&pose, &plan);
+            }
+        }
+    }
+    CHECK(n_limit >= 4);
+}
+
+int main(void)
+{
+    RUN(finite_around_every_limit);
+    return check_end();
+}
