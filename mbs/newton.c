@@ -1,0 +1,474 @@
+/* mbs/newton.c - following a branch of a linkage's postures: predictor and corrector.
+ *
+ * The postures with their input form curves in the space of coordinates and input.  A step goes along
+ * the unit tangent t by a length h and comes back by Newton's method on the plane t . (z - z0) = h,
+ * so that a limit of motion, where the input turns round, is a point of the curve like any other
+ * (Keller 1977, pseudo-arclength; Allgower & Georg 1990, chapters 2, 8).  A step counts only when
+ *     the first correction is small against h and the corrections shrink,
+ *     the tangent turns by less than 0.3,
+ *     the chord lies along the mean of the tangents at its ends, as that of an arc does,
+ *     the input, as a cubic of its values and rates at both ends, does not turn back in between,
+ *     the determinant of the equations with the tangent as last row keeps its sign.
+ * The determinant changes sign where two branches cross and nowhere else, so a step that leapt to
+ * the neighbouring branch of an almost crossing is found out and cut. */
+#include "mbs/newton.h"
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+#include "mbs/newton_internal.h"
+
+static const double first_step   = 0.2;
+static const double largest_step = 0.5;
+static const double least_step   = 3e-8;   /* below this the tangent drowns in rounding at a crossing */
+static const double least_cosine = 0.955;  /* cos 0.3 */
+static const double near_share   = 0.2;    /* of the step, which the first correction may have       */
+static const double chord_sine   = 0.02;   /* of the angle between chord and mean tangent            */
+
+typedef struct place {
+    double *z, *t;                         /* posture and input; unit tangent                (w)   */
+    int     sign;                          /* of the determinant; 0 for overconstrained linkages   */
+} place;
+
+struct lw_newton {
+    lw_loop loop;
+    int     w, rows;                       /* unknowns n + 1, equations m + 1                      */
+    int     n_tracer, tracer_link[LW_TRACER_MAX];
+    lw_vec2 tracer_arm[LW_TRACER_MAX];
+    double  value;                         /* input in the posture                                 */
+    double  unit;                          /* input per unit of z[n]: 1 [rad] or the size [m]      */
+    place   start, here, next;
+    double  step;
+    int     way;                           /* +1, -1: the tangent is that of a growing, falling input */
+    bool    limit;                         /* the input can go no further that way                 */
+    int     crossings;
+    int     turns[LW_LINK_MAX];            /* whole turns taken out of the coordinates             */
+    int     input_turns;                   /* and out of a pin's input                             */
+    bool    input_is_pin;
+    double *store;                         /* all arrays                                           */
+    double *matrix, *diag, *rest, *border;
+};
+
+static double dot(const lw_newton *s, const double *a, const double *b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < s->w; i++)
+        sum += a[i]*b[i];
+    return sum;
+}
+
+static void copy(const lw_newton *s, place *to, const place *from)
+{
+    memcpy(to->z, from->z, (size_t)s->w*sizeof *to->z);
+    memcpy(to->t, from->t, (size_t)s->w*sizeof *to->t);
+    to->sign = from->sign;
+}
+
+/* to->z = from->z + h from->t */
+static void predict(const lw_newton *s, const place *from, double h, place *to)
+{
+    for (int i = 0; i < s->w; i++)
+        to->z[i] = from->z[i] + h*from->t[i];
+}
+
+/* Equations at z with `row` as last row of the matrix; returns the greatest of the equations. */
+static double assemble(lw_newton *s, const double *z, const double *row)
+{
+    double most = lw_loop_equations(&s->loop, z, s->rest, s->matrix, s->rows);
+    for (int c = 0; c < s->w; c++)
+        s->matrix[s->loop.m + (long)s->rows*c] = row[c];
+    return most;
+}
+
+/* What rounding leaves of the equations: a few units in the last place of the places. */
+static double rounding(const lw_newton *s, const double *z)
+{
+    double most = 1.0;
+    for (int i = 0; i < s->loop.n; i++)
+        if (i % 3 != 2)
+            most = fmax(most, fabs(z[i]));
+    return 4.0*DBL_EPSILON*most;
+}
+
+/* Newton's method from z onto the curve, on the plane across `row`, h along it from s->here.  The
+ * first correction must not exceed a share of h.  False when it does, or when corrections do not
+ * shrink. */
+static bool correct(lw_newton *s, double *z, const double *row, double h)
+{
+    double last = 0.0, reach = near_share*fabs(h) + rounding(s, z);
+    for (int iteration = 0; iteration < 12; iteration++) {
+        double left = assemble(s, z, row), off = -h;
+        for (int i = 0; i < s->w; i++)
+            off += row[i]*(z[i] - s->here.z[i]);
+        double small = rounding(s, z);
+        if (left <= 0.25*small && fabs(off) <= small)
+            return true;
+        s->rest[s->loop.m] = off;
+        if (!(lw_qr_factor(s->rows, s->w, s->matrix, s->diag) > 1e-14))
+            return false;
+        lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
+        double length = sqrt(dot(s, s->rest, s->rest));
+        bool at_rounding = left <= small && fabs(off) <= small;
+        if (iteration > 0 && !(length < 0.5*last))
+            return at_rounding;
+        if (iteration == 0 && !(length <= reach) && !at_rounding)
+            return false;
+        for (int i = 0; i < s->w; i++)
+            z[i] -= s->rest[i];
+        last = length;
+    }
+    return false;
+}
+
+/* Unit tangent at p->z, on the side of `row`; false where it is not determined. */
+static bool find_tangent(lw_newton *s, place *p, const double *row)
+{
+    assemble(s, p->z, row);
+    double condition = lw_qr_factor(s->rows, s->w, s->matrix, s->diag);
+    if (!(condition > 1e-12))
+        return false;
+    p->sign = s->rows == s->w ? lw_qr_sign(s->w, s->diag) : 0;
+    memset(s->rest, 0, (size_t)s->rows*sizeof *s->rest);
+    s->rest[s->loop.m] = 1.0;
+    lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
+    double length = sqrt(dot(s, s->rest, s->rest));
+    for (int i = 0; i < s->w; i++)
+        p->t[i] = s->rest[i]/length;
+    return isfinite(length);
+}
+
+/* --- steps --- */
+
+/* Is s->next on the same smooth curve as s->here, as far as both ends of a step can tell? */
+static bool smooth(const lw_newton *s)
+{
+    double length2 = 0.0, along = 0.0, mean2 = 0.0, cosine = dot(s, s->next.t, s->here.t);
+    if (cosine < least_cosine)
+        return false;
+    for (int i = 0; i < s->w; i++) {
+        double chord = s->next.z[i] - s->here.z[i], mean = s->here.t[i] + s->next.t[i];
+        length2 += chord*chord;
+        along += chord*mean;
+        mean2 += mean*mean;
+    }
+    bool too_short = length2 < 1e-12;       /* to tell directions from rounding */
+    return too_short || along*along >= (1.0 - chord_sine*chord_sine)*length2*mean2;
+}
+
+/* s->next: the curve h along from s->here, on the plane across the tangent. */
+static bool go(lw_newton *s, double h)
+{
+    predict(s, &s->here, h, &s->next);
+    return correct(s, s->next.z, s->here.t, h)
+        && find_tangent(s, &s->next, s->here.t)
+        && smooth(s);
+}
+
+/* Does the input turn back and forth again between s->here and s->next, h along, where it still goes
+ * its way?  The derivative of the cubic through both is the parabola q with q(0) = p0, q(1) = p1 and
+ * the mean slope m.  Where h is small, what it can hide is smaller than the limits are told to. */
+static bool dips(const lw_newton *s, double h)
+{
+    int n = s->loop.n;
+    double p0 = s->here.t[n]*s->way, p1 = s->next.t[n]*s->way;
+    double m = (s->next.z[n] - s->here.z[n])*s->way/h;
+    double slope = 6.0*m - 4.0*p0 - 2.0*p1, bend = 3.0*(p0 + p1) - 6.0*m;
+    if (h < 1e-4 || !(bend > 0.0 && slope < 0.0 && -slope < 2.0*bend))
+        return false;
+    double least = p0 - 0.25*slope*slope/bend;
+    return least < 0.1*fmax(0.0, fmin(p0, p1)) - 1e-12;
+}
+
+/* s->next: the curve where the input is `target`, about h along. */
+static bool go_to(lw_newton *s, double target, double h)
+{
+    memset(s->border, 0, (size_t)s->w*sizeof *s->border);
+    s->border[s->loop.n] = 1.0;
+    predict(s, &s->here, h, &s->next);
+    s->next.z[s->loop.n] = target;
+    return correct(s, s->next.z, s->border, target - s->here.z[s->loop.n])
+        && find_tangent(s, &s->next, s->here.t)
+        && smooth(s)
+        && s->next.sign == s->here.sign
+        && !dips(s, h);
+}
+
+/* Turns in [-pi, pi], so that sines keep their digits however often a link goes round. */
+static void arrive(lw_newton *s)
+{
+    place *p = &s->next;
+    for (int i = 0; i < s->loop.n_link; i++) {
+        int c = s->loop.column[i] + 2;
+        if (c > 1 && fabs(p->z[c]) > LW_PI) {
+            int whole = p->z[c] > 0.0 ? 1 : -1;
+            p->z[c] -= 2.0*LW_PI*whole;
+            s->turns[i] += whole;
+        }
+    }
+    double *input = &p->z[s->loop.n];
+    if (s->input_is_pin && fabs(*input) > LW_PI) {
+        int whole = *input > 0.0 ? 1 : -1;
+        *input -= 2.0*LW_PI*whole;
+        s->input_turns += whole;
+    }
+    place old = s->here;
+    s->here = s->next;
+    s->next = old;
+}
+
+/* On the curve between s->here and h along, find where the input is *target, or (NULL) where it turns
+ * round: regula falsi after Dowell & Jarratt 1971 (Illinois).  s->next is the place. */
+static bool locate(lw_newton *s, double h, const double *target)
+{
+    int n = s->loop.n;
+    double lo = 0.0, hi = h;
+    double at_lo = target ? s->here.z[n] - *target : s->here.t[n];
+    double at_hi = target ? s->next.z[n] - *target : s->next.t[n];
+    double enough = target ? DBL_EPSILON*fmax(1.0, fabs(*target)) : 1e-10;
+    for (int i = 0; i < 100; i++) {
+        double x = hi - at_hi*(hi - lo)/(at_hi - at_lo);
+        if (!(x > fmin(lo, hi) && x < fmax(lo, hi)))
+            x = 0.5*(lo + hi);
+        if (!go(s, x))
+            return false;
+        double at_x = target ? s->next.z[n] - *target : s->next.t[n];
+        if (fabs(at_x) <= enough || fabs(hi - lo) <= 1e-15)
+            return true;
+        if ((at_x > 0.0) != (at_hi > 0.0)) {
+            lo = hi;
+            at_lo = at_hi;
+        } else
+            at_lo *= 0.5;
+        hi = x;
+        at_hi = at_x;
+    }
+    return true;
+}
+
+/* Two branches cross within least_step: leap over the place and go straight on. */
+static bool cross(lw_newton *s)
+{
+    for (double h = 4.0*least_step; h < 1e-3; h *= 2.0)
+        if (go(s, h) && s->next.sign == -s->here.sign) {
+            arrive(s);
+            s->crossings++;
+            s->step = 1e-3;
+            return true;
+        }
+    return false;
+}
+
+static bool passed(double x, double target, double way) { return (x - target)*way >= 0.0; }
+
+typedef enum outcome { MOVED, ARRIVED, ENDED, LOST } outcome;
+
+/* The step of length h led to s->next, and the input has turned round or passed its target on the
+ * way: find the first of the two. */
+static outcome settle(lw_newton *s, double h, double target)
+{
+    int n = s->loop.n;
+    double end = h, way = s->way;
+    if (s->next.t[n]*way <= 0.0) {
+        bool from_limit = s->here.t[n]*way < 1e-9;         /* two limits: a shorter step parts them */
+        if (from_limit || !locate(s, h, NULL))
+            return LOST;
+        end = 0.0;
+        for (int i = 0; i < s->w; i++)
+            end += s->here.t[i]*(s->next.z[i] - s->here.z[i]);
+        if (dips(s, end))
+            return LOST;
+        if (!passed(s->next.z[n], target, way)) {
+            arrive(s);
+            s->limit = true;
+            return ENDED;
+        }
+    }
+    if (!locate(s, end, &target))
+        return LOST;
+    s->next.z[n] = target;
+    arrive(s);
+    return ARRIVED;
+}
+
+/* One step towards the target, of the length that the curve allows. */
+static outcome advance(lw_newton *s, double target)
+{
+    int n = s->loop.n;
+    double way = s->way, rate = s->here.t[n]*way, need = (target - s->here.z[n])*way;
+    if (rate > 0.0 && need <= rate*s->step && go_to(s, target, need/rate)) {
+        arrive(s);
+        return ARRIVED;
+    }
+    for (double h = s->step; h >= least_step; h *= 0.5) {
+        if (!go(s, h) || s->next.sign != s->here.sign)
+            continue;
+        double cosine = dot(s, s->next.t, s->here.t);
+        bool turned = s->next.t[n]*way <= 0.0;
+        if (!turned && dips(s, h))
+            continue;
+        if (turned || passed(s->next.z[n], target, way)) {
+            outcome o = settle(s, h, target);
+            if (o == LOST)
+                continue;
+            return o;
+        }
+        s->step = fmin(largest_step, cosine > 0.99 ? 2.0*h : cosine > 0.975 ? 1.2*h : h);
+        arrive(s);
+        return MOVED;
+    }
+    return cross(s) ? MOVED : LOST;
+}
+
+/* Turn round when the input shall go the other way.  At a limit this leads back the way it came. */
+static void face(lw_newton *s, int way)
+{
+    if (way == s->way)
+        return;
+    for (int i = 0; i < s->w; i++)
+        s->here.t[i] = -s->here.t[i];
+    s->here.sign = -s->here.sign;            /* the determinant is linear in its last row */
+    s->way = way;
+    s->limit = false;
+}
+
+/* z[n] of an input */
+static double wanted(const lw_newton *s, double input)
+{
+    return (input - s->value)/s->unit - 2.0*LW_PI*s->input_turns;
+}
+
+lw_status lw_newton_move(lw_newton *s, double input, double *reached)
+{
+    lw_status status = LW_OK;
+    double target = wanted(s, input), from = s->here.z[s->loop.n];
+    if (!isfinite(input))
+        status = LW_E_ARG;
+    else if (target != from) {
+        face(s, target > from ? 1 : -1);
+        outcome o = s->limit ? ENDED : MOVED;
+        while (o == MOVED)
+            o = advance(s, wanted(s, input));
+        status = o == ARRIVED ? LW_OK : o == ENDED ? LW_OPEN : LW_E_NUMERIC;
+    }
+    if (reached)
+        *reached = status == LW_OK ? input : lw_newton_input(s);
+    return status;
+}
+
+/* --- making, asking --- */
+
+void lw_newton_reset(lw_newton *s)
+{
+    copy(s, &s->here, &s->start);
+    memset(s->turns, 0, sizeof s->turns);
+    s->step = first_step;
+    s->way = 1;
+    s->limit = false;
+    s->crossings = s->input_turns = 0;
+}
+
+/* One block for all arrays. */
+static bool allocate(lw_newton *s)
+{
+    s->w = s->loop.n + 1;
+    s->rows = s->loop.m + 1;
+    size_t w = (size_t)s->w, rows = (size_t)s->rows;
+    double *store = s->store = calloc(8*w + rows + rows*w, sizeof *store);
+    if (!store)
+        return false;
+    s->start  = (place){ .z = store,         .t = store + w };
+    s->here   = (place){ .z = store + 2*w,   .t = store + 3*w };
+    s->next   = (place){ .z = store + 4*w,   .t = store + 5*w };
+    s->diag   = store + 6*w;
+    s->border = store + 7*w;
+    s->rest   = store + 8*w;
+    s->matrix = s->rest + rows;
+    return true;
+}
+
+/* The tangent of the posture, with the input growing. */
+static lw_status begin(lw_newton *s, lw_error *e)
+{
+    lw_loop_posture(&s->loop, s->start.z);
+    s->border[s->loop.n] = 1.0;
+    if (!find_tangent(s, &s->start, s->border))
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the input: draw the linkage "
+                            "in another posture, so that its branch can be told");
+    double left = 0.0;
+    lw_loop_equations(&s->loop, s->start.z, s->rest, s->matrix, s->rows);
+    for (int i = 0; i < s->loop.m; i++) {
+        double rate = 0.0;
+        for (int c = 0; c < s->w; c++)
+            rate += s->matrix[i + (long)s->rows*c]*s->start.t[c];
+        left = fmax(left, fabs(rate));
+    }
+    if (left > 1e-9)
+        return lw_error_set(e, LW_E_NUMERIC, "the linkage is rigid: it has more constraints than it needs "
+                            "and they do not agree, so that its input cannot move");
+    lw_newton_reset(s);
+    return LW_OK;
+}
+
+lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
+{
+    *out = NULL;
+    lw_newton *s = calloc(1, sizeof *s);
+    if (!s)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status status = lw_loop_make(k, &s->loop, e);
+    if (status == LW_OK && !allocate(s))
+        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK) {
+        s->value = k->input[0].value;
+        s->input_is_pin = k->joint[k->input[0].joint].kind == LW_JOINT_REVOLUTE;
+        s->unit = s->input_is_pin ? 1.0 : s->loop.size;
+        s->n_tracer = k->n_tracer;
+        for (int i = 0; i < k->n_tracer; i++) {
+            s->tracer_link[i] = k->tracer[i].link;
+            s->tracer_arm[i] = lw_loop_arm(&s->loop, k->tracer[i].link, k->tracer[i].at);
+        }
+        status = begin(s, e);
+    }
+    if (status != LW_OK) {
+        lw_newton_free(s);
+        return status;
+    }
+    *out = s;
+    return LW_OK;
+}
+
+void lw_newton_free(lw_newton *s)
+{
+    if (s)
+        free(s->store);
+    free(s);
+}
+
+lw_vec2 lw_newton_tracer(const lw_newton *s, int which)
+{
+    return lw_loop_point(&s->loop, s->here.z, s->tracer_link[which], s->tracer_arm[which]);
+}
+
+lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
+{
+    const lw_loop_joint *q = &s->loop.joint[joint];
+    return lw_loop_point(&s->loop, s->here.z, q->link[0], q->arm[0]);
+}
+
+double lw_newton_angle(const lw_newton *s, int link)
+{
+    int c = s->loop.column[link];
+    return c < 0 ? 0.0 : s->here.z[c + 2] + 2.0*LW_PI*s->turns[link];
+}
+
+double lw_newton_input(const lw_newton *s)
+{
+    return s->value + s->unit*(s->here.z[s->loop.n] + 2.0*LW_PI*s->input_turns);
+}
+
+double lw_newton_residual(const lw_newton *s)
+{
+    return s->loop.size*lw_loop_equations(&s->loop, s->here.z, s->rest, NULL, 0);
+}
+
+int lw_newton_crossings(const lw_newton *s) { return s->crossings; }
