@@ -199,13 +199,21 @@ lw_status lw_output_open(lw_output *o, const char *path, lw_error *e)
     return LW_OK;
 }
 
+/* The stream remembers that an earlier write failed, not why: one more byte, in a file that is lost
+ * anyway, asks again. */
+static int why_it_failed(FILE *f)
+{
+    errno = 0;
+    return write(fileno(f), "\n", 1) < 0 && errno ? errno : EIO;
+}
+
 /* Everything on the disk, or the number of the error.  Pipes and terminals cannot be synced. */
 static int finish(FILE *f, bool sync)
 {
     int error = 0;
     errno = 0;
     if (fflush(f) != 0 || ferror(f))
-        error = errno ? errno : EIO;
+        error = errno ? errno : why_it_failed(f);
     if (!error && sync && fsync(fileno(f)) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
         error = errno;
     if (fclose(f) != 0 && !error)
