@@ -1,0 +1,74 @@
+/* The bridge to jansson for what holds a linkage further inside. */
+#include "cli/model.h"
+
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/file.h"
+
+/* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
+static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
+{
+    size_t n = json_array_size(results), at = which > 0 ? (size_t)which - 1 : 0;
+    if (at >= n) {
+        lw_error_at(e, LW_E_ARG, file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1,
+                    n == 1 ? "is" : "are", n);
+        return NULL;
+    }
+    const json_t *linkage = json_object_get(json_array_get(results, at), "linkage");
+    if (!json_is_object(linkage)) {
+        lw_error_at(e, LW_E_NOTATION, file, 0, 0, "result %zu has no linkage", at + 1);
+        return NULL;
+    }
+    char *text = json_dumps(linkage, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    if (!text)
+        lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
+    return text;
+}
+
+/* Replace *text by the text of the wanted result when it holds results. */
+static lw_status unwrap(const char *file, int which, char **text, size_t *size, lw_error *e)
+{
+    json_t *root = json_loadb(*text, *size, 0, NULL);
+    const json_t *results = json_object_get(root, "results");
+    lw_status s = LW_OK;
+    if (json_is_array(results)) {
+        char *inner = result_text(results, file, which, e);
+        if (inner) {
+            free(*text);
+            *text = inner;
+            *size = strlen(inner);
+        } else {
+            s = LW_E_ARG;
+        }
+    } else if (root && which > 0) {
+        s = lw_error_at(e, LW_E_ARG, file, 0, 0, "the file holds one linkage and no list of results; "
+                        "leave --result out");
+    }
+    json_decref(root);
+    return s;
+}
+
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = unwrap(path, which, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_linkage_read(text, size, path, k, e);
+    free(text);
+    return s;
+}
+
+lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_target_read(text, size, path, o, t, e);
+    free(text);
+    return s;
+}

@@ -1,0 +1,15 @@
+/* cli/model.h - reading what the commands are given: linkages, also out of the results of fit. */
+#ifndef LW_CLI_MODEL_H
+#define LW_CLI_MODEL_H
+
+#include "grammar/linkage.h"
+#include "optimise/target.h"
+
+/* A linkage from a file ("-" is standard input): one linkage as in docs/notation.md, or an object
+ * with `results` as `linkwright fit --json` prints it, of which `linkage` of result number `which`
+ * (1 is the best) is taken.  which 0: the first, and files without results are fine. */
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
+
+lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
+
+#endif

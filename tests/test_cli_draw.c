@@ -1,0 +1,44 @@
+/* `linkwright draw` from outside, on the models of examples/. */
+#include "tests/cli_run.h"
+
+static void pictures(void)
+{
+    static const struct { const char *name, *head; } kind[] = {
+        { "svg", "<?xml" }, { "png", "PNG" }, { "pdf", "%PDF" }, { "gif", "GIF89a" }, { "html", "<!" } };
+    char line[256];
+    for (size_t i = 0; i < sizeof kind/sizeof *kind; i++) {
+        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 -s 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
+                 kind[i].name, kind[i].name);
+        expect(line, 0, kind[i].head, NULL);
+        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 -s 200x150 -f %s | cmp - $D/x.%s",
+                 kind[i].name, kind[i].name);
+        expect(line, 0, NULL, NULL);
+    }
+    expect("$P draw examples/hoeken.json -t examples/ellipse.csv", 0, "</svg>", NULL);
+    expect("for f in examples/*.json; do $P draw $f -o $D/x.svg || exit 1; done", 0, NULL, NULL);
+    expect("$P draw examples/hoeken.json -o $D/x.bmp", 2, NULL, "svg");
+    expect("$P draw examples/hoeken.json --json", 2, NULL, "no meaning");
+    expect("$P draw examples/hoeken.json -s 10x10", 2, NULL, "out of range");
+    expect("$P draw examples/hoeken.json -s 100", 2, NULL, "WIDTHxHEIGHT");
+    expect("$P draw examples/hoeken.json -t none.csv", 3, NULL, "no such file");
+    expect("$P draw examples/hoeken.json -o /dev/full -f svg", 3, NULL, "no space left");
+}
+
+static void results_of_a_fit(void)
+{
+    expect("{ echo '{\"results\": [{\"linkage\":'; cat examples/hoeken.json; echo '}, {\"linkage\":'; "
+           "cat examples/jansen.json; echo '}, {\"type\": 1}]}'; } > $D/r.json", 0, NULL, NULL);
+    expect("$P draw $D/r.json", 0, "Hoeken", NULL);
+    expect("$P draw $D/r.json --result 2", 0, "Jansen", NULL);
+    expect("$P draw $D/r.json --result 3", 3, NULL, "has no linkage");
+    expect("$P draw $D/r.json --result 4", 3, NULL, "there are 3");
+    expect("$P draw examples/hoeken.json --result 1", 3, NULL, "leave --result out");
+}
+
+int main(void)
+{
+    RUN(pictures);
+    RUN(results_of_a_fit);
+    run_end();
+    return check_end();
+}
