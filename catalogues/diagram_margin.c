@@ -15,10 +15,8 @@ static void faint_line(lw_sketch *k, const char *text, double y)
 /* "r2 = 1.25" in the units of the file. */
 static void dimension_text(const lw_scene *s, int i, char *text, size_t size)
 {
-    const lw_units *units = &s->linkage.units;
-    bool angle = s->dim_kind[i] == LW_DIM_ANGLE;
     char number[32];
-    lw_number_text(number, s->dim[i]/(angle ? units->radian : units->metre), 5);
+    lw_number_text(number, lw_scene_dimension(s, i), 5);
     snprintf(text, size, "%s = %s", s->dim_name[i], number);
 }
 
@@ -119,7 +117,7 @@ static void scale_bar(lw_sketch *k, int panel)
 /* The entries of the legend, from the right: what it shows, its text, room for the sample [px]. */
 typedef enum lw_sample { TARGET, OTHER, TRACED, N_SAMPLE } lw_sample;
 static const struct { const char *text; double room; } samples[N_SAMPLE] = {
-    [TARGET] = { "target", 36 }, [OTHER] = { "other branch", 52 }, [TRACED] = { "traced curve", 52 },
+    [TARGET] = { "target", 36 }, [OTHER] = { "also possible", 52 }, [TRACED] = { "traced curve", 52 },
 };
 
 static bool is_shown(const lw_scene *s, lw_sample sample)

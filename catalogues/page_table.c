@@ -57,12 +57,11 @@ static bool is_used(const lw_page_target *t, lw_column c)
 static void dimensions(lw_bytes *b, const lw_page_result *r)
 {
     const lw_scene *s = r->scene;
-    const lw_units *u = units_of(r);
     for (int i = 0; s && i < s->n_dim; i++) {
         lw_bytes_text(b, "<span>");
         lw_bytes_xml(b, s->dim_name[i]);
         lw_bytes_text(b, " = ");
-        lw_bytes_number(b, s->dim[i]/(s->dim_kind[i] == LW_DIM_ANGLE ? u->radian : u->metre), 6);
+        lw_bytes_number(b, lw_scene_dimension(s, i), 6);
         lw_bytes_text(b, "</span> ");
     }
 }

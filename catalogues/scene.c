@@ -149,6 +149,14 @@ static double span(const lw_linkage *k)
     return d;
 }
 
+double lw_scene_dimension(const lw_scene *s, int i)
+{
+    const lw_units *u = &s->linkage.units;
+    bool angle = s->dim_kind[i] == LW_DIM_ANGLE;
+    double noise = angle ? 1e-12 : 1e-9*span(&s->linkage);
+    return fabs(s->dim[i]) < noise ? 0 : s->dim[i]/(angle ? u->radian : u->metre);
+}
+
 /* The frames of the walk, as places of the links relative to the posture. */
 static bool take_frames(lw_work *w, size_t n)
 {
@@ -215,7 +223,7 @@ static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_v
     refine(w, tracer, tm, m, t1, b, size, depth - 1, g);
 }
 
-static bool take_curve(lw_work *w, int tracer, size_t n)
+static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
 {
     lw_scene *s = w->s;
     lw_growing g = { 0 };
@@ -232,37 +240,47 @@ static bool take_curve(lw_work *w, int tracer, size_t n)
     }
     if (w->walk.loops && g.n > 1)
         g.n--;                                         /* the last is the first again */
-    s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = true,
+    s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = shown,
                                          .closed = w->walk.loops, .n = g.n, .p = g.p };
     return !g.failed;
 }
 
-/* Only the range of input that the linkage's file asks for. */
-static void restrict_input(lw_work *w)
+/* Does the file ask for a part of the input's range that holds the posture? */
+static bool is_restricted(const lw_work *w)
 {
     const lw_input *in = &w->linkage.input[0];
     double first = fmin(in->first, in->last), last = fmax(in->first, in->last);
     double tolerance = 1e-9*(last - first);
-    if (!(first < last) || (!w->plan.input_is_slider && last - first >= 2*LW_PI*(1 - 1e-12))
-        || in->value < first - tolerance || in->value > last + tolerance)
-        return;
-    lw_walk_restrict(&w->walk, w->input + (first - in->value), w->input + (last - in->value));
+    bool full = !w->plan.input_is_slider && last - first >= 2*LW_PI*(1 - 1e-12);
+    return first < last && !full && in->value >= first - tolerance && in->value <= last + tolerance;
+}
+
+static bool take_curves(lw_work *w, bool shown, size_t n)
+{
+    for (int i = 0; i < w->s->linkage.n_tracer; i++)
+        if (!take_curve(w, i, shown, n < 8 ? 8 : n))
+            return false;
+    return true;
 }
 
 /* Curves and frames; false when memory ran out. */
 static bool show_motion(lw_work *w, const lw_scene_options *o)
 {
     lw_scene *s = w->s;
+    const lw_input *in = &w->linkage.input[0];
     for (int i = 0; i < s->linkage.n_link; i++)
         if (i != s->linkage.ground)
             s->origin[i] = reference(w, &w->start, i);
     if (lw_walk_make(&w->plan, w->dim, w->mode, w->input, span(&w->linkage), &w->walk) != LW_OK)
         return make_frames(s, 1);
-    for (int i = 0; i < s->linkage.n_tracer; i++)
-        if (!take_curve(w, i, o->n_curve_point < 8 ? 8 : o->n_curve_point))
+    if (is_restricted(w)) {
+        if (!take_curves(w, false, o->n_curve_point))
             return false;
-    restrict_input(w);
-    return take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+        lw_walk_restrict(&w->walk, w->input + (fmin(in->first, in->last) - in->value),
+                         w->input + (fmax(in->first, in->last) - in->value));
+    }
+    return take_curves(w, true, o->n_curve_point)
+        && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
 }
 
 lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,

@@ -2,7 +2,8 @@
  * motion as a row of postures, and the target it was made for.  Plain numbers in metres; no picture yet.
  *
  * The motion is that of the branch which holds the posture of the file: a full turn of the input when
- * it can turn, otherwise from limit to limit and, through the limits, back on the other side. */
+ * it can turn, otherwise from limit to limit and, through the limits, back on the other side; only the
+ * range of the input that the linkage asks for (lw_input.first, last) when it asks for one. */
 #ifndef LW_CATALOGUES_SCENE_H
 #define LW_CATALOGUES_SCENE_H
 
@@ -20,7 +21,8 @@ typedef struct lw_place { lw_vec2 at, turn; } lw_place;
 
 typedef struct lw_curve {
     int      tracer;
-    bool     shown_branch;        /* false: of another circuit or assembly mode (drawn dashed)       */
+    bool     shown_branch;        /* false: of another circuit or assembly mode, or beyond the range
+                                   * of the input that the linkage asks for (drawn dashed)           */
     bool     closed;              /* the last point is followed by the first                         */
     size_t   n;
     lw_vec2 *p;                   /* [m]                                                    (n)      */
@@ -64,6 +66,10 @@ lw_scene_options lw_scene_options_default(void);
 lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);
+
+/* Dimension i as people read it: in the linkage's units, and 0 when it is rounding noise (1e-9 of the
+ * linkage's size, 1e-12 rad). */
+double lw_scene_dimension(const lw_scene *s, int i);
 
 /* Where point p of a link (in the posture shown) is in a frame [m]. */
 lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p);

@@ -1,0 +1,255 @@
+/* Scenes: links stay rigid and joined in every frame, curves are where the tracer goes, limits are the
+ * four-bar's own, motion is followed through them, size does not matter. */
+#include "base/rng.h"
+#include "catalogues/scene.h"
+#include "catalogues/walk.h"
+#include "mbs/fourbar.h"
+#include "tests/check.h"
+#include "tests/scene_models.h"
+
+static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
+
+/* Every pin is at one place whichever of its two links carries it; sliders stay on their lines. */
+static void check_joined(const lw_scene *s, double size)
+{
+    const lw_linkage *k = &s->linkage;
+    for (size_t f = 0; f < s->n_frame; f++)
+        for (int i = 0; i < k->n_joint; i++) {
+            const lw_joint *j = &k->joint[i];
+            lw_vec2 d = lw_v2_sub(lw_scene_at(s, f, j->link[0], j->at), lw_scene_at(s, f, j->link[1], j->at));
+            if (j->kind == LW_JOINT_REVOLUTE)
+                CHECK_NEAR(lw_v2_norm(d), 0, 1e-9*size, 0);
+            else {
+                lw_vec2 turn = s->place[f*(size_t)k->n_link + (size_t)j->link[0]].turn;
+                CHECK_NEAR(lw_v2_cross(d, lw_v2_turn(j->along, turn)), 0, 1e-9*size, 0);
+            }
+        }
+}
+
+/* Distance of p from the polygon of a curve. */
+static double from_curve(const lw_curve *c, lw_vec2 p)
+{
+    double best = INFINITY;
+    for (size_t i = 0; i + (c->closed ? 0 : 1) < c->n; i++) {
+        lw_vec2 a = c->p[i], d = lw_v2_sub(c->p[(i + 1) % c->n], a);
+        double l2 = lw_v2_dot(d, d), t = l2 > 0 ? lw_v2_dot(lw_v2_sub(p, a), d)/l2 : 0;
+        best = fmin(best, distance(p, lw_v2_add(a, lw_v2_scale(d, fmin(fmax(t, 0), 1)))));
+    }
+    return best;
+}
+
+static void check_on_curve(const lw_scene *s, double size)
+{
+    for (int i = 0; i < s->n_curve; i++) {
+        const lw_tracer *t = &s->linkage.tracer[s->curve[i].tracer];
+        for (size_t f = 0; s->curve[i].shown_branch && f < s->n_frame; f++)
+            CHECK_NEAR(from_curve(&s->curve[i], lw_scene_at(s, f, t->link, t->at)), 0, 2e-3*size, 0);
+    }
+}
+
+static void check_first_frame(const lw_scene *s, double size)
+{
+    CHECK(s->first_frame < s->n_frame);
+    for (int i = 0; i < s->linkage.n_joint; i++) {
+        const lw_joint *j = &s->linkage.joint[i];
+        CHECK_NEAR(distance(lw_scene_at(s, s->first_frame, j->link[1], j->at), j->at), 0, 1e-7*size, 0);
+    }
+}
+
+static void examples_move_as_one(void)
+{
+    for (size_t i = 0; i < MODEL_FILES; i++) {
+        lw_linkage k;
+        lw_scene s;
+        lw_error e;
+        CHECK_INT(model_read(model_files[i], &k), LW_OK);
+        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_TEXT(s.note, "");
+        CHECK_INT(s.n_frame, 120);
+        check_joined(&s, 0.2);
+        check_on_curve(&s, 0.2);
+        check_first_frame(&s, 0.2);
+        lw_scene_free(&s);
+    }
+}
+
+static void crank_turns_once(void)
+{
+    lw_scene s;
+    CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
+    CHECK(s.loops);
+    CHECK_INT(s.first_frame, 0);
+    CHECK_INT(s.n_dim, 9);
+    CHECK_TEXT(s.title, "Four-bar");
+    for (int i = 0; i < 9; i++)
+        CHECK_NEAR(s.dim[i], model_crank_rocker[i], 1e-12, 0);
+    for (size_t f = 1; f < s.n_frame; f++)
+        CHECK_NEAR(s.input[f] - s.input[f - 1], 2*LW_PI/120, 1e-12, 0);
+    CHECK(s.curve[0].closed && s.curve[0].shown_branch && s.curve[0].n >= 360);
+    lw_scene_free(&s);
+}
+
+/* Random four-bars: the walk's limits are those of the closed form, and its circuit is one of Barker's:
+ * through the limits where the input has them, back where it began. */
+static void walks_end_at_the_limits_of_the_four_bar(void)
+{
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 3);
+    int n_turning = 0, n_limited = 0;
+    for (int trial = 0; trial < 300; trial++) {
+        double d[9] = { 0, 0, 0, 0, 0.5, 0.7, 1, 2, 0.4 }, t = lw_rng_range(&r, 0, 2*LW_PI);
+        for (int i = 0; i < 4; i++)
+            d[i] = lw_rng_range(&r, 0.5, 3);
+        lw_fourbar_class c;
+        lw_error e;
+        double reach = sqrt(d[0]*d[0] + d[1]*d[1] - 2*d[0]*d[1]*cos(t));
+        if (lw_fourbar_classify(d, 1e-12, &c, &e) != LW_OK || c.margin < 0.02
+            || reach > 0.97*(d[2] + d[3]) || reach < 1.03*fabs(d[2] - d[3]))
+            continue;
+        lw_linkage k = model_four_bar(d, t, trial & 1 ? 1 : -1);
+        lw_plan plan;
+        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        lw_walk w;
+        CHECK_INT(lw_plan_make(&k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+        CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, &e), LW_OK);
+        CHECK_INT(lw_walk_make(&plan, dim, mode, input, 5, &w), LW_OK);
+        CHECK_INT(w.turns, c.crank);
+        CHECK(w.loops);
+        CHECK_INT(w.n_stage, c.crank ? 1 : 2);
+        n_turning += w.turns;
+        for (int i = 0; i < w.n_stage && !w.turns; i++, n_limited++) {
+            double off[2] = { INFINITY, INFINITY }, end[2] = { w.stage[i].from, w.stage[i].to };
+            for (int q = 0; q < 2*c.n_limit; q++)
+                off[q % 2] = fmin(off[q % 2], fabs(remainder(end[q % 2] - c.limit[q/2], 2*LW_PI)));
+            CHECK_NEAR(off[0], 0, 1e-9, 0);
+            CHECK_NEAR(off[1], 0, 1e-9, 0);
+        }
+    }
+    CHECK(n_turning > 20 && n_limited > 20);
+}
+
+/* Without jumps: neighbouring frames of a motion through limits are near each other. */
+static void motion_through_limits_is_smooth(void)
+{
+    const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 };      /* no link turns fully */
+    lw_linkage k = model_four_bar(d, 0.9, 1);
+    lw_scene s;
+    lw_error e;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK(s.loops && s.curve[0].closed);
+    for (size_t f = 0; f < s.n_frame; f++)
+        for (int i = 0; i < k.n_joint; i++) {
+            lw_vec2 a = lw_scene_at(&s, f, k.joint[i].link[1], k.joint[i].at);
+            lw_vec2 b = lw_scene_at(&s, (f + 1) % s.n_frame, k.joint[i].link[1], k.joint[i].at);
+            CHECK(distance(a, b) < 0.3);
+        }
+    check_joined(&s, 5);
+    check_on_curve(&s, 5);
+    check_first_frame(&s, 5);
+    lw_scene_free(&s);
+}
+
+static void wanted_range_only(void)
+{
+    lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
+    k.input[0].first = k.input[0].value - 0.25;
+    k.input[0].last = k.input[0].value + 0.75;
+    lw_scene s;
+    lw_error e;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK(!s.loops);
+    CHECK_INT(s.n_curve, 2);                                    /* what is wanted, and the rest */
+    CHECK(!s.curve[0].shown_branch && s.curve[1].shown_branch && !s.curve[1].closed);
+    CHECK_NEAR(s.input[s.n_frame - 1] - s.input[0], 1, 1e-12, 0);
+    for (size_t f = 1; f < s.n_frame; f++)
+        CHECK(s.input[f] > s.input[f - 1]);
+    check_first_frame(&s, 3);
+    lw_scene_free(&s);
+}
+
+/* Scaling by a power of two scales every number exactly. */
+static void size_does_not_matter(void)
+{
+    for (int power = -30; power <= 30; power += 60) {
+        double by = ldexp(1, power), d[9];
+        for (int i = 0; i < 9; i++)
+            d[i] = model_crank_rocker[i]*(i < 8 ? by : 1);
+        lw_linkage k = model_four_bar(model_crank_rocker, 1, 1), big = model_four_bar(d, 1, 1);
+        lw_scene s, t;
+        lw_error e;
+        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_INT(lw_scene_make(&big, NULL, NULL, &t, &e), LW_OK);
+        CHECK_INT(t.curve[0].n, s.curve[0].n);
+        for (size_t i = 0; i < s.curve[0].n; i++) {
+            CHECK_NEAR(t.curve[0].p[i].x, by*s.curve[0].p[i].x, 1e-14*by, 1e-13);
+            CHECK_NEAR(t.curve[0].p[i].y, by*s.curve[0].p[i].y, 1e-14*by, 1e-13);
+        }
+        lw_scene_free(&s);
+        lw_scene_free(&t);
+    }
+}
+
+static void target_points_are_kept(void)
+{
+    const double x[] = { 1, 2, 3 }, y[] = { 4, 5, 7 }, angle[] = { 0, 1, 2 };
+    lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
+    lw_target t;
+    lw_scene s;
+    lw_error e;
+    CHECK_INT(lw_target_make(3, x, y, NULL, angle, NULL, 1, &t, &e), LW_OK);
+    CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
+    CHECK_INT(s.n_station, 3);
+    CHECK(s.station_closed);
+    CHECK(s.station[2].x == 3 && s.station[2].y == 7);
+    lw_scene_free(&s);
+    lw_target_free(&t);
+    CHECK_INT(lw_target_make(3, NULL, NULL, y, angle, NULL, 0, &t, &e), LW_OK);      /* a function */
+    CHECK_INT(lw_scene_make(&k, &t, NULL, &s, &e), LW_OK);
+    CHECK_INT(s.n_station, 0);
+    lw_scene_free(&s);
+    lw_target_free(&t);
+}
+
+/* What no plan can solve is shown as it stands, and says why. */
+static void unsolvable_linkages_stand_still(void)
+{
+    lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
+    k.n_input = 0;
+    lw_scene s;
+    lw_error e = { .status = LW_OK };
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_INT(s.n_frame, 1);
+    CHECK_INT(s.n_curve, 0);
+    CHECK_HAS(s.note, "Shown without motion");
+    check_first_frame(&s, 3);
+    lw_scene_free(&s);
+    k.joint[0].link[0] = 9;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_E_ARG);
+    lw_scene_free(&s);
+}
+
+static void rounding_noise_reads_as_nothing(void)
+{
+    lw_scene s;
+    CHECK_INT(model_scene(NULL, 0, &s), LW_OK);
+    s.dim[5] = 1e-11;
+    s.linkage.units = (lw_units){ "mm", "deg", 1e-3, LW_PI/180 };
+    CHECK(lw_scene_dimension(&s, 5) == 0);
+    CHECK_NEAR(lw_scene_dimension(&s, 0), 2000, 1e-9, 0);
+    CHECK_NEAR(lw_scene_dimension(&s, 8), 0.2*180/LW_PI, 1e-12, 0);
+    lw_scene_free(&s);
+}
+
+int main(void)
+{
+    RUN(examples_move_as_one);
+    RUN(crank_turns_once);
+    RUN(walks_end_at_the_limits_of_the_four_bar);
+    RUN(motion_through_limits_is_smooth);
+    RUN(wanted_range_only);
+    RUN(size_does_not_matter);
+    RUN(target_points_are_kept);
+    RUN(unsolvable_linkages_stand_still);
+    RUN(rounding_noise_reads_as_nothing);
+    return check_end();
+}
