@@ -68,7 +68,7 @@ static void counts_watt(void)
     CHECK_INT(lw_chain_joints(&c, joint), 7);
     CHECK(joint[1].first == 0 && joint[1].second == 3 && joint[1].freedom == 1);
     CHECK(joint[6].first == 4 && joint[6].second == 5);
-    int slot[][2] = { {0,1}, {1,2} };                  /* crank with pin in slot: two pins, one slot */
+    static const int slot[][2] = { {0,1}, {1,2} };                  /* crank with pin in slot: two pins, one slot */
     lw_chain crank = chain_of(3, slot, 2);
     CHECK_INT(lw_chain_join(&crank, 0, 2, 2), LW_OK);
     CHECK_INT(lw_chain_mobility(&crank), 1);
