@@ -71,8 +71,12 @@ typedef struct lw_problem {
     double       unit;
     /* stations, scaled; owned by the problem's creator (n) */
     size_t       n;
-    const double *x, *y, *theta, *angle, *w;
+    double      *x, *y, *theta, *w;      /* theta NULL: no tool angle                              */
+    double      *wa, *wb;                /* sqrt(a w), sqrt(b w)                                   */
+    double      *c, *s;                  /* cos, sin of the prescribed input angles, or NULL       */
+    double      *angle;                  /* those angles [rad], or NULL                            */
     bool         closed;
+    void        *store;
     /* variables */
     int          n_dim, n_var, i_input0, i_tool0;          /* -1: not there                        */
     double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
@@ -82,6 +86,18 @@ typedef struct lw_problem {
 } lw_problem;
 
 const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */
+int         lw_problem_index(const lw_problem *p, const char *name); /* -1: no such variable       */
+
+/* Make the problem of fitting one family, in one assembly mode and sense, to a target.
+ * LW_E_ARG with a text: bounds that exclude everything, a task the target has no columns for, ...
+ * LW_E_KIND: this family cannot do this task (a slider input has no crank angle to prescribe). */
+lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const struct lw_family *family,
+                          double mode, int sense, lw_problem *p, lw_error *e);
+void      lw_problem_free(lw_problem *p);
+
+/* Dimensions in the user's frame and SI from variables, and back. */
+void lw_problem_to_dims(const lw_problem *p, const double *x, double *dim);
+void lw_problem_from_dims(const lw_problem *p, const double *dim, double *x);
 
 /* Scratch for the calls below.  Opaque memory of this size, one a thread, 64-byte aligned;
  * _init once before the first use. It remembers the last assignment, nothing that changes an answer. */

@@ -1,0 +1,282 @@
+/* optimise/assign.c - which input belongs to which station when the timing is free: a monotone
+ * assignment to samples of the curve by dynamic programming, then Newton steps along the curve. */
+#include <string.h>
+
+#include "optimise/problem_internal.h"
+
+enum { M = LW_CURVE_SAMPLES };
+
+void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->mode };
+    lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
+                   w->curve_m);
+}
+
+/* What it costs to put station i at sample j. */
+static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        double *c = w->cost + i*M;
+        for (int j = 0; j < M; j++) {
+            double dx = w->curve_x[j] - p->x[i], dy = w->curve_y[j] - p->y[i];
+            c[j] = p->w[i]*p->a*(dx*dx + dy*dy);
+        }
+        for (int j = 0; p->theta && j < M; j++) {
+            double turn = atan2(w->curve_v[j], w->curve_u[j]) + x[p->i_tool0] - p->theta[i];
+            turn = remainder(turn, 2*LW_PI);
+            c[j] += p->w[i]*p->b*turn*turn;
+        }
+        for (int j = 0; j < M; j++)
+            if (!(w->curve_m[j] >= 0))
+                c[j] = 1e30;
+    }
+}
+
+/* Cheapest rising assignment with station 0 at sample `first`; order[] gets steps behind first. */
+static double rising(const lw_problem *p, lw_work *w, int first, int stride, short *order)
+{
+    double *best = w->best;
+    size_t n = p->n;
+    for (int k = 0; k <= M; k++)
+        best[k] = w->cost[first];
+    for (size_t i = 1; i < n; i++) {
+        const double *c = w->cost + i*M;
+        short *from = w->from + i*(M + 1);
+        double least = 1e300;
+        short at = 0;
+        for (int k = 0, j = first; k <= M; k++, j = (j + stride) & (M - 1)) {
+            if (best[k] < least) {
+                least = best[k];
+                at = (short)k;
+            }
+            from[k] = at;
+            best[k] = least + c[j];
+        }
+    }
+    int end = 0;
+    for (int k = 1; k <= M; k++)
+        if (best[k] < best[end])
+            end = k;
+    double f = best[end];
+    for (size_t i = n - 1; i > 0; i--) {
+        order[i] = (short)end;
+        end = w->from[i*(M + 1) + (size_t)end];
+    }
+    order[0] = 0;
+    return n == 1 ? w->cost[first] : f;
+}
+
+/* Nearest samples without regard to order. */
+static void nearest(const lw_problem *p, lw_work *w)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        const double *c = w->cost + i*M;
+        int best = 0;
+        for (int j = 1; j < M; j++)
+            if (c[j] < c[best])
+                best = j;
+        w->theta[i] = w->turn[best];
+    }
+}
+
+/* The curve in the sense of the run: the samples at which station 0 may start are the local minima
+ * of its distance; each gives one dynamic programme. */
+static bool monotone(const lw_problem *p, lw_work *w)
+{
+    int stride = p->sense > 0 ? 1 : M - 1, kept = -1;
+    double least = 1e29;
+    short *now = w->order, *keep = w->order + p->n;
+    for (int j = 0; j < M; j++) {
+        const double *c = w->cost;
+        if (c[j] > c[(j + 1) & (M - 1)] || c[j] >= c[(j + M - 1) & (M - 1)])
+            continue;
+        double f = rising(p, w, j, stride, now);
+        if (f < least) {
+            least = f;
+            kept = j;
+            memcpy(keep, now, p->n*sizeof *now);
+        }
+    }
+    for (size_t i = 0; kept >= 0 && i < p->n; i++)
+        w->theta[i] = w->turn[kept] + p->sense*keep[i]*(2*LW_PI/M);
+    return kept >= 0;
+}
+
+/* Between samples: one Gauss-Newton step with the tangent differenced from the neighbours. */
+static void between_samples(const lw_problem *p, lw_work *w)
+{
+    const double width = 2*LW_PI/M;
+    for (size_t i = 0; i < p->n; i++) {
+        int j = (int)lrint(w->theta[i]/width) & (M - 1);
+        int a = (j + M - 1) & (M - 1), b = (j + 1) & (M - 1);
+        double tx = 0.5*(w->curve_x[b] - w->curve_x[a]), ty = 0.5*(w->curve_y[b] - w->curve_y[a]);
+        double t2 = tx*tx + ty*ty;
+        double s = tx*(p->x[i] - w->curve_x[j]) + ty*(p->y[i] - w->curve_y[j]);
+        w->try_theta[i] = 1;
+        if (t2 > 0)
+            w->theta[i] += width*fmax(-0.5, fmin(0.5, s/t2));
+    }
+    if (p->timing == LW_TIMING_FREE)
+        lw_assign_order(p, w->theta, w->try_theta, w->pool);
+}
+
+bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_assign_sample(p, x, w);
+    fill_costs(p, x, w);
+    bool found = true;
+    if (p->timing == LW_TIMING_NONE)
+        nearest(p, w);
+    else
+        found = monotone(p, w);
+    if (found)
+        between_samples(p, w);
+    if (p->timing == LW_TIMING_NONE)
+        lw_assign_samples(p, w, w->curve_x, w->curve_y);
+    return found;
+}
+
+void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
+{
+    /* blocks of equal value, as a stack: mean and weight */
+    double *mean = scratch, *mass = scratch + p->n;
+    size_t top = 0;
+    double *size = scratch + 2*p->n;
+    for (size_t i = 0; i < p->n; i++) {
+        mean[top] = p->sense*theta[i];
+        mass[top] = weight[i];
+        size[top++] = 1;
+        for (; top > 1 && mean[top - 2] > mean[top - 1]; top--) {
+            double m = mass[top - 2] + mass[top - 1];
+            mean[top - 2] = (mean[top - 2]*mass[top - 2] + mean[top - 1]*mass[top - 1])/m;
+            mass[top - 2] = m;
+            size[top - 2] += size[top - 1];
+        }
+    }
+    for (size_t b = 0, i = 0; b < top; b++)
+        for (double k = 0; k < size[b]; k++)
+            theta[i++] = p->sense*mean[b];
+}
+
+bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k)
+{
+    if (p->timing != LW_TIMING_FREE)
+        return false;
+    return (k > 0 && w->theta[k] == w->theta[k - 1])
+        || (k + 1 < p->n && w->theta[k] == w->theta[k + 1]);
+}
+
+/* Newton step of each station along the curve, with the second derivative by secant where two
+ * evaluations give one; the longest step. */
+static double propose(const lw_problem *p, lw_work *w, bool have_old)
+{
+    double *old = w->try_theta, *slope_old = old + w->ld, *curvature = old + 2*w->ld;
+    double t[LW_ROW_MAX], longest = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double t2 = lw_problem_tangent(p, w, k, t), slope = 0;
+        for (int i = 0; i < w->n_row; i++)
+            slope += t[i]*w->res[(size_t)i*w->ld + k];
+        double bend = t2 + 1e-30;
+        double moved = w->theta[k] - old[k];
+        if (have_old && fabs(moved) > 1e-13) {
+            double secant = (slope - slope_old[k])/moved;
+            if (secant > 0.2*t2)
+                bend = secant;
+        }
+        double step = fmax(-0.3, fmin(0.3, -slope/bend));
+        old[k] = w->theta[k];
+        slope_old[k] = slope;
+        curvature[k] = bend;
+        w->theta[k] += step;
+        longest = fmax(longest, fabs(step));
+    }
+    return longest;
+}
+
+bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
+{
+    for (int i = 0;; i++) {
+        lw_problem_turn_stations(p, w);
+        if (!lw_problem_lanes(p, x, w))
+            return false;
+        if (i >= steps)
+            return true;
+        lw_problem_rows(p, x, w, false);
+        double longest = propose(p, w, i > 0);
+        if (p->timing == LW_TIMING_FREE)
+            lw_assign_order(p, w->theta, w->try_theta + 2*w->ld, w->pool);
+        if (longest < 1e-12)
+            steps = i + 1;
+    }
+}
+
+/* ---- both ways: curve to target ------------------------------------------------------------ */
+
+static double nearest_on_segment(double px, double py, double ax, double ay, double bx, double by,
+                                 double *qx, double *qy)
+{
+    double dx = bx - ax, dy = by - ay, d2 = dx*dx + dy*dy;
+    double t = d2 > 0 ? ((px - ax)*dx + (py - ay)*dy)/d2 : 0;
+    t = fmax(0, fmin(1, t));
+    *qx = ax + t*dx;
+    *qy = ay + t*dy;
+    return (px - *qx)*(px - *qx) + (py - *qy)*(py - *qy);
+}
+
+static void foot_on_target(const lw_problem *p, double x, double y, double *fx, double *fy)
+{
+    double least = INFINITY, qx, qy;
+    size_t last = p->closed ? p->n : p->n - 1;
+    *fx = p->x[0];
+    *fy = p->y[0];
+    for (size_t i = 0; i < last; i++) {
+        size_t k = i + 1 < p->n ? i + 1 : 0;
+        double d = nearest_on_segment(x, y, p->x[i], p->y[i], p->x[k], p->y[k], &qx, &qy);
+        if (d < least) {
+            least = d;
+            *fx = qx;
+            *fy = qy;
+        }
+    }
+}
+
+/* An open target is met by a piece of the curve: the samples outside the piece that runs from the
+ * first station's input to the last's, on the side where more stations lie, do not count. */
+static bool outside_piece(const lw_problem *p, const lw_work *w, int sample, double from, double span)
+{
+    if (p->closed || p->n < 2)
+        return false;
+    double at = remainder(w->turn[sample] - from, 2*LW_PI);
+    if (span > 0)
+        return !((at < 0 ? at + 2*LW_PI : at) <= span);
+    return !((at > 0 ? at - 2*LW_PI : at) >= span);
+}
+
+static double covered_span(const lw_problem *p, const lw_work *w)
+{
+    double from = w->theta[0], rise = remainder(w->theta[p->n - 1] - from, 2*LW_PI);
+    if (rise < 0)
+        rise += 2*LW_PI;
+    size_t inside = 0;
+    for (size_t i = 1; i + 1 < p->n; i++) {
+        double at = remainder(w->theta[i] - from, 2*LW_PI);
+        inside += (at < 0 ? at + 2*LW_PI : at) <= rise;
+    }
+    return 2*inside + 2 >= p->n ? rise : rise - 2*LW_PI;
+}
+
+void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y)
+{
+    double total = 0, span = covered_span(p, w);
+    for (size_t i = 0; i < p->n; i++)
+        total += p->w[i];
+    w->sample_weight = total/M;
+    for (int j = 0; j < M; j++) {
+        w->theta[p->n + (size_t)j] = w->turn[j];
+        w->foot_x[j] = x[j];
+        w->foot_y[j] = y[j];
+        if (!outside_piece(p, w, j, w->theta[0], span))
+            foot_on_target(p, x[j], y[j], &w->foot_x[j], &w->foot_y[j]);
+    }
+}

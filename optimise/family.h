@@ -1,0 +1,28 @@
+/* optimise/family.h - where to look: families of four-link chains, each with linear conditions under
+ * which its input turns fully, and a way to draw a member that meets them.
+ *
+ * The conditions are Grashof's and their like, written so that each is linear: a four-bar's input is
+ * the shortest link and turns fully exactly when each sum of r2 and one other link is at most the
+ * sum of the remaining two.  Absolute values of offsets become two rows. */
+#ifndef LW_OPTIMISE_FAMILY_H
+#define LW_OPTIMISE_FAMILY_H
+
+#include "optimise/problem.h"
+
+#define LW_SHAPE_MAX 4
+#define LW_DRAW_MAX  4
+
+typedef struct lw_family {
+    const char *name;                    /* "crank-rocker"                                         */
+    const char *type;                    /* row of lw_type_table, by letters                       */
+    bool        turns;                   /* the linear conditions make the input turn fully        */
+    bool        drag_link;               /* turns, but the input is not the shortest link          */
+    const char *shape[LW_SHAPE_MAX + 1]; /* dimensions that fix the shape but for size, and cx, cy */
+    const char *linear[4];               /* conditions >= 0, "+r3+r4-r1-r2"                        */
+    int         n_draw;                  /* numbers in [0, 1) a draw takes                         */
+    void      (*draw)(const double *u, double *shape);   /* a member, of size about one            */
+} lw_family;
+
+extern const lw_family lw_family_table[];             /* ends with name == NULL                    */
+
+#endif

@@ -1,0 +1,296 @@
+#include "optimise/lm.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "optimise/problem_internal.h"
+#include "optimise/qp.h"
+
+enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
+
+lw_lm_options lw_lm_options_default(void)
+{
+    return (lw_lm_options){ .max_steps = 300, .f_tol = 1e-10, .f_stop = 1e-30, .reassign = true };
+}
+
+/* The step's quadratic model over the variables that may move. */
+typedef struct model {
+    int    n, var[LW_QP_MAX];                       /* free variables                          */
+    double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
+    double step[LW_QP_MAX];
+    int    m;                                       /* conditions on the step: a step >= b     */
+    double a[ROW_MAX*LW_QP_MAX], b[ROW_MAX];
+} model;
+
+static void choose_variables(const lw_problem *p, model *q)
+{
+    q->n = 0;
+    for (int i = 0; i < p->n_var && q->n < LW_QP_MAX; i++)
+        if (p->lo[i] < p->hi[i])
+            q->var[q->n++] = i;
+}
+
+static void conditions(const lw_problem *p, const double *x, model *q)
+{
+    q->m = 0;
+    memset(q->a, 0, sizeof q->a);
+    for (int i = 0; i < q->n; i++) {
+        int v = q->var[i];
+        if (isfinite(p->lo[v])) {
+            q->a[q->m*q->n + i] = 1;
+            q->b[q->m++] = p->lo[v] - x[v];
+        }
+        if (isfinite(p->hi[v])) {
+            q->a[q->m*q->n + i] = -1;
+            q->b[q->m++] = x[v] - p->hi[v];
+        }
+    }
+    for (int j = 0; j < p->n_linear; j++) {
+        double now = 0;
+        for (int v = 0; v < p->n_var; v++)
+            now += p->linear[j][v]*x[v];
+        for (int i = 0; i < q->n; i++)
+            q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
+        q->b[q->m++] = -now;
+    }
+}
+
+/* Sum of products over lanes, ld a multiple of 8; eight sums side by side, always in this order. */
+static double product(const double *a, const double *b, size_t ld)
+{
+    double s[8] = { 0 };
+    for (size_t k = 0; k < ld; k += 8)
+        for (int i = 0; i < 8; i++)
+            s[i] += a[k + (size_t)i]*b[k + (size_t)i];
+    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+}
+
+/* J'J and J'r from the rows. */
+static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
+{
+    size_t ld = w->ld, nv = (size_t)p->n_var;
+    memset(q->h, 0, sizeof q->h[0]*(size_t)(q->n*q->n));
+    memset(q->g, 0, sizeof q->g);
+    for (int r = 0; r < w->n_row; r++)
+        for (int i = 0; i < q->n; i++) {
+            const double *a = w->row + ((size_t)r*nv + (size_t)q->var[i])*ld;
+            q->g[i] += product(a, w->res + (size_t)r*ld, ld);
+            for (int j = 0; j <= i; j++)
+                q->h[i*q->n + j] += product(a, w->row + ((size_t)r*nv + (size_t)q->var[j])*ld, ld);
+        }
+}
+
+/* Solve for the damped step; returns the fall of f the model promises, or -1. */
+static double solve_step(model *q, double damping)
+{
+    int n = q->n;
+    double l[LW_QP_MAX*LW_QP_MAX], most = 0, promise = 0;
+    memcpy(l, q->h, sizeof(double)*(size_t)(n*n));
+    for (int i = 0; i < n; i++)
+        most = fmax(most, q->h[i*n + i]);
+    for (int i = 0; i < n; i++)
+        l[i*n + i] += damping*fmax(q->h[i*n + i], 1e-10*most) + 1e-15*most + 1e-300;
+    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->step))
+        return -1;
+    for (int i = 0; i < n; i++) {
+        double hs = 0;
+        for (int j = 0; j < n; j++)
+            hs += (j <= i ? q->h[i*n + j] : q->h[j*n + i])*q->step[j];
+        promise -= q->step[i]*(2*q->g[i] + hs);
+    }
+    return promise;
+}
+
+/* Inputs of free stations follow the step. */
+static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
+{
+    double *weight = w->try_theta;
+    for (size_t k = 0; k < p->n; k++) {
+        weight[k] = 1;
+        if (w->tie[k])
+            continue;
+        double d = w->slip[k];
+        for (int i = 0; i < q->n; i++)
+            d += w->slide[(size_t)q->var[i]*w->ld + k]*q->step[i];
+        w->theta[k] -= fmax(-0.3, fmin(0.3, d));
+    }
+    if (p->timing == LW_TIMING_FREE)
+        lw_assign_order(p, w->theta, weight, w->pool);
+}
+
+/* f at x; jac and residuals are left in w. */
+static double evaluate(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        lw_problem_prescribe(p, x, w);
+    else
+        lw_problem_turn_stations(p, w);
+    if (!lw_problem_lanes(p, x, w))
+        return INFINITY;
+    if (p->timing == LW_TIMING_NONE)
+        lw_assign_samples(p, w, w->jac.x + p->n, w->jac.y + p->n);
+    return lw_problem_rows(p, x, w, false);
+}
+
+typedef struct run {
+    const lw_problem    *p;
+    const lw_lm_options *o;
+    lw_work *w;
+    model    q;
+    double   f, damping, growth;
+    int      steps, idle;
+    long     evals;
+} run;
+
+static void clip(const lw_problem *p, double *x)
+{
+    for (int i = 0; i < p->n_var; i++)
+        x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
+}
+
+/* One accepted step, or none: LW_STOP_EVALS when it moved on, else why it cannot. */
+static lw_stop advance(run *r, double *x)
+{
+    const lw_problem *p = r->p;
+    double *keep = r->w->keep_theta, trial[LW_VAR_MAX];
+    lw_problem_rows(p, x, r->w, true);
+    normal_equations(p, r->w, &r->q);
+    conditions(p, x, &r->q);
+    memcpy(keep, r->w->theta, p->n*sizeof *keep);
+    for (; r->steps < r->o->max_steps; r->steps++) {
+        double promise = solve_step(&r->q, r->damping);
+        if (promise >= 0 && promise <= 1e-16*r->f)
+            return LW_STOP_GRADIENT;
+        memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
+        for (int i = 0; i < r->q.n; i++)
+            trial[r->q.var[i]] += r->q.step[i];
+        clip(p, trial);
+        if (p->timing != LW_TIMING_PRESCRIBED)
+            move_inputs(p, r->w, &r->q);
+        double f = promise < 0 ? INFINITY : evaluate(p, trial, r->w);
+        r->evals++;
+        if (f < r->f) {
+            double gain = (r->f - f)/promise;
+            r->damping = fmax(1e-14, r->damping*fmax(0.1, 1 - pow(2*gain - 1, 3)));
+            r->growth = 2;
+            r->idle = f > r->f*(1 - r->o->f_tol) ? r->idle + 1 : 0;
+            r->f = f;
+            r->steps++;
+            memcpy(x, trial, sizeof trial[0]*(size_t)p->n_var);
+            return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
+        }
+        memcpy(r->w->theta, keep, p->n*sizeof *keep);
+        r->damping = fmax(r->damping, 1e-12)*r->growth;
+        r->growth *= 2;
+        if (r->damping > 1e12)
+            return LW_STOP_X_TOL;
+    }
+    return LW_STOP_EVALS;
+}
+
+static lw_stop descend(run *r, double *x)
+{
+    r->damping = 1e-3;
+    r->growth = 2;
+    r->idle = 0;
+    while (r->steps < r->o->max_steps) {
+        lw_stop s = advance(r, x);
+        if (r->f <= r->o->f_stop)
+            return LW_STOP_F_TARGET;
+        if (s != LW_STOP_EVALS)
+            return s;
+        if (r->o->f_hopeless > 0 && r->steps > r->o->patience && r->f > r->o->f_hopeless)
+            return LW_STOP_FAILED;
+    }
+    return LW_STOP_EVALS;
+}
+
+/* A free station may belong elsewhere on the curve by now: assign anew, keep what is better. */
+static bool reassigned(run *r, const double *x)
+{
+    double *inputs = r->w->best_theta, f = r->f;
+    memcpy(inputs, r->w->theta, r->p->n*sizeof *inputs);
+    if (lw_problem_settle(r->p, x, r->w))
+        f = lw_problem_rows(r->p, x, r->w, false);
+    r->evals++;
+    if (f < r->f*(1 - 1e-7)) {
+        r->f = f;
+        return true;
+    }
+    memcpy(r->w->theta, inputs, r->p->n*sizeof *inputs);
+    return false;
+}
+
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
+                     void *work, long *evals, lw_stop *stop)
+{
+    run r = { .p = p, .o = o, .w = work, .evals = 1 };
+    bool closes = true;
+    choose_variables(p, &r.q);
+    if (!keep_inputs && p->timing != LW_TIMING_PRESCRIBED)
+        closes = lw_problem_settle(p, x, r.w);
+    r.f = closes ? evaluate(p, x, r.w) : INFINITY;
+    *stop = LW_STOP_FAILED;
+    if (isfinite(r.f)) {
+        *stop = descend(&r, x);
+        bool again = o->reassign && p->timing != LW_TIMING_PRESCRIBED && *stop != LW_STOP_FAILED;
+        for (int i = 0; i < 4 && again && r.steps < o->max_steps && reassigned(&r, x); i++)
+            *stop = descend(&r, x);
+    }
+    *evals += r.evals;
+    return r.f;
+}
+
+bool lw_lm_feasible(const lw_problem *p, double *x)
+{
+    model q;
+    choose_variables(p, &q);
+    clip(p, x);
+    double l[LW_QP_MAX*LW_QP_MAX] = { 0 };
+    for (int j = 0, bad = 0; j < p->n_linear; j++) {
+        double now = 0;
+        for (int v = 0; v < p->n_var; v++)
+            now += p->linear[j][v]*x[v];
+        bad += now < 0;
+        if (j + 1 == p->n_linear && !bad)
+            return true;
+    }
+    for (int i = 0; i < q.n; i++) {
+        l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
+        q.g[i] = 0;
+    }
+    conditions(p, x, &q);
+    if (p->n_linear && !lw_qp_solve(q.n, l, q.g, q.m, q.a, q.b, q.step))
+        return false;
+    for (int i = 0; p->n_linear && i < q.n; i++)
+        x[q.var[i]] += q.step[i];
+    clip(p, x);
+    return true;
+}
+
+/* As a row of the table: many steps, then what the caller allows. */
+static lw_status run_lm(const lw_problem *p, const lw_solver_options *o, double *x,
+                        lw_solver_result *r)
+{
+    double start = lw_clock_wall();
+    lw_lm_options lm = { .max_steps = (int)fmin(o->max_evals, 1e9), .f_tol = fmax(o->f_tol, 1e-15),
+                         .f_stop = o->f_target, .reassign = true };
+    size_t size = (lw_problem_work_size(p) + 127) & ~(size_t)63;
+    void *work = aligned_alloc(64, size);
+    *r = (lw_solver_result){ .f = INFINITY, .stop = LW_STOP_FAILED };
+    if (!work)
+        return LW_E_MEMORY;
+    lw_problem_work_init(p, work);
+    if (lw_lm_feasible(p, x))
+        r->f = lw_lm_improve(p, &lm, x, false, work, &r->evals, &r->stop);
+    free(work);
+    r->seconds = lw_clock_wall() - start;
+    if (isfinite(r->f) && o->improved)
+        o->improved(o->context, r->evals, r->seconds, r->f);
+    return isfinite(r->f) ? LW_OK : LW_NOTHING;
+}
+
+const lw_solver lw_solver_lm = {
+    "lm", "Levenberg 1944, Marquardt 1963; steps by Goldfarb & Idnani 1983", false, false, true, run_lm
+};

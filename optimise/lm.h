@@ -1,0 +1,35 @@
+/* optimise/lm.h - Levenberg-Marquardt for linkages: the local workhorse.
+ *
+ * Residuals' derivatives are exact; the inputs of free stations are eliminated from each step and
+ * moved along with it; bounds and linear conditions are kept by solving the step as a quadratic
+ * program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached
+ * to rounding.  Damping after Nielsen 1999.  No allocation. */
+#ifndef LW_OPTIMISE_LM_H
+#define LW_OPTIMISE_LM_H
+
+#include "optimise/solver.h"
+
+typedef struct lw_lm_options {
+    int    max_steps;      /* trial steps                                                          */
+    double f_tol;          /* stop when a step lessens f by less than this part of it, three times */
+    double f_stop;         /* good enough                                                          */
+    double f_hopeless;     /* give up when f is above this after `patience` steps; 0: never        */
+    int    patience;
+    bool   reassign;       /* at the end, look for a better assignment of free stations and go on  */
+} lw_lm_options;
+lw_lm_options lw_lm_options_default(void);
+
+/* Improve x (n_var), which must meet bounds and linear conditions (see lw_lm_feasible), in place.
+ * `keep_inputs`: the inputs of free stations in work are a good start for x; otherwise they are
+ * assigned from scratch.  Returns f; INFINITY, x untouched, when the linkage cannot close at x. */
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
+                     void *work, long *evals, lw_stop *stop);
+
+/* Move x to the nearest point that meets bounds and linear conditions (in the metric of the
+ * variables' own sizes).  false when they contradict each other. */
+bool lw_lm_feasible(const lw_problem *p, double *x);
+
+/* Its row of the solver table. */
+extern const lw_solver lw_solver_lm;
+
+#endif

@@ -1,0 +1,80 @@
+/* optimise/problem_internal.h - what problem.c, the assignment and the least-squares core share:
+ * the scratch of one thread, and residual rows with the inputs of free stations eliminated. */
+#ifndef LW_OPTIMISE_PROBLEM_INTERNAL_H
+#define LW_OPTIMISE_PROBLEM_INTERNAL_H
+
+#include "mbs/batch.h"
+#include "optimise/problem.h"
+
+#define LW_CURVE_SAMPLES 64      /* poses over one turn from which an assignment starts            */
+#define LW_ROW_MAX        3      /* residuals a station has at most: x, y, angle                   */
+
+typedef struct lw_work {
+    size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
+    double *theta;               /* input of each lane in the ground frame [rad] or [m]            */
+    double *mode;                /* assembly of each lane                                          */
+    double *c, *s;               /* cosine and sine of the input                                   */
+    lw_jacobian jac;             /* of every lane                                                  */
+    double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
+    double *res;                 /* residuals, res[k*ld + lane]                                    */
+    int     n_row;               /* residuals a lane                                               */
+    bool   *tie;                 /* station whose input is not eliminated                          */
+    double *slide, *slip;        /* eliminated: change of input = -(slip[k] + sum slide[d*ld+k] dx[d]) */
+    double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
+    double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
+    /* the curve, sampled (LW_CURVE_SAMPLES) */
+    double *turn, *turn_c, *turn_s, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
+    double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
+    double  sample_weight;
+    /* poses in which conditions on the motion are looked at (samples or stations) */
+    double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v;
+    lw_jacobian pose;
+    double *g_now, *g_up, *g_down;
+    double *cost, *best;         /* dynamic programme: station by sample                           */
+    short  *from, *order;
+    void   *batch;
+} lw_work;
+
+/* Are there conditions besides bounds and linear ones? */
+bool lw_problem_is_nonlinear(const lw_problem *p);
+
+int lw_problem_component_count(const lw_problem *p);
+
+/* Fill jac for x at the inputs in w->c, w->s; false when a lane cannot close. */
+bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
+
+/* c, s of the stations from theta; and both from x where the timing is prescribed. */
+void lw_problem_turn_stations(const lw_problem *p, lw_work *w);
+void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w);
+
+/* Inputs and jac of every station at x, from scratch; false when it cannot close. */
+bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w);
+
+/* Residuals, and rows of derivatives, from jac.  Where the input of a station is free, the part of
+ * its derivatives that a change of the input makes up for is taken out (variable projection,
+ * Kaufman 1975).  Returns f, the sum of squares. */
+double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives);
+
+/* How the weighted residuals of station k change with its input; returns the square of that. */
+double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_ROW_MAX]);
+
+/* The curve at LW_CURVE_SAMPLES inputs. */
+void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w);
+
+/* The inputs of free stations from scratch: the best monotone assignment to curve samples. */
+bool lw_assign(const lw_problem *p, const double *x, lw_work *w);
+
+/* Improve them by Newton steps that keep the order, until they rest or `steps` are used up.
+ * jac is that of the inputs left behind. false when the linkage cannot close there. */
+bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
+
+/* Move inputs to the nearest ones in order (least weighted squares; pool adjacent violators). */
+void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch);
+
+/* Timing none: nearest points of the target polygon to the curve samples x, y. */
+void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y);
+
+/* Does station k share its input with a neighbour, held there by the order? */
+bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k);
+
+#endif

@@ -1,0 +1,219 @@
+#include "optimise/report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mbs/motion.h"
+#include "mbs/pose.h"
+#include "optimise/report_internal.h"
+
+/* ---- posture ------------------------------------------------------------------------------ */
+
+static lw_status full_plan(const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_plan *plan,
+                           lw_error *e)
+{
+    const lw_type *type = lw_type_find(c->family->type);
+    lw_type_linkage(type, k);
+    if (s->task == LW_TASK_FUNCTION)
+        k->tracer[0].link = 3;
+    snprintf(k->name, sizeof k->name, "%s", type->title);
+    return lw_plan_make(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, e);
+}
+
+static void modes_of(const lw_plan *plan, double mode, double *modes)
+{
+    for (int d = 0; d < plan->n_dyad; d++)
+        modes[d] = mode;
+}
+
+static double mode_at(const lw_candidate *c, size_t station)
+{
+    return c->mode_of ? c->mode_of[station] : c->mode;
+}
+
+/* ---- errors at the stations ------------------------------------------------------------------- */
+
+typedef struct sums { double f, distance, square, angle; } sums;
+
+/* One station: eq. 17 and what people want to know of it. */
+static void add_station(const lw_target *t, const lw_fit_spec *s, size_t i, lw_vec2 p, double angle,
+                        sums *sum, lw_report *r)
+{
+    if (s->task != LW_TASK_FUNCTION) {
+        double d = hypot(p.x - t->x[i], p.y - t->y[i]);
+        sum->f += s->a*t->weight[i]*d*d;
+        sum->distance += d;
+        sum->square += d*d;
+        if (d > r->error_max || i == 0) {
+            r->error_max = d;
+            r->worst = i;
+        }
+    }
+    if (s->task != LW_TASK_PATH) {
+        double d = remainder(angle - t->theta[i], 2*LW_PI);
+        sum->f += s->b*t->weight[i]*d*d;
+        sum->angle += fabs(d);
+        if (fabs(d) > r->angle_max || i == 0) {
+            r->angle_max = fabs(d);
+            r->worst = s->task == LW_TASK_FUNCTION ? i : r->worst;
+        }
+    }
+}
+
+static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                                const lw_plan *plan, lw_vec2 *at, lw_report *r)
+{
+    sums sum = { 0, 0, 0, 0 };
+    for (size_t i = 0; i < t->n; i++) {
+        double modes[LW_DYAD_MAX];
+        lw_pose pose;
+        modes_of(plan, mode_at(c, i), modes);
+        if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
+            return LW_OPEN;
+        at[i] = pose.tracer[0][0];
+        add_station(t, s, i, at[i], pose.angle[r->linkage.tracer[0].link][0] + c->tool0, &sum, r);
+    }
+    double n = (double)t->n;
+    r->objective = sum.f;
+    r->error_mean = s->task == LW_TASK_FUNCTION ? NAN : sum.distance/n;
+    r->error_rms = s->task == LW_TASK_FUNCTION ? NAN : sqrt(sum.square/n);
+    r->error_percent = t->length > 0 ? 100*r->error_mean/t->length : NAN;
+    r->angle_mean = s->task == LW_TASK_PATH ? NAN : sum.angle/n;
+    r->angle_max = s->task == LW_TASK_PATH ? NAN : r->angle_max;
+    r->error_max = s->task == LW_TASK_FUNCTION ? NAN : r->error_max;
+    return LW_OK;
+}
+
+/* ---- the motion ----------------------------------------------------------------------------- */
+
+static double distance_to_target(const lw_target *t, lw_vec2 p)
+{
+    double least = hypot(p.x - t->x[0], p.y - t->y[0]);
+    size_t last = t->closed ? t->n : t->n - 1;
+    for (size_t i = 0; i < last; i++) {
+        size_t k = i + 1 < t->n ? i + 1 : 0;
+        lw_vec2 a = lw_v2(t->x[i], t->y[i]), d = lw_v2(t->x[k] - a.x, t->y[k] - a.y);
+        double d2 = lw_v2_dot(d, d), u = d2 > 0 ? lw_v2_dot(lw_v2_sub(p, a), d)/d2 : 0;
+        u = fmax(0, fmin(1, u));
+        least = fmin(least, hypot(p.x - a.x - u*d.x, p.y - a.y - u*d.y));
+    }
+    return least;
+}
+
+/* Poses over [from, to]: the farthest the tracer goes from the target, and its acceleration. */
+static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c, double from,
+                        double to, bool target, bool acceleration, lw_report *r)
+{
+    enum { STEPS = 360 };
+    double modes[LW_DYAD_MAX];
+    modes_of(plan, c->mode, modes);
+    for (int k = 0; k <= STEPS; k++) {
+        lw_pose pose;
+        double at = from + (to - from)*k/STEPS;
+        if (lw_pose_solve(plan, c->dim, modes, at, acceleration ? 2 : 0, &pose) != LW_OK)
+            continue;
+        if (target)
+            r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
+        if (acceleration)
+            r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose.tracer[0][2]));
+    }
+}
+
+static const lw_arc *arc_of(const lw_motion *m, const lw_candidate *c)
+{
+    const lw_arc *any = NULL;
+    for (int i = 0; i < m->n_arc; i++) {
+        const lw_arc *a = &m->arc[i];
+        double in = c->input[0] - a->first;
+        bool inside = a->turns || (in >= -1e-9 && in <= a->last - a->first + 1e-9);
+        for (int k = -1; k <= 1 && !inside; k++)
+            inside = c->input[0] + 2*LW_PI*k >= a->first - 1e-9
+                  && c->input[0] + 2*LW_PI*k <= a->last + 1e-9;
+        if (inside && a->mode[0]*mode_at(c, 0) > 0)
+            return a;
+        if (inside)
+            any = a;
+    }
+    return any;
+}
+
+/* Inputs the stations span: the whole turn for closed targets. */
+static void covered(const lw_target *t, const lw_candidate *c, double *from, double *to)
+{
+    *from = *to = c->input[0];
+    for (size_t i = 1; i < t->n; i++) {
+        *from = fmin(*from, c->input[i]);
+        *to = fmax(*to, c->input[i]);
+    }
+}
+
+static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                            const lw_plan *plan, lw_report *r)
+{
+    lw_motion m;
+    double from, to;
+    covered(t, c, &from, &to);
+    if (lw_motion_find(plan, c->dim, &m) == LW_OK) {
+        const lw_arc *a = arc_of(&m, c);
+        r->circuits = m.n_circuit;
+        if (a) {
+            r->turns = a->turns;
+            r->transmission_min = a->transmission_min;
+            r->transmission_max = a->transmission_max;
+            run_through(t, plan, c, a->first, a->last, false, true, r);
+        }
+    }
+    if (s->task == LW_TASK_FUNCTION) {
+        r->curve_max = NAN;
+        return;
+    }
+    if (t->closed && r->turns)
+        to = from + 2*LW_PI;
+    run_through(t, plan, c, from, to, true, false, r);
+}
+
+static void classify(const lw_candidate *c, lw_report *r)
+{
+    if (strcmp(c->family->type, "RRRR") != 0)
+        return;
+    r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
+    if (lw_fourbar_cognates(c->dim, c->mode, r->cognate, r->cognate_mode) == LW_OK)
+        r->n_cognate = 2;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------- */
+
+lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_report *r, lw_error *e)
+{
+    lw_plan plan;
+    double modes[LW_DYAD_MAX];
+    memset(r, 0, sizeof *r);
+    lw_status st = full_plan(s, c, &r->linkage, &plan, e);
+    if (st != LW_OK)
+        return st;
+    for (int i = 0; i < plan.n_dim; i++) {
+        memcpy(r->dim_name[i], plan.dim[i].name, sizeof r->dim_name[i]);
+        r->dim_kind[i] = plan.dim[i].kind;
+    }
+    modes_of(&plan, mode_at(c, 0), modes);
+    lw_vec2 *at = malloc(sizeof *at*t->n);
+    if (!at)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
+    r->transmission_min = r->transmission_max = NAN;
+    if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
+        || station_errors(t, s, c, &plan, at, r) != LW_OK)
+        snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
+    else {
+        lw_pose pose;
+        lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
+        r->linkage.tracer[0].angle = pose.angle[r->linkage.tracer[0].link][0] + c->tool0;
+        r->linkage.units = t->units;
+        describe_motion(t, s, c, &plan, r);
+        classify(c, r);
+        lw_verify(t, s, c, &plan, at, r);
+    }
+    free(at);
+    return LW_OK;
+}

@@ -1,0 +1,40 @@
+/* optimise/report.h - what there is to say of a linkage that was found, worked out afresh from it:
+ * its posture, its errors, its motion, and whether an independent simulation agrees. */
+#ifndef LW_OPTIMISE_REPORT_H
+#define LW_OPTIMISE_REPORT_H
+
+#include "mbs/fourbar.h"
+#include "optimise/fit.h"
+
+typedef struct lw_report {
+    lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one      */
+    char     dim_name[LW_DIM_MAX][16];
+    lw_dim_kind dim_kind[LW_DIM_MAX];
+    double   objective;            /* eq. 17 from the positions of the plan                         */
+    double   error_mean, error_rms, error_max;      /* distance of the stations [m]                */
+    double   error_percent;        /* 100 error_mean / path length; NaN for a path without length   */
+    size_t   worst;                /* station of error_max                                          */
+    double   angle_mean, angle_max;/* of the tool or output [rad]; NaN when the task has none      */
+    double   curve_max;            /* greatest distance of the curve, as far as it is run through from first to
+                                    * last station, from the target polygon [m]                     */
+    bool     turns;                /* the input turns fully                                         */
+    int      circuits;             /* of the linkage with these lengths                            */
+    double   transmission_min, transmission_max;    /* over the motion of this branch [rad]        */
+    double   acceleration_max;     /* of the tracer by the input, over the motion [m/rad^2]         */
+    bool     has_class;            /* a four-bar that could be classified                           */
+    lw_fourbar_class barker;
+    int      n_cognate;            /* 0 or 2                                                        */
+    double   cognate[2][9], cognate_mode[2];
+    /* simulated again: the linkage written as a file, read back, moved by Newton's method */
+    bool     verified;
+    double   verified_objective, verified_mean;
+    double   difference;           /* largest distance between the two simulations at a station [m] */
+    char     fault[256];           /* why it was not verified; "" when it was                       */
+} lw_report;
+
+/* Work it out.  A result whose simulation disagrees by more than 1e-9 of the path's length (and the
+ * rounding of its coordinates) has verified == false and says why.  LW_E_MEMORY. */
+lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_report *r, lw_error *e);
+
+#endif

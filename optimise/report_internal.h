@@ -1,0 +1,13 @@
+/* optimise/report_internal.h - the independent simulation behind a report. */
+#ifndef LW_OPTIMISE_REPORT_INTERNAL_H
+#define LW_OPTIMISE_REPORT_INTERNAL_H
+
+#include "optimise/report.h"
+
+/* Write the posture as a file would hold it, read it back, move it from station to station by
+ * Newton's method on the loop equations, and compare with `at`, the plan's positions.  Fills
+ * verified ... fault of the report. */
+void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+               const lw_vec2 *at, lw_report *r);
+
+#endif

@@ -1,0 +1,202 @@
+#include "optimise/start.h"
+
+#include <complex.h>
+#include <string.h>
+
+#include "optimise/family.h"
+#include "optimise/lm.h"
+#include "optimise/problem_internal.h"
+
+int lw_start_draws(const lw_problem *p)
+{
+    return p->family->n_draw + (p->timing == LW_TIMING_PRESCRIBED ? 1 : 4);
+}
+
+/* z0, a, b of  P = z0 + a o + b d  by weighted least squares; small multiples of the diagonal are
+ * added so that one or two stations, or a curve that is a circle, give an answer too. */
+typedef struct linear_fit { double complex z0, a, b; double rest; } linear_fit;
+
+static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
+{
+    double complex so = 0, sd = 0, sp = 0;
+    double mass = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        mass += p->w[k];
+        so += p->w[k]*CMPLX(w->jac.x[k], w->jac.y[k]);
+        sd += p->w[k]*CMPLX(w->jac.u[k], w->jac.v[k]);
+        sp += p->w[k]*CMPLX(p->x[k], p->y[k]);
+    }
+    so /= mass; sd /= mass; sp /= mass;
+    double oo = 0, dd = 0, pp = 0;
+    double complex od = 0, op = 0, dp = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double complex o = CMPLX(w->jac.x[k], w->jac.y[k]) - so;
+        double complex d = CMPLX(w->jac.u[k], w->jac.v[k]) - sd;
+        double complex q = CMPLX(p->x[k], p->y[k]) - sp;
+        oo += p->w[k]*(creal(o)*creal(o) + cimag(o)*cimag(o));
+        dd += p->w[k]*(creal(d)*creal(d) + cimag(d)*cimag(d));
+        pp += p->w[k]*(creal(q)*creal(q) + cimag(q)*cimag(q));
+        od += p->w[k]*conj(o)*d;
+        op += p->w[k]*conj(o)*q;
+        dp += p->w[k]*conj(d)*q;
+    }
+    oo += 1e-12*(oo + mass);
+    dd += 1e-12*(dd + mass);
+    double det = oo*dd - creal(od)*creal(od) - cimag(od)*cimag(od);
+    det = fmax(det, 1e-14*oo*dd);
+    linear_fit f;
+    f.a = (dd*op - od*dp)/det;
+    f.b = (oo*dp - conj(od)*op)/det;
+    f.z0 = sp - f.a*so - f.b*sd;
+    f.rest = pp - creal(conj(op)*f.a + conj(dp)*f.b);
+    return f;
+}
+
+/* Variables from a shape of size one and the linear fit. */
+static bool put_together(const lw_problem *p, const double *shape, linear_fit f, double *x)
+{
+    double size = cabs(f.a);
+    if (!(size > 1e-9) || !isfinite(size))
+        return false;
+    double complex turn = f.a/size, tracer = f.b/turn;
+    for (int i = 0; i < p->n_dim; i++)
+        x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : size*shape[i];
+    x[p->plan.i_cx[0]] = creal(tracer);
+    x[p->plan.i_cy[0]] = cimag(tracer);
+    x[p->plan.i_x0] = creal(f.z0);
+    x[p->plan.i_y0] = cimag(f.z0);
+    x[p->plan.i_theta0] = carg(turn);
+    return true;
+}
+
+/* Mounting angle of the tool: what is left between link and tool in the (circular) mean. */
+static void mount_tool(const lw_problem *p, const lw_work *w, double *x)
+{
+    double c = 0, s = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double a = p->theta[k] - atan2(w->jac.v[k], w->jac.u[k]) - x[p->plan.i_theta0];
+        c += p->w[k]*cos(a);
+        s += p->w[k]*sin(a);
+    }
+    x[p->i_tool0] = fmin(fmax(atan2(s, c), p->lo[p->i_tool0]), p->hi[p->i_tool0]);
+}
+
+/* Frames of the tracer's link at the stations' inputs, in a linkage of this shape. */
+static bool frames(const lw_problem *p, const double *shape, lw_work *w)
+{
+    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->mode };
+    lw_batch_frame(&p->plan, &in, 0, w->batch, w->jac.x, w->jac.y, w->jac.u, w->jac.v, w->jac.margin);
+    double least = 1;
+    for (size_t k = 0; k < p->n; k++)
+        least = fmin(least, w->jac.margin[k]);
+    return least >= 0;
+}
+
+static void draw_shape(const lw_problem *p, const double *u, double *shape)
+{
+    double value[LW_SHAPE_MAX];
+    p->family->draw(u, value);
+    memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
+    for (int i = 0; p->family->shape[i]; i++)
+        shape[lw_plan_dim(&p->plan, p->family->shape[i])] = value[i];
+}
+
+static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
+{
+    if (!lw_lm_feasible(p, x))
+        return INFINITY;
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        lw_problem_prescribe(p, x, w);
+    else if (!lw_assign(p, x, w))
+        return INFINITY;
+    else
+        lw_problem_turn_stations(p, w);
+    if (!lw_problem_lanes(p, x, w))
+        return INFINITY;
+    return lw_problem_rows(p, x, w, false);
+}
+
+static double start_prescribed(const lw_problem *p, const double *u, double *x, lw_work *w)
+{
+    double shape[LW_VAR_MAX];
+    double first = p->datum == LW_DATUM_FRAME ? 0 : 2*LW_PI*u[p->family->n_draw] - LW_PI;
+    draw_shape(p, u, shape);
+    memset(x, 0, sizeof *x*(size_t)p->n_var);
+    for (size_t k = 0; k < p->n; k++) {
+        w->c[k] = cos(first)*p->c[k] - sin(first)*p->s[k];
+        w->s[k] = sin(first)*p->c[k] + cos(first)*p->s[k];
+    }
+    if (!frames(p, shape, w))
+        return INFINITY;
+    if (p->task == LW_TASK_FUNCTION) {
+        double size = shape[lw_plan_dim(&p->plan, p->family->shape[0])];
+        for (int i = 0; i < p->n_dim; i++)
+            x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : shape[i]/size;
+    } else if (!put_together(p, shape, fit_linear(p, w), x))
+        return INFINITY;
+    if (p->theta)
+        mount_tool(p, w, x);
+    x[p->i_input0] = p->datum == LW_DATUM_FREE ? first : 0;
+    if (p->datum == LW_DATUM_PLANE)
+        x[p->plan.i_theta0] = -first;
+    return settle_and_score(p, x, w);
+}
+
+/* First guess of the inputs: the stations' share of the target's length, warped and shifted.  A closed
+ * target may also be run through in a part of the turn, the rest being spent between two stations. */
+static void guess_inputs(const lw_problem *p, const double *u, lw_work *w)
+{
+    double first = 2*LW_PI*u[0], warp = 0.9*u[1], phase = 2*LW_PI*u[2], along = 0, total = 0;
+    bool hurried = p->closed && u[3] < 0.25;
+    double span = p->closed ? (hurried ? 0.1 + 3.2*u[3] : 1) : 0.15 + 0.85*u[3];
+    size_t gap = hurried ? (size_t)(u[1]*(double)p->n) : p->n;
+    for (size_t k = 1; k < p->n; k++)
+        total += hypot(p->x[k] - p->x[k - 1], p->y[k] - p->y[k - 1]);
+    if (p->closed)
+        total += hypot(p->x[0] - p->x[p->n - 1], p->y[0] - p->y[p->n - 1]);
+    for (size_t k = 0; k < p->n; k++) {
+        if (k > 0)
+            along += hypot(p->x[k] - p->x[k - 1], p->y[k] - p->y[k - 1]);
+        double t = total > 0 ? 2*LW_PI*along/total : 0;
+        if (!hurried)
+            t += warp*(sin(t + phase) - sin(phase));
+        w->theta[k] = first + p->sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
+    }
+    lw_problem_turn_stations(p, w);
+}
+
+/* Fit place, size and tracer; assign the stations anew; and again. */
+static double start_free(const lw_problem *p, const double *u, double *x, lw_work *w)
+{
+    enum { ROUNDS = 4 };
+    double shape[LW_VAR_MAX];
+    draw_shape(p, u, shape);
+    memset(x, 0, sizeof *x*(size_t)p->n_var);
+    guess_inputs(p, u + p->family->n_draw, w);
+    for (int i = 0; i < ROUNDS; i++) {
+        if (!frames(p, shape, w) || !put_together(p, shape, fit_linear(p, w), x))
+            return INFINITY;
+        if (p->theta)
+            mount_tool(p, w, x);
+        if (i + 1 == ROUNDS)
+            break;
+        if (!lw_assign(p, x, w))
+            return INFINITY;
+        lw_problem_turn_stations(p, w);
+    }
+    return settle_and_score(p, x, w);
+}
+
+double lw_start_glance(const lw_problem *p, const double *u, void *work)
+{
+    double shape[LW_VAR_MAX];
+    draw_shape(p, u, shape);
+    guess_inputs(p, u + p->family->n_draw, work);
+    return frames(p, shape, work) ? fit_linear(p, work).rest : INFINITY;
+}
+
+double lw_start(const lw_problem *p, const double *u, double *x, void *work)
+{
+    return p->timing == LW_TIMING_PRESCRIBED ? start_prescribed(p, u, x, work)
+                                             : start_free(p, u, x, work);
+}
