@@ -244,7 +244,7 @@ static void improve(const search *s, const lw_problem *p, const lw_lm_options *o
                     lw_found *c)
 {
     const lw_solver *mine = s->o->solver;
-    if (mine && mine != &lw_solver_lm) {
+    if (mine && mine->run != lw_lm_run) {
         run_solver(s, mine, p, 10L*o->max_steps, c);
         return;
     }

@@ -270,8 +270,8 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
 }
 
 /* As a row of the table: many steps, then what the caller allows. */
-static lw_status run_lm(const lw_problem *p, const lw_solver_options *o, double *x,
-                        lw_solver_result *r)
+lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+                    lw_solver_result *r)
 {
     double start = lw_clock_wall();
     lw_lm_options lm = { .max_steps = (int)fmin(o->max_evals, 1e9), .f_tol = fmax(o->f_tol, 1e-15),
@@ -290,7 +290,3 @@ static lw_status run_lm(const lw_problem *p, const lw_solver_options *o, double 
         o->improved(o->context, r->evals, r->seconds, r->f);
     return isfinite(r->f) ? LW_OK : LW_NOTHING;
 }
-
-const lw_solver lw_solver_lm = {
-    "lm", "Levenberg 1944, Marquardt 1963; steps by Goldfarb & Idnani 1983", false, false, true, run_lm
-};

@@ -29,7 +29,8 @@ double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, boo
  * variables' own sizes).  false when they contradict each other. */
 bool lw_lm_feasible(const lw_problem *p, double *x);
 
-/* Its row of the solver table. */
-extern const lw_solver lw_solver_lm;
+/* What the row `lm` of the solver table runs. */
+lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+                    lw_solver_result *r);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/vec2.h"
+#include "optimise/lm.h"
 #include "optimise/method_internal.h"
 
 static double call_value(void *context, const double *x, double *grad)
@@ -77,6 +78,8 @@ LW_METHOD_LIST(X)
 #undef X
 
 const lw_solver lw_solver_table[] = {
+    { "lm", "Levenberg 1944, Marquardt 1963; steps by Goldfarb & Idnani 1983", false, false, true,
+      lw_lm_run },
 #define X(id, name, box, takes_g, takes_gradient, method, source)                                \
     { name, source, box, takes_g, takes_gradient, run_##id },
     LW_METHOD_LIST(X)
