@@ -22,7 +22,8 @@ ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,na
 LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
 LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
-TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c tests/fuzz/fuzz_*.c))
+FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
+TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
 SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
 BENCHES := $(patsubst %.c,$B/%,$(wildcard tests/bench/*.c))
 SONAME   = liblinkwright.so.$(SO_MAJOR)
@@ -49,7 +50,7 @@ $B/$(SONAME): $(LIB_OBJ) linkwright.map
 	$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=linkwright.map $(CFLAGS) $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
-$B/tests/fuzz/fuzz_%: $B/tests/fuzz/fuzz_%.o $B/tests/fuzz/replay.o $B/liblinkwright.a
+$(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
@@ -77,12 +78,12 @@ check: $B/$(SONAME)
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 sanitize:
 	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
-fuzz:      # SECONDS=60 a target
+fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) B=$B/fuzz CC=clang CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
-run-fuzz: $B/liblinkwright.a $(patsubst %.c,$B/%.o,$(wildcard tests/fuzz/fuzz_*.c))
+run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
 	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
-	    $B/$$t -max_total_time=$(or $(SECONDS),20) $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
+	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $B/linkwright
 	@for b in $(BENCHES); do $$b || exit 1; done
 

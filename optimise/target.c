@@ -5,36 +5,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-double *lw_target_array(const lw_target *t, lw_role role)
+double *lw_target_array(const lw_target *t, lw_field role)
 {
     switch (role) {
-    case LW_ROLE_X:      return t->x;
-    case LW_ROLE_Y:      return t->y;
-    case LW_ROLE_THETA:  return t->theta;
-    case LW_ROLE_ANGLE:  return t->angle;
-    case LW_ROLE_WEIGHT: return t->weight;
-    case LW_ROLE_COUNT:  break;
+    case LW_FIELD_X:      return t->x;
+    case LW_FIELD_Y:      return t->y;
+    case LW_FIELD_THETA:  return t->theta;
+    case LW_FIELD_ANGLE:  return t->angle;
+    case LW_FIELD_WEIGHT: return t->weight;
+    case LW_FIELD_COUNT:  break;
     }
     return NULL;
 }
 
-lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_ROLE_COUNT], lw_error *e)
+lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_FIELD_COUNT], lw_error *e)
 {
-    double *p[LW_ROLE_COUNT] = { NULL };
+    double *p[LW_FIELD_COUNT] = { NULL };
     *t = (lw_target){ .n = n, .units = lw_units_si() };
-    double *block = malloc(n*(LW_ROLE_COUNT*sizeof(double) + sizeof(long)));
+    double *block = malloc(n*(LW_FIELD_COUNT*sizeof(double) + sizeof(long)));
     if (!block)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
     t->store = block;
-    for (int role = 0; role < LW_ROLE_COUNT; role++)
-        if (has[role] || role == LW_ROLE_WEIGHT)
+    for (int role = 0; role < LW_FIELD_COUNT; role++)
+        if (has[role] || role == LW_FIELD_WEIGHT)
             p[role] = block + (size_t)role*n;
-    t->x = p[LW_ROLE_X];
-    t->y = p[LW_ROLE_Y];
-    t->theta = p[LW_ROLE_THETA];
-    t->angle = p[LW_ROLE_ANGLE];
-    t->weight = p[LW_ROLE_WEIGHT];
-    t->line = (long *)(block + (size_t)LW_ROLE_COUNT*n);
+    t->x = p[LW_FIELD_X];
+    t->y = p[LW_FIELD_Y];
+    t->theta = p[LW_FIELD_THETA];
+    t->angle = p[LW_FIELD_ANGLE];
+    t->weight = p[LW_FIELD_WEIGHT];
+    t->line = (long *)(block + (size_t)LW_FIELD_COUNT*n);
     for (size_t i = 0; i < n; i++) {
         t->weight[i] = 1;
         t->line[i] = 0;
@@ -52,7 +52,7 @@ static lw_status check_weights(const lw_target *t, lw_target_place *place, lw_er
 {
     double most = 0;
     for (size_t i = 0; i < t->n; i++) {
-        *place = (lw_target_place){ i, LW_ROLE_WEIGHT };
+        *place = (lw_target_place){ i, LW_FIELD_WEIGHT };
         if (!(t->weight[i] >= 0))
             return lw_error_set(e, LW_E_ARG, "a weight is at least 0, this one is %g; 0 leaves the station out",
                                 t->weight[i]);
@@ -100,11 +100,11 @@ lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_
     return t->angle ? lw_target_order(t, place, e) : LW_OK;
 }
 
-static lw_status fill(lw_target *t, const double *const from[LW_ROLE_COUNT], lw_error *e)
+static lw_status fill(lw_target *t, const double *const from[LW_FIELD_COUNT], lw_error *e)
 {
-    for (int role = 0; role < LW_ROLE_COUNT; role++) {
-        double *to = lw_target_array(t, (lw_role)role);
-        double most = lw_role_most((lw_role)role);
+    for (int role = 0; role < LW_FIELD_COUNT; role++) {
+        double *to = lw_target_array(t, (lw_field)role);
+        double most = lw_field_most((lw_field)role);
         for (size_t i = 0; from[role] && i < t->n; i++) {
             if (!(fabs(from[role][i]) <= most))
                 return lw_error_set(e, LW_E_ARG, "station %zu has a number that is not finite or beyond %g", i + 1,
@@ -118,11 +118,11 @@ static lw_status fill(lw_target *t, const double *const from[LW_ROLE_COUNT], lw_
 lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta, const double *angle,
                          const double *weight, int closed, lw_target *t, lw_error *e)
 {
-    const double *const from[LW_ROLE_COUNT] = { x, y, theta, angle, weight };
-    bool has[LW_ROLE_COUNT];
+    const double *const from[LW_FIELD_COUNT] = { x, y, theta, angle, weight };
+    bool has[LW_FIELD_COUNT];
     lw_target_place place;
     *t = (lw_target){ .n = 0 };
-    for (int role = 0; role < LW_ROLE_COUNT; role++)
+    for (int role = 0; role < LW_FIELD_COUNT; role++)
         has[role] = from[role] != NULL;
     if (n < 1 || n > LW_STATION_MAX)
         return lw_error_set(e, LW_E_ARG, "a target has 1 to %d stations, not %zu", LW_STATION_MAX, n);

@@ -232,7 +232,7 @@ static lw_status clash(const lw_header *h, const seen *f, int a, int b, long lin
                        columns[b].name, a == COL_THETA ? "tool" : "input");
 }
 
-static void assign(lw_header *h, const seen *f, lw_role role, int c)
+static void assign(lw_header *h, const seen *f, lw_field role, int c)
 {
     h->column[role] = f->at[c];
     h->role[f->at[c]] = role;
@@ -253,11 +253,11 @@ static lw_status assign_angles(lw_header *h, const seen *f, long line, lw_error 
     if (input != COL_T && at[COL_T] >= 0)
         return clash(h, f, input, COL_T, line, e);
     if (at[tool] >= 0)
-        assign(h, f, LW_ROLE_THETA, tool);
+        assign(h, f, LW_FIELD_THETA, tool);
     if (at[input] >= 0)
-        assign(h, f, LW_ROLE_ANGLE, input);
+        assign(h, f, LW_FIELD_ANGLE, input);
     if (input == COL_T)
-        h->factor[LW_ROLE_ANGLE] = 2*LW_PI;
+        h->factor[LW_FIELD_ANGLE] = 2*LW_PI;
     return LW_OK;
 }
 
@@ -265,12 +265,12 @@ static lw_status check_complete(const lw_header *h, long line, lw_error *e)
 {
     const int *c = h->column;
     const char *missing = NULL;
-    if (c[LW_ROLE_X] >= 0 || c[LW_ROLE_Y] >= 0)
-        missing = c[LW_ROLE_X] < 0 ? "x" : c[LW_ROLE_Y] < 0 ? "y" : NULL;
-    else if (c[LW_ROLE_THETA] < 0 && c[LW_ROLE_ANGLE] < 0)
+    if (c[LW_FIELD_X] >= 0 || c[LW_FIELD_Y] >= 0)
+        missing = c[LW_FIELD_X] < 0 ? "x" : c[LW_FIELD_Y] < 0 ? "y" : NULL;
+    else if (c[LW_FIELD_THETA] < 0 && c[LW_FIELD_ANGLE] < 0)
         missing = "x";
     else
-        missing = c[LW_ROLE_THETA] < 0 ? "theta" : c[LW_ROLE_ANGLE] < 0 ? "angle" : NULL;
+        missing = c[LW_FIELD_THETA] < 0 ? "theta" : c[LW_FIELD_ANGLE] < 0 ? "angle" : NULL;
     if (!missing)
         return LW_OK;
     return lw_error_at(e, LW_E_NOTATION, h->file, line, 1, "column \"%s\" is missing; a path has x and y, a function "
@@ -303,10 +303,10 @@ lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e
     if (s != LW_OK)
         return s;
     if (f.at[COL_X] >= 0)
-        assign(h, &f, LW_ROLE_X, COL_X);
+        assign(h, &f, LW_FIELD_X, COL_X);
     if (f.at[COL_Y] >= 0)
-        assign(h, &f, LW_ROLE_Y, COL_Y);
+        assign(h, &f, LW_FIELD_Y, COL_Y);
     if (f.at[COL_WEIGHT] >= 0)
-        assign(h, &f, LW_ROLE_WEIGHT, COL_WEIGHT);
+        assign(h, &f, LW_FIELD_WEIGHT, COL_WEIGHT);
     return check_complete(h, number, e);
 }

@@ -8,12 +8,12 @@
 #define LW_ANGLE_MAX 1e6     /* larger angles have lost the digits that matter [rad] */
 
 /* What a number of a row means once the header is understood. */
-typedef enum lw_role { LW_ROLE_X, LW_ROLE_Y, LW_ROLE_THETA, LW_ROLE_ANGLE, LW_ROLE_WEIGHT, LW_ROLE_COUNT } lw_role;
+typedef enum lw_field { LW_FIELD_X, LW_FIELD_Y, LW_FIELD_THETA, LW_FIELD_ANGLE, LW_FIELD_WEIGHT, LW_FIELD_COUNT } lw_field;
 
 /* The largest size of a number [m], [rad], [1]. */
-static inline double lw_role_most(lw_role role)
+static inline double lw_field_most(lw_field role)
 {
-    return role == LW_ROLE_THETA || role == LW_ROLE_ANGLE ? LW_ANGLE_MAX : LW_COORDINATE_MAX;
+    return role == LW_FIELD_THETA || role == LW_FIELD_ANGLE ? LW_ANGLE_MAX : LW_COORDINATE_MAX;
 }
 
 /* ---- lines and fields (target_text.c) ---- */
@@ -44,10 +44,10 @@ typedef struct lw_header {
     const char *file;
     char        separator;
     int         n_column;
-    lw_role     role[LW_ROLE_COUNT];      /* by column of the file             */
-    int         column[LW_ROLE_COUNT];    /* by role, -1: not there            */
-    char        name[LW_ROLE_COUNT][16];  /* as the file calls it, by role     */
-    double      factor[LW_ROLE_COUNT];    /* to SI, by role                    */
+    lw_field     role[LW_FIELD_COUNT];      /* by column of the file             */
+    int         column[LW_FIELD_COUNT];    /* by role, -1: not there            */
+    char        name[LW_FIELD_COUNT][16];  /* as the file calls it, by role     */
+    double      factor[LW_FIELD_COUNT];    /* to SI, by role                    */
     int         closed;                   /* 1, 0, -1: nobody said             */
     lw_units    units;
     char        length_by[48], angle_by[48];   /* who gave the unit; "": nobody did */
@@ -61,11 +61,11 @@ lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e
 /* ---- stations (target.c, target_order.c) ---- */
 
 /* The station and number to which a message of the checks belongs. */
-typedef struct lw_target_place { size_t station; lw_role role; } lw_target_place;
+typedef struct lw_target_place { size_t station; lw_field role; } lw_target_place;
 
 /* Room for n stations with the arrays that `has` names; weight is 1, line 0. */
-lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_ROLE_COUNT], lw_error *e);
-double   *lw_target_array(const lw_target *t, lw_role role);       /* NULL: not given */
+lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_FIELD_COUNT], lw_error *e);
+double   *lw_target_array(const lw_target *t, lw_field role);       /* NULL: not given */
 
 /* Weights, order of the angles, then closed, length, size.  closed as in the options. */
 lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e);

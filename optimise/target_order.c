@@ -42,7 +42,7 @@ static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_plac
 {
     size_t first = i < k ? i : k, later = i < k ? k : i;
     char text[40];
-    *place = (lw_target_place){ later, LW_ROLE_ANGLE };
+    *place = (lw_target_place){ later, LW_FIELD_ANGLE };
     return lw_error_set(e, LW_E_ARG, "the input angle %.9g %s stands in %s already, with other values; at one "
                         "input the linkage is in one place: change one of the two, or leave the column out if the "
                         "timing does not matter", t->angle[later]/t->units.radian, t->units.angle,
@@ -82,11 +82,14 @@ static void find_turns(const lw_target *t, int sense, size_t turn[2])
             turn[found++] = i;
 }
 
-/* With the part behind turn[0] moved by a full turn: one turn in all, or less? */
+/* With the part behind turn[0] moved by a full turn: is that a step forwards, and all one turn or less? */
 static bool fits(const lw_target *t, int sense, const size_t turn[2])
 {
-    double shift = turn[0] < t->n ? TURN : 0;
-    return turn[1] == t->n && sense*(t->angle[t->n-1] - t->angle[0]) + shift <= TURN + ANGLE_EPS;
+    const double *a = t->angle;
+    bool wraps = turn[0] < t->n;
+    if (wraps && !(sense*(a[turn[0]] - a[turn[0]-1]) + TURN >= 0))
+        return false;
+    return turn[1] == t->n && sense*(a[t->n-1] - a[0]) + (wraps ? TURN : 0) <= TURN + ANGLE_EPS;
 }
 
 static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], lw_target_place *place, lw_error *e)
@@ -95,7 +98,7 @@ static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], l
     bool wraps = turn[1] < t->n && fabs(t->angle[turn[0]] - t->angle[turn[0]-1]) >= LW_PI;
     size_t i = turn[wraps];
     char text[40];
-    *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_ROLE_ANGLE };
+    *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_FIELD_ANGLE };
     if (i == t->n)
         return lw_error_set(e, LW_E_ARG, "the input angles run over more than one turn (%.4g turns); a target is "
                             "one turn of the input at most", fabs(t->angle[t->n-1] - t->angle[0])/TURN);

@@ -229,7 +229,7 @@ static void order_against_brute_force(void)
         int n = 2 + (int)(lw_rng_bits(&r)%5), ok = 0;
         double a[8], x[8], y[8], rad[8];
         for (int i = 0; i < n; i++) {
-            a[i] = 30*(double)(lw_rng_bits(&r)%13);           /* 0, 30, ... 360 */
+            a[i] = 30*(double)(lw_rng_bits(&r)%(trial%2 ? 13 : 40));    /* 0, 30, ... 360 or 1170 */
             rad[i] = a[i]*LW_PI/180;
             x[i] = i;
             y[i] = 0;

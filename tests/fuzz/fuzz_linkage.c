@@ -1,0 +1,45 @@
+/* Any bytes as a linkage: what is read passes the check, and reads back after writing; in SI to the
+ * same text. */
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/linkage.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void demand(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+static void round_trip(const lw_linkage *k, int indent)
+{
+    static lw_linkage back;
+    lw_error e = { .text = "" };
+    char *text = lw_linkage_write(k, indent);
+    demand(text && lw_linkage_read(text, strlen(text), "w", &back, &e) == LW_OK);
+    char *again = lw_linkage_write(&back, indent);
+    demand(again != NULL);
+    if (k->units.metre == 1 && k->units.radian == 1)
+        demand(strcmp(text, again) == 0);
+    free(again);
+    free(text);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static lw_linkage k;
+    lw_error e = { .text = "" };
+    lw_status s = lw_linkage_read((const char *)data, size, "f", &k, &e);
+    if (s != LW_OK) {
+        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
+        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+        return 0;
+    }
+    demand(lw_linkage_check(&k, &e) == LW_OK);
+    round_trip(&k, 0);
+    round_trip(&k, 2);
+    return 0;
+}

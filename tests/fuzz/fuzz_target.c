@@ -1,0 +1,47 @@
+/* Any bytes as a target: what is read keeps what target.h promises, and can be made again from arrays. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/target.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void demand(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+static void check_stations(const lw_target *t)
+{
+    demand(t->n >= 1 && t->n <= LW_STATION_MAX && !t->x == !t->y && t->weight && t->line);
+    demand(t->x || (t->angle && t->theta));
+    demand(isfinite(t->length) && isfinite(t->size) && t->length >= 0 && t->size >= 0);
+    for (size_t i = 0; i < t->n; i++) {
+        demand(!t->x || (isfinite(t->x[i]) && isfinite(t->y[i])));
+        demand(!t->theta || isfinite(t->theta[i]));
+        demand(isfinite(t->weight[i]) && t->weight[i] >= 0 && t->line[i] > (i ? t->line[i-1] : 0));
+        demand(!t->angle || i == 0 || (t->angle[i] - t->angle[i-1])*(t->angle[t->n-1] - t->angle[0]) >= 0);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const lw_target_options option[] = { { -1, NULL, NULL }, { 1, "mm", "deg" }, { 0, "in", NULL } };
+    for (int i = 0; i < 3; i++) {
+        lw_target t, again;
+        lw_error e = { .text = "" };
+        if (lw_target_read((const char *)data, size, "f", &option[i], &t, &e) != LW_OK) {
+            demand(e.status != LW_OK && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
+            continue;
+        }
+        check_stations(&t);
+        demand(lw_target_make(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.closed, &again, &e) == LW_OK);
+        demand(again.closed == t.closed && again.length == t.length && again.size == t.size);
+        lw_target_free(&again);
+        lw_target_free(&t);
+    }
+    return 0;
+}
