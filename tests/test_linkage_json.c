@@ -1,4 +1,5 @@
 /* Linkages in JSON: read, written, read again; every fault with its place. */
+#include "base/file.h"
 #include "base/rng.h"
 #include "grammar/linkage.h"
 #include "tests/check.h"
@@ -64,6 +65,15 @@ static void the_example_is_written_as_it_was(void)
     char *text = lw_linkage_write(&k, 2);
     CHECK_TEXT(text, example);
     free(text);
+}
+
+static void the_manual_shows_it(void)
+{
+    char *manual = NULL;
+    size_t size;
+    CHECK_INT(lw_file_read("docs/notation.md", &manual, &size, NULL), LW_OK);
+    CHECK_HAS(manual, example);
+    free(manual);
 }
 
 static void what_may_be_left_out(void)
@@ -409,6 +419,7 @@ int main(void)
 {
     RUN(the_example);
     RUN(the_example_is_written_as_it_was);
+    RUN(the_manual_shows_it);
     RUN(what_may_be_left_out);
     RUN(links_without_a_list_follow_the_joints);
     RUN(links_may_be_objects);

@@ -105,6 +105,26 @@ static void length_and_size(void)
 
 /* ---- forms ------------------------------------------------------------------------------------- */
 
+/* docs/notation.md, "Target"; there every line is set in by four blanks. */
+static void the_example_of_the_manual(void)
+{
+    static const char example[] = "    # units: mm deg\n    # closed: no\n    x,y,theta,angle,weight\n"
+                                  "    20,10,0,30,1\n    17.66,15.142,5,60,1\n    11.736,17.878,12,90,0.5\n";
+    char *manual = NULL;
+    size_t size;
+    lw_target t;
+    lw_error e;
+    CHECK_INT(lw_file_read("docs/notation.md", &manual, &size, NULL), LW_OK);
+    CHECK_HAS(manual, example);
+    free(manual);
+    CHECK_INT(read(example, &t, &e), LW_OK);
+    CHECK(t.n == 3 && !t.closed && t.weight[2] == 0.5);
+    CHECK_NEAR(t.y[1], 0.015142, 0, 1e-15);
+    CHECK_NEAR(t.theta[2], 12*LW_PI/180, 0, 1e-15);
+    CHECK_NEAR(t.angle[0], LW_PI/6, 0, 1e-15);
+    lw_target_free(&t);
+}
+
 static void separators_and_line_ends(void)
 {
     check_reads("x,y\n1,2\n3,4\n", 2);
@@ -408,6 +428,7 @@ int main(void)
     RUN(published_files);
     RUN(published_names_of_columns);
     RUN(length_and_size);
+    RUN(the_example_of_the_manual);
     RUN(separators_and_line_ends);
     RUN(units_by_comment_suffix_and_option);
     RUN(options_overrule_comments);
