@@ -14,10 +14,12 @@
 typedef struct lw_stage {
     lw_record *record;
     double     k;                        /* 0: F is f itself                                      */
+    double     edge;                     /* g below which ln(1/g) goes on as a parabola, 0: never */
     double     wall;                     /* value where F is not defined                          */
     double     f_tol;                    /* relative, no finer than this k deserves               */
     double     step;                     /* first step of methods without gradient                */
     long       last_eval;                /* the record may count up to here in this stage         */
+    bool       inside;                   /* was the last point one where F is meant?              */
     double     best, x[LW_VAR_MAX];      /* least F seen and where; INFINITY: none                */
 } lw_stage;
 
@@ -28,8 +30,11 @@ typedef lw_stop lw_minimise(lw_stage *stage, const double *x);
  * not defined, and after a stop. */
 double lw_barrier_value(lw_record *r, double k, const double *x, double *grad);
 
-/* The same for methods that want a number everywhere: outside it is  wall (1 + sum of squared
- * violations), with the gradient that leads back. */
+/* The same for methods that want a number everywhere.  Below the edge the logarithm goes on as its
+ * Taylor polynomial of second order, so that a line search which steps over finds its way back by
+ * interpolation (Ben-Tal & Zibulevsky 1997); such points never become the best.  Where f
+ * is not defined, or the edge is 0, it is  wall (1 + sum of squared violations), with the gradient
+ * that leads back. */
 double lw_stage_value(lw_stage *stage, const double *x, double *grad);
 
 /* True when the method has to come back: the record stopped or the share of this stage is used up. */

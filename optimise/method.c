@@ -53,18 +53,16 @@ static bool nothing_to_vary(const lw_function *fn)
 
 static lw_stop run_method(const lw_method *m, lw_record *r, double *x)
 {
-    bool open = !isfinite(lw_record_value(r, x, NULL)), free_of_g = r->fn->m == 0;
+    bool own_way = m->takes_constraints || r->fn->m == 0;
+    lw_record_value(r, x, NULL);
     if (r->stopped || nothing_to_vary(r->fn))
         return LW_STOP_X_TOL;
-    if (m->takes_constraints || free_of_g) {
-        if (open && !m->global && !free_of_g)
-            lw_feasible_start(r, x);
-        return lw_single_run(r, m->minimise, 0.0, !m->global, x);
-    }
-    if (!m->global)
+    if (!own_way && !m->global)
         return lw_barrier_run(r, m->minimise, x);
-    double f = isfinite(r->f) ? r->f : 1.0;
-    return lw_single_run(r, m->minimise, r->o->barrier_last*f, false, x);
+    if (!isfinite(r->f) && r->fn->m > 0 && lw_feasible_start(r, x))     /* better than nothing */
+        lw_record_value(r, x, NULL);
+    double k = own_way ? 0.0 : r->o->barrier_last*(isfinite(r->f) ? r->f : 1.0);
+    return lw_single_run(r, m->minimise, k, !m->global, x);
 }
 
 static lw_status outcome(lw_stop why)

@@ -120,7 +120,7 @@ lw_stop lw_gradient_fixed(lw_stage *stage, const double *start)
     memcpy(x, start, fn->n*sizeof *x);
     lw_clip(fn, x);
     while (f = lw_stage_value(stage, x, g), !lw_stage_over(stage)) {
-        if (f >= stage->wall)
+        if (!stage->inside)
             return LW_STOP_FAILED;
         if (fabs(before - f) <= stage->f_tol*fabs(f))
             return LW_STOP_F_TOL;

@@ -13,16 +13,22 @@
 #include "optimise/feasible.h"
 #include "optimise/method_internal.h"
 
-typedef struct call { lw_stage *stage; nlopt_opt opt; } call;
+/* What NLopt sees is F over the best f so far: Luksan's methods end at an absolute gradient of 1e-8,
+ * long before an exact fit is exact. But their shortest step is 1e-10 times the gradient, so that
+ * curvature has to stay well below 1e10. */
+#define SCALE_MAX 1e8
+
+typedef struct call { lw_stage *stage; nlopt_opt opt; double scale; } call;
 
 static double objective(unsigned n, const double *x, double *grad, void *data)
 {
     call *c = data;
-    (void)n;
     double f = lw_stage_value(c->stage, x, grad);
     if (lw_stage_over(c->stage))
         nlopt_force_stop(c->opt);
-    return f;
+    for (unsigned i = 0; grad && i < n; i++)
+        grad[i] *= c->scale;
+    return c->scale*f;
 }
 
 /* NLopt wants c(x) <= 0. */
@@ -114,13 +120,15 @@ static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constr
     lw_record *r = stage->record;
     unsigned n = (unsigned)r->fn->n;
     double x[LW_VAR_MAX], f;
-    call c = { stage, nlopt_create(algorithm, n) };
+    call c = { stage, nlopt_create(algorithm, n), 1.0 };
     if (!c.opt)
         return LW_STOP_FAILED;
     lw_stop why = LW_STOP_FAILED;
     memcpy(x, start, n*sizeof *x);
     lw_clip(r->fn, x);
     nlopt_srand((unsigned long)r->o->seed);
+    if (isfinite(r->f))
+        c.scale = fmin(1.0/r->f, SCALE_MAX);
     if (set_up(c.opt, kind, takes_constraints, &c)
         && (algorithm != NLOPT_GD_MLSL_LDS || set_local(c.opt, n) > 0))
         why = reason(nlopt_optimize(c.opt, x, &f), r);

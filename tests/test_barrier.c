@@ -86,8 +86,8 @@ static void path_ends_at_the_constrained_optimum(void)
         lw_solver_result r;
         o.barrier_last = last[i];
         CHECK_INT(lw_method_run(lw_method_find("gradient"), &fn, &o, &x, &r), LW_OK);
-        CHECK(x <= 1);
-        CHECK(r.f >= 1 && r.f - 1 < 1.1*last[i]);
+        CHECK(x <= 1 + LW_FEASIBLE);
+        CHECK(r.f >= 1 - 2*LW_FEASIBLE && r.f - 1 < 1.1*last[i]);
     }
 }
 
@@ -98,8 +98,8 @@ static void starts_from_outside(void)
     double x[3] = { 4.5, -4.5, 5 }, best = hs65_optimum();
     lw_solver_result r;
     CHECK_INT(lw_method_run(lw_method_find("lbfgs"), &fn, &o, x, &r), LW_OK);
-    CHECK_NEAR(r.f, best, 1e-8, 0);
-    CHECK(r.f >= best - 1e-12);
+    CHECK_NEAR(r.f, best, 1e-7, 0);
+    CHECK(r.f >= best - 10*LW_FEASIBLE);     /* the multiplier is about 1.4 */
 }
 
 /* 1 - x >= 0 and x - 1 - 1e-6 >= 0 */
