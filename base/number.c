@@ -59,7 +59,7 @@ lw_status lw_number_parse(const char *s, size_t n, double *out)
 
 bool lw_number_is_word(const char *s, size_t n)
 {
-    static const char *const words[] = { "nan", "inf", "infinity", "-nan", "+nan", "1.#inf", "1.#qnan" };
+    static const char *const words[] = { "nan", "inf", "infinity", "1.#inf", "1.#qnan" };
     if (n > 0 && (*s == '+' || *s == '-'))
         s++, n--;
     for (size_t i = 0; i < sizeof words/sizeof *words; i++)

@@ -20,6 +20,23 @@ static bool is_blank(const char *text, size_t size)
     return true;
 }
 
+/* jansson tells the last byte of the token at which it gave up, and the token itself in its message:
+ * the place that helps is the token's first byte. */
+static size_t fault_offset(const char *text, size_t size, const json_error_t *error)
+{
+    size_t last = error->position > 0 ? (size_t)error->position - 1 : 0;
+    const char *near = strstr(error->text, " near '");
+    if (last >= size || strstr(error->text, "near end of file"))
+        return size;
+    if (near) {
+        near += strlen(" near '");
+        size_t n = strlen(near) - 1;                  /* without the closing quote */
+        if (n > 0 && n <= last + 1 && memcmp(text + last + 1 - n, near, n) == 0)
+            return last + 1 - n;
+    }
+    return last;
+}
+
 lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json *json, lw_error *e)
 {
     size_t skip = size >= 3 && memcmp(text, byte_order_mark, 3) == 0 ? 3 : 0;
@@ -36,8 +53,7 @@ lw_status lw_json_open(const char *text, size_t size, const char *file, lw_json 
     if (json_error_code(&error) == json_error_out_of_memory)
         return lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
     long line, column;
-    size_t at = error.position > 0 ? (size_t)error.position - 1 + skip : skip;   /* last byte of the token */
-    lw_text_place(text, size, at < size ? at : size, &line, &column);
+    lw_text_place(text, size, skip + fault_offset(text + skip, size - skip, &error), &line, &column);
     return lw_error_at(e, LW_E_NOTATION, file, line, column, "this is not JSON: %s", error.text);
 }
 

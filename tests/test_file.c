@@ -1,8 +1,10 @@
 /* Files in and out: nothing half-written, every refusal says why. */
+#include <dirent.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <dirent.h>
 
 #include "base/file.h"
 #include "tests/check.h"
@@ -138,6 +140,29 @@ static void what_cannot_be_written(void)
     CHECK_INT(count_files(), 0);
 }
 
+/* A disk that fills up in the middle, played by a limit on the size of files. */
+static void a_failed_write_leaves_the_old_file(void)
+{
+    const char *path = in_folder("full");
+    CHECK_INT(lw_file_write(path, "old", 3, NULL), LW_OK);
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        static char bytes[100000];
+        lw_error e;
+        signal(SIGXFSZ, SIG_IGN);
+        setrlimit(RLIMIT_FSIZE, &(struct rlimit){ 50000, 50000 });
+        lw_status s = lw_file_write(path, bytes, sizeof bytes, &e);
+        _exit(s == LW_E_IO && strstr(e.text, "too large") ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    CHECK_INT(status, 0);
+    check_content(path, "old");
+    CHECK_INT(count_files(), 1);
+    unlink(path);
+}
+
 static void devices_are_written_in_place(void)
 {
     struct stat st;
@@ -218,6 +243,7 @@ int main(void)
     RUN(rights_and_links_survive);
     RUN(longest_name_the_system_allows);
     RUN(what_cannot_be_written);
+    RUN(a_failed_write_leaves_the_old_file);
     RUN(devices_are_written_in_place);
     RUN(what_cannot_be_read);
     RUN(standard_output_is_continued);

@@ -359,6 +359,23 @@ static void what_is_no_json(void)
     }
 }
 
+/* The place is the first byte of what cannot stand there. */
+static void faults_of_syntax_have_their_place(void)
+{
+    static const struct { const char *text; long line, column; } cases[] = {
+        { "{\"a\": NaN}", 1, 7 }, { "{\n  \"a\" 1}", 2, 7 }, { "{\n\"a\": [1,\n ]}", 3, 2 },
+        { "{\"a\": 1,\n   \"a\": 2}", 2, 4 }, { "\xef\xbb\xbf{\"a\": x}", 1, 10 }, { "{\"a\": tru}", 1, 7 },
+        { "{\"a\": 1}\n x", 2, 2 }, { "{\"a\": 01}", 1, 7 }, { "{\"a\": [", 1, 8 },
+    };
+    for (size_t i = 0; i < sizeof cases/sizeof *cases; i++) {
+        lw_linkage k;
+        lw_error e;
+        CHECK_INT(read(cases[i].text, &k, &e), LW_E_NOTATION);
+        CHECK_INT(e.line, cases[i].line);
+        CHECK_INT(e.column, cases[i].column);
+    }
+}
+
 static void too_many_of_everything(void)
 {
     char *text = malloc(100000);
@@ -428,6 +445,7 @@ int main(void)
     RUN(in_other_units_to_rounding);
     RUN(every_fault_has_its_place);
     RUN(what_is_no_json);
+    RUN(faults_of_syntax_have_their_place);
     RUN(too_many_of_everything);
     RUN(a_byte_order_mark_is_skipped);
     RUN(any_bytes_are_survived);
