@@ -32,13 +32,13 @@ lw_vec2 lw_sketch_pixel(const lw_sketch *k, int panel, lw_vec2 p)
     return lw_view_pixel(&k->d->view[panel], p);
 }
 
-/* Where things may be drawn: up to a few pages beyond the picture, so that no writer meets numbers it
- * cannot hold. */
-static bool clip(const lw_drawing *d, lw_vec2 *a, lw_vec2 *b)
+bool lw_sketch_clip(const lw_box *box, lw_vec2 *a, lw_vec2 *b)
 {
-    double lo[2] = { -2*d->width, -2*d->height }, hi[2] = { 3*d->width, 3*d->height };
+    if (!isfinite(a->x + a->y + b->x + b->y))
+        return false;
+    double lo[2] = { box->x0, box->y0 }, hi[2] = { box->x1, box->y1 };
     double from[2] = { a->x, a->y }, way[2] = { b->x - a->x, b->y - a->y }, t0 = 0, t1 = 1;
-    for (int i = 0; i < 2; i++) {                                       /* Liang and Barsky 1984 */
+    for (int i = 0; i < 2; i++) {
         if (way[i] == 0 && (from[i] < lo[i] || from[i] > hi[i]))
             return false;
         double in = ((way[i] > 0 ? lo[i] : hi[i]) - from[i])/way[i];
@@ -50,8 +50,10 @@ static bool clip(const lw_drawing *d, lw_vec2 *a, lw_vec2 *b)
     }
     if (!(t0 <= t1))
         return false;
-    *b = lw_v2(from[0] + t1*way[0], from[1] + t1*way[1]);
-    *a = lw_v2(from[0] + t0*way[0], from[1] + t0*way[1]);
+    if (t1 < 1)
+        *b = lw_v2(from[0] + t1*way[0], from[1] + t1*way[1]);
+    if (t0 > 0)
+        *a = lw_v2(from[0] + t0*way[0], from[1] + t0*way[1]);
     return true;
 }
 
@@ -68,13 +70,15 @@ static void curve_ink(lw_sketch *k, int panel, lw_shape *s, const lw_curve *c)
 static void draw_curve(lw_sketch *k, int panel, const lw_curve *c)
 {
     enum { PIECE = 2048 };
+    /* A few pages around the picture: no writer meets numbers that it cannot hold. */
+    const lw_box near = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
     lw_vec2 piece[PIECE];
     size_t n = 0, n_side = c->n < 2 ? 0 : c->n - (c->closed ? 0 : 1);
     lw_role role = c->shown_branch ? LW_ROLE_CURVE : LW_ROLE_OTHER_CURVE;
     for (size_t i = 0; i < n_side; i++) {
         lw_vec2 a = lw_sketch_pixel(k, panel, c->p[i]), a0 = a;
         lw_vec2 b = lw_sketch_pixel(k, panel, c->p[(i + 1) % c->n]);
-        bool seen = clip(k->d, &a, &b);
+        bool seen = lw_sketch_clip(&near, &a, &b);
         if (n && (!seen || a.x != a0.x || a.y != a0.y || n == PIECE)) {
             curve_ink(k, panel, lw_drawing_path(k->d, role, piece, n, false), c);
             n = 0;

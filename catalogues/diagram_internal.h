@@ -15,6 +15,8 @@ typedef struct lw_sketch {
 } lw_sketch;
 
 lw_vec2 lw_sketch_pixel(const lw_sketch *k, int panel, lw_vec2 p);
+/* Cut the line a b to a box (Liang and Barsky 1984); false when it passes by or is not finite. */
+bool    lw_sketch_clip(const lw_box *box, lw_vec2 *a, lw_vec2 *b);
 lw_box  lw_view_box(const lw_view *v);                    /* where labels may stand                  */
 
 void    lw_sketch_linkage(lw_sketch *k);                  /* in panel 0                              */

@@ -47,6 +47,9 @@ static void draw_guide(lw_sketch *k, int joint)
     lw_vec2 a = lw_sketch_pixel(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.lo - end)));
     lw_vec2 b = lw_sketch_pixel(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.hi + end)));
     lw_bearer carrier = bearer(l, joint, w.guide);
+    const lw_box page = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
+    if (!lw_sketch_clip(&page, &a, &b))
+        return;
     if (l->joint[joint].kind == LW_JOINT_SLOT)
         lw_symbol_slot(k->d, carrier, a, b, link_ink(l, w.guide), u);
     else if (w.guide == l->ground) {
@@ -59,6 +62,9 @@ static void draw_guide(lw_sketch *k, int joint)
         double length = fmax(lw_v2_norm(down), 1e-9);
         down = lw_v2_scale(lw_v2_perp(down), 10*u/length);             /* under the block's edge */
         lw_symbol_hatched_line(k->d, carrier, lw_v2_add(a, down), lw_v2_add(b, down), u);
+        for (double depth = 1; depth < 1.8; depth += 0.35)                          /* hatching */
+            lw_label_map_line(&k->map, lw_v2_add(a, lw_v2_scale(down, depth)),
+                              lw_v2_add(b, lw_v2_scale(down, depth)), 1);
     } else {
         lw_shape *s = lw_drawing_line(k->d, LW_ROLE_GUIDE, a, b);
         s->item = joint;

@@ -207,8 +207,8 @@ static lw_vec2 trace(lw_work *w, int tracer, double t)
     return w->pose.tracer[tracer][0];
 }
 
-/* Points between t0 and t1 (a excluded, b included), halved until a step is short against the curve
- * or as good as straight. */
+/* Points between t0 and t1 (a excluded, b included), halved until a step is as good as straight.  What
+ * is still a leap then is one, from one end of an asymptote to the other: the line breaks. */
 static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_vec2 b, double size,
                    int depth, lw_growing *g)
 {
@@ -216,6 +216,8 @@ static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_v
     lw_vec2 m = trace(w, tracer, tm), chord = lw_v2_sub(b, a);
     double off = lw_v2_norm(lw_v2_sub(m, lw_v2_add(a, lw_v2_scale(chord, 0.5))));
     if (depth == 0 || off < 4e-4*size) {
+        if (depth == 0 && lw_v2_norm(chord) > 0.1*size)
+            grow(g, lw_v2(NAN, NAN));
         grow(g, b);
         return;
     }
@@ -235,7 +237,7 @@ static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
     for (size_t i = 1; i <= n; i++) {
         double t = i == n ? w->walk.n_stage : per*(double)i;
         lw_vec2 b = trace(w, tracer, t);
-        refine(w, tracer, per*(double)(i - 1), a, t, b, size, 5, &g);
+        refine(w, tracer, per*(double)(i - 1), a, t, b, size, 14, &g);
         a = b;
     }
     if (w->walk.loops && g.n > 1)

@@ -25,7 +25,7 @@ typedef struct lw_curve {
                                    * of the input that the linkage asks for (drawn dashed)           */
     bool     closed;              /* the last point is followed by the first                         */
     size_t   n;
-    lw_vec2 *p;                   /* [m]                                                    (n)      */
+    lw_vec2 *p;                   /* [m]; one that is not finite breaks the line            (n)      */
 } lw_curve;
 
 typedef struct lw_scene {

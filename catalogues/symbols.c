@@ -32,7 +32,7 @@ static void hatch(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u)
 {
     lw_vec2 line = lw_v2_sub(p, a);
     double length = lw_v2_norm(line), step = 7*u;
-    int n = (int)fmin(length/step, 400);
+    int n = (int)fmin(length/step, 4000);
     if (n < 1)
         return;
     lw_vec2 along = lw_v2_scale(line, 1/length), right = lw_v2_perp(along);   /* y down: right side */

@@ -64,35 +64,55 @@ lw_box lw_scene_path_box(const lw_scene *s)
     return b;
 }
 
-static void add_links(lw_box *b, const lw_scene *s, size_t frame)
+/* Pins, blocks and tracers; with the guides' travel where `guides`. */
+static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
     const lw_linkage *k = &s->linkage;
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
-        if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT) {
-            lw_slide w = lw_anatomy_slide(s, i);
-            lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));
-            lw_box_add(b, lw_scene_at(s, frame, w.guide,
-                                      lw_v2_add(w.at, lw_v2_scale(w.along, w.lo))));
-            lw_box_add(b, lw_scene_at(s, frame, w.guide,
-                                      lw_v2_add(w.at, lw_v2_scale(w.along, w.hi))));
-        } else
+        if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT) {
             lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
+            continue;
+        }
+        lw_slide w = lw_anatomy_slide(s, i);
+        lw_vec2 lo = lw_v2_add(w.at, lw_v2_scale(w.along, w.lo));
+        lw_vec2 hi = lw_v2_add(w.at, lw_v2_scale(w.along, w.hi));
+        lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));
+        if (guides) {
+            lw_box_add(b, lw_scene_at(s, frame, w.guide, lo));
+            lw_box_add(b, lw_scene_at(s, frame, w.guide, hi));
+        }
     }
     for (int i = 0; i < k->n_tracer; i++)
         lw_box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
 }
 
+/* `wide`, but no more of it than a few times `core`: a motion that runs off to infinity does not make
+ * a dot of everything else. */
+static lw_box keep_core_large(lw_box wide, const lw_box *core)
+{
+    double size = lw_box_size(core), around = 1.2*size;
+    if (size == 0 || lw_box_size(&wide) < LW_SPECK*size)
+        return wide;
+    return (lw_box){ fmax(wide.x0, core->x0 - around), fmax(wide.y0, core->y0 - around),
+                     fmin(wide.x1, core->x1 + around), fmin(wide.y1, core->y1 + around) };
+}
+
 lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
 {
-    lw_box b = curve_box(s, true), other = curve_box(s, false);
-    add_points(&b, s->station, s->n_station);
-    add_links(&b, s, s->first_frame);
+    lw_box core, curve = curve_box(s, true), other = curve_box(s, false);
+    lw_box_empty(&core);
+    add_points(&core, s->station, s->n_station);
+    add_links(&core, s, s->first_frame, false);
+    lw_box all = core;
+    add_links(&all, s, s->first_frame, true);
     for (size_t f = 0; whole_motion && f < s->n_frame; f++)
-        add_links(&b, s, f);
-    lw_box with = b;                       /* other branches where they do not make the rest small */
+        add_links(&all, s, f, true);
+    lw_box_join(&all, &curve);
+    all = keep_core_large(all, &core);
+    lw_box with = all;                     /* other branches where they do not make the rest small */
     lw_box_join(&with, &other);
-    return lw_box_size(&with) < 1.6*lw_box_size(&b) ? with : b;
+    return lw_box_size(&with) < 1.6*lw_box_size(&all) ? with : all;
 }
 
 lw_view lw_view_fit(lw_box c, double x, double y, double w, double h, double margin)

@@ -4,6 +4,7 @@
 #include "catalogues/scene.h"
 #include "catalogues/walk.h"
 #include "mbs/fourbar.h"
+#include "mbs/types.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 
@@ -228,6 +229,27 @@ static void unsolvable_linkages_stand_still(void)
     lw_scene_free(&s);
 }
 
+/* The tangent mechanism runs off to infinity twice a turn and comes back from the other side. */
+static void asymptotes_break_the_curve(void)
+{
+    lw_linkage k;
+    lw_scene s;
+    lw_error e;
+    lw_type_linkage(lw_type_find("RPRP"), &k);
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    const lw_curve *c = &s.curve[0];
+    int n_break = 0;
+    for (size_t i = 0; i + 1 < c->n; i++) {
+        bool whole = isfinite(c->p[i].x) && isfinite(c->p[i + 1].x);
+        n_break += !isfinite(c->p[i].x);
+        CHECK(!whole || c->p[i].x*c->p[i + 1].x > 0 || distance(c->p[i], c->p[i + 1]) < 1);
+        if (!isfinite(c->p[i].x))
+            CHECK(fabs(c->p[i - 1].x) > 100 && fabs(c->p[i + 1].x) > 100);
+    }
+    CHECK(n_break >= 2 && c->n < 20000);
+    lw_scene_free(&s);
+}
+
 static void rounding_noise_reads_as_nothing(void)
 {
     lw_scene s;
@@ -250,6 +272,7 @@ int main(void)
     RUN(size_does_not_matter);
     RUN(target_points_are_kept);
     RUN(unsolvable_linkages_stand_still);
+    RUN(asymptotes_break_the_curve);
     RUN(rounding_noise_reads_as_nothing);
     return check_end();
 }
