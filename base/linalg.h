@@ -3,7 +3,7 @@
  * Own code, not a bridge to GSL: a 10 x 10 solve is most of an iteration of mbs/newton.c and takes
  * half of GSL's time for the same (0.53 against 0.98 us), the sign of the determinant comes with it,
  * and a singular matrix is an answer here where GSL calls its global error handler, which aborts.
- * Large systems belong to GSL.  Golub & Van Loan, Matrix Computations, section 5.2. */
+ * Large systems belong to GSL.  Golub & Van Loan 2013, section 5.2. */
 #ifndef LW_BASE_LINALG_H
 #define LW_BASE_LINALG_H
 

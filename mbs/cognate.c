@@ -3,7 +3,7 @@
  * With c = (cx + i cy)/r3 the coupler point is P = A + c (B - A), and all three stand on the corners
  * of a triangle similar to the coupler: A0, B0 and C0 = A0 + c (B0 - A0).  Opening the parallelograms
  * A0 A P and B0 B P gives their moving pins; divided by the size of its frame, each cognate is the
- * given quadrilateral A0 A B B0 with two neighbouring sides exchanged (Dijksman 1976, chapter 6):
+ * given quadrilateral A0 A B B0 with two neighbouring sides exchanged (Dijksman 1976):
  *
  *     out[0]   frame C0 B0, factor 1 - c:   A0, A, A + (B0 - B), B0      coupler and output exchanged
  *     out[1]   frame A0 C0, factor c:       A0, A0 + (B - A), B, B0      crank and coupler exchanged

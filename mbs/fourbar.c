@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/sum.h"
 #include "base/vec2.h"
 
 enum { G, A, B, H };                      /* frame, input, coupler, output */
@@ -23,28 +24,16 @@ typedef struct sums {
     double equal;                         /* |pair| <= equal counts as 0   */
 } sums;
 
-/* w + x + y + z with one rounding: errors of the additions are carried along (Knuth's two-sum). */
-static double sum4(double w, double x, double y, double z)
-{
-    double term[3] = { x, y, z }, s = w, lost = 0.0;
-    for (int i = 0; i < 3; i++) {
-        double t = s + term[i], v = t - s;
-        lost += (s - (t - v)) + (term[i] - v);
-        s = t;
-    }
-    return s + lost;
-}
-
 static sums make_sums(const double r[4], double tolerance)
 {
     sums s;
-    s.all = sum4(r[G], r[A], r[B], r[H]);
+    s.all = lw_sum4(r[G], r[A], r[B], r[H]);
     for (int i = 0; i < 4; i++)
-        s.less[i] = sum4(i == G ? -r[G] : r[G], i == A ? -r[A] : r[A],
+        s.less[i] = lw_sum4(i == G ? -r[G] : r[G], i == A ? -r[A] : r[A],
                          i == B ? -r[B] : r[B], i == H ? -r[H] : r[H]);
     s.pair[G] = s.all;
     for (int i = 1; i < 4; i++)
-        s.pair[i] = sum4(r[G], i == A ? r[A] : -r[A], i == B ? r[B] : -r[B], i == H ? r[H] : -r[H]);
+        s.pair[i] = lw_sum4(r[G], i == A ? r[A] : -r[A], i == B ? r[B] : -r[B], i == H ? r[H] : -r[H]);
     s.equal = tolerance*s.all;
     return s;
 }
@@ -209,8 +198,8 @@ static lw_status check_lengths(const double r[4], const int order[4], lw_error *
             return lw_error_set(e, LW_E_ARG, "the length of the %s is %g; it must be positive and finite",
                                 link[i], r[i]);
     int longest = order[3];
-    double others = sum4(r[order[0]], r[order[1]], r[order[2]], 0.0);
-    double excess = sum4(r[longest], -r[order[0]], -r[order[1]], -r[order[2]]);
+    double others = lw_sum4(r[order[0]], r[order[1]], r[order[2]], 0.0);
+    double excess = lw_sum4(r[longest], -r[order[0]], -r[order[1]], -r[order[2]]);
     if (excess < 0.0)
         return LW_OK;
     char by[48] = "equals it";

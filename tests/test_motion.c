@@ -1,0 +1,327 @@
+/* tests/test_motion.c - arcs and circuits against the closed forms of the four-bar, against margins
+ * sampled through the pose, and against the verifier, which runs into every limit. */
+#include "mbs/motion.h"
+#include "base/rng.h"
+#include "mbs/fourbar.h"
+#include "mbs/newton.h"
+#include "mbs/pose.h"
+#include "mbs/types.h"
+#include "tests/check.h"
+#include "tests/mbs_linkage.h"
+
+static lw_plan plan_of(const lw_linkage *k)
+{
+    lw_plan plan;
+    lw_error e = { 0 };
+    CHECK_INT(lw_plan_make(k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+    return plan;
+}
+
+static lw_plan plan_of_type(const char *name, lw_linkage *k)
+{
+    lw_type_linkage(lw_type_find(name), k);
+    return plan_of(k);
+}
+
+/* --- four-bars --- */
+
+static void draw_lengths(lw_rng *rng, double r[4])
+{
+    lw_fourbar_class c;
+    do {
+        for (int i = 0; i < 4; i++)
+            r[i] = lw_rng_range(rng, 0.1, 1.0);
+    } while (lw_fourbar_classify(r, 1e-12, &c, NULL) != LW_OK);
+}
+
+static const lw_arc *arc_at(const lw_motion *m, double mode, double input)
+{
+    for (int i = 0; i < m->n_arc; i++) {
+        const lw_arc *a = &m->arc[i];
+        double middle = 0.5*(a->first + a->last);
+        if (a->mode[0] == mode && fabs(remainder(input - middle, 2.0*LW_PI)) <= 0.5*(a->last - a->first))
+            return a;
+    }
+    return NULL;
+}
+
+static void check_fourbar(const lw_plan *plan, const double *dim, const lw_fourbar_class *c)
+{
+    lw_motion m;
+    CHECK_INT(lw_motion_find(plan, dim, &m), LW_OK);
+    CHECK_INT(m.n_arc, 2*c->n_range);
+    CHECK_INT(m.n_circuit, c->circuits);
+    CHECK_INT(m.change_point, c->number >= 9);
+    double least = LW_PI, most = 0.0;
+    for (double mode = -1.0; mode <= 1.0; mode += 2.0)
+        for (int i = 0; i < c->n_range; i++) {
+            const lw_arc *a = arc_at(&m, mode, 0.5*(c->range[i][0] + c->range[i][1]));
+            CHECK(a != NULL);
+            if (!a)
+                continue;
+            CHECK_INT(a->turns, c->crank);
+            CHECK(a->limit[0] == !c->crank && a->limit[1] == !c->crank);
+            CHECK_NEAR(a->last - a->first, c->range[i][1] - c->range[i][0], 1e-15, 1e-15);
+            if (!c->crank)
+                CHECK_NEAR(remainder(a->first - c->range[i][0], 2.0*LW_PI), 0.0, 1e-15, 0);
+            least = fmin(least, a->transmission_min);
+            most = fmax(most, a->transmission_max);
+            CHECK_INT(lw_motion_arc(plan, &m, &mode, 0.5*(a->first + a->last)), a - m.arc);
+        }
+    CHECK_NEAR(least, c->transmission[0], 1e-7, 0);             /* 0 and pi by a square root */
+    CHECK_NEAR(most, c->transmission[1], 1e-7, 0);
+    CHECK_NEAR(cos(least), cos(c->transmission[0]), 1e-14, 0);
+    CHECK_NEAR(cos(most), cos(c->transmission[1]), 1e-14, 0);
+}
+
+static void fourbars_as_classified(void)
+{
+    lw_rng rng;
+    lw_linkage k;
+    lw_rng_seed(&rng, check_seed(), 1);
+    lw_plan plan = plan_of_type("fourbar", &k);
+    for (int trial = 0; trial < 300; trial++) {
+        double dim[LW_DIM_MAX] = { 0 };
+        lw_fourbar_class c;
+        draw_lengths(&rng, dim);
+        lw_fourbar_classify(dim, LW_FOURBAR_TOLERANCE, &c, NULL);
+        check_fourbar(&plan, dim, &c);
+    }
+}
+
+static void change_points_join_circuits(void)
+{
+    static const double r[][4] = {
+        { 2, 4, 5, 3 }, { 4, 2, 5, 3 }, { 5, 4, 2, 3 }, { 5, 3, 4, 2 },          /* classes 9 to 12 */
+        { 5, 2, 5, 2 }, { 2, 2, 5, 5 }, { 5, 2, 2, 5 }, { 5, 5, 2, 2 }, { 2, 5, 5, 2 }, { 3, 3, 3, 3 },
+    };
+    lw_linkage k;
+    lw_plan plan = plan_of_type("fourbar", &k);
+    for (size_t i = 0; i < sizeof r/sizeof *r; i++) {
+        double dim[LW_DIM_MAX] = { 0 };
+        lw_fourbar_class c;
+        memcpy(dim, r[i], sizeof r[i]);
+        lw_fourbar_classify(dim, LW_FOURBAR_TOLERANCE, &c, NULL);
+        check_fourbar(&plan, dim, &c);
+    }
+}
+
+static void circuits_of_a_double_rocker(void)
+{
+    lw_linkage k;
+    lw_plan plan = plan_of_type("fourbar", &k);
+    double dim[LW_DIM_MAX] = { 5, 6, 2, 7 };                    /* coupler shortest, Grashof */
+    lw_motion m;
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    CHECK_INT(m.n_arc, 4);
+    CHECK_INT(m.n_circuit, 2);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            bool same_side = remainder(m.arc[i].first - m.arc[j].first, 2.0*LW_PI) == 0.0;
+            CHECK_INT(m.arc[i].circuit == m.arc[j].circuit, same_side);
+        }
+    double open[LW_DIM_MAX] = { 10, 1, 1, 1 };
+    CHECK_INT(lw_motion_find(&plan, open, &m), LW_OPEN);
+    CHECK_INT(m.n_arc, 0);
+    open[0] = NAN;
+    CHECK_INT(lw_motion_find(&plan, open, &m), LW_E_ARG);
+}
+
+/* --- against the verifier --- */
+
+/* Draw the linkage in the middle of the arc and let Newton's method run into both ends. */
+static int run_into_ends(const lw_plan *plan, const double *dim, const lw_arc *a, double size, lw_linkage *k)
+{
+    double middle = a->first + 0.4637*(a->last - a->first), reached;
+    lw_newton *s;
+    if (lw_plan_write(plan, dim, a->mode, middle, k) != LW_OK || lw_newton_create(k, &s, NULL) != LW_OK) {
+        CHECK(!"an arc's posture can be drawn");
+        return 0;
+    }
+    double shift = k->input[0].value - middle;
+    int crossings = 0;
+    for (int e = 0; e < 2; e++) {
+        double end = e ? a->last : a->first, way = e ? 1.0 : -1.0;
+        lw_newton_reset(s);
+        if (a->limit[e]) {
+            lw_status status = lw_newton_move(s, end + shift + 0.1*way*size, &reached);
+            CHECK_INT(status, LW_OPEN);
+            CHECK_NEAR((reached - shift - end)/size, 0.0, 1e-10, 0);
+        } else {
+            double most = plan->input_is_slider ? fmin(fabs(end - middle), 3.0*size) : fabs(end - middle);
+            lw_status status = lw_newton_move(s, middle + way*0.99*most + shift, &reached);
+            CHECK_INT(status, LW_OK);
+        }
+        crossings += lw_newton_crossings(s);
+    }
+    lw_newton_free(s);
+    return crossings;
+}
+
+/* At a limit the linkage passes into another arc of its circuit: same end, same posture. */
+static void check_joints_of_arcs(const lw_plan *plan, const double *dim, const lw_motion *m)
+{
+    static lw_pose p, q;
+    for (int i = 0; i < 2*m->n_arc; i++) {
+        const lw_arc *a = &m->arc[i/2];
+        int e = i % 2, n_met = 0;
+        double at = e ? a->last : a->first;
+        if (!a->limit[e])
+            continue;
+        lw_pose_solve(plan, dim, a->mode, at, 0, &p);
+        for (int j = 0; j < m->n_arc; j++) {
+            const lw_arc *b = &m->arc[j];
+            if (b == a || b->circuit != a->circuit || fabs((e ? b->last : b->first) - at) > 1e-12*fabs(at))
+                continue;
+            lw_pose_solve(plan, dim, b->mode, at, 0, &q);
+            n_met += lw_v2_norm(lw_v2_sub(p.tracer[0][0], q.tracer[0][0])) < 1e-5;
+        }
+        CHECK(n_met > 0);
+    }
+}
+
+/* Lengths and offsets of the type's posture, each changed by up to 60 %. */
+static double draw_dimensions(lw_rng *rng, const lw_plan *plan, const double *from, double *dim)
+{
+    double size = 0.0;
+    for (int d = 0; d < plan->n_dim; d++) {
+        bool coordinate = plan->dim[d].kind == LW_DIM_COORDINATE;
+        dim[d] = from[d]*lw_rng_range(rng, 0.4, 1.6);
+        if (coordinate || plan->dim[d].kind == LW_DIM_ANGLE)
+            dim[d] += lw_rng_range(rng, -0.5, 0.5);
+        if (plan->dim[d].kind == LW_DIM_LENGTH)
+            size = fmax(size, fabs(dim[d]));
+    }
+    return plan->input_is_slider ? fmax(size, 1.0) : 1.0;
+}
+
+static bool closes_at(const lw_plan *plan, const double *dim, const double *mode, double input)
+{
+    static lw_pose pose;
+    return lw_pose_solve(plan, dim, mode, input, 0, &pose) == LW_OK;
+}
+
+/* Samples close where an arc says so and nowhere else. */
+static void check_samples(const lw_plan *plan, const double *dim, const lw_motion *m, double size, int n)
+{
+    for (int i = 0; i < n; i++) {
+        double mode[LW_DYAD_MAX], t = plan->input_is_slider ? (8.0*i/n - 4.0)*size : 2.0*LW_PI*i/n;
+        for (int bits = 0; bits < 1 << plan->n_dyad; bits++) {
+            for (int d = 0; d < plan->n_dyad; d++)
+                mode[d] = bits >> d & 1 ? -1.0 : 1.0;
+            int a = lw_motion_arc(plan, m, mode, t);
+            double inside = -1.0;
+            if (a >= 0) {
+                double middle = 0.5*(m->arc[a].first + m->arc[a].last), half = m->arc[a].last - middle;
+                inside = half - fabs(plan->input_is_slider ? t - middle : remainder(t - middle, 2.0*LW_PI));
+            }
+            if (fabs(inside) > 1e-9)
+                CHECK_INT(closes_at(plan, dim, mode, t), inside > 0.0);
+        }
+    }
+}
+
+static void every_type_by_samples_and_newton(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (const lw_type *t = lw_type_table; t->letters; t++) {
+        lw_linkage k;
+        double from[LW_DIM_MAX], dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        int n_closed = 0;
+        lw_plan plan = plan_of_type(t->name, &k);
+        CHECK_INT(lw_plan_read(&plan, &k, from, mode, &input, NULL), LW_OK);
+        for (int trial = 0; trial < 60; trial++) {
+            static lw_motion m;
+            double size = draw_dimensions(&rng, &plan, from, dim);
+            lw_status status = lw_motion_find(&plan, dim, &m);
+            CHECK(status == LW_OK || status == LW_OPEN);
+            n_closed += status == LW_OK;
+            check_samples(&plan, dim, &m, size, 60);
+            check_joints_of_arcs(&plan, dim, &m);
+            for (int i = 0; i < m.n_arc; i++) {
+                CHECK(isfinite(m.arc[i].first) && isfinite(m.arc[i].last) && m.arc[i].first < m.arc[i].last);
+                CHECK_INT(run_into_ends(&plan, dim, &m.arc[i], size, &k), 0);
+            }
+        }
+        CHECK(n_closed > 30);
+    }
+}
+
+/* Slider-crank with offset e: the crank turns when rod >= r + |e|; its limits otherwise are where
+ * r sin t + e = +-rod, by the textbook. */
+static void slider_crank_by_textbook(void)
+{
+    lw_linkage k;
+    lw_plan plan = plan_of_type("slidercrank", &k);
+    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
+    int r2 = lw_plan_dim(&plan, "r2"), r3 = lw_plan_dim(&plan, "r3"), e1 = lw_plan_dim(&plan, "e1");
+    CHECK(r2 >= 0 && r3 >= 0 && e1 >= 0);
+    if (r2 < 0 || r3 < 0 || e1 < 0)
+        return;
+    lw_motion m;
+    dim[r2] = 1.0, dim[r3] = 3.0, dim[e1] = 0.5;
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    CHECK(m.n_arc == 2 && m.n_circuit == 2 && m.arc[0].turns && m.arc[1].turns);
+    /* rod against the normal of the slide: cos = (e - r sin t)/rod */
+    CHECK_NEAR(m.arc[0].transmission_min, acos(1.5/3.0), 1e-14, 0);
+    CHECK_NEAR(m.arc[0].transmission_max, acos(-0.5/3.0), 1e-14, 0);
+    dim[r3] = 1.2;
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    CHECK(m.n_arc == 2 && m.n_circuit == 1 && !m.arc[0].turns);
+    double limit = asin((0.5 - 1.2)/1.0);                       /* e - r sin t = rod */
+    CHECK_NEAR(sin(m.arc[0].first), sin(limit), 1e-15, 0);
+    CHECK_NEAR(sin(m.arc[0].last), sin(limit), 1e-15, 0);
+    CHECK_NEAR(m.arc[0].transmission_min, 0.0, 0, 0);
+}
+
+/* --- several dyads --- */
+
+static const int watt[7][2] = { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} };
+static const int watt_two[7][2] = { {0,1},{1,2},{2,3},{3,0},{3,4},{4,5},{5,0} };
+static const int stephenson[7][2] = { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} };
+
+/* Postures drawn at random; all arcs of all modes are run into by the verifier. */
+static void six_bars_by_newton(void)
+{
+    const int (*kind[3])[2] = { watt, watt_two, stephenson };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    int n_arc = 0, n_inner = 0;
+    for (int trial = 0; trial < 90; trial++) {
+        lw_linkage k;
+        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        static lw_motion m;
+        blank_linkage(&k, 6);
+        for (int j = 0; j < 7; j++)
+            add_pin(&k, kind[trial % 3][j][0], kind[trial % 3][j][1],
+                    lw_v2(lw_rng_range(&rng, -1, 1), lw_rng_range(&rng, -1, 1)));
+        add_input(&k, 0, lw_linkage_posture_input(&k, 0));
+        add_tracer(&k, 5, lw_v2(0.5, 0.5));
+        lw_plan plan = plan_of(&k);
+        CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
+        CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+        int here = lw_motion_arc(&plan, &m, mode, input);
+        CHECK(here >= 0);
+        check_samples(&plan, dim, &m, 1.0, 40);
+        check_joints_of_arcs(&plan, dim, &m);
+        for (int i = 0; i < m.n_arc; i++) {
+            run_into_ends(&plan, dim, &m.arc[i], 1.0, &k);
+            n_arc++;
+            n_inner += m.arc[i].limit[0];
+        }
+    }
+    CHECK(n_arc > 200 && n_inner > 150);
+}
+
+int main(void)
+{
+    RUN(fourbars_as_classified);
+    RUN(change_points_join_circuits);
+    RUN(circuits_of_a_double_rocker);
+    RUN(every_type_by_samples_and_newton);
+    RUN(slider_crank_by_textbook);
+    RUN(six_bars_by_newton);
+    return check_end();
+}
