@@ -5,7 +5,7 @@
  *     2j = sum of i P_i                 eq. 8, handshake
  *
  * so that P = F + 2 L + 1 - n2 and n1 = F + 3 L - 2 n2: given F, L and n2 the rest follows.  A chain with
- * L loops has no link with more than L + 1 joints. */
+ * L loops that is not fractionated has no link with more than L + 1 joints (a cut link may have 2 L). */
 #ifndef LW_ENUMERATE_SYNTHESIS_H
 #define LW_ENUMERATE_SYNTHESIS_H
 
@@ -29,7 +29,8 @@ lw_status lw_numbers_of(int dof, int n_loop, int n2, lw_numbers *numbers, lw_err
 /* The same from P, F and n2.  The error for a P that cannot be shows the equation. */
 lw_status lw_numbers_for_links(int n_link, int dof, int n2, lw_numbers *numbers, lw_error *e);
 
-/* How many links have i joints: n_with[2] binary, n_with[3] ternary, ... up to n_with[L + 1]. */
+/* How many links have i joints: n_with[2] binary, n_with[3] ternary, ... up to n_with[L + 1].  For chains that
+ * are not fractionated. */
 typedef struct lw_assortment { int n_with[LW_LOOP_MAX + 2]; } lw_assortment;
 
 /* Assortments one after the other, those with the largest links first (by P_{L+1}, then P_L, ...).  Start

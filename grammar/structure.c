@@ -121,32 +121,27 @@ bool lw_structure_same(const lw_structure *a, const lw_structure *b)
         && memcmp(a->end, b->end, 2*(size_t)a->n_line) == 0;
 }
 
-static bool bare_parallels(const lw_structure *s, const uint8_t *weight)
+static void join(lw_chain *c, int i, int k)
 {
-    int bare = -1;                       /* last line without binary links; parallels are neighbours */
-    for (int e = 0; e < s->n_line; e++) {
-        if (weight[e])
-            continue;
-        if (bare >= 0 && memcmp(s->end[bare], s->end[e], 2) == 0)
-            return true;
-        bare = e;
-    }
-    return false;
+    c->one[i] |= (uint32_t)1 << k;
+    c->one[k] |= (uint32_t)1 << i;
 }
 
 lw_status lw_structure_chain(const lw_structure *s, const uint8_t *weight, lw_chain *c)
 {
-    int n_link = s->n_circle;
+    int n_link = s->n_circle, next = s->n_circle;
     for (int e = 0; e < s->n_line; e++)
         n_link += weight[e];
-    if (bare_parallels(s, weight) || lw_chain_clear(c, n_link) != LW_OK)
+    if (n_link > LW_LINK_MAX)
         return LW_E_ARG;
-    int next = s->n_circle;
+    *c = (lw_chain){ .n_link = n_link };
     for (int e = 0; e < s->n_line; e++) {
-        int from = s->end[e][0];
+        int from = s->end[e][0], to = s->end[e][1];
+        if (weight[e] == 0 && c->one[from] >> to & 1)
+            return LW_E_ARG;
         for (int k = 0; k < weight[e]; k++, from = next++)
-            (void)lw_chain_join(c, from, next, 1);
-        (void)lw_chain_join(c, from, s->end[e][1], 1);
+            join(c, from, next);
+        join(c, from, to);
     }
     return LW_OK;
 }

@@ -1,0 +1,181 @@
+/* enumerate/chains.c - see chains.h: the set, the walk over it, visiting. */
+#include <stdlib.h>
+#include <string.h>
+#include "enumerate/chains_internal.h"
+
+lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e)
+{
+    lw_numbers numbers;
+    lw_status status = lw_numbers_for_links(n_link, dof, 0, &numbers, e);
+    if (status != LW_OK)
+        return status;
+    lw_chains *made = calloc(1, sizeof *made);
+    if (!made)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    made->numbers = numbers;
+    if (numbers.n_loop > 1)
+        status = lw_structures_create(numbers.n_loop, n_thread, &made->structures);
+    if (status != LW_OK) {
+        free(made);
+        return lw_error_set(e, status, "the structures with %d loops do not fit into memory", numbers.n_loop);
+    }
+    *chains = made;
+    return LW_OK;
+}
+
+void lw_chains_free(lw_chains *chains)
+{
+    if (chains)
+        lw_structures_free(chains->structures);
+    free(chains);
+}
+
+const lw_numbers *lw_chains_numbers(const lw_chains *chains) { return &chains->numbers; }
+const lw_structures *lw_chains_structures(const lw_chains *chains) { return chains->structures; }
+
+lw_chain_walk lw_chain_walk_default(void) { return (lw_chain_walk){ .n_part = 1 }; }
+
+int lw_chain_item_orbits(const lw_chain_item *item, uint8_t *lowest)
+{
+    if (item->structure)
+        return lw_weighting_orbits(item->weighting, item->weight, lowest);
+    memset(lowest, 0, (size_t)item->chain->n_link);      /* links of a ring are alike */
+    return 1;
+}
+
+lw_status lw_walk_check(const lw_chain_walk *how)
+{
+    return how->n_part >= 1 && how->part >= 0 && how->part < how->n_part ? LW_OK : LW_E_ARG;
+}
+
+size_t lw_walk_size(const lw_chains *chains, const lw_chain_walk *how)
+{
+    size_t n = chains->structures ? lw_structures_count(chains->structures, chains->numbers.n_loop) : 1;
+    size_t part = (size_t)how->part, n_part = (size_t)how->n_part;
+    return n > part ? (n - part + n_part - 1)/n_part : 0;
+}
+
+lw_chain lw_walk_ring(const lw_chains *chains)
+{
+    lw_chain ring;
+    int n = chains->numbers.n_link;
+    (void)lw_chain_clear(&ring, n);
+    for (int i = 0; i < n; i++)
+        (void)lw_chain_join(&ring, i, (i + 1) % n, 1);
+    return ring;
+}
+
+/* Turns weightings into items and applies the filter. */
+typedef struct relay {
+    lw_chain_item   item;
+    lw_chain        chain;
+    bool          (*wanted)(const lw_chain *c);
+    lw_chain_visit *visit;
+    void           *context;
+} relay;
+
+static lw_status relay_weighting(void *context, const uint8_t *weight)
+{
+    relay *r = context;
+    lw_status status = lw_structure_chain(r->item.structure, weight, &r->chain);
+    if (status != LW_OK || (r->wanted && !r->wanted(&r->chain)))
+        return status;
+    r->item.weight = weight;
+    return r->visit(r->context, &r->item);
+}
+
+lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
+                            lw_chain_visit *visit, void *context)
+{
+    const lw_filter *f = how->filter;
+    relay r = { .wanted = f && !f->structure ? f->chain : NULL, .visit = visit, .context = context };
+    r.item = (lw_chain_item){ .chain = &r.chain, .index = lw_walk_index(how, k), .weighting = w };
+    if (!chains->structures) {
+        r.chain = lw_walk_ring(chains);
+        return !f || f->chain(&r.chain) ? visit(context, &r.item) : LW_OK;
+    }
+    lw_structure s;
+    lw_structures_get(chains->structures, chains->numbers.n_loop, r.item.index, &s);
+    if (f && f->structure && !f->structure(&s))
+        return LW_OK;
+    lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
+    r.item.structure = lw_weighting_structure(w);
+    return status == LW_OK ? lw_weighting_each(w, relay_weighting, &r) : status;
+}
+
+static lw_status tally_item(void *context, const lw_chain_item *item)
+{
+    lw_tally *tally = context;
+    uint8_t lowest[LW_LINK_MAX];
+    tally->n_chain++;
+    tally->n_ground += (uint64_t)lw_chain_item_orbits(item, lowest);
+    return LW_OK;
+}
+
+lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
+                        lw_tally *tally)
+{
+    const lw_filter *f = how->filter;
+    *tally = (lw_tally){ 0, 0 };
+    if (!chains->structures || (f && !f->structure))
+        return lw_walk_structure(chains, how, k, w, tally_item, tally);
+    lw_structure s;
+    lw_structures_get(chains->structures, chains->numbers.n_loop, lw_walk_index(how, k), &s);
+    if (f && !f->structure(&s))
+        return LW_OK;
+    lw_status status = lw_weighting_prepare(w, &s, chains->numbers.dof);
+    return status == LW_OK ? lw_weighting_count(w, tally) : status;
+}
+
+lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start)
+{
+    *start = (lw_walk_start){ 0, how->skip };
+    if (how->skip == 0)
+        return LW_OK;
+    lw_weighting *w = lw_weighting_create();
+    if (!w)
+        return LW_E_MEMORY;
+    lw_status status = LW_OK;
+    for (size_t n = lw_walk_size(chains, how); start->structure < n && status == LW_OK; start->structure++) {
+        lw_tally tally;
+        status = lw_walk_count(chains, how, start->structure, w, &tally);
+        if (start->skip < tally.n_chain)
+            break;
+        start->skip -= tally.n_chain;
+    }
+    lw_weighting_free(w);
+    return status;
+}
+
+/* ---- visiting in the calling thread -------------------------------------------------------------- */
+
+typedef struct skipping { uint64_t skip; lw_chain_visit *visit; void *context; } skipping;
+
+static lw_status skip_front(void *context, const lw_chain_item *item)
+{
+    skipping *s = context;
+    if (s->skip == 0)
+        return s->visit(s->context, item);
+    s->skip--;
+    return LW_OK;
+}
+
+lw_status lw_chains_each(const lw_chains *chains, const lw_chain_walk *how, lw_chain_visit *visit, void *context)
+{
+    lw_walk_start start;
+    lw_status status = lw_walk_check(how);
+    if (status == LW_OK)
+        status = lw_walk_find_start(chains, how, &start);
+    lw_weighting *w = status == LW_OK ? lw_weighting_create() : NULL;
+    if (!w)
+        return status == LW_OK ? LW_E_MEMORY : status;
+    skipping s = { start.skip, visit, context };
+    size_t n = lw_walk_size(chains, how);
+    for (size_t k = start.structure; k < n && status == LW_OK; k++) {
+        status = lw_walk_structure(chains, how, k, w, skip_front, &s);
+        if (status == LW_OK && how->tick && !how->tick(how->tick_context, (double)(k + 1)/(double)n))
+            status = LW_STOPPED;
+    }
+    lw_weighting_free(w);
+    return status;
+}

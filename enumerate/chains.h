@@ -1,0 +1,83 @@
+/* enumerate/chains.h - all chains with P links and F freedoms, joints of one freedom, not fractionated
+ * (for those see fractionated.h).
+ *
+ *     lw_chains *all;
+ *     lw_chains_create(10, 1, 0, &all, &error);
+ *     lw_chain_walk how = lw_chain_walk_default();
+ *     lw_chains_each(all, &how, print_chain, NULL);          230 calls
+ *     lw_chains_free(all);
+ *
+ * Order: structures as in structures.h, of each structure the weightings as in weighting.h; links
+ * numbered as lw_structure_chain does.  A part r of m is structures r, r + m, r + 2m, ...; parts are
+ * disjoint, keep the order, and together are the whole.  With L = 1 there is one chain, a ring of F + 3
+ * links, in part 0.  F = 0: Baranov trusses. */
+#ifndef LW_ENUMERATE_CHAINS_H
+#define LW_ENUMERATE_CHAINS_H
+
+#include "enumerate/filter.h"
+#include "enumerate/ordered.h"
+#include "enumerate/structures.h"
+#include "enumerate/synthesis.h"
+#include "enumerate/weighting.h"
+
+/* The structures that chains of P links and F freedoms have.  Read-only once made. */
+typedef struct lw_chains lw_chains;
+
+/* n_thread < 1: one per core.  LW_E_ARG with the equation when P and F do not go together; LW_E_MEMORY. */
+lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e);
+void      lw_chains_free(lw_chains *chains);
+
+const lw_numbers    *lw_chains_numbers(const lw_chains *chains);
+const lw_structures *lw_chains_structures(const lw_chains *chains);       /* NULL for L = 1 */
+
+/* One chain and where it comes from; valid during the call. */
+typedef struct lw_chain_item {
+    const lw_chain     *chain;
+    const lw_structure *structure;        /* NULL for a ring                                            */
+    size_t              index;            /* of the structure                                           */
+    const uint8_t      *weight;           /* binary links on each line                                  */
+    const lw_weighting *weighting;        /* for lw_chain_item_orbits                                   */
+} lw_chain_item;
+
+/* Links alike up to symmetry, as lw_weighting_orbits gives them. */
+int lw_chain_item_orbits(const lw_chain_item *item, uint8_t *lowest);
+
+/* How to walk. */
+typedef struct lw_chain_walk {
+    int              part, n_part;        /* 0 <= part < n_part                                         */
+    const lw_filter *filter;              /* NULL: all chains                                           */
+    uint64_t         skip;                /* leave out so many chains at the front (of this walk)       */
+    int              n_thread;            /* < 1: one per core                                          */
+    /* Called now and then with the share done, 0 .. 1; false ends the walk with LW_STOPPED.  One call at
+     * a time, from any thread.  NULL: none. */
+    bool           (*tick)(void *context, double done);
+    void            *tick_context;
+} lw_chain_walk;
+
+/* Everything, all cores, no tick. */
+lw_chain_walk lw_chain_walk_default(void);
+
+/* Visit the chains in order, from the calling thread.  Anything but LW_OK from visit ends the walk and is
+ * returned. */
+typedef lw_status lw_chain_visit(void *context, const lw_chain_item *item);
+lw_status lw_chains_each(const lw_chains *chains, const lw_chain_walk *how, lw_chain_visit *visit, void *context);
+
+/* The text of each chain: `print` writes at most `most` bytes to text and returns how many.  It is called
+ * from several threads at once; `sink` gets the whole in order (ordered.h). */
+typedef size_t lw_chain_print(void *context, const lw_chain_item *item, char *text, size_t most);
+lw_status lw_chains_print(const lw_chains *chains, const lw_chain_walk *how, size_t most, lw_chain_print *print,
+                          lw_text_sink *sink, void *context);
+
+/* How many, in all and by assortment (in the order of synthesis.h). */
+typedef struct lw_chain_row { lw_assortment links; lw_tally n; } lw_chain_row;
+typedef struct lw_chain_table {
+    lw_tally      total;
+    size_t        n_row;
+    lw_chain_row *row;                    /* (n_row) owned, see _free                                   */
+} lw_chain_table;
+
+/* Count without listing, unless the filter asks for single chains.  how->skip is not used. */
+lw_status lw_chains_count(const lw_chains *chains, const lw_chain_walk *how, lw_chain_table *table);
+void      lw_chain_table_free(lw_chain_table *table);
+
+#endif

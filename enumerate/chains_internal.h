@@ -1,0 +1,36 @@
+/* enumerate/chains_internal.h - the walk over structures that visiting, printing and counting share. */
+#ifndef LW_ENUMERATE_CHAINS_INTERNAL_H
+#define LW_ENUMERATE_CHAINS_INTERNAL_H
+
+#include "enumerate/chains.h"
+
+struct lw_chains {
+    lw_numbers     numbers;
+    lw_structures *structures;            /* NULL for L = 1 */
+};
+
+lw_status lw_walk_check(const lw_chain_walk *how);
+
+/* Structures of the part, the ring counting as one; and the k-th of them. */
+size_t lw_walk_size(const lw_chains *chains, const lw_chain_walk *how);
+static inline size_t lw_walk_index(const lw_chain_walk *how, size_t k)
+{
+    return (size_t)how->part + k*(size_t)how->n_part;
+}
+
+/* Visit the chains of the k-th structure of the part that the filter wants.  w is scratch. */
+lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
+                            lw_chain_visit *visit, void *context);
+
+/* Count them. */
+lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
+                        lw_tally *tally);
+
+/* Where how->skip ends: the structure, and the chains still to be left out there. */
+typedef struct lw_walk_start { size_t structure; uint64_t skip; } lw_walk_start;
+lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start);
+
+/* The ring of a set with L = 1. */
+lw_chain lw_walk_ring(const lw_chains *chains);
+
+#endif

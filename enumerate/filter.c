@@ -1,0 +1,66 @@
+/* enumerate/filter.c - see filter.h. */
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/filter.h"
+#include "grammar/planar.h"
+
+static bool rows_planar(int n, const uint32_t *row)
+{
+    bool planar = false;
+    return lw_planar_test(n, row, &planar) == LW_OK && planar;
+}
+
+static bool chain_planar(const lw_chain *c)
+{
+    uint32_t row[LW_LINK_MAX];
+    for (int i = 0; i < c->n_link; i++)
+        row[i] = lw_chain_neighbours(c, i);
+    return rows_planar(c->n_link, row);
+}
+
+/* Binary links and parallel lines change nothing about planarity. */
+static bool structure_planar(const lw_structure *s)
+{
+    uint32_t row[LW_CIRCLE_MAX];
+    lw_structure_rows(s, row);
+    return rows_planar(s->n_circle, row);
+}
+
+static bool chain_not_planar(const lw_chain *c) { return !chain_planar(c); }
+static bool structure_not_planar(const lw_structure *s) { return !structure_planar(s); }
+
+static bool chain_asymmetric(const lw_chain *c)
+{
+    lw_graph g;
+    lw_group group;
+    lw_graph_of_chain(c, &g);
+    bool trivial = lw_graph_group(&g, &group) == LW_OK && group.n_generator == 0;
+    lw_group_free(&group);
+    return trivial;
+}
+
+static bool chain_no_dyad(const lw_chain *c)
+{
+    for (int i = 0; i < c->n_link; i++)
+        for (uint32_t rest = lw_chain_neighbours(c, i); rest && lw_chain_degree(c, i) == 2; rest &= rest - 1)
+            if (lw_chain_degree(c, __builtin_ctz(rest)) == 2)
+                return false;
+    return true;
+}
+
+const lw_filter lw_filters[] = {
+    { "planar",     "the graph can be drawn without crossings", chain_planar,     structure_planar     },
+    { "non-planar", "the graph cannot",                         chain_not_planar, structure_not_planar },
+    { "asymmetric", "no two links are alike",                   chain_asymmetric, NULL                 },
+    { "no-dyad",    "no two binary links in a row, so rules 1 to 4 of paper F cannot make the chain last",
+                                                                chain_no_dyad,    NULL                 },
+    { NULL, NULL, NULL, NULL }
+};
+
+const lw_filter *lw_filter_find(const char *name)
+{
+    for (const lw_filter *f = lw_filters; f->name; f++)
+        if (strcmp(f->name, name) == 0)
+            return f;
+    return NULL;
+}

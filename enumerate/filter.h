@@ -1,0 +1,22 @@
+/* enumerate/filter.h - which chains are wanted.  A filter is a row of a table: to add one, write its
+ * predicate and its row in filter.c; the command line and the tests find it there. */
+#ifndef LW_ENUMERATE_FILTER_H
+#define LW_ENUMERATE_FILTER_H
+
+#include <stdbool.h>
+#include "grammar/structure.h"
+
+typedef struct lw_filter {
+    const char *name, *text;                        /* "planar", "the graph can be drawn without crossings" */
+    bool (*chain)(const lw_chain *c);               /* is this chain wanted?                                */
+    bool (*structure)(const lw_structure *s);       /* NULL, or the same answer for all chains of a structure
+                                                       at once: then counting stays quick               */
+} lw_filter;
+
+/* The rows; the last has name NULL. */
+extern const lw_filter lw_filters[];
+
+/* The row of that name; NULL when there is none. */
+const lw_filter *lw_filter_find(const char *name);
+
+#endif

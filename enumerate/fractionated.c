@@ -1,0 +1,329 @@
+/* enumerate/fractionated.c - see fractionated.h. */
+#include <stdlib.h>
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/chains.h"
+#include "enumerate/fractionated.h"
+#include "enumerate/invert.h"
+
+/* Rooted chains: link 0 is the root.  A branch has its root in one block only; a bouquet is one branch or
+ * more on one root.  Sorted by p links besides the root and f freedoms. */
+typedef struct rooted { lw_chain chain; int n_bridge; } rooted;
+typedef struct shelf { size_t n, room; rooted *at; } shelf;
+
+#define HANG_MAX (LW_LINK_MAX/2)
+
+typedef struct nursery {
+    shelf branch[HANG_MAX + 1][LW_DOF_MAX + 1], bouquet[HANG_MAX + 1][LW_DOF_MAX + 1];
+    int   most;                          /* links besides the root, at most                        */
+} nursery;
+
+static lw_status put(shelf *s, const rooted *r)
+{
+    if (s->n == s->room) {
+        size_t room = s->room ? 2*s->room : 4;
+        rooted *at = realloc(s->at, room*sizeof *at);
+        if (!at)
+            return LW_E_MEMORY;
+        s->at = at;
+        s->room = room;
+    }
+    s->at[s->n++] = *r;
+    return LW_OK;
+}
+
+static void nursery_free(nursery *y)
+{
+    for (int p = 0; p <= HANG_MAX; p++)
+        for (int f = 0; f <= LW_DOF_MAX; f++) {
+            free(y->branch[p][f].at);
+            free(y->bouquet[p][f].at);
+        }
+    free(y);
+}
+
+/* Glue a rooted chain to link `at`: its root becomes that link, its other links get new numbers. */
+static void glue(rooted *r, int at, const rooted *part)
+{
+    lw_chain *c = &r->chain;
+    int base = c->n_link - 1;                                    /* link i > 0 of part becomes base + i */
+    for (int i = 0; i < part->chain.n_link; i++) {
+        int to = i ? base + i : at;
+        for (uint32_t rest = part->chain.one[i]; rest; rest &= rest - 1) {
+            int k = __builtin_ctz(rest);
+            c->one[to] |= (uint32_t)1 << (k ? base + k : at);
+        }
+    }
+    c->n_link += part->chain.n_link - 1;
+    r->n_bridge += part->n_bridge;
+}
+
+/* ---- bouquets on the links of one block ---------------------------------------------------------- */
+
+/* A bouquet on a link; p = 0: none. */
+typedef struct hanging { uint8_t p, f; uint32_t index; } hanging;
+
+typedef lw_status take_rooted(void *context, const rooted *r);
+
+/* Distribution of bouquets with p links and f freedoms in all over the links of a block, up to those
+ * automorphisms that keep `root` (-1: all). */
+typedef struct dressing {
+    const nursery  *y;
+    const lw_chain *block;
+    int             n_bridge;            /* 1 when the block is a bridge joint                     */
+    int             root;                /* gets nothing; -1: no root                              */
+    int             limit;               /* links in one bouquet, at most                          */
+    bool            every;               /* every link but the root must get something             */
+    const uint8_t (*element)[LW_GRAPH_MAX];
+    size_t          n_element;
+    hanging         on[LW_LINK_MAX];
+    take_rooted    *take;
+    void           *context;
+} dressing;
+
+static int compare(const hanging *a, const hanging *b)
+{
+    if (a->p != b->p)
+        return a->p < b->p ? -1 : 1;
+    if (a->f != b->f)
+        return a->f < b->f ? -1 : 1;
+    return (a->index > b->index) - (a->index < b->index);
+}
+
+/* Is no image of the distribution larger? */
+static bool largest(const dressing *d)
+{
+    for (size_t g = 1; g < d->n_element; g++) {
+        const uint8_t *to = d->element[g];
+        int order = 0;
+        if (d->root >= 0 && to[d->root] != d->root)
+            continue;
+        for (int i = 0; i < d->block->n_link && order == 0; i++)
+            order = compare(&d->on[to[i]], &d->on[i]);
+        if (order > 0)
+            return false;
+    }
+    return true;
+}
+
+static lw_status finish_dressing(const dressing *d)
+{
+    if (!largest(d))
+        return LW_OK;
+    rooted r = { *d->block, d->n_bridge };
+    for (int i = 0; i < d->block->n_link; i++)
+        if (d->on[i].p)
+            glue(&r, i, &d->y->bouquet[d->on[i].p][d->on[i].f].at[d->on[i].index]);
+    return d->take(d->context, &r);
+}
+
+/* Links link .. of the block share bouquets with p links and f freedoms in all. */
+static lw_status dress(dressing *d, int link, int p, int f)
+{
+    if (link == d->block->n_link)
+        return p == 0 && f == 0 ? finish_dressing(d) : LW_OK;
+    lw_status status = LW_OK;
+    d->on[link] = (hanging){ 0, 0, 0 };
+    if (link == d->root || !d->every)
+        status = dress(d, link + 1, p, f);
+    if (link == d->root)
+        return status;
+    for (int bp = 1; bp <= p && bp <= d->limit; bp++)
+        for (int bf = 1; bf <= f; bf++)
+            for (size_t k = 0; k < d->y->bouquet[bp][bf].n && status == LW_OK; k++) {
+                d->on[link] = (hanging){ (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
+                status = dress(d, link + 1, p - bp, f - bf);
+            }
+    d->on[link] = (hanging){ 0, 0, 0 };
+    return status;
+}
+
+/* The same with the block's symmetry worked out; all roots up to symmetry when `rooted_too`. */
+static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
+{
+    lw_graph g;
+    lw_group group;
+    uint8_t (*element)[LW_GRAPH_MAX] = NULL;
+    lw_graph_of_chain(d->block, &g);
+    lw_status status = lw_graph_group(&g, &group);
+    if (status == LW_OK)
+        status = lw_group_elements(&group, &element, &d->n_element);
+    d->element = (const uint8_t (*)[LW_GRAPH_MAX])element;
+    d->root = -1;
+    if (status == LW_OK && !rooted_too)
+        status = dress(d, 0, p, f);
+    for (int i = 0; i < d->block->n_link && status == LW_OK && rooted_too; i++) {
+        d->root = i;
+        if (group.orbit[i] == i)
+            status = dress(d, 0, p, f);
+    }
+    free(element);
+    lw_group_free(&group);
+    return status;
+}
+
+/* A bridge joint as block; its links must not hang loose. */
+static lw_status dress_bridge(dressing *d, bool rooted_too, int p, int f)
+{
+    static const lw_chain bridge = { .n_link = 2, .one = { 2, 1 } };
+    d->block = &bridge;
+    d->n_bridge = 1;
+    d->every = true;
+    lw_status status = dress_block(d, rooted_too, p, f);
+    d->n_bridge = 0;
+    d->every = false;
+    return status;
+}
+
+/* ---- all blocks of a size ------------------------------------------------------------------------- */
+
+typedef struct block_walk { dressing *d; bool rooted_too; int p, f; } block_walk;
+
+static lw_status visit_block(void *context, const lw_chain_item *item)
+{
+    block_walk *w = context;
+    w->d->block = item->chain;
+    return dress_block(w->d, w->rooted_too, w->p, w->f);
+}
+
+static lw_status each_block(int n_link, int dof, block_walk *w)
+{
+    bool bare = w->p == 0 && w->f == 0, dressed = w->p >= 3 && w->f > 0;     /* a four-bar adds three links */
+    if (n_link < dof + 3 || (n_link - dof - 1) % 2 != 0 || !(bare || dressed))
+        return LW_OK;
+    lw_chains *chains;
+    lw_chain_walk how = lw_chain_walk_default();
+    lw_status status = lw_chains_create(n_link, dof, 1, &chains, NULL);
+    if (status != LW_OK)
+        return status;
+    status = lw_chains_each(chains, &how, visit_block, w);
+    lw_chains_free(chains);
+    return status;
+}
+
+/* ---- branches and bouquets ------------------------------------------------------------------------ */
+
+/* Put a branch on its shelf with its root as link 0. */
+typedef struct shelving { shelf *s; dressing *d; } shelving;
+
+static lw_status put_branch(void *context, const rooted *r)
+{
+    shelving *to = context;
+    uint8_t place[LW_LINK_MAX];
+    rooted branch = { .n_bridge = r->n_bridge };
+    for (int i = 0; i < r->chain.n_link; i++)
+        place[i] = (uint8_t)i;
+    place[to->d->root] = 0;
+    place[0] = (uint8_t)to->d->root;
+    lw_chain_relabel(&r->chain, place, &branch.chain);
+    return put(to->s, &branch);
+}
+
+static lw_status grow_branches(nursery *y, int p, int f)
+{
+    dressing d = { .y = y, .limit = y->most, .take = put_branch };
+    shelving to = { &y->branch[p][f], &d };
+    d.context = &to;
+    lw_status status = dress_bridge(&d, true, p - 1, f - 1);
+    for (int n_link = 4; n_link <= p + 1 && status == LW_OK; n_link++)
+        for (int dof = 1; dof <= f && status == LW_OK; dof++) {
+            block_walk w = { &d, true, p + 1 - n_link, f - dof };
+            status = each_block(n_link, dof, &w);
+        }
+    return status;
+}
+
+/* All multisets of branches with p links and f freedoms in all, no branch larger than `limit`, at least
+ * `least` of them; branches in falling order of (p, f, index), `before` the last one taken. */
+typedef struct gathering {
+    const nursery *y;
+    int            limit, least;
+    int            bridge_limit;         /* the same for branches that begin with a bridge joint   */
+    take_rooted   *take;
+    void          *context;
+} gathering;
+
+static lw_status gather(const gathering *b, const rooted *sofar, hanging before, int n, int p, int f)
+{
+    if (p == 0)
+        return f == 0 && n >= b->least ? b->take(b->context, sofar) : LW_OK;
+    lw_status status = LW_OK;
+    for (int bp = p < b->limit ? p : b->limit; bp > 0; bp--)
+        for (int bf = f; bf > 0; bf--)
+            for (size_t k = b->y->branch[bp][bf].n; k-- > 0 && status == LW_OK; ) {
+                hanging next = { (uint8_t)bp, (uint8_t)bf, (uint32_t)k };
+                const rooted *branch = &b->y->branch[bp][bf].at[k];
+                bool begins_with_bridge = lw_chain_degree(&branch->chain, 0) == 1;
+                if (compare(&next, &before) > 0 || (begins_with_bridge && bp > b->bridge_limit))
+                    continue;
+                rooted more = *sofar;
+                glue(&more, 0, branch);
+                status = gather(b, &more, next, n + 1, p - bp, f - bf);
+            }
+    return status;
+}
+
+static lw_status gather_all(const gathering *b, int p, int f)
+{
+    rooted root = { { .n_link = 1 }, 0 };
+    return gather(b, &root, (hanging){ UINT8_MAX, 0, 0 }, 0, p, f);
+}
+
+static lw_status put_bouquet(void *context, const rooted *r) { return put(context, r); }
+
+static lw_status fill_nursery(nursery *y, int dof)
+{
+    lw_status status = LW_OK;
+    for (int p = 3; p <= y->most && status == LW_OK; p++)
+        for (int f = 1; f < dof && status == LW_OK; f++) {
+            gathering b = { y, y->most, 1, y->most, put_bouquet, &y->bouquet[p][f] };
+            status = grow_branches(y, p, f);
+            if (status == LW_OK)
+                status = gather_all(&b, p, f);
+        }
+    return status;
+}
+
+/* ---- whole chains --------------------------------------------------------------------------------- */
+
+typedef struct giving { lw_fractionated_visit *visit; void *context; } giving;
+
+static lw_status give(void *context, const rooted *r)
+{
+    giving *g = context;
+    return g->visit(g->context, &r->chain, r->n_bridge);
+}
+
+static lw_status walk_middles(const nursery *y, int n_link, int dof, giving *to)
+{
+    gathering link = { y, n_link/2, 2, (n_link - 1)/2, give, to };
+    lw_status status = gather_all(&link, n_link - 1, dof);
+    dressing bridge = { .y = y, .limit = n_link/2 - 1, .take = give, .context = to };
+    if (status == LW_OK && n_link % 2 == 0)
+        status = dress_bridge(&bridge, false, n_link - 2, dof - 1);
+    for (int size = 4; size < n_link && status == LW_OK; size++)
+        for (int f = 1; f < dof && status == LW_OK; f++) {
+            dressing d = { .y = y, .limit = (n_link - 1)/2 - 1, .take = give, .context = to };
+            block_walk w = { &d, false, n_link - size, dof - f };
+            status = each_block(size, f, &w);
+        }
+    return status;
+}
+
+lw_status lw_fractionated_each(int n_link, int dof, lw_fractionated_visit *visit, void *context, lw_error *e)
+{
+    lw_numbers numbers;
+    lw_status status = lw_numbers_for_links(n_link, dof, 0, &numbers, e);
+    if (status != LW_OK)
+        return status;
+    nursery *y = calloc(1, sizeof *y);
+    if (!y)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    giving to = { visit, context };
+    y->most = n_link/2;
+    status = fill_nursery(y, dof);
+    if (status == LW_OK)
+        status = walk_middles(y, n_link, dof, &to);
+    nursery_free(y);
+    return status;
+}

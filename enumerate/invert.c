@@ -1,0 +1,29 @@
+/* enumerate/invert.c - see invert.h. */
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/invert.h"
+
+lw_status lw_chain_orbits(const lw_chain *c, uint8_t *lowest, int *n_class)
+{
+    lw_graph g;
+    lw_group group;
+    lw_graph_of_chain(c, &g);
+    lw_status status = lw_graph_group(&g, &group);
+    if (status == LW_OK) {
+        uint8_t ground[LW_LINK_MAX];
+        memcpy(lowest, group.orbit, (size_t)c->n_link);
+        if (n_class)
+            *n_class = lw_ground_choices(lowest, c->n_link, ground);
+    }
+    lw_group_free(&group);
+    return status;
+}
+
+int lw_ground_choices(const uint8_t *lowest, int n_link, uint8_t *ground)
+{
+    int n = 0;
+    for (int i = 0; i < n_link; i++)
+        if (lowest[i] == i)
+            ground[n++] = (uint8_t)i;
+    return n;
+}

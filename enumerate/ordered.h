@@ -1,0 +1,50 @@
+/* enumerate/ordered.h - text made by parallel jobs comes out in the order of the jobs.
+ *
+ * Jobs 0, 1, 2, ... must be started in rising order (base/parallel.h does).  A job that is through early
+ * leaves its text parked, up to 64 of them; one whose text outgrows a megabyte waits for its turn and
+ * then passes it on as it comes.  So memory stays bounded however unequal the jobs are. */
+#ifndef LW_ENUMERATE_ORDERED_H
+#define LW_ENUMERATE_ORDERED_H
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/status.h"
+
+/* Gets the whole text piece by piece, in order, one call at a time, from any of the threads.  Anything but
+ * LW_OK stops all jobs. */
+typedef lw_status lw_text_sink(void *context, const char *text, size_t size);
+
+#define LW_PARKED_MAX 64
+
+typedef struct lw_piece {
+    struct lw_ordered *to;
+    size_t             job, size, room;
+    char              *text;
+} lw_piece;
+
+typedef struct lw_ordered {
+    pthread_mutex_t lock;
+    pthread_cond_t  moved;
+    size_t          turn;                        /* the job whose text goes out now               */
+    lw_piece        parked[LW_PARKED_MAX];       /* by job modulo the size; text NULL: empty      */
+    bool            is_parked[LW_PARKED_MAX];
+    lw_text_sink   *sink;
+    void           *context;
+    lw_status       status;
+} lw_ordered;
+
+void      lw_ordered_open(lw_ordered *o, lw_text_sink *sink, void *context);
+lw_status lw_ordered_close(lw_ordered *o);       /* what stopped it, or LW_OK */
+
+/* A job's text: begin; make room for some bytes, write up to that many there, add what was written, as often
+ * as needed; end.  lw_piece_space gives NULL when all is stopped: then end.  Every job must begin and end. */
+void  lw_piece_begin(lw_piece *p, lw_ordered *o, size_t job);
+char *lw_piece_space(lw_piece *p, size_t most);
+static inline void lw_piece_add(lw_piece *p, size_t size) { p->size += size; }
+void  lw_piece_end(lw_piece *p);
+
+/* Stop all jobs with this status, unless they are stopped already. */
+void lw_ordered_stop(lw_ordered *o, lw_status status);
+
+#endif

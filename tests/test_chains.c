@@ -1,0 +1,581 @@
+/* test_chains.c - all chains: every recountable row of catalogues/data/published-counts.csv, all graphs on few
+ * links with a test of all 2^n subchains, nauty's geng where installed; parts, threads, order, filters, stopping. */
+#include <stdlib.h>
+#include <string.h>
+#include "enumerate/canon.h"
+#include "enumerate/chains.h"
+#include "enumerate/fractionated.h"
+#include "enumerate/invert.h"
+#include "grammar/graph6.h"
+#include "tests/check.h"
+
+static lw_chains *chains_of(int n_link, int dof)
+{
+    lw_chains *chains = NULL;
+    lw_error e;
+    CHECK_INT(lw_chains_create(n_link, dof, 1, &chains, &e), LW_OK);
+    return chains;
+}
+
+static lw_chain_walk one_thread(void)
+{
+    lw_chain_walk how = lw_chain_walk_default();
+    how.n_thread = 1;
+    return how;
+}
+
+/* ---- the published counts ------------------------------------------------------------------------- */
+
+typedef struct numbers {
+    lw_tally total, nonplanar, fractionated;
+    uint64_t bridged, fractionated_nonplanar, asymmetric;
+    lw_chain_table table;
+    int fractionated_with[512][LW_LINK_MAX];      /* assortments of the fractionated ones */
+} numbers;
+
+static lw_status tally_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    numbers *n = context;
+    uint8_t lowest[LW_LINK_MAX];
+    int n_class;
+    CHECK_INT(lw_chain_orbits(c, lowest, &n_class), LW_OK);
+    CHECK_INT(lw_chain_check(c, NULL), LW_OK);
+    CHECK(lw_chain_cut_links(c) != 0);
+    n->fractionated.n_chain++;
+    n->fractionated.n_ground += (uint64_t)n_class;
+    n->bridged += n_bridge > 0;
+    n->fractionated_nonplanar += lw_filter_find("non-planar")->chain(c);
+    n->asymmetric += lw_filter_find("asymmetric")->chain(c);
+    if (n->fractionated.n_chain <= 512)
+        lw_chain_assortment(c, n->fractionated_with[n->fractionated.n_chain - 1]);
+    return LW_OK;
+}
+
+static void recount(int n_link, int dof, numbers *n)
+{
+    lw_chains *chains = chains_of(n_link, dof);
+    lw_chain_walk how = one_thread();
+    lw_chain_table other;
+    *n = (numbers){ .bridged = 0 };
+    CHECK_INT(lw_chains_count(chains, &how, &n->table), LW_OK);
+    n->total = n->table.total;
+    how.filter = lw_filter_find("non-planar");
+    CHECK_INT(lw_chains_count(chains, &how, &other), LW_OK);
+    n->nonplanar = other.total;
+    lw_chain_table_free(&other);
+    how.filter = lw_filter_find("asymmetric");
+    CHECK_INT(lw_chains_count(chains, &how, &other), LW_OK);
+    n->asymmetric = other.total.n_chain;
+    lw_chain_table_free(&other);
+    how.filter = lw_filter_find("planar");
+    CHECK_INT(lw_chains_count(chains, &how, &other), LW_OK);
+    CHECK_INT(other.total.n_chain + n->nonplanar.n_chain, n->total.n_chain);
+    lw_chain_table_free(&other);
+    CHECK_INT(lw_fractionated_each(n_link, dof, tally_fractionated, n, NULL), LW_OK);
+    lw_chains_free(chains);
+}
+
+/* "... [4 2 0 1]": numbers of links with 2, 3, ... joints.  n_with (LW_LINK_MAX). */
+static void read_assortment(const char *what, int *n_with)
+{
+    char *at = strchr(strchr(what, '='), '[') + 1;
+    memset(n_with, 0, LW_LINK_MAX*sizeof *n_with);
+    for (int i = 2; *at && *at != ']'; i++)
+        n_with[i] = (int)strtol(at, &at, 10);
+}
+
+static lw_tally in_row(const numbers *n, const char *what)
+{
+    int n_with[LW_LINK_MAX];
+    read_assortment(what, n_with);
+    for (size_t k = 0; k < n->table.n_row; k++)
+        if (memcmp(&n->table.row[k].links.n_with[2], &n_with[2], LW_LOOP_MAX*sizeof *n_with) == 0)
+            return n->table.row[k].n;
+    return (lw_tally){ 0, 0 };
+}
+
+static uint64_t fractionated_in_row(const numbers *n, const char *what)
+{
+    int n_with[LW_LINK_MAX];
+    uint64_t count = 0;
+    read_assortment(what, n_with);
+    for (uint64_t k = 0; k < n->fractionated.n_chain && k < 512; k++)
+        count += memcmp(n->fractionated_with[k], n_with, sizeof n_with) == 0;
+    return count;
+}
+
+static bool begins(const char *text, const char *with) { return strncmp(text, with, strlen(with)) == 0; }
+
+/* What we count for a row; -1: not a row of this table's kind. */
+static long long counted(const numbers *n, const char *what)
+{
+    uint64_t all = n->total.n_chain + n->fractionated.n_chain;
+    if (begins(what, "all chains; assortment"))
+        return (long long)(in_row(n, what).n_chain + fractionated_in_row(n, what));
+    if (begins(what, "nonfractionated; assortment") || begins(what, "assortment"))
+        return (long long)in_row(n, what).n_chain;
+    if (begins(what, "inversions; assortment"))
+        return (long long)in_row(n, what).n_ground;
+    if (begins(what, "nonfractionated chains with nonplanar") || begins(what, "trusses with nonplanar")
+        || begins(what, "chains with nonplanar"))
+        return (long long)n->nonplanar.n_chain;
+    if (begins(what, "all chains with nonplanar"))
+        return (long long)(n->nonplanar.n_chain + n->fractionated_nonplanar);
+    if (begins(what, "fractionated chains (have a cut link)"))
+        return (long long)n->fractionated.n_chain;
+    if (begins(what, "fractionated chains that have a separating joint"))
+        return (long long)n->bridged;
+    if (begins(what, "inversions of all chains"))
+        return (long long)(n->total.n_ground + n->fractionated.n_ground);
+    if (begins(what, "inversions of nonfractionated") || begins(what, "groups with N links"))
+        return (long long)n->total.n_ground;
+    if (begins(what, "chains with trivial automorphism"))
+        return (long long)n->asymmetric;
+    if (begins(what, "nonfractionated chains") || begins(what, "trusses"))
+        return (long long)n->total.n_chain;
+    if (begins(what, "all chains") || begins(what, "chains (matches all") || begins(what, "12-bar count"))
+        return (long long)all;
+    return -1;
+}
+
+/* Fields of a line of comma-separated values; quotes are taken off in place. */
+static int split(char *line, char **field, int most)
+{
+    int n = 0;
+    for (char *at = line; n < most; n++) {
+        bool quoted = *at == '"';
+        field[n] = at += quoted;
+        at = strpbrk(at, quoted ? "\"\r\n" : ",\r\n");
+        if (!at)
+            return n + 1;
+        if (quoted) {
+            *at++ = '\0';
+            if (*at != ',')
+                return n + 1;
+        }
+        bool more = *at == ',';
+        *at++ = '\0';
+        if (!more)
+            return n + 1;
+    }
+    return n;
+}
+
+static void published_counts(void)
+{
+    FILE *f = fopen("catalogues/data/published-counts.csv", "r");
+    char line[2048], *field[8];
+    static numbers n;
+    int n_row = 0, n_link = 0, dof = -1;
+    CHECK(f != NULL);
+    while (f && fgets(line, sizeof line, f)) {
+        if (split(line, field, 8) < 8)
+            continue;
+        int group = strcmp(field[0], "Assur group") == 0;
+        if (!group && strcmp(field[0], "simple-joint") != 0 && strcmp(field[0], "Baranov truss") != 0)
+            continue;
+        int links = atoi(field[2]) + group, freedom = atoi(field[1]);
+        if (links > 12 || strncmp(field[7], "refuted", 7) == 0)
+            continue;
+        if (links != n_link || freedom != dof) {
+            lw_chain_table_free(&n.table);
+            recount(n_link = links, dof = freedom, &n);
+        }
+        long long got = counted(&n, field[4]);
+        if (got != atoll(field[5]))
+            fprintf(stderr, "F = %d, %d links, %s:\n", dof, n_link, field[4]);
+        CHECK_INT(got, atoll(field[5]));
+        n_row++;
+    }
+    lw_chain_table_free(&n.table);
+    if (f)
+        fclose(f);
+    CHECK(n_row > 130);
+}
+
+/* The table of theory.md, section 3, that goes beyond the rows above; 16 links: OEIS A233288. */
+static void larger_counts(void)
+{
+    static const struct { int n_link, dof; uint64_t n_chain, n_fractionated; } known[] = {
+        { 11, 2, 753, 86 }, { 13, 2, 27496, 2189 }, { 12, 3, 1962, 460 }, { 14, 1, 318162, 0 } };
+    for (size_t k = 0; k < sizeof known/sizeof *known; k++) {
+        static numbers n;
+        lw_chains *chains = chains_of(known[k].n_link, known[k].dof);
+        lw_chain_walk how = one_thread();
+        n = (numbers){ .bridged = 0 };
+        CHECK_INT(lw_chains_count(chains, &how, &n.table), LW_OK);
+        CHECK_INT(n.table.total.n_chain, known[k].n_chain);
+        CHECK_INT(lw_fractionated_each(known[k].n_link, known[k].dof, tally_fractionated, &n, NULL), LW_OK);
+        CHECK_INT(n.fractionated.n_chain, known[k].n_fractionated);
+        lw_chains_free(chains);
+        lw_chain_table_free(&n.table);
+    }
+}
+
+/* ---- all graphs on few links ------------------------------------------------------------------------ */
+
+typedef struct pool { lw_chain *form; size_t n, room; } pool;
+
+static bool pool_has(const pool *p, const lw_chain *form)
+{
+    for (size_t k = 0; k < p->n; k++)
+        if (lw_chain_same(&p->form[k], form))
+            return true;
+    return false;
+}
+
+static void pool_add(pool *p, const lw_chain *c)
+{
+    lw_chain form;
+    CHECK_INT(lw_chain_canonical(c, &form), LW_OK);
+    if (pool_has(p, &form))
+        return;
+    if (p->n == p->room)
+        p->form = realloc(p->form, (p->room = p->room ? 2*p->room : 64)*sizeof *p->form);
+    p->form[p->n++] = form;
+}
+
+/* Closed, connected, every (proper, for F = 0) subchain of two or more links has F >= 1: asked of all 2^n. */
+static bool moves(const lw_chain *c, int dof)
+{
+    for (int i = 0; i < c->n_link; i++)
+        if (lw_chain_degree(c, i) < 2)
+            return false;
+    uint32_t all = lw_chain_links(c);
+    for (uint32_t s = 3; s <= all; s++)
+        if ((s & (s - 1)) && !(dof == 0 && s == all) && lw_chain_mobility_of(c, s) <= 0)
+            return false;
+    return lw_chain_is_connected(c);
+}
+
+/* Choose joints in rising order; leave a link behind only when it has its two joints. */
+static void all_graphs(pool *p, lw_chain *c, int i, int k, int left, int dof)
+{
+    if (left == 0) {
+        if (moves(c, dof))
+            pool_add(p, c);
+        return;
+    }
+    for (; i < c->n_link - 1; i++, k = i + 1) {
+        for (; k < c->n_link; k++) {
+            (void)lw_chain_join(c, i, k, 1);
+            all_graphs(p, c, i, k + 1, left - 1, dof);
+            lw_chain_unjoin(c, i, k);
+        }
+        if (lw_chain_degree(c, i) < 2)
+            return;
+    }
+}
+
+static lw_status pool_item(void *context, const lw_chain_item *item)
+{
+    pool *p = context;
+    size_t n = p->n;
+    pool_add(p, item->chain);
+    CHECK_INT(p->n, n + 1);                                  /* each chain once */
+    CHECK(moves(item->chain, lw_chain_mobility(item->chain)));
+    return LW_OK;
+}
+
+static lw_status pool_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    pool *p = context;
+    size_t n = p->n;
+    (void)n_bridge;
+    pool_add(p, c);
+    CHECK_INT(p->n, n + 1);
+    return LW_OK;
+}
+
+static pool listed_pool(int n_link, int dof)
+{
+    pool p = { 0 };
+    lw_chains *chains = chains_of(n_link, dof);
+    lw_chain_walk how = one_thread();
+    CHECK_INT(lw_chains_each(chains, &how, pool_item, &p), LW_OK);
+    CHECK_INT(lw_fractionated_each(n_link, dof, pool_fractionated, &p, NULL), LW_OK);
+    lw_chains_free(chains);
+    return p;
+}
+
+static void same_pools(const pool *a, const pool *b)
+{
+    CHECK_INT(a->n, b->n);
+    for (size_t k = 0; k < a->n; k++)
+        CHECK(pool_has(b, &a->form[k]));
+}
+
+static void agrees_with_all_graphs(void)
+{
+    static const int small[][2] = { {3,0}, {4,1}, {5,2}, {6,3}, {7,4}, {5,0}, {6,1}, {7,2}, {8,3}, {7,0}, {8,1} };
+    for (size_t k = 0; k < sizeof small/sizeof *small; k++) {
+        int n_link = small[k][0], dof = small[k][1];
+        pool brute = { 0 }, listed = listed_pool(n_link, dof);
+        lw_chain c;
+        (void)lw_chain_clear(&c, n_link);
+        all_graphs(&brute, &c, 0, 1, (3*(n_link - 1) - dof)/2, dof);
+        same_pools(&brute, &listed);
+        free(brute.form);
+        free(listed.form);
+    }
+}
+
+/* nauty's geng makes every connected graph once; what moves of them must be what is listed. */
+static void agrees_with_geng(void)
+{
+    static const int sizes[][2] = { {9,0}, {9,2}, {10,1}, {10,3}, {10,5} };
+    const char *geng = system("command -v nauty-geng >/dev/null 2>&1") == 0 ? "nauty-geng"
+                     : system("command -v geng >/dev/null 2>&1") == 0 ? "geng" : NULL;
+    if (!geng) {
+        printf("test_chains: geng is not installed, comparison skipped\n");
+        return;
+    }
+    for (size_t k = 0; k < sizeof sizes/sizeof *sizes; k++) {
+        int n_link = sizes[k][0], dof = sizes[k][1], n_joint = (3*(n_link - 1) - dof)/2;
+        char command[64], line[LW_GRAPH6_SIZE];
+        pool made = { 0 }, listed = listed_pool(n_link, dof);
+        snprintf(command, sizeof command, "%s -q -c -t -d2 %d %d:%d", geng, n_link, n_joint, n_joint);
+        FILE *f = popen(command, "r");
+        while (f && fgets(line, sizeof line, f)) {
+            lw_chain c;
+            CHECK_INT(lw_graph6_read(line, strlen(line), "geng", &c, NULL), LW_OK);
+            if (moves(&c, dof))
+                pool_add(&made, &c);
+        }
+        CHECK(f && pclose(f) == 0);
+        same_pools(&made, &listed);
+        free(made.form);
+        free(listed.form);
+    }
+}
+
+/* ---- order, parts, threads, filters, stopping --------------------------------------------------------- */
+
+typedef struct text { char *at; size_t n, room; } text;
+
+static lw_status append(void *context, const char *piece, size_t size)
+{
+    text *t = context;
+    while (t->n + size > t->room)
+        t->at = realloc(t->at, t->room = t->room ? 2*t->room : 4096);
+    memcpy(t->at + t->n, piece, size);
+    t->n += size;
+    return LW_OK;
+}
+
+static size_t print_graph6(void *context, const lw_chain_item *item, char *line, size_t most)
+{
+    (void)context;
+    size_t n = lw_graph6_print(item->chain, line, most);
+    line[n] = '\n';
+    return n + 1;
+}
+
+static lw_status append_item(void *context, const lw_chain_item *item)
+{
+    char line[LW_GRAPH6_SIZE + 1];
+    return append(context, line, print_graph6(NULL, item, line, sizeof line));
+}
+
+static text printed(const lw_chains *chains, lw_chain_walk how)
+{
+    text t = { 0 };
+    CHECK_INT(lw_chains_print(chains, &how, LW_GRAPH6_SIZE + 1, print_graph6, append, &t), LW_OK);
+    return t;
+}
+
+static void threads_and_visits_give_the_same_text(void)
+{
+    lw_chains *chains = chains_of(12, 1);
+    text by_visit = { 0 };
+    lw_chain_walk how = one_thread();
+    CHECK_INT(lw_chains_each(chains, &how, append_item, &by_visit), LW_OK);
+    for (int n_thread = 1; n_thread <= 4; n_thread++) {
+        how.n_thread = n_thread;
+        text t = printed(chains, how);
+        CHECK(t.n == by_visit.n && memcmp(t.at, by_visit.at, t.n) == 0);
+        free(t.at);
+    }
+    CHECK_INT(by_visit.n, 6856*13);
+    free(by_visit.at);
+    lw_chains_free(chains);
+}
+
+/* A chain that may take nearly a megabyte: every job waits for its turn and passes its text on at once. */
+static void large_texts_keep_their_order(void)
+{
+    lw_chains *chains = chains_of(12, 1);
+    lw_chain_walk how = one_thread();
+    text one = printed(chains, how), four = { 0 };
+    how.n_thread = 4;
+    CHECK_INT(lw_chains_print(chains, &how, ((size_t)1 << 20) - 20, print_graph6, append, &four), LW_OK);
+    CHECK(one.n == four.n && memcmp(one.at, four.at, one.n) == 0);
+    free(one.at);
+    free(four.at);
+    lw_chains_free(chains);
+}
+
+/* Merge parts structure by structure: the whole again. */
+static void parts_make_the_whole(void)
+{
+    lw_chains *chains = chains_of(10, 1);
+    text whole = printed(chains, one_thread());
+    for (int n_part = 1; n_part <= 20; n_part += 3) {
+        uint64_t n = 0;
+        pool p = { 0 };
+        for (int part = 0; part < n_part; part++) {
+            lw_chain_walk how = one_thread();
+            lw_chain_table table;
+            how.part = part;
+            how.n_part = n_part;
+            CHECK_INT(lw_chains_each(chains, &how, pool_item, &p), LW_OK);       /* disjoint */
+            CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
+            n += table.total.n_chain;
+            lw_chain_table_free(&table);
+        }
+        CHECK_INT(p.n, 230);
+        CHECK_INT(n, 230);
+        free(p.form);
+    }
+    lw_chain_walk how = one_thread();
+    how.part = 3;
+    how.n_part = 3;
+    lw_chain_table table;
+    CHECK_INT(lw_chains_count(chains, &how, &table), LW_E_ARG);
+    lw_chain_table_free(&table);
+    CHECK_INT(lw_chains_print(chains, &how, LW_GRAPH6_SIZE + 1, print_graph6, append, &whole), LW_E_ARG);
+    CHECK_INT(lw_chains_each(chains, &how, append_item, &whole), LW_E_ARG);
+    free(whole.at);
+    lw_chains_free(chains);
+}
+
+static void skipping_leaves_the_rest(void)
+{
+    lw_chains *chains = chains_of(10, 1);
+    text whole = printed(chains, one_thread());
+    size_t width = whole.n/230;
+    for (uint64_t skip = 0; skip <= 231; skip += 11) {
+        lw_chain_walk how = one_thread();
+        how.skip = skip;
+        how.n_thread = 2;
+        text rest = printed(chains, how), visited = { 0 };
+        size_t want = skip < 230 ? (size_t)(230 - skip)*width : 0;
+        CHECK_INT(lw_chains_each(chains, &how, append_item, &visited), LW_OK);
+        CHECK_INT(rest.n, want);
+        CHECK_INT(visited.n, want);
+        CHECK(want == 0 || memcmp(rest.at, whole.at + whole.n - want, want) == 0);
+        CHECK(want == 0 || memcmp(visited.at, rest.at, want) == 0);
+        free(rest.at);
+        free(visited.at);
+    }
+    free(whole.at);
+    lw_chains_free(chains);
+}
+
+/* Every filter says of each chain what it says of the chain's structure, and counts what it lists. */
+static lw_status ask_both(void *context, const lw_chain_item *item)
+{
+    const lw_filter *f = context;
+    if (f->structure && item->structure)
+        CHECK_INT(f->structure(item->structure), f->chain(item->chain));
+    return LW_OK;
+}
+
+static void filters_agree_with_themselves(void)
+{
+    static const int sizes[][2] = { {4,1}, {10,1}, {9,0}, {9,2} };
+    CHECK(lw_filter_find("no such filter") == NULL);
+    for (size_t k = 0; k < sizeof sizes/sizeof *sizes; k++) {
+        lw_chains *chains = chains_of(sizes[k][0], sizes[k][1]);
+        for (const lw_filter *f = lw_filters; f->name; f++) {
+            lw_chain_walk how = one_thread();
+            lw_chain_table table;
+            CHECK(lw_filter_find(f->name) == f);
+            CHECK_INT(lw_chains_each(chains, &how, ask_both, (void *)f), LW_OK);
+            how.filter = f;
+            text t = printed(chains, how);
+            CHECK_INT(lw_chains_count(chains, &how, &table), LW_OK);
+            size_t lines = 0;
+            for (size_t i = 0; i < t.n; i++)
+                lines += t.at[i] == '\n';
+            CHECK_INT(table.total.n_chain, lines);
+            lw_chain_table_free(&table);
+            free(t.at);
+        }
+        lw_chains_free(chains);
+    }
+}
+
+static lw_status refuse_second(void *context, const char *piece, size_t size)
+{
+    (void)piece;
+    (void)size;
+    return ++*(int *)context >= 2 ? LW_E_IO : LW_OK;
+}
+
+static bool stop_halfway(void *context, double done)
+{
+    *(double *)context = done;
+    return done < 0.5;
+}
+
+static lw_status stop_at_tenth(void *context, const lw_chain_item *item)
+{
+    (void)item;
+    return ++*(int *)context == 10 ? LW_NOTHING : LW_OK;
+}
+
+static void stops_when_asked(void)
+{
+    lw_chains *chains = chains_of(12, 1);
+    for (int n_thread = 1; n_thread <= 3; n_thread++) {
+        lw_chain_walk how = one_thread();
+        lw_chain_table table;
+        int n = 0;
+        double done = 0;
+        text t = { 0 };
+        how.n_thread = n_thread;
+        CHECK_INT(lw_chains_print(chains, &how, LW_GRAPH6_SIZE + 1, print_graph6, refuse_second, &n), LW_E_IO);
+        n = 0;
+        CHECK_INT(lw_chains_each(chains, &how, stop_at_tenth, &n), LW_NOTHING);
+        CHECK_INT(n, 10);
+        how.tick = stop_halfway;
+        how.tick_context = &done;
+        CHECK_INT(lw_chains_print(chains, &how, LW_GRAPH6_SIZE + 1, print_graph6, append, &t), LW_STOPPED);
+        CHECK(done >= 0.5 && done < 1 && t.n > 0 && t.n % 13 == 0);
+        CHECK_INT(lw_chains_each(chains, &how, append_item, &t), LW_STOPPED);
+        CHECK_INT(lw_chains_count(chains, &how, &table), LW_STOPPED);
+        lw_chain_table_free(&table);
+        free(t.at);
+    }
+    lw_chains_free(chains);
+}
+
+static void explains_impossible_sizes(void)
+{
+    lw_chains *chains = NULL;
+    lw_error e = { 0 };
+    CHECK_INT(lw_chains_create(7, 1, 1, &chains, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "P = F + 2 L + 1 - n2");
+    CHECK_INT(lw_chains_create(34, 1, 1, &chains, &e), LW_E_ARG);
+    CHECK_INT(lw_chains_create(12, 7, 1, &chains, &e), LW_E_ARG);
+    CHECK_INT(lw_fractionated_each(7, 1, pool_fractionated, NULL, &e), LW_E_ARG);
+    CHECK(chains == NULL);
+    lw_chains_free(NULL);
+}
+
+int main(void)
+{
+    RUN(published_counts);
+    RUN(larger_counts);
+    RUN(agrees_with_all_graphs);
+    RUN(agrees_with_geng);
+    RUN(threads_and_visits_give_the_same_text);
+    RUN(large_texts_keep_their_order);
+    RUN(parts_make_the_whole);
+    RUN(skipping_leaves_the_rest);
+    RUN(filters_agree_with_themselves);
+    RUN(stops_when_asked);
+    RUN(explains_impossible_sizes);
+    return check_end();
+}
