@@ -102,6 +102,11 @@ static void draw_curves(lw_sketch *k, int panel)
                 draw_curve(k, panel, &k->s->curve[i]);
 }
 
+static bool is_near_page(const lw_drawing *d, lw_vec2 p)
+{
+    return fabs(p.x) < 4*d->width && fabs(p.y) < 4*d->height;
+}
+
 /* Markers, smaller the more there are; a polygon when there are too many to tell apart. */
 static void draw_stations(lw_sketch *k, int panel)
 {
@@ -119,6 +124,8 @@ static void draw_stations(lw_sketch *k, int panel)
     double u = k->u*(s->n_station > 400 ? 0.45 : s->n_station > 80 ? 0.7 : 1);
     for (size_t i = 0; i < s->n_station; i++) {
         lw_vec2 at = lw_sketch_pixel(k, panel, s->station[i]);
+        if (!is_near_page(k->d, at))
+            continue;
         lw_symbol_station(k->d, LW_ROLE_STATION, (lw_bearer){ (int)i, -1, panel }, at, u);
         lw_label_map_disc(&k->map, at, 5*u, 1.5);
     }

@@ -70,7 +70,7 @@ static void sum_up(lw_label_map *m)
 
 static int clamp_cell(double v, int most)
 {
-    return v < 0 ? 0 : v > most ? most : (int)v;
+    return v > most ? most : v > 0 ? (int)v : 0;              /* 0 for NaN too */
 }
 
 static double ink_below(const lw_label_map *m, lw_box b)
@@ -82,7 +82,7 @@ static double ink_below(const lw_label_map *m, lw_box b)
 
 static bool is_free(const lw_label_map *m, lw_box b, lw_box within)
 {
-    if (b.x0 < within.x0 || b.y0 < within.y0 || b.x1 > within.x1 || b.y1 > within.y1)
+    if (!(b.x0 >= within.x0 && b.y0 >= within.y0 && b.x1 <= within.x1 && b.y1 <= within.y1))
         return false;
     for (int i = 0; i < m->n_taken; i++) {
         const lw_box *t = &m->taken[i];

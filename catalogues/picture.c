@@ -79,8 +79,20 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
     cairo_transform(c, &a);
 }
 
+/* Letters as the font has them, not as a screen or its settings would hint them. */
+static void set_font_options(cairo_t *c)
+{
+    cairo_font_options_t *o = cairo_font_options_create();
+    cairo_font_options_set_antialias(o, CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(o, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(o, CAIRO_HINT_METRICS_OFF);
+    cairo_set_font_options(c, o);
+    cairo_font_options_destroy(o);
+}
+
 static void paint(cairo_t *c, const lw_drawing *d, const lw_scene *scene, size_t frame)
 {
+    set_font_options(c);
     cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
     for (size_t i = 0; i < d->n_shape; i++) {

@@ -14,7 +14,7 @@ typedef struct lw_axis {
     bool   logarithmic;
     double lo, hi;                  /* of the numbers, or of their logarithms                      */
     double from, to;                /* where those lie on the page [px]                            */
-    int    n_tick;
+    int    n_tick, digits;          /* so many that neighbouring ticks read differently           */
     double tick[TICK_MAX];          /* numbers, not logarithms                                     */
 } lw_axis;
 
@@ -57,6 +57,7 @@ static void even_ticks(lw_axis *a, double n)
 {
     double rough = (a->hi - a->lo)/n, power = pow(10, floor(log10(rough))), m = rough/power;
     double step = power*(m <= 1 ? 1 : m <= 2 ? 2 : m <= 5 ? 5 : 10);
+    a->digits = (int)fmin(fmax(2 + ceil(log10(fmax(fabs(a->lo), fabs(a->hi))/step)), 1), 17);
     for (double i = ceil(a->lo/step - 1e-9); i*step <= a->hi + 1e-9*step && a->n_tick < TICK_MAX; i++)
         add_tick(a, i*step);
 }
@@ -66,6 +67,7 @@ static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
     bool fine = a->hi - a->lo < 2.2;
+    a->digits = 1;
     for (int k = first; k <= last; k++)
         for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)
             if ((digit == 1 && (k - first) % step == 0) || fine)
@@ -129,13 +131,13 @@ static void draw_axes(lw_chart *c)
     char t[32];
     for (int i = 0; i < x->n_tick; i++) {
         double at = place(x, x->tick[i]);
-        lw_number_text(t, x->tick[i], 6);
+        lw_number_text(t, x->tick[i], x->digits);
         rule(c, LW_ROLE_GRID, lw_v2(at, y->from), lw_v2(at, y->to), LW_INK_GRID, 1);
         text(c, LW_ROLE_TICK, t, at, y->from + 17, 0.5)->item = i;
     }
     for (int i = 0; i < y->n_tick; i++) {
         double at = place(y, y->tick[i]);
-        lw_number_text(t, y->tick[i], 6);
+        lw_number_text(t, y->tick[i], y->digits);
         rule(c, LW_ROLE_GRID, lw_v2(x->from, at), lw_v2(x->to, at), LW_INK_GRID, 1);
         text(c, LW_ROLE_TICK, t, x->from - 7, at + 4, 1)->item = i;
     }
@@ -255,7 +257,7 @@ static double tick_width(const lw_axis *a)
     double w = 0;
     char t[32];
     for (int i = 0; i < a->n_tick; i++) {
-        lw_number_text(t, a->tick[i], 6);
+        lw_number_text(t, a->tick[i], a->digits);
         w = fmax(w, lw_text_width(t, LETTER));
     }
     return w;

@@ -265,6 +265,25 @@ static bool take_curves(lw_work *w, bool shown, size_t n)
     return true;
 }
 
+/* Curves of all other circuits, as far as there is room; false when memory ran out. */
+static bool take_others(lw_work *w, size_t n)
+{
+    enum { MOST = 16 };
+    lw_walk *found = malloc(MOST*sizeof *found), own = w->walk;
+    bool ok = found != NULL;
+    int n_found = 1;
+    if (ok)
+        found[0] = own;
+    while (ok && n_found < MOST && w->s->n_curve + w->s->linkage.n_tracer <= LW_CURVE_MAX - LW_TRACER_MAX
+           && lw_walk_next(found, n_found, w->input, span(&w->linkage), &found[n_found])) {
+        w->walk = found[n_found++];
+        ok = take_curves(w, false, n);
+    }
+    w->walk = own;
+    free(found);
+    return ok;
+}
+
 /* Curves and frames; false when memory ran out. */
 static bool show_motion(lw_work *w, const lw_scene_options *o)
 {
@@ -275,6 +294,8 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
             s->origin[i] = reference(w, &w->start, i);
     if (lw_walk_make(&w->plan, w->dim, w->mode, w->input, span(&w->linkage), &w->walk) != LW_OK)
         return make_frames(s, 1);
+    if (o->other_branches && !take_others(w, o->n_curve_point))
+        return false;
     if (is_restricted(w)) {
         if (!take_curves(w, false, o->n_curve_point))
             return false;

@@ -122,6 +122,60 @@ lw_status lw_walk_make(const lw_plan *plan, const double *dim, const double *mod
     return LW_OK;
 }
 
+/* Has dyad i two assemblies?  Two crossing lines have one. */
+static bool has_modes(const lw_plan *plan, int i)
+{
+    for (int k = 0; k < plan->n_step; k++)
+        if (plan->step[k].dyad == i && plan->step[k].kind >= LW_STEP_RRR)
+            return plan->step[k].kind < LW_STEP_PRP;
+    return false;
+}
+
+/* Is this input in this mode part of a walk? */
+static bool holds(const lw_walk *w, const double *mode, double input, double slack)
+{
+    for (int i = 0; i < w->n_stage; i++) {
+        const lw_stage *s = &w->stage[i];
+        double lo = fmin(s->from, s->to) - slack, hi = fmax(s->from, s->to) + slack;
+        double x = w->plan->input_is_slider ? input : lo + fmod(fmod(input - lo, 2*LW_PI) + 2*LW_PI, 2*LW_PI);
+        if (same_mode(w->plan, mode, s->mode) && (w->turns || (x >= lo && x <= hi)))
+            return true;
+    }
+    return false;
+}
+
+static bool is_new(const lw_walk *found, int n, const double *mode, double input, double slack)
+{
+    for (int i = 0; i < n; i++)
+        if (holds(&found[i], mode, input, slack))
+            return false;
+    lw_pose pose;
+    return closes(&found[0], mode, input, &pose);
+}
+
+bool lw_walk_next(const lw_walk *found, int n, double input, double size, lw_walk *next)
+{
+    const lw_plan *plan = found[0].plan;
+    bool slider = plan->input_is_slider;
+    double step = slider ? 5*size/STEPS : 2*LW_PI/STEPS, mode[LW_DYAD_MAX];
+    int free_dyad[6], n_free = 0;
+    for (int i = 0; i < plan->n_dyad && n_free < 6; i++)
+        if (has_modes(plan, i))
+            free_dyad[n_free++] = i;
+    for (int pattern = 0; pattern < 1 << n_free; pattern++) {
+        memcpy(mode, found[0].stage[0].mode, sizeof mode);
+        for (int i = 0; i < n_free; i++)
+            mode[free_dyad[i]] *= pattern >> i & 1 ? -1 : 1;
+        for (int k = 0; k < STEPS; k++) {
+            double x = input + step*(k - (slider ? STEPS/2 : 0));
+            if (is_new(found, n, mode, x, 2*step)
+                && lw_walk_make(plan, found[0].dim, mode, x, size, next) == LW_OK)
+                return true;
+        }
+    }
+    return false;
+}
+
 void lw_walk_restrict(lw_walk *w, double first, double last)
 {
     lw_stage *s = &w->stage[0];

@@ -29,6 +29,11 @@ typedef struct lw_walk {
 lw_status lw_walk_make(const lw_plan *plan, const double *dim, const double *mode, double input,
                        double size, lw_walk *w);
 
+/* A circuit that is none of found[0 .. n-1] (of the same plan and dimensions): other assembly modes, and
+ * ranges of the input that cannot be reached from those.  False when there is none; up to 6 dyads with
+ * two assemblies each are tried.  input: of the posture, about which a slider's range is searched. */
+bool lw_walk_next(const lw_walk *found, int n, double input, double size, lw_walk *next);
+
 /* Keep only first <= input <= last of the stage with the posture: there and back. */
 void lw_walk_restrict(lw_walk *w, double first, double last);
 

@@ -8,6 +8,10 @@
 #include "base/file.h"
 #include "catalogues/scene.h"
 
+/* Fontconfig keeps its settings until the process ends; leak checkers are told. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
+
 static inline void model_joint(lw_linkage *k, const char *name, int a, int b, lw_vec2 at)
 {
     lw_joint *j = &k->joint[k->n_joint++];

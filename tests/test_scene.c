@@ -132,7 +132,7 @@ static void walks_end_at_the_limits_of_the_four_bar(void)
 /* Without jumps: neighbouring frames of a motion through limits are near each other. */
 static void motion_through_limits_is_smooth(void)
 {
-    const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 };      /* no link turns fully */
+    const double d[9] = { 3, 2.5, 1.2, 2, 0.6, 0.5, 0, 0, 0 }; /* the crank cannot turn fully */
     lw_linkage k = model_four_bar(d, 0.9, 1);
     lw_scene s;
     lw_error e;
@@ -229,6 +229,37 @@ static void unsolvable_linkages_stand_still(void)
     lw_scene_free(&s);
 }
 
+/* A crank-rocker has two circuits, a four-bar in which nothing turns fully one; the two are mirrored
+ * assemblies: same lengths, so the tracer is as far from A on both. */
+static void other_circuits_are_found(void)
+{
+    static const struct { double r[9]; int n_curve; } known[] = {
+        { { 2, 1, 2.5, 2.4, 1.5, 1.2, 0.3, -0.2, 0.2 }, 2 },
+        { { 3, 2.5, 2, 2, 0.6, 0.5, 0, 0, 0 }, 1 },                 /* s + l > p + q */
+        { { 3, 2.5, 1, 2.4, 0.6, 0.5, 0, 0, 0 }, 2 },              /* double rocker, Grashof */
+    };
+    for (int i = 0; i < 3; i++) {
+        lw_linkage k = model_four_bar(known[i].r, 0.75, 1);
+        lw_scene_options o = lw_scene_options_default();
+        o.other_branches = true;
+        lw_scene s;
+        lw_error e;
+        CHECK_INT(lw_scene_make(&k, NULL, &o, &s, &e), LW_OK);
+        CHECK_INT(s.n_curve, known[i].n_curve);
+        int n_shown = 0;
+        for (int c = 0; c < s.n_curve; c++) {
+            n_shown += s.curve[c].shown_branch;
+            CHECK(s.curve[c].closed);
+            for (size_t p = 0; p < s.curve[c].n; p++) {           /* A runs on a circle about A0 */
+                double d = distance(s.curve[c].p[p], k.joint[0].at), r = hypot(known[i].r[4], known[i].r[5]);
+                CHECK(d >= fabs(known[i].r[1] - r) - 1e-9 && d <= known[i].r[1] + r + 1e-9);
+            }
+        }
+        CHECK_INT(n_shown, 1);
+        lw_scene_free(&s);
+    }
+}
+
 /* The tangent mechanism runs off to infinity twice a turn and comes back from the other side. */
 static void asymptotes_break_the_curve(void)
 {
@@ -272,6 +303,7 @@ int main(void)
     RUN(size_does_not_matter);
     RUN(target_points_are_kept);
     RUN(unsolvable_linkages_stand_still);
+    RUN(other_circuits_are_found);
     RUN(asymptotes_break_the_curve);
     RUN(rounding_noise_reads_as_nothing);
     return check_end();

@@ -1,0 +1,213 @@
+/* Animations, read back with giflib: frames, loop, palette, and what a viewer would see. */
+#include <gif_lib.h>
+
+#include "catalogues/diagram.h"
+#include "catalogues/gif.h"
+#include "catalogues/picture.h"
+#include "tests/check.h"
+#include "tests/scene_models.h"
+
+typedef struct source { const char *data; size_t left; } source;
+
+static int take(GifFileType *gif, GifByteType *data, int n)
+{
+    source *s = gif->UserData;
+    size_t m = (size_t)n < s->left ? (size_t)n : s->left;
+    memcpy(data, s->data, m);
+    s->data += m;
+    s->left -= m;
+    return (int)m;
+}
+
+static GifFileType *read_back(const lw_bytes *b)
+{
+    int code = 0;
+    source s = { b->data, b->size };
+    GifFileType *gif = DGifOpen(&s, take, &code);
+    CHECK(gif != NULL);
+    if (gif)
+        CHECK_INT(DGifSlurp(gif), GIF_OK);
+    return gif;
+}
+
+static int delay_of(GifFileType *gif, int i)
+{
+    GraphicsControlBlock g = { 0 };
+    CHECK_INT(DGifSavedExtensionToGCB(gif, i, &g), GIF_OK);
+    return g.DelayTime;
+}
+
+static void frames_loop_and_size(void)
+{
+    lw_scene s;
+    lw_bytes b;
+    lw_error e;
+    CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
+    lw_gif_options o = { .width = 320, .height = 240, .n_frame = 40, .delay = 7 };
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    GifFileType *gif = read_back(&b);
+    CHECK_INT(gif->SWidth, 320);
+    CHECK_INT(gif->SHeight, 240);
+    CHECK_INT(gif->ImageCount, 40);
+    CHECK(gif->SColorMap && gif->SColorMap->ColorCount == 256);
+    for (int i = 0; i < gif->ImageCount; i++) {
+        CHECK(gif->SavedImages[i].ImageDesc.ColorMap == NULL);            /* one palette for all */
+        CHECK_INT(delay_of(gif, i), 7);
+    }
+    const SavedImage *first = &gif->SavedImages[0];
+    CHECK_INT(first->ImageDesc.Width, 320);
+    bool loops = false;
+    for (int i = 0; i + 1 < first->ExtensionBlockCount; i++) {
+        const ExtensionBlock *x = &first->ExtensionBlocks[i];
+        if (x->Function == APPLICATION_EXT_FUNC_CODE && x->ByteCount == 11
+            && memcmp(x->Bytes, "NETSCAPE2.0", 11) == 0) {
+            CHECK_INT(x[1].ByteCount, 3);
+            CHECK(x[1].Bytes[0] == 1 && x[1].Bytes[1] == 0 && x[1].Bytes[2] == 0);      /* for ever */
+            loops = true;
+        }
+    }
+    CHECK(loops);
+    DGifCloseFile(gif, NULL);
+    lw_bytes_free(&b);
+    lw_scene_free(&s);
+}
+
+/* Put a frame over what was there, as a viewer does. */
+static void compose(GifFileType *gif, int i, uint32_t *screen)
+{
+    const SavedImage *p = &gif->SavedImages[i];
+    const GifImageDesc *d = &p->ImageDesc;
+    GraphicsControlBlock g = { .TransparentColor = NO_TRANSPARENT_COLOR };
+    DGifSavedExtensionToGCB(gif, i, &g);
+    for (int y = 0; y < d->Height; y++)
+        for (int x = 0; x < d->Width; x++) {
+            int c = p->RasterBits[y*d->Width + x];
+            const GifColorType *rgb = &gif->SColorMap->Colors[c];
+            if (c != g.TransparentColor)
+                screen[(d->Top + y)*gif->SWidth + d->Left + x]
+                    = (uint32_t)rgb->Red << 16 | (uint32_t)rgb->Green << 8 | rgb->Blue;
+        }
+}
+
+static int channel_distance(uint32_t a, uint32_t b)
+{
+    int most = 0;
+    for (int shift = 0; shift < 24; shift += 8) {
+        int d = abs((int)(a >> shift & 255) - (int)(b >> shift & 255));
+        most = d > most ? d : most;
+    }
+    return most;
+}
+
+/* What a viewer shows in each frame is what cairo drew, but for the rounding of colours: all but a few
+ * pixels within 40 of 255, in the mean within 1. */
+static void viewer_sees_what_was_drawn(void)
+{
+    lw_scene s;
+    lw_bytes b;
+    lw_error e;
+    CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
+    lw_gif_options o = { .width = 320, .height = 240, .n_frame = 12, .delay = 5 };
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    GifFileType *gif = read_back(&b);
+    lw_diagram_options drawn = lw_diagram_options_default();
+    drawn.width = 320;
+    drawn.height = 240;
+    drawn.whole_motion = true;
+    drawn.length_labels = false;
+    lw_drawing d;
+    CHECK_INT(lw_diagram_draw(&s, &drawn, &d, &e), LW_OK);
+    uint32_t *screen = calloc(320*240, sizeof *screen), *want = calloc(320*240, sizeof *want);
+    for (int i = 0; i < gif->ImageCount; i++) {
+        compose(gif, i, screen);
+        CHECK_INT(lw_picture_pixels(&d, &s, (size_t)i*s.n_frame/12, want, &e), LW_OK);
+        long far = 0, sum = 0;
+        for (int p = 0; p < 320*240; p++) {
+            int distance = channel_distance(screen[p], want[p]);
+            far += distance > 40;
+            sum += distance;
+        }
+        CHECK(far < 320*240/200);
+        CHECK(sum < 320*240);
+    }
+    free(screen);
+    free(want);
+    lw_drawing_free(&d);
+    DGifCloseFile(gif, NULL);
+    lw_bytes_free(&b);
+    lw_scene_free(&s);
+}
+
+static void there_and_back_when_it_cannot_go_round(void)
+{
+    lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
+    k.input[0].first = k.input[0].value;
+    k.input[0].last = k.input[0].value + 1;
+    lw_scene s;
+    lw_bytes b;
+    lw_error e;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    lw_gif_options o = { .width = 200, .height = 150, .n_frame = 20, .delay = 5 };
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    GifFileType *gif = read_back(&b);
+    CHECK_INT(gif->ImageCount, 20);                                 /* 11 there, 9 between back */
+    uint32_t *screen = calloc(200*150, sizeof *screen), *seen[20];
+    for (int i = 0; i < 20; i++) {
+        compose(gif, i, screen);
+        seen[i] = malloc(200*150*sizeof *screen);
+        memcpy(seen[i], screen, 200*150*sizeof *screen);
+    }
+    for (int i = 1; i < 10; i++)
+        CHECK(memcmp(seen[i], seen[20 - i], 200*150*sizeof *screen) == 0);
+    CHECK(memcmp(seen[0], seen[10], 200*150*sizeof *screen) != 0);
+    for (int i = 0; i < 20; i++)
+        free(seen[i]);
+    free(screen);
+    DGifCloseFile(gif, NULL);
+    lw_bytes_free(&b);
+    lw_scene_free(&s);
+}
+
+static void a_still_scene_is_one_frame(void)
+{
+    lw_linkage k = model_four_bar(model_crank_rocker, 1, 1);
+    k.n_input = 0;
+    lw_scene s;
+    lw_bytes b;
+    lw_error e;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_INT(lw_gif_write(&s, NULL, &b, &e), LW_OK);
+    GifFileType *gif = read_back(&b);
+    CHECK_INT(gif->ImageCount, 1);
+    DGifCloseFile(gif, NULL);
+    lw_bytes_free(&b);
+    lw_scene_free(&s);
+}
+
+static void same_input_same_bytes(void)
+{
+    lw_scene s;
+    lw_bytes a, b;
+    lw_error e;
+    lw_gif_options o = { .width = 160, .height = 120, .n_frame = 8, .delay = 5 };
+    CHECK_INT(model_scene("Crank-rocker", 10, &s), LW_OK);
+    CHECK_INT(lw_gif_write(&s, &o, &a, &e), LW_OK);
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_OK);
+    CHECK(a.size == b.size && memcmp(a.data, b.data, a.size) == 0);
+    lw_bytes_free(&a);
+    lw_bytes_free(&b);
+    o.width = 20;
+    CHECK_INT(lw_gif_write(&s, &o, &b, &e), LW_E_ARG);
+    CHECK(b.data == NULL);
+    lw_scene_free(&s);
+}
+
+int main(void)
+{
+    RUN(frames_loop_and_size);
+    RUN(viewer_sees_what_was_drawn);
+    RUN(there_and_back_when_it_cannot_go_round);
+    RUN(a_still_scene_is_one_frame);
+    RUN(same_input_same_bytes);
+    return check_end();
+}

@@ -1,0 +1,222 @@
+/* Plots: every point where its numbers say, ticks where people expect them, nothing lost on the way. */
+#include "catalogues/draw.h"
+#include "catalogues/plot.h"
+#include "catalogues/svg.h"
+#include "tests/check.h"
+#include "tests/scene_models.h"
+#include "tests/xml_scan.h"
+
+#define N 20
+
+typedef struct lines { double x[N], y[N]; lw_series s; lw_level level; lw_plot p; } lines;
+
+static void make(lines *l, bool log_x, bool log_y)
+{
+    for (int i = 0; i < N; i++) {
+        l->x[i] = log_x ? pow(10, 0.25*i) : i;
+        l->y[i] = log_y ? pow(10, 1 - 0.3*i) : 100 - 3*i;
+    }
+    l->s = (lw_series){ "a series", N, l->x, l->y, false };
+    l->level = (lw_level){ "published best", log_y ? 1e-3 : 50 };
+    l->p = (lw_plot){ "Title", "evaluations", "error", log_x, log_y, 0, 0, 1, 1, &l->s, &l->level };
+}
+
+static int n_of(const lw_drawing *d, lw_role role)
+{
+    int n = 0;
+    for (size_t i = 0; i < d->n_shape; i++)
+        n += d->shape[i].role == role;
+    return n;
+}
+
+static lw_vec2 marker_at(const lw_drawing *d, int item)
+{
+    for (size_t i = 0; i < d->n_shape; i++)
+        if (d->shape[i].role == LW_ROLE_MARKER && d->shape[i].item == item)
+            return d->shape[i].at;
+    return lw_v2(NAN, NAN);
+}
+
+/* Steps that are even in the logarithm are even on a logarithmic axis. */
+static void points_lie_where_their_numbers_say(void)
+{
+    for (int kind = 0; kind < 4; kind++) {
+        lines l;
+        lw_drawing d;
+        lw_error e;
+        make(&l, kind & 1, kind & 2);
+        CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+        CHECK_INT(n_of(&d, LW_ROLE_MARKER), N);
+        CHECK_INT(n_of(&d, LW_ROLE_LEVEL), 2);
+        CHECK(n_of(&d, LW_ROLE_SERIES) == 1);
+        lw_vec2 step = lw_v2_sub(marker_at(&d, 1), marker_at(&d, 0));
+        CHECK(step.x > 5 && step.y > 5);                            /* to the right and down */
+        for (int i = 1; i < N; i++) {
+            lw_vec2 s = lw_v2_sub(marker_at(&d, i), marker_at(&d, i - 1));
+            CHECK_NEAR(s.x, step.x, 1e-9, 0);
+            CHECK_NEAR(s.y, step.y, 1e-9, 0);
+        }
+        lw_bytes b;
+        CHECK_INT(lw_svg_write(&d, &b, &e), LW_OK);
+        CHECK(xml_scan(b.data, NULL, NULL) > 40);
+        lw_bytes_free(&b);
+        lw_drawing_free(&d);
+    }
+}
+
+static bool has_text(const lw_drawing *d, lw_role role, const char *text)
+{
+    for (size_t i = 0; i < d->n_shape; i++)
+        if (d->shape[i].role == role && d->shape[i].kind == LW_SHAPE_TEXT
+            && strcmp(d->text + d->shape[i].first, text) == 0)
+            return true;
+    return false;
+}
+
+static void ticks_are_round_numbers(void)
+{
+    lines l;
+    lw_drawing d;
+    lw_error e;
+    make(&l, true, true);
+    CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+    static const char *const decades[] = { "1", "10", "100", "1000", "10000" };
+    for (int i = 0; i < 5; i++)
+        CHECK(has_text(&d, LW_ROLE_TICK, decades[i]));
+    CHECK(has_text(&d, LW_ROLE_TICK, "0.001"));
+    CHECK(has_text(&d, LW_ROLE_LEVEL, "published best"));
+    CHECK(has_text(&d, LW_ROLE_LEGEND, "a series"));
+    lw_drawing_free(&d);
+    make(&l, false, false);
+    CHECK_INT(lw_plot_draw(&l.p, &d, &e), LW_OK);
+    CHECK(has_text(&d, LW_ROLE_TICK, "60"));
+    CHECK(has_text(&d, LW_ROLE_TICK, "0"));
+    lw_drawing_free(&d);
+}
+
+/* The numbers along an axis differ from each other. */
+static void check_ticks_differ(const lw_drawing *d)
+{
+    for (size_t i = 0; i < d->n_shape; i++)
+        for (size_t k = 0; k < i; k++) {
+            const lw_shape *a = &d->shape[i], *b = &d->shape[k];
+            if (a->role == LW_ROLE_TICK && b->role == LW_ROLE_TICK && a->align == b->align)
+                CHECK(strcmp(d->text + a->first, d->text + b->first) != 0);
+        }
+}
+
+/* Any range, however narrow, wide or far out, gets between 2 and 20 ticks an axis and stays finite. */
+static void any_range_has_ticks(void)
+{
+    for (double middle = 1e-12; middle < 1e13; middle *= 1e4)
+        for (double wide = 1e-9; wide <= 1; wide *= 10) {
+            double x[2] = { middle, middle*(1 + wide) }, y[2] = { middle, middle*(1 - wide/2) };
+            for (int log = 0; log < 2; log++) {
+                lw_series s = { "s", 2, x, y, true };
+                lw_plot p = { .log_x = log, .log_y = log, .n_series = 1, .series = &s };
+                lw_drawing d;
+                lw_error e;
+                CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+                int n = n_of(&d, LW_ROLE_TICK);
+                CHECK(n >= 2 && n <= 40);
+                check_ticks_differ(&d);
+                for (size_t i = 0; i < d.n_point; i++)
+                    CHECK(d.point[i].x >= 0 && d.point[i].x <= 800 && d.point[i].y >= 0 && d.point[i].y <= 560);
+                lw_drawing_free(&d);
+            }
+        }
+}
+
+static void unfit_points_are_left_out(void)
+{
+    double x[6] = { 1, 2, 0, -1, NAN, 5 }, y[6] = { 1, INFINITY, 3, 4, 5, 6 };
+    lw_series s = { "s", 6, x, y, false };
+    lw_plot p = { .log_x = true, .log_y = true, .n_series = 1, .series = &s };
+    lw_drawing d;
+    lw_error e;
+    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+    CHECK_INT(n_of(&d, LW_ROLE_MARKER), 2);
+    lw_drawing_free(&d);
+    s.n = 0;
+    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_NOTHING);
+    CHECK(has_text(&d, LW_ROLE_NOTE, "no point to show"));
+    lw_drawing_free(&d);
+    p.n_series = LW_SERIES_MAX + 1;
+    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_E_ARG);
+    p.n_series = 0;
+    p.width = 1e6;
+    CHECK_INT(lw_plot_draw(&p, &d, &e), LW_E_ARG);
+}
+
+/* Thousands of points: lines in pieces that touch, no markers. */
+static void long_series_are_unbroken(void)
+{
+    enum { LONG = 5000 };
+    static double x[LONG], y[LONG];
+    for (int i = 0; i < LONG; i++) {
+        x[i] = i;
+        y[i] = sin(0.01*i);
+    }
+    for (int steps = 0; steps < 2; steps++) {
+        lw_series s = { "s", LONG, x, y, steps };
+        lw_plot p = { .n_series = 1, .series = &s };
+        lw_drawing d;
+        lw_error e;
+        CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+        CHECK_INT(n_of(&d, LW_ROLE_MARKER), 0);
+        lw_vec2 end = { NAN, NAN };
+        size_t n = 0;
+        for (size_t i = 0; i < d.n_shape; i++) {
+            const lw_shape *q = &d.shape[i];
+            if (q->role != LW_ROLE_SERIES)
+                continue;
+            CHECK(isnan(end.x) || (d.point[q->first].x == end.x && d.point[q->first].y == end.y));
+            end = d.point[q->first + q->n - 1];
+            n += q->n - 1;
+        }
+        CHECK_INT(n, (steps ? 2 : 1)*(LONG - 1));
+        lw_drawing_free(&d);
+    }
+}
+
+static void files_by_their_kind(void)
+{
+    static const struct { const char *name; lw_draw_kind kind; } known[] = {
+        { "x.svg", LW_DRAW_SVG }, { "a.b/x.PNG", LW_DRAW_PNG }, { "pdf", LW_DRAW_PDF },
+        { "x.gif", LW_DRAW_GIF }, { "index.html", LW_DRAW_HTML },
+    };
+    lw_draw_kind kind;
+    lw_error e;
+    for (int i = 0; i < 5; i++) {
+        CHECK_INT(lw_draw_kind_of(known[i].name, &kind, &e), LW_OK);
+        CHECK_INT(kind, known[i].kind);
+    }
+    CHECK_INT(lw_draw_kind_of("x.jpeg", &kind, &e), LW_E_ARG);
+    CHECK_HAS(e.text, ".svg");
+    lw_scene s;
+    CHECK_INT(model_scene("Crank-rocker", 4, &s), LW_OK);
+    static const char *const begins[] = { "<?xml", "%PDF-", "\x89PNG", "GIF89a", "<!DOCTYPE html>" };
+    for (int i = LW_DRAW_SVG; i <= LW_DRAW_HTML; i++) {
+        lw_bytes b;
+        CHECK_INT(lw_draw_bytes(&s, (lw_draw_kind)i, 200, 150, &b, &e), LW_OK);
+        CHECK(strncmp(b.data, begins[i], strlen(begins[i])) == 0);
+        lw_bytes_free(&b);
+    }
+    CHECK_INT(lw_draw_save(&s, LW_DRAW_SVG, "/nowhere/x.svg", 0, 0, &e), LW_E_IO);
+    lw_scene_free(&s);
+    lines l;
+    make(&l, true, true);
+    CHECK_INT(lw_draw_plot(&l.p, "/nowhere/x.png", &e), LW_E_IO);
+    CHECK_INT(lw_draw_plot(&l.p, "/nowhere/x.gif", &e), LW_E_ARG);
+}
+
+int main(void)
+{
+    RUN(points_lie_where_their_numbers_say);
+    RUN(ticks_are_round_numbers);
+    RUN(any_range_has_ticks);
+    RUN(unfit_points_are_left_out);
+    RUN(long_series_are_unbroken);
+    RUN(files_by_their_kind);
+    return check_end();
+}
