@@ -1,0 +1,65 @@
+#include "enumerate/symmetry.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "enumerate/canon.h"
+
+/* Ties tell kinds and driven joints apart, colours the ground and the output. */
+static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
+{
+    memset(g, 0, sizeof *g);
+    g->n = m->n_link;
+    for (int i = 0; i < m->n_link; i++)
+        g->colour[i] = (uint8_t)((i == m->ground) + 2*(i == m->output));
+    for (int j = 0; j < m->n_joint; j++) {
+        int a = m->link[j][0], b = m->link[j][1], tie = lw_kind_freedom(m->kind[j]);
+        if (kinds && (m->kind[j] == LW_JOINT_SLIDER || m->kind[j] == LW_JOINT_GEAR))
+            tie += 2;
+        if (memchr(m->input, j, (size_t)m->n_input))
+            tie += 4;
+        g->tie[a][b] = g->tie[b][a] = (uint8_t)tie;
+    }
+}
+
+lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s)
+{
+    lw_graph g;
+    lw_group group;
+    graph_of(m, kinds, &g);
+    *s = (lw_symmetry){ .n_link = m->n_link, .n_joint = m->n_joint };
+    lw_status status = lw_graph_group(&g, &group);
+    if (status != LW_OK)
+        return status;
+    status = lw_group_elements(&group, &s->link, &s->n);
+    lw_group_free(&group);
+    if (status != LW_OK)
+        return status;
+    s->joint = malloc(s->n*sizeof *s->joint);
+    if (!s->joint) {
+        lw_symmetry_free(s);
+        return LW_E_MEMORY;
+    }
+    for (size_t k = 0; k < s->n; k++)
+        for (int j = 0; j < m->n_joint; j++)
+            s->joint[k][j] = (uint8_t)lw_mechanism_joint(m, s->link[k][m->link[j][0]],
+                                                         s->link[k][m->link[j][1]]);
+    return LW_OK;
+}
+
+void lw_symmetry_free(lw_symmetry *s)
+{
+    free(s->link);
+    free(s->joint);
+    *s = (lw_symmetry){ 0 };
+}
+
+lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form)
+{
+    lw_graph g;
+    uint8_t to[LW_LINK_MAX];
+    graph_of(m, true, &g);
+    lw_status status = lw_graph_label(&g, to);
+    if (status == LW_OK)
+        lw_mechanism_relabel(m, to, form);
+    return status;
+}

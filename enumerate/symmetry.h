@@ -1,0 +1,25 @@
+/* enumerate/symmetry.h - the symmetries of a mechanism: renamings of its links that change nothing
+ * that was chosen, and what they do to its joints. */
+#ifndef LW_ENUMERATE_SYMMETRY_H
+#define LW_ENUMERATE_SYMMETRY_H
+
+#include <stddef.h>
+#include "grammar/mechanism.h"
+
+typedef struct lw_symmetry {
+    size_t  n;                             /* number of symmetries; number 0 is the identity       */
+    int     n_link, n_joint;
+    uint8_t (*link)[LW_LINK_MAX];          /* (n) link i goes to link[k][i]; owned, see _free      */
+    uint8_t (*joint)[LW_JOINT_MAX];        /* (n) the same for joints; owned                       */
+} lw_symmetry;
+
+/* Symmetries that keep joints, ground, inputs and output; with `kinds` also the kinds of joints, else
+ * only their freedoms.  LW_E_MEMORY. */
+lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s);
+void      lw_symmetry_free(lw_symmetry *s);
+
+/* The mechanism in canonical form: two are isomorphic, choices and all, exactly when their forms are the
+ * same.  LW_E_MEMORY. */
+lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form);
+
+#endif
