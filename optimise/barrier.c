@@ -95,6 +95,7 @@ double lw_stage_value(lw_stage *s, const double *x, double *grad)
     double f = barrier(s->record, s->k, s->edge, x, grad);
     s->inside = isfinite(f) && (s->k > 0.0 ? least_condition(s->record, x) >= s->edge
                                            : s->record->fn->m == 0 || f == s->record->f);
+    s->lowest = fmin(s->lowest, f);
     if (s->inside && f < s->best) {
         s->best = f;
         memcpy(s->x, x, n*sizeof *x);
@@ -111,8 +112,18 @@ static lw_stage new_stage(lw_record *r, double k)
 {
     return (lw_stage){
         .record = r, .k = k, .wall = WALL*(1.0 + (isfinite(r->f) ? fabs(r->f) : 0.0)),
-        .f_tol = r->o->f_tol, .step = FIRST_STEP, .last_eval = r->limit, .best = INFINITY
+        .f_tol = r->o->f_tol, .step = FIRST_STEP, .last_eval = r->limit, .best = INFINITY, .lowest = INFINITY
     };
+}
+
+/* Is F lower below the edge than inside?  Then the edge is too far in: draw it back. */
+static bool draw_back_edge(lw_stage *s)
+{
+    bool drawn = s->edge > 0.0 && s->lowest < s->best - PAYS*s->k;
+    if (drawn)
+        s->edge *= EDGE;
+    s->lowest = s->best;
+    return drawn;
 }
 
 /* Run the method in the stage; leave the stage's best point in x. */
@@ -124,7 +135,8 @@ static lw_stop run_stage(lw_stage *s, lw_minimise *method, bool again, double *x
         why = method(s, x);
         if (isfinite(s->best))
             memcpy(x, s->x, s->record->fn->n*sizeof *x);
-        if (!again || !(before - s->best > PAYS*(s->k > 0.0 ? s->k : fabs(s->best))))
+        bool paid = before - s->best > PAYS*(s->k > 0.0 ? s->k : fabs(s->best));
+        if (!again || !(draw_back_edge(s) || paid))
             break;
     }
     return why;
@@ -158,7 +170,7 @@ static double choose_start(lw_stage *s, const double *older, double k_older, dou
         double t = (k - s->k)/(k_older - k);
         way = 0.0;
         for (size_t i = 0; i < n; i++) {
-            guess[i] = x[i] + t*(older[i] - x[i]);
+            guess[i] = x[i] + t*(x[i] - older[i]);
             way = fmax(way, fabs(guess[i] - x[i]));
         }
         lw_clip(s->record->fn, guess);

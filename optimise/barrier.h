@@ -20,6 +20,7 @@ typedef struct lw_stage {
     double     step;                     /* first step of methods without gradient                */
     long       last_eval;                /* the record may count up to here in this stage         */
     bool       inside;                   /* was the last point one where F is meant?              */
+    double     lowest;                   /* value given out, also below the edge                  */
     double     best, x[LW_VAR_MAX];      /* least F seen and where; INFINITY: none                */
 } lw_stage;
 

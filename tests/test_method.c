@@ -8,10 +8,10 @@
  * (none).  1e-9: to rounding of the conditions and the last k of the barrier.  The barrier is what
  * methods without gradient find hard; those that search the box stay coarse. */
 static const struct { const char *name; double hs65, valley; } level[] = {
-    { "lm-gsl",     1e-9, 1e-25 }, { "gradient",   1e-8, 1e-20 }, { "gradient-fixed", 0.2, 1e-3 },
+    { "lm-gsl",     1e-9, 1e-25 }, { "gradient",   1e-9, 1e-20 }, { "gradient-fixed", 0.2, 1e-3 },
     { "slsqp",      1e-9, 1e-20 }, { "mma",        1e-9, 1e-12 }, { "ccsaq",      1e-9, 1e-12 },
-    { "lbfgs",      1e-7, 1e-20 }, { "tnewton",    1e-8, 1e-18 }, { "cobyla",     1e-9, 1e-5  },
-    { "bobyqa",     1e-2, 1e-20 }, { "neldermead", 1e-6, 1e-20 }, { "sbplx",      1e-2, 1e-20 },
+    { "lbfgs",      1e-9, 1e-20 }, { "tnewton",    1e-9, 1e-18 }, { "cobyla",     1e-9, 1e-5  },
+    { "bobyqa",     1e-4, 1e-20 }, { "neldermead", 1e-7, 1e-20 }, { "sbplx",      1e-3, 1e-20 },
     { "crs",        1e-7, 1e-12 }, { "isres",      1e-2, 1e-3  }, { "esch",       0.5,  1e-2  },
     { "direct",     0.1,  1e-10 }, { "mlsl",       1e-7, 1e-20 },
 };
