@@ -17,7 +17,8 @@ typedef struct lw_work {
     double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
     int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - its tracer              */
     lw_pose    start, pose;                /* of the posture, and the one at work                  */
-    lw_walk    walk;
+    lw_motion  motion;
+    lw_walk    walk;                       /* of the circuit that holds the posture                */
 } lw_work;
 
 lw_scene_options lw_scene_options_default(void)
@@ -171,8 +172,7 @@ static bool take_frames(lw_work *w, size_t n)
     s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
     for (size_t f = 0; f < n; f++) {
         double t = f == s->first_frame ? start : per*(double)f;
-        if (lw_walk_pose(walk, t, &w->pose) != LW_OK)
-            w->pose = f ? w->pose : w->start;       /* at a limit: rounding decides; nearest pose */
+        lw_walk_pose(walk, t, &w->pose);
         s->input[f] = w->pose.input;
         for (size_t link = 0; link < n_link; link++) {
             int i = (int)link;
@@ -203,7 +203,7 @@ static void grow(lw_growing *g, lw_vec2 p)
 
 static lw_vec2 trace(lw_work *w, int tracer, double t)
 {
-    lw_walk_pose(&w->walk, t, &w->pose);               /* an open pose is the nearest: good enough */
+    lw_walk_pose(&w->walk, t, &w->pose);
     return w->pose.tracer[tracer][0];
 }
 
@@ -265,23 +265,36 @@ static bool take_curves(lw_work *w, bool shown, size_t n)
     return true;
 }
 
-/* Curves of all other circuits, as far as there is room; false when memory ran out. */
+/* Curves of the other circuits, as far as there is room; false when memory ran out. */
 static bool take_others(lw_work *w, size_t n)
 {
-    enum { MOST = 16 };
-    lw_walk *found = malloc(MOST*sizeof *found), own = w->walk;
-    bool ok = found != NULL;
-    int n_found = 1;
-    if (ok)
-        found[0] = own;
-    while (ok && n_found < MOST && w->s->n_curve + w->s->linkage.n_tracer <= LW_CURVE_MAX - LW_TRACER_MAX
-           && lw_walk_next(found, n_found, w->input, span(&w->linkage), &found[n_found])) {
-        w->walk = found[n_found++];
+    const lw_walk own = w->walk;
+    int shown = w->motion.arc[own.stage[0].arc].circuit, done[LW_ARC_MAX] = { 0 };
+    bool ok = true;
+    for (int i = 0; i < w->motion.n_arc && ok; i++) {
+        int circuit = w->motion.arc[i].circuit;
+        if (circuit == shown || done[circuit]++ || w->s->n_curve + LW_TRACER_MAX > LW_CURVE_MAX/2)
+            continue;
+        lw_walk_make(&w->plan, w->dim, &w->motion, i, w->motion.arc[i].first, &w->walk);
         ok = take_curves(w, false, n);
     }
     w->walk = own;
-    free(found);
     return ok;
+}
+
+/* Find the walk through the posture; its input is counted as the arc counts it.  False: not found. */
+static bool find_walk(lw_work *w)
+{
+    if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0)
+        return false;
+    int arc = lw_motion_arc(&w->plan, &w->motion, w->mode, w->input);
+    if (arc < 0)
+        return false;
+    const lw_arc *a = &w->motion.arc[arc];
+    if (!w->plan.input_is_slider && !a->turns)
+        w->input -= 2*LW_PI*round((w->input - (a->first + a->last)/2)/(2*LW_PI));
+    lw_walk_make(&w->plan, w->dim, &w->motion, arc, w->input, &w->walk);
+    return true;
 }
 
 /* Curves and frames; false when memory ran out. */
@@ -292,8 +305,10 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
     for (int i = 0; i < s->linkage.n_link; i++)
         if (i != s->linkage.ground)
             s->origin[i] = reference(w, &w->start, i);
-    if (lw_walk_make(&w->plan, w->dim, w->mode, w->input, span(&w->linkage), &w->walk) != LW_OK)
+    if (!find_walk(w)) {
+        snprintf(s->note, sizeof s->note, "Shown without motion: the posture is on none of its arcs");
         return make_frames(s, 1);
+    }
     if (o->other_branches && !take_others(w, o->n_curve_point))
         return false;
     if (is_restricted(w)) {
