@@ -19,6 +19,8 @@ COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FL
 
 # mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
+# gcc must not split a loop's selections into paths that each take their own square root
+KERNEL   = $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre)
 LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
 LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
@@ -34,7 +36,7 @@ MAKEFLAGS += --no-builtin-rules
 # ---- building ------------------------------------------------------------------------------------
 $B/mbs/kernel-%.o: mbs/kernel.c
 	@mkdir -p $(@D)
-	$(COMPILE) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
+	$(COMPILE) $(KERNEL) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
 # the web page's style sheet and script as C texts, line by line
 $B/catalogues/page.o: $B/catalogues/page_files.h
 $B/catalogues/page_files.h: catalogues/page.css catalogues/page.js

@@ -4,6 +4,8 @@
  * lanes (a linkage over many inputs) or one set a lane (many candidates): `dim_stride` is 0 or the
  * distance between dim[d] of lane k and dim[d+1] of lane k, dim[d*dim_stride + k].  Modes likewise.
  *
+ * Outputs must not overlap inputs: some lanes may be worked out twice, with the same bits.
+ *
  * Lanes that cannot close are answered by the nearest pose that nearly closes (square root of a
  * negative number taken as 0) and tell so in `margin`; no NaN for finite input.
  *     margin = least over the dyads of  the squared sine of the angle at which its two circles or

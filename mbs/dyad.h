@@ -27,6 +27,7 @@
 
 LW_INLINE double lw_away_from_zero(double a) { return fabs(a) > LW_TINY ? a : LW_TINY; }
 LW_INLINE double lw_at_least(double a, double least) { return a > least ? a : least; }
+LW_INLINE double lw_at_most(double a, double most) { return a < most ? a : most; }
 
 /* ---- points and lines --------------------------------------------------------------------------- */
 
@@ -43,14 +44,15 @@ LW_INLINE lw_vec2 lw_point(lw_vec2 o, lw_vec2 d, double x, double y)
  *     2 d^2 (c - a) = (b - a) (d^2 + r1^2 - r2^2 + i mode sqrt(h)). */
 typedef struct lw_rrr { lw_vec2 span; double d2, p1, p2, y, h, r1, r2; } lw_rrr;
 
+/* From a to b; where they coincide along x, as short as can be squared.  The addition changes nothing else
+ * for coordinates above 1e-54. */
+LW_INLINE lw_vec2 lw_span(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
+
 LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode)
 {
     lw_rrr z;
-    lw_vec2 span = lw_v2_sub(b, a);
-    double d2 = lw_v2_dot(span, span);
-    int apart = d2 > LW_TINY2;
-    z.span = lw_v2(apart ? span.x : LW_TINY, apart ? span.y : 0);
-    z.d2 = apart ? d2 : LW_TINY2;
+    z.span = lw_span(a, b);
+    z.d2 = lw_v2_dot(z.span, z.span);
     z.r1 = lw_away_from_zero(r1);
     z.r2 = lw_away_from_zero(r2);
     double sum = z.r1 + z.r2, dif = z.r1 - z.r2;
@@ -75,7 +77,7 @@ LW_INLINE lw_vec2 lw_rrr_second(const lw_rrr *z)
     return lw_v2_scale(lw_v2_turn(z->span, lw_v2(-z->p2, z->y)), 0.5/(z->d2*z->r2));
 }
 
-/* sin^2 of the angle between the two links; parallel `flat` is 1/(2 r1 r2)^2, hoisted by the caller. */
+/* sin^2 of the angle between the two links; `flat` is 1/(2 r1 r2)^2. */
 LW_INLINE double lw_rrr_flat(double r1, double r2)
 {
     double p = lw_away_from_zero(r1)*lw_away_from_zero(r2);
@@ -85,7 +87,7 @@ LW_INLINE double lw_rrr_flat(double r1, double r2)
 LW_INLINE double lw_rrr_margin(const lw_rrr *z, double flat)
 {
     double m = lw_at_least(z->h*flat, LW_MARGIN_LEAST);
-    return z->d2 > LW_TINY2 ? m : m < 0 ? m : 0;
+    return z->d2 > 2*LW_TINY2 ? m : lw_at_most(m, 0);
 }
 
 /* 2 r1 r2 sin(angle) = y, hence with k1 = bar1 2 r2 / y, k2 = bar2 2 r1 / y
@@ -101,22 +103,28 @@ LW_INLINE lw_vec2 lw_rrr_back(lw_vec2 u1, lw_vec2 u2, double r1, double r2, doub
 }
 
 /* ---- RRP: c = a + r u = q + t w --------------------------------------------------------------------- */
-typedef struct lw_rrp { lw_vec2 u, c; double y, h, r; } lw_rrp;
+typedef struct lw_rrp { lw_vec2 arm; double y, h, r; } lw_rrp;      /* arm: c - a */
 
-LW_INLINE lw_rrp lw_rrp_solve(lw_vec2 a, lw_vec2 q, lw_vec2 w, double r, double mode)
+/* In the frame of the line, which passes a at the distance `away` (to the left positive). */
+LW_INLINE lw_rrp lw_rrp_solve(double away, double r, double mode)
 {
     lw_rrp z;
     z.r = lw_away_from_zero(r);
-    double away = lw_v2_cross(w, lw_v2_sub(q, a));            /* of the line from a */
     z.h = (z.r - away)*(z.r + away);
     int meet = z.h >= 0;
     z.y = mode*sqrt(meet ? z.h : 0);
-    away = meet ? away : copysign(z.r, away);
-    lw_vec2 arm = lw_v2_turn(lw_v2(z.y, away), w);
-    z.c = lw_v2_add(a, arm);
-    z.u = lw_v2_scale(arm, 1/z.r);
+    z.arm = lw_v2(z.y, meet ? away : copysign(z.r, away));
     return z;
 }
+
+LW_INLINE lw_rrp lw_rrp_solve_along(lw_vec2 a, lw_vec2 q, lw_vec2 w, double r, double mode)
+{
+    lw_rrp z = lw_rrp_solve(lw_v2_cross(w, lw_v2_sub(q, a)), r, mode);
+    z.arm = lw_v2_turn(z.arm, w);
+    return z;
+}
+
+LW_INLINE lw_vec2 lw_rrp_direction(const lw_rrp *z) { return lw_v2_scale(z->arm, 1/z->r); }
 
 LW_INLINE double lw_rrp_margin(const lw_rrp *z) { return lw_at_least(z->h/(z->r*z->r), LW_MARGIN_LEAST); }
 
@@ -131,16 +139,13 @@ LW_INLINE lw_vec2 lw_rrp_back(lw_vec2 u, lw_vec2 w, double t, double inv, double
 }
 
 /* ---- RPR: b = a + (y + ie) u ------------------------------------------------------------------------ */
-typedef struct lw_rpr { lw_vec2 u; double y, h, d2; int apart; } lw_rpr;
+typedef struct lw_rpr { lw_vec2 u; double y, h, d2; } lw_rpr;
 
 LW_INLINE lw_rpr lw_rpr_solve(lw_vec2 a, lw_vec2 b, double e, double mode)
 {
     lw_rpr z;
-    lw_vec2 span = lw_v2_sub(b, a);
-    double d2 = lw_v2_dot(span, span);
-    z.apart = d2 > LW_TINY2;
-    span = lw_v2(z.apart ? span.x : LW_TINY, z.apart ? span.y : 0);
-    z.d2 = z.apart ? d2 : LW_TINY2;
+    lw_vec2 span = lw_span(a, b);
+    z.d2 = lw_v2_dot(span, span);
     z.h = z.d2 - e*e;
     int meet = z.h >= 0;
     double q = sqrt(meet ? z.h : z.d2);
@@ -153,7 +158,7 @@ LW_INLINE lw_rpr lw_rpr_solve(lw_vec2 a, lw_vec2 b, double e, double mode)
 LW_INLINE double lw_rpr_margin(const lw_rpr *z)
 {
     double m = lw_at_least(z->h/z->d2, -1);
-    return z->apart ? m : m < 0 ? m : 0;
+    return z->d2 > 2*LW_TINY2 ? m : lw_at_most(m, 0);
 }
 
 /* y d angle = (db - da).n - de,  n = i u.  Returns the pull on b, minus that on a. */

@@ -112,6 +112,17 @@ typedef struct lw_step {
     int in[4], out[4], dim[3], dyad;
 } lw_step;
 
+/* The commonest plans, recognised so that one loop does all steps: a point A driven by the input (a pin
+ * of the crank, or of a slider) and one dyad from A to ground, its tracer on the link at A.  Numbers
+ * of dimensions, -1 where there is none (then the number is 0):
+ *     A = r2 (cos, sin)  or  (displacement, e_in);   ground pin (b, 0), or line through (0, e) at angle beta;
+ *     RRR lengths d1, d2;   RRP length d1;   RPR offset d1. */
+typedef struct lw_short {
+    bool         is_short;
+    lw_step_kind dyad;
+    int          r2, e_in, b, e, beta, d1, d2;
+} lw_short;
+
 typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
     bool        input_is_slider;
@@ -135,6 +146,7 @@ typedef struct lw_plan {
     int         output_tracer[LW_TRACER_MAX];     /* index in the linkage                         */
     int         n_output_step[LW_TRACER_MAX];     /* the steps an output depends on, in order     */
     unsigned char output_step[LW_TRACER_MAX][LW_STEP_MAX];
+    lw_short    output_short[LW_TRACER_MAX];
     int         i_cx[LW_TRACER_MAX], i_cy[LW_TRACER_MAX];   /* its coordinates in dim, or -1      */
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */
     int         link_dir[LW_LINK_MAX];

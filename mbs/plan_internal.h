@@ -29,6 +29,9 @@ typedef struct lw_topology {
 /* Frames, dimensions, registers and steps of what is needed (mbs/plan_steps.c). */
 lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_error *e);
 
+/* Is output o of the plan one of the commonest kind (mbs/plan_short.c)? */
+lw_short lw_plan_shorten(const lw_plan *plan, int o);
+
 /* Does link i carry a joint of this kind in the topology's linkage? */
 static inline bool lw_joint_has(const lw_joint *j, int link)
 {

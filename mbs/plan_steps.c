@@ -538,5 +538,7 @@ lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_err
     number_angles(plan);
     for (int o = 0; o < plan->n_output; o++)
         slice_output(plan, o);
+    for (int o = 0; o < plan->n_output; o++)
+        plan->output_short[o] = lw_plan_shorten(plan, o);
     return LW_OK;
 }

@@ -44,9 +44,9 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     case LW_STEP_RRR:
         return solve_rrr(s, dim, sign, reg);
     case LW_STEP_RRP: {
-        lw_rrp z = lw_rrp_solve(reg[in[0]], reg[in[1]], reg[in[2]], dim[s->dim[0]], sign);
-        reg[out[0]] = z.u;
-        reg[out[1]] = z.c;
+        lw_rrp z = lw_rrp_solve_along(reg[in[0]], reg[in[1]], reg[in[2]], dim[s->dim[0]], sign);
+        reg[out[0]] = lw_rrp_direction(&z);
+        reg[out[1]] = lw_v2_add(reg[in[0]], z.arm);
         return lw_rrp_margin(&z);
     }
     case LW_STEP_RPR: {
