@@ -46,12 +46,12 @@ typedef struct lw_rrr { lw_vec2 span; double d2, p1, p2, y, h, r1, r2; } lw_rrr;
 
 /* From a to b; where they coincide along x, as short as can be squared.  The addition changes nothing else
  * for coordinates above 1e-54. */
-LW_INLINE lw_vec2 lw_span(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
+LW_INLINE lw_vec2 lw_reach(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
 
 LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode)
 {
     lw_rrr z;
-    z.span = lw_span(a, b);
+    z.span = lw_reach(a, b);
     z.d2 = lw_v2_dot(z.span, z.span);
     z.r1 = lw_away_from_zero(r1);
     z.r2 = lw_away_from_zero(r2);
@@ -144,7 +144,7 @@ typedef struct lw_rpr { lw_vec2 u; double y, h, d2; } lw_rpr;
 LW_INLINE lw_rpr lw_rpr_solve(lw_vec2 a, lw_vec2 b, double e, double mode)
 {
     lw_rpr z;
-    lw_vec2 span = lw_span(a, b);
+    lw_vec2 span = lw_reach(a, b);
     z.d2 = lw_v2_dot(span, span);
     z.h = z.d2 - e*e;
     int meet = z.h >= 0;
