@@ -101,9 +101,9 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, int target, int result, 
                         const lw_page_result *r, lw_error *e)
 {
     lw_diagram_options o = lw_diagram_options_default();
-    o.width = 440;                       /* small, with large signs: legible on a phone too */
-    o.height = 360;
-    o.zoom = 1.25;
+    o.width = 560;                       /* small, with large signs: legible on a phone too */
+    o.height = 440;
+    o.zoom = 1.2;
     o.title = o.dimensions = false;
     o.whole_motion = true;
     lw_drawing d;

@@ -24,7 +24,7 @@ lw_status lw_ordered_close(lw_ordered *o)
 static void stop_locked(lw_ordered *o, lw_status status)
 {
     if (o->status == LW_OK)
-        o->status = status;
+        __atomic_store_n(&o->status, status, __ATOMIC_RELAXED);      /* lw_piece_space looks without the lock */
     pthread_cond_broadcast(&o->moved);
 }
 
@@ -74,7 +74,7 @@ char *lw_piece_space(lw_piece *p, size_t most)
         p->text = text;
         p->room = room;
     }
-    /* read without the lock: a stop seen late costs some text that goes nowhere */
+    /* without the lock: a stop seen late costs some text that goes nowhere */
     return __atomic_load_n(&p->to->status, __ATOMIC_RELAXED) == LW_OK ? p->text + p->size : NULL;
 }
 

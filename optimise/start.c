@@ -1,9 +1,6 @@
 #include "optimise/start.h"
 
 #include <complex.h>
-#ifndef CMPLX                      /* glibc 2.36 defines it for gcc only */
-#define CMPLX(x, y) __builtin_complex((double)(x), (double)(y))
-#endif
 #include <string.h>
 
 #include "optimise/family.h"
