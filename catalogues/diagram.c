@@ -15,7 +15,8 @@
 lw_diagram_options lw_diagram_options_default(void)
 {
     return (lw_diagram_options){ .width = 1000, .height = 750, .zoom = 1, .title = true,
-                                 .labels = true, .length_labels = true, .dimensions = true };
+                                 .labels = true, .length_labels = true, .length_values = true,
+                                 .dimensions = true };
 }
 
 lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t frame, int link)

@@ -16,7 +16,8 @@ typedef struct lw_diagram_options {
     double zoom;               /* of signs and letters against what is usual for that size (1)    */
     bool   title;              /* the scene's title above                                  (true) */
     bool   labels;             /* names of joints, numbers of stations                     (true) */
-    bool   length_labels;      /* lengths beside their links                               (true) */
+    bool   length_labels;      /* names of lengths beside their links                      (true) */
+    bool   length_values;      /* and their values                                         (true) */
     bool   whole_motion;       /* the view holds every posture, for animation              (false) */
     bool   dimensions;         /* the list of dimensions below the title                   (true) */
 } lw_diagram_options;

@@ -292,7 +292,8 @@ static void label_length(lw_sketch *k, int link, const char *name, double length
 {
     char number[32], text[64];
     lw_number_text(number, length/linkage(k)->units.metre, 4);
-    snprintf(text, sizeof text, "%s%s%s", name, name[0] ? " = " : "", number);
+    bool both = name[0] && k->o->length_values;
+    snprintf(text, sizeof text, "%s%s%s", name, both ? " = " : "", both || !name[0] ? number : "");
     lw_vec2 p = lw_sketch_pixel(k, 0, a), q = lw_sketch_pixel(k, 0, b);
     label(k, LW_ROLE_LENGTH_LABEL, link, link, text, LENGTH_SIZE*k->u, p, q, 6*k->u, LW_INK_FAINT);
 }

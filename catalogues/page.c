@@ -18,6 +18,11 @@ static void heading(lw_bytes *b, const char *open, const char *text, const char 
     lw_bytes_text(b, close);
 }
 
+static bool same(const char *a, const char *b)
+{
+    return a && b && strcmp(a, b) == 0;
+}
+
 static void lines(lw_bytes *b, const char *const *line)
 {
     for (; *line; line++)
@@ -97,14 +102,15 @@ static void controls(lw_bytes *b)
 }
 
 /* The drawing of one result and its motion, which goes to the list of all motions. */
-static lw_status figure(lw_bytes *b, lw_bytes *motions, int target, int result, int *n_motion,
-                        const lw_page_result *r, lw_error *e)
+static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target, int result,
+                        int *n_motion, lw_error *e)
 {
+    const lw_page_result *r = &p->target[target].result[result];
     lw_diagram_options o = lw_diagram_options_default();
     o.width = 560;                       /* small, with large signs: legible on a phone too */
     o.height = 440;
     o.zoom = 1.2;
-    o.title = o.dimensions = false;
+    o.title = o.dimensions = o.length_values = false;             /* the table has them */
     o.whole_motion = true;
     lw_drawing d;
     lw_status st = lw_diagram_draw(r->scene, &o, &d, e);
@@ -115,7 +121,8 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, int target, int result, 
     lw_bytes_text(b, t);
     snprintf(t, sizeof t, "t%dr%d-", target + 1, result + 1);
     lw_svg_inline(&d, t, b);
-    heading(b, "<figcaption>", r->scene->title, r->note ? ": " : "");
+    bool titled = !same(r->scene->title, p->title) && !same(r->scene->title, p->target[target].name);
+    heading(b, "<figcaption>", titled ? r->scene->title : NULL, titled && r->note ? ": " : "");
     heading(b, "", r->note, "</figcaption>\n</figure>\n");
     lw_bytes_text(motions, *n_motion ? ",\n" : "");
     lw_page_motions(motions, r->scene, &d);
@@ -129,13 +136,15 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
 {
     const lw_page_target *t = &p->target[target];
     char open[64];
-    snprintf(open, sizeof open, "<section id=\"target-%d\">\n<h2>", target + 1);
-    heading(b, open, t->name, "</h2>\n");
+    snprintf(open, sizeof open, "<section id=\"target-%d\">\n", target + 1);
+    lw_bytes_text(b, open);
+    if (p->n_target > 1 || !same(t->name, p->title))
+        heading(b, "<h2>", t->name, "</h2>\n");
     if (t->about)
         heading(b, "<p class=\"about\">", t->about, "</p>\n");
     for (int i = 0; i < t->n_result; i++) {
         lw_status st = t->result[i].scene
-                     ? figure(b, motions, target, i, n_motion, &t->result[i], e) : LW_OK;
+                     ? figure(b, motions, p, target, i, n_motion, e) : LW_OK;
         if (st != LW_OK)
             return st;
     }
