@@ -1,0 +1,42 @@
+/* enumerate/multiple.h - chains with multiple joints: two or more pins on one axis.
+ *
+ * Such a chain is a bipartite graph of links and pins; a pin that holds d links counts as d - 1 joints of one
+ * freedom, so F = 3 (P - 1) - 2 sum of (d - 1).  Putting one of the d links in the middle of a star makes a
+ * chain of simple joints out of it.  Every set of links counts rightly in the star around one of its own
+ * links, so nothing is rigid exactly when no choice of middles gives a rigid chain; and some choice gives one that is
+ * not fractionated.  So all chains with multiple joints come from the simple chains of the same P and F by
+ * laying joints of one link together, and are told apart by canonical form. */
+#ifndef LW_ENUMERATE_MULTIPLE_H
+#define LW_ENUMERATE_MULTIPLE_H
+
+#include "enumerate/chains.h"
+#include "grammar/mechanism.h"
+
+typedef struct lw_multiple {
+    int      n_link, n_pin;
+    uint32_t pin[LW_JOINT_MAX];     /* links on each pin, as bits: two or more; falling by number, then by bits */
+} lw_multiple;
+
+/* F, every pin counted with its links less one. */
+int lw_multiple_mobility(const lw_multiple *m);
+
+/* A closed chain that can move and is not fractionated: no two links share two pins, every link has two pins, no
+ * set of links has F <= 0, and it stays in one piece without any one link or pin. */
+bool lw_multiple_moves(const lw_multiple *m);
+
+/* Canonical form: the same for isomorphic chains and for no others.  LW_E_ARG when links and multiple
+ * pins together are more than LW_LINK_MAX; LW_E_MEMORY. */
+lw_status lw_multiple_canonical(const lw_multiple *m, lw_multiple *form);
+
+/* "1-2-5 1-3 2-4 ...": the links on each pin, counted from 1; returns the length as snprintf does. */
+size_t lw_multiple_print(const lw_multiple *m, char *buf, size_t size);
+
+typedef lw_status lw_multiple_visit(void *context, const lw_multiple *m);
+
+/* Every chain with n_link links, F = dof and one multiple joint at least once, not fractionated.  In the order in
+ * which the simple chains come (chains.h).  Keeps all forms in memory, 264 bytes each.  LW_E_ARG with the
+ * equation, LW_E_MEMORY. */
+lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
+                           lw_error *e);
+
+#endif

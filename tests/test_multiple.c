@@ -1,0 +1,127 @@
+/* Multiple joints against catalogues/data/published-counts.csv (two methods there) and a count over all sets of
+ * links. */
+#include "check.h"
+#include "base/rng.h"
+#include "enumerate/multiple.h"
+
+typedef struct found { int n, dof; char kinds[64][16]; int n_of[64], n_kind; lw_rng *rng; } found;
+
+/* All sets of links by the definition. */
+static bool rigid_by_count(const lw_multiple *m)
+{
+    for (uint32_t s = 1; s < 1u << m->n_link; s++) {
+        int f = 3*(__builtin_popcount(s) - 1);
+        for (int k = 0; k < m->n_pin; k++)
+            f -= m->pin[k] & s ? 2*(__builtin_popcount(m->pin[k] & s) - 1) : 0;
+        if ((s & (s - 1)) && f <= 0)
+            return true;
+    }
+    return false;
+}
+
+static void check_form(const lw_multiple *m, lw_rng *rng)
+{
+    lw_multiple shuffled = { .n_link = m->n_link, .n_pin = m->n_pin }, a, b;
+    uint8_t to[LW_LINK_MAX];
+    for (int i = 0; i < m->n_link; i++) {
+        int k = (int)lw_rng_range(rng, 0, i + 1);
+        to[i] = to[k];
+        to[k] = (uint8_t)i;
+    }
+    for (int k = 0; k < m->n_pin; k++)
+        for (uint32_t s = m->pin[k]; s; s &= s - 1)
+            shuffled.pin[m->n_pin - 1 - k] |= 1u << to[__builtin_ctz(s)];
+    CHECK_INT(lw_multiple_canonical(m, &a), LW_OK);
+    CHECK_INT(lw_multiple_canonical(&shuffled, &b), LW_OK);
+    CHECK(!memcmp(&a, &b, sizeof a));
+    CHECK(lw_multiple_moves(&b));
+}
+
+/* "{2 2}" of the data: multiplicities of the multiple pins, rising, as digits "22". */
+static lw_status note(void *context, const lw_multiple *m)
+{
+    found *f = context;
+    char kind[16] = "";
+    int n = 0, k = 0;
+    CHECK_INT(lw_multiple_mobility(m), f->dof);
+    CHECK(!rigid_by_count(m));
+    check_form(m, f->rng);
+    for (int i = m->n_pin - 1; i >= 0; i--)
+        if (__builtin_popcount(m->pin[i]) > 2)
+            kind[n++] = (char)('0' + __builtin_popcount(m->pin[i]) - 1);
+    while (k < f->n_kind && strcmp(f->kinds[k], kind) != 0)
+        k++;
+    if (k == f->n_kind)
+        strcpy(f->kinds[f->n_kind++], kind);
+    f->n_of[k]++;
+    f->n++;
+    return LW_OK;
+}
+
+static int number_of(const found *f, const char *kind)
+{
+    for (int k = 0; k < f->n_kind; k++)
+        if (!strcmp(f->kinds[k], kind))
+            return f->n_of[k];
+    return 0;
+}
+
+static found list(int n_link, int dof, lw_rng *rng)
+{
+    found f = { .dof = dof, .rng = rng };
+    CHECK_INT(lw_multiple_each(n_link, dof, 1, note, &f, NULL), LW_OK);
+    return f;
+}
+
+static void published(void)
+{
+    static const struct { int n_link, dof; const char *kind; int n; } known[] = {
+        { 6, 1, "2", 1 }, { 6, 1, "22", 1 }, { 8, 1, "2", 20 }, { 8, 1, "22", 16 }, { 8, 1, "222", 3 },
+        { 8, 1, "2222", 1 }, { 8, 1, "23", 1 }, { 8, 1, "3", 2 }, { 8, 1, "33", 1 }, { 7, 2, "2", 3 },
+        { 7, 2, "22", 2 },
+    };
+    static const struct { int n_link, dof, n; } total[] = {
+        { 4, 1, 0 }, { 6, 1, 2 }, { 8, 1, 44 }, { 5, 2, 0 }, { 7, 2, 5 },
+    };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        found f = list(known[i].n_link, known[i].dof, &rng);
+        CHECK_INT(number_of(&f, known[i].kind), known[i].n);
+    }
+    for (size_t i = 0; i < sizeof total/sizeof *total; i++)
+        CHECK_INT(list(total[i].n_link, total[i].dof, &rng).n, total[i].n);
+}
+
+static void what_moves(void)
+{
+    /* Watt's chain with a multiple pin 1-2-5 moves; with two pins shared by links 1 and 2 it does not */
+    lw_multiple watt = { 6, 6, { 19, 6, 12, 9, 48, 40 } }, twice = watt, loose = watt;
+    char text[100];
+    CHECK_INT(lw_multiple_mobility(&watt), 1);
+    CHECK(lw_multiple_moves(&watt));
+    lw_multiple_print(&watt, text, sizeof text);
+    CHECK_TEXT(text, "1-2-5 2-3 3-4 1-4 5-6 4-6");
+    twice.pin[1] = 3;
+    CHECK(!lw_multiple_moves(&twice));
+    loose.n_pin = 5;                                        /* link 6 hangs at one pin */
+    CHECK(!lw_multiple_moves(&loose));
+    lw_multiple rings = { 8, 7, { 0x33, 0x06, 0x0c, 0x09, 0x60, 0xc0, 0x90 } };
+    CHECK_INT(lw_multiple_mobility(&rings), 3);
+    CHECK(!lw_multiple_moves(&rings));                      /* falls apart at the pin */
+}
+
+static void refusals(void)
+{
+    lw_error e = { 0 };
+    CHECK_INT(lw_multiple_each(7, 1, 1, note, NULL, &e), LW_E_ARG);
+    CHECK(e.text[0] != '\0');
+}
+
+int main(void)
+{
+    RUN(published);
+    RUN(what_moves);
+    RUN(refusals);
+    return check_end();
+}
