@@ -7,7 +7,7 @@
 #include "base/suggest.h"
 #include "cli/output.h"
 
-static const cli_command *const commands[] = { &cli_classify_command, &cli_draw_command };
+static const cli_command *const commands[] = { &cli_classify_command, &cli_draw_command, &cli_fit_command };
 
 #define N_COMMAND ((int)(sizeof commands/sizeof *commands))
 

@@ -229,6 +229,31 @@ lw_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step
     }
 }
 
+lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, double *first,
+                          double *last, bool *turns)
+{
+    const lw_step *step = NULL;
+    for (int i = 0; i < plan->n_step; i++)
+        if (lw_step_has_modes(&plan->step[i]))
+            step = &plan->step[i];
+    if (plan->n_dyad != 1 || !step)
+        return LW_E_KIND;
+    lw_span s = lw_dyad_span(plan, dim, step);
+    bool pin = !plan->input_is_slider;
+    *turns = pin && (s.kind == LW_SPAN_ALL || (s.kind == LW_SPAN_RING && !s.has_in && !s.has_out));
+    if (s.kind == LW_SPAN_NEVER)
+        return LW_OPEN;
+    if (*turns)
+        return LW_OK;
+    if (s.kind != LW_SPAN_RING || (!pin && !s.has_out))
+        return LW_E_KIND;
+    double out = s.has_out ? s.out : 2.0*LW_PI - s.in, in = s.has_in ? s.in : -out;
+    bool mirrored = s.has_in && s.has_out && side < 0.0;
+    *first = s.centre + (mirrored ? -out : in);
+    *last = s.centre + (mirrored ? -in : out);
+    return LW_OK;
+}
+
 /* ---- one posture ---- */
 
 lw_opening lw_dyad_opening(const double *dim, const lw_step *s, const lw_vec2 *reg)

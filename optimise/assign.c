@@ -9,6 +9,11 @@ enum { M = LW_CURVE_SAMPLES };
 void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->mode };
+    if (!p->turns) {
+        lw_circuit_inputs(p, w, M, w->turn, w->turn_c, w->turn_s, w->turn_mode, NULL, NULL);
+        in.mode = w->turn_mode;
+        in.mode_stride = M;
+    }
     lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
                    w->curve_m);
 }
@@ -76,7 +81,7 @@ static void nearest(const lw_problem *p, lw_work *w)
         for (int j = 1; j < M; j++)
             if (c[j] < c[best])
                 best = j;
-        w->theta[i] = w->turn[best];
+        w->phase[i] = w->turn[best];
     }
 }
 
@@ -99,7 +104,7 @@ static bool monotone(const lw_problem *p, lw_work *w)
         }
     }
     for (size_t i = 0; kept >= 0 && i < p->n; i++)
-        w->theta[i] = w->turn[kept] + p->sense*keep[i]*(2*LW_PI/M);
+        w->phase[i] = w->turn[kept] + p->sense*keep[i]*(2*LW_PI/M);
     return kept >= 0;
 }
 
@@ -108,21 +113,23 @@ static void between_samples(const lw_problem *p, lw_work *w)
 {
     const double width = 2*LW_PI/M;
     for (size_t i = 0; i < p->n; i++) {
-        int j = (int)lrint(w->theta[i]/width) & (M - 1);
+        int j = (int)lrint((w->phase[i] - w->turn[0])/width) & (M - 1);
         int a = (j + M - 1) & (M - 1), b = (j + 1) & (M - 1);
         double tx = 0.5*(w->curve_x[b] - w->curve_x[a]), ty = 0.5*(w->curve_y[b] - w->curve_y[a]);
         double t2 = tx*tx + ty*ty;
         double s = tx*(p->x[i] - w->curve_x[j]) + ty*(p->y[i] - w->curve_y[j]);
         w->try_theta[i] = 1;
         if (t2 > 0)
-            w->theta[i] += width*fmax(-0.5, fmin(0.5, s/t2));
+            w->phase[i] += width*fmax(-0.5, fmin(0.5, s/t2));
     }
     if (p->timing == LW_TIMING_FREE)
-        lw_assign_order(p, w->theta, w->try_theta, w->pool);
+        lw_assign_order(p, w->phase, w->try_theta, w->pool);
 }
 
 bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
 {
+    if (!lw_circuit_find(p, x, w))
+        return false;
     lw_assign_sample(p, x, w);
     fill_costs(p, x, w);
     bool found = true;
@@ -163,8 +170,8 @@ bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k)
 {
     if (p->timing != LW_TIMING_FREE)
         return false;
-    return (k > 0 && w->theta[k] == w->theta[k - 1])
-        || (k + 1 < p->n && w->theta[k] == w->theta[k + 1]);
+    return (k > 0 && w->phase[k] == w->phase[k - 1])
+        || (k + 1 < p->n && w->phase[k] == w->phase[k + 1]);
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two
@@ -178,17 +185,17 @@ static double propose(const lw_problem *p, lw_work *w, bool have_old)
         for (int i = 0; i < w->n_row; i++)
             slope += t[i]*w->res[(size_t)i*w->ld + k];
         double bend = t2 + 1e-30;
-        double moved = w->theta[k] - old[k];
+        double moved = w->phase[k] - old[k];
         if (have_old && fabs(moved) > 1e-13) {
             double secant = (slope - slope_old[k])/moved;
             if (secant > 0.2*t2)
                 bend = secant;
         }
         double step = fmax(-0.3, fmin(0.3, -slope/bend));
-        old[k] = w->theta[k];
+        old[k] = w->phase[k];
         slope_old[k] = slope;
         curvature[k] = bend;
-        w->theta[k] += step;
+        w->phase[k] += step;
         longest = fmax(longest, fabs(step));
     }
     return longest;
@@ -197,15 +204,14 @@ static double propose(const lw_problem *p, lw_work *w, bool have_old)
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
     for (int i = 0;; i++) {
-        lw_problem_turn_stations(p, w);
-        if (!lw_problem_lanes(p, x, w))
+        if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
             return false;
         if (i >= steps)
             return true;
         lw_problem_rows(p, x, w, false);
         double longest = propose(p, w, i > 0);
         if (p->timing == LW_TIMING_FREE)
-            lw_assign_order(p, w->theta, w->try_theta + 2*w->ld, w->pool);
+            lw_assign_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
         if (longest < 1e-12)
             steps = i + 1;
     }
@@ -255,12 +261,12 @@ static bool outside_piece(const lw_problem *p, const lw_work *w, int sample, dou
 
 static double covered_span(const lw_problem *p, const lw_work *w)
 {
-    double from = w->theta[0], rise = remainder(w->theta[p->n - 1] - from, 2*LW_PI);
+    double from = w->phase[0], rise = remainder(w->phase[p->n - 1] - from, 2*LW_PI);
     if (rise < 0)
         rise += 2*LW_PI;
     size_t inside = 0;
     for (size_t i = 1; i + 1 < p->n; i++) {
-        double at = remainder(w->theta[i] - from, 2*LW_PI);
+        double at = remainder(w->phase[i] - from, 2*LW_PI);
         inside += (at < 0 ? at + 2*LW_PI : at) <= rise;
     }
     return 2*inside + 2 >= p->n ? rise : rise - 2*LW_PI;
@@ -273,10 +279,10 @@ void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const d
         total += p->w[i];
     w->sample_weight = total/M;
     for (int j = 0; j < M; j++) {
-        w->theta[p->n + (size_t)j] = w->turn[j];
+        w->phase[p->n + (size_t)j] = w->turn[j];
         w->foot_x[j] = x[j];
         w->foot_y[j] = y[j];
-        if (!outside_piece(p, w, j, w->theta[0], span))
+        if (!outside_piece(p, w, j, w->phase[0], span))
             foot_on_target(p, x[j], y[j], &w->foot_x[j], &w->foot_y[j]);
     }
 }

@@ -89,5 +89,5 @@ const lw_family lw_family_table[] = {
     { "slotted crank", "RPRR", true, false, { "r1", "r4", "e2" },
       { "+r4-r1-e2", "+r4-r1+e2" }, 2, draw_slider_crank },
     { "trammel", "PRRP", false, false, { "r3", "beta1" }, { NULL }, 1, draw_trammel },
-    { NULL }
+    { .name = NULL }
 };

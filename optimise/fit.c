@@ -19,7 +19,7 @@ enum {
     KEEP = 4,               /* of these, handed to the pool                                       */
     POLISH = 8,             /* of the pool, polished after each round                             */
     ARM_MAX = 64,
-    HITS = 80               /* found this often by different starts: nothing better is likely     */
+    HITS = 100              /* found this often by different starts: nothing better is likely     */
 };
 #define EXACT 1e-27         /* f of one station, of size one, that is rounding                    */
 
@@ -311,30 +311,50 @@ static void polish_one(void *context, size_t job, int thread)
     c->polished = true;
 }
 
-/* The best of the round's finds go on, each linkage once. */
+/* Count how often the best of the search was met, to know when to end. */
+static void count_hits(search *s, double f)
+{
+    if (f < s->best_raw*(1 - 1e-3)) {
+        s->best_raw = f;
+        s->hits = 1;
+    } else if (f <= s->best_raw*(1 + 1e-3))
+        s->hits++;
+}
+
+static void take(search *s, const lw_found *c, polish_list *list)
+{
+    lw_found *to = &list->item[list->n++];
+    const arm *a = &s->arm[c->arm];
+    *to = *c;
+    if (a->has_coarse)
+        refine_variables(a, c->x, to->x);
+    lw_lm_feasible(&a->fine, to->x);
+}
+
+/* The best of the round's finds go on, each linkage once; and of every type the best, since a list
+ * of one type is not what somebody asks for who allows several. */
 static void pick(search *s, polish_list *list)
 {
     lw_pool *raw = &s->raw;
-    raw->n = 0;
+    const char *seen[ARM_MAX];
+    int n_seen = 0;
+    raw->n = list->n = 0;
     for (int i = 0; i < s->n_job*KEEP; i++) {
         const lw_found *c = &s->found[i];
         if (!isfinite(c->f))
             continue;
-        if (c->f < s->best_raw*(1 - 1e-3)) {
-            s->best_raw = c->f;
-            s->hits = 1;
-        } else if (c->f <= s->best_raw*(1 + 1e-3))
-            s->hits++;
+        count_hits(s, c->f);
         lw_pool_put(raw, c, &s->arm[c->arm].fine);
     }
-    list->n = 0;
-    for (int i = 0; i < raw->n && list->n < POLISH; i++) {
-        lw_found *c = &list->item[list->n++];
-        const arm *a = &s->arm[raw->item[i].arm];
-        *c = raw->item[i];
-        if (a->has_coarse)
-            refine_variables(a, raw->item[i].x, c->x);
-        lw_lm_feasible(&a->fine, c->x);
+    for (int i = 0; i < raw->n && list->n < LW_POOL_MAX; i++) {
+        const char *type = s->arm[raw->item[i].arm].fine.family->type;
+        bool first = true;
+        for (int k = 0; k < n_seen; k++)
+            first &= seen[k] != type;
+        if (first)
+            seen[n_seen++] = type;
+        if (first || i < POLISH)
+            take(s, &raw->item[i], list);
     }
 }
 
@@ -482,8 +502,14 @@ static bool hand_out(const search *s, const lw_found *c, lw_candidate *out)
     out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
     out->input = malloc(sizeof *out->input*p->n);
     if (out->input)
-        memcpy(out->input, w->theta, sizeof *out->input*p->n);
-    return out->input != NULL;
+        for (size_t k = 0; k < p->n; k++)
+            out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
+    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
+        return out->input != NULL;
+    out->mode_of = malloc(sizeof *out->mode_of*p->n);
+    if (out->mode_of)
+        memcpy(out->mode_of, w->mode, sizeof *out->mode_of*p->n);
+    return out->input && out->mode_of;
 }
 
 /* Ranked candidates, each curve once. */

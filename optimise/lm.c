@@ -113,10 +113,10 @@ static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
         double d = w->slip[k];
         for (int i = 0; i < q->n; i++)
             d += w->slide[(size_t)q->var[i]*w->ld + k]*q->step[i];
-        w->theta[k] -= fmax(-0.3, fmin(0.3, d));
+        w->phase[k] -= fmax(-0.3, fmin(0.3, d));
     }
     if (p->timing == LW_TIMING_FREE)
-        lw_assign_order(p, w->theta, weight, w->pool);
+        lw_assign_order(p, w->phase, weight, w->pool);
 }
 
 /* f at x; jac and residuals are left in w. */
@@ -124,8 +124,8 @@ static double evaluate(const lw_problem *p, const double *x, lw_work *w)
 {
     if (p->timing == LW_TIMING_PRESCRIBED)
         lw_problem_prescribe(p, x, w);
-    else
-        lw_problem_turn_stations(p, w);
+    else if (!lw_problem_turn_stations(p, x, w))
+        return INFINITY;
     if (!lw_problem_lanes(p, x, w))
         return INFINITY;
     if (p->timing == LW_TIMING_NONE)
@@ -157,7 +157,7 @@ static lw_stop advance(run *r, double *x)
     lw_problem_rows(p, x, r->w, true);
     normal_equations(p, r->w, &r->q);
     conditions(p, x, &r->q);
-    memcpy(keep, r->w->theta, p->n*sizeof *keep);
+    memcpy(keep, r->w->phase, p->n*sizeof *keep);
     for (; r->steps < r->o->max_steps; r->steps++) {
         double promise = solve_step(&r->q, r->damping);
         if (promise >= 0 && promise <= 1e-16*r->f)
@@ -180,7 +180,7 @@ static lw_stop advance(run *r, double *x)
             memcpy(x, trial, sizeof trial[0]*(size_t)p->n_var);
             return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
         }
-        memcpy(r->w->theta, keep, p->n*sizeof *keep);
+        memcpy(r->w->phase, keep, p->n*sizeof *keep);
         r->damping = fmax(r->damping, 1e-12)*r->growth;
         r->growth *= 2;
         if (r->damping > 1e12)
@@ -210,7 +210,7 @@ static lw_stop descend(run *r, double *x)
 static bool reassigned(run *r, const double *x)
 {
     double *inputs = r->w->best_theta, f = r->f;
-    memcpy(inputs, r->w->theta, r->p->n*sizeof *inputs);
+    memcpy(inputs, r->w->phase, r->p->n*sizeof *inputs);
     if (lw_problem_settle(r->p, x, r->w))
         f = lw_problem_rows(r->p, x, r->w, false);
     r->evals++;
@@ -218,7 +218,7 @@ static bool reassigned(run *r, const double *x)
         r->f = f;
         return true;
     }
-    memcpy(r->w->theta, inputs, r->p->n*sizeof *inputs);
+    memcpy(r->w->phase, inputs, r->p->n*sizeof *inputs);
     return false;
 }
 

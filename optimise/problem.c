@@ -296,7 +296,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->n_lane = lanes;
     w->ld = ld;
     w->n_row = lw_problem_component_count(p);
-    double **lane_arrays[] = { &w->theta, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
+    double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
                                &w->jac.margin, &w->jac.tx, &w->jac.ty, &w->jac.tt };
     for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
         *lane_arrays[i] = piece(base, &at, ld*v);
@@ -311,7 +311,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
                          &w->curve_u, &w->curve_v,
-                         &w->foot_x, &w->foot_y, &w->turn };
+                         &w->foot_x, &w->foot_y, &w->turn, &w->turn_mode };
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
     size_t poses = ld > m ? ld : m, g = lw_problem_constraint_count(p) + 1;
@@ -353,35 +353,62 @@ void lw_problem_work_init(const lw_problem *p, void *work)
     memset(work, 0, lay_out(p, w, NULL));         /* lanes beyond the last stay zero in sums        */
     lay_out(p, w, work);
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
-        w->turn[j] = 2*LW_PI*j/LW_CURVE_SAMPLES;
+        w->turn[j] = 2*LW_PI*(j + (p->turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
         w->turn_c[j] = cos(w->turn[j]);
         w->turn_s[j] = sin(w->turn[j]);
     }
+    w->least_margin = !p->turns && p->timing != LW_TIMING_PRESCRIBED ? -1e-9 : 0;
 }
 
 /* ---- evaluation --------------------------------------------------------------------------- */
 
-bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
+/* Lanes first .. last-1, all in one assembly mode. */
+static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
+                          const double *mode)
 {
-    lw_lanes in = { .n = w->n_lane, .c = w->c, .s = w->s, .dim = x, .mode = p->mode };
-    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &w->jac);
-    double least = 1;
-    for (size_t k = 0; k < w->n_lane; k++)
-        least = fmin(least, w->jac.margin[k]);
-    return least >= 0;
+    lw_lanes in = { .n = last - first, .c = w->c + first, .s = w->s + first, .dim = x, .mode = mode };
+    lw_jacobian j = w->jac;
+    double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt };
+    for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+        if (*each[i])
+            *each[i] += first;
+    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
 }
 
-void lw_problem_turn_stations(const lw_problem *p, lw_work *w)
+/* A circuit through both modes: run by run of equal mode; then derivatives by the phase. */
+static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
 {
-    for (size_t k = 0; k < w->n_lane; k++) {
-        if (p->plan.input_is_slider) {
-            w->c[k] = w->theta[k];
-            w->s[k] = 0;
-        } else {
-            w->c[k] = cos(w->theta[k]);
-            w->s[k] = sin(w->theta[k]);
+    for (size_t first = 0, k = 1; k <= w->n_lane; k++)
+        if (k == w->n_lane || w->mode[k] != w->mode[first]) {
+            lanes_of_mode(p, x, w, first, k, w->mode + first);
+            first = k;
         }
+    for (size_t k = 0; k < w->n_lane; k++) {
+        w->jac.tx[k] *= w->rate[k];
+        w->jac.ty[k] *= w->rate[k];
+        if (w->jac.tt)
+            w->jac.tt[k] *= w->rate[k];
     }
+}
+
+bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
+{
+    double least = 1;
+    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
+        lanes_of_mode(p, x, w, 0, w->n_lane, p->mode);
+    else
+        lanes_of_circuit(p, x, w);
+    for (size_t k = 0; k < w->n_lane; k++)
+        least = fmin(least, w->jac.margin[k]);
+    return least >= w->least_margin;
+}
+
+bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (!lw_circuit_find(p, x, w))
+        return false;
+    lw_circuit_inputs(p, w, w->n_lane, w->phase, w->c, w->s, w->mode, w->input, w->rate);
+    return true;
 }
 
 void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
@@ -391,7 +418,7 @@ void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
     for (size_t k = 0; k < p->n; k++) {
         w->c[k] = c*p->c[k] - s*p->s[k];
         w->s[k] = s*p->c[k] + c*p->s[k];
-        w->theta[k] = first + p->angle[k];
+        w->input[k] = first + p->angle[k];
     }
 }
 

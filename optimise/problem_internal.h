@@ -11,7 +11,8 @@
 
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
-    double *theta;               /* input of each lane in the ground frame [rad] or [m]            */
+    double *phase;               /* where each lane is on its circuit [rad]; the input if that turns */
+    double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
     double *mode;                /* assembly of each lane                                          */
     double *c, *s;               /* cosine and sine of the input                                   */
     lw_jacobian jac;             /* of every lane                                                  */
@@ -22,8 +23,11 @@ typedef struct lw_work {
     double *slide, *slip;        /* eliminated: change of input = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
-    /* the curve, sampled (LW_CURVE_SAMPLES) */
-    double *turn, *turn_c, *turn_s, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
+    /* the circuit: the input turns, or goes to and fro about mid */
+    bool    turning;
+    double  mid, half, least_margin;
+    /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
+    double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
     double  sample_weight;
     /* poses in which conditions on the motion are looked at (samples or stations) */
@@ -43,8 +47,20 @@ int lw_problem_component_count(const lw_problem *p);
 /* Fill jac for x at the inputs in w->c, w->s; false when a lane cannot close. */
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
-/* c, s of the stations from theta; and both from x where the timing is prescribed. */
-void lw_problem_turn_stations(const lw_problem *p, lw_work *w);
+/* The circuit of the linkage x: its input turns, or goes from limit to limit in one assembly mode
+ * and back in the other,  input = mid - half cos(phase).  false when it closes nowhere. */
+bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);
+
+/* Inputs (cos and sin, or displacement) and modes at n phases; input and rate may be NULL. */
+void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const double *phase,
+                       double *c, double *s, double *mode, double *input, double *rate);
+
+/* Give lanes of stations their own modes where the circuit has both. */
+void lw_circuit_modes(const lw_problem *p, const lw_work *w, lw_lanes *in);
+
+/* Everything of the lanes that follows from their phases; false as lw_circuit_find.  And from x
+ * where the timing is prescribed. */
+bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w);
 void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w);
 
 /* Inputs and jac of every station at x, from scratch; false when it cannot close. */

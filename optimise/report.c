@@ -101,13 +101,13 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
     return least;
 }
 
-/* Poses over [from, to]: the farthest the tracer goes from the target, and its acceleration. */
-static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c, double from,
-                        double to, bool target, bool acceleration, lw_report *r)
+/* Poses over [from, to] in one mode: the farthest the tracer goes from the target, its acceleration. */
+static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c, double mode,
+                        double from, double to, bool target, bool acceleration, lw_report *r)
 {
     enum { STEPS = 360 };
     double modes[LW_DYAD_MAX];
-    modes_of(plan, c->mode, modes);
+    modes_of(plan, mode, modes);
     for (int k = 0; k <= STEPS; k++) {
         lw_pose pose;
         double at = from + (to - from)*k/STEPS;
@@ -161,7 +161,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
             r->turns = a->turns;
             r->transmission_min = a->transmission_min;
             r->transmission_max = a->transmission_max;
-            run_through(t, plan, c, a->first, a->last, false, true, r);
+            run_through(t, plan, c, a->mode[0], a->first, a->last, false, true, r);
         }
     }
     if (s->task == LW_TASK_FUNCTION) {
@@ -170,7 +170,12 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     }
     if (t->closed && r->turns)
         to = from + 2*LW_PI;
-    run_through(t, plan, c, from, to, true, false, r);
+    bool used[2] = { false, false };
+    for (size_t i = 0; i < t->n; i++)
+        used[mode_at(c, i) > 0] = true;
+    for (int k = 0; k < 2; k++)
+        if (used[k])
+            run_through(t, plan, c, k ? 1 : -1, from, to, true, false, r);
 }
 
 static void classify(const lw_candidate *c, lw_report *r)

@@ -22,17 +22,17 @@ static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
     double mass = 0;
     for (size_t k = 0; k < p->n; k++) {
         mass += p->w[k];
-        so += p->w[k]*CMPLX(w->jac.x[k], w->jac.y[k]);
-        sd += p->w[k]*CMPLX(w->jac.u[k], w->jac.v[k]);
-        sp += p->w[k]*CMPLX(p->x[k], p->y[k]);
+        so += p->w[k]*(w->jac.x[k] + I*w->jac.y[k]);
+        sd += p->w[k]*(w->jac.u[k] + I*w->jac.v[k]);
+        sp += p->w[k]*(p->x[k] + I*p->y[k]);
     }
     so /= mass; sd /= mass; sp /= mass;
     double oo = 0, dd = 0, pp = 0;
     double complex od = 0, op = 0, dp = 0;
     for (size_t k = 0; k < p->n; k++) {
-        double complex o = CMPLX(w->jac.x[k], w->jac.y[k]) - so;
-        double complex d = CMPLX(w->jac.u[k], w->jac.v[k]) - sd;
-        double complex q = CMPLX(p->x[k], p->y[k]) - sp;
+        double complex o = (w->jac.x[k] + I*w->jac.y[k]) - so;
+        double complex d = (w->jac.u[k] + I*w->jac.v[k]) - sd;
+        double complex q = (p->x[k] + I*p->y[k]) - sp;
         oo += p->w[k]*(creal(o)*creal(o) + cimag(o)*cimag(o));
         dd += p->w[k]*(creal(d)*creal(d) + cimag(d)*cimag(d));
         pp += p->w[k]*(creal(q)*creal(q) + cimag(q)*cimag(q));
@@ -85,11 +85,12 @@ static void mount_tool(const lw_problem *p, const lw_work *w, double *x)
 static bool frames(const lw_problem *p, const double *shape, lw_work *w)
 {
     lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->mode };
+    lw_circuit_modes(p, w, &in);
     lw_batch_frame(&p->plan, &in, 0, w->batch, w->jac.x, w->jac.y, w->jac.u, w->jac.v, w->jac.margin);
     double least = 1;
     for (size_t k = 0; k < p->n; k++)
         least = fmin(least, w->jac.margin[k]);
-    return least >= 0;
+    return least >= w->least_margin;
 }
 
 static void draw_shape(const lw_problem *p, const double *u, double *shape)
@@ -109,8 +110,8 @@ static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
         lw_problem_prescribe(p, x, w);
     else if (!lw_assign(p, x, w))
         return INFINITY;
-    else
-        lw_problem_turn_stations(p, w);
+    else if (!lw_problem_turn_stations(p, x, w))
+        return INFINITY;
     if (!lw_problem_lanes(p, x, w))
         return INFINITY;
     return lw_problem_rows(p, x, w, false);
@@ -142,9 +143,9 @@ static double start_prescribed(const lw_problem *p, const double *u, double *x, 
     return settle_and_score(p, x, w);
 }
 
-/* First guess of the inputs: the stations' share of the target's length, warped and shifted.  A closed
+/* First guess of the phases: the stations' share of the target's length, warped and shifted.  A closed
  * target may also be run through in a part of the turn, the rest being spent between two stations. */
-static void guess_inputs(const lw_problem *p, const double *u, lw_work *w)
+static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
 {
     double first = 2*LW_PI*u[0], warp = 0.9*u[1], phase = 2*LW_PI*u[2], along = 0, total = 0;
     bool hurried = p->closed && u[3] < 0.25;
@@ -160,9 +161,8 @@ static void guess_inputs(const lw_problem *p, const double *u, lw_work *w)
         double t = total > 0 ? 2*LW_PI*along/total : 0;
         if (!hurried)
             t += warp*(sin(t + phase) - sin(phase));
-        w->theta[k] = first + p->sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
+        w->phase[k] = first + p->sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
     }
-    lw_problem_turn_stations(p, w);
 }
 
 /* Fit place, size and tracer; assign the stations anew; and again. */
@@ -172,7 +172,9 @@ static double start_free(const lw_problem *p, const double *u, double *x, lw_wor
     double shape[LW_VAR_MAX];
     draw_shape(p, u, shape);
     memset(x, 0, sizeof *x*(size_t)p->n_var);
-    guess_inputs(p, u + p->family->n_draw, w);
+    guess_phases(p, u + p->family->n_draw, w);
+    if (!lw_problem_turn_stations(p, shape, w))
+        return INFINITY;
     for (int i = 0; i < ROUNDS; i++) {
         if (!frames(p, shape, w) || !put_together(p, shape, fit_linear(p, w), x))
             return INFINITY;
@@ -180,9 +182,8 @@ static double start_free(const lw_problem *p, const double *u, double *x, lw_wor
             mount_tool(p, w, x);
         if (i + 1 == ROUNDS)
             break;
-        if (!lw_assign(p, x, w))
+        if (!lw_assign(p, x, w) || !lw_problem_turn_stations(p, shape, w))
             return INFINITY;
-        lw_problem_turn_stations(p, w);
     }
     return settle_and_score(p, x, w);
 }
@@ -191,8 +192,8 @@ double lw_start_glance(const lw_problem *p, const double *u, void *work)
 {
     double shape[LW_VAR_MAX];
     draw_shape(p, u, shape);
-    guess_inputs(p, u + p->family->n_draw, work);
-    return frames(p, shape, work) ? fit_linear(p, work).rest : INFINITY;
+    guess_phases(p, u + p->family->n_draw, work);
+    return lw_problem_turn_stations(p, shape, work) && frames(p, shape, work) ? fit_linear(p, work).rest : INFINITY;
 }
 
 double lw_start(const lw_problem *p, const double *u, double *x, void *work)

@@ -1,0 +1,400 @@
+/* linkwright fit - linkages whose point moves as the target says. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/fit.h"
+#include "cli/model.h"
+#include "cli/progress.h"
+
+typedef struct settings {
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit;
+    int         task, timing, datum, starts, rounds, results;
+    double      weight_path, weight_angle, min_transmission, max_acceleration;
+    double      length_range[2], position_range[2];
+    bool        crank_only, full_turn, closed, open;
+} settings;
+
+enum { AUTO = 0 };
+
+static const cli_option options[] = {
+    { "type", 't', CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
+      "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
+      NULL, NULL },
+    { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
+      "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
+      0, 0, NULL, NULL },
+    { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto|prescribed|free|none", "auto",
+      "input angles of the target kept (prescribed), only the order kept (free), only the shape, "
+      "scored both ways (none); auto: prescribed when the target has input angles, else free", 0, 0, NULL, NULL },
+    { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
+      "prescribed angles count from the first one, which is found; from the line of the fixed pivots; "
+      "from the x axis", 0, 0, NULL, NULL },
+    { "weight-path", 'a', CLI_REAL, offsetof(settings, weight_path), "A", "1",
+      "weight of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
+    { "weight-angle", 'b', CLI_REAL, offsetof(settings, weight_angle), "B", "1",
+      "weight of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
+    { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
+      "bounds of the link lengths; without it 1/1000 to 10 diagonals of the target", 0, 1e300, NULL, NULL },
+    { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
+      "bounds of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
+    { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
+      "bounds of single dimensions, r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
+    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
+      "the input is a crank: turns fully, and of a four-bar is the shortest link", 0, 0, NULL, NULL },
+    { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
+      "the input turns fully; drag-links too", 0, 0, NULL, "crank-only" },
+    { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", NULL,
+      "least transmission angle over the motion [degrees]", 0, 89.9, NULL, NULL },
+    { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
+      "greatest acceleration of the point by the input [unit/rad^2]", 0, 1e300, NULL, NULL },
+    { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
+      "local solver behind the starts; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
+    { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
+      "starts a round, family and mode; 0: by the size of the problem", 0, 3200, NULL, NULL },
+    { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
+      "rounds at most; 0: by the size of the problem", 0, 100000, NULL, NULL },
+    { "results", 'n', CLI_INT, offsetof(settings, results), "N", "10", "results at most", 1, 64,
+      NULL, NULL },
+    { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
+      "linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
+      0, 0, NULL, NULL },
+    { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
+      "the last point is followed by the first, whatever the file says", 0, 0, NULL, NULL },
+    { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL, "it is not", 0, 0, NULL, "closed" },
+    { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
+      "unit of the target's lengths: m, mm, cm, in, ...; without it what the file says, else m", 0,
+      0, NULL, NULL },
+    { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "UNIT", NULL,
+      "unit of its angles: rad, deg, turn; without it what the file says, else rad", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+/* ---- what is asked for ------------------------------------------------------------------------ */
+
+/* One "r1=5:50". */
+static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec,
+                           lw_error *e)
+{
+    static const cli_option range = { .name = "bounds", .kind = CLI_RANGE };
+    char word[80], *equals;
+    double v[2];
+    if (n >= sizeof word)
+        n = sizeof word - 1;
+    memcpy(word, text, n);
+    word[n] = 0;
+    equals = strchr(word, '=');
+    lw_bound *b = &spec->bound[spec->n_bound];
+    if (!equals || equals == word || equals - word >= (long)sizeof b->name)
+        return lw_error_set(e, LW_E_ARG, "--bounds takes NAME=MIN:MAX with commas between, as "
+                            "r1=5:50,x0=0:0; '%s' is none", word);
+    if (spec->n_bound == (int)(sizeof spec->bound/sizeof *spec->bound))
+        return lw_error_set(e, LW_E_ARG, "--bounds takes %d names at most", spec->n_bound);
+    *equals = 0;
+    lw_status st = cli_value(&range, "bounds", equals + 1, v, e);
+    if (st != LW_OK)
+        return st;
+    bool angle = strncmp(word, "theta", 5) == 0 || strncmp(word, "beta", 4) == 0
+              || strncmp(word, "input", 5) == 0 || strncmp(word, "tool", 4) == 0;
+    memcpy(b->name, word, strlen(word) + 1);
+    b->lo = angle ? v[0] : v[0]*u->metre;
+    b->hi = angle ? v[1] : v[1]*u->metre;
+    spec->n_bound++;
+    return LW_OK;
+}
+
+static lw_status read_bounds(const char *text, const lw_units *u, lw_fit_spec *spec, lw_error *e)
+{
+    lw_status st = LW_OK;
+    while (text && *text && st == LW_OK) {
+        size_t n = strcspn(text, ",");
+        st = add_bound(text, n, u, spec, e);
+        text += n + (text[n] == ',');
+    }
+    return st;
+}
+
+static lw_task task_of(const settings *s, const lw_target *t)
+{
+    static const lw_task chosen[] = { LW_TASK_PATH, LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION };
+    if (s->task != AUTO)
+        return chosen[s->task];
+    return !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
+}
+
+static lw_timing timing_of(const settings *s, const lw_target *t)
+{
+    static const lw_timing chosen[] = { LW_TIMING_FREE, LW_TIMING_PRESCRIBED, LW_TIMING_FREE,
+                                        LW_TIMING_NONE };
+    return s->timing == AUTO && t->angle ? LW_TIMING_PRESCRIBED : chosen[s->timing];
+}
+
+/* Weights and ranges are in the user's unit, everything behind in SI. */
+static lw_status make_spec(const cli_call *call, const lw_target *t, lw_fit_spec *spec, lw_error *e)
+{
+    const settings *s = call->settings;
+    double m = t->units.metre;
+    *spec = lw_fit_spec_default();
+    spec->task = task_of(s, t);
+    spec->timing = timing_of(s, t);
+    spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
+    spec->a = s->weight_path/(m*m);
+    spec->b = s->weight_angle;
+    spec->crank_only = s->crank_only || s->full_turn;
+    spec->exclude_drag_link = s->crank_only;
+    spec->min_transmission = s->min_transmission*LW_PI/180;
+    spec->max_acceleration = s->max_acceleration*m;
+    spec->length_lo = s->length_range[0]*m;
+    spec->length_hi = s->length_range[1]*m;
+    spec->position_lo = s->position_range[0]*m;
+    spec->position_hi = s->position_range[1]*m;
+    if (spec->task != LW_TASK_FUNCTION && !(s->weight_path > 0))
+        return lw_error_set(e, LW_E_ARG, "--weight-path must be positive for a %s; use --task "
+                            "function to fit angles alone",
+                            spec->task == LW_TASK_PATH ? "path" : "motion");
+    if (cli_given(&call->parsed, "length-range") && !(s->length_range[1] > 0))
+        return lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
+                            "positive", s->length_range[0], s->length_range[1]);
+    if (cli_given(&call->parsed, "angle-from") && spec->timing != LW_TIMING_PRESCRIBED)
+        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
+    return read_bounds(s->bounds, &t->units, spec, e);
+}
+
+/* Are the names in --type types? */
+static lw_status check_types(const char *types, lw_error *e)
+{
+    for (const char *at = types; *at;) {
+        char word[32] = "";
+        size_t n = strcspn(at, ",");
+        memcpy(word, at, n < sizeof word ? n : sizeof word - 1);
+        if (strcmp(word, "all") != 0 && !lw_type_find(word)) {
+            char known[256] = "all";
+            for (const lw_type *t = lw_type_table; t->letters; t++)
+                snprintf(known + strlen(known), sizeof known - strlen(known), ", %s", t->name);
+            return lw_error_set(e, LW_E_ARG, "--type %s: no such type; known are %s", word, known);
+        }
+        at += n + (at[n] == ',');
+    }
+    return LW_OK;
+}
+
+/* ---- one target --------------------------------------------------------------------------------- */
+
+typedef struct shown { cli_progress line; double metre2; } shown;
+
+static void show(void *context, double done, double seconds, double best)
+{
+    shown *s = context;
+    char note[64];
+    (void)seconds;
+    snprintf(note, sizeof note, "best objective %.6g", best);
+    cli_progress_show(&s->line, 100*done, 100, note);
+}
+
+static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
+    lw_fit_options o = lw_fit_options_default();
+    o.spec = set->spec;
+    o.types = s->type;
+    o.solver = lw_solver_find(s->solver);
+    o.seed = set->seed = call->common.seed;
+    o.jobs = call->common.jobs;
+    o.max_seconds = call->common.time;
+    o.starts = s->starts;
+    o.max_rounds = s->rounds;
+    o.n_result = s->results;
+    o.interrupt = cli_stop_flag();
+    o.progress = show;
+    o.context = &progress;
+    lw_status st = lw_fit_run(&set->target, &o, &set->fit, e);
+    cli_progress_end(&progress.line);
+    return st;
+}
+
+/* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
+ * has a defect and is left out. */
+static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    int n = set->fit.n;
+    set->report = calloc((size_t)n + 1, sizeof *set->report);
+    set->which = calloc((size_t)n + 1, sizeof *set->which);
+    if (!set->report || !set->which)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
+    for (int i = 0; i < n; i++) {
+        lw_report *r = &set->report[set->n];
+        lw_status st = lw_report_make(&set->target, &set->spec, &set->fit.candidate[i], r, e);
+        if (st != LW_OK)
+            return st;
+        if (r->verified) {
+            set->which[set->n++] = i;
+            continue;
+        }
+        set->left_out++;
+        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path,
+                 set->fit.candidate[i].family->name, set->fit.candidate[i].objective, r->fault);
+    }
+    return LW_OK;
+}
+
+static void name_of(const char *path, char *name, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(name, size, "%s", strcmp(path, "-") == 0 ? "target" : slash ? slash + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name)
+        *dot = 0;
+}
+
+static void warn(const cli_call *call, const cli_fit_set *set)
+{
+    const lw_report *r = &set->report[0];
+    if (set->fit.skipped[0])
+        cli_note(call, "%s: skipped %s", set->path, set->fit.skipped);
+    if (set->n && set->spec.timing == LW_TIMING_FREE && r->curve_max > 3*r->error_max
+        && r->curve_max > 0.05*set->target.size)
+        cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
+                 "'--timing none' scores the curve both ways", set->path,
+                 r->curve_max/set->target.units.metre, set->target.units.length);
+}
+
+static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
+    set->path = path;
+    name_of(path, set->name, sizeof set->name);
+    lw_status st = cli_read_target(path, &o, &set->target, e), why;
+    if (st == LW_OK)
+        st = make_spec(call, &set->target, &set->spec, e);
+    if (st != LW_OK)
+        return st;
+    why = search(call, set, e);
+    if (why < 0 || why == LW_NOTHING) {
+        if (why == LW_NOTHING)
+            lw_error_at(e, why, path, 0, 0, "no linkage of these types within these bounds and "
+                        "conditions was found; widen the bounds or allow more types");
+        else if (e->file[0] == 0)
+            snprintf(e->file, sizeof e->file, "%s", path);
+        return why;
+    }
+    st = verify(call, set, e);
+    if (st != LW_OK)
+        return st;
+    warn(call, set);
+    return why;
+}
+
+static void set_free(cli_fit_set *set)
+{
+    lw_target_free(&set->target);
+    lw_fit_free(&set->fit);
+    free(set->which);
+    free(set->report);
+}
+
+/* ---- all of them ---------------------------------------------------------------------------------- */
+
+static int print(const cli_call *call, const cli_fit_set *set, int n, int code)
+{
+    lw_output o;
+    lw_error e = { 0 };
+    bool json = call->common.json || call->common.output;
+    for (int i = 0; i < n && !call->common.json && !call->common.quiet; i++)
+        cli_fit_table(&set[i], stdout);
+    if (!json)
+        return code;
+    if (cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    for (int i = 0; i < n; i++)
+        cli_fit_json(&set[i], call, o.f, n > 1 ? 0 : 1);
+    return cli_close(call, &o, code);
+}
+
+static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (!s->save)
+        return code;
+    for (int i = 0; i < n; i++)
+        if (cli_fit_save(&set[i], s->save, &e) != LW_OK)
+            return cli_fail(call, &e);
+    if (cli_fit_page(set, n, s->save, &e) < 0)
+        return cli_fail(call, &e);
+    return code;
+}
+
+static int list_solvers(void)
+{
+    for (const lw_solver *s = lw_solver_table; s->name; s++)
+        printf("%-14s %s\n", s->name, s->source);
+    return CLI_DONE;
+}
+
+static int check(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (!lw_solver_find(s->solver))
+        return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
+    if (check_types(s->type, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (call->parsed.n_word == 0)
+        return cli_usage(call, "no target; give a CSV file");
+    return CLI_DONE;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    int n = call->parsed.n_word, done = 0, code = CLI_DONE;
+    if (strcmp(s->solver, "help") == 0)
+        return list_solvers();
+    if ((code = check(call)) != CLI_DONE)
+        return code;
+    cli_watch_interrupt();
+    cli_fit_set *set = calloc((size_t)n, sizeof *set);
+    for (int i = 0; set && i < n && !cli_interrupted(); i++) {
+        lw_error e = { 0 };
+        lw_status st = fit_one(call, call->parsed.word[i], &set[done], &e);
+        if (st < 0 || st == LW_NOTHING) {
+            code = cli_fail(call, &e);
+            set_free(&set[done]);
+            memset(&set[done], 0, sizeof *set);
+            continue;
+        }
+        code = st == LW_STOPPED ? CLI_LIMIT : set[done].n == 0 ? CLI_NOTHING : code;
+        done++;
+    }
+    if (done)
+        code = save(call, set, done, print(call, set, done, code));
+    for (int i = 0; i < done; i++)
+        set_free(&set[i]);
+    free(set);
+    return cli_interrupted() ? CLI_INTERRUPTED : code;
+}
+
+const cli_command cli_fit_command = {
+    .name = "fit",
+    .words = "TARGET.csv ...",
+    .title = "linkages whose point follows a target, ranked",
+    .examples =
+        "  linkwright fit examples/walking-foot.csv                        the best four-bars\n"
+        "  linkwright fit examples/ellipse.csv --type all -o found.json    all four-link types\n"
+        "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
+        "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
+    .about =
+        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function\n"
+        "(docs/notation.md); - is standard input. Minimises, over dimensions,\n"
+        "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
+        "Every result is simulated a second time from its file by independent code. -o FILE gets\n"
+        "the results as JSON while the table goes to standard output; --json prints the JSON.\n"
+        "Same seed, same answer for any number of --jobs.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1000,
+    .run = run,
+};

@@ -1,0 +1,36 @@
+/* cli/fit.h - the parts of the fit command: what was found for one target, printed and drawn. */
+#ifndef LW_CLI_FIT_H
+#define LW_CLI_FIT_H
+
+#include "cli/json.h"
+#include "cli/output.h"
+#include "optimise/report.h"
+
+/* One target with its ranked, verified results. */
+typedef struct cli_fit_set {
+    const char *path;             /* of the target's file                                          */
+    char        name[64];         /* its last part without ".csv"                                  */
+    lw_target   target;
+    lw_fit_spec spec;
+    lw_fit      fit;
+    int         n;                /* results that passed the second simulation                     */
+    int        *which;            /* their candidates                                       (n)    */
+    lw_report  *report;           /*                                                        (n)    */
+    int         left_out;         /* candidates with a defect: a station on another branch         */
+    uint64_t    seed;
+} cli_fit_set;
+
+/* Ranked table, lengths in the unit of the target. */
+void cli_fit_table(const cli_fit_set *s, FILE *f);
+
+/* The JSON object of docs/notation.md, "Results of a fit". */
+void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent);
+
+/* Pictures of the best result and linkages of all into a folder; and one page for all targets. */
+lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
+lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
+
+/* Value of a dimension in the user's unit: angles in radians. */
+double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si);
+
+#endif

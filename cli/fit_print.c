@@ -1,0 +1,180 @@
+/* cli/fit_print.c - results of a fit as a table and as JSON. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/fit.h"
+
+double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si)
+{
+    return r->dim_kind[dim] == LW_DIM_ANGLE ? si : si/s->target.units.metre;
+}
+
+static double length(const cli_fit_set *s, double metres)
+{
+    return metres/s->target.units.metre;
+}
+
+static const lw_candidate *candidate(const cli_fit_set *s, int i)
+{
+    return &s->fit.candidate[s->which[i]];
+}
+
+static const char *class_of(const lw_report *r)
+{
+    return r->has_class ? r->barker.symbol : "-";
+}
+
+/* ---- table ------------------------------------------------------------------------------------ */
+
+static const char *const timing_names[] = { "prescribed", "free", "none" };
+static const char *const task_names[] = { "path", "function", "motion" };
+
+static void table_row(const cli_fit_set *s, int i, FILE *f)
+{
+    const lw_report *r = &s->report[i];
+    const lw_candidate *c = candidate(s, i);
+    const lw_type *type = lw_type_find(c->family->type);
+    double deg = 180/LW_PI;
+    fprintf(f, "%3d  %-16s %-6s", i + 1, type->title, class_of(r));
+    if (s->spec.task == LW_TASK_FUNCTION)
+        fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
+    else
+        fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean),
+                length(s, r->error_max), r->worst + 1);
+    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s ", c->objective, r->transmission_min*deg,
+            r->transmission_max*deg, r->turns ? "turns" : "rocks");
+    for (int d = 0; d < c->n_dim; d++)
+        fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+    fputc('\n', f);
+}
+
+void cli_fit_table(const cli_fit_set *s, FILE *f)
+{
+    fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, task_names[s->spec.task],
+            timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
+    if (s->spec.task == LW_TASK_FUNCTION)
+        fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
+                "input  dimensions\n");
+    else
+        fprintf(f, "  #  type             class  of path       mean       max @point   objective  "
+                "transm.    input  dimensions [%s, rad]\n",
+                s->target.units.length[0] ? s->target.units.length : "unit");
+    for (int i = 0; i < s->n; i++)
+        table_row(s, i, f);
+    fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
+            "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->fit.starts, s->fit.improved,
+            s->fit.evals, s->fit.seconds, lw_stop_text(s->fit.stop));
+}
+
+/* ---- JSON --------------------------------------------------------------------------------------- */
+
+static void json_class(const lw_report *r, cli_json *j)
+{
+    cli_json_text(j, "class", r->has_class ? r->barker.symbol : NULL);
+    if (!r->has_class)
+        return;
+    cli_json_text(j, "class_name", r->barker.name);
+    cli_json_real(j, "class_margin", r->barker.margin);
+}
+
+static void json_cognates(const cli_fit_set *s, const lw_report *r, cli_json *j)
+{
+    cli_json_array(j, "cognates");
+    for (int i = 0; i < r->n_cognate; i++) {
+        cli_json_object(j, NULL);
+        for (int d = 0; d < 9; d++)
+            cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, r->cognate[i][d]));
+        cli_json_real(j, "mode", r->cognate_mode[i]);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
+{
+    cli_json_real(j, "error_mean", length(s, r->error_mean));
+    cli_json_real(j, "error_rms", length(s, r->error_rms));
+    cli_json_real(j, "error_max", length(s, r->error_max));
+    cli_json_int(j, "error_worst", (long long)r->worst + 1);
+    cli_json_real(j, "error_percent", r->error_percent);
+    cli_json_real(j, "error_curve", length(s, r->curve_max));
+    if (s->spec.task != LW_TASK_PATH) {
+        cli_json_real(j, "angle_error_mean", r->angle_mean);
+        cli_json_real(j, "angle_error_max", r->angle_max);
+    }
+}
+
+static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    cli_json_bool(j, "crank", r->turns);
+    cli_json_int(j, "circuits", r->circuits);
+    cli_json_int(j, "branch", c->mode > 0 ? 1 : -1);
+    cli_json_real(j, "transmission_min", r->transmission_min);
+    cli_json_real(j, "transmission_max", r->transmission_max);
+    cli_json_real(j, "acceleration_max", length(s, r->acceleration_max));
+    cli_json_int(j, "sense", c->sense);
+    cli_json_real(j, "input0", c->input0);
+    cli_json_real(j, "tool0", c->tool0);
+    cli_json_reals(j, "inputs", c->input, s->target.n);
+}
+
+static void json_result(const cli_fit_set *s, int i, cli_json *j)
+{
+    const lw_report *r = &s->report[i];
+    const lw_candidate *c = candidate(s, i);
+    const lw_type *type = lw_type_find(c->family->type);
+    cli_json_object(j, NULL);
+    cli_json_int(j, "rank", i + 1);
+    cli_json_text(j, "type", type->name);
+    cli_json_text(j, "family", c->family->name);
+    json_class(r, j);
+    cli_json_real(j, "objective", c->objective);
+    json_errors(s, r, j);
+    cli_json_object(j, "dimensions");
+    for (int d = 0; d < c->n_dim; d++)
+        cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+    cli_json_end(j);
+    json_motion(s, c, r, j);
+    json_cognates(s, r, j);
+    cli_json_int(j, "evaluations", c->evals);
+    cli_json_real(j, "seconds", c->seconds);
+    cli_json_text(j, "stop", lw_stop_text(c->stop));
+    cli_json_bool(j, "verified", r->verified);
+    cli_json_real(j, "verified_objective", r->verified_objective);
+    cli_json_real(j, "verified_difference", length(s, r->difference));
+    char *text = lw_linkage_write(&r->linkage, 0);
+    if (text)
+        cli_json_raw(j, "linkage", text);
+    free(text);
+    cli_json_end(j);
+}
+
+void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent)
+{
+    cli_json j = cli_json_begin(f, indent);
+    cli_json_object(&j, NULL);
+    cli_json_text(&j, "version", LW_VERSION);
+    cli_json_text(&j, "command", call->line);
+    cli_json_seed(&j, "seed", s->seed);
+    cli_json_object(&j, "target");
+    cli_json_text(&j, "file", s->path);
+    cli_json_int(&j, "points", (long long)s->target.n);
+    cli_json_bool(&j, "closed", s->target.closed);
+    cli_json_real(&j, "path_length", length(s, s->target.length));
+    cli_json_text(&j, "length_unit", s->target.units.length);
+    cli_json_end(&j);
+    cli_json_text(&j, "task", task_names[s->spec.task]);
+    cli_json_text(&j, "timing", timing_names[s->spec.timing]);
+    cli_json_array(&j, "results");
+    for (int i = 0; i < s->n; i++)
+        json_result(s, i, &j);
+    cli_json_end(&j);
+    cli_json_int(&j, "left_out", s->left_out);
+    cli_json_int(&j, "starts", s->fit.starts);
+    cli_json_int(&j, "local_fits", s->fit.improved);
+    cli_json_int(&j, "evaluations", s->fit.evals);
+    cli_json_real(&j, "seconds", s->fit.seconds);
+    cli_json_text(&j, "stop", lw_stop_text(s->fit.stop));
+    cli_json_end(&j);
+}
