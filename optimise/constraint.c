@@ -31,7 +31,7 @@ size_t lw_problem_constraint_count(const lw_problem *p)
 static void linear(const lw_problem *p, const double *x, double *g)
 {
     for (int j = 0; j < p->n_linear; j++) {
-        g[j] = 0;
+        g[j] = -LW_LINEAR_LEAST;
         for (int v = 0; v < p->n_var; v++)
             g[j] += p->linear[j][v]*x[v];
     }

@@ -52,7 +52,7 @@ static void conditions(const lw_problem *p, const double *x, model *q)
             now += p->linear[j][v]*x[v];
         for (int i = 0; i < q->n; i++)
             q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
-        q->b[q->m++] = -now;
+        q->b[q->m++] = LW_LINEAR_LEAST - now;
     }
 }
 
@@ -252,7 +252,7 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
             now += p->linear[j][v]*x[v];
-        bad += now < 0;
+        bad += now < LW_LINEAR_LEAST;
         if (j + 1 == p->n_linear && !bad)
             return true;
     }

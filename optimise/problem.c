@@ -193,9 +193,10 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
             p->lo[i] = fmax(p->lo[i], 1e-9*fmin(1, p->hi[i]));    /* a link has a length          */
         }
     if (p->task == LW_TASK_FUNCTION) {                       /* place, size, tracer do not matter     */
-        static const char *const idle[] = { "x0", "y0", "theta0", "cx", "cy" };
-        for (int k = 0; k < 5; k++)
+        static const char *const idle[] = { "x0", "y0", "theta0", "cy" };
+        for (int k = 0; k < 4; k++)
             fix(p, lw_problem_index(p, idle[k]), 0);
+        fix(p, lw_problem_index(p, "cx"), 1);
         fix(p, lw_problem_index(p, p->family->shape[0]), 1);
     }
     return LW_OK;

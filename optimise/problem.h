@@ -21,6 +21,9 @@
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2)
 #define LW_LINEAR_MAX  8
+/* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
+ * branches cross and nobody can say which one a linkage follows. */
+#define LW_LINEAR_LEAST 1e-6
 
 typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
 typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
@@ -80,7 +83,7 @@ typedef struct lw_problem {
     /* variables */
     int          n_dim, n_var, i_input0, i_tool0;          /* -1: not there                        */
     double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
-    int          n_linear;                                  /* linear[j] . x >= 0                   */
+    int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
     double       min_transmission, max_acceleration;       /* scaled; 0: not asked                 */
 } lw_problem;
