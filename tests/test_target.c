@@ -48,12 +48,12 @@ static lw_target from_file(const char *path)
 static void published_files(void)
 {
     static const struct { const char *path; size_t n; bool x, theta, angle, closed; } files[] = {
-        { "tests/data/paths/line6.csv", 6, 1, 0, 0, 0 },
-        { "tests/data/paths/arc5.csv", 5, 1, 0, 1, 0 },
-        { "tests/data/paths/arch6.csv", 6, 1, 0, 1, 0 },
-        { "tests/data/paths/closed18.csv", 18, 1, 0, 1, 1 },
-        { "tests/data/paths/closed18free.csv", 18, 1, 0, 0, 1 },
-        { "tests/data/paths/ellipse10.csv", 10, 1, 0, 0, 1 },
+        { "catalogues/data/paths/line6.csv", 6, 1, 0, 0, 0 },
+        { "catalogues/data/paths/arc5.csv", 5, 1, 0, 1, 0 },
+        { "catalogues/data/paths/arch6.csv", 6, 1, 0, 1, 0 },
+        { "catalogues/data/paths/closed18.csv", 18, 1, 0, 1, 1 },
+        { "catalogues/data/paths/closed18free.csv", 18, 1, 0, 0, 1 },
+        { "catalogues/data/paths/ellipse10.csv", 10, 1, 0, 0, 1 },
         { "tests/data/tasks/s03-slidercrank-path36.csv", 36, 1, 1, 1, 1 },
         { "tests/data/tasks/f01-log.csv", 61, 0, 1, 1, 0 },
         { "tests/data/tasks/f02-x15.csv", 61, 0, 1, 1, 0 },
@@ -96,7 +96,7 @@ static void length_and_size(void)
     CHECK(!t.closed);
     CHECK_NEAR(t.length, 7, 0, 0);
     lw_target_free(&t);
-    t = from_file("tests/data/paths/line6.csv");
+    t = from_file("catalogues/data/paths/line6.csv");
     CHECK_NEAR(t.length, 25, 0, 0);
     CHECK_INT(t.line[0], 7);
     CHECK_INT(t.line[5], 12);
