@@ -294,7 +294,12 @@ static void search_block(void *context, size_t job, int thread)
     }
 }
 
-typedef struct polish_list { search *s; int n; lw_found item[LW_POOL_MAX]; } polish_list;
+typedef struct polish_list {
+    search *s;
+    int n;
+    lw_found item[LW_POOL_MAX];
+    long spent[LW_POOL_MAX];                 /* evaluations of the polish alone                  */
+} polish_list;
 
 /* To the end, on the full target. */
 static void polish_one(void *context, size_t job, int thread)
@@ -307,7 +312,9 @@ static void polish_one(void *context, size_t job, int thread)
     o.max_steps = 1500;
     o.f_tol = 1e-12;
     lw_problem_work_init(&a->fine, s->work[thread]);
+    list->spent[job] = -c->evals;
     improve(s, &a->fine, &o, s->work[thread], c);
+    list->spent[job] += c->evals;
     c->polished = true;
 }
 
@@ -364,8 +371,10 @@ static void one_round(search *s)
     lw_parallel(s->n_thread, (size_t)s->n_job, search_block, s);
     pick(s, &list);
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
-    for (int i = 0; i < list.n; i++)
+    for (int i = 0; i < list.n; i++) {
         lw_pool_put(&s->pool, &list.item[i], &s->arm[list.item[i].arm].fine);
+        s->evals[0] += list.spent[i];
+    }
 }
 
 /* ---- the whole ---------------------------------------------------------------------------- */
@@ -422,14 +431,26 @@ static void search_free(search *s)
     free(s);
 }
 
+static long evals_of(const search *s)
+{
+    long sum = 0;
+    for (int i = 0; i < s->n_job; i++)
+        sum += s->evals[i];
+    return sum;
+}
+
 static lw_stop search_rounds(search *s)
 {
+    double least = INFINITY;
     int rounds = rounds_of(s);
     for (s->round = 0; s->round < rounds; s->round++) {
         one_round(s);
         double best = s->pool.n ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
         if (s->o->progress)
             s->o->progress(s->o->context, (s->round + 1.0)/rounds, now, best*s->arm[0].fine.scale);
+        if (s->o->improved && best < least)
+            s->o->improved(s->o->context, evals_of(s), now, best*s->arm[0].fine.scale);
+        least = fmin(least, best);
         if (s->o->interrupt && *s->o->interrupt)
             return LW_STOP_USER;
         if (stopped(s))
@@ -558,10 +579,9 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
         out->stop = search_rounds(s);
         st = rank(s, out);
     }
-    for (int i = 0; st == LW_OK && i < s->n_job; i++) {
-        out->evals += s->evals[i];
+    for (int i = 0; st == LW_OK && i < s->n_job; i++)
         out->improved += s->improved[i];
-    }
+    out->evals = st == LW_OK ? evals_of(s) : 0;
     out->rounds = s->round;
     out->starts = (long)s->n_job*BLOCK*(s->round + 1);
     out->seconds = lw_clock_wall() - s->started;

@@ -23,6 +23,8 @@ typedef struct lw_fit_options {
     int         n_result;        /* 10                                                              */
     const volatile int *interrupt;
     void      (*progress)(void *context, double done, double seconds, double best);
+    /* called after each round that found something better, for work-precision curves; may be NULL */
+    void      (*improved)(void *context, long evals, double seconds, double best);
     void       *context;
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
