@@ -87,7 +87,7 @@ static int run(const cli_call *call)
     lw_output o;
     lw_error e = { 0 };
     if (call->common.json)
-        return cli_usage(call, "--json has no meaning here");
+        return cli_usage(call, "--json has no meaning here; 'linkwright trace --json' prints the curves");
     if (choose_kind(call, &kind, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (draw(call, kind, &bytes, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK) {

@@ -7,7 +7,8 @@
 #include "base/suggest.h"
 #include "cli/output.h"
 
-static const cli_command *const commands[] = { &cli_classify_command, &cli_draw_command, &cli_fit_command };
+static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_command, &cli_trace_command,
+                                              &cli_draw_command };
 
 #define N_COMMAND ((int)(sizeof commands/sizeof *commands))
 

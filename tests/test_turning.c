@@ -91,10 +91,31 @@ static void none_and_too_many(void)
     CHECK_INT(t[1].link, -7);
 }
 
+/* Scott Russell the other way round: crank and rod equally long, no offset, the slider sits on the pivot
+ * of the crank and only rounding moves it. */
+static void standing_still_is_no_turning(void)
+{
+    lw_linkage k;
+    lw_plan plan;
+    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    lw_turning t[8];
+    setup("RRRP", &k, &plan, dim, mode);
+    set(&plan, dim, "r2", 0.05);
+    set(&plan, dim, "r3", 0.05);
+    set(&plan, dim, "e1", 0);
+    int n[2];
+    for (int i = 0; i < 2; i++) {
+        mode[0] = i ? -1 : 1;
+        n[i] = lw_turning_find(&plan, &k, dim, mode, -1.4, 1.4, t, 8);
+    }
+    CHECK_INT(n[0] + n[1], 1);
+}
+
 int main(void)
 {
     RUN(rocker_turns_back_at_dead_points);
     RUN(slider_turns_at_stroke_ends);
     RUN(none_and_too_many);
+    RUN(standing_still_is_no_turning);
     return check_end();
 }

@@ -1,0 +1,47 @@
+/* cli/trace.h - the rows of `linkwright trace`: which ranges of the input, and the two ways to print
+ * them. */
+#ifndef LW_CLI_TRACE_H
+#define LW_CLI_TRACE_H
+
+#include <signal.h>
+#include <stdio.h>
+#include "mbs/motion.h"
+#include "mbs/pose.h"
+
+#define CLI_PIECE_MAX (3*LW_ARC_MAX)
+
+/* What is left of an arc after cutting it to the wanted range of the input; the ends are limits of
+ * motion when they are the arc's own. */
+typedef struct cli_piece {
+    int    arc;                         /* index in motion.arc                                     */
+    double first, last;                 /* [rad] or [m], as in the plan                            */
+    bool   limit[2];
+} cli_piece;
+
+typedef struct cli_trace {
+    lw_linkage k;
+    lw_plan    plan;
+    lw_motion  motion;
+    double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;     /* of the posture of the file        */
+    double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
+    unsigned   tracers;                 /* bit i: tracer i is wanted                               */
+    bool       whole;                   /* all of the input, else from .. to                       */
+    double     from, to;                /* as a person counts the input [rad] or [m]               */
+    bool       timed;                   /* derivatives by time, input speed                        */
+    double     speed;                   /* [rad/s] or [m/s]                                        */
+    int        steps;
+    int        n_piece;
+    cli_piece  piece[CLI_PIECE_MAX];
+    FILE      *f;
+    const char *line;                   /* the command                                             */
+    const volatile sig_atomic_t *stop;
+} cli_trace;
+
+/* Cut the arcs; only_file: only the arc that holds the posture of the file. */
+void cli_trace_pieces(cli_trace *t, bool only_file);
+
+/* Print every piece to t->f; stops after a row when *t->stop is set. */
+void cli_trace_csv(const cli_trace *t);
+void cli_trace_json(const cli_trace *t);
+
+#endif

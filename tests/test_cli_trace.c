@@ -1,0 +1,240 @@
+/* `linkwright trace` from outside, on the models of examples/. */
+#include "tests/cli_run.h"
+
+#include <jansson.h>
+
+/* ---- tables ------------------------------------------------------------------------------------ */
+
+typedef struct table { int n; char mode[4096]; double v[4096][16]; } table;   /* v[row][column] */
+
+/* The rows of CSV text: arc, mode, then numbers (an empty field is NAN) */
+static table *read_csv(const char *text)
+{
+    table *t = calloc(1, sizeof *t);
+    for (const char *line = text; *line && t->n < 4096; line += strcspn(line, "\n"), line += *line == '\n') {
+        if (*line < '0' || *line > '9')
+            continue;
+        const char *at = line;
+        for (int c = 0; c < 16; c++) {
+            char *end;
+            t->v[t->n][c] = strtod(at, &end);
+            if (c == 1)
+                t->mode[t->n] = *at;
+            else if (end == at)
+                t->v[t->n][c] = NAN;
+            at += strcspn(at, ",\n");
+            if (*at != ',')
+                break;
+            at++;
+        }
+        t->n++;
+    }
+    return t;
+}
+
+static table *trace(const char *arguments)
+{
+    char line[512];
+    snprintf(line, sizeof line, "$P trace %s", arguments);
+    ran r = run(line);
+    if (r.code)
+        fprintf(stderr, "%s: %s", line, r.err);
+    CHECK_INT(r.code, 0);
+    table *t = read_csv(r.out);
+    ran_free(&r);
+    return t;
+}
+
+enum { ARC, MODE, INPUT, X, Y, VX, VY, AX, AY, JX, JY, ANGLE };
+
+/* Offset slider-crank in closed form: piston at r cos q + sqrt(l^2 - (r sin q - e)^2) and its
+ * derivatives; r 30, l 80, e 10 as in the file [mm]. */
+static void piston(double q, double d[4])
+{
+    double r = 30, l = 80, e = 10;
+    double u = r*sin(q) - e, u1 = r*cos(q), u2 = -r*sin(q), u3 = -r*cos(q);
+    double w = sqrt(l*l - u*u), w1 = -u*u1/w, w2 = -(u1*u1 + u*u2 + w1*w1)/w;
+    double w3 = -(3*u1*u2 + u*u3 + 3*w1*w2)/w;
+    d[0] = r*cos(q) + w;
+    d[1] = -r*sin(q) + w1;
+    d[2] = -r*cos(q) + w2;
+    d[3] = r*sin(q) + w3;
+}
+
+static void slider_crank_is_exact(void)
+{
+    table *t = trace("examples/slider-crank.json --tracer piston --mode file --steps 72");
+    CHECK_INT(t->n, 73);
+    for (int i = 0; i < t->n; i++) {
+        double d[4];
+        piston(t->v[i][INPUT]*M_PI/180, d);
+        for (int order = 0; order < 4; order++) {
+            CHECK_NEAR(t->v[i][X + 2*order], d[order], 1e-10, 0);
+            CHECK_NEAR(t->v[i][Y + 2*order], order ? 0 : 10, 1e-10, 0);
+        }
+        CHECK_NEAR(t->v[i][ANGLE], 0, 1e-10, 0);
+    }
+    free(t);
+}
+
+static void speed_scales_by_powers(void)
+{
+    table *t = trace("examples/slider-crank.json -t piston -m file -n 12 --speed -3");
+    for (int i = 0; i < t->n; i++) {
+        double d[4];
+        piston(t->v[i][INPUT]*M_PI/180, d);
+        CHECK_NEAR(t->v[i][VX], -3*d[1], 1e-9, 0);
+        CHECK_NEAR(t->v[i][AX], 9*d[2], 1e-9, 0);
+        CHECK_NEAR(t->v[i][JX], -27*d[3], 1e-9, 0);
+    }
+    free(t);
+}
+
+static void both_modes(void)
+{
+    table *t = trace("examples/slider-crank.json --tracer piston --steps 10");
+    CHECK_INT(t->n, 22);
+    CHECK(t->mode[0] != t->mode[21]);
+    free(t);
+    t = trace("examples/hoeken.json --steps 10");
+    CHECK_INT(t->n, 22);
+    free(t);
+}
+
+/* Chebyshev: 40, 50, 20, 50 mm. The input ends where coupler and output are in line, so that its end is
+ * 70 or 30 mm from the other pivot: cos q = (50^2 + 40^2 - s^2)/(2 50 40). */
+static void limits_are_found(void)
+{
+    table *t = trace("examples/chebyshev.json --mode file --steps 4");
+    double a = acos((4100 - 900)/4000.0)*180/M_PI, b = acos((4100 - 4900)/4000.0)*180/M_PI;
+    CHECK_INT(t->n, 5);
+    CHECK_NEAR(t->v[0][INPUT], a, 6e-9, 0);           /* 1e-10 rad */
+    CHECK_NEAR(t->v[4][INPUT], b, 6e-9, 0);
+    CHECK(isnan(t->v[0][VX]) && isnan(t->v[4][JY]));
+    CHECK(isfinite(t->v[0][X]) && isfinite(t->v[2][JY]));
+    free(t);
+    expect("$P trace examples/chebyshev.json -m file", 0, "(limit) to ", NULL);
+}
+
+/* Hoeken, crank 20, frame 40, coupler and rocker 50: rocker turns back where crank and coupler are in
+ * line, 70 and 30 mm from its pivot on a triangle with 40 and 50. */
+static void dead_points_are_told(void)
+{
+    ran r = run("$P trace examples/hoeken.json -m file -n 4 --json");
+    json_t *j = json_loads(r.out, 0, NULL);
+    json_t *d = json_object_get(json_array_get(json_object_get(j, "arcs"), 0), "dead_points");
+    double out = acos((4900 + 1600 - 2500)/5600.0), in = acos((900 + 1600 - 2500)/2400.0);
+    CHECK_INT(json_array_size(d), 2);
+    for (size_t i = 0; i < json_array_size(d); i++) {
+        double q = json_number_value(json_object_get(json_array_get(d, i), "input"))*M_PI/180;
+        double off = fmin(fabs(remainder(q - out, 2*M_PI)), fabs(remainder(q + out, 2*M_PI)));
+        off = fmin(off, fmin(fabs(remainder(q - in - M_PI, 2*M_PI)), fabs(remainder(q + in - M_PI, 2*M_PI))));
+        CHECK_NEAR(off, 0, 1e-9, 0);
+        CHECK_TEXT(json_string_value(json_object_get(json_array_get(d, i), "link")), "rocker");
+    }
+    json_decref(j);
+    ran_free(&r);
+}
+
+static void windows_are_cut(void)
+{
+    table *t = trace("examples/slider-crank.json -t piston -m file --from -30 --to 400 -n 43");
+    CHECK_INT(t->n, 44);
+    CHECK_NEAR(t->v[0][INPUT], -30, 1e-12, 0);
+    CHECK_NEAR(t->v[43][INPUT], 400, 1e-12, 0);
+    CHECK_NEAR(t->v[1][X], t->v[37][X], 1e-10, 0);        /* a turn later */
+    free(t);
+    t = trace("examples/chebyshev.json -m file --from 0 --to 60 -n 2");
+    CHECK_INT(t->n, 3);
+    CHECK_NEAR(t->v[2][INPUT], 60, 1e-12, 0);
+    CHECK(isnan(t->v[0][VX]) && isfinite(t->v[2][VX]));   /* one limit, one cut */
+    free(t);
+    t = trace("examples/scott-russell.json -m file -n 16");     /* first and last stand in the file */
+    CHECK_NEAR(t->v[0][INPUT], -80, 1e-12, 0);
+    CHECK_NEAR(t->v[16][INPUT], 80, 1e-12, 0);
+    for (int i = 0; i < t->n; i++)
+        CHECK_NEAR(t->v[i][X], 0, 1e-11, 0);              /* the exact straight line */
+    free(t);
+    expect("$P trace examples/chebyshev.json --from 200 --to 210", 1, NULL, "does not reach");
+}
+
+/* x^2/a^2 + y^2/b^2 = 1 for a point of the bar of an elliptic trammel; rates by the slider. */
+static void trammel_draws_an_ellipse(void)
+{
+    table *t = trace("examples/trammel.json -m file -n 20");
+    for (int i = 0; i < t->n; i++)
+        CHECK_NEAR(t->v[i][X]*t->v[i][X]/(150*150) + t->v[i][Y]*t->v[i][Y]/(50*50), 1, 1e-11, 0);
+    CHECK_NEAR(t->v[10][VX], 1.5, 1e-11, 0);              /* x = 1.5 times the displacement */
+    free(t);
+}
+
+static void several_tracers_and_all_examples(void)
+{
+    expect("$P trace examples/slider-crank.json -n 2", 0, "arc,mode,input,tracer,x,y", NULL);
+    expect("$P trace examples/slider-crank.json -n 2", 0, ",middle,", NULL);
+    expect("$P trace examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
+    expect("for f in examples/*.json; do $P trace $f -n 5 > $D/t.csv || exit 1; grep -qi nan $D/t.csv && exit 1; done; true",
+           0, NULL, NULL);
+    expect("$P trace - < examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
+}
+
+static void json_says_the_same(void)
+{
+    table *t = trace("examples/hoeken.json -n 7");
+    ran r = run("$P trace examples/hoeken.json -n 7 --json");
+    json_t *j = json_loads(r.out, 0, NULL);
+    CHECK(j != NULL);
+    json_t *arcs = json_object_get(j, "arcs"), *columns = json_object_get(j, "columns");
+    CHECK_INT(json_array_size(columns), 13);
+    int row = 0;
+    for (size_t a = 0; a < json_array_size(arcs); a++) {
+        json_t *rows = json_object_get(json_array_get(arcs, a), "rows");
+        for (size_t i = 0; i < json_array_size(rows); i++, row++)
+            for (size_t c = 0; c < 13; c++)
+                CHECK(json_number_value(json_array_get(json_array_get(rows, i), c)) == t->v[row][INPUT + c]);
+    }
+    CHECK_INT(row, t->n);
+    json_decref(j);
+    ran_free(&r);
+    free(t);
+}
+
+static void bad_models(void)
+{
+    expect("$P trace none.json", 3, NULL, "no such file");
+    expect("$P trace examples", 3, NULL, "folder");
+    expect("$P trace examples/ellipse.csv", 3, NULL, "ellipse.csv:1:");
+    expect("$P trace examples/hoeken.json -t Q", 3, NULL, "no tracer 'Q'");
+    expect("$P trace examples/slider-crank.json -t pistn", 3, NULL, "did you mean 'piston'");
+    expect("$P trace examples/hoeken.json --from 3", 2, NULL, "--from needs --to");
+    expect("$P trace examples/hoeken.json --from 3 --to 1", 2, NULL, "less than");
+    expect("$P trace examples/hoeken.json --steps 0", 2, NULL, "out of range");
+    expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 3, NULL,
+           "no tracer");
+    expect("sed 's/\\[40, 50\\]/[40, 5O]/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 3, NULL,
+           "m.json:9:");
+    expect("$P trace examples/hoeken.json > /dev/full", 3, NULL, "no space left");
+}
+
+static void ctrl_c_keeps_what_is_there(void)
+{
+    expect("timeout --preserve-status -s INT 0.5 $P trace examples/jansen.json -n 10000000 -o $D/t.csv; c=$?; "
+           "tail -c 1 $D/t.csv | od -c; exit $c", 130, "\\n", NULL);
+}
+
+int main(void)
+{
+    RUN(slider_crank_is_exact);
+    RUN(speed_scales_by_powers);
+    RUN(both_modes);
+    RUN(limits_are_found);
+    RUN(dead_points_are_told);
+    RUN(windows_are_cut);
+    RUN(trammel_draws_an_ellipse);
+    RUN(several_tracers_and_all_examples);
+    RUN(json_says_the_same);
+    RUN(bad_models);
+    RUN(ctrl_c_keeps_what_is_there);
+    run_end();
+    return check_end();
+}
