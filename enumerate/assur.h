@@ -42,7 +42,7 @@ size_t lw_assur_print(const lw_mechanism *m, const lw_assur_group *g, char *buf,
 typedef lw_status lw_assur_visit(void *context, const lw_chain *truss, int lost, const lw_assur_group *group);
 
 /* Every Assur group of pins with n_link links (even, 2 ..), each once: the Baranov trusses with one link more,
- * one of the links alike taken away (Baranov 1952).  Numbers: 1, 2, 10, 173, 5442.  LW_E_ARG with a
+ * one of the links alike taken away (Baranov 1952).  Numbers: 1, 2, 10, 173, 5438.  LW_E_ARG with a
  * text for an odd number, LW_E_MEMORY. */
 lw_status lw_assur_each(int n_link, int n_thread, lw_assur_visit *visit, void *context, lw_error *e);
 

@@ -1,0 +1,105 @@
+/* Every notation by its row, told apart by how it begins, and streams of all of them mixed. */
+#include "check.h"
+#include "topology.h"
+#include "grammar/graph6.h"
+#include "grammar/notation.h"
+
+static void every_row_reads_what_it_prints(void)
+{
+    lw_rng rng;
+    static char text[LW_NOTATION_SIZE];
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (const lw_notation *n = lw_notations; n->name; n++) {
+        CHECK(lw_notation_find(n->name) == n);
+        CHECK(n->most <= sizeof text);
+        for (int trial = 0; trial < 300; trial++) {
+            lw_mechanism m = random_topology(&rng, 2 + trial % 20, trial % 20, "r"), back;
+            lw_chain a, b;
+            size_t length;
+            lw_status s = n->print(&m, text, sizeof text, &length);
+            if (!n->read || s != LW_OK) {
+                CHECK(!n->read || !strcmp(n->name, "franke"));          /* links with one joint */
+                continue;
+            }
+            CHECK(length < n->most);
+            CHECK_INT(text[length - 1] == '\n', n->lines);
+            CHECK(lw_notation_of(text, length) == n);
+            CHECK_INT(n->read(text, length, NULL, &back, NULL), LW_OK);
+            lw_mechanism_chain(&m, &a);
+            lw_mechanism_chain(&back, &b);
+            if (strcmp(n->name, "franke") != 0)                          /* which renames links */
+                CHECK(lw_chain_same(&a, &b));
+        }
+    }
+    CHECK(!lw_notation_find("tgf"));
+}
+
+/* Thirty topologies in all notations, with empty lines and remarks between. */
+static void mixed_stream(void)
+{
+    lw_rng rng;
+    static char text[1 << 16], piece[LW_NOTATION_SIZE];
+    lw_mechanism want[30], got;
+    size_t n = 0, length;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int i = 0; i < 30; i++) {
+        static const char *const names[] = { "graph6", "lam", "sentence", "edges", "json" };
+        const lw_notation *row = lw_notation_find(names[i % 5]);
+        want[i] = random_topology(&rng, 2 + i % 9, 5, "r");
+        CHECK_INT(row->print(&want[i], piece, sizeof piece, &length), LW_OK);
+        n += (size_t)sprintf(text + n, "%s\n%s", piece, i % 3 ? "" : "\n# a remark\n\n");
+    }
+    lw_topologies t = lw_topologies_open(text, n, "mixed");
+    for (int i = 0; i < 30; i++) {
+        lw_error e = { 0 };
+        CHECK_INT(lw_topologies_next(&t, &got, &e), LW_OK);
+        CHECK_TEXT(e.text, "");
+        CHECK(lw_mechanism_same(&got, &want[i]));
+    }
+    CHECK_INT(lw_topologies_next(&t, &got, NULL), LW_NOTHING);
+}
+
+/* After a fault the stream goes on with the next piece; faults have their place in the whole text. */
+static void goes_on_after_a_fault(void)
+{
+    static const char text[] = "Cl\nC!\n1-2 2-2\n((1 r 2 r 3 r\n 4 k) (1 r))\n0 1\n0 2\n\n{\"links\": 2,\n"
+                               "\"joints\": [[1, 1]]}\nCl x\n(3 3) 1-2:0\n\n  \nCl";
+    static const struct { lw_status s; long line, column; } want[] = {
+        { LW_OK, 0, 0 }, { LW_E_NOTATION, 2, 2 }, { LW_E_NOTATION, 3, 5 }, { LW_E_NOTATION, 5, 4 },
+        { LW_E_NOTATION, 7, 3 }, { LW_E_NOTATION, 10, 12 }, { LW_E_NOTATION, 11, 4 },
+        { LW_E_NOTATION, 12, 2 }, { LW_OK, 0, 0 }, { LW_NOTHING, 0, 0 },
+    };
+    lw_topologies t = lw_topologies_open(text, strlen(text), "in");
+    for (size_t i = 0; i < sizeof want/sizeof *want; i++) {
+        lw_mechanism m;
+        lw_error e = { 0 };
+        CHECK_INT(lw_topologies_next(&t, &m, &e), want[i].s);
+        CHECK_INT(e.line, want[i].line);
+        CHECK_INT(e.column, want[i].column);
+    }
+}
+
+static void too_many_joints(void)
+{
+    lw_chain c;
+    lw_mechanism m;
+    lw_error e = { 0 };
+    char text[LW_GRAPH6_SIZE];
+    lw_chain_clear(&c, 13);
+    for (int i = 0; i < 13; i++)
+        for (int k = 0; k < i; k++)
+            lw_chain_join(&c, i, k, 1);
+    size_t n = lw_graph6_print(&c, text, sizeof text);
+    lw_topologies t = lw_topologies_open(text, n, NULL);
+    CHECK_INT(lw_topologies_next(&t, &m, &e), LW_E_NOTATION);
+    CHECK_HAS(e.text, "more than 64 joints");
+}
+
+int main(void)
+{
+    RUN(every_row_reads_what_it_prints);
+    RUN(mixed_stream);
+    RUN(goes_on_after_a_fault);
+    RUN(too_many_joints);
+    return check_end();
+}
