@@ -252,11 +252,12 @@ static void warn(const cli_call *call, const cli_fit_set *set)
     const lw_report *r = &set->report[0];
     if (set->fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->fit.skipped);
-    if (set->n && set->spec.timing == LW_TIMING_FREE && r->curve_max > 3*r->error_max
+    if (set->n && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
                  "'--timing none' scores the curve both ways", set->path,
-                 r->curve_max/set->target.units.metre, set->target.units.length);
+                 r->curve_max/set->target.units.metre,
+                 set->target.units.length[0] ? set->target.units.length : "units");
 }
 
 static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
@@ -275,8 +276,10 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
         if (why == LW_NOTHING)
             lw_error_at(e, why, path, 0, 0, "no linkage of these types within these bounds and "
                         "conditions was found; widen the bounds or allow more types");
-        else if (e->file[0] == 0)
+        else if (e->file[0] == 0) {
             snprintf(e->file, sizeof e->file, "%s", path);
+            e->line = set->target.n == 1 ? set->target.line[0] : 0;
+        }
         return why;
     }
     st = verify(call, set, e);

@@ -214,7 +214,7 @@ static int screen(const lw_problem *p, lw_rng *rng, void *work, lw_found *best)
     return n;
 }
 
-/* The user's solver, or one that takes conditions, from where the start or the least squares stand. */
+/* The user's solver from where the start stands. */
 static void run_solver(const search *s, const lw_solver *solver, const lw_problem *p, long evals,
                        lw_found *c)
 {
@@ -229,16 +229,6 @@ static void run_solver(const search *s, const lw_solver *solver, const lw_proble
     c->stop = r.stop;
 }
 
-static bool admissible(const lw_problem *p, const double *x, void *work)
-{
-    lw_work *w = work;
-    lw_problem_constraints(p, x, w->g_now, NULL, work);
-    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
-        if (!(w->g_now[i] >= -1e-12))
-            return false;
-    return true;
-}
-
 /* Improve c: least squares by default, a solver with conditions where these are violated. */
 static void improve(const search *s, const lw_problem *p, const lw_lm_options *o, void *work,
                     lw_found *c)
@@ -248,9 +238,7 @@ static void improve(const search *s, const lw_problem *p, const lw_lm_options *o
         run_solver(s, mine, p, 10L*o->max_steps, c);
         return;
     }
-    c->f = lw_lm_improve(p, o, c->x, false, work, &c->evals, &c->stop);
-    if (isfinite(c->f) && lw_problem_is_nonlinear(p) && !admissible(p, c->x, work))
-        run_solver(s, lw_solver_find("slsqp"), p, 4L*o->max_steps, c);
+    c->f = lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop);
 }
 
 /* Local fits of the best starts of one block; the KEEP best go to the pool. */
@@ -274,6 +262,8 @@ static void search_block(void *context, size_t job, int thread)
     o.max_steps = 120;
     o.f_hopeless = 1e4*s->best_raw;
     o.patience = 40;
+    o.interrupt = s->o->interrupt;
+    o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
     s->evals[job] += BLOCK;
     for (int i = 0; i < n && !stopped(s); i++) {
         lw_found *c = &best[i];

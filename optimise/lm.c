@@ -189,13 +189,30 @@ static lw_stop advance(run *r, double *x)
     return LW_STOP_EVALS;
 }
 
+/* Asked to stop from outside? */
+static bool called_off(const run *r, lw_stop *why)
+{
+    if (r->o->interrupt && *r->o->interrupt)
+        *why = LW_STOP_USER;
+    else if (r->o->until > 0 && lw_clock_wall() > r->o->until)
+        *why = LW_STOP_TIME;
+    else
+        return false;
+    return true;
+}
+
 static lw_stop descend(run *r, double *x)
 {
+    lw_stop why;
     r->damping = 1e-3;
     r->growth = 2;
     r->idle = 0;
     while (r->steps < r->o->max_steps) {
         lw_stop s = advance(r, x);
+        if (r->o->improved)
+            r->o->improved(r->o->context, r->evals, r->f);
+        if (called_off(r, &why))
+            return why;
         if (r->f <= r->o->f_stop)
             return LW_STOP_F_TARGET;
         if (s != LW_STOP_EVALS)
@@ -269,24 +286,67 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
     return true;
 }
 
-/* As a row of the table: many steps, then what the caller allows. */
+static bool admissible(const lw_problem *p, const double *x, void *work)
+{
+    lw_work *w = work;
+    lw_problem_constraints(p, x, w->g_now, NULL, work);
+    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
+        if (!(w->g_now[i] >= -1e-12))
+            return false;
+    return true;
+}
+
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
+                         long *evals, lw_stop *stop)
+{
+    double f = lw_lm_improve(p, o, x, false, work, evals, stop);
+    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || admissible(p, x, work))
+        return f;
+    lw_solver_options so = lw_solver_options_default();
+    lw_solver_result r;
+    so.max_evals = 4L*o->max_steps;
+    so.interrupt = o->interrupt;
+    so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
+    lw_status st = lw_solver_find("slsqp")->run(p, &so, x, &r);
+    *evals += r.evals;
+    *stop = r.stop;
+    return st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
+}
+
+/* ---- as a row of the table ------------------------------------------------------------------- */
+
+typedef struct report { const lw_solver_options *o; double start; } report;
+
+static void pass_on(void *context, long evals, double f)
+{
+    report *r = context;
+    if (r->o->improved)
+        r->o->improved(r->o->context, evals, lw_clock_wall() - r->start, f);
+}
+
 lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
                     lw_solver_result *r)
 {
-    double start = lw_clock_wall();
+    report told = { o, lw_clock_wall() };
     lw_lm_options lm = { .max_steps = (int)fmin(o->max_evals, 1e9), .f_tol = fmax(o->f_tol, 1e-15),
-                         .f_stop = o->f_target, .reassign = true };
+                         .f_stop = o->f_target, .reassign = true, .interrupt = o->interrupt,
+                         .until = o->max_seconds > 0 ? told.start + o->max_seconds : 0,
+                         .improved = pass_on, .context = &told };
     size_t size = (lw_problem_work_size(p) + 127) & ~(size_t)63;
     void *work = aligned_alloc(64, size);
     *r = (lw_solver_result){ .f = INFINITY, .stop = LW_STOP_FAILED };
     if (!work)
         return LW_E_MEMORY;
+    double best[LW_VAR_MAX];
+    memcpy(best, x, sizeof best[0]*(size_t)p->n_var);
     lw_problem_work_init(p, work);
-    if (lw_lm_feasible(p, x))
-        r->f = lw_lm_improve(p, &lm, x, false, work, &r->evals, &r->stop);
+    if (lw_lm_feasible(p, best))
+        r->f = lw_lm_conditioned(p, &lm, best, work, &r->evals, &r->stop);
     free(work);
-    r->seconds = lw_clock_wall() - start;
-    if (isfinite(r->f) && o->improved)
-        o->improved(o->context, r->evals, r->seconds, r->f);
-    return isfinite(r->f) ? LW_OK : LW_NOTHING;
+    r->seconds = lw_clock_wall() - told.start;
+    if (!isfinite(r->f))
+        return LW_NOTHING;
+    memcpy(x, best, sizeof best[0]*(size_t)p->n_var);
+    bool limited = r->stop == LW_STOP_EVALS || r->stop == LW_STOP_TIME || r->stop == LW_STOP_USER;
+    return limited ? LW_STOPPED : LW_OK;
 }

@@ -16,6 +16,10 @@ typedef struct lw_lm_options {
     double f_hopeless;     /* give up when f is above this after `patience` steps; 0: never        */
     int    patience;
     bool   reassign;       /* at the end, look for a better assignment of free stations and go on  */
+    double until;          /* wall clock (base/clock.h) at which to stop; 0: never                 */
+    const volatile int *interrupt;               /* not NULL and *interrupt != 0: stop             */
+    void (*improved)(void *context, long evals, double f);     /* after each step; may be NULL     */
+    void  *context;
 } lw_lm_options;
 lw_lm_options lw_lm_options_default(void);
 
@@ -24,6 +28,11 @@ lw_lm_options lw_lm_options_default(void);
  * assigned from scratch.  Returns f; INFINITY, x untouched, when the linkage cannot close at x. */
 double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
                      void *work, long *evals, lw_stop *stop);
+
+/* lw_lm_improve, and from where it ends SLSQP when conditions on the motion (transmission angle,
+ * acceleration, closure) are violated there.  INFINITY when no point that meets them was seen. */
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
+                         long *evals, lw_stop *stop);
 
 /* Move x to the nearest point that meets bounds and linear conditions (in the metric of the
  * variables' own sizes).  false when they contradict each other. */

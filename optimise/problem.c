@@ -204,6 +204,10 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
 
 static lw_status check_task(const lw_target *t, const lw_fit_spec *s, const lw_type *type, lw_error *e)
 {
+    if (t->n < 2)
+        return lw_error_set(e, LW_E_ARG, "one point only: a linkage is found for two points or more");
+    if (s->task != LW_TASK_FUNCTION && t->x && !(t->size > 0))
+        return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
     if (s->task != LW_TASK_FUNCTION && !t->x)
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");
