@@ -55,14 +55,10 @@ void lw_qr_solve(int m, int n, const double *a, const double *diag, double *b)
     }
 }
 
-int lw_qr_sign(int n, const double *diag)
+double lw_qr_determinant(int n, const double *diag)
 {
-    int sign = n % 2 ? -1 : 1;               /* each of the n reflections has determinant -1 */
-    for (int j = 0; j < n; j++) {
-        if (diag[j] == 0.0)
-            return 0;
-        if (diag[j] < 0.0)
-            sign = -sign;
-    }
-    return sign;
+    double d = n % 2 ? -1.0 : 1.0;           /* each of the n reflections has determinant -1 */
+    for (int j = 0; j < n; j++)
+        d *= diag[j];
+    return d;
 }

@@ -1,7 +1,7 @@
 /* base/linalg.h - Householder QR of small dense systems, for solves inside a loop.
  *
  * Own code, not a bridge to GSL: a 10 x 10 solve is most of an iteration of mbs/newton.c and takes
- * half of GSL's time for the same (0.53 against 0.98 us), the sign of the determinant comes with it,
+ * half of GSL's time for the same (0.53 against 0.98 us), the determinant comes with it,
  * and a singular matrix is an answer here where GSL calls its global error handler, which aborts.
  * Large systems belong to GSL.  Golub & Van Loan 2013, section 5.2. */
 #ifndef LW_BASE_LINALG_H
@@ -17,7 +17,7 @@ double lw_qr_factor(int m, int n, double *a, double *diag);
  * numbers are x, the norm of the rest is the norm of the residual. */
 void lw_qr_solve(int m, int n, const double *a, const double *diag, double *b);
 
-/* Sign of the determinant of a square A from its factors: +1, -1, or 0. */
-int lw_qr_sign(int n, const double *diag);
+/* The determinant of a square A from its factors. */
+double lw_qr_determinant(int n, const double *diag);
 
 #endif

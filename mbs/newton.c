@@ -8,9 +8,10 @@
  *     the tangent turns by less than 0.3,
  *     the chord lies along the mean of the tangents at its ends, as that of an arc does,
  *     the input, as a cubic of its values and rates at both ends, does not turn back in between,
- *     the determinant of the equations with the tangent as last row keeps its sign.
+ *     the determinant of the equations with the tangent as last row keeps its sign and most of its size.
  * The determinant changes sign where two branches cross and nowhere else, so a step that leapt to
- * the neighbouring branch of an almost crossing is found out and cut. */
+ * the neighbouring branch of an almost crossing is found out and cut.  Crossings are approached by
+ * steps that never come nearer than a part of the last distance. */
 #include "mbs/newton.h"
 #include <float.h>
 #include <stdlib.h>
@@ -20,14 +21,18 @@
 
 static const double first_step   = 0.2;
 static const double largest_step = 0.5;
-static const double least_step   = 3e-8;   /* below this the tangent drowns in rounding at a crossing */
+static const double least_step   = 1e-6;   /* below this, rounding of the posture decides at a crossing */
+static const double back_step    = 1e-4;   /* steps of this length or more leave a place to go back to */
 static const double least_cosine = 0.955;  /* cos 0.3 */
+static const double det_share    = 0.2;    /* of the determinant, which a step must leave            */
 static const double near_share   = 0.2;    /* of the step, which the first correction may have       */
 static const double chord_sine   = 0.02;   /* of the angle between chord and mean tangent            */
 
 typedef struct place {
     double *z, *t;                         /* posture and input; unit tangent                (w)   */
-    int     sign;                          /* of the determinant; 0 for overconstrained linkages   */
+    double  det;                           /* determinant; 0 for overconstrained linkages          */
+    int     turns[LW_LINK_MAX];            /* whole turns taken out of the coordinates             */
+    int     input_turns;                   /* and out of a pin's input                             */
 } place;
 
 struct lw_newton {
@@ -38,12 +43,12 @@ struct lw_newton {
     double  value;                         /* input in the posture                                 */
     double  unit;                          /* input per unit of z[n]: 1 [rad] or the size [m]      */
     place   start, here, next;
+    place   back;                          /* a step or more before here                           */
+    bool    has_back;
     double  step;
     int     way;                           /* +1, -1: the tangent is that of a growing, falling input */
     bool    limit;                         /* the input can go no further that way                 */
     int     crossings;
-    int     turns[LW_LINK_MAX];            /* whole turns taken out of the coordinates             */
-    int     input_turns;                   /* and out of a pin's input                             */
     bool    input_is_pin;
     double *store;                         /* all arrays                                           */
     double *matrix, *diag, *rest, *border;
@@ -59,9 +64,10 @@ static double dot(const lw_newton *s, const double *a, const double *b)
 
 static void copy(const lw_newton *s, place *to, const place *from)
 {
-    memcpy(to->z, from->z, (size_t)s->w*sizeof *to->z);
-    memcpy(to->t, from->t, (size_t)s->w*sizeof *to->t);
-    to->sign = from->sign;
+    double *z = to->z, *t = to->t;
+    *to = *from;
+    to->z = memcpy(z, from->z, (size_t)s->w*sizeof *z);
+    to->t = memcpy(t, from->t, (size_t)s->w*sizeof *t);
 }
 
 /* to->z = from->z + h from->t */
@@ -127,7 +133,7 @@ static bool find_tangent(lw_newton *s, place *p, const double *row)
     double condition = lw_qr_factor(s->rows, s->w, s->matrix, s->diag);
     if (!(condition > 1e-12))
         return false;
-    p->sign = s->rows == s->w ? lw_qr_sign(s->w, s->diag) : 0;
+    p->det = s->rows == s->w ? lw_qr_determinant(s->w, s->diag) : 0.0;
     memset(s->rest, 0, (size_t)s->rows*sizeof *s->rest);
     s->rest[s->loop.m] = 1.0;
     lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
@@ -153,6 +159,13 @@ static bool smooth(const lw_newton *s)
     }
     bool too_short = length2 < 1e-12;       /* to tell directions from rounding */
     return too_short || along*along >= (1.0 - chord_sine*chord_sine)*length2*mean2;
+}
+
+/* Nothing crosses the curve between s->here and s->next, nor next to s->next. */
+static bool uncrossed(const lw_newton *s)
+{
+    double before = s->here.det, after = s->next.det;
+    return (before > 0.0) == (after > 0.0) && fabs(after) >= det_share*fabs(before);
 }
 
 /* s->next: the curve h along from s->here, on the plane across the tangent. */
@@ -189,31 +202,37 @@ static bool go_to(lw_newton *s, double target, double h)
     return correct(s, s->next.z, s->border, target - s->here.z[s->loop.n])
         && find_tangent(s, &s->next, s->here.t)
         && smooth(s)
-        && s->next.sign == s->here.sign
+        && uncrossed(s)
         && !dips(s, h);
+}
+
+static void swap(place *a, place *b)
+{
+    place old = *a;
+    *a = *b;
+    *b = old;
+}
+
+/* Take a whole turn out of an angle beyond half a turn. */
+static int wrap(double *angle)
+{
+    int whole = *angle > LW_PI ? 1 : *angle < -LW_PI ? -1 : 0;
+    *angle -= 2.0*LW_PI*whole;
+    return whole;
 }
 
 /* Turns in [-pi, pi], so that sines keep their digits however often a link goes round. */
 static void arrive(lw_newton *s)
 {
     place *p = &s->next;
-    for (int i = 0; i < s->loop.n_link; i++) {
-        int c = s->loop.column[i] + 2;
-        if (c > 1 && fabs(p->z[c]) > LW_PI) {
-            int whole = p->z[c] > 0.0 ? 1 : -1;
-            p->z[c] -= 2.0*LW_PI*whole;
-            s->turns[i] += whole;
-        }
-    }
-    double *input = &p->z[s->loop.n];
-    if (s->input_is_pin && fabs(*input) > LW_PI) {
-        int whole = *input > 0.0 ? 1 : -1;
-        *input -= 2.0*LW_PI*whole;
-        s->input_turns += whole;
-    }
-    place old = s->here;
-    s->here = s->next;
-    s->next = old;
+    memcpy(p->turns, s->here.turns, sizeof p->turns);
+    p->input_turns = s->here.input_turns;
+    for (int i = 0; i < s->loop.n_link; i++)
+        if (s->loop.column[i] >= 0)
+            p->turns[i] += wrap(&p->z[s->loop.column[i] + 2]);
+    if (s->input_is_pin)
+        p->input_turns += wrap(&p->z[s->loop.n]);
+    swap(&s->here, &s->next);
 }
 
 /* On the curve between s->here and h along, find where the input is *target, or (NULL) where it turns
@@ -245,16 +264,31 @@ static bool locate(lw_newton *s, double h, const double *target)
     return true;
 }
 
-/* Two branches cross within least_step: leap over the place and go straight on. */
+static double reach_of(const lw_newton *s, const place *p)
+{
+    double sum = 0.0;
+    for (int i = 0; i < s->w; i++)
+        sum += pow(s->here.z[i] - p->z[i], 2.0);
+    return sqrt(sum);
+}
+
+/* Two branches cross within least_step: leap over the place and go straight on, from a place far
+ * enough before it for a good tangent. */
 static bool cross(lw_newton *s)
 {
-    for (double h = 4.0*least_step; h < 1e-3; h *= 2.0)
-        if (go(s, h) && s->next.sign == -s->here.sign) {
+    double away = s->has_back ? reach_of(s, &s->back) : 0.0;
+    if (!s->has_back || !(away < largest_step))
+        copy(s, &s->back, &s->here);
+    swap(&s->here, &s->back);
+    for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4)
+        if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det)) {
             arrive(s);
             s->crossings++;
-            s->step = 1e-3;
+            s->step = fmax(h, 1e-3);
+            s->has_back = false;
             return true;
         }
+    swap(&s->here, &s->back);
     return false;
 }
 
@@ -300,7 +334,7 @@ static outcome advance(lw_newton *s, double target)
         return ARRIVED;
     }
     for (double h = s->step; h >= least_step; h *= 0.5) {
-        if (!go(s, h) || s->next.sign != s->here.sign)
+        if (!go(s, h) || !uncrossed(s))
             continue;
         double cosine = dot(s, s->next.t, s->here.t);
         bool turned = s->next.t[n]*way <= 0.0;
@@ -313,6 +347,10 @@ static outcome advance(lw_newton *s, double target)
             return o;
         }
         s->step = fmin(largest_step, cosine > 0.99 ? 2.0*h : cosine > 0.975 ? 1.2*h : h);
+        if (h >= back_step) {
+            copy(s, &s->back, &s->here);
+            s->has_back = true;
+        }
         arrive(s);
         return MOVED;
     }
@@ -326,15 +364,15 @@ static void face(lw_newton *s, int way)
         return;
     for (int i = 0; i < s->w; i++)
         s->here.t[i] = -s->here.t[i];
-    s->here.sign = -s->here.sign;            /* the determinant is linear in its last row */
+    s->here.det = -s->here.det;              /* it is linear in its last row */
     s->way = way;
-    s->limit = false;
+    s->limit = s->has_back = false;
 }
 
 /* z[n] of an input */
 static double wanted(const lw_newton *s, double input)
 {
-    return (input - s->value)/s->unit - 2.0*LW_PI*s->input_turns;
+    return (input - s->value)/s->unit - 2.0*LW_PI*s->here.input_turns;
 }
 
 lw_status lw_newton_move(lw_newton *s, double input, double *reached)
@@ -360,11 +398,10 @@ lw_status lw_newton_move(lw_newton *s, double input, double *reached)
 void lw_newton_reset(lw_newton *s)
 {
     copy(s, &s->here, &s->start);
-    memset(s->turns, 0, sizeof s->turns);
     s->step = first_step;
     s->way = 1;
-    s->limit = false;
-    s->crossings = s->input_turns = 0;
+    s->limit = s->has_back = false;
+    s->crossings = 0;
 }
 
 /* One block for all arrays. */
@@ -373,15 +410,16 @@ static bool allocate(lw_newton *s)
     s->w = s->loop.n + 1;
     s->rows = s->loop.m + 1;
     size_t w = (size_t)s->w, rows = (size_t)s->rows;
-    double *store = s->store = calloc(8*w + rows + rows*w, sizeof *store);
+    double *store = s->store = calloc(10*w + rows + rows*w, sizeof *store);
     if (!store)
         return false;
     s->start  = (place){ .z = store,         .t = store + w };
     s->here   = (place){ .z = store + 2*w,   .t = store + 3*w };
     s->next   = (place){ .z = store + 4*w,   .t = store + 5*w };
-    s->diag   = store + 6*w;
-    s->border = store + 7*w;
-    s->rest   = store + 8*w;
+    s->back   = (place){ .z = store + 6*w,   .t = store + 7*w };
+    s->diag   = store + 8*w;
+    s->border = store + 9*w;
+    s->rest   = store + 10*w;
     s->matrix = s->rest + rows;
     return true;
 }
@@ -458,12 +496,12 @@ lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
 double lw_newton_angle(const lw_newton *s, int link)
 {
     int c = s->loop.column[link];
-    return c < 0 ? 0.0 : s->here.z[c + 2] + 2.0*LW_PI*s->turns[link];
+    return c < 0 ? 0.0 : s->here.z[c + 2] + 2.0*LW_PI*s->here.turns[link];
 }
 
 double lw_newton_input(const lw_newton *s)
 {
-    return s->value + s->unit*(s->here.z[s->loop.n] + 2.0*LW_PI*s->input_turns);
+    return s->value + s->unit*(s->here.z[s->loop.n] + 2.0*LW_PI*s->here.input_turns);
 }
 
 double lw_newton_residual(const lw_newton *s)

@@ -27,12 +27,13 @@ void      lw_newton_free(lw_newton *s);
  * For a pin it grows with the turn of the moving link against the ground, for two moving links of
  * link[1] against link[0]; for a slider with the displacement of link[1] against link[0].
  *
- * LW_OPEN: the motion ends before, at a limit; *reached tells where (to 1e-12 rad or of the size) and
+ * LW_OPEN: the motion ends before, at a limit; *reached tells where (to 1e-10 rad or of the size) and
  * the positions are those there; a later move goes back the way it came.  LW_E_NUMERIC: the branch
  * was lost, positions are the last good ones.  *reached may be NULL.
  *
- * Two branches that cross (a change point) are passed straight on and counted, see below.  A linkage
- * nearer to a change point than about 1e-13 of its size cannot be told from one in double precision. */
+ * Two branches that cross (a change point) are passed straight on and counted, see below.  Branches
+ * that come nearer to each other than about 1e-6 (of the size, or rad) are taken to cross: for a
+ * four-bar a margin of 1e-12 in mbs/fourbar.h, where rounding of the posture begins to decide. */
 lw_status lw_newton_move(lw_newton *s, double input, double *reached);
 
 /* Back to the posture of the file. */
