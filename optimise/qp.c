@@ -54,6 +54,7 @@ typedef struct active {
     double u[LW_QP_MAX + 1];                    /* multipliers, >= 0                     */
     double q[LW_QP_MAX][LW_QP_MAX];             /* q[k] is the k-th orthonormal vector   */
     double r[LW_QP_MAX][LW_QP_MAX];
+    double size;                                /* largest |L'p| so far                  */
 } active;
 
 static void remake(active *w, const double *l, const double *a)
@@ -102,26 +103,72 @@ static void drop(active *w, int k, const double *l, const double *a)
     remake(w, l, a);
 }
 
-static int most_violated(int n, const active *w, int m, const double *a, const double *b,
+static double gap_of(int n, int j, const double *a, const double *b, const double *p)
+{
+    return dot(n, a + j*n, p) - b[j];
+}
+
+/* What rounding can make of a p on its way here, in condition j: p is known to a few units in the last
+ * place in the metric of H only, where the way is at most `size` long. */
+static double rounding(const active *w, int j, const double *l, const double *a, const double *b,
+                       const double *p)
+{
+    int n = w->n;
+    double y[LW_QP_MAX], scale = fabs(b[j]);
+    for (int c = 0; c < n; c++)
+        scale += fabs(a[j*n + c]*p[c]);
+    memcpy(y, a + j*n, sizeof(double)*(size_t)n);
+    forward(n, l, y);
+    return 1e-13*scale + 1e-14*sqrt(dot(n, y, y))*w->size;
+}
+
+static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
                          const double *p, double *gap)
 {
-    int worst = -1;
+    int worst = -1, n = w->n;
     double least = 0;
     for (int j = 0; j < m; j++) {
-        bool is_active = false;
-        for (int k = 0; k < w->count; k++)
-            is_active |= w->row[k] == j;
-        double scale = fabs(b[j]);
-        for (int c = 0; c < n; c++)
-            scale += fabs(a[j*n + c]*p[c]);
-        double s = dot(n, a + j*n, p) - b[j];
-        if (!is_active && s < -1e-13*scale && s < least) {
+        double s = gap_of(n, j, a, b, p);
+        bool passed_over = s >= least;
+        for (int k = 0; k < w->count && !passed_over; k++)
+            passed_over = w->row[k] == j;
+        if (!passed_over && s < -rounding(w, j, l, a, b, p)) {
             least = s;
             worst = j;
         }
     }
     *gap = least;
     return worst;
+}
+
+static void grow(active *w, const double *l, const double *p)
+{
+    double y2 = 0;
+    for (int i = 0; i < w->n; i++) {
+        double y = 0;
+        for (int q = i; q < w->n; q++)
+            y += l[q*w->n + i]*p[q];
+        y2 += y*y;
+    }
+    w->size = fmax(w->size, sqrt(y2));
+}
+
+/* Move p onto the active conditions, which it left by the rounding of its way. */
+static void settle(const active *w, const double *l, const double *a, const double *b, double *p)
+{
+    int n = w->n;
+    double step[LW_QP_MAX] = { 0 }, v[LW_QP_MAX];
+    for (int k = 0; k < w->count; k++) {
+        v[k] = -gap_of(n, w->row[k], a, b, p);
+        for (int i = 0; i < k; i++)
+            v[k] -= w->r[i][k]*v[i];
+        v[k] /= w->r[k][k];
+        for (int c = 0; c < n; c++)
+            step[c] += v[k]*w->q[k][c];
+    }
+    backward(n, l, step);
+    for (int c = 0; c < n; c++)
+        p[c] += step[c];
 }
 
 /* Bring condition j in: move in primal and dual space until it holds. */
@@ -153,6 +200,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
             for (int c = 0; c < n; c++)
                 p[c] += t*z[c];
             gap += t*z2;
+            grow(w, l, p);
         }
         if (t2 <= t1) {
             w->row[w->count] = j;
@@ -172,12 +220,15 @@ bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a
     for (int i = 0; i < n; i++)
         p[i] = -g[i];
     forward(n, l, p);
+    w.size = sqrt(dot(n, p, p));
     backward(n, l, p);
     for (int round = 0; round < 20*LW_QP_MAX; round++) {
         double gap;
-        int j = most_violated(n, &w, m, a, b, p, &gap);
-        if (j < 0)
+        int j = most_violated(&w, m, l, a, b, p, &gap);
+        if (j < 0) {
+            settle(&w, l, a, b, p);
             return true;
+        }
         if (!bring_in(&w, j, gap, l, a, p))
             return false;
     }
