@@ -1,0 +1,667 @@
+/* The batch: every instruction set and every grouping of lanes gives the same bits; derivatives against
+ * complex steps through formulas of the test's own; hard cases; linkages with known curves. */
+#include <complex.h>
+#undef I
+#include "mbs/batch.h"
+#include "mbs/kernels.h"
+#include "mbs/pose.h"
+#include "tests/check.h"
+#include "tests/mbs_random.h"
+
+#define J _Complex_I
+
+typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input; } subject;
+
+static _Alignas(64) double work[1 << 17];
+
+static bool plan_of(subject *q, bool all)
+{
+    CHECK_INT(lw_plan_make(&q->k, (lw_want){ 1, all }, &q->p, NULL), LW_OK);
+    CHECK(lw_batch_work_size(&q->p) <= sizeof work);
+    return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, NULL) == LW_OK;
+}
+
+static void named(subject *q, const char *type, const double *dim, double mode)
+{
+    lw_type_linkage(lw_type_find(type), &q->k);
+    plan_of(q, false);
+    for (int d = 0; d < q->p.n_dim; d++)
+        q->dim[d] = dim[d];
+    q->mode[0] = mode;
+}
+
+/* Input as the lanes take it. */
+static double lane_c(const subject *q, double input) { return q->p.input_is_slider ? input : cos(input); }
+static double lane_s(const subject *q, double input) { return q->p.input_is_slider ? 0 : sin(input); }
+
+static double point_at(const subject *q, const double *dim, double input, lw_vec2 *p)
+{
+    double c = lane_c(q, input), s = lane_s(q, input), margin;
+    lw_lanes in = { 1, &c, &s, dim, 0, q->mode, 0 };
+    lw_batch_point(&q->p, &in, 0, work, &p->x, &p->y, NULL, NULL, &margin);
+    return margin;
+}
+
+/* ---- the same bits ---------------------------------------------------------------------------------------- */
+
+enum { MAX = 307 };
+
+typedef struct lanes { double c[MAX], s[MAX], dim[LW_DIM_MAX*MAX], mode[LW_DYAD_MAX*MAX]; } lanes;
+
+static void draw_lanes(lw_rng *r, const subject *q, lanes *l)
+{
+    for (int i = 0; i < MAX; i++) {
+        double input = q->input + lw_rng_range(r, -3, 3);
+        l->c[i] = lane_c(q, input);
+        l->s[i] = lane_s(q, input);
+        for (int d = 0; d < q->p.n_dim; d++)
+            l->dim[d*MAX + i] = q->dim[d]*lw_rng_range(r, 0.8, 1.2);
+        for (int d = 0; d < q->p.n_dyad; d++)
+            l->mode[d*MAX + i] = lw_rng_bits(r) & 1 ? 1 : -1;
+    }
+}
+
+typedef struct outputs { double x[MAX], y[MAX], u[MAX], v[MAX], m[MAX], o[4][MAX], jac[3*LW_DIM_MAX*MAX], t[3][MAX], grad[LW_DIM_MAX], f, least; } outputs;
+
+static void run_lanes(const subject *q, const lanes *l, size_t n, int per_lane, outputs *out)
+{
+    static double tx[MAX], ty[MAX], w[MAX];
+    size_t size = (size_t)q->p.n_dim*MAX;
+    lw_lanes in = { n, l->c, l->s, per_lane ? l->dim : q->dim, per_lane & 1 ? MAX : 0,
+                    per_lane & 2 ? l->mode : q->mode, per_lane & 2 ? MAX : 0 };
+    if (per_lane == 2)
+        in.dim = q->dim;
+    memset(out, 0, sizeof *out);
+    lw_batch_point(&q->p, &in, 0, work, out->x, out->y, out->u, out->v, out->m);
+    lw_batch_frame(&q->p, &in, 0, work, out->o[0], out->o[1], out->o[2], out->o[3], NULL);
+    if (per_lane)
+        return;
+    for (size_t i = 0; i < n; i++) {
+        tx[i] = 1 + 0.1*(double)i;
+        ty[i] = 2 - 0.1*(double)i;
+        w[i] = 1 + (double)(i%3);
+    }
+    lw_jacobian j = { out->x, out->y, out->u, out->v, out->m, out->jac, out->jac + size, out->jac + 2*size,
+                      out->t[0], out->t[1], out->t[2], MAX };
+    lw_batch_jacobian(&q->p, &in, 0, work, &j);
+    out->f = lw_batch_sum(&q->p, &in, 0, work, tx, ty, w, out->grad, &out->least);
+}
+
+static void same_bits_on_every_instruction_set(void)
+{
+    static subject q;
+    static lanes l;
+    static outputs a, b;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 1);
+    for (int trial = 0; trial < 60; trial++) {
+        if (trial < 44)
+            random_type(&r, &lw_type_table[trial%11], &q.k);
+        else
+            random_grown(&r, 3, &q.k);
+        plan_of(&q, false);
+        draw_lanes(&r, &q, &l);
+        for (int per_lane = 0; per_lane < 4; per_lane++) {
+            q.p.kernels = lw_kernels_supported(0);
+            run_lanes(&q, &l, MAX - (size_t)trial%9, per_lane, &a);
+            for (int i = 1; lw_kernels_supported(i); i++) {
+                q.p.kernels = lw_kernels_supported(i);
+                run_lanes(&q, &l, MAX - (size_t)trial%9, per_lane, &b);
+                CHECK(memcmp(&a, &b, sizeof a) == 0);
+            }
+        }
+    }
+}
+
+/* One lane alone, or with a few, gives what it gives among many; dimensions shared or a set a lane. */
+static void same_bits_in_every_company(void)
+{
+    static subject q;
+    static lanes l;
+    static outputs all, few;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 2);
+    for (int trial = 0; trial < 33; trial++) {
+        if (trial < 22)
+            random_type(&r, &lw_type_table[trial%11], &q.k);
+        else
+            random_grown(&r, 2, &q.k);
+        plan_of(&q, false);
+        draw_lanes(&r, &q, &l);
+        for (int per_lane = 0; per_lane < 4; per_lane++) {
+            run_lanes(&q, &l, MAX, per_lane, &all);
+            static const size_t some[] = { 1, 2, 7, 8, 9, 15, 18, 60, 130 };
+            for (size_t i = 0; i < sizeof some/sizeof *some; i++) {
+                size_t n = some[i], bytes = n*sizeof(double);
+                run_lanes(&q, &l, n, per_lane, &few);
+                CHECK(memcmp(few.x, all.x, bytes) == 0 && memcmp(few.y, all.y, bytes) == 0);
+                CHECK(memcmp(few.u, all.u, bytes) == 0 && memcmp(few.v, all.v, bytes) == 0);
+                CHECK(memcmp(few.m, all.m, bytes) == 0 && memcmp(few.o[2], all.o[2], bytes) == 0);
+                CHECK(few.x[n] == 0 && few.m[n] == 0 && few.o[0][n] == 0);        /* nothing past the end */
+                for (int row = 0; !per_lane && row < 3*q.p.n_dim; row++) {
+                    CHECK(memcmp(few.jac + row*MAX, all.jac + row*MAX, bytes) == 0);
+                    CHECK(few.jac[row*MAX + (int)n] == 0);
+                }
+            }
+        }
+        for (int d = 0; d < q.p.n_dim; d++)
+            for (int i = 0; i < MAX; i++)
+                l.dim[d*MAX + i] = q.dim[d];
+        run_lanes(&q, &l, MAX, 0, &all);
+        run_lanes(&q, &l, MAX, 1, &few);
+        CHECK(memcmp(all.x, few.x, sizeof all.x) == 0 && memcmp(all.y, few.y, sizeof all.y) == 0);
+    }
+}
+
+/* ---- derivatives by complex steps --------------------------------------------------------------------------
+ * The steps of the plan with complex dimensions (Squire & Trapp 1998: f'(x) = Im f(x + ih)/h, no
+ * cancellation), from textbook formulas: law of cosines, Pythagoras, Cramer. */
+typedef struct cpoint { double complex x, y; } cpoint;
+
+static cpoint cadd(cpoint a, cpoint b) { return (cpoint){ a.x + b.x, a.y + b.y }; }
+static cpoint csub(cpoint a, cpoint b) { return (cpoint){ a.x - b.x, a.y - b.y }; }
+static cpoint cturn(cpoint a, cpoint u) { return (cpoint){ a.x*u.x - a.y*u.y, a.x*u.y + a.y*u.x }; }
+static cpoint cscale(cpoint a, double complex s) { return (cpoint){ a.x*s, a.y*s }; }
+static double complex cdot(cpoint a, cpoint b) { return a.x*b.x + a.y*b.y; }
+static cpoint cdirection(double complex t) { return (cpoint){ ccos(t), csin(t) }; }
+
+static void complex_dyad(const lw_step *s, const double complex *dim, double mode, cpoint *reg)
+{
+    const int *in = s->in, *out = s->out;
+    cpoint d = csub(reg[in[1]], reg[in[0]]);
+    double complex length = csqrt(cdot(d, d));
+    if (s->kind == LW_STEP_RRR) {                             /* angle at the first pin, then at the second */
+        double complex a = dim[s->dim[0]], b = dim[s->dim[1]];
+        double complex ca = (length*length + a*a - b*b)/(2*length*a), sa = mode*csqrt(1 - ca*ca);
+        reg[out[0]] = cscale(cturn(d, (cpoint){ ca, sa }), 1/length);
+        reg[out[2]] = cadd(reg[in[0]], cscale(reg[out[0]], a));
+        if (out[1] >= 0)
+            reg[out[1]] = cscale(csub(reg[out[2]], reg[in[1]]), 1/b);
+    } else if (s->kind == LW_STEP_RRP) {                      /* along the line from the foot */
+        double complex a = dim[s->dim[0]];
+        cpoint w = reg[in[2]], foot = cadd(reg[in[1]], cscale(w, -cdot(d, w)));
+        cpoint up = csub(foot, reg[in[0]]);
+        reg[out[1]] = cadd(foot, cscale(w, mode*csqrt(a*a - cdot(up, up))));
+        reg[out[0]] = cscale(csub(reg[out[1]], reg[in[0]]), 1/a);
+    } else if (s->kind == LW_STEP_RPR) {                      /* the angle between span and slide */
+        double complex sine = dim[s->dim[0]]/length, cosine = mode*csqrt(1 - sine*sine);
+        reg[out[0]] = cscale(cturn(d, (cpoint){ cosine, -sine }), 1/length);
+    } else {
+        cpoint u = reg[in[1]], w = reg[in[3]], e = csub(reg[in[2]], reg[in[0]]);
+        double complex t = (e.x*w.y - e.y*w.x)/(u.x*w.y - u.y*w.x);
+        reg[out[0]] = cadd(reg[in[0]], cscale(u, t));
+    }
+}
+
+/* Tracer in the plane and direction of its link. */
+static void complex_output(const subject *q, const double complex *dim, double complex input, cpoint out[2])
+{
+    const lw_plan *p = &q->p;
+    cpoint reg[LW_REG_MAX] = { { 0, 0 }, { 1, 0 } };
+    for (int i = 0; i < p->n_step; i++) {
+        const lw_step *s = &p->step[i];
+        double complex a = s->dim[0] < 0 ? 0 : dim[s->dim[0]], b = s->dim[1] < 0 ? 0 : dim[s->dim[1]];
+        switch (s->kind) {
+        case LW_STEP_INPUT_PIN:   reg[s->out[0]] = cdirection(input); break;
+        case LW_STEP_INPUT_SLIDE: reg[s->out[0]] = cadd(reg[s->in[0]], cscale(reg[s->in[1]], input)); break;
+        case LW_STEP_POINT:       reg[s->out[0]] = cadd(reg[s->in[0]], cturn((cpoint){ a, b }, reg[s->in[1]])); break;
+        case LW_STEP_LINE:
+            reg[s->out[1]] = cturn(cdirection(b), reg[s->in[1]]);
+            reg[s->out[0]] = cadd(reg[s->in[0]], cturn((cpoint){ 0, a }, reg[s->out[1]]));
+            break;
+        default: complex_dyad(s, dim, q->mode[s->dyad], reg);
+        }
+    }
+    cpoint turn = cdirection(dim[p->i_theta0]);
+    out[0] = cadd((cpoint){ dim[p->i_x0], dim[p->i_y0] }, cturn(reg[p->output_point[0]], turn));
+    out[1] = cturn(reg[p->output_dir[0]], turn);
+}
+
+static void check_derivatives(const subject *q, double input)
+{
+    enum { N = LW_DIM_MAX };
+    const double h = 1e-150;
+    double x, y, u, v, m, jx[N], jy[N], jt[N], tx, ty, tt, c = lane_c(q, input), s = lane_s(q, input);
+    lw_lanes in = { 1, &c, &s, q->dim, 0, q->mode, 0 };
+    lw_jacobian out = { &x, &y, &u, &v, &m, jx, jy, jt, &tx, &ty, &tt, 1 };
+    lw_batch_jacobian(&q->p, &in, 0, work, &out);
+    if (m < 1e-3)
+        return;
+    for (int d = 0; d <= q->p.n_dim; d++) {
+        double complex dim[N];
+        cpoint z[2];
+        bool by_input = d == q->p.n_dim;
+        for (int i = 0; i < q->p.n_dim; i++)
+            dim[i] = q->dim[i] + (i == d ? h : 0)*J;
+        complex_output(q, dim, input + (by_input ? h : 0)*J, z);
+        double wx = cimag(z[0].x)/h, wy = cimag(z[0].y)/h;
+        double wt = (creal(z[1].x)*cimag(z[1].y) - creal(z[1].y)*cimag(z[1].x))/h;
+        double size = fabs(wx) + fabs(wy) + fabs(wt) + 1;          /* relative to the whole row */
+        CHECK_NEAR(by_input ? tx : jx[d], wx, 1e-12*size/m, 0);
+        CHECK_NEAR(by_input ? ty : jy[d], wy, 1e-12*size/m, 0);
+        CHECK_NEAR(by_input ? tt : jt[d], wt, 1e-12*size/m, 0);
+        if (by_input) {
+            CHECK_NEAR(x, creal(z[0].x), 1e-13/m, 1e-13/m);
+            CHECK_NEAR(y, creal(z[0].y), 1e-13/m, 1e-13/m);
+            CHECK_NEAR(u, creal(z[1].x), 1e-13/m, 0);
+            CHECK_NEAR(v, creal(z[1].y), 1e-13/m, 0);
+        }
+    }
+}
+
+static void jacobian_agrees_with_complex_steps(void)
+{
+    static subject q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 3);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; trial < 200; trial++) {
+            random_type(&r, t, &q.k);
+            if (plan_of(&q, false))
+                check_derivatives(&q, q.input + lw_rng_range(&r, -0.1, 0.1));
+        }
+    for (int trial = 0; trial < 500; trial++) {
+        random_grown(&r, 1 + trial%3, &q.k);
+        plan_of(&q, false);
+        check_derivatives(&q, q.input);
+    }
+}
+
+/* The tracer on the rocker, the crank, the ground: other parts of the plan. */
+static void jacobian_of_every_link(void)
+{
+    static subject q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 4);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; trial < 100; trial++) {
+            random_type(&r, t, &q.k);
+            q.k.tracer[0].link = trial%4;
+            if (plan_of(&q, trial & 4))
+                check_derivatives(&q, q.input);
+        }
+    jansen_linkage(&q.k);
+    plan_of(&q, false);
+    check_derivatives(&q, q.input);
+}
+
+/* The fused sum against the points and the Jacobian. */
+static void sum_agrees_with_its_parts(void)
+{
+    static subject q;
+    static lanes l;
+    static outputs o;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 5);
+    for (int trial = 0; trial < 44; trial++) {
+        random_type(&r, &lw_type_table[trial%11], &q.k);
+        if (trial >= 33)
+            random_grown(&r, 2, &q.k);
+        plan_of(&q, false);
+        draw_lanes(&r, &q, &l);
+        for (int i = 0; i < MAX; i++) {
+            double input = q.input + 0.05*sin(i);
+            l.c[i] = lane_c(&q, input);
+            l.s[i] = lane_s(&q, input);
+        }
+        size_t n = trial%2 ? MAX : (size_t)trial + 1;
+        run_lanes(&q, &l, n, 0, &o);
+        double f = 0, g[LW_DIM_MAX] = { 0 }, size[LW_DIM_MAX] = { 0 }, least = 1;
+        for (size_t i = 0; i < n; i++) {
+            double ex = o.x[i] - (1 + 0.1*(double)i), ey = o.y[i] - (2 - 0.1*(double)i), w = 1 + (double)(i%3);
+            f += w*(ex*ex + ey*ey);
+            least = fmin(least, o.m[i]);
+            for (int d = 0; d < q.p.n_dim; d++) {
+                double t = 2*w*(ex*o.jac[d*MAX + (int)i] + ey*o.jac[(q.p.n_dim + d)*MAX + (int)i]);
+                g[d] += t;
+                size[d] += fabs(t);
+            }
+        }
+        CHECK_NEAR(o.f, f, 0, 1e-13);
+        CHECK(o.least == least);
+        for (int d = 0; d < q.p.n_dim; d++)
+            CHECK_NEAR(o.grad[d], g[d], 1e-12*size[d]/fmax(least, 1e-3), 0);
+    }
+}
+
+/* ---- symmetry ------------------------------------------------------------------------------------------------ */
+
+/* Size s, turn a, shift, and mirror image of the whole: lengths, coordinates and angles by their kind. */
+static void whole_can_be_moved(void)
+{
+    static subject q, m;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 6);
+    for (int trial = 0; trial < 1000; trial++) {
+        random_grown(&r, 1 + trial%2, &q.k);
+        plan_of(&q, false);
+        m = q;
+        double s = exp(lw_rng_range(&r, -3, 3)), a = lw_rng_range(&r, -3, 3), mirror = trial & 1 ? -1 : 1;
+        lw_vec2 p, w, shift = random_place(&r), z0 = lw_v2(q.dim[q.p.i_x0], mirror*q.dim[q.p.i_y0]);
+        for (int d = 0; d < q.p.n_dim; d++) {
+            lw_dim_role role = q.p.dim[d].role;
+            bool odd = role == LW_ROLE_Y || role == LW_ROLE_E || role == LW_ROLE_BETA || role == LW_ROLE_CY ||
+                       role == LW_ROLE_THETA0;
+            m.dim[d] *= (odd ? mirror : 1)*(q.p.dim[d].kind == LW_DIM_ANGLE ? 1 : s);
+        }
+        z0 = lw_v2_add(shift, lw_v2_scale(lw_v2_turn(z0, lw_v2_polar(1, a)), s));
+        m.dim[m.p.i_x0] = z0.x;
+        m.dim[m.p.i_y0] = z0.y;
+        m.dim[m.p.i_theta0] += a;
+        for (int i = 0; i < q.p.n_step; i++)
+            if (q.p.step[i].kind == LW_STEP_RRR)
+                m.mode[q.p.step[i].dyad] *= mirror;
+        double margin = point_at(&q, q.dim, q.input, &p);
+        CHECK_NEAR(point_at(&m, m.dim, mirror*q.input, &w), margin, 1e-12, 1e-10);
+        p = lw_v2_add(shift, lw_v2_scale(lw_v2_turn(lw_v2(p.x, mirror*p.y), lw_v2_polar(1, a)), s));
+        double size = (lw_v2_norm(p) + s + lw_v2_norm(shift))/fmax(margin, 1e-12);
+        CHECK_NEAR(w.x, p.x, 1e-10*size, 0);
+        CHECK_NEAR(w.y, p.y, 1e-10*size, 0);
+    }
+}
+
+static void batch_agrees_with_pose(void)
+{
+    static subject q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 7);
+    for (int trial = 0; trial < 1000; trial++) {
+        random_grown(&r, 1 + trial%3, &q.k);
+        plan_of(&q, false);
+        lw_pose pose;
+        lw_vec2 p;
+        double input = q.input + lw_rng_range(&r, -1, 1), margin = point_at(&q, q.dim, input, &p);
+        lw_status s = lw_pose_solve(&q.p, q.dim, q.mode, input, 0, &pose);
+        double size = 1 + lw_v2_norm(p);
+        CHECK_NEAR(margin, pose.margin, 1e-9, 1e-9);
+        CHECK_INT(s, pose.margin < 0 ? LW_OPEN : LW_OK);
+        if (pose.margin > 1e-6) {
+            CHECK_NEAR(p.x, pose.tracer[0][0].x, 1e-9*size, 0);
+            CHECK_NEAR(p.y, pose.tracer[0][0].y, 1e-9*size, 0);
+        }
+    }
+}
+
+/* ---- hard cases ------------------------------------------------------------------------------------------------ */
+
+static void check_everywhere_finite(const subject *q)
+{
+    enum { N = 721 };
+    static double c[N], s[N], x[N], y[N], u[N], v[N], m[N], jac[3*9*N], t[3*N], grad[LW_DIM_MAX];
+    for (int i = 0; i < N; i++) {
+        c[i] = cos(LW_PI*(i - 360)/360);
+        s[i] = i == 360 ? 0 : sin(LW_PI*(i - 360)/360);
+    }
+    lw_lanes in = { N, c, s, q->dim, 0, q->mode, 0 };
+    lw_jacobian out = { x, y, u, v, m, jac, jac + q->p.n_dim*N, jac + 2*q->p.n_dim*N, t, t + N, t + 2*N, N };
+    lw_batch_jacobian(&q->p, &in, 0, work, &out);
+    double least, f = lw_batch_sum(&q->p, &in, 0, work, c, s, NULL, grad, &least), size = 0;
+    for (int d = 0; d < q->p.n_dim; d++)
+        size += fabs(q->dim[d]);
+    for (int i = 0; i < N; i++) {
+        CHECK(isfinite(m[i]) && m[i] <= 1 + 1e-9);               /* links up to 1e6 apart: 1e6 roundings */
+        CHECK(fabs(x[i]) <= 2*size && fabs(y[i]) <= 2*size);
+        CHECK_NEAR(u[i]*u[i] + v[i]*v[i], 1, 1e-9, 0);
+        for (int d = 0; d < 3*q->p.n_dim; d++)
+            CHECK(isfinite(jac[d*N + i]));
+        CHECK(isfinite(t[i]) && isfinite(t[N + i]) && isfinite(t[2*N + i]));
+    }
+    CHECK(isfinite(f) && least >= -1e30);
+    for (int d = 0; d < q->p.n_dim; d++)
+        CHECK(isfinite(grad[d]));
+}
+
+/* Ground, crank, coupler, rocker; also as an inverted slider-crank without offset and a slider-crank whose
+ * crank and coupler are equal, where all positions meet. */
+static void change_points_give_numbers(void)
+{
+    static const double lengths[][4] = { { 4, 1, 4, 1 }, { 1, 4, 1, 4 }, { 3, 1, 1, 3 }, { 1, 1, 3, 3 }, { 1, 1, 1, 1 },
+                                         { 4, 1, 3, 2 }, { 2, 1, 3, 4 }, { 5, 1, 2, 2 }, { 1, 1, 1e-6, 1 } };
+    static subject q;
+    for (size_t i = 0; i < sizeof lengths/sizeof *lengths; i++)
+        for (int sign = -1; sign <= 1; sign += 2)
+            for (int e = -16; e <= -3; e++) {
+                double eps = e == -16 ? 0 : pow(10, e);
+                double dim[9] = { lengths[i][0], lengths[i][1], lengths[i][2]*(1 + eps), lengths[i][3], 0.5, 0.25, 0, 0, 0 };
+                named(&q, "fourbar", dim, sign);
+                check_everywhere_finite(&q);
+            }
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int e = -16; e <= -3; e++) {
+            double eps = e == -16 ? 0 : pow(10, e);
+            named(&q, "slidercrank", (double[8]){ 1, 1 + eps, 0, 2, 0, 0, 0, 0 }, sign);
+            check_everywhere_finite(&q);
+            named(&q, "inverted", (double[8]){ 1, 1 + eps, 0, 2, 0, 0, 0, 0 }, sign);
+            check_everywhere_finite(&q);
+            named(&q, "inverted", (double[8]){ 1, 1 + eps, eps, 2, 0, 0, 0, 0 }, sign);
+            check_everywhere_finite(&q);
+        }
+}
+
+/* Centres that coincide leave the dyad free to turn: margin at most 0. */
+static void coinciding_centres_are_reported(void)
+{
+    static subject q;
+    lw_vec2 p;
+    named(&q, "fourbar", (double[9]){ 1, 1, 2, 2, 0.5, 0.25, 0, 0, 0 }, 1);
+    CHECK(point_at(&q, q.dim, 0, &p) <= 0);
+    CHECK_NEAR(hypot(p.x - 1, p.y), hypot(0.5, 0.25), 1e-15, 0);
+    named(&q, "fourbar", (double[9]){ 1, 1, 2, 3, 0.5, 0.25, 0, 0, 0 }, 1);
+    CHECK(point_at(&q, q.dim, 0, &p) < 0);
+    named(&q, "inverted", (double[8]){ 1, 1, 0, 0.5, 0.25, 0, 0, 0 }, 1);
+    CHECK(point_at(&q, q.dim, 0, &p) <= 0);
+    named(&q, "RPRP", (double[7]){ 0, 1, 0, 0, 0, 0, 0 }, 1);
+    CHECK(point_at(&q, q.dim, 0, &p) <= 0);                           /* parallel slides */
+}
+
+/* Near the change point 4 1 4(1+eps) 1 the margin is that of the exact formula: at the crank angle 0,
+ * sin^2 = h/(2 r3 r4)^2 with h from the lengths. */
+static void margins_near_change_points_are_right(void)
+{
+    static subject q;
+    lw_vec2 p;
+    for (int e = -15; e <= -3; e++) {
+        double eps = pow(10, e), r3 = 4*(1 + eps), gain = r3 - 4;       /* the coupler as rounded */
+        named(&q, "fourbar", (double[9]){ 4, 1, r3, 1, 0, 0, 0, 0, 0 }, 1);
+        double h = (r3 + 1 + 3)*(r3 + 1 - 3)*(3 + r3 - 1)*(3 - r3 + 1);
+        double want = h/(4*r3*r3);
+        CHECK_NEAR(point_at(&q, q.dim, 0, &p), want, 1e-15, 1e-9);
+        CHECK(want < 0 || gain == 0);
+    }
+}
+
+/* A coupler of no length points anywhere: numbers all the same. */
+static void lengths_of_zero(void)
+{
+    static subject q;
+    for (int i = 0; i < 16; i++) {
+        double dim[9] = { i & 1, (i & 2)/2, (i & 4)/4, (i & 8)/8, 0.5, 0.25, 0, 0, 0 }, x, y, m, jac[18];
+        named(&q, "fourbar", dim, 1);
+        for (int k = 0; k < 64; k++) {
+            double c = cos(LW_PI*k/32), s = sin(LW_PI*k/32);
+            lw_lanes in = { 1, &c, &s, q.dim, 0, q.mode, 0 };
+            lw_jacobian out = { .x = &x, .y = &y, .margin = &m, .jx = jac, .jy = jac + 9, .ld = 1 };
+            lw_batch_jacobian(&q.p, &in, 0, work, &out);
+            CHECK(isfinite(x) && isfinite(y) && isfinite(m));
+            for (int d = 0; d < 18; d++)
+                CHECK(isfinite(jac[d]));
+        }
+    }
+}
+
+static void lengths_a_million_apart(void)
+{
+    static subject q;
+    static const double lengths[][4] = { { 1e6, 1, 1e6, 1 }, { 1e6, 1, 1e6, 2 }, { 1, 1e6, 1e6, 1.5 }, { 1e6, 1.5, 1, 1e6 },
+                                         { 3, 1, 1e6, 1e6 }, { 1e6, 1e6, 1, 1.25 } };
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 8);
+    for (size_t i = 0; i < sizeof lengths/sizeof *lengths; i++)
+        for (int trial = 0; trial < 300; trial++) {
+            double dim[9] = { lengths[i][0], lengths[i][1], lengths[i][2], lengths[i][3], lengths[i][2], 0, 0, 0, 0 };
+            double input = lw_rng_range(&r, -LW_PI, LW_PI);
+            lw_vec2 b;
+            named(&q, "fourbar", dim, trial & 1 ? 1 : -1);
+            check_everywhere_finite(&q);
+            if (point_at(&q, q.dim, input, &b) <= 1e-6)
+                continue;
+            CHECK_NEAR(hypot(b.x - dim[1]*cos(input), b.y - dim[1]*sin(input)), dim[2], 1e-9, 0);
+            CHECK_NEAR(hypot(b.x - dim[0], b.y), dim[3], 1e-9, 0);            /* rounding of 1e6 */
+        }
+}
+
+/* A tracer on a joint moves as the joint does; one at a fixed pivot stays. */
+static void tracer_on_a_pivot(void)
+{
+    static subject q;
+    lw_vec2 p;
+    for (int i = 0; i < 100; i++) {
+        double t = 0.1*i;
+        named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 0, 0, 0, 0, 0 }, 1);
+        point_at(&q, q.dim, t, &p);
+        CHECK_NEAR(p.x, cos(t), 1e-16, 0);
+        CHECK_NEAR(p.y, sin(t), 1e-16, 0);
+        check_everywhere_finite(&q);
+        q.dim[4] = 2.5;
+        point_at(&q, q.dim, t, &p);
+        CHECK_NEAR(hypot(p.x - 3, p.y), 2.8, 1e-14, 0);
+    }
+}
+
+static void coordinates_of_every_size(void)
+{
+    static subject q;
+    lw_vec2 unit, p;
+    for (int e = -9; e <= 9; e += 3) {
+        double s = pow(10, e), dim[9] = { 3*s, s, 2.5*s, 2.8*s, 1.2*s, 0.7*s, 5*s, -3*s, 0.3 };
+        named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 1.2, 0.7, 5, -3, 0.3 }, 1);
+        double m = point_at(&q, q.dim, 0.7, &unit);
+        CHECK_NEAR(point_at(&q, dim, 0.7, &p), m, 0, 1e-13);
+        CHECK_NEAR(p.x, s*unit.x, 0, 1e-14);
+        CHECK_NEAR(p.y, s*unit.y, 0, 1e-14);
+    }
+}
+
+/* Angles of many turns. */
+static void far_angles(void)
+{
+    static subject q;
+    lw_vec2 near, far;
+    named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 1.2, 0.7, 0, 0, 0.3 }, 1);
+    point_at(&q, q.dim, 0.7, &near);
+    for (int i = 0; i < 60; i++) {
+        double turns = pow(1.5, i);
+        q.dim[8] = 0.3 + 2*LW_PI*floor(turns);
+        point_at(&q, q.dim, 0.7, &far);
+        lw_vec2 p = lw_v2_turn(near, lw_v2_polar(1, remainder(q.dim[8], 2*LW_PI) - 0.3));
+        CHECK_NEAR(far.x, p.x, 1e-14 + 1e-15*turns, 0);
+        CHECK_NEAR(far.y, p.y, 1e-14 + 1e-15*turns, 0);
+        double c = cos(q.dim[8]), s = sin(q.dim[8]), x, y, u, v;
+        lw_vec2 ground = lw_v2_unturn(near, lw_v2_polar(1, 0.3));
+        point_at(&q, q.dim, 0.7, &far);
+        x = ground.x*c - ground.y*s;
+        y = ground.x*s + ground.y*c;
+        u = far.x - x;
+        v = far.y - y;
+        CHECK(hypot(u, v) < 1e-14);
+    }
+}
+
+/* ---- linkages with known curves ---------------------------------------------------------------------------------- */
+
+static void jansen_foot(void)
+{
+    static subject q;
+    jansen_linkage(&q.k);
+    plan_of(&q, false);
+    FILE *f = fopen("tests/data/linkages/jansen.csv", "r");
+    CHECK(f != NULL);
+    char row[512];
+    int n = 0;
+    while (f && fgets(row, sizeof row, f)) {
+        double degree, foot[2];
+        if (sscanf(row, "%lf,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%*f,%lf,%lf", &degree, &foot[0], &foot[1]) != 3)
+            continue;
+        lw_vec2 p;
+        point_at(&q, q.dim, degree*LW_PI/180 - q.dim[q.p.i_theta0], &p);
+        CHECK_NEAR(p.x, foot[0], 2e-12, 0);
+        CHECK_NEAR(p.y, foot[1], 2e-12, 0);
+        n++;
+    }
+    if (f)
+        fclose(f);
+    CHECK_INT(n, 72);
+}
+
+/* Greatest |x - line| or |y - line| over a range of the crank. */
+static double deviation(const subject *q, double from, double to, double line, bool vertical)
+{
+    double worst = 0;
+    for (int i = 0; i <= 20000; i++) {
+        lw_vec2 p;
+        CHECK(point_at(q, q->dim, from + (to - from)*i/20000, &p) >= 0);
+        worst = fmax(worst, fabs((vertical ? p.x : p.y) - line));
+    }
+    return worst;
+}
+
+/* Scott Russell: coupler twice the crank with the crank pin in its middle; its end moves on x = 0.  The
+ * sliding block passes its dead point at 90 degrees, where half the digits go. */
+static void exact_straight_line(void)
+{
+    static subject q;
+    named(&q, "slidercrank", (double[8]){ 1, 1, 0, -1, 0, 0, 0, 0 }, 1);
+    CHECK(deviation(&q, -1.5, 1.5, 0, true) < 2e-14);
+    for (int i = -100; i <= 100; i++) {
+        lw_vec2 p;
+        point_at(&q, q.dim, 0.015*i, &p);
+        CHECK_NEAR(p.y, 2*sin(0.015*i), 2e-14, 0);
+    }
+}
+
+/* Deviations worked out with 40 digits from the loop equations. Hoeken and Chebyshev in the proportions of Artobolevsky
+ * 1975; Watt with rockers 2, coupler 1; Roberts with ground 2, coupler 1, legs 1.2; Evans (grasshopper) with a
+ * rocker of 5 for the slide of Scott Russell. */
+static void nearly_straight_lines(void)
+{
+    static subject q;
+    lw_vec2 p;
+    named(&q, "fourbar", (double[9]){ 2, 1, 2.5, 2.5, 5, 0, 0, 0, 0 }, 1);                   /* Hoeken */
+    CHECK_NEAR(deviation(&q, LW_PI/2, 3*LW_PI/2, 4, false), 0.00975373308636001, 1e-9, 0);
+    named(&q, "fourbar", (double[9]){ 4, 5, 2, 5, 1, 0, 0, 0, 0 }, -1);                      /* Chebyshev */
+    CHECK_NEAR(deviation(&q, 0.72819521782354465, 1.2170903454404836, 4, false), 0.009047910620066203, 1e-9, 0);
+    point_at(&q, q.dim, 0.72819521782354465, &p);
+    CHECK_NEAR(p.x, 3, 1e-14, 0);
+    named(&q, "fourbar", (double[9]){ sqrt(17), 2, 1, 2, 0.5, 0, 0, 0, atan2(-1, 4) }, -1);  /* Watt */
+    CHECK_NEAR(deviation(&q, -0.2 + atan2(1, 4), 0.2 + atan2(1, 4), 2, true), 0.000329449596916485622, 1e-14, 0);
+    named(&q, "fourbar", (double[9]){ 2, 1.2, 1, 1.2, 0.5, -sqrt(1.19), 0, 0, 0 }, 1);       /* Roberts */
+    CHECK_NEAR(deviation(&q, 0.58568554345715096, 1.3417573819825720, 0, false), 0.0136420228761283217, 1e-9, 0);
+    point_at(&q, q.dim, acos(0.5/1.2), &p);
+    CHECK_NEAR(p.x, 1, 1e-15, 0);
+    CHECK_NEAR(p.y, 0, 1e-15, 0);
+    named(&q, "fourbar", (double[9]){ hypot(1.5, 5), 1, 1, 5, -1, 0, 0, 0, atan2(-5, 1.5) }, 1);  /* Evans */
+    CHECK_NEAR(deviation(&q, 0.3 - atan2(-5, 1.5), 0.9 - atan2(-5, 1.5), 0, true), 0.00901446986345329143, 1e-14, 0);
+}
+
+int main(void)
+{
+    RUN(same_bits_on_every_instruction_set);
+    RUN(same_bits_in_every_company);
+    RUN(jacobian_agrees_with_complex_steps);
+    RUN(jacobian_of_every_link);
+    RUN(sum_agrees_with_its_parts);
+    RUN(whole_can_be_moved);
+    RUN(batch_agrees_with_pose);
+    RUN(change_points_give_numbers);
+    RUN(coinciding_centres_are_reported);
+    RUN(margins_near_change_points_are_right);
+    RUN(lengths_of_zero);
+    RUN(lengths_a_million_apart);
+    RUN(tracer_on_a_pivot);
+    RUN(coordinates_of_every_size);
+    RUN(far_angles);
+    RUN(jansen_foot);
+    RUN(exact_straight_line);
+    RUN(nearly_straight_lines);
+    return check_end();
+}

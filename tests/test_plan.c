@@ -1,0 +1,261 @@
+/* The plan: dimensions out of a posture and back, linkages told in any order, what cannot be planned. */
+#include "mbs/pose.h"
+#include "tests/check.h"
+#include "tests/mbs_random.h"
+
+typedef struct planned { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input; } planned;
+
+static bool plan_all(planned *q)
+{
+    lw_error e = { .text = "" };
+    CHECK_INT(lw_plan_make(&q->k, (lw_want){ (1u << q->k.n_tracer) - 1, true }, &q->p, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, &e) == LW_OK;
+}
+
+/* How far two postures are apart, over the size of the first. */
+static double apart(const lw_linkage *a, const lw_linkage *b)
+{
+    double size = 0, d = 0;
+    for (int j = 0; j < a->n_joint; j++) {
+        size = fmax(size, lw_v2_norm(a->joint[j].at));
+        d = fmax(d, lw_v2_norm(lw_v2_sub(a->joint[j].at, b->joint[j].at)));
+        d = fmax(d, size*lw_v2_norm(lw_v2_sub(a->joint[j].along, b->joint[j].along)));
+    }
+    for (int i = 0; i < a->n_tracer; i++) {
+        d = fmax(d, lw_v2_norm(lw_v2_sub(a->tracer[i].at, b->tracer[i].at)));
+        d = fmax(d, size*fabs(a->tracer[i].angle - b->tracer[i].angle));
+    }
+    return d/size;
+}
+
+/* Rounding grows near singular postures: by the reciprocal sine at the dyad. */
+static void check_round_trip(planned *q, double growth)
+{
+    lw_pose pose;
+    lw_linkage back = q->k;
+    CHECK_INT(lw_pose_solve(&q->p, q->dim, q->mode, q->input, 0, &pose), LW_OK);
+    CHECK_INT(lw_plan_write(&q->p, q->dim, q->mode, q->input, &back), LW_OK);
+    CHECK(apart(&q->k, &back) <= growth*1e-15/pose.margin);
+    CHECK_NEAR(back.input[0].value, q->k.input[0].value, growth*1e-15/pose.margin, 0);
+}
+
+static void types_read_and_write(void)
+{
+    static planned q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 1);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; trial < 500; trial++) {
+            lw_linkage k;
+            random_type(&r, t, &k);
+            shuffle_linkage(&r, &k, &q.k);
+            if (plan_all(&q))
+                check_round_trip(&q, 100);
+            CHECK_INT(q.p.n_dyad, 1);
+            CHECK_INT(q.p.input_is_slider, t->input_is_slider);
+        }
+}
+
+static void grown_linkages_read_and_write(void)
+{
+    static planned q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 2);
+    for (int trial = 0; trial < 2000; trial++) {
+        lw_linkage k;
+        random_grown(&r, 1 + trial%4, &k);
+        shuffle_linkage(&r, &k, &q.k);
+        CHECK(plan_all(&q));
+        CHECK_INT(q.p.n_dyad, 1 + trial%4);
+        check_round_trip(&q, 1e6);                   /* a slope of one dyad is the error of the next */
+    }
+}
+
+/* The order of telling changes names at most: what is traced over a step of the input stays. */
+static void order_of_telling_does_not_matter(void)
+{
+    static planned a, b;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 3);
+    for (int trial = 0; trial < 500; trial++) {
+        lw_pose pa, pb;
+        random_grown(&r, 2, &a.k);
+        shuffle_linkage(&r, &a.k, &b.k);
+        CHECK(plan_all(&a) && plan_all(&b));
+        lw_status sa = lw_pose_solve(&a.p, a.dim, a.mode, a.input + 1e-3, 1, &pa);
+        lw_status sb = lw_pose_solve(&b.p, b.dim, b.mode, b.input + 1e-3, 1, &pb);
+        CHECK_INT(sa, sb);
+        if (sa != LW_OK || pa.margin < 1e-3)
+            continue;
+        double size = 1 + lw_v2_norm(pa.tracer[0][0]) + lw_v2_norm(pa.tracer[0][1]);
+        for (int i = 0; i < 2; i++) {
+            CHECK_NEAR(pb.tracer[0][i].x, pa.tracer[0][i].x, 1e-9*size, 0);
+            CHECK_NEAR(pb.tracer[0][i].y, pa.tracer[0][i].y, 1e-9*size, 0);
+        }
+    }
+}
+
+/* Another posture of the same linkage has the same dimensions. */
+static void dimensions_do_not_move(void)
+{
+    static planned q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 4);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; trial < 200; trial++) {
+            double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input, step = lw_rng_range(&r, -0.2, 0.2);
+            lw_pose pose;
+            random_type(&r, t, &q.k);
+            lw_linkage moved = q.k;
+            if (!plan_all(&q) || lw_plan_write(&q.p, q.dim, q.mode, q.input + step, &moved) != LW_OK)
+                continue;
+            lw_pose_solve(&q.p, q.dim, q.mode, q.input + step, 0, &pose);
+            if (pose.margin < 1e-6)
+                continue;
+            CHECK_INT(lw_plan_read(&q.p, &moved, dim, mode, &input, NULL), LW_OK);
+            for (int d = 0; d < q.p.n_dim; d++)
+                CHECK_NEAR(dim[d], q.dim[d], 1e-10, 1e-10);
+            CHECK_NEAR(remainder(input - q.input - step, q.p.input_is_slider ? 1e9 : 2*LW_PI), 0, 1e-10, 0);
+            CHECK_NEAR(moved.input[0].value - q.k.input[0].value, step, 1e-12, 0);
+            CHECK(mode[0] == q.mode[0] || strchr("PRP PPR", t->letters[1]) != NULL);
+        }
+}
+
+static void jansen_is_five_dyads(void)
+{
+    static planned q;
+    jansen_linkage(&q.k);
+    CHECK(plan_all(&q));
+    CHECK_INT(q.p.n_dyad, 5);
+    CHECK_INT(q.p.n_dim, 1 + 1 + 10 + 2 + 3);             /* ground, crank, ten bars; tracer; place */
+    CHECK_NEAR(q.dim[lw_plan_dim(&q.p, "r1")], hypot(38, 7.8), 1e-14, 0);
+    CHECK_NEAR(q.dim[lw_plan_dim(&q.p, "r2")], 15, 1e-14, 0);
+    check_round_trip(&q, 1e3);
+}
+
+/* Only what the tracer hangs on: on the bar j one dyad, whatever else the leg has. */
+static void plans_hold_what_is_wanted(void)
+{
+    static planned q;
+    jansen_linkage(&q.k);
+    q.k.tracer[0].link = 2;
+    CHECK_INT(lw_plan_make(&q.k, (lw_want){ 1, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(q.p.n_dyad, 1);
+    CHECK_INT(q.p.n_dim, 9);
+    add_tracer(&q.k, 8, lw_v2(1, 2));                     /* bar f: three dyads more, two names more */
+    CHECK_INT(lw_plan_make(&q.k, (lw_want){ 3, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(q.p.n_dyad, 4);
+    CHECK(q.p.n_output_step[0] < q.p.n_output_step[1]);
+    CHECK(lw_plan_dim(&q.p, "cx2") >= 0 && lw_plan_dim(&q.p, "cx3") < 0);
+    CHECK_INT(lw_plan_make(&q.k, (lw_want){ 2, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(q.p.output_tracer[0], 1);
+}
+
+/* Six bars that are no chain of dyads: a triad (three links on three links). */
+static void triad_linkage(lw_linkage *k)
+{
+    blank_linkage(k, 6);
+    add_pin(k, 0, 1, lw_v2(0, 0));
+    add_pin(k, 1, 2, lw_v2(1, 1));
+    add_pin(k, 0, 3, lw_v2(4, 0));
+    add_pin(k, 0, 4, lw_v2(2, -2));
+    add_pin(k, 2, 5, lw_v2(2, 2));
+    add_pin(k, 3, 5, lw_v2(4, 2));
+    add_pin(k, 4, 5, lw_v2(3, 1));
+    add_input(k, 0, 0);
+    add_tracer(k, 5, lw_v2(3, 3));
+}
+
+static void says_what_cannot_be_planned(void)
+{
+    static planned q;
+    lw_error e;
+    const lw_want want = { 1, false };
+    triad_linkage(&q.k);
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "\"L3\", \"L4\", \"L5\", \"L6\"");
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    CHECK_INT(lw_plan_make(&q.k, (lw_want){ 0, false }, &q.p, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, (lw_want){ 2, false }, &q.p, &e), LW_E_ARG);
+    q.k.input[0].joint = 1;
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "does not touch the ground");
+    q.k.n_input = 0;
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    q.k.joint[2].kind = LW_JOINT_GEAR;
+    q.k.joint[2].ratio = 2;
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "kind 'g'");
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    strcpy(q.k.link_name[4], "loose");
+    q.k.n_link = 5;
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_ARG);
+    blank_linkage(&q.k, 4);                                /* two bars more than freedom one */
+    add_pin(&q.k, 0, 1, lw_v2(0, 0));
+    add_pin(&q.k, 1, 2, lw_v2(1, 0));
+    add_pin(&q.k, 2, 3, lw_v2(2, 1));
+    add_input(&q.k, 0, 0);
+    add_tracer(&q.k, 1, lw_v2(1, 1));
+    CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
+}
+
+static void postures_that_contradict_themselves(void)
+{
+    static planned q;
+    lw_error e;
+    jansen_linkage(&q.k);
+    CHECK(plan_all(&q));
+    lw_linkage bad = q.k;
+    bad.joint[2].at.x += 1e-3;                            /* one pin at two places */
+    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "one pin in the plan");
+    CHECK_INT(lw_plan_write(&q.p, q.dim, q.mode, q.input, &bad), LW_E_ARG);
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    CHECK(plan_all(&q));
+    bad = q.k;
+    bad.joint[2].at = bad.joint[1].at;                    /* a coupler of no length has no direction */
+    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "at one place");
+    bad.joint[2].kind = LW_JOINT_SLIDER;
+    CHECK_INT(lw_plan_read(&q.p, &bad, q.dim, q.mode, &q.input, &e), LW_E_ARG);
+    lw_linkage same = q.k;
+    CHECK_INT(lw_plan_write(&q.p, (double[9]){ 9, 1, 2, 3, 0, 0, 0, 0, 0 }, q.mode, 0, &same), LW_OPEN);
+    CHECK(memcmp(&same, &q.k, sizeof same) == 0);
+}
+
+/* Ground slides only: parallel ones have no meeting point, so that the offset counts; a ground of one
+ * pin and no slide at all is a crank. */
+static void grounds_of_every_kind(void)
+{
+    static planned q;
+    lw_type_linkage(lw_type_find("trammel"), &q.k);
+    q.k.joint[3].along = q.k.joint[0].along;
+    CHECK(plan_all(&q));
+    CHECK(lw_plan_dim(&q.p, "e1") >= 0 && lw_plan_dim(&q.p, "beta1") >= 0);
+    CHECK_NEAR(fabs(q.dim[lw_plan_dim(&q.p, "e1")]), 1.5, 1e-15, 0);
+    check_round_trip(&q, 10);
+    blank_linkage(&q.k, 2);
+    add_pin(&q.k, 0, 1, lw_v2(1, 2));
+    add_input(&q.k, 0, LW_PI/4);
+    add_tracer(&q.k, 1, lw_v2(2, 3));
+    CHECK(plan_all(&q));
+    CHECK_NEAR(q.dim[lw_plan_dim(&q.p, "cx")], sqrt(2), 1e-15, 0);
+    CHECK_NEAR(q.input, LW_PI/4, 1e-15, 0);
+    check_round_trip(&q, 10);
+}
+
+int main(void)
+{
+    RUN(types_read_and_write);
+    RUN(grown_linkages_read_and_write);
+    RUN(order_of_telling_does_not_matter);
+    RUN(dimensions_do_not_move);
+    RUN(jansen_is_five_dyads);
+    RUN(plans_hold_what_is_wanted);
+    RUN(says_what_cannot_be_planned);
+    RUN(postures_that_contradict_themselves);
+    RUN(grounds_of_every_kind);
+    return check_end();
+}
