@@ -304,7 +304,8 @@ static int print(const cli_call *call, const cli_fit_set *set, int n, int code)
     lw_output o;
     lw_error e = { 0 };
     bool json = call->common.json || call->common.output;
-    for (int i = 0; i < n && !call->common.json && !call->common.quiet; i++)
+    bool table = !call->common.json && !(call->common.quiet && call->common.output);
+    for (int i = 0; i < n && table; i++)
         cli_fit_table(&set[i], stdout);
     if (!json)
         return code;

@@ -61,10 +61,10 @@ static int unknown_command(const char *word)
 }
 
 /* Standard output is buffered: what could not be written shows when it is flushed. */
-static int finish_text(void)
+static int finish_text(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
-        return CLI_DONE;
+        return cli_interrupted() ? CLI_INTERRUPTED : code;
     fputs("linkwright: cannot write to standard output\n", stderr);
     return CLI_BAD_INPUT;
 }
@@ -78,7 +78,7 @@ static int help(int argc, char **argv)
         cli_command_help(c, stdout);
     else
         overview(stdout);
-    return finish_text();
+    return finish_text(CLI_DONE);
 }
 
 static bool is_plain(const char *word)
@@ -135,9 +135,9 @@ static int run(const cli_command *c, int argc, char **argv)
         code = cli_usage(&call, "%s", e.text);
     else if (call.common.help) {
         cli_command_help(c, stdout);
-        code = finish_text();
+        code = finish_text(CLI_DONE);
     } else if ((code = check_words(&call)) == CLI_DONE)
-        code = c->run(&call);
+        code = finish_text(c->run(&call));
     free(call.parsed.word);
     free(settings);
     free(line);
@@ -155,7 +155,7 @@ int main(int argc, char **argv)
     }
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
         puts("linkwright " LW_VERSION);
-        return finish_text();
+        return finish_text(CLI_DONE);
     }
     if (strcmp(argv[1], "help") == 0 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)
         return help(argc - 2, argv + 2);

@@ -60,7 +60,7 @@ int cli_close(const cli_call *call, lw_output *o, int code)
     lw_error e = { 0 };
     if (lw_output_commit(o, &e) != LW_OK)
         return cli_fail(call, &e);
-    return cli_interrupted() ? CLI_INTERRUPTED : code;
+    return code;
 }
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------ */

@@ -21,8 +21,8 @@ void cli_note(const cli_call *call, const char *format, ...) __attribute__((form
 /* Open what -o names, or standard output; then write to o->f. */
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 
-/* Commit, and turn the outcome into the exit code: `code` when all went well.  After Ctrl-C what is
- * there is committed all the same and the code is CLI_INTERRUPTED. */
+/* Commit, and turn the outcome into the exit code: `code` when all went well.  After Ctrl-C commands
+ * commit what there is all the same; main.c makes the code CLI_INTERRUPTED. */
 int cli_close(const cli_call *call, lw_output *o, int code);
 
 /* Watch for Ctrl-C: the first sets the flag, a second ends the program at once.  The flag is what
