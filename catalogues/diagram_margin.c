@@ -36,7 +36,7 @@ static double list_dimensions(lw_sketch *k, double y)
                      s->linkage.units.angle[0] ? s->linkage.units.angle : "rad");
         size_t used = strlen(line);
         char longer[sizeof line + sizeof item + 4];
-        snprintf(longer, sizeof longer, "%s%s%s", line, used ? "   " : "", item);
+        snprintf(longer, sizeof longer, "%s%s%s", line, used ? "  " : "", item);
         if (used && (lw_text_width(longer, 12.5*k->u) > room || strlen(longer) >= sizeof line)) {
             faint_line(k, line, y);
             y += 17*k->u;

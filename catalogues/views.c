@@ -5,6 +5,8 @@
 
 #include "catalogues/anatomy.h"
 
+#define ENDLESS 8.0            /* a motion this many times larger than the posture is cut off */
+
 void lw_box_empty(lw_box *b)
 {
     *b = (lw_box){ INFINITY, INFINITY, -INFINITY, -INFINITY };
@@ -92,7 +94,7 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 static lw_box keep_core_large(lw_box wide, const lw_box *core)
 {
     double size = lw_box_size(core), around = 1.2*size;
-    if (size == 0 || lw_box_size(&wide) < LW_SPECK*size)
+    if (size == 0 || lw_box_size(&wide) < ENDLESS*size)
         return wide;
     return (lw_box){ fmax(wide.x0, core->x0 - around), fmax(wide.y0, core->y0 - around),
                      fmin(wide.x1, core->x1 + around), fmin(wide.y1, core->y1 + around) };

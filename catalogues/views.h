@@ -7,7 +7,7 @@
 #include "catalogues/scene.h"
 
 /* A path this many times smaller than the whole gets a panel of its own. */
-#define LW_SPECK 6.0
+#define LW_SPECK 4.0
 
 void    lw_box_empty(lw_box *b);
 void    lw_box_add(lw_box *b, lw_vec2 p);                 /* what is not finite is passed over      */
