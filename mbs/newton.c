@@ -276,12 +276,14 @@ static double reach_of(const lw_newton *s, const place *p)
  * enough before it for a good tangent. */
 static bool cross(lw_newton *s)
 {
+    int n = s->loop.n;
     double away = s->has_back ? reach_of(s, &s->back) : 0.0;
     if (!s->has_back || !(away < largest_step))
         copy(s, &s->back, &s->here);
     swap(&s->here, &s->back);
     for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4)
-        if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det)) {
+        if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det) &&
+            s->next.t[n]*s->way > 0.0) {
             arrive(s);
             s->crossings++;
             s->step = fmax(h, 1e-3);
@@ -290,6 +292,15 @@ static bool cross(lw_newton *s)
         }
     swap(&s->here, &s->back);
     return false;
+}
+
+/* A limit where branches cross as well (Peaucellier's rhombus closing) cannot be stepped onto.  With
+ * the rates here and a way back the input is a parabola of the way: is its top within rounding? */
+static bool at_double_limit(const lw_newton *s)
+{
+    int n = s->loop.n;
+    double rate = s->here.t[n]*s->way, before = s->back.t[n]*s->way;
+    return s->has_back && before > rate && 0.5*rate*rate*reach_of(s, &s->back) <= 1e-11*(before - rate);
 }
 
 static bool passed(double x, double target, double way) { return (x - target)*way >= 0.0; }
@@ -354,7 +365,10 @@ static outcome advance(lw_newton *s, double target)
         arrive(s);
         return MOVED;
     }
-    return cross(s) ? MOVED : LOST;
+    if (cross(s))
+        return MOVED;
+    s->limit = at_double_limit(s);
+    return s->limit ? ENDED : LOST;
 }
 
 /* Turn round when the input shall go the other way.  At a limit this leads back the way it came. */

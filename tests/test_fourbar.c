@@ -307,6 +307,26 @@ static void accurate_near_the_inner_change_point(void)
     }
 }
 
+/* Computed with 22 digits from the two triangles: the rocker's angles at the dead centres of 4 1 3.5 3,
+ * measured at its pivot from the frame, and the end of the swing of 4 3 2 2.5. */
+static void dead_centres_and_limits_as_known(void)
+{
+    double r[4] = { 4, 1, 3.5, 3 }, rocking[4] = { 4, 3, 2, 2.5 };
+    const double folded = 0.6741305066673151775421, extended = 1.371564239549725741635;
+    lw_fourbar_class c;
+    CHECK_INT(lw_fourbar_classify(r, LW_FOURBAR_TOLERANCE, &c, NULL), LW_OK);
+    CHECK_INT(c.n_dead, 4);
+    for (int i = 0; i < 4; i++) {
+        /* in line: B at r2 + r3 along the crank, or at r2 - r3 */
+        double out = fabs(hypot(4.5*cos(c.dead[i]) - 4.0, 4.5*sin(c.dead[i])) - 3.0) < 1e-9 ? 4.5 : -2.5;
+        double x = 4.0 - out*cos(c.dead[i]), y = out*sin(c.dead[i]);
+        CHECK_NEAR(fabs(atan2(y, x)), out > 0.0 ? extended : folded, 0, 4e-16);
+    }
+    CHECK_INT(lw_fourbar_classify(rocking, LW_FOURBAR_TOLERANCE, &c, NULL), LW_OK);
+    CHECK_INT(c.n_limit, 2);
+    CHECK_NEAR(c.limit[1]*180.0/LW_PI, 78.5848422572695088631, 0, 4e-16);
+}
+
 static void length_ratio_of_a_million(void)
 {
     double r[4] = { 1.0, 1e-6, 1.0, 1.0 };
@@ -349,6 +369,7 @@ int main(void)
     RUN(unit_does_not_matter);
     RUN(accurate_near_the_outer_change_point);
     RUN(accurate_near_the_inner_change_point);
+    RUN(dead_centres_and_limits_as_known);
     RUN(length_ratio_of_a_million);
     RUN(says_why_it_cannot_be);
     return check_end();

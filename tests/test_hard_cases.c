@@ -57,6 +57,8 @@ static const struct {
     { "antiparallelogram", { 5, 2, 5, 2 }, crossed_mode,  4 },
     { "contraparallelogram, short frame", { 2, 5, 2, 5 }, crossed_mode, 4 },
     { "kite",              { 2, 2, 5, 5 }, kite_mode,     2 },
+    { "deltoid",           { 3, 1, 1, 3 }, parallel_mode, 4 },
+    { "deltoid, rocker at rest on the frame", { 3, 1, 1, 3 }, crossed_mode, 4 },
     { "rhombus",           { 3, 3, 3, 3 }, parallel_mode, 4 },
 };
 
@@ -438,6 +440,105 @@ static void equal_crank_and_rod(void)
     }
 }
 
+/* Crank longer than the rod: it rocks to asin(l/r), 41.81 deg for 1.5 and 1. */
+static void rocking_slider_crank(void)
+{
+    lw_linkage l;
+    double t = 0.3, x = 1.5*cos(t) + sqrt(1.0 - pow(1.5*sin(t), 2.0)), reached;
+    blank_linkage(&l, 4);
+    add_pin(&l, 0, 1, lw_v2(0.0, 0.0));
+    add_pin(&l, 1, 2, lw_v2_polar(1.5, t));
+    add_pin(&l, 2, 3, lw_v2(x, 0.0));
+    add_slide(&l, 0, 3, lw_v2(x, 0.0), 0.0);
+    add_input(&l, 0, t);
+    add_tracer(&l, 2, lw_v2(1.0, 1.0));
+    lw_newton *s = newton_of(&l);
+    CHECK_INT(lw_newton_move(s, 1.0, &reached), LW_OPEN);
+    CHECK_NEAR(reached, 41.81031489577859806586*LW_PI/180.0, 1e-14, 0);
+    lw_newton_free(s);
+
+    lw_plan plan;
+    lw_motion m;
+    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    int a = lw_motion_arc(&plan, &m, mode, input);
+    CHECK(m.n_arc == 4 && m.n_circuit == 2 && a >= 0);
+    if (a >= 0)
+        CHECK_NEAR(m.arc[a].last - m.arc[a].first, 2.0*41.81031489577859806586*LW_PI/180.0, 1e-14, 0);
+}
+
+/* --- Peaucellier's inversor: exactly straight, and limits where two dyads end at once --- */
+
+/* Arms 5, rhombus 3; the pin P of a crank r about (c, 0), r = c, so that its circle goes through the
+ * inversor's pole: Q moves on x = 16/(2 c). */
+static void peaucellier(lw_linkage *l, double c, double t)
+{
+    lw_vec2 o = lw_v2(0.0, 0.0), p = lw_v2(c + c*cos(t), c*sin(t));
+    lw_vec2 a = meet(o, 5.0, p, 3.0, 1.0), b = meet(o, 5.0, p, 3.0, -1.0);
+    lw_vec2 q = lw_v2_sub(lw_v2_add(a, b), p);
+    static const int joint[10][2] = {            /* ground, crank, two arms, AP, BP, AQ, BQ */
+        { 0, 1 }, { 1, 4 }, { 4, 5 }, { 0, 2 }, { 0, 3 }, { 2, 4 }, { 2, 6 }, { 3, 5 }, { 3, 7 }, { 6, 7 }
+    };
+    lw_vec2 at[10] = { lw_v2(c, 0.0), p, p, o, o, a, a, b, b, q };
+    blank_linkage(l, 8);
+    for (int j = 0; j < 10; j++)
+        add_pin(l, joint[j][0], joint[j][1], at[j]);
+    add_input(l, 0, t);
+    add_tracer(l, 6, q);
+}
+
+static void peaucellier_is_straight(void)
+{
+    const double limit = 96.37937020844280386828*LW_PI/180.0;       /* cos(t/2) = 2/3 */
+    lw_linkage l;
+    lw_plan plan;
+    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input, reached;
+    peaucellier(&l, 1.5, 0.3);
+    lw_newton *s = newton_of(&l);
+    CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
+    for (int i = -9; s && i <= 9; i++) {
+        static lw_pose p;
+        CHECK_INT(lw_newton_move(s, 0.185*i, NULL), LW_OK);
+        CHECK_NEAR(lw_newton_tracer(s, 0).x, 16.0/3.0, 2e-13, 0);
+        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + 0.185*i - 0.3, 0, &p), LW_OK);
+        CHECK_NEAR(p.tracer[0][0].x, 16.0/3.0, 2e-13, 0);
+        CHECK_NEAR(p.tracer[0][0].y, lw_newton_tracer(s, 0).y, 2e-13, 0);
+    }
+    for (int way = -1; s && way <= 1; way += 2) {
+        CHECK_INT(lw_newton_move(s, 2.0*way, &reached), LW_OPEN);
+        CHECK_NEAR(reached, limit*way, 1e-11, 0);
+        CHECK_INT(lw_newton_move(s, 0.5*way, &reached), LW_OK);
+        CHECK_NEAR(lw_newton_tracer(s, 0).x, 16.0/3.0, 1e-12, 0);
+    }
+    lw_newton_free(s);
+
+    static lw_motion m;
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    int a = lw_motion_arc(&plan, &m, mode, input);
+    CHECK(a >= 0);
+    if (a >= 0) {
+        CHECK_NEAR(remainder(m.arc[a].first - (input - 0.3 - limit), 2.0*LW_PI), 0.0, 1e-12, 0);
+        CHECK_NEAR(remainder(m.arc[a].last - (input - 0.3 + limit), 2.0*LW_PI), 0.0, 1e-12, 0);
+    }
+}
+
+/* With c = 2 the points P and Q meet at t = 0, where the rhombus is flat: half the digits there (the
+ * root of what rounding leaves of lengths of 5), all of them again beyond. */
+static void peaucellier_through_its_flat_rhombus(void)
+{
+    lw_linkage l;
+    peaucellier(&l, 2.0, 0.5);
+    lw_newton *s = newton_of(&l);
+    for (int i = 4; s && i >= -4; i--) {
+        CHECK_INT(lw_newton_move(s, 0.1*i, NULL), LW_OK);
+        CHECK_NEAR(lw_newton_tracer(s, 0).x, 4.0, i == 0 ? 1e-7 : 8e-13, 0);
+    }
+    lw_newton_free(s);
+}
+
 int main(void)
 {
     RUN(change_points_are_passed_straight);
@@ -452,5 +553,8 @@ int main(void)
     RUN(coupler_point_on_a_pivot);
     RUN(straight_lines_by_plan_and_newton);
     RUN(equal_crank_and_rod);
+    RUN(rocking_slider_crank);
+    RUN(peaucellier_is_straight);
+    RUN(peaucellier_through_its_flat_rhombus);
     return check_end();
 }

@@ -315,6 +315,61 @@ static void six_bars_by_newton(void)
     CHECK(n_arc > 200 && n_inner > 150);
 }
 
+/* --- Jansen's leg --- */
+
+/* Crank 15 about (0, 0); links with the published lengths; pins of three links are two joints. */
+static void jansen(lw_linkage *k, double t)
+{
+    lw_vec2 o = lw_v2(0.0, 0.0), g = lw_v2(-38.0, -7.8), pin = lw_v2_polar(15.0, t);
+    lw_vec2 j2 = meet(pin, 50.0, g, 41.5, -1.0), j3 = meet(j2, 55.8, g, 40.1, -1.0);
+    lw_vec2 j4 = meet(pin, 61.9, g, 39.3, 1.0), j5 = meet(j3, 39.4, j4, 36.7, -1.0);
+    static const int joint[10][2] = {        /* ground, crank, j, upper triangle, k, c, f, lower triangle */
+        { 0, 1 }, { 1, 2 }, { 1, 4 }, { 2, 3 }, { 0, 3 }, { 0, 5 }, { 4, 5 }, { 5, 7 }, { 3, 6 }, { 6, 7 }
+    };
+    lw_vec2 at[10] = { o, pin, pin, j2, g, g, j4, j4, j3, j5 };
+    blank_linkage(k, 8);
+    for (int i = 0; i < 10; i++)
+        add_pin(k, joint[i][0], joint[i][1], at[i]);
+    add_input(k, 0, t);
+    add_tracer(k, 7, meet(j4, 49.0, j5, 65.7, 1.0));
+}
+
+/* Foot at every 60 degrees of the crank, computed with 22 digits. */
+static void jansens_leg(void)
+{
+    static const double foot[6][2] = {
+        { -43.16011052410472333668, -91.75693292612322376457 }, { -18.15029468117372965496, -91.57132466831302641137 },
+        { -3.668421915931004280858, -88.52194859008367642267 }, { -33.72972953816961718420, -73.51709740981948253653 },
+        { -69.73798086638603615752, -85.37097908567156220787 }, { -64.15292573010785780831, -91.44710309377925465952 }
+    };
+    lw_linkage k;
+    lw_newton *s;
+    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    jansen(&k, 0.2);
+    lw_plan plan = plan_of(&k);
+    CHECK_INT(plan.n_dyad, 3);
+    CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
+    CHECK_INT(lw_newton_create(&k, &s, NULL), LW_OK);
+    for (int i = 0; s && i < 6; i++) {
+        static lw_pose p;
+        CHECK_INT(lw_newton_move(s, i*LW_PI/3.0, NULL), LW_OK);
+        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + i*LW_PI/3.0 - 0.2, 0, &p), LW_OK);
+        lw_vec2 q = lw_newton_tracer(s, 0), r = p.tracer[0][0];
+        CHECK_NEAR(hypot(q.x - foot[i][0], q.y - foot[i][1]), 0.0, 1e-12, 0);
+        CHECK_NEAR(hypot(r.x - foot[i][0], r.y - foot[i][1]), 0.0, 1e-12, 0);
+    }
+    lw_newton_free(s);
+
+    static lw_motion m;
+    CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
+    int a = lw_motion_arc(&plan, &m, mode, input);
+    CHECK(a >= 0 && m.arc[a].turns);
+    check_samples(&plan, dim, &m, 1.0, 90);
+    check_joints_of_arcs(&plan, dim, &m);
+    for (int i = 0; i < m.n_arc; i++)
+        run_into_ends(&plan, dim, &m.arc[i], 1.0, &k);
+}
+
 int main(void)
 {
     RUN(fourbars_as_classified);
@@ -323,5 +378,6 @@ int main(void)
     RUN(every_type_by_samples_and_newton);
     RUN(slider_crank_by_textbook);
     RUN(six_bars_by_newton);
+    RUN(jansens_leg);
     return check_end();
 }
