@@ -30,7 +30,8 @@ typedef struct cli_command {
     int             (*run)(const cli_call *call);   /* returns an exit code                        */
 } cli_command;
 
-extern const cli_command cli_fit_command, cli_classify_command, cli_trace_command, cli_draw_command;
+extern const cli_command cli_fit_command, cli_classify_command, cli_trace_command, cli_draw_command,
+                         cli_grammar_command, cli_mechanisms_command;
 
 /* Help of one command, from its row. */
 void cli_command_help(const cli_command *c, FILE *f);

@@ -251,6 +251,7 @@ lw_status lw_topologies_next(lw_topologies *t, lw_mechanism *m, lw_error *e)
     const char *text = t->text + t->at;
     t->notation = lw_notation_of(text, t->size - t->at);
     t->first = t->at;
+    t->first_line = t->line;
     t->length = piece_length(t->notation, text, t->size - t->at);
     lw_status s = t->notation->read(text, t->length, t->file, m, e);
     if (s != LW_OK && e && e->line > 0)

@@ -40,6 +40,7 @@ typedef struct lw_topologies {
     size_t      size, at;              /* at: what is still to be read begins here                     */
     long        line;                  /* of `at`, from 1                                              */
     size_t      first, length;         /* the piece that was read last                                 */
+    long        first_line;            /* where it begins                                              */
     const lw_notation *notation;       /* and its notation                                             */
 } lw_topologies;
 

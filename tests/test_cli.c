@@ -16,7 +16,7 @@ static json_t *json_of(const char *command)
     return j;
 }
 
-static const char *const commands[] = { "fit", "classify", "trace", "draw" };
+static const char *const commands[] = { "fit", "classify", "trace", "draw", "grammar", "mechanisms" };
 
 #define N_COMMAND ((int)(sizeof commands/sizeof *commands))
 
