@@ -108,7 +108,8 @@ static bool monotone(const lw_problem *p, lw_work *w)
     return kept >= 0;
 }
 
-/* Between samples: one Gauss-Newton step with the tangent differenced from the neighbours. */
+/* Between samples: one Gauss-Newton step with the tangent differenced from the neighbours.  Not quite to
+ * the middle, where a limit of motion may be: there the tangent is 0/0. */
 static void between_samples(const lw_problem *p, lw_work *w)
 {
     const double width = 2*LW_PI/M;
@@ -120,7 +121,7 @@ static void between_samples(const lw_problem *p, lw_work *w)
         double s = tx*(p->x[i] - w->curve_x[j]) + ty*(p->y[i] - w->curve_y[j]);
         w->try_theta[i] = 1;
         if (t2 > 0)
-            w->phase[i] += width*fmax(-0.5, fmin(0.5, s/t2));
+            w->phase[i] += width*fmax(-0.49, fmin(0.49, s/t2));
     }
     if (p->timing == LW_TIMING_FREE)
         lw_assign_order(p, w->phase, w->try_theta, w->pool);
@@ -175,11 +176,11 @@ bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k)
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two
- * evaluations give one; the longest step. */
-static double propose(const lw_problem *p, lw_work *w, bool have_old)
+ * evaluations give one. */
+static void propose(const lw_problem *p, lw_work *w, bool have_old)
 {
     double *old = w->try_theta, *slope_old = old + w->ld, *curvature = old + 2*w->ld;
-    double t[LW_ROW_MAX], longest = 0;
+    double t[LW_ROW_MAX];
     for (size_t k = 0; k < p->n; k++) {
         double t2 = lw_problem_tangent(p, w, k, t), slope = 0;
         for (int i = 0; i < w->n_row; i++)
@@ -191,12 +192,24 @@ static double propose(const lw_problem *p, lw_work *w, bool have_old)
             if (secant > 0.2*t2)
                 bend = secant;
         }
-        double step = fmax(-0.3, fmin(0.3, -slope/bend));
         old[k] = w->phase[k];
         slope_old[k] = slope;
         curvature[k] = bend;
-        w->phase[k] += step;
-        longest = fmax(longest, fabs(step));
+        w->phase[k] -= slope/bend;
+    }
+}
+
+/* No station farther than this from where it was; done after the order, since a mean of steps cut
+ * short is no step of a block.  The longest move. */
+static double shorten(const lw_problem *p, lw_work *w)
+{
+    const double most = 0.3, *old = w->try_theta;
+    double longest = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double move = w->phase[k] - old[k];
+        if (!(fabs(move) <= most))
+            w->phase[k] = old[k] + copysign(most, move);
+        longest = fmax(longest, fmin(most, fabs(move)));
     }
     return longest;
 }
@@ -209,10 +222,10 @@ bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int step
         if (i >= steps)
             return true;
         lw_problem_rows(p, x, w, false);
-        double longest = propose(p, w, i > 0);
+        propose(p, w, i > 0);
         if (p->timing == LW_TIMING_FREE)
             lw_assign_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
-        if (longest < 1e-12)
+        if (shorten(p, w) < 1e-12)
             steps = i + 1;
     }
 }

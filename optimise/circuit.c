@@ -1,6 +1,9 @@
 /* optimise/circuit.c - the way of the input: round and round, or from limit to limit and back in the
  * other assembly mode, by one phase that runs smoothly through the limits. */
+#include <string.h>
+
 #include "mbs/motion.h"
+#include "optimise/family.h"
 #include "optimise/problem_internal.h"
 
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
@@ -14,6 +17,31 @@ bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
     w->mid = 0.5*(first + last);
     w->half = 0.5*(last - first);
     return w->turning || w->half > 0;
+}
+
+void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
+{
+    double at[LW_VAR_MAX], mid[2], half[2];
+    memset(w->mid_by, 0, sizeof w->mid_by);
+    memset(w->half_by, 0, sizeof w->half_by);
+    if (w->turning)
+        return;
+    memcpy(at, x, sizeof at[0]*(size_t)p->n_var);
+    for (int k = 0; p->family->shape[k]; k++) {            /* limits depend on the shape only        */
+        int d = lw_plan_dim(&p->plan, p->family->shape[k]);
+        double h = 1e-6*fmax(1, fabs(x[d]));
+        bool there = true;
+        for (int side = 0; side < 2; side++) {
+            at[d] = side ? x[d] + h : x[d] - h;
+            there &= lw_circuit_find(p, at, w) && !w->turning;
+            mid[side] = w->mid;
+            half[side] = w->half;
+        }
+        at[d] = x[d];
+        w->mid_by[d] = there ? (mid[1] - mid[0])/(2*h) : 0;
+        w->half_by[d] = there ? (half[1] - half[0])/(2*h) : 0;
+    }
+    lw_circuit_find(p, x, w);
 }
 
 static void place(const lw_problem *p, double input, double *c, double *s)

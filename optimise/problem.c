@@ -197,7 +197,8 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
         for (int k = 0; k < 4; k++)
             fix(p, lw_problem_index(p, idle[k]), 0);
         fix(p, lw_problem_index(p, "cx"), 1);
-        fix(p, lw_problem_index(p, p->family->shape[0]), 1);
+        if (!(spec->length_hi > 0))                          /* else any size in that range will do */
+            fix(p, lw_problem_index(p, p->family->shape[0]), 1);
     }
     return LW_OK;
 }
@@ -215,12 +216,15 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, const lw_t
         return lw_error_set(e, LW_E_ARG, "the target has no column theta (tool or output angle), "
                             "which the %s task needs",
                             s->task == LW_TASK_MOTION ? "motion" : "function");
-    if ((s->timing == LW_TIMING_PRESCRIBED || s->task == LW_TASK_FUNCTION) && !t->angle)
+    bool timed = s->timing == LW_TIMING_PRESCRIBED || s->task == LW_TASK_FUNCTION;
+    if (timed && !t->angle)
         return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
                             "target; without one use free timing");
-    if (type->input_is_slider && s->timing == LW_TIMING_PRESCRIBED)
+    if (type->input_is_slider && timed)
         return lw_error_set(e, LW_E_KIND, "a %s has a slider as input: it has no crank angle to "
                             "prescribe", type->title);
+    if (s->task == LW_TASK_FUNCTION && type->letters[3] == 'P')
+        return lw_error_set(e, LW_E_KIND, "the output of a %s slides: it has no angle", type->title);
     return LW_OK;
 }
 
@@ -260,7 +264,8 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         p->wb[i] = sqrt(p->b*p->w[i]);
     }
     p->min_transmission = s->min_transmission;
-    p->max_acceleration = s->max_acceleration/p->unit;
+    p->max_acceleration = type->input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
+                                                : s->max_acceleration/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);
     return LW_OK;
@@ -517,18 +522,22 @@ static void eliminate_inputs(const lw_problem *p, lw_work *w)
 }
 
 /* Curve samples against the target polygon: distance to the nearest point of it (timing none). */
-static void sample_residuals(const lw_problem *p, lw_work *w, bool derivatives)
+static void sample_residuals(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
 {
     size_t ld = w->ld, nv = (size_t)p->n_var;
+    if (derivatives)
+        lw_circuit_slopes(p, x, w);
     for (size_t k = p->n; k < w->n_lane; k++) {
         double weight = sqrt(p->a*w->sample_weight);
         double dx = w->jac.x[k] - w->foot_x[k - p->n], dy = w->jac.y[k] - w->foot_y[k - p->n];
         double d = hypot(dx, dy), nx = d > 0 ? dx/d : 0, ny = d > 0 ? dy/d : 0;
         for (int i = 0; i < w->n_row; i++)
             w->res[(size_t)i*ld + k] = i == 0 ? weight*d : 0;
+        double by_input = w->rate[k] != 0 ? (nx*w->jac.tx[k] + ny*w->jac.ty[k])/w->rate[k] : 0;
         for (size_t c = 0; derivatives && c < nv*(size_t)w->n_row; c++)
             w->row[c*ld + k] = c < (size_t)p->n_dim
-                ? weight*(nx*w->jac.jx[c*w->jac.ld + k] + ny*w->jac.jy[c*w->jac.ld + k]) : 0;
+                ? weight*(nx*w->jac.jx[c*w->jac.ld + k] + ny*w->jac.jy[c*w->jac.ld + k]
+                          + by_input*(w->mid_by[c] - w->half_by[c]*cos(w->phase[k]))) : 0;
     }
 }
 
@@ -542,7 +551,7 @@ double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool de
             eliminate_inputs(p, w);
     }
     if (p->timing == LW_TIMING_NONE)
-        sample_residuals(p, w, derivatives);
+        sample_residuals(p, x, w, derivatives);
     for (int i = 0; i < w->n_row; i++)
         for (size_t k = 0; k < w->n_lane; k++)
             f += w->res[(size_t)i*w->ld + k]*w->res[(size_t)i*w->ld + k];
@@ -555,7 +564,7 @@ bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w)
         lw_problem_prescribe(p, x, w);
         return lw_problem_lanes(p, x, w);
     }
-    return lw_assign(p, x, w) && lw_assign_refine(p, x, w, 30);
+    return lw_assign(p, x, w) && lw_assign_refine(p, x, w, 60);
 }
 
 double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work)

@@ -26,6 +26,7 @@ typedef struct lw_work {
     /* the circuit: the input turns, or goes to and fro about mid */
     bool    turning;
     double  mid, half, least_margin;
+    double  mid_by[LW_DIM_MAX], half_by[LW_DIM_MAX];     /* their derivatives by the dimensions    */
     /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
     double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
@@ -50,6 +51,9 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 /* The circuit of the linkage x: its input turns, or goes from limit to limit in one assembly mode
  * and back in the other,  input = mid - half cos(phase).  false when it closes nowhere. */
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);
+
+/* mid_by and half_by at x: samples of the curve stay at their phases when the limits move. */
+void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 
 /* Inputs (cos and sin, or displacement) and modes at n phases; input and rate may be NULL. */
 void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const double *phase,

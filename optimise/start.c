@@ -117,6 +117,22 @@ static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
     return lw_problem_rows(p, x, w, false);
 }
 
+/* A function does not mind the size: the one that the first length is given, or else in the middle of
+ * what the bounds of the lengths allow. */
+static double function_size(const lw_problem *p, const double *shape)
+{
+    int first = lw_plan_dim(&p->plan, p->family->shape[0]);
+    double least = 0, most = INFINITY;
+    if (p->lo[first] == p->hi[first])
+        return p->lo[first]/shape[first];
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
+            least = fmax(least, p->lo[i]/shape[i]);
+            most = fmin(most, p->hi[i]/shape[i]);
+        }
+    return sqrt(least*most);
+}
+
 static double start_prescribed(const lw_problem *p, const double *u, double *x, lw_work *w)
 {
     double shape[LW_VAR_MAX];
@@ -130,9 +146,9 @@ static double start_prescribed(const lw_problem *p, const double *u, double *x, 
     if (!frames(p, shape, w))
         return INFINITY;
     if (p->task == LW_TASK_FUNCTION) {
-        double size = shape[lw_plan_dim(&p->plan, p->family->shape[0])];
+        double size = function_size(p, shape);
         for (int i = 0; i < p->n_dim; i++)
-            x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : shape[i]/size;
+            x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : shape[i]*size;
     } else if (!put_together(p, shape, fit_linear(p, w), x))
         return INFINITY;
     if (p->theta)
