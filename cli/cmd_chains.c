@@ -1,0 +1,384 @@
+/* linkwright chains - every kinematic chain with P links and F freedoms, once. */
+#include <stdlib.h>
+#include <string.h>
+#include "base/clock.h"
+#include "base/parallel.h"
+#include "base/suggest.h"
+#include "cli/chain_format.h"
+#include "cli/json.h"
+#include "cli/output.h"
+#include "cli/progress.h"
+#include "enumerate/chains.h"
+#include "enumerate/estimate.h"
+#include "enumerate/fractionated.h"
+
+typedef struct settings {
+    int         links, dof, format, by;
+    bool        count, planar, non_planar, fractionated, resume;
+    const char *part, *filter;
+} settings;
+
+static const cli_option options[] = {
+    { "links", 'p', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'f', CLI_INT, offsetof(settings, dof), "F", "1",
+      "degree of freedom; 0 gives Baranov trusses", 0, LW_DOF_MAX, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, do not list", 0, 0, NULL, NULL },
+    { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
+      "count by numbers of binary, ternary, ... links", 0, 0, "count", NULL },
+    { "format", 0, CLI_CHOICE, offsetof(settings, format), CLI_CHAIN_FORMATS, "graph6",
+      "how a chain is written", 0, 0, NULL, "count" },
+    { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
+      "also the chains that fall apart at a link or a bridge joint, after the others", 0, 0, NULL, NULL },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only chains with a planar graph", 0, 0, NULL,
+      "non-planar" },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only chains without one", 0, 0, NULL,
+      "filter" },
+    { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
+      "only certain chains: planar, non-planar, asymmetric, no-dyad", 0, 0, NULL, "planar" },
+    { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
+      "part R = 1 .. M of the work; the parts are disjoint and together the whole", 0, 0, NULL, NULL },
+    { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
+      "go on with the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+    { .name = NULL }
+};
+
+/* What a run needs at hand. */
+typedef struct task {
+    const cli_call         *call;
+    const settings         *s;
+    const cli_chain_format *format;
+    lw_chains              *chains;
+    lw_chain_walk           how;
+    lw_output               out;
+    uint64_t                n_listed, skip_fractionated;
+    double                  start, expected;              /* clock; chains, about               */
+    cli_progress            progress;
+    uint64_t                n_fractionated, n_bridged, at; /* `at` numbers those of all parts      */
+    char                   *text;                         /* one chain                             */
+} task;
+
+static bool tick(void *context, double done)
+{
+    task *t = context;
+    double limit = t->call->common.time;
+    cli_progress_show(&t->progress, done*t->expected, t->expected, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
+}
+
+/* "2/5" */
+static bool read_part(const char *text, lw_chain_walk *how)
+{
+    char *end;
+    long part = strtol(text, &end, 10), n_part = *end == '/' ? strtol(end + 1, &end, 10) : 0;
+    if (*end || part < 1 || part > n_part || n_part > 1000000)
+        return false;
+    how->part = (int)part - 1;
+    how->n_part = (int)n_part;
+    return true;
+}
+
+static int unknown_filter(const cli_call *call, const char *name)
+{
+    const char *names[16];
+    int n = 0;
+    for (const lw_filter *f = lw_filters; f->name && n < 16; f++)
+        names[n++] = f->name;
+    const char *near = lw_suggest(name, names, n);
+    return cli_usage(call, "there is no filter '%s'%s%s%s", name, near ? "; did you mean '" : "", near ? near : "",
+                     near ? "'?" : "");
+}
+
+/* The settings that are more than a number; CLI_DONE when they are good. */
+static int read_settings(task *t)
+{
+    const settings *s = t->s;
+    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar" : s->filter;
+    t->how = lw_chain_walk_default();
+    t->how.n_thread = t->call->common.jobs;
+    t->how.tick = tick;
+    t->how.tick_context = t;
+    t->format = &cli_chain_formats[t->call->common.json ? CLI_JSON_LINES : s->format];
+    if (!cli_given(&t->call->parsed, "links"))
+        return cli_usage(t->call, "how many links? give --links P");
+    if (s->part && !read_part(s->part, &t->how))
+        return cli_usage(t->call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", s->part);
+    if (filter && !(t->how.filter = lw_filter_find(filter)))
+        return unknown_filter(t->call, filter);
+    if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
+        return cli_usage(t->call, "--resume needs -o FILE, the listing to go on with");
+    if (s->resume && !t->format->one_line)
+        return cli_usage(t->call, "--resume works with formats of one line a chain, not with %s", t->format->name);
+    return CLI_DONE;
+}
+
+/* Before anything large starts: how large, how long. */
+static void say_how_long(task *t)
+{
+    lw_estimate e;
+    const lw_numbers *n;
+    lw_numbers numbers;
+    if (lw_numbers_for_links(t->s->links, t->s->dof, 0, &numbers, NULL) != LW_OK || numbers.n_loop < 6)
+        return;
+    n = &numbers;
+    if (lw_chains_estimate(n->n_link, n->dof, &e, NULL) != LW_OK)
+        return;
+    int cores = t->how.n_thread < 1 ? lw_core_count() : t->how.n_thread;
+    double work = t->s->count ? e.count_seconds : e.list_seconds*4;       /* writing takes longer than finding */
+    double seconds = (e.structure_seconds + work/t->how.n_part)/cores;
+    t->expected = e.chains/t->how.n_part;
+    if (seconds > 5)
+        cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
+                 t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
+}
+
+/* ---- counting ------------------------------------------------------------------------------------- */
+
+/* Of the fractionated chains, those of the part that the filter wants. */
+static bool wanted(task *t, const lw_chain *c)
+{
+    bool mine = t->at++ % (uint64_t)t->how.n_part == (uint64_t)t->how.part;
+    return mine && (!t->how.filter || t->how.filter->chain(c));
+}
+
+static lw_status count_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    task *t = context;
+    if (!wanted(t, c))
+        return LW_OK;
+    t->n_fractionated++;
+    t->n_bridged += n_bridge > 0;
+    return t->n_fractionated % 256 || tick(t, 1) ? LW_OK : LW_STOPPED;
+}
+
+static void write_json(task *t, const lw_chain_table *table)
+{
+    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    cli_json j = cli_json_begin(t->out.f, 0);
+    cli_json_object(&j, NULL);
+    cli_json_int(&j, "links", t->s->links);
+    cli_json_int(&j, "dof", t->s->dof);
+    cli_json_seed(&j, "chains", table->total.n_chain);
+    cli_json_seed(&j, "ground_links", table->total.n_ground);
+    if (t->s->fractionated) {
+        cli_json_seed(&j, "fractionated", t->n_fractionated);
+        cli_json_seed(&j, "with_bridge", t->n_bridged);
+    }
+    if (t->s->by) {
+        cli_json_array(&j, "assortments");
+        for (size_t k = 0; k < table->n_row; k++) {
+            cli_json_object(&j, NULL);
+            cli_json_array(&j, "links_with_2_3_joints");
+            for (int i = 2; i <= n_loop + 1; i++)
+                cli_json_int(&j, NULL, table->row[k].links.n_with[i]);
+            cli_json_end(&j);
+            cli_json_seed(&j, "chains", table->row[k].n.n_chain);
+            cli_json_seed(&j, "ground_links", table->row[k].n.n_ground);
+            cli_json_end(&j);
+        }
+        cli_json_end(&j);
+    }
+    cli_json_end(&j);
+}
+
+static void write_table(task *t, const lw_chain_table *table)
+{
+    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    char head[16];
+    fputc('#', t->out.f);
+    for (int i = 2; i <= n_loop + 1; i++) {
+        snprintf(head, sizeof head, "P%d", i);
+        fprintf(t->out.f, i == 2 ? "%2s" : "%4s", head);
+    }
+    fprintf(t->out.f, "%16s%20s\n", "chains", "ground links");
+    for (size_t k = 0; k < table->n_row; k++) {
+        for (int i = 2; i <= n_loop + 1; i++)
+            fprintf(t->out.f, i == 2 ? "%3d" : "%4d", table->row[k].links.n_with[i]);
+        fprintf(t->out.f, "%16llu%20llu\n", (unsigned long long)table->row[k].n.n_chain,
+                (unsigned long long)table->row[k].n.n_ground);
+    }
+}
+
+static void write_counts(task *t, const lw_chain_table *table)
+{
+    unsigned long long n = table->total.n_chain, m = t->n_fractionated, bridged = t->n_bridged;
+    if (t->call->common.json) {
+        write_json(t, table);
+        return;
+    }
+    if (t->s->by)
+        write_table(t, table);
+    if (t->s->fractionated)
+        fprintf(t->out.f, "%llu not fractionated\n%llu fractionated, %llu of them with a bridge joint\n%llu in all\n", n,
+                m, bridged, n + m);
+    else
+        fprintf(t->out.f, "%llu\n", n);
+}
+
+static lw_status count_all(task *t)
+{
+    lw_chain_table table;
+    lw_status status = lw_chains_count(t->chains, &t->how, &table);
+    if (status == LW_OK && t->s->fractionated)
+        status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
+    cli_progress_end(&t->progress);
+    if (status == LW_OK || status == LW_STOPPED) {
+        if (status == LW_STOPPED)
+            cli_note(t->call, "stopped: the counts are those of the chains found until then");
+        write_counts(t, &table);
+    }
+    lw_chain_table_free(&table);
+    return status;
+}
+
+/* ---- listing -------------------------------------------------------------------------------------- */
+
+static size_t print_item(void *context, const lw_chain_item *item, char *text, size_t most)
+{
+    const task *t = context;
+    return t->format->print(item->chain, text, most);
+}
+
+static lw_status write_text(void *context, const char *text, size_t size)
+{
+    task *t = context;
+    t->n_listed += size > 0;
+    return fwrite(text, 1, size, t->out.f) == size ? LW_OK : LW_E_IO;
+}
+
+static lw_status write_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    task *t = context;
+    (void)n_bridge;
+    if (!wanted(t, c))
+        return LW_OK;
+    if (t->skip_fractionated > 0) {
+        t->skip_fractionated--;
+        return LW_OK;
+    }
+    lw_status status = write_text(t, t->text, t->format->print(c, t->text, t->format->size));
+    return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
+}
+
+/* Copy the whole lines of the listing so far to the new file; *n gets their number. */
+static lw_status take_over(task *t, uint64_t *n, lw_error *e)
+{
+    const char *path = t->call->common.output;
+    FILE *f = fopen(path, "r");
+    char *line = NULL;
+    size_t room = 0;
+    ssize_t length;
+    lw_status status = LW_OK;
+    *n = 0;
+    while (f && status == LW_OK && (length = getline(&line, &room, f)) > 0)
+        if (line[length - 1] == '\n') {
+            ++*n;
+            if (fwrite(line, 1, (size_t)length, t->out.f) != (size_t)length)
+                status = lw_error_set(e, LW_E_IO, "cannot write what was listed before");
+        }
+    if (f && ferror(f))
+        status = lw_error_set(e, LW_E_IO, "cannot read %s", path);
+    free(line);
+    if (f)
+        fclose(f);
+    return status;
+}
+
+/* How many chains are listed already, of both sorts. */
+static lw_status find_resume(task *t, lw_error *e)
+{
+    uint64_t n;
+    lw_status status = take_over(t, &n, e);
+    t->n_listed = n;
+    t->how.skip = n;
+    if (status != LW_OK || !t->s->fractionated || n == 0)
+        return status;
+    lw_chain_table table;
+    status = lw_chains_count(t->chains, &t->how, &table);
+    if (n > table.total.n_chain)
+        t->skip_fractionated = n - table.total.n_chain;
+    lw_chain_table_free(&table);
+    return status == LW_OK ? LW_OK : lw_error_set(e, status, "%s", lw_status_text(status));
+}
+
+static lw_status list_all(task *t, lw_error *e)
+{
+    lw_status status = t->s->resume ? find_resume(t, e) : LW_OK;
+    t->text = malloc(t->format->size);
+    if (!t->text)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK) {
+        status = lw_chains_print(t->chains, &t->how, t->format->size, print_item, write_text, t);
+        if (status == LW_OK && t->s->fractionated)
+            status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
+        if (status < 0)
+            (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
+    }
+    cli_progress_end(&t->progress);
+    free(t->text);
+    return status;
+}
+
+/* ---- the command ---------------------------------------------------------------------------------- */
+
+static int finish(task *t, lw_status status, const lw_error *e)
+{
+    if (status < 0) {
+        int code = cli_fail(t->call, e);
+        lw_output_abandon(&t->out);
+        return code;
+    }
+    bool nothing = status == LW_OK && !t->s->count && t->n_listed == 0;
+    return cli_close(t->call, &t->out, nothing ? CLI_NOTHING : cli_exit_code(status));
+}
+
+static int run(const cli_call *call)
+{
+    task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
+    lw_error e = { 0 };
+    lw_numbers numbers;
+    int code = read_settings(&t);
+    if (code != CLI_DONE)
+        return code;
+    if (lw_numbers_for_links(t.s->links, t.s->dof, 0, &numbers, &e) != LW_OK)
+        return cli_fail(call, &e);
+    cli_watch_interrupt();
+    say_how_long(&t);
+    if (lw_chains_create(t.s->links, t.s->dof, call->common.jobs, &t.chains, &e) != LW_OK)
+        return cli_fail(call, &e);
+    t.progress = cli_progress_begin(call, "chains", "chains");
+    lw_status status = cli_open(call, &t.out, &e);
+    if (status != LW_OK)
+        code = cli_fail(call, &e);
+    else {
+        status = t.s->count ? count_all(&t) : list_all(&t, &e);
+        if (status < 0 && e.status == LW_OK)
+            (void)lw_error_set(&e, status, "%s", lw_status_text(status));
+        code = finish(&t, status, &e);
+    }
+    lw_chains_free(t.chains);
+    return code;
+}
+
+const cli_command cli_chains_command = {
+    .name = "chains",
+    .words = "--links P",
+    .title = "every kinematic chain with P links and F freedoms, once",
+    .examples =
+        "  linkwright chains --links 8                          the 16 eight-link chains as graph6\n"
+        "  linkwright chains --links 12 --count --by assortment how many, by sorts of links\n"
+        "  linkwright chains --links 9 --dof 0 --format edges   Baranov trusses as lists of joints\n"
+        "  linkwright chains --links 9 --dof 2 --fractionated   with those that fall apart at a link\n"
+        "  linkwright chains --links 16 --part 3/100 -o 3.g6    one of a hundred jobs of a cluster\n"
+        "  linkwright chains --links 16 -o all.g6 --resume      go on after an interruption\n",
+    .about =
+        "Joints have one freedom; no subchain is rigid. The order is fixed: structures by number of\n"
+        "circles and then as they grow, of each structure the distributions of binary links, larger first\n"
+        "(docs/theory.md); it does not depend on --jobs. --part deals out structures like cards: R, R + M,\n"
+        "R + 2M, ... Fractionated chains come last and are counted apart. Chains for which --filter asks\n"
+        "single chains are counted by listing. What takes longer than some seconds says so before it starts.\n"
+        "Exit code 1: there is no such chain; 5: --time was over, what was found until then is kept.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .most_words = 0,
+    .run = run,
+};

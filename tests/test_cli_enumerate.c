@@ -1,0 +1,111 @@
+/* test_cli_enumerate.c - the commands numbers, structures and chains from outside: what they print, refuse and keep. */
+#include "tests/cli_run.h"
+
+static void help_shows_examples_first(void)
+{
+    expect("$P help numbers", 0, "Examples:", NULL);
+    expect("$P structures --help", 0, "linkwright structures --loops 3", NULL);
+    expect("$P chains --help", 0, "--fractionated", NULL);
+    expect("$P chain --links 8", 2, NULL, "did you mean 'chains'?");
+}
+
+static void numbers(void)
+{
+    expect("$P numbers --dof 1 --loops 4", 0, "  4  13   0  10     6   3   0   1\n", NULL);
+    expect("$P numbers --dof 1 --loops 4 | grep -vc '^#'", 0, "7\n", NULL);
+    expect("$P numbers --loops 1 --n2 2", 0, "  1   0   2   2     2   two joints between the same links\n", NULL);
+    expect("$P numbers --loops 2 --json | head -1", 0, "\"links_with_2_3_joints\"", NULL);
+    expect("$P numbers --dof 7", 2, NULL, "dof");
+    expect("$P numbers --dof 3 --loops 15", 3, NULL, "more than 32");
+}
+
+static void structures(void)
+{
+    expect("$P structures --loops 2", 0, "(3 3) 1-2 1-2 1-2\n", NULL);
+    expect("$P structures --loops 3 --derive", 0, "(3 3 3 3) 1-2 1-3 1-4 2-3 2-4 3-4 | theta 3(1,2)\n", NULL);
+    expect("$P structures --loops 6 --count", 0, "      all        1198\n", NULL);
+    expect("$P structures --loops 5 --count --json", 0, "\"structures\":118", NULL);
+    expect("$P structures --loops 4 --non-planar", 0, "(3 3 3 3 3 3)", NULL);
+    expect("$P structures --loops 3 --non-planar", 1, NULL, NULL);
+    expect("$P structures --replay 'theta 3(1,2) 4(6)'", 0,
+           "(3 3 3 3 3 3) 1-2 1-3 1-4 2-3 2-4 3-5 4-6 5-6 5-6 | theta 3(1,2) 4(6)\n", NULL);
+    expect("$P structures --replay 'theta 5(1,2)'", 3, NULL, "--replay:1:7: an ear begins with its rule");
+    expect("$P structures", 2, NULL, "--loops");
+    /* every derivation replays to its structure */
+    expect("$P structures --loops 5 --derive > $D/d; while IFS='|' read s d; do "
+           "$P structures --replay \"${d# }\" | tail -1; done < $D/d | cmp - $D/d && echo same", 0, "same\n", NULL);
+}
+
+static void chain_counts(void)
+{
+    expect("$P chains --links 10 --count", 0, "230\n", NULL);
+    expect("$P chains --links 9 --dof 2 --count --fractionated", 0,
+           "35 not fractionated\n5 fractionated, 0 of them with a bridge joint\n40 in all\n", NULL);
+    expect("$P chains --links 8 --dof 3 --count --fractionated", 0, "2 fractionated, 1 of them with a bridge joint", NULL);
+    expect("$P chains --links 10 --count --by assortment", 0, "  5   4   1   0              95                 868\n", NULL);
+    expect("$P chains --links 12 --count --planar", 0, "5918\n", NULL);
+    expect("$P chains --links 12 --count --non-planar", 0, "938\n", NULL);
+    expect("$P chains --links 12 --count --filter asymmetric", 0, "3950\n", NULL);
+    expect("$P chains --links 12 --count --json", 0, "\"ground_links\":75397", NULL);
+    expect("$P chains --links 9 --dof 0 --count", 0, "28\n", NULL);
+    expect("for r in 1 2 3 4 5; do $P chains --links 12 --count --part $r/5; done | awk '{n += $1} END {print n}'", 0,
+           "6856\n", NULL);
+    expect("for r in 1 2 3; do $P chains --links 11 --dof 2 --count --fractionated --part $r/3 | tail -1; done "
+           "| awk '{n += $1} END {print n}'", 0, "839\n", NULL);
+}
+
+static void chain_lists(void)
+{
+    expect("$P chains --links 4", 0, "Cl\n", NULL);
+    expect("$P chains --links 6 --format franke", 0, "(3 3) 1-2:0 1-2:2 1-2:2\n", NULL);
+    expect("$P chains --links 6 --format edges", 0, "1-2 1-3 1-5 2-4 2-6 3-4 5-6\n", NULL);
+    expect("$P chains --links 6 --format sentence", 0, "((1 r ", NULL);
+    expect("$P chains --links 6 --format lam", 0, "0 1 2 0 3 0\n", NULL);
+    expect("$P chains --links 4 --json", 0, "{\"linkwright\"", NULL);
+    expect("$P chains --links 4 --format dot", 0, "graph chain", NULL);
+    expect("$P chains --links 4 --format graphml", 0, "<graphml", NULL);
+    expect("$P chains --links 8 --non-planar", 1, NULL, NULL);
+    expect("$P chains --links 12 --jobs 1 > $D/one; $P chains --links 12 --jobs 3 | cmp - $D/one && echo same", 0,
+           "same\n", NULL);
+    expect("for r in 1 2 3; do $P chains --links 10 --part $r/3; done | sort > $D/parts; "
+           "$P chains --links 10 | sort | cmp - $D/parts && echo same", 0, "same\n", NULL);
+}
+
+/* A listing cut anywhere, even inside a line, ends as if it had not been. */
+static void resume(void)
+{
+    expect("$P chains --links 9 --dof 2 --fractionated -o $D/whole && for n in 0 1 12 13 200 399 400 401 500 520; do "
+           "head -c $n $D/whole > $D/cut; $P chains --links 9 --dof 2 --fractionated -o $D/cut --resume; "
+           "cmp $D/cut $D/whole || echo differs; done; wc -l < $D/whole", 0, "40\n", NULL);
+    expect("rm -f $D/new; $P chains --links 8 -o $D/new --resume; wc -l < $D/new", 0, "16\n", NULL);
+    expect("$P chains --links 8 --resume", 2, NULL, "-o FILE");
+    expect("$P chains --links 8 --resume -o $D/x --format dot", 2, NULL, "one line");
+}
+
+static void limits_and_faults(void)
+{
+    expect("$P chains --links 7", 3, NULL, "P = F + 2 L + 1 - n2");
+    expect("$P chains --dof 1", 2, NULL, "--links");
+    expect("$P chains --links 33", 2, NULL, "links");
+    expect("$P chains --links 8 --part 4/3", 2, NULL, "R/M");
+    expect("$P chains --links 8 --part x", 2, NULL, "R/M");
+    expect("$P chains --links 8 --filter plannar", 2, NULL, "did you mean 'planar'?");
+    expect("$P chains --links 8 --planar --non-planar", 2, NULL, "non-planar");
+    expect("$P chains --links 16 --time 0.01 -o $D/part", 5, NULL, NULL);
+    expect("test -s $D/part && tail -c1 $D/part | od -An -c", 0, "\\n", NULL);
+    expect("$P chains --links 16 --time 0.01 --count", 5, "\n", "stopped");
+    expect("$P chains --links 8 -o /no/such/folder/x", 3, NULL, "/no/such/folder");
+    expect("$P chains --links 12 > /dev/full", 3, NULL, NULL);
+}
+
+int main(void)
+{
+    RUN(help_shows_examples_first);
+    RUN(numbers);
+    RUN(structures);
+    RUN(chain_counts);
+    RUN(chain_lists);
+    RUN(resume);
+    RUN(limits_and_faults);
+    return check_end();
+}
