@@ -107,9 +107,9 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
 {
     const lw_page_result *r = &p->target[target].result[result];
     lw_diagram_options o = lw_diagram_options_default();
-    o.width = 560;                       /* small, with large signs: legible on a phone too */
-    o.height = 440;
-    o.zoom = 1.2;
+    o.width = 440;                       /* small, with large signs: legible on a phone too */
+    o.height = 360;
+    o.zoom = 1.25;
     o.title = o.dimensions = o.length_values = false;             /* the table has them */
     o.whole_motion = true;
     lw_drawing d;

@@ -67,33 +67,42 @@ static void dimensions(lw_bytes *b, const lw_page_result *r)
 }
 
 /* "Mean error [mm]": the unit of the first result, which all of a target share. */
-static void column_heads(lw_bytes *b, const lw_page_target *t)
+static void column_title(lw_bytes *b, const lw_page_target *t, lw_column c)
 {
     const lw_units *u = units_of(&t->result[0]);
+    lw_bytes_text(b, columns[c].title);
+    if ((!columns[c].length && c != DIMENSIONS) || !u->length[0])
+        return;
+    lw_bytes_text(b, " [");
+    lw_bytes_xml(b, u->length);
+    lw_bytes_text(b, c == DIMENSIONS ? ", " : "]");
+    if (c == DIMENSIONS) {
+        lw_bytes_xml(b, u->angle);
+        lw_bytes_text(b, "]");
+    }
+}
+
+static void column_heads(lw_bytes *b, const lw_page_target *t)
+{
     lw_bytes_text(b, "<thead><tr><th scope=\"col\">Rank</th>");
     for (int c = 0; c < N_COLUMN; c++) {
         if (!is_used(t, (lw_column)c))
             continue;
         lw_bytes_text(b, columns[c].number ? "<th scope=\"col\" class=\"number\">" : "<th scope=\"col\">");
-        lw_bytes_text(b, columns[c].title);
-        if ((columns[c].length || c == DIMENSIONS) && u->length[0]) {
-            lw_bytes_text(b, " [");
-            lw_bytes_xml(b, u->length);
-            if (c == DIMENSIONS) {
-                lw_bytes_text(b, ", ");
-                lw_bytes_xml(b, u->angle);
-            }
-            lw_bytes_text(b, "]");
-        }
+        column_title(b, t, (lw_column)c);
         lw_bytes_text(b, "</th>");
     }
     lw_bytes_text(b, "</tr></thead>\n");
 }
 
-static void cell(lw_bytes *b, const lw_page_result *r, lw_column c)
+/* data-label: what stands before the cell where the page is too narrow for columns. */
+static void cell(lw_bytes *b, const lw_page_target *t, const lw_page_result *r, lw_column c)
 {
-    lw_bytes_text(b, columns[c].number ? "<td class=\"number\">"
-                   : c == DIMENSIONS ? "<td class=\"dimensions\">" : "<td class=\"name\">");
+    lw_bytes_text(b, columns[c].number ? "<td class=\"number\" data-label=\""
+                   : c == DIMENSIONS ? "<td class=\"dimensions\" data-label=\""
+                   : "<td class=\"name\" data-label=\"");
+    column_title(b, t, c);
+    lw_bytes_text(b, "\">");
     if (c == DIMENSIONS)
         dimensions(b, r);
     else if (text_in(r, c))
@@ -120,7 +129,7 @@ void lw_page_table(lw_bytes *b, const lw_page_target *t, int target)
         lw_bytes_text(b, text);
         for (int c = 0; c < N_COLUMN; c++)
             if (is_used(t, (lw_column)c))
-                cell(b, &t->result[i], (lw_column)c);
+                cell(b, t, &t->result[i], (lw_column)c);
         lw_bytes_text(b, "</tr>\n");
     }
     lw_bytes_text(b, "</tbody></table>\n</div>\n");
