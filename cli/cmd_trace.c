@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/suggest.h"
 #include "cli/model.h"
 #include "cli/output.h"
-#include "cli/progress.h"
 #include "cli/trace.h"
 
 typedef struct settings {
@@ -112,6 +112,7 @@ static int run(const cli_call *call)
     const settings *s = call->settings;
     if (cli_given(&call->parsed, "from") && !(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
+    double start = lw_clock_wall();
     cli_trace *t = calloc(1, sizeof *t);
     lw_error e = { 0 };
     lw_output o;
@@ -124,11 +125,15 @@ static int run(const cli_call *call)
     t->f = o.f;
     t->line = call->line;
     t->stop = cli_stop_flag();
+    t->until = call->common.time > 0 ? start + call->common.time : 0;
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    t->progress = &progress;
     if (call->common.json)
         cli_trace_json(t);
     else
         cli_trace_csv(t);
-    int code = t->n_piece > 0 ? CLI_DONE : CLI_NOTHING;
+    cli_progress_end(&progress);
+    int code = t->cut_short ? CLI_LIMIT : t->n_piece > 0 ? CLI_DONE : CLI_NOTHING;
     if (code == CLI_NOTHING)
         cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
                                              : "the linkage closes nowhere");

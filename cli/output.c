@@ -77,6 +77,7 @@ static void on_interrupt(int number)
 void cli_watch_interrupt(void)
 {
     signal(SIGINT, on_interrupt);
+    signal(SIGTERM, on_interrupt);
 }
 
 const volatile sig_atomic_t *cli_stop_flag(void)

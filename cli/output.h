@@ -25,7 +25,7 @@ lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
  * commit what there is all the same; main.c makes the code CLI_INTERRUPTED. */
 int cli_close(const cli_call *call, lw_output *o, int code);
 
-/* Watch for Ctrl-C: the first sets the flag, a second ends the program at once.  The flag is what
+/* Watch for Ctrl-C (and a polite kill): the first sets the flag, a second ends the program at once.  The flag is what
  * the library is given to look at. */
 void cli_watch_interrupt(void);
 const volatile sig_atomic_t *cli_stop_flag(void);

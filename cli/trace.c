@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "base/clock.h"
 #include "base/number.h"
 #include "cli/json.h"
 #include "mbs/turning.h"
@@ -130,7 +131,14 @@ static void make_row(const cli_trace *t, const cli_piece *p, int i, double *angl
 
 static bool is_rate(int value) { return value >= 2 && value != 8; }
 
-static bool stopped(const cli_trace *t) { return *t->stop != 0; }
+/* Asked after every row: shows how far it is, and tells whether to end here. */
+static bool stopped(cli_trace *t)
+{
+    cli_progress_show(t->progress, t->rows, (double)t->n_piece*(t->steps + 1), NULL);
+    if (*t->stop || (t->until > 0 && lw_clock_wall() > t->until))
+        t->cut_short = true;
+    return t->cut_short;
+}
 
 static int wanted_tracers(const cli_trace *t) { return __builtin_popcount(t->tracers); }
 
@@ -188,13 +196,13 @@ static void csv_turnings(const cli_trace *t, const cli_piece *p)
     }
 }
 
-static void csv_rows(const cli_trace *t, const cli_piece *p)
+static void csv_rows(cli_trace *t, const cli_piece *p)
 {
     char mode[LW_DYAD_MAX + 1];
     double angle[LW_TRACER_MAX];
     row r;
     mode_text(t, &t->motion.arc[p->arc], mode);
-    for (int i = 0; i <= t->steps && !stopped(t); i++) {
+    for (int i = 0; i <= t->steps && !stopped(t); i++, t->rows++) {
         make_row(t, p, i, angle, &r);
         for (int k = 0; k < t->k.n_tracer; k++) {
             if (!(t->tracers >> k & 1))
@@ -213,7 +221,7 @@ static void csv_rows(const cli_trace *t, const cli_piece *p)
     }
 }
 
-void cli_trace_csv(const cli_trace *t)
+void cli_trace_csv(cli_trace *t)
 {
     fprintf(t->f, "# %s\n", t->line);
     csv_units(t);
@@ -222,7 +230,7 @@ void cli_trace_csv(const cli_trace *t)
         csv_turnings(t, &t->piece[i]);
     }
     fprintf(t->f, "arc,mode,input,%s" COLUMNS "\n", wanted_tracers(t) > 1 ? "tracer," : "");
-    for (int i = 0; i < t->n_piece && !stopped(t); i++)
+    for (int i = 0; i < t->n_piece && !t->cut_short; i++)
         csv_rows(t, &t->piece[i]);
 }
 
@@ -239,7 +247,7 @@ static void json_row(const cli_trace *t, cli_json *j, const row *r)
     cli_json_reals(j, NULL, flat, n);
 }
 
-static void json_piece(const cli_trace *t, cli_json *j, const cli_piece *p)
+static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
     char mode[LW_DYAD_MAX + 1];
@@ -266,7 +274,7 @@ static void json_piece(const cli_trace *t, cli_json *j, const cli_piece *p)
     }
     cli_json_end(j);
     cli_json_array(j, "rows");
-    for (int i = 0; i <= t->steps && !stopped(t); i++) {
+    for (int i = 0; i <= t->steps && !stopped(t); i++, t->rows++) {
         make_row(t, p, i, angle, &r);
         json_row(t, j, &r);
     }
@@ -290,7 +298,7 @@ static void json_columns(const cli_trace *t, cli_json *j)
     cli_json_end(j);
 }
 
-void cli_trace_json(const cli_trace *t)
+void cli_trace_json(cli_trace *t)
 {
     cli_json j = cli_json_begin(t->f, 1);
     cli_json_object(&j, NULL);
@@ -304,7 +312,7 @@ void cli_trace_json(const cli_trace *t)
     cli_json_end(&j);
     json_columns(t, &j);
     cli_json_array(&j, "arcs");
-    for (int i = 0; i < t->n_piece && !stopped(t); i++)
+    for (int i = 0; i < t->n_piece && !t->cut_short; i++)
         json_piece(t, &j, &t->piece[i]);
     cli_json_end(&j);
     cli_json_end(&j);

@@ -5,6 +5,7 @@
 
 #include <signal.h>
 #include <stdio.h>
+#include "cli/progress.h"
 #include "mbs/motion.h"
 #include "mbs/pose.h"
 
@@ -35,13 +36,17 @@ typedef struct cli_trace {
     FILE      *f;
     const char *line;                   /* the command                                             */
     const volatile sig_atomic_t *stop;
+    double      until;                  /* clock [s] at which to stop; 0: never                    */
+    bool        cut_short;              /* it did, after `rows`                                    */
+    double      rows;                   /* printed so far                                          */
+    cli_progress *progress;
 } cli_trace;
 
 /* Cut the arcs; only_file: only the arc that holds the posture of the file. */
 void cli_trace_pieces(cli_trace *t, bool only_file);
 
-/* Print every piece to t->f; stops after a row when *t->stop is set. */
-void cli_trace_csv(const cli_trace *t);
-void cli_trace_json(const cli_trace *t);
+/* Print every piece to t->f; stops after a row when *t->stop is set or the time is over. */
+void cli_trace_csv(cli_trace *t);
+void cli_trace_json(cli_trace *t);
 
 #endif

@@ -216,6 +216,14 @@ static void bad_models(void)
     expect("$P trace examples/hoeken.json > /dev/full", 3, NULL, "no space left");
 }
 
+static void time_is_a_limit(void)
+{
+    expect("$P trace examples/jansen.json -n 10000000 --time 0.2 -o $D/t.csv; c=$?; tail -c 1 $D/t.csv | od -c; "
+           "exit $c", 5, "\\n", NULL);
+    expect("$P trace examples/jansen.json -n 10000000 --time 0.2 --json -o $D/t.json; c=$?; tail -n 1 $D/t.json; "
+           "exit $c", 5, "}", NULL);
+}
+
 static void ctrl_c_keeps_what_is_there(void)
 {
     expect("timeout --preserve-status -s INT 0.5 $P trace examples/jansen.json -n 10000000 -o $D/t.csv; c=$?; "
@@ -234,6 +242,7 @@ int main(void)
     RUN(several_tracers_and_all_examples);
     RUN(json_says_the_same);
     RUN(bad_models);
+    RUN(time_is_a_limit);
     RUN(ctrl_c_keeps_what_is_there);
     run_end();
     return check_end();
