@@ -37,23 +37,40 @@ static void linear(const lw_problem *p, const double *x, double *g)
     }
 }
 
-static const double *pose_inputs(const lw_problem *p, const double *x, lw_work *w, const double **s)
+/* Do the stations have assembly modes of their own? */
+static bool on_circuit(const lw_problem *p)
 {
-    if (p->turns) {
-        *s = w->turn_s;
-        return w->turn_c;
-    }
-    if (p->timing == LW_TIMING_PRESCRIBED)
-        lw_problem_prescribe(p, x, w);
-    *s = w->s;
-    return w->c;
+    return !p->turns && p->timing != LW_TIMING_PRESCRIBED;
+}
+
+/* The inputs (and modes) of the poses at x; false when it cannot close. */
+static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (p->turns)
+        return true;
+    if (on_circuit(p))
+        return lw_problem_settle(p, x, w);
+    lw_problem_prescribe(p, x, w);
+    return true;
 }
 
 static void margins(const lw_problem *p, const double *x, lw_work *w, double *margin)
 {
-    const double *s, *c = pose_inputs(p, x, w, &s);
-    lw_lanes in = { .n = pose_count(p), .c = c, .s = s, .dim = x, .mode = p->mode };
+    lw_lanes in = { .n = pose_count(p), .c = p->turns ? w->turn_c : w->c,
+                    .s = p->turns ? w->turn_s : w->s, .dim = x, .mode = p->mode };
+    lw_circuit_modes(p, w, &in);
     lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
+}
+
+static void tangents_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
+                             const double *mode, double *tx, double *ty)
+{
+    lw_lanes in = { .n = last - first, .c = w->pose_c + first, .s = w->pose_s + first, .dim = x,
+                    .mode = mode };
+    lw_jacobian j = w->pose;
+    j.tx = tx + first;
+    j.ty = ty + first;
+    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
 }
 
 /* Tangents dP/d(input) with every input turned by `by`. */
@@ -61,17 +78,21 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
                      double *ty)
 {
     size_t n = pose_count(p);
-    const double *s, *c = pose_inputs(p, x, w, &s);
+    const double *c = p->turns ? w->turn_c : w->c, *s = p->turns ? w->turn_s : w->s;
     double cb = cos(by), sb = sin(by);
     for (size_t k = 0; k < n; k++) {
         w->pose_c[k] = p->plan.input_is_slider ? c[k] + by : cb*c[k] - sb*s[k];
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c[k] + cb*s[k];
     }
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->mode };
-    lw_jacobian j = w->pose;
-    j.tx = tx;
-    j.ty = ty;
-    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
+    if (!on_circuit(p)) {
+        tangents_of_mode(p, x, w, 0, n, p->mode, tx, ty);
+        return;
+    }
+    for (size_t first = 0, k = 1; k <= n; k++)
+        if (k == n || w->mode[k] != w->mode[first]) {
+            tangents_of_mode(p, x, w, first, k, w->mode + first, tx, ty);
+            first = k;
+        }
 }
 
 /* 1 - |P''|^2 / limit^2; P'' is differenced from exact tangents 1e-4 rad apart (error 1e-8). */
@@ -89,8 +110,14 @@ static void accelerations(const lw_problem *p, const double *x, lw_work *w, doub
 static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
 {
     double sine = sin(p->min_transmission);
+    size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear;
     linear(p, x, g);
     g += p->n_linear;
+    if (m > 0 && !find_poses(p, x, w)) {
+        for (size_t k = 0; k < m; k++)
+            g[k] = -1;                                   /* it has no poses: as violated as can be */
+        return;
+    }
     if (must_stay_closed(p)) {
         margins(p, x, w, g);
         g += p->n;
