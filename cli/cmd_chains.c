@@ -1,16 +1,18 @@
 /* linkwright chains - every kinematic chain with P links and F freedoms, once. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/suggest.h"
-#include "cli/chain_format.h"
 #include "cli/json.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/topology.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
 #include "enumerate/fractionated.h"
+#include "grammar/graph6.h"
 
 typedef struct settings {
     int         links, dof, format, by;
@@ -25,7 +27,8 @@ static const cli_option options[] = {
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, do not list", 0, 0, NULL, NULL },
     { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
       "count by numbers of binary, ternary, ... links", 0, 0, "count", NULL },
-    { "format", 0, CLI_CHOICE, offsetof(settings, format), CLI_CHAIN_FORMATS, "graph6",
+    { "format", 0, CLI_CHOICE, offsetof(settings, format),
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6",
       "how a chain is written", 0, 0, NULL, "count" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
       "also the chains that fall apart at a link or a bridge joint, after the others", 0, 0, NULL, NULL },
@@ -46,7 +49,7 @@ static const cli_option options[] = {
 typedef struct task {
     const cli_call         *call;
     const settings         *s;
-    const cli_chain_format *format;
+    const lw_notation      *notation;
     lw_chains              *chains;
     lw_chain_walk           how;
     lw_output               out;
@@ -62,6 +65,15 @@ static bool tick(void *context, double done)
     task *t = context;
     double limit = t->call->common.time;
     cli_progress_show(&t->progress, done*t->expected, t->expected, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
+}
+
+static bool tick_structures(void *context, int loops, size_t found)
+{
+    task *t = context;
+    double limit = t->call->common.time;
+    (void)loops;
+    cli_progress_show(&t->progress, (double)found, 0, NULL);
     return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
 }
 
@@ -97,7 +109,7 @@ static int read_settings(task *t)
     t->how.n_thread = t->call->common.jobs;
     t->how.tick = tick;
     t->how.tick_context = t;
-    t->format = &cli_chain_formats[t->call->common.json ? CLI_JSON_LINES : s->format];
+    t->notation = t->call->common.json ? lw_notation_find("json") : &lw_notations[s->format];
     if (!cli_given(&t->call->parsed, "links"))
         return cli_usage(t->call, "how many links? give --links P");
     if (s->part && !read_part(s->part, &t->how))
@@ -106,22 +118,22 @@ static int read_settings(task *t)
         return unknown_filter(t->call, filter);
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
         return cli_usage(t->call, "--resume needs -o FILE, the listing to go on with");
-    if (s->resume && !t->format->one_line)
-        return cli_usage(t->call, "--resume works with formats of one line a chain, not with %s", t->format->name);
+    if (s->resume && t->notation->lines)
+        return cli_usage(t->call, "--resume works with notations of one line a chain, not with %s", t->notation->name);
     return CLI_DONE;
 }
 
-/* Before anything large starts: how large, how long. */
-static void say_how_long(task *t)
+/* Before anything large starts: how large, how long; LW_E_MEMORY when it cannot fit. */
+static lw_status say_how_long(task *t, lw_error *error)
 {
     lw_estimate e;
-    const lw_numbers *n;
-    lw_numbers numbers;
-    if (lw_numbers_for_links(t->s->links, t->s->dof, 0, &numbers, NULL) != LW_OK || numbers.n_loop < 6)
-        return;
-    n = &numbers;
-    if (lw_chains_estimate(n->n_link, n->dof, &e, NULL) != LW_OK)
-        return;
+    lw_numbers n;
+    lw_status status = lw_numbers_for_links(t->s->links, t->s->dof, 0, &n, error);
+    if (status != LW_OK || n.n_loop < 6)
+        return status;
+    status = lw_chains_estimate(n.n_link, n.dof, &e, error);
+    if (status != LW_OK)
+        return status;
     int cores = t->how.n_thread < 1 ? lw_core_count() : t->how.n_thread;
     double work = t->s->count ? e.count_seconds : e.list_seconds*4;       /* writing takes longer than finding */
     double seconds = (e.structure_seconds + work/t->how.n_part)/cores;
@@ -129,6 +141,11 @@ static void say_how_long(task *t)
     if (seconds > 5)
         cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
                  t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
+    double memory = (double)sysconf(_SC_PHYS_PAGES)*(double)sysconf(_SC_PAGESIZE);
+    if (e.bytes > memory)
+        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g MB; this machine has %.2g MB",
+                            n.n_loop, e.bytes/1e6, memory/1e6);
+    return LW_OK;
 }
 
 /* ---- counting ------------------------------------------------------------------------------------- */
@@ -232,10 +249,22 @@ static lw_status count_all(task *t)
 
 /* ---- listing -------------------------------------------------------------------------------------- */
 
+/* The text of a chain with its line end; graph6, in which lists are long, without a detour. */
+static size_t print_chain(const task *t, const lw_chain *c, char *text, size_t most)
+{
+    lw_mechanism m;
+    size_t length = 0;
+    if (t->notation == lw_notations)
+        length = lw_graph6_print(c, text, most);
+    else if (lw_mechanism_from_chain(c, &m) != LW_OK || t->notation->print(&m, text, most, &length) != LW_OK)
+        return 0;                                /* does not happen: chains can be written in every notation */
+    text[length] = '\n';
+    return length + 1;
+}
+
 static size_t print_item(void *context, const lw_chain_item *item, char *text, size_t most)
 {
-    const task *t = context;
-    return t->format->print(item->chain, text, most);
+    return print_chain(context, item->chain, text, most);
 }
 
 static lw_status write_text(void *context, const char *text, size_t size)
@@ -255,7 +284,7 @@ static lw_status write_fractionated(void *context, const lw_chain *c, int n_brid
         t->skip_fractionated--;
         return LW_OK;
     }
-    lw_status status = write_text(t, t->text, t->format->print(c, t->text, t->format->size));
+    lw_status status = write_text(t, t->text, print_chain(t, c, t->text, LW_NOTATION_SIZE));
     return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
 }
 
@@ -303,11 +332,11 @@ static lw_status find_resume(task *t, lw_error *e)
 static lw_status list_all(task *t, lw_error *e)
 {
     lw_status status = t->s->resume ? find_resume(t, e) : LW_OK;
-    t->text = malloc(t->format->size);
+    t->text = malloc(LW_NOTATION_SIZE);
     if (!t->text)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK) {
-        status = lw_chains_print(t->chains, &t->how, t->format->size, print_item, write_text, t);
+        status = lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
         if (status == LW_OK && t->s->fractionated)
             status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
         if (status < 0)
@@ -335,18 +364,19 @@ static int run(const cli_call *call)
 {
     task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
     lw_error e = { 0 };
-    lw_numbers numbers;
     int code = read_settings(&t);
     if (code != CLI_DONE)
         return code;
-    if (lw_numbers_for_links(t.s->links, t.s->dof, 0, &numbers, &e) != LW_OK)
-        return cli_fail(call, &e);
     cli_watch_interrupt();
-    say_how_long(&t);
-    if (lw_chains_create(t.s->links, t.s->dof, call->common.jobs, &t.chains, &e) != LW_OK)
+    if (say_how_long(&t, &e) != LW_OK)
         return cli_fail(call, &e);
+    t.progress = cli_progress_begin(call, "structures", "structures");
+    lw_status status = lw_chains_create_while(t.s->links, t.s->dof, call->common.jobs, tick_structures, &t, &t.chains, &e);
+    cli_progress_end(&t.progress);
+    if (status != LW_OK)
+        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(call, &e);
     t.progress = cli_progress_begin(call, "chains", "chains");
-    lw_status status = cli_open(call, &t.out, &e);
+    status = cli_open(call, &t.out, &e);
     if (status != LW_OK)
         code = cli_fail(call, &e);
     else {

@@ -1,8 +1,10 @@
 /* linkwright structures - every Franke structure with L loops, grown by ears. */
 #include <stdlib.h>
 #include <string.h>
+#include "base/clock.h"
 #include "cli/json.h"
 #include "cli/output.h"
+#include "cli/progress.h"
 #include "enumerate/filter.h"
 #include "enumerate/structures.h"
 #include "grammar/derivation.h"
@@ -120,6 +122,17 @@ static int replay(const cli_call *call)
     return cli_close(call, &o, CLI_DONE);
 }
 
+typedef struct watch { const cli_call *call; cli_progress progress; double start; } watch;
+
+static bool tick(void *context, int loops, size_t found)
+{
+    watch *w = context;
+    double limit = w->call->common.time;
+    (void)loops;
+    cli_progress_show(&w->progress, (double)found, 0, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - w->start < limit);
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -133,10 +146,13 @@ static int run(const cli_call *call)
     cli_watch_interrupt();
     if (s->loops > 8)
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
-    lw_status status = lw_structures_create(s->loops, call->common.jobs, &set);
+    watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
+    lw_status status = lw_structures_create_while(s->loops, call->common.jobs, tick, &w, &set);
+    cli_progress_end(&w.progress);
     if (status != LW_OK) {
-        (void)lw_error_set(&e, status, "the structures with %d loops do not fit into memory", s->loops);
-        return cli_fail(call, &e);
+        (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were complete"
+                           : "the structures with %d loops do not fit into memory", s->loops);
+        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(call, &e);
     }
     int code = CLI_DONE;
     if (cli_open(call, &o, &e) != LW_OK)

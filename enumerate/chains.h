@@ -25,6 +25,9 @@ typedef struct lw_chains lw_chains;
 
 /* n_thread < 1: one per core.  LW_E_ARG with the equation when P and F do not go together; LW_E_MEMORY. */
 lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e);
+/* The same, stopped by tick as lw_structures_create_while says: LW_STOPPED. */
+lw_status lw_chains_create_while(int n_link, int dof, int n_thread, lw_structures_tick *tick, void *context,
+                                 lw_chains **chains, lw_error *e);
 void      lw_chains_free(lw_chains *chains);
 
 const lw_numbers    *lw_chains_numbers(const lw_chains *chains);

@@ -47,7 +47,7 @@ void lw_structures_get(const lw_structures *set, int loops, size_t index, lw_str
 /* ---- candidates: what one block of parents brings ----------------------------------------------- */
 
 #define BLOCK 32          /* parents a job          */
-#define WAVE  256         /* blocks before a merge  */
+#define WAVE  64          /* blocks before a merge  */
 
 typedef struct candidate {
     origin  from;
@@ -187,7 +187,7 @@ static lw_status sort_level(const builder *b, level *l)
     return LW_OK;
 }
 
-static lw_status build_level(lw_structures *set, int loops, int n_thread)
+static lw_status build_level(lw_structures *set, int loops, int n_thread, lw_structures_tick *tick, void *context)
 {
     builder b = { .form_size = 2*3*(size_t)(loops - 1) };
     block *wave = malloc(WAVE*sizeof *wave);
@@ -200,6 +200,8 @@ static lw_status build_level(lw_structures *set, int loops, int n_thread)
             wave[n_block] = (block){ .set = set, .loops = loops - 1, .first = done, .last = last };
         }
         status = grow_wave(&b, wave, n_block, n_thread);
+        if (status == LW_OK && tick && !tick(context, loops, b.n))
+            status = LW_STOPPED;
     }
     if (status == LW_OK)
         status = sort_level(&b, &set->level[loops]);
@@ -212,6 +214,12 @@ static lw_status build_level(lw_structures *set, int loops, int n_thread)
 
 lw_status lw_structures_create(int loops, int n_thread, lw_structures **out)
 {
+    return lw_structures_create_while(loops, n_thread, NULL, NULL, out);
+}
+
+lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
+                                     lw_structures **out)
+{
     if (loops < 2 || loops > LW_LOOP_MAX)
         return LW_E_ARG;
     lw_structures *set = calloc(1, sizeof *set);
@@ -221,7 +229,7 @@ lw_status lw_structures_create(int loops, int n_thread, lw_structures **out)
     set->level[2].n = 1;                              /* the theta structure has no origin */
     lw_status status = LW_OK;
     for (int l = 3; l <= loops && status == LW_OK; l++)
-        status = build_level(set, l, n_thread);
+        status = build_level(set, l, n_thread, tick, context);
     if (status != LW_OK) {
         lw_structures_free(set);
         return status;

@@ -9,6 +9,7 @@
 #ifndef LW_ENUMERATE_STRUCTURES_H
 #define LW_ENUMERATE_STRUCTURES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "grammar/structure.h"
 
@@ -18,6 +19,12 @@ typedef struct lw_structures lw_structures;
 
 /* loops 2 .. LW_LOOP_MAX.  n_thread < 1: one per core.  LW_E_ARG, LW_E_MEMORY. */
 lw_status lw_structures_create(int loops, int n_thread, lw_structures **set);
+
+/* The same, asking now and then, in the calling thread, whether to go on: `loops` is the level at work, `found`
+ * what it has so far.  LW_STOPPED, nothing made, when the answer is false. */
+typedef bool lw_structures_tick(void *context, int loops, size_t found);
+lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
+                                     lw_structures **set);
 void      lw_structures_free(lw_structures *set);
 
 /* The most loops in the set; how many structures have `loops` loops. */

@@ -62,7 +62,7 @@ static void chain_lists(void)
     expect("$P chains --links 6 --format sentence", 0, "((1 r ", NULL);
     expect("$P chains --links 6 --format lam", 0, "0 1 2 0 3 0\n", NULL);
     expect("$P chains --links 4 --json", 0, "{\"linkwright\"", NULL);
-    expect("$P chains --links 4 --format dot", 0, "graph chain", NULL);
+    expect("$P chains --links 4 --format dot", 0, "graph topology", NULL);
     expect("$P chains --links 4 --format graphml", 0, "<graphml", NULL);
     expect("$P chains --links 8 --non-planar", 1, NULL, NULL);
     expect("$P chains --links 12 --jobs 1 > $D/one; $P chains --links 12 --jobs 3 | cmp - $D/one && echo same", 0,
@@ -91,9 +91,13 @@ static void limits_and_faults(void)
     expect("$P chains --links 8 --part x", 2, NULL, "R/M");
     expect("$P chains --links 8 --filter plannar", 2, NULL, "did you mean 'planar'?");
     expect("$P chains --links 8 --planar --non-planar", 2, NULL, "non-planar");
-    expect("$P chains --links 16 --time 0.01 -o $D/part", 5, NULL, NULL);
+    expect("$P chains --links 14 --dof 5 --time 0.000001", 5, NULL, "stopped");
+    expect("$P chains --links 19 --dof 6 --time 1.5 -o $D/part", 5, NULL, NULL);
     expect("test -s $D/part && tail -c1 $D/part | od -An -c", 0, "\\n", NULL);
-    expect("$P chains --links 16 --time 0.01 --count", 5, "\n", "stopped");
+    expect("$P chains --links 21 --dof 6 --time 0.5 --count", 5, NULL, "stopped");
+    expect("$P chains --links 18 --time 0.1 --count", 5, NULL, "structures with 8 loops");
+    expect("$P structures --loops 9 --time 0.1", 5, NULL, "stopped");
+    expect("$P chains --links 32 --count", 4, NULL, "this machine has");
     expect("$P chains --links 8 -o /no/such/folder/x", 3, NULL, "/no/such/folder");
     expect("$P chains --links 12 > /dev/full", 3, NULL, NULL);
 }

@@ -43,6 +43,20 @@ static void refuses_impossible_loops(void)
     CHECK(set == NULL);
 }
 
+static bool stop_at_thousand(void *context, int loops, size_t found)
+{
+    ++*(int *)context;
+    return loops < 7 || found < 1000;
+}
+
+static void stops_when_asked(void)
+{
+    lw_structures *set = NULL;
+    int n_call = 0;
+    CHECK_INT(lw_structures_create_while(7, 1, stop_at_thousand, &n_call, &set), LW_STOPPED);
+    CHECK(set == NULL && n_call >= 5);
+}
+
 /* Every structure passes its check, has its derivation, and stands after those with fewer circles. */
 static void each_is_sound_and_replays(void)
 {
@@ -292,6 +306,7 @@ int main(void)
 {
     RUN(counts_are_the_published_ones);
     RUN(refuses_impossible_loops);
+    RUN(stops_when_asked);
     RUN(each_is_sound_and_replays);
     RUN(order_does_not_depend_on_threads);
     RUN(agrees_with_all_multigraphs);
