@@ -15,7 +15,7 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-proto
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif -lpthread -lm
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' -DLW_DATA='"$(PREFIX)/share/linkwright"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
 
 # mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
@@ -75,7 +75,7 @@ run-demo: $B/linkwright
 check: $B/$(SONAME)
 	tests/check_layers.sh
 	@for f in $(wildcard $(STAGES:%=%/*.c) cli/*.c tests/*.c tests/*/*.c); do \
-	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
+	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_DATA='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
 	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 sanitize:
@@ -87,14 +87,16 @@ run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
 	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
 bench: $(BENCHES) $B/linkwright
-	@for b in $(BENCHES); do $$b || exit 1; done
+	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done
+	$B/linkwright bench fit -o $B/bench
 
 install: all $B/$(SONAME)
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 $(STAGES:%=include/linkwright/%))
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 share/linkwright/paths $(STAGES:%=include/linkwright/%))
 	install $B/linkwright $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $B/liblinkwright.a $B/$(SONAME) $(DESTDIR)$(PREFIX)/lib
 	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblinkwright.so
 	install -m 644 docs/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 644 catalogues/data/paths/*.csv $(DESTDIR)$(PREFIX)/share/linkwright/paths
 	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h))); do \
 	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|' linkwright.pc.in \

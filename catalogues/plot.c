@@ -167,10 +167,10 @@ static lw_ink series_ink(int i)
 static void marker(lw_chart *c, lw_role role, int series, size_t item, lw_vec2 at)
 {
     static const int corners[] = { 0, 4, 3, 4 };
-    int n = corners[series % 4];
+    int kind = (series + series/8) % 4, n = corners[kind];
     lw_vec2 p[4];
     for (int k = 0; k < n; k++)
-        p[k] = lw_v2_add(at, lw_v2_polar(4.6, 2*LW_PI*k/n - LW_PI/2 + (series % 4 == 1 ? LW_PI/4 : 0)));
+        p[k] = lw_v2_add(at, lw_v2_polar(4.6, 2*LW_PI*k/n - LW_PI/2 + (kind == 1 ? LW_PI/4 : 0)));
     lw_shape *s = n ? lw_drawing_path(c->d, role, p, (size_t)n, true)
                     : lw_drawing_circle(c->d, role, at, 3.6);
     s->item = (int)item;

@@ -10,7 +10,8 @@
 static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_command, &cli_trace_command,
                                               &cli_draw_command, &cli_numbers_command,
                                               &cli_structures_command, &cli_chains_command,
-                                              &cli_mechanisms_command, &cli_grammar_command };
+                                              &cli_mechanisms_command, &cli_grammar_command,
+                                              &cli_bench_command };
 
 #define N_COMMAND ((int)(sizeof commands/sizeof *commands))
 

@@ -1,0 +1,211 @@
+/* linkwright bench - speed against error, as tables and plots. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "base/suggest.h"
+#include "cli/bench.h"
+#include "cli/progress.h"
+
+typedef struct settings {
+    const char *output, *problems, *solvers;
+    double      time, limit;
+    int         seeds;
+} settings;
+
+static const cli_option options[] = {
+    { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
+      "write curves.csv, reach.csv and a plot of each problem into this folder", 0, 0, NULL, NULL },
+    { "problems", 'p', CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
+      "folder of CSV files of points; without it the published problems that come with linkwright", 0, 0,
+      NULL, NULL },
+    { "solvers", 's', CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
+      "whose curves: 'default' (the whole strategy of fit), rows of 'linkwright fit --solver help', 'all', "
+      "'none'", 0, 0, NULL, NULL },
+    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3", "for each curve", 1e-3, 1e6, NULL, NULL },
+    { "seeds", 'n', CLI_INT, offsetof(settings, seeds), "N", "20",
+      "runs of the default strategy towards the reachable error, with the seeds from --seed on", 0, 10000,
+      NULL, NULL },
+    { "limit", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
+    { .name = NULL }
+};
+
+enum { SOLVER_MAX = 64 };
+
+/* What draws curves; NULL is the default strategy. */
+typedef struct chosen { int n; const lw_solver *solver[SOLVER_MAX]; } chosen;
+
+static void choose_all(chosen *c)
+{
+    c->solver[c->n++] = NULL;
+    for (const lw_solver *s = lw_solver_table; s->name && c->n < SOLVER_MAX; s++)
+        c->solver[c->n++] = s;
+}
+
+static lw_status choose_one(const char *word, chosen *c, lw_error *e)
+{
+    const char *names[SOLVER_MAX + 1] = { "default" };
+    int n = 1;
+    const lw_solver *s = lw_solver_find(word);
+    for (const lw_solver *row = lw_solver_table; row->name && n < SOLVER_MAX; row++)
+        names[n++] = row->name;
+    const char *near = lw_suggest(word, names, n);
+    if (!s && strcmp(word, "default") != 0)
+        return lw_error_set(e, LW_E_ARG, "there is no solver '%s'%s%s%s", word, near ? "; did you mean '" : "",
+                            near ? near : "; 'linkwright fit --solver help' lists them", near ? "'?" : "");
+    for (int i = 0; i < c->n; i++)
+        if (c->solver[i] == s)
+            return lw_error_set(e, LW_E_ARG, "--solvers names '%s' twice", word);
+    c->solver[c->n++] = s;
+    return LW_OK;
+}
+
+static lw_status choose(const char *list, chosen *c, lw_error *e)
+{
+    lw_status st = LW_OK;
+    c->n = 0;
+    if (strcmp(list, "none") == 0)
+        return LW_OK;
+    if (strcmp(list, "all") == 0) {
+        choose_all(c);
+        return LW_OK;
+    }
+    while (*list && st == LW_OK && c->n < SOLVER_MAX) {
+        char word[32];
+        size_t n = strcspn(list, ",");
+        snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), list);
+        st = choose_one(word, c, e);
+        list += n + (list[n] == ',');
+    }
+    return st;
+}
+
+/* ---- runs ------------------------------------------------------------------------------------------ */
+
+static lw_status run_curves(cli_bench *b, const chosen *c, uint64_t seed, cli_progress *line, lw_error *e)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
+        for (int k = 0; k < c->n && st == LW_OK && !cli_interrupted(); k++) {
+            const lw_solver *s = c->solver[k];
+            cli_bench_curve *curve = &b->curve[b->n_curve++];
+            *curve = (cli_bench_curve){ .problem = &b->problem[i], .solver = s ? s->name : "default",
+                                        .seed = seed };
+            cli_progress_show(line, i*c->n + k, b->n_problem*c->n, b->problem[i].name);
+            st = cli_bench_run(s, b->seconds, 1, 0, curve, e);
+        }
+    return st;
+}
+
+static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint64_t seed,
+                            cli_bench_reach *r, lw_error *e)
+{
+    cli_bench_curve c = { .problem = p, .solver = "default", .seed = seed };
+    double enough = CLI_WITHIN*p->known->reachable;
+    lw_status st = cli_bench_run(NULL, b->limit, b->jobs, enough, &c, e);
+    const cli_bench_point *last = c.n ? &c.point[c.n - 1] : NULL;
+    *r = (cli_bench_reach){ .seed = seed, .error = cli_bench_error(&c), .seconds = last ? last->seconds : NAN,
+                            .evals = last ? last->evals : 0 };
+    r->reached = r->error <= enough && r->seconds <= b->limit;
+    free(c.point);
+    return st;
+}
+
+static lw_status run_reach(cli_bench *b, uint64_t seed, cli_progress *line, lw_error *e)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
+        for (int k = 0; k < b->n_seed && st == LW_OK && b->problem[i].known->reachable > 0; k++) {
+            cli_progress_show(line, i*b->n_seed + k, b->n_problem*b->n_seed, b->problem[i].name);
+            st = reach_once(b, &b->problem[i], seed + (uint64_t)k, &b->reach[i*b->n_seed + k], e);
+            if (cli_interrupted())
+                return st;
+            b->reach_done[i] = k + 1;
+        }
+    return st;
+}
+
+static lw_status run_all(const cli_call *call, cli_bench *b, const chosen *c, lw_error *e)
+{
+    size_t n = (size_t)b->n_problem;
+    b->reach_done = calloc(n, sizeof *b->reach_done);
+    b->reach = calloc(n*(size_t)b->n_seed + 1, sizeof *b->reach);
+    b->curve = calloc(n*(size_t)c->n + 1, sizeof *b->curve);
+    if (!b->reach_done || !b->reach || !b->curve)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    cli_progress line = cli_progress_begin(call, "bench", "runs");
+    lw_status st = run_reach(b, call->common.seed, &line, e);
+    if (st == LW_OK)
+        st = run_curves(b, c, call->common.seed, &line, e);
+    cli_progress_end(&line);
+    return st;
+}
+
+static void free_all(cli_bench *b)
+{
+    for (int i = 0; i < b->n_curve; i++)
+        free(b->curve[i].point);
+    free(b->curve);
+    free(b->reach);
+    free(b->reach_done);
+    cli_bench_free(b->problem, b->n_problem);
+}
+
+static int finish(const cli_call *call, const cli_bench *b)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (s->output && cli_bench_save(b, call->line, s->output, &e) != LW_OK)
+        return cli_fail(call, &e);
+    cli_bench_tables(b, stdout);
+    return cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    const char *what = call->parsed.word[0];
+    cli_bench b = { .n_seed = s->seeds, .seconds = s->time, .limit = s->limit,
+                    .jobs = call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
+    chosen c;
+    lw_error e = { 0 };
+    if (strcmp(what, "fit") != 0)
+        return cli_usage(call, "there is no bench '%s'; there is 'fit'", what);
+    if (call->common.json)
+        return cli_usage(call, "--json has no meaning here; -o FOLDER writes CSV");
+    if (choose(s->solvers, &c, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    cli_watch_interrupt();
+    cli_bench_machine(b.machine, sizeof b.machine);
+    lw_status st = cli_bench_load(s->problems, &b.problem, &b.n_problem, &e);
+    if (st == LW_OK)
+        st = run_all(call, &b, &c, &e);
+    int code = st == LW_OK ? finish(call, &b) : cli_fail(call, &e);
+    free_all(&b);
+    return code;
+}
+
+const cli_command cli_bench_command = {
+    .name = "bench",
+    .words = "fit",
+    .title = "speed against error, as tables and plots",
+    .examples =
+        "  linkwright bench fit                                      the published path problems, all solvers\n"
+        "  linkwright bench fit -o out                               with CSV and a plot of each problem\n"
+        "  linkwright bench fit --solvers lm,slsqp --time 2 --seeds 0\n"
+        "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n",
+    .about =
+        "Two Markdown tables go to standard output: how often and how soon the default strategy\n"
+        "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"
+        "what each solver reaches on one core in the given time. Local solvers run from the\n"
+        "structured starts of the default strategy, global ones search the box of the bounds.\n"
+        "-o names a folder for curves.csv (an improvement a line), reach.csv and the plots.\n"
+        "Evaluations and errors depend on the seed only; seconds, and with them how far a\n"
+        "run comes, on the machine.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};
