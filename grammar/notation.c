@@ -236,7 +236,7 @@ static void skip_between(lw_topologies *t)
 {
     while (t->at < t->size) {
         size_t n = line_length(t->text + t->at, t->size - t->at);
-        if (!is_empty(t->text + t->at, n) && t->text[t->at] != '#')
+        if ((!is_empty(t->text + t->at, n) && t->text[t->at] != '#') || (t->more && t->at + n == t->size))
             return;
         t->at += n + (t->at + n < t->size);
         t->line++;
@@ -247,12 +247,14 @@ lw_status lw_topologies_next(lw_topologies *t, lw_mechanism *m, lw_error *e)
 {
     skip_between(t);
     if (t->at == t->size)
-        return LW_NOTHING;
+        return t->more ? LW_STOPPED : LW_NOTHING;
     const char *text = t->text + t->at;
     t->notation = lw_notation_of(text, t->size - t->at);
     t->first = t->at;
     t->first_line = t->line;
     t->length = piece_length(t->notation, text, t->size - t->at);
+    if (t->more && t->at + t->length == t->size)
+        return LW_STOPPED;
     lw_status s = t->notation->read(text, t->length, t->file, m, e);
     if (s != LW_OK && e && e->line > 0)
         e->line += t->line - 1;

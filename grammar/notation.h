@@ -42,11 +42,15 @@ typedef struct lw_topologies {
     size_t      first, length;         /* the piece that was read last                                 */
     long        first_line;            /* where it begins                                              */
     const lw_notation *notation;       /* and its notation                                             */
+    bool        more;                  /* the text goes on behind `size`: a piece that reaches the end is
+                                          not whole yet                                                */
 } lw_topologies;
 
 lw_topologies lw_topologies_open(const char *text, size_t size, const char *file);
 
-/* The next one.  LW_NOTHING at the end.  After a fault (LW_E_NOTATION with its place) one can go on. */
+/* The next one.  LW_NOTHING at the end; LW_STOPPED when there is `more` and no whole piece is left: bring what
+ * stands from `at` on together with what follows, keep `line`, and go on.  After a fault (LW_E_NOTATION with its
+ * place) one can go on too. */
 lw_status lw_topologies_next(lw_topologies *t, lw_mechanism *m, lw_error *e);
 
 #endif

@@ -59,6 +59,37 @@ static void mixed_stream(void)
     CHECK_INT(lw_topologies_next(&t, &got, NULL), LW_NOTHING);
 }
 
+/* A stream that comes in pieces of any size says the same as the whole. */
+static void in_portions(void)
+{
+    static const char text[] = "# first\n\nCl\n0 1 0 2\n0 0 3 0\n0 0 0 4\n0 0 0 0\n\n((1 r 2 r 3 r 4 r)\n (1 r 2 r 3 r 4 r))\n"
+                               "1-2 2-3 # no\n{\"links\": 2, \"joints\":\n[[1, 2]]}\n# Cl\n(3 3) 1-2:0 1-2:2 1-2:2\nC!\nCl";
+    static const int is_good[] = { 1, 1, 1, 0, 1, 1, 0, 1 };
+    for (size_t portion = 1; portion <= sizeof text; portion++) {
+        size_t have = 0;
+        int n = 0;
+        lw_topologies t = lw_topologies_open(text, 0, "in");
+        t.more = true;
+        for (;;) {
+            lw_mechanism m;
+            lw_error e = { 0 };
+            lw_status s = lw_topologies_next(&t, &m, &e);
+            if (s == LW_NOTHING)
+                break;
+            if (s == LW_STOPPED) {
+                have = have + portion < strlen(text) ? have + portion : strlen(text);
+                t.size = have;
+                t.more = have < strlen(text);
+                continue;
+            }
+            CHECK_INT(s == LW_OK, is_good[n++]);
+            if (n == 7)
+                CHECK_INT(e.line, 16);
+        }
+        CHECK_INT(n, 8);
+    }
+}
+
 /* After a fault the stream goes on with the next piece; faults have their place in the whole text. */
 static void goes_on_after_a_fault(void)
 {
@@ -100,6 +131,7 @@ int main(void)
     RUN(every_row_reads_what_it_prints);
     RUN(mixed_stream);
     RUN(goes_on_after_a_fault);
+    RUN(in_portions);
     RUN(too_many_joints);
     return check_end();
 }
