@@ -38,7 +38,7 @@ typedef struct lw_motion {
  * every linkage with one dyad.  Limits of further dyads are roots of their margin along the arc,
  * bracketed by 256 samples (dense towards limits of earlier dyads) and by the minima and maxima that
  * the samples show, polished to rounding: right to 1e-10 rad or of the size, but gaps or islands
- * narrower than a sample, with nothing in the samples that hints at them, are missed (none in 1500
+ * narrower than a sample, with nothing in the samples that hints at them, are missed (none in 1200
  * random six-bars that 20000 samples a mode could see).
  *
  * Sliders whose way has no end are cut at 10 times the sum of all lengths to either side.
