@@ -114,8 +114,8 @@ static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec 
     double d = t->x && t->size > 0 ? t->size : 1;
     *out = *s;
     if (!(s->length_hi > 0)) {
-        out->length_lo = 1e-3*d;
-        out->length_hi = 10*d;
+        out->length_lo = t->x ? 1e-3*d : 0.02;       /* of a function: in frame lengths           */
+        out->length_hi = t->x ? 10*d : 50;
     }
     if (!(s->position_hi > s->position_lo)) {
         out->position_lo = -INFINITY;
