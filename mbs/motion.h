@@ -45,12 +45,17 @@ typedef struct lw_motion {
  * LW_OPEN: no arc, it never closes.  LW_STOPPED: more than LW_ARC_MAX arcs, the first are given. */
 lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m);
 
-/* The range of the input of a plan with one dyad, in closed form: `turns`, or from first to last, where
- * it passes into the other mode.  Where there are two such ranges, side +1 or -1 chooses.  Cheaper than
- * lw_motion_find by far, for inner loops.  LW_OPEN: it closes nowhere; LW_E_KIND: more dyads, or a
- * slide without end. */
-lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, double *first,
-                          double *last, bool *turns);
+/* The range of the input of a plan with one dyad. */
+typedef struct lw_range {
+    double first, last;
+    bool   turns;                   /* a full turn                                                */
+    bool   limits;                  /* the ends are limits of motion, where the mode flips; else  */
+                                    /* slides become parallel there, or the range is cut as above */
+} lw_range;
+
+/* Work it out in closed form: cheaper than lw_motion_find by far, for inner loops.  Where there are two
+ * ranges, side +1 or -1 chooses.  LW_OPEN: it closes nowhere; LW_E_KIND: not one dyad. */
+lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, lw_range *r);
 
 /* The arc in this mode (of plan->n_dyad dyads) that holds the input (whole turns do not count), else
  * the one whose end is nearest to it; -1 when no arc has the mode. */

@@ -229,29 +229,58 @@ lw_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step
     }
 }
 
-lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, double *first,
-                          double *last, bool *turns)
+/* How far a slide without end is followed (mbs/motion.h). */
+static double slide_end(const lw_plan *plan, const double *dim)
+{
+    double sum = 0.0;
+    for (int d = 0; d < plan->n_dim; d++)
+        if (plan->dim[d].role == LW_ROLE_R || plan->dim[d].role == LW_ROLE_E)
+            sum += 10.0*fabs(dim[d]);
+    return sum;
+}
+
+static lw_range ring_range(const lw_plan *plan, const double *dim, const lw_span *s, double side)
+{
+    lw_range r = { .limits = s->has_in || s->has_out };
+    bool pin = !plan->input_is_slider;
+    r.turns = pin && !r.limits;
+    double end = pin ? 2.0*LW_PI - s->in : slide_end(plan, dim);
+    double out = s->has_out ? s->out : end, in = s->has_in ? s->in : -out;
+    bool mirrored = s->has_in && (s->has_out || !pin) && side < 0.0;
+    r.limits &= pin || s->has_out;
+    r.first = s->centre + (mirrored ? -out : in);
+    r.last = s->centre + (mirrored ? -in : out);
+    return r;
+}
+
+lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, lw_range *r)
 {
     const lw_step *step = NULL;
     for (int i = 0; i < plan->n_step; i++)
-        if (lw_step_has_modes(&plan->step[i]))
+        if (plan->step[i].kind >= LW_STEP_RRR)
             step = &plan->step[i];
     if (plan->n_dyad != 1 || !step)
         return LW_E_KIND;
     lw_span s = lw_dyad_span(plan, dim, step);
-    bool pin = !plan->input_is_slider;
-    *turns = pin && (s.kind == LW_SPAN_ALL || (s.kind == LW_SPAN_RING && !s.has_in && !s.has_out));
-    if (s.kind == LW_SPAN_NEVER)
+    double end = slide_end(plan, dim);
+    switch (s.kind) {
+    case LW_SPAN_NEVER:
         return LW_OPEN;
-    if (*turns)
+    case LW_SPAN_ALL:
+        *r = (lw_range){ .first = plan->input_is_slider ? -end : -LW_PI,
+                         .last = plan->input_is_slider ? end : LW_PI, .turns = !plan->input_is_slider };
         return LW_OK;
-    if (s.kind != LW_SPAN_RING || (!pin && !s.has_out))
-        return LW_E_KIND;
-    double out = s.has_out ? s.out : 2.0*LW_PI - s.in, in = s.has_in ? s.in : -out;
-    bool mirrored = s.has_in && s.has_out && side < 0.0;
-    *first = s.centre + (mirrored ? -out : in);
-    *last = s.centre + (mirrored ? -in : out);
-    return LW_OK;
+    case LW_SPAN_RING:
+        *r = ring_range(plan, dim, &s, side);
+        return LW_OK;
+    case LW_SPAN_HALVES:
+        *r = (lw_range){ .first = s.centre + (side < 0.0 ? LW_PI : 0.0) };
+        r->last = r->first + LW_PI;
+        return LW_OK;
+    case LW_SPAN_UNKNOWN:
+        break;
+    }
+    return LW_E_KIND;
 }
 
 /* ---- one posture ---- */

@@ -1,5 +1,6 @@
 /* optimise/circuit.c - the way of the input: round and round, or from limit to limit and back in the
- * other assembly mode, by one phase that runs smoothly through the limits. */
+ * other assembly mode, by one phase that runs smoothly through the limits.  Where the ends of the
+ * range are no limits (slides become parallel) it goes to and fro in one mode. */
 #include <string.h>
 
 #include "mbs/motion.h"
@@ -8,14 +9,16 @@
 
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
 {
-    double first, last;
+    lw_range r;
     w->turning = true;
     if (p->turns)
         return true;
-    if (lw_motion_range(&p->plan, x, p->mode[0], &first, &last, &w->turning) != LW_OK)
+    if (lw_motion_range(&p->plan, x, p->mode[0], &r) != LW_OK)
         return false;
-    w->mid = 0.5*(first + last);
-    w->half = 0.5*(last - first);
+    w->turning = r.turns;
+    w->flips = r.limits;
+    w->mid = 0.5*(r.first + r.last);
+    w->half = 0.5*(r.last - r.first);
     return w->turning || w->half > 0;
 }
 
@@ -61,7 +64,7 @@ void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const do
             s[k] = sine;
         } else
             place(p, at, &c[k], &s[k]);
-        mode[k] = w->turning ? p->mode[0] : sine < 0 ? -1 : 1;
+        mode[k] = w->turning || !w->flips ? p->mode[0] : sine < 0 ? -1 : 1;
         if (input)
             input[k] = at;
         if (rate)

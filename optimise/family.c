@@ -64,30 +64,56 @@ static void draw_two_and_offset(const double *u, double *s)
     s[2] = offset(u[1]);
 }
 
-static void draw_trammel(const double *u, double *s)
+static void draw_angle_last(const double *u, double *s)
 {
     s[0] = 1;
     s[1] = LW_PI*(0.02 + 0.96*u[0]);
 }
 
+static void draw_angle_first(const double *u, double *s)
+{
+    s[0] = LW_PI*(0.02 + 0.96*u[0]);
+    s[1] = 1;
+}
+
+static void draw_offsets(const double *u, double *s)
+{
+    s[0] = offset(u[0]);
+    s[1] = 1;
+}
+
+#define FOUR { "r1", "r2", "r3", "r4" }
+#define NO_CONDITION { NULL }
+
+/* name, letters, turns, drag-link, shape, conditions, share, draws.  The turn of a yoke or an Oldham
+ * coupling needs no condition. */
 const lw_family lw_family_table[] = {
-    { "crank-rocker", "RRRR", true, false, { "r1", "r2", "r3", "r4" },
-      { "+r3+r4-r1-r2", "+r1+r4-r2-r3", "+r1+r3-r2-r4" }, 3, draw_crank_rocker },
-    { "drag-link", "RRRR", true, true, { "r1", "r2", "r3", "r4" },
-      { "+r3+r4-r1-r2", "+r2+r4-r1-r3", "+r2+r3-r1-r4" }, 3, draw_drag_link },
-    { "any four-bar", "RRRR", false, false, { "r1", "r2", "r3", "r4" }, { NULL }, 3, draw_four_bar },
+    { "crank-rocker", "RRRR", true, false, FOUR,
+      { "+r3+r4-r1-r2", "+r1+r4-r2-r3", "+r1+r3-r2-r4" }, 4, 3, draw_crank_rocker },
+    { "drag-link", "RRRR", true, true, FOUR,
+      { "+r3+r4-r1-r2", "+r2+r4-r1-r3", "+r2+r3-r1-r4" }, 2, 3, draw_drag_link },
+    { "any four-bar", "RRRR", false, false, FOUR, NO_CONDITION, 2, 3, draw_four_bar },
     { "slider-crank", "RRRP", true, false, { "r2", "r3", "e1" },
-      { "+r3-r2-e1", "+r3-r2+e1" }, 2, draw_slider_crank },
-    { "any slider-crank", "RRRP", false, false, { "r2", "r3", "e1" }, { NULL }, 2,
+      { "+r3-r2-e1", "+r3-r2+e1" }, 2, 2, draw_slider_crank },
+    { "any slider-crank", "RRRP", false, false, { "r2", "r3", "e1" }, NO_CONDITION, 1, 2,
       draw_two_and_offset },
     { "oscillating", "RRPR", true, false, { "r1", "r2", "e3" },
-      { "+r1-r2-e3", "+r1-r2+e3" }, 2, draw_oscillating },
+      { "+r1-r2-e3", "+r1-r2+e3" }, 2, 2, draw_oscillating },
     { "turning", "RRPR", true, false, { "r1", "r2", "e3" },
-      { "+r2-r1-e3", "+r2-r1+e3" }, 2, draw_turning },
-    { "any inverted", "RRPR", false, false, { "r1", "r2", "e3" }, { NULL }, 2,
+      { "+r2-r1-e3", "+r2-r1+e3" }, 2, 2, draw_turning },
+    { "any inverted", "RRPR", false, false, { "r1", "r2", "e3" }, NO_CONDITION, 1, 2,
       draw_two_and_offset },
     { "slotted crank", "RPRR", true, false, { "r1", "r4", "e2" },
-      { "+r4-r1-e2", "+r4-r1+e2" }, 2, draw_slider_crank },
-    { "trammel", "PRRP", false, false, { "r3", "beta1" }, { NULL }, 1, draw_trammel },
+      { "+r4-r1-e2", "+r4-r1+e2" }, 1, 2, draw_slider_crank },
+    { "any slotted crank", "RPRR", false, false, { "r1", "r4", "e2" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset },
+    { "trammel", "PRRP", false, false, { "r3", "beta1" }, NO_CONDITION, 1, 1, draw_angle_last },
+    { "slider-driven", "PRRR", false, false, { "r3", "r4", "e1" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset },
+    { "slider-rocker", "PRPR", false, false, { "e3", "e1" }, NO_CONDITION, 1, 1, draw_offsets },
+    { "tangent", "RPRP", false, false, { "e2", "e1" }, NO_CONDITION, 1, 1, draw_offsets },
+    { "oldham", "RPPR", true, false, { "r1", "beta3" }, NO_CONDITION, 1, 1, draw_angle_last },
+    { "yoke", "RRPP", true, false, { "r2", "beta4" }, NO_CONDITION, 1, 1, draw_angle_last },
+    { "wedge", "PPRR", false, false, { "beta2", "r4" }, NO_CONDITION, 1, 1, draw_angle_first },
     { .name = NULL }
 };

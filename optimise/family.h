@@ -19,6 +19,7 @@ typedef struct lw_family {
     bool        drag_link;               /* turns, but the input is not the shortest link          */
     const char *shape[LW_SHAPE_MAX + 1]; /* dimensions that fix the shape but for size, and cx, cy */
     const char *linear[4];               /* conditions >= 0, "+r3+r4-r1-r2"                        */
+    int         blocks;                  /* share of the search                                    */
     int         n_draw;                  /* numbers in [0, 1) a draw takes                         */
     void      (*draw)(const double *u, double *shape);   /* a member, of size about one            */
 } lw_family;

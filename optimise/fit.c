@@ -18,7 +18,7 @@ enum {
     IMPROVE = 12,           /* of these, improved                                                 */
     KEEP = 4,               /* of these, handed to the pool                                       */
     POLISH = 8,             /* of the pool, polished after each round                             */
-    ARM_MAX = 64,
+    ARM_MAX = 80,
     HITS = 100              /* found this often by different starts: nothing better is likely     */
 };
 #define EXACT 1e-27         /* f of one station, of size one, that is rounding                    */
@@ -376,7 +376,7 @@ static int rounds_of(const search *s)
     const lw_target *t = s->thin.n ? &s->thin : s->t;
     double jobs = 400.0*45/((double)t->n + 27);
     int rounds = (int)(jobs/s->n_job + 0.5);
-    return s->o->max_rounds > 0 ? s->o->max_rounds : rounds < 6 ? 6 : rounds;
+    return s->o->max_rounds > 0 ? s->o->max_rounds : rounds < 5 ? 5 : rounds;
 }
 
 static lw_status share_out(search *s)
@@ -384,7 +384,7 @@ static lw_status share_out(search *s)
     size_t bytes = 0;
     for (int i = 0; i < s->n_arm; i++) {
         arm *a = &s->arm[i];
-        long blocks = s->o->starts > 0 ? (s->o->starts + BLOCK - 1)/BLOCK : i < 4 ? 4 : 2;
+        long blocks = s->o->starts > 0 ? (s->o->starts + BLOCK - 1)/BLOCK : a->fine.family->blocks;
         size_t need = lw_problem_work_size(&a->fine);
         a->blocks = (int)(blocks > 8 ? 8 : blocks);
         bytes = need > bytes ? need : bytes;

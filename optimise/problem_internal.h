@@ -24,7 +24,7 @@ typedef struct lw_work {
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
     /* the circuit: the input turns, or goes to and fro about mid */
-    bool    turning;
+    bool    turning, flips;      /* flips: at the ends of its way the assembly mode changes        */
     double  mid, half, least_margin;
     double  mid_by[LW_DIM_MAX], half_by[LW_DIM_MAX];     /* their derivatives by the dimensions    */
     /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
