@@ -148,15 +148,6 @@ static lw_status make_spec(const cli_call *call, const lw_target *t, lw_fit_spec
     spec->length_hi = s->length_range[1]*m;
     spec->position_lo = s->position_range[0]*m;
     spec->position_hi = s->position_range[1]*m;
-    if (spec->task != LW_TASK_FUNCTION && !(s->weight_path > 0))
-        return lw_error_set(e, LW_E_ARG, "--weight-path must be positive for a %s; use --task "
-                            "function to fit angles alone",
-                            spec->task == LW_TASK_PATH ? "path" : "motion");
-    if (cli_given(&call->parsed, "length-range") && !(s->length_range[1] > 0))
-        return lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
-                            "positive", s->length_range[0], s->length_range[1]);
-    if (cli_given(&call->parsed, "angle-from") && spec->timing != LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
     return read_bounds(s->bounds, &t->units, spec, e);
 }
 
@@ -176,6 +167,44 @@ static lw_status check_types(const char *types, lw_error *e)
         at += n + (at[n] == ',');
     }
     return LW_OK;
+}
+
+/* Is `name` a dimension of one of the wanted types? */
+static bool is_dimension(const char *types, const char *name)
+{
+    if (strcmp(name, "input0") == 0 || strcmp(name, "tool0") == 0)
+        return true;
+    for (const lw_type *t = lw_type_table; t->letters; t++) {
+        lw_linkage k;
+        lw_plan plan;
+        lw_type_linkage(t, &k);
+        bool asked = strcmp(types, "all") == 0 || strstr(types, t->name) || strstr(types, t->letters);
+        if (asked && lw_plan_make(&k, (lw_want){ .tracers = 1 }, &plan, NULL) == LW_OK
+            && lw_plan_dim(&plan, name) >= 0)
+            return true;
+    }
+    return false;
+}
+
+/* What can be refused without a look at the target. */
+static lw_status check_conditions(const settings *s, bool range_given, lw_error *e)
+{
+    lw_fit_spec spec = lw_fit_spec_default();
+    lw_units si = lw_units_si();
+    lw_status st = read_bounds(s->bounds, &si, &spec, e);
+    for (int i = 0; i < spec.n_bound && st == LW_OK; i++)
+        if (!is_dimension(s->type, spec.bound[i].name))
+            st = lw_error_set(e, LW_E_ARG, "--bounds: no linkage of --type %s has a dimension '%s'; the "
+                              "table of results shows their names", s->type, spec.bound[i].name);
+    if (st == LW_OK && range_given && !(s->length_range[1] > 0))
+        st = lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
+                          "positive", s->length_range[0], s->length_range[1]);
+    if (st == LW_OK && !(s->weight_path > 0) && s->task != 2)
+        st = lw_error_set(e, LW_E_ARG, "--weight-path must be positive; use --task function to fit "
+                          "angles alone");
+    if (st == LW_OK && s->datum != 0 && s->timing > 1)
+        st = lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
+    return st;
 }
 
 /* ---- one target --------------------------------------------------------------------------------- */
@@ -299,21 +328,18 @@ static void set_free(cli_fit_set *set)
 
 /* ---- all of them ---------------------------------------------------------------------------------- */
 
-static int print(const cli_call *call, const cli_fit_set *set, int n, int code)
+static bool wants_json(const cli_call *call)
 {
-    lw_output o;
-    lw_error e = { 0 };
-    bool json = call->common.json || call->common.output;
+    return call->common.json || call->common.output;
+}
+
+static void print(const cli_call *call, const cli_fit_set *set, int n, lw_output *o)
+{
     bool table = !call->common.json && !(call->common.quiet && call->common.output);
     for (int i = 0; i < n && table; i++)
         cli_fit_table(&set[i], stdout);
-    if (!json)
-        return code;
-    if (cli_open(call, &o, &e) != LW_OK)
-        return cli_fail(call, &e);
-    for (int i = 0; i < n; i++)
-        cli_fit_json(&set[i], call, o.f, n > 1 ? 0 : 1);
-    return cli_close(call, &o, code);
+    for (int i = 0; i < n && wants_json(call); i++)
+        cli_fit_json(&set[i], call, o->f, n > 1 ? 0 : 1);
 }
 
 static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
@@ -343,41 +369,73 @@ static int check(const cli_call *call)
     lw_error e = { 0 };
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
-    if (check_types(s->type, &e) != LW_OK)
+    if (check_types(s->type, &e) != LW_OK
+        || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (call->parsed.n_word == 0)
         return cli_usage(call, "no target; give a CSV file");
     return CLI_DONE;
 }
 
+/* Fit every target; those that fail are said and passed over.  Returns the exit code. */
+static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
+{
+    int code = CLI_DONE;
+    for (int i = 0; i < call->parsed.n_word && !cli_interrupted(); i++) {
+        lw_error e = { 0 };
+        cli_fit_set *now = &set[*done];
+        lw_status st = fit_one(call, call->parsed.word[i], now, &e);
+        if (st < 0 || st == LW_NOTHING) {
+            code = cli_fail(call, &e);
+            set_free(now);
+            memset(now, 0, sizeof *now);
+            continue;
+        }
+        code = st == LW_STOPPED ? CLI_LIMIT : now->n == 0 ? CLI_NOTHING : code;
+        ++*done;
+    }
+    return code;
+}
+
+/* The output is opened first: a folder that cannot be written shall not cost a search. */
+static int fit_all(const cli_call *call)
+{
+    lw_output o;
+    lw_error e = { 0 };
+    int done = 0, code;
+    cli_fit_set *set = calloc((size_t)call->parsed.n_word, sizeof *set);
+    if (!set) {
+        lw_error_set(&e, LW_E_MEMORY, "no memory for %d targets", call->parsed.n_word);
+        return cli_fail(call, &e);
+    }
+    if (wants_json(call) && cli_open(call, &o, &e) != LW_OK) {
+        free(set);
+        return cli_fail(call, &e);
+    }
+    code = fit_targets(call, set, &done);
+    print(call, set, done, &o);
+    if (wants_json(call) && done > 0)
+        code = cli_close(call, &o, code);
+    else if (wants_json(call))
+        lw_output_abandon(&o);
+    if (done > 0)
+        code = save(call, set, done, code);
+    for (int i = 0; i < done; i++)
+        set_free(&set[i]);
+    free(set);
+    return cli_interrupted() ? CLI_INTERRUPTED : code;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
-    int n = call->parsed.n_word, done = 0, code = CLI_DONE;
+    int code;
     if (strcmp(s->solver, "help") == 0)
         return list_solvers();
     if ((code = check(call)) != CLI_DONE)
         return code;
     cli_watch_interrupt();
-    cli_fit_set *set = calloc((size_t)n, sizeof *set);
-    for (int i = 0; set && i < n && !cli_interrupted(); i++) {
-        lw_error e = { 0 };
-        lw_status st = fit_one(call, call->parsed.word[i], &set[done], &e);
-        if (st < 0 || st == LW_NOTHING) {
-            code = cli_fail(call, &e);
-            set_free(&set[done]);
-            memset(&set[done], 0, sizeof *set);
-            continue;
-        }
-        code = st == LW_STOPPED ? CLI_LIMIT : set[done].n == 0 ? CLI_NOTHING : code;
-        done++;
-    }
-    if (done)
-        code = save(call, set, done, print(call, set, done, code));
-    for (int i = 0; i < done; i++)
-        set_free(&set[i]);
-    free(set);
-    return cli_interrupted() ? CLI_INTERRUPTED : code;
+    return fit_all(call);
 }
 
 const cli_command cli_fit_command = {

@@ -124,7 +124,8 @@ static lw_status make_arms(search *s, lw_fit *out, lw_error *e)
         }
     }
     if (s->n_arm == 0)
-        return lw_error_set(e, LW_E_ARG, "no type of linkage is left for this task%s%s",
+        return lw_error_set(e, LW_E_ARG, "no linkage of the types asked for can do this%s%s%s",
+                            s->o->spec.crank_only ? ", since its input must turn fully" : "",
                             out->skipped[0] ? ": " : "", out->skipped);
     return LW_OK;
 }
