@@ -148,6 +148,9 @@ static lw_status make_spec(const cli_call *call, const lw_target *t, lw_fit_spec
     spec->length_hi = s->length_range[1]*m;
     spec->position_lo = s->position_range[0]*m;
     spec->position_hi = s->position_range[1]*m;
+    if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
+        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
+                            "the target has no column angle");
     return read_bounds(s->bounds, &t->units, spec, e);
 }
 

@@ -16,7 +16,9 @@ enum {
     BLOCK = 400,            /* draws of one job                                                   */
     GLANCE = 100,           /* of these, settled, where the timing is free                        */
     IMPROVE = 12,           /* of these, improved                                                 */
-    KEEP = 4,               /* of these, handed to the pool                                       */
+    KEEP = 8,               /* of these, handed to the pool                                       */
+    FIRST_STEPS = 40,       /* of each of these                                                   */
+    FULL_STEPS = 120,       /* of those handed on                                                 */
     POLISH = 8,             /* of the pool, polished after each round                             */
     ARM_MAX = 80,
     HITS = 100              /* found this often by different starts: nothing better is likely     */
@@ -242,7 +244,29 @@ static void improve(const search *s, const lw_problem *p, const lw_lm_options *o
     c->f = lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop);
 }
 
-/* Local fits of the best starts of one block; the KEEP best go to the pool. */
+/* Least squares from each of n starts, at most so many steps; then in order of f. */
+static void improve_all(const search *s, const lw_problem *p, int steps, int n, void *work,
+                        lw_found *best)
+{
+    lw_lm_options o = lw_lm_options_default();
+    o.max_steps = steps;
+    o.f_hopeless = 1e4*s->best_raw;
+    o.patience = FIRST_STEPS;
+    o.interrupt = s->o->interrupt;
+    o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
+    for (int i = 0; i < n && !stopped(s); i++)
+        improve(s, p, &o, work, &best[i]);
+    for (int i = 1; i < n; i++) {
+        lw_found c = best[i];
+        int at = i;
+        for (; at > 0 && best[at - 1].f > c.f; at--)
+            best[at] = best[at - 1];
+        best[at] = c;
+    }
+}
+
+/* Local fits of the best starts of one block: all of them a little, the best of these further; KEEP
+ * go to the pool. */
 static void search_block(void *context, size_t job, int thread)
 {
     search *s = context;
@@ -251,7 +275,6 @@ static void search_block(void *context, size_t job, int thread)
     const lw_problem *p = a->has_coarse ? &a->coarse : &a->fine;
     void *work = s->work[thread];
     lw_found best[IMPROVE], *keep = s->found + job*KEEP;
-    lw_lm_options o = lw_lm_options_default();
     lw_rng rng;
     for (int i = 0; i < KEEP; i++)
         keep[i].f = INFINITY;
@@ -260,28 +283,21 @@ static void search_block(void *context, size_t job, int thread)
     lw_problem_work_init(p, work);
     lw_rng_seed(&rng, s->o->seed, (uint64_t)s->round*ARM_MAX*8 + job);
     int n = screen(p, &rng, work, best);
-    o.max_steps = 120;
-    o.f_hopeless = 1e4*s->best_raw;
-    o.patience = 40;
-    o.interrupt = s->o->interrupt;
-    o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
     s->evals[job] += BLOCK;
-    for (int i = 0; i < n && !stopped(s); i++) {
-        lw_found *c = &best[i];
-        c->evals = 0;
-        improve(s, p, &o, work, c);
-        c->arm = ia;
-        c->polished = false;
-        c->hits = 1;
-        c->seconds = lw_clock_wall() - s->started;
-        s->evals[job] += c->evals;
-        s->improved[job]++;
-        for (int k = 0; k < KEEP; k++)
-            if (c->f < keep[k].f) {
-                memmove(keep + k + 1, keep + k, sizeof *keep*(size_t)(KEEP - k - 1));
-                keep[k] = *c;
-                break;
-            }
+    s->improved[job] += n;
+    for (int i = 0; i < n; i++) {
+        best[i].arm = ia;
+        best[i].evals = 0;
+        best[i].polished = false;
+        best[i].hits = 1;
+    }
+    improve_all(s, p, FIRST_STEPS, n, work, best);
+    improve_all(s, p, FULL_STEPS, n < KEEP ? n : KEEP, work, best);
+    for (int i = 0; i < n; i++) {
+        best[i].seconds = lw_clock_wall() - s->started;
+        s->evals[job] += best[i].evals;
+        if (i < KEEP)
+            keep[i] = best[i];
     }
 }
 
@@ -375,7 +391,7 @@ static int rounds_of(const search *s)
     /* Jobs of about ten milliseconds each at eighteen stations: 400 of them are enough for every
      * published path problem with margin (docs/benchmarks.md). */
     const lw_target *t = s->thin.n ? &s->thin : s->t;
-    double jobs = 400.0*45/((double)t->n + 27);
+    double jobs = 500.0*45/((double)t->n + 27);
     int rounds = (int)(jobs/s->n_job + 0.5);
     return s->o->max_rounds > 0 ? s->o->max_rounds : rounds < 5 ? 5 : rounds;
 }
