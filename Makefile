@@ -90,12 +90,14 @@ bench: $(BENCHES) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done
 	$B/linkwright bench fit -o $B/bench
 
-install: all $B/$(SONAME)
+$B/linkwright.1: docs/linkwright.1.in $B/linkwright
+	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
+install: all $B/$(SONAME) $B/linkwright.1
 	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 share/linkwright/paths $(STAGES:%=include/linkwright/%))
 	install $B/linkwright $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $B/liblinkwright.a $B/$(SONAME) $(DESTDIR)$(PREFIX)/lib
 	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblinkwright.so
-	install -m 644 docs/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
+	install -m 644 $B/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 catalogues/data/paths/*.csv $(DESTDIR)$(PREFIX)/share/linkwright/paths
 	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h))); do \
 	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done

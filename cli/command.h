@@ -4,7 +4,7 @@
 
 #include "cli/option.h"
 
-/* Exit codes of the program (docs/linkwright.1). */
+/* Exit codes of the program (docs/linkwright.1.in). */
 enum {
     CLI_DONE = 0, CLI_NOTHING = 1, CLI_USAGE = 2, CLI_BAD_INPUT = 3, CLI_NUMERIC = 4,
     CLI_LIMIT = 5, CLI_INTERRUPTED = 130
@@ -34,7 +34,9 @@ extern const cli_command cli_fit_command, cli_classify_command, cli_trace_comman
                          cli_numbers_command, cli_structures_command, cli_chains_command,
                          cli_mechanisms_command, cli_grammar_command, cli_bench_command;
 
-/* Help of one command, from its row. */
+/* Help of one command, from its row; the same as a section of the manual page (cli/man.c). */
 void cli_command_help(const cli_command *c, FILE *f);
+void cli_command_roff(const cli_command *c, FILE *f);
+void cli_common_roff(FILE *f);
 
 #endif

@@ -72,8 +72,19 @@ static int finish_text(int code)
     return CLI_BAD_INPUT;
 }
 
+/* The middle of the manual page; see the Makefile. */
+static int manual(void)
+{
+    for (int i = 0; i < N_COMMAND; i++)
+        cli_command_roff(commands[i], stdout);
+    cli_common_roff(stdout);
+    return finish_text(CLI_DONE);
+}
+
 static int help(int argc, char **argv)
 {
+    if (argc > 0 && strcmp(argv[0], "--roff") == 0)
+        return manual();
     const cli_command *c = argc > 0 ? find(argv[0]) : NULL;
     if (argc > 0 && !c)
         return unknown_command(argv[0]);

@@ -360,20 +360,23 @@ static void fold(const char *text, int left, FILE *f)
     fputc('\n', f);
 }
 
+void cli_option_text(const cli_option *r, char text[CLI_HELP_SIZE])
+{
+    snprintf(text, CLI_HELP_SIZE, "%s%s%s%s%s%s%s%s", r->help, r->needs ? "; with --" : "",
+             r->needs ? r->needs : "", r->excludes ? "; not with --" : "",
+             r->excludes ? r->excludes : "", r->fallback ? " (default " : "",
+             r->fallback ? r->fallback : "", r->fallback ? ")" : "");
+}
+
 static void row_help(const cli_option *r, FILE *f)
 {
-    char head[128], text[1024];
+    char head[128], text[CLI_HELP_SIZE];
     char letter[8] = "    ";
     if (r->letter)
         snprintf(letter, sizeof letter, "-%c, ", r->letter);
     snprintf(head, sizeof head, "  %s--%s%s%s", letter, r->name, r->argument ? " " : "",
              r->argument ? r->argument : "");
-    snprintf(text, sizeof text, "%s%s%s%s%s%s%s", r->help, r->needs ? "; with --" : "",
-             r->needs ? r->needs : "", r->excludes ? "; not with --" : "",
-             r->excludes ? r->excludes : "", r->fallback ? " (default " : "",
-             r->fallback ? r->fallback : "");
-    if (r->fallback)
-        strncat(text, ")", sizeof text - strlen(text) - 1);
+    cli_option_text(r, text);
     int n = fprintf(f, "%s", head);
     if (n >= HELP_COLUMN)
         fprintf(f, "\n%*s", HELP_COLUMN, "");

@@ -73,6 +73,10 @@ bool cli_given(const cli_parsed *p, const char *name);
 lw_status cli_value(const cli_option *row, const char *name, const char *text, void *value,
                     lw_error *e);
 
+/* What a row does, with its default, partners and opponents. */
+#define CLI_HELP_SIZE 1024
+void cli_option_text(const cli_option *row, char text[CLI_HELP_SIZE]);
+
 /* The rows as they stand in --help. */
 void cli_option_help(const cli_option *options, FILE *f);
 void cli_common_help(const cli_option *shadow, FILE *f);
