@@ -270,19 +270,24 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_gro
     return error;
 }
 
-lw_status lw_graph_label(const lw_graph *g, uint8_t *to)
+/* The labelling or the group, whichever is asked for; the other is NULL. */
+static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_group *group)
 {
-    uint8_t rank[LW_GRAPH_MAX];
-    if (tell_apart(g, rank)) {
-        memcpy(to, rank, (size_t)g->n);
-        return LW_OK;
-    }
     pthread_mutex_lock(&igraph_lock);
     igraph_error_handler_t *before = igraph_set_error_handler(igraph_error_handler_ignore);
-    igraph_error_t error = bliss_label(g, rank, to);
+    igraph_error_t error = to ? bliss_label(g, rank, to) : bliss_group(g, rank, group);
     igraph_set_error_handler(before);
     pthread_mutex_unlock(&igraph_lock);
     return error == IGRAPH_SUCCESS ? LW_OK : LW_E_MEMORY;
+}
+
+lw_status lw_graph_label(const lw_graph *g, uint8_t *to)
+{
+    uint8_t rank[LW_GRAPH_MAX];
+    if (!tell_apart(g, rank))
+        return ask_bliss(g, rank, to, NULL);
+    memcpy(to, rank, (size_t)g->n);
+    return LW_OK;
 }
 
 lw_status lw_chain_canonical(const lw_chain *c, lw_chain *form)
@@ -330,17 +335,10 @@ static void find_orbits(lw_group *group)
 lw_status lw_graph_group(const lw_graph *g, lw_group *group)
 {
     uint8_t rank[LW_GRAPH_MAX];
-    igraph_error_t error = IGRAPH_SUCCESS;
     *group = (lw_group){ .n = g->n };
-    if (!tell_apart(g, rank)) {
-        pthread_mutex_lock(&igraph_lock);
-        igraph_error_handler_t *before = igraph_set_error_handler(igraph_error_handler_ignore);
-        error = bliss_group(g, rank, group);
-        igraph_set_error_handler(before);
-        pthread_mutex_unlock(&igraph_lock);
-    }
+    lw_status status = tell_apart(g, rank) ? LW_OK : ask_bliss(g, rank, NULL, group);
     find_orbits(group);
-    return error == IGRAPH_SUCCESS ? LW_OK : LW_E_MEMORY;
+    return status;
 }
 
 void lw_group_free(lw_group *group)

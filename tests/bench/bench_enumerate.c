@@ -166,7 +166,7 @@ static int plot(const char *path)
     }
     lw_series series[] = { { "chains, F = 1", N_LOOPS, loops, chains, false },
                            { "structures", N_LOOPS, loops, structures, false },
-                           { "time to count the chains [us], one core", N_LOOPS, loops, micro, false } };
+                           { "us to count them, one core", N_LOOPS, loops, micro, false } };
     lw_plot p = { "Chains with L loops", "loops L", "number, microseconds", false, true, 0, 0, 3, 0, series, NULL };
     lw_drawing drawing = { 0 };
     lw_bytes bytes = { 0 };
