@@ -236,7 +236,7 @@ lw_status lw_fourbar_classify(const double r[4], double tolerance, lw_fourbar_cl
     c->name = class_table[c->number].name;
     c->grashof = excess <= 0;
     c->circuits = excess < 0 ? 2 : 1;
-    c->change = change/s.all;
+    c->change = change/s.all + 0.0;        /* 0, not -0 */
     c->margin = fmin(fabs(s.pair[A]), fmin(fabs(s.pair[B]), fabs(s.pair[H])))/s.all;
     c->rocker_turns = output_turns(&s);
     find_ranges(&s, c);
