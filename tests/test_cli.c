@@ -132,6 +132,17 @@ static void output_is_whole_or_absent(void)
     expect("ls -A $D | grep tmp", 1, NULL, NULL);
 }
 
+/* What README.md shows after a $ runs. */
+static void readme_runs(void)
+{
+    ran r = run("grep '^    \\$ linkwright' README.md | sed 's/^    . //; s/linkwright/$P/g' > $D/readme; "
+                "wc -l < $D/readme >&2; while read -r c; do eval \"$c\" > $D/said && test -s $D/said || echo \"$c\"; "
+                "done < $D/readme");
+    CHECK_TEXT(r.out, "");
+    CHECK(atoi(r.err) >= 4);
+    ran_free(&r);
+}
+
 int main(void)
 {
     RUN(help_of_every_command);
@@ -140,6 +151,7 @@ int main(void)
     RUN(classify_table);
     RUN(classify_numbers);
     RUN(output_is_whole_or_absent);
+    RUN(readme_runs);
     run_end();
     return check_end();
 }
