@@ -145,34 +145,65 @@ bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
     return found;
 }
 
-void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
+/* Blocks of stations at one input, in order: their mean and weight and how many they are. */
+typedef struct blocks { double *mean, *mass, *size; size_t n; } blocks;
+
+static void pool_blocks(const lw_problem *p, const double *theta, const double *weight, blocks *b)
 {
-    /* blocks of equal value, as a stack: mean and weight */
-    double *mean = scratch, *mass = scratch + p->n;
-    size_t top = 0;
-    double *size = scratch + 2*p->n;
+    b->n = 0;
     for (size_t i = 0; i < p->n; i++) {
-        mean[top] = p->sense*theta[i];
-        mass[top] = weight[i];
-        size[top++] = 1;
-        for (; top > 1 && mean[top - 2] > mean[top - 1]; top--) {
-            double m = mass[top - 2] + mass[top - 1];
-            mean[top - 2] = (mean[top - 2]*mass[top - 2] + mean[top - 1]*mass[top - 1])/m;
-            mass[top - 2] = m;
-            size[top - 2] += size[top - 1];
+        size_t top = b->n++;
+        b->mean[top] = p->sense*theta[i];
+        b->mass[top] = weight[i];
+        b->size[top] = 1;
+        for (; top > 0 && b->mean[top - 1] > b->mean[top]; top--, b->n--) {
+            double m = b->mass[top - 1] + b->mass[top];
+            b->mean[top - 1] = (b->mean[top - 1]*b->mass[top - 1] + b->mean[top]*b->mass[top])/m;
+            b->mass[top - 1] = m;
+            b->size[top - 1] += b->size[top];
         }
     }
-    for (size_t b = 0, i = 0; b < top; b++)
-        for (double k = 0; k < size[b]; k++)
-            theta[i++] = p->sense*mean[b];
 }
 
-bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k)
+/* More than a turn: the last block and the first, a turn on, become one, and what they then run into. */
+static void pool_round_the_turn(blocks *b)
 {
-    if (p->timing != LW_TIMING_FREE)
+    size_t lo = 0, hi = b->n - 1;
+    if (hi == 0 || b->mean[hi] - b->mean[lo] <= 2*LW_PI)
+        return;
+    double mass = b->mass[lo] + b->mass[hi];
+    double mean = (b->mean[lo]*b->mass[lo] + (b->mean[hi] - 2*LW_PI)*b->mass[hi])/mass;
+    while (lo + 1 < hi) {
+        bool up = b->mean[lo + 1] < mean;
+        if (!up && b->mean[hi - 1] <= mean + 2*LW_PI)
+            break;
+        size_t take = up ? ++lo : --hi;
+        double at = b->mean[take] - (up ? 0 : 2*LW_PI);
+        mean = (mean*mass + at*b->mass[take])/(mass + b->mass[take]);
+        mass += b->mass[take];
+    }
+    for (size_t k = 0; k <= lo; k++)
+        b->mean[k] = mean;
+    for (size_t k = hi; k < b->n; k++)
+        b->mean[k] = mean + 2*LW_PI;
+}
+
+void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
+{
+    blocks b = { .mean = scratch, .mass = scratch + p->n, .size = scratch + 2*p->n };
+    pool_blocks(p, theta, weight, &b);
+    pool_round_the_turn(&b);
+    for (size_t k = 0, i = 0; k < b.n; k++)
+        for (double q = 0; q < b.size[k]; q++)
+            theta[i++] = p->sense*b.mean[k];
+}
+
+bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
+{
+    if (p->timing != LW_TIMING_FREE || p->n < 2)
         return false;
-    return (k > 0 && w->phase[k] == w->phase[k - 1])
-        || (k + 1 < p->n && w->phase[k] == w->phase[k + 1]);
+    return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
+                        : w->phase[k] == p->sense*(p->sense*w->phase[0] + 2*LW_PI);
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two
@@ -189,7 +220,7 @@ static void propose(const lw_problem *p, lw_work *w, bool have_old)
         double moved = w->phase[k] - old[k];
         if (have_old && fabs(moved) > 1e-13) {
             double secant = (slope - slope_old[k])/moved;
-            if (secant > 0.2*t2)
+            if (secant > 0.02*t2)
                 bend = secant;
         }
         old[k] = w->phase[k];

@@ -481,46 +481,6 @@ static void station_rows(const lw_problem *p, lw_work *w)
         component_rows(p, w, row, j->jt, j->tt, p->wb, true);
 }
 
-/* Weighted tangent of station k: how its residuals change with its input. Returns its square. */
-double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_ROW_MAX])
-{
-    double s = 0;
-    int row = 0;
-    if (p->task != LW_TASK_FUNCTION) {
-        t[row++] = p->wa[k]*w->jac.tx[k];
-        t[row++] = p->wa[k]*w->jac.ty[k];
-    }
-    if (p->theta)
-        t[row++] = p->wb[k]*w->jac.tt[k];
-    for (int i = 0; i < row; i++)
-        s += t[i]*t[i];
-    return s;
-}
-
-/* Take out of the rows what a change of the station's own input makes up for. */
-static void eliminate_inputs(const lw_problem *p, lw_work *w)
-{
-    size_t ld = w->ld, nv = (size_t)p->n_var;
-    double t[LW_ROW_MAX];
-    for (size_t k = 0; k < p->n; k++) {
-        double t2 = lw_problem_tangent(p, w, k, t);
-        w->tie[k] = !(t2 > 1e-16*p->w[k]) || lw_assign_tied(p, w, k);
-        if (w->tie[k])
-            continue;
-        w->slip[k] = 0;
-        for (int i = 0; i < w->n_row; i++)
-            w->slip[k] += t[i]*w->res[(size_t)i*ld + k]/t2;
-        for (size_t d = 0; d < nv; d++) {
-            double s = 0;
-            for (int i = 0; i < w->n_row; i++)
-                s += t[i]*w->row[((size_t)i*nv + d)*ld + k];
-            for (int i = 0; i < w->n_row; i++)
-                w->row[((size_t)i*nv + d)*ld + k] -= t[i]*s/t2;
-            w->slide[d*ld + k] = s/t2;
-        }
-    }
-}
-
 /* Curve samples against the target polygon: distance to the nearest point of it (timing none). */
 static void sample_residuals(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
 {
@@ -548,7 +508,7 @@ double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool de
     if (derivatives) {
         station_rows(p, w);
         if (p->timing != LW_TIMING_PRESCRIBED)
-            eliminate_inputs(p, w);
+            lw_problem_eliminate(p, w);
     }
     if (p->timing == LW_TIMING_NONE)
         sample_residuals(p, x, w, derivatives);

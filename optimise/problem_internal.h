@@ -19,7 +19,7 @@ typedef struct lw_work {
     double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
     double *res;                 /* residuals, res[k*ld + lane]                                    */
     int     n_row;               /* residuals a lane                                               */
-    bool   *tie;                 /* station whose input is not eliminated                          */
+    bool   *tie;                 /* station whose input moves nothing: not eliminated              */
     double *slide, *slip;        /* eliminated: change of input = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
@@ -88,13 +88,17 @@ bool lw_assign(const lw_problem *p, const double *x, lw_work *w);
  * jac is that of the inputs left behind. false when the linkage cannot close there. */
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
 
-/* Move inputs to the nearest ones in order (least weighted squares; pool adjacent violators). */
+/* Move inputs to the nearest ones in order, one turn at most from first to last (least weighted squares;
+ * pool adjacent violators, round the turn). */
 void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch);
 
 /* Timing none: nearest points of the target polygon to the curve samples x, y. */
 void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y);
 
-/* Does station k share its input with a neighbour, held there by the order? */
-bool lw_assign_tied(const lw_problem *p, const lw_work *w, size_t k);
+/* Does the order hold station k and the next one (after the last, the first a turn on) at one input? */
+bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k);
+
+/* Rows of derivatives with the inputs of stations eliminated; tie, slip and slide. */
+void lw_problem_eliminate(const lw_problem *p, lw_work *w);
 
 #endif

@@ -1,0 +1,80 @@
+/* optimise/eliminate.c - the inputs of free stations taken out of the derivatives: of the rows is kept what
+ * no change of the stations' own inputs can make up for (variable projection, Kaufman 1975).  Stations
+ * that the order holds at one input have one input to give, and are taken together. */
+#include <string.h>
+
+#include "optimise/problem_internal.h"
+
+double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_ROW_MAX])
+{
+    double s = 0;
+    int row = 0;
+    if (p->task != LW_TASK_FUNCTION) {
+        t[row++] = p->wa[k]*w->jac.tx[k];
+        t[row++] = p->wa[k]*w->jac.ty[k];
+    }
+    if (p->theta)
+        t[row++] = p->wb[k]*w->jac.tt[k];
+    for (int i = 0; i < row; i++)
+        s += t[i]*t[i];
+    return s;
+}
+
+/* Products of a block's tangent with each column of its rows, and with its residuals. */
+static void project(const lw_problem *p, const lw_work *w, size_t first, size_t count, double *by,
+                    double *slip)
+{
+    size_t ld = w->ld, nv = (size_t)p->n_var;
+    double t[LW_ROW_MAX];
+    memset(by, 0, sizeof *by*nv);
+    for (size_t q = 0; q < count; q++) {
+        size_t k = (first + q) % p->n;
+        lw_problem_tangent(p, w, k, t);
+        for (int i = 0; i < w->n_row; i++) {
+            *slip += t[i]*w->res[(size_t)i*ld + k];
+            for (size_t d = 0; d < nv; d++)
+                by[d] += t[i]*w->row[((size_t)i*nv + d)*ld + k];
+        }
+    }
+}
+
+static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_t count)
+{
+    size_t ld = w->ld, nv = (size_t)p->n_var;
+    double t[LW_ROW_MAX], t2 = 0, mass = 0, by[LW_VAR_MAX], slip = 0;
+    for (size_t q = 0; q < count; q++) {
+        size_t k = (first + q) % p->n;
+        t2 += lw_problem_tangent(p, w, k, t);
+        mass += p->w[k];
+    }
+    bool still = !(t2 > 1e-16*mass);                     /* its input moves nothing               */
+    if (!still)
+        project(p, w, first, count, by, &slip);
+    for (size_t q = 0; q < count; q++) {
+        size_t k = (first + q) % p->n;
+        w->tie[k] = still;
+        if (still)
+            continue;
+        lw_problem_tangent(p, w, k, t);
+        w->slip[k] = slip/t2;
+        for (size_t d = 0; d < nv; d++) {
+            w->slide[d*ld + k] = by[d]/t2;
+            for (int i = 0; i < w->n_row; i++)
+                w->row[((size_t)i*nv + d)*ld + k] -= t[i]*by[d]/t2;
+        }
+    }
+}
+
+void lw_problem_eliminate(const lw_problem *p, lw_work *w)
+{
+    size_t n = p->n, start = 0, count;
+    while (start < n && lw_assign_joined(p, w, (n - start - 1) % n))
+        start++;                                         /* back to where a block begins          */
+    for (size_t done = 0; done < n; done += count) {
+        size_t first = (n - start % n + done) % n;
+        count = 1;
+        while (done + count < n && lw_assign_joined(p, w, (first + count - 1) % n))
+            count++;
+        eliminate_block(p, w, first, count);
+    }
+}

@@ -1,0 +1,367 @@
+/* Which input belongs to which station: the dynamic programme against all rising sequences, foot points
+ * against a dense look at the curve, order by the min-max formula of isotonic regression. */
+#include "tests/fit_problem.h"
+
+enum { M = LW_CURVE_SAMPLES };
+
+/* A four-bar, and stations scattered about its curve. */
+static void scatter(size_t n, lw_timing timing, double shake, int sense, lw_rng *rng, lw_problem *p, double *x)
+{
+    member m;
+    stations st;
+    lw_target t;
+    lw_error e;
+    lw_fit_spec spec = lw_fit_spec_default();
+    spec.timing = timing;
+    draw_member("crank-rocker", 1, false, rng, &m);
+    trace_member(&m, n, &st);
+    shake_stations(&st, shake, rng);
+    target_of(&st, &spec, &t);
+    CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, sense, p, &e), LW_OK);
+    variables_of(p, &m, x);
+    lw_target_free(&t);
+}
+
+/* ---- order -------------------------------------------------------------------------------------- */
+
+/* The nearest rising sequence at place i:  max over a <= i of min over b >= i of the mean of a .. b. */
+static double isotonic(size_t n, const double *v, const double *w, size_t i)
+{
+    double most = -INFINITY;
+    for (size_t a = 0; a <= i; a++) {
+        double sum = 0, mass = 0, least = INFINITY;
+        for (size_t b = a; b < n; b++) {
+            sum += w[b]*v[b];
+            mass += w[b];
+            if (b >= i)
+                least = fmin(least, sum/mass);
+        }
+        most = fmax(most, least);
+    }
+    return most;
+}
+
+static void order_is_isotonic_regression(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 400; trial++) {
+        enum { MOST = 9 };
+        double v[MOST], w[MOST], got[MOST], scratch[3*MOST];
+        lw_problem p = { .n = 1 + (size_t)trial % MOST, .sense = trial % 2 ? 1 : -1 };
+        for (size_t i = 0; i < p.n; i++) {
+            v[i] = trial % 3 ? lw_rng_range(&rng, -3, 3) : (int)lw_rng_range(&rng, -2, 3);
+            w[i] = trial % 5 ? lw_rng_range(&rng, 0.1, 3) : 1;
+            got[i] = p.sense*v[i];
+        }
+        lw_assign_order(&p, got, w, scratch);
+        for (size_t i = 0; i < p.n; i++) {
+            CHECK_NEAR(p.sense*got[i], isotonic(p.n, v, w, i), 1e-13, 1e-13);
+            CHECK(i == 0 || p.sense*got[i] >= p.sense*got[i - 1]);
+        }
+    }
+}
+
+/* With the last at most a turn after the first: no point near by that keeps the order is nearer, and none
+ * of many further ones (the problem is convex). */
+static void order_goes_round_at_most_once(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 8);
+    int over = 0;
+    for (int trial = 0; trial < 300; trial++) {
+        enum { MOST = 6 };
+        double v[MOST], w[MOST], got[MOST], scratch[3*MOST], f = 0;
+        lw_problem p = { .n = 2 + (size_t)trial % (MOST - 1), .sense = trial % 2 ? 1 : -1 };
+        for (size_t i = 0; i < p.n; i++) {
+            v[i] = 1.5*(double)i + 3*lw_rng_normal(&rng);
+            w[i] = lw_rng_range(&rng, 0.1, 3);
+            got[i] = p.sense*v[i];
+        }
+        lw_assign_order(&p, got, w, scratch);
+        for (size_t i = 0; i < p.n; i++) {
+            got[i] *= p.sense;
+            CHECK(i == 0 || got[i] >= got[i - 1]);
+            f += w[i]*pow(got[i] - v[i], 2);
+        }
+        CHECK(got[p.n - 1] - got[0] <= 2*LW_PI + 1e-14);
+        over += got[p.n - 1] - got[0] >= 2*LW_PI;
+        for (int other = 0; other < 2000; other++) {
+            double step = pow(10, lw_rng_range(&rng, -4, 0.5)), g = 0, at = -INFINITY, first = 0;
+            bool one_turn = true;
+            for (size_t i = 0; i < p.n; i++) {
+                double to = fmax(at, got[i] + (lw_rng_uniform(&rng) < 0.5 ? 0 : step*lw_rng_normal(&rng)));
+                first = i ? first : to;
+                at = to;
+                one_turn &= at <= first + 2*LW_PI;
+                g += w[i]*pow(at - v[i], 2);
+            }
+            CHECK(!one_turn || g >= f - 1e-12*f);
+        }
+    }
+    CHECK(over > 50);
+}
+
+static void order_leaves_what_is_in_order(void)
+{
+    double v[5] = { -3, -1, -1, 0.5, 3 }, w[5] = { 1, 2, 3, 4, 5 }, got[5], scratch[15];
+    lw_problem p = { .n = 5, .sense = 1 };
+    memcpy(got, v, sizeof v);
+    lw_assign_order(&p, got, w, scratch);
+    CHECK(memcmp(got, v, sizeof v) == 0);
+}
+
+/* ---- the dynamic programme ------------------------------------------------------------------------- */
+
+/* Cheapest rising sequence of at most a turn from sample `first`, by trying all. */
+static double all_sequences(const lw_problem *p, const lw_work *w, int first, size_t i, int from)
+{
+    double least = INFINITY;
+    for (int k = from; k <= (i ? M : 0); k++) {
+        int j = (first + (p->sense > 0 ? k : M*M - k)) % M;
+        double rest = i + 1 < p->n ? all_sequences(p, w, first, i + 1, k) : 0;
+        least = fmin(least, w->cost[i*M + (size_t)j] + rest);
+    }
+    return least;
+}
+
+/* Costs from scratch: squared distances to the samples. */
+static void check_costs(const lw_problem *p, const lw_work *w)
+{
+    for (size_t i = 0; i < p->n; i++)
+        for (int j = 0; j < M; j++) {
+            double dx = w->curve_x[j] - p->x[i], dy = w->curve_y[j] - p->y[i];
+            CHECK_NEAR(w->cost[i*M + (size_t)j], p->w[i]*(dx*dx + dy*dy), 1e-15, 1e-13);
+        }
+}
+
+static void programme_finds_the_cheapest_sequence(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 60; trial++) {
+        lw_problem p;
+        double x[LW_VAR_MAX], cheapest = INFINITY, over_all = INFINITY, got = INFINITY;
+        scatter(3, LW_TIMING_FREE, 0.6, trial % 2 ? 1 : -1, &rng, &p, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_assign(&p, x, w));
+        check_costs(&p, w);
+        const short *steps = w->order + p.n;
+        for (int first = 0; first < M; first++) {
+            const double *c = w->cost;
+            double all = all_sequences(&p, w, first, 0, 0), mine = 0;
+            over_all = fmin(over_all, all);
+            if (c[first] > c[(first + 1) % M] || c[first] > c[(first + M - 1) % M])
+                continue;                                /* it starts where station 0 is nearest    */
+            for (size_t i = 0; i < p.n; i++)
+                mine += w->cost[i*M + (size_t)((first + p.sense*steps[i] + M) % M)];
+            cheapest = fmin(cheapest, all);
+            got = fmin(got, mine);
+        }
+        CHECK_NEAR(got, cheapest, 0, 1e-13);
+        CHECK(over_all <= got*(1 + 1e-13));
+        free(w);
+        lw_problem_free(&p);
+    }
+}
+
+/* ---- foot points ------------------------------------------------------------------------------------ */
+
+/* Squared distance of station i to the curve at a phase, by a single pose. */
+static double distance2(const lw_problem *p, const double *x, size_t i, double phase)
+{
+    lw_pose pose;
+    lw_pose_solve(&p->plan, x, p->mode, phase, 0, &pose);
+    return p->w[i]*(pow(pose.tracer[0][0].x - p->x[i], 2) + pow(pose.tracer[0][0].y - p->y[i], 2));
+}
+
+/* Of each block of stations with one phase (round the turn, too) the sum is least there, among near ones. */
+static void check_blocks(const lw_problem *p, const double *x, const lw_work *w)
+{
+    for (size_t a = 0, count; a < p->n; a += count) {
+        count = 1;
+        while (a + count < p->n && lw_assign_joined(p, w, a + count - 1))
+            count++;
+        size_t before = 0;                               /* stations behind the turn               */
+        while (a == 0 && before < p->n && lw_assign_joined(p, w, p->n - 1 - before))
+            before++;
+        if (a > 0 && a + count == p->n && lw_assign_joined(p, w, p->n - 1))
+            return;                                      /* seen with station 0                    */
+        double here = 0, least = INFINITY;
+        for (int k = 0; k <= 40; k++) {
+            double sum = 0, by = k == 0 ? 0 : 1e-4*(k - 20);
+            for (size_t i = 0; i < count + before; i++)
+                sum += distance2(p, x, (a + i + p->n - before) % p->n, w->phase[a] + by);
+            here = k == 0 ? sum : here;
+            least = fmin(least, sum);
+        }
+        CHECK(here <= least + 1e-13);
+    }
+}
+
+static void refined_stations_stand_at_their_feet(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    for (int trial = 0; trial < 120; trial++) {
+        lw_problem p;
+        double x[LW_VAR_MAX];
+        lw_timing timing = trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE;
+        scatter(10, timing, trial % 3 ? 0.05 : 0.3, trial % 4 < 2 ? 1 : -1, &rng, &p, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_problem_settle(&p, x, w));
+        check_blocks(&p, x, w);
+        for (size_t i = 0; timing == LW_TIMING_FREE && i + 1 < p.n; i++)
+            CHECK(p.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
+        CHECK(timing == LW_TIMING_NONE || p.sense*(w->phase[p.n - 1] - w->phase[0]) <= 2*LW_PI + 1e-9);
+        free(w);
+        lw_problem_free(&p);
+    }
+}
+
+/* Where the order does not matter a station is as near as at any sample, and but for stations between two
+ * far branches as near as anywhere. */
+static void nearest_points_are_the_nearest(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 4);
+    int elsewhere = 0;
+    for (int trial = 0; trial < 30; trial++) {
+        lw_problem p;
+        double x[LW_VAR_MAX];
+        scatter(10, LW_TIMING_NONE, 0.05, 1, &rng, &p, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_problem_settle(&p, x, w));
+        for (size_t i = 0; i < p.n; i++) {
+            double least = INFINITY;
+            for (int k = 0; k < 4000; k++)
+                least = fmin(least, distance2(&p, x, i, 2*LW_PI*k/4000));
+            elsewhere += distance2(&p, x, i, w->phase[i]) > least + 1e-12;
+            for (int j = 0; j < M; j++)
+                CHECK(distance2(&p, x, i, w->phase[i]) <= distance2(&p, x, i, w->turn[j]) + 1e-12);
+        }
+        free(w);
+        lw_problem_free(&p);
+    }
+    CHECK(elsewhere <= 6);                               /* of 300 */
+}
+
+/* Stations of the linkage itself go home, in either sense; those given twice share their input. */
+static void own_stations_go_home(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 5);
+    for (int trial = 0; trial < 60; trial++) {
+        member m;
+        stations st, twice;
+        lw_target t;
+        lw_problem p;
+        lw_error e;
+        double x[LW_VAR_MAX];
+        lw_fit_spec spec = lw_fit_spec_default();
+        int sense = trial % 2 ? 1 : -1;
+        draw_member(trial % 3 ? "crank-rocker" : "slider-crank", 1, false, &rng, &m);
+        trace_member(&m, 8, &st);
+        twice.n = 16;
+        twice.closed = true;
+        for (size_t i = 0; i < 16; i++) {
+            size_t from = sense > 0 ? i/2 : 7 - i/2;
+            twice.x[i] = st.x[from];
+            twice.y[i] = st.y[from];
+        }
+        target_of(&twice, &spec, &t);
+        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, sense, &p, &e), LW_OK);
+        variables_of(&p, &m, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_problem_value(&p, x, NULL, w) < 1e-24);
+        for (size_t i = 0; i < 16; i++) {
+            double home = st.input[sense > 0 ? i/2 : 7 - i/2];
+            CHECK_NEAR(remainder(w->phase[i] - home, 2*LW_PI), 0, 1e-9, 0);
+        }
+        free(w);
+        lw_problem_free(&p);
+        lw_target_free(&t);
+    }
+}
+
+/* ---- curve to target ----------------------------------------------------------------------------------- */
+
+static void feet_on_the_polygon_are_the_nearest(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 6);
+    for (int trial = 0; trial < 20; trial++) {
+        lw_problem p;
+        double x[LW_VAR_MAX];
+        scatter(7, LW_TIMING_NONE, 0.1, 1, &rng, &p, x);
+        lw_work *w = new_work(&p);
+        CHECK(lw_problem_settle(&p, x, w));
+        for (int j = 0; j < M; j++) {
+            double sx = w->jac.x[p.n + (size_t)j], sy = w->jac.y[p.n + (size_t)j], least = INFINITY;
+            lw_assign_samples(&p, w, w->jac.x + p.n, w->jac.y + p.n);
+            for (size_t i = 0; i < p.n; i++)
+                for (int q = 0; q <= 400; q++) {
+                    size_t k = (i + 1) % p.n;
+                    double u = q/400.0;
+                    least = fmin(least, hypot(sx - p.x[i] - u*(p.x[k] - p.x[i]), sy - p.y[i] - u*(p.y[k] - p.y[i])));
+                }
+            CHECK_NEAR(hypot(sx - w->foot_x[j], sy - w->foot_y[j]), least, 1e-2, 0);
+            CHECK(hypot(sx - w->foot_x[j], sy - w->foot_y[j]) <= least + 1e-14);
+        }
+        free(w);
+        lw_problem_free(&p);
+    }
+}
+
+/* An open target: samples between the first and the last station count, the others do not. */
+static void only_the_covered_piece_counts(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 7);
+    for (int trial = 0; trial < 30; trial++) {
+        member m;
+        stations st;
+        lw_target t;
+        lw_problem p;
+        lw_error e;
+        double x[LW_VAR_MAX];
+        lw_fit_spec spec = lw_fit_spec_default();
+        draw_member("crank-rocker", 1, false, &rng, &m);
+        m.first = lw_rng_range(&rng, -3, 3);
+        m.last = m.first + lw_rng_range(&rng, 1, 5);
+        trace_member(&m, 12, &st);                       /* the last a step before m.last            */
+        st.closed = false;
+        spec.timing = LW_TIMING_NONE;
+        target_of(&st, &spec, &t);
+        CHECK_INT(lw_problem_make(&t, &spec, m.family, 1, 1, &p, &e), LW_OK);
+        variables_of(&p, &m, x);
+        lw_work *w = new_work(&p);
+        lw_problem_value(&p, x, NULL, w);
+        bool home = true;                                /* no end at a crossing of the curve       */
+        for (size_t i = 0; i < 12; i += 11)
+            home &= fabs(remainder(w->phase[i] - st.input[i], 2*LW_PI)) < 1e-6;
+        for (int j = 0; home && j < M; j++) {
+            double at = remainder(w->turn[j] - st.input[0], 2*LW_PI), span = st.input[11] - st.input[0];
+            at += at < 0 ? 2*LW_PI : 0;
+            bool counts = w->foot_x[j] != w->jac.x[p.n + (size_t)j] || w->foot_y[j] != w->jac.y[p.n + (size_t)j];
+            CHECK_INT(counts, at <= span);
+        }
+        free(w);
+        lw_problem_free(&p);
+        lw_target_free(&t);
+    }
+}
+
+int main(void)
+{
+    RUN(order_is_isotonic_regression);
+    RUN(order_goes_round_at_most_once);
+    RUN(order_leaves_what_is_in_order);
+    RUN(programme_finds_the_cheapest_sequence);
+    RUN(refined_stations_stand_at_their_feet);
+    RUN(nearest_points_are_the_nearest);
+    RUN(own_stations_go_home);
+    RUN(feet_on_the_polygon_are_the_nearest);
+    RUN(only_the_covered_piece_counts);
+    return check_end();
+}
