@@ -29,7 +29,7 @@ static run start(const lw_plan *plan, size_t n, void *work)
     return k;
 }
 
-/* Origin and x axis of the ground frame, which steps read as registers. */
+/* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
 static void set_ground(const run *k, int which)
 {
     size_t n = k->plan->output_short[which].is_short ? 0 : k->nb;
@@ -38,6 +38,7 @@ static void set_ground(const run *k, int which)
         ox[i] = oy[i] = uy[i] = 0;
         ux[i] = 1;
     }
+    memset(k->spare, 0, 3*n*sizeof(double));
 }
 
 /* Points of a short plan with one set of dimensions need no rows of their own: all lanes are one block.
@@ -83,28 +84,42 @@ static int set_numbers(run *k, const lw_lanes *in, size_t first)
     return per_lane;
 }
 
-/* Cosine and sine of the first n_angle angles among the dimensions; those far beyond a turn by the
- * library.  theta0 is the last. */
+/* Cosine and sine of n angles; those far beyond a turn by the library. */
+static void turns(const double *angle, size_t n, double *restrict c, double *restrict s)
+{
+    int far = 0;
+    LW_LANES(n) {
+        lw_vec2 u = lw_sincos(angle[i]);
+        far |= !(fabs(angle[i]) < LW_SINCOS_MAX);
+        c[i] = u.x;
+        s[i] = u.y;
+    }
+    for (size_t i = 0; far && i < n; i++)
+        if (!(fabs(angle[i]) < LW_SINCOS_MAX)) {
+            c[i] = cos(angle[i]);
+            s[i] = sin(angle[i]);
+        }
+}
+
+static lw_vec2 turn(double angle)
+{
+    return fabs(angle) < LW_SINCOS_MAX ? lw_sincos(angle) : lw_v2(cos(angle), sin(angle));
+}
+
+/* Those of the first n_angle angles among the dimensions; theta0 is the last. */
 static void set_turns(run *k, int n_angle, int per_lane, size_t n)
 {
     k->turn_row = per_lane ? k->nb : 1;
-    if (!per_lane)
-        n = 1;
     for (int a = 0; a < n_angle; a++) {
         const double *angle = dim_of(k, k->plan->angle[a]);
-        double *restrict c = k->turn + 2*(size_t)a*k->turn_row, *restrict s = c + k->turn_row;
-        int far = 0;
-        LW_LANES(n) {
-            lw_vec2 u = lw_sincos(angle[i]);
-            far |= !(fabs(angle[i]) < LW_SINCOS_MAX);
-            c[i] = u.x;
-            s[i] = u.y;
+        double *c = k->turn + 2*(size_t)a*k->turn_row;
+        if (per_lane) {
+            turns(angle, n, c, c + k->turn_row);
+            continue;
         }
-        for (size_t i = 0; far && i < n; i++)
-            if (!(fabs(angle[i]) < LW_SINCOS_MAX)) {
-                c[i] = cos(angle[i]);
-                s[i] = sin(angle[i]);
-            }
+        lw_vec2 u = turn(*angle);
+        c[0] = u.x;
+        c[1] = u.y;
     }
 }
 
@@ -400,25 +415,18 @@ static double total(const double *acc)
     return ((acc[0] + acc[4]) + (acc[2] + acc[6])) + ((acc[1] + acc[5]) + (acc[3] + acc[7]));
 }
 
-/* Residuals to seeds: the adjoint of the point in the ground frame; adds up f and the place's share. */
-static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_t n, const target *t, double *acc)
+/* Residuals to seeds: the adjoint of the point in the ground frame, the place's share, and f. */
+LW_INLINE void seed_sum(const run *k, int which, size_t n, const target *t, double *restrict f, const int weighted)
 {
     const lw_plan *p = k->plan;
-    set_numbers(k, in, first);
-    k->c = in->c + first;
-    k->s = in->s ? in->s + first : NULL;
-    forward(k, which, n, 0, WITH_ROOTS);
-    memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
-    memset(k->row, 0, (size_t)p->n_dim*k->nb*sizeof(double));
-    const double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), x0 = in->dim[p->i_x0], y0 = in->dim[p->i_y0];
+    const double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), x0 = k->dim[p->i_x0], y0 = k->dim[p->i_y0];
     const double *px = reg_x(k, p->output_point[which]), *py = reg_y(k, p->output_point[which]);
     const double *tx = t->x, *ty = t->y, *w = t->w;
     double *restrict bx = bar_x(k, p->output_point[which]), *restrict by = bar_y(k, p->output_point[which]);
     double *restrict gx = dim_bar(k, p->i_x0), *restrict gy = dim_bar(k, p->i_y0), *restrict gt = dim_bar(k, p->i_theta0);
-    double *restrict f = k->spare + 2*k->nb;
     LW_LANES(n) {
         lw_vec2 q = lw_v2_turn(lw_v2(px[i], py[i]), lw_v2(c, s));
-        double ex = q.x + x0 - tx[i], ey = q.y + y0 - ty[i], hx = w ? w[i]*ex : ex, hy = w ? w[i]*ey : ey;
+        double ex = q.x + x0 - tx[i], ey = q.y + y0 - ty[i], hx = weighted ? w[i]*ex : ex, hy = weighted ? w[i]*ey : ey;
         f[i] = ex*hx + ey*hy;
         gx[i] = 2*hx;
         gy[i] = 2*hy;
@@ -426,7 +434,23 @@ static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_
         bx[i] = 2*(c*hx + s*hy);
         by[i] = 2*(c*hy - s*hx);
     }
-    backward(k, which, n, k->spare + k->nb);
+}
+
+static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_t n, const target *t, double *acc)
+{
+    const lw_plan *p = k->plan;
+    double *scrap = k->spare + k->nb, *f = scrap + k->nb;
+    set_numbers(k, in, first);
+    k->c = in->c + first;
+    k->s = in->s ? in->s + first : NULL;
+    forward(k, which, n, 0, WITH_ROOTS);
+    memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
+    memset(k->row, 0, (size_t)p->n_dim*k->nb*sizeof(double));
+    if (t->w)
+        seed_sum(k, which, n, t, f, 1);
+    else
+        seed_sum(k, which, n, t, f, 0);
+    backward(k, which, n, scrap);
     for (int d = 0; d < p->n_dim; d++)
         accumulate(acc + d*LW_GROUP, dim_bar(k, d), n);
     accumulate(acc + p->n_dim*LW_GROUP, f, n);

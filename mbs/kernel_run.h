@@ -7,12 +7,14 @@
 #include "mbs/kernels.h"
 #include "mbs/sincos.h"
 
-/* Lanes do not depend on each other: nothing a lane writes is read by another. */
+/* Whole groups of lanes, which spares the compiler the loop's rest.  Lanes do not depend on each other:
+ * nothing a lane writes is read by another. */
 #if defined(__clang__)
-#define LW_LANES(n) _Pragma("clang loop vectorize(assume_safety)") for (size_t i = 0; i < (n); i++)
+#define LW_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
-#define LW_LANES(n) _Pragma("GCC ivdep") for (size_t i = 0; i < (n); i++)
+#define LW_INDEPENDENT _Pragma("GCC ivdep")
 #endif
+#define LW_LANES(n) LW_INDEPENDENT for (size_t i = 0, end = (n)/LW_GROUP*LW_GROUP; i < end; i++)
 
 /* A block of lanes.  Rows are nb doubles long; dimension d of lane i is dim[d*dim_row + i], or dim[d] when
  * the lanes share one set (then dim_row is 1). */

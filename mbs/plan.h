@@ -37,6 +37,8 @@
  *     cx cy    the first tracer in the frame of its link (cx2 cy2 the next)  coordinate
  *     x0 y0    place of the ground frame                                     coordinate
  *     theta0   its angle                                                     angle
+ * None is redundant, with one exception: on a link that never turns (coupler of RRPP, PPRR) cx, cy only
+ * add to x0, y0, but a linkage cannot be drawn without them.
  */
 #ifndef LW_MBS_PLAN_H
 #define LW_MBS_PLAN_H

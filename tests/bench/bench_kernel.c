@@ -2,7 +2,8 @@
  * same flags for the same instruction set and timed in the same run.
  *
  * CSV: what, lanes, ns a point, the same by hand (empty where there is no hand-written loop), their
- * ratio, instruction set.  Each figure is the median of RUNS batches of about two milliseconds. */
+ * ratio, instruction set.  Each figure is the median of RUNS batches of about two milliseconds of
+ * processor time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,9 +113,10 @@ static void ours_sum(bench *b)
 
 static void jacobian(bench *b, int angle)
 {
-    size_t size = (size_t)b->plan.n_dim*b->n;
+    size_t ld = b->n + 8, size = (size_t)b->plan.n_dim*ld;         /* rows off the same cache set */
+    double *t = b->jac + 3*size;
     lw_jacobian j = { b->x, b->y, b->u, b->v, b->margin, b->jac, b->jac + size, angle ? b->jac + 2*size : NULL,
-                      b->jac + 3*size, b->jac + 3*size + b->n, angle ? b->jac + 3*size + 2*b->n : NULL, b->n };
+                      t, t + ld, angle ? t + 2*ld : NULL, ld };
     lw_batch_jacobian(&b->plan, &b->in, 0, b->work, &j);
 }
 static void ours_jacobian(bench *b) { jacobian(b, 0); }
@@ -128,6 +130,10 @@ static void hand_jansen(bench *b) { BY_HAND(isa_of(b), jansen_angles, b->n, b->c
 static void hand_frame(bench *b)
 {
     BY_HAND(isa_of(b), fourbar_candidates, b->n, b->c, b->s, b->dim, STRIDE, b->mode, b->x, b->y, b->u, b->v);
+}
+static void hand_places(bench *b)
+{
+    BY_HAND(isa_of(b), fourbar_places, b->n, b->c, b->s, b->dim, STRIDE, b->mode, b->x, b->y);
 }
 static void hand_sum(bench *b)
 {
@@ -235,14 +241,17 @@ static void over_candidates(bench *b, size_t n)
     b->in = (lw_lanes){ n, b->c, b->s, b->dim, STRIDE, b->mode, STRIDE };
 }
 
-static void small(bench *b, const char *type)
+/* What a local solver asks for: few lanes, so that the cost of a call counts. */
+static void few_lanes(bench *b, const char *type)
 {
-    static const size_t n[] = { 5, 8, 18, 60 };
+    static const size_t n[] = { 5, 18, 60, 512 };
     char what[64];
     for (size_t i = 0; i < sizeof n/sizeof *n; i++) {
         over_angles(b, n[i]);
         snprintf(what, sizeof what, "%s jacobian", type);
         report(b, what, ours_jacobian, NULL);
+        snprintf(what, sizeof what, "%s jacobian with angle", type);
+        report(b, what, ours_jacobian_angle, NULL);
         snprintf(what, sizeof what, "%s sum+gradient", type);
         report(b, what, ours_sum, NULL);
     }
@@ -258,26 +267,25 @@ static void run_all(bench *b)
     report(b, "fourbar points over angles", ours_point, hand_fourbar);
     report(b, "fourbar points and margins", ours_margin, hand_fourbar);
     report(b, "fourbar sum+gradient by nine", ours_sum, hand_sum);
-    report(b, "fourbar jacobian", ours_jacobian, NULL);
-    report(b, "fourbar jacobian with angle", ours_jacobian_angle, NULL);
     over_candidates(b, LANES);
     report(b, "fourbar frames over candidates", ours_frame, hand_frame);
-    report(b, "fourbar points over candidates", ours_point, NULL);
-    small(b, "fourbar");
+    report(b, "fourbar points over candidates", ours_point, hand_places);
+    few_lanes(b, "fourbar");
     set_type(b, "slidercrank", slidercrank);
     over_angles(b, LANES);
     report(b, "slidercrank points over angles", ours_point, hand_slidercrank);
     report(b, "slidercrank sum+gradient by eight", ours_sum, NULL);
-    small(b, "slidercrank");
+    few_lanes(b, "slidercrank");
     set_type(b, "inverted", inverted);
     over_angles(b, LANES);
     report(b, "inverted points over angles", ours_point, hand_inverted);
     report(b, "inverted sum+gradient by eight", ours_sum, NULL);
-    small(b, "inverted");
+    few_lanes(b, "inverted");
     set_jansen(b);
     over_angles(b, LANES);
     report(b, "jansen foot over angles", ours_point, hand_jansen);
-    report(b, "jansen sum+gradient", ours_sum, NULL);
+    report(b, "jansen sum+gradient by seventeen", ours_sum, NULL);
+    few_lanes(b, "jansen");
 }
 
 int main(int argc, char **argv)
@@ -287,7 +295,7 @@ int main(int argc, char **argv)
     b.x = doubles(LANES); b.y = doubles(LANES); b.u = doubles(LANES); b.v = doubles(LANES); b.margin = doubles(LANES);
     b.tx = doubles(LANES); b.ty = doubles(LANES);
     b.dim = doubles((size_t)LW_DIM_MAX*STRIDE);
-    b.jac = doubles((size_t)(3*LW_DIM_MAX + 3)*LANES);
+    b.jac = doubles((size_t)(3*LW_DIM_MAX + 3)*STRIDE);
     b.work = doubles(1 << 20);
     printf("what,lanes,ns,hand_ns,ratio,isa\n");
     for (int i = 0; lw_kernels_supported(i); i++) {

@@ -34,6 +34,24 @@ TARGET static void HAND(fourbar_candidates)(size_t n, const double *restrict c, 
     }
 }
 
+/* Candidates with everything of their own, place and turn too; the library's cosine and sine. */
+TARGET static void HAND(fourbar_places)(size_t n, const double *restrict c, const double *restrict s,
+                                        const double *restrict g, size_t ld, const double *restrict mode,
+                                        double *restrict x, double *restrict y)
+{
+    const double *restrict r1 = g, *restrict r2 = g + ld, *restrict r3 = g + 2*ld, *restrict r4 = g + 3*ld;
+    const double *restrict cx = g + 4*ld, *restrict cy = g + 5*ld, *restrict x0 = g + 6*ld, *restrict y0 = g + 7*ld;
+    for (size_t i = 0; i < n; i++) {
+        double ax = r2[i]*c[i], ay = r2[i]*s[i], dx = r1[i] - ax, dy = -ay, d2 = dx*dx + dy*dy;
+        double sum = r3[i] + r4[i], dif = r3[i] - r4[i];
+        double h = (sum*sum - d2)*(d2 - dif*dif), p = d2 + sum*dif, q = mode[i]*sqrt(h > 0 ? h : 0), t = 0.5/(d2*r3[i]);
+        double u = (dx*p - dy*q)*t, v = (dx*q + dy*p)*t;
+        double px = ax + cx[i]*u - cy[i]*v, py = ay + cx[i]*v + cy[i]*u, ct = cos(g[8*ld + i]), st = sin(g[8*ld + i]);
+        x[i] = x0[i] + ct*px - st*py;
+        y[i] = y0[i] + st*px + ct*py;
+    }
+}
+
 TARGET static void HAND(slidercrank_angles)(size_t n, const double *restrict c, const double *restrict s, const double *g,
                                             double mode, double *restrict x, double *restrict y)
 {
