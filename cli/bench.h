@@ -5,6 +5,7 @@
 
 #include "cli/output.h"
 #include "optimise/fit.h"
+#include "optimise/report.h"
 
 #define CLI_PUBLISHED_MAX 6
 #define CLI_WITHIN 1.01                  /* reached: within 1 % of the figure                       */
@@ -44,6 +45,8 @@ typedef struct cli_bench_curve {
     size_t           n, size;
     cli_bench_point *point;              /* (n), owned; error falls                                 */
     bool             incomplete;         /* memory ran out                                          */
+    double           verified;           /* default strategy: the least error of its linkages as simulated
+                                          * again by independent code; INFINITY: none               */
 } cli_bench_curve;
 
 double cli_bench_error(const cli_bench_curve *c);              /* the last one; INFINITY if none    */
@@ -60,7 +63,8 @@ lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, doubl
 typedef struct cli_bench_reach {
     uint64_t seed;
     bool     reached;
-    double   seconds, error;             /* until it was reached, else the whole run; at its end   */
+    double   seconds, error;             /* until it was reached, else until nothing got better; at
+                                          * its end, INFINITY when it could not be verified         */
     long     evals;
 } cli_bench_reach;
 

@@ -228,7 +228,7 @@ static range range_of(const cli_bench *b, const cli_bench_problem *p)
 static size_t thin(const cli_bench_curve *c, range r, double until, double *x, double *y)
 {
     size_t n = 0;
-    double least_step = pow(10, -r.decades/50), last = INFINITY;
+    double least_step = pow(10, -r.decades/30), last = INFINITY;
     for (size_t i = 0; i < c->n; i++) {
         double error = fmin(c->point[i].error, r.top);
         if (error > least_step*last && i + 1 < c->n)

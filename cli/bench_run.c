@@ -74,6 +74,19 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
     r->stop |= cli_interrupted();
 }
 
+/* The least error of what was found, simulated again from its file. */
+static double verified_error(const cli_bench_problem *p, const lw_fit *fit)
+{
+    double least = INFINITY;
+    lw_report *report = malloc(sizeof *report);
+    for (int i = 0; i < fit->n && report; i++)
+        if (lw_report_make(&p->target, &p->spec, &fit->candidate[i], report, NULL) == LW_OK
+            && report->verified)
+            least = fmin(least, report->verified_objective);
+    free(report);
+    return least;
+}
+
 static lw_status run_default(double seconds, int jobs, recorder *r, lw_error *e)
 {
     const cli_bench_problem *p = r->curve->problem;
@@ -83,13 +96,14 @@ static lw_status run_default(double seconds, int jobs, recorder *r, lw_error *e)
     o.seed = r->curve->seed;
     o.jobs = jobs;
     o.max_seconds = seconds;
-    o.n_result = 1;
+    o.n_result = 3;
     o.interrupt = &r->stop;
     o.progress = look_for_interrupt;
     o.improved = record;
     o.context = r;
     r->scale = 1;                                    /* it speaks in the user's units already        */
     lw_status st = lw_fit_run(&p->target, &o, &fit, e);
+    r->curve->verified = verified_error(p, &fit);
     lw_fit_free(&fit);
     return st < 0 ? st : LW_OK;
 }

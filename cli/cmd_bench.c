@@ -105,7 +105,7 @@ static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint
     double enough = CLI_WITHIN*p->known->reachable;
     lw_status st = cli_bench_run(NULL, b->limit, b->jobs, enough, &c, e);
     const cli_bench_point *last = c.n ? &c.point[c.n - 1] : NULL;
-    *r = (cli_bench_reach){ .seed = seed, .error = cli_bench_error(&c), .seconds = last ? last->seconds : NAN,
+    *r = (cli_bench_reach){ .seed = seed, .error = c.verified, .seconds = last ? last->seconds : NAN,
                             .evals = last ? last->evals : 0 };
     r->reached = r->error <= enough && r->seconds <= b->limit;
     free(c.point);
