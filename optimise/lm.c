@@ -31,20 +31,24 @@ static void choose_variables(const lw_problem *p, model *q)
             q->var[q->n++] = i;
 }
 
+/* sign step[i] >= b */
+static void bound_row(model *q, int i, double sign, double b)
+{
+    double *a = q->a + q->m*q->n;
+    memset(a, 0, sizeof *a*(size_t)q->n);
+    a[i] = sign;
+    q->b[q->m++] = b;
+}
+
 static void conditions(const lw_problem *p, const double *x, model *q)
 {
     q->m = 0;
-    memset(q->a, 0, sizeof q->a);
     for (int i = 0; i < q->n; i++) {
         int v = q->var[i];
-        if (isfinite(p->lo[v])) {
-            q->a[q->m*q->n + i] = 1;
-            q->b[q->m++] = p->lo[v] - x[v];
-        }
-        if (isfinite(p->hi[v])) {
-            q->a[q->m*q->n + i] = -1;
-            q->b[q->m++] = x[v] - p->hi[v];
-        }
+        if (isfinite(p->lo[v]))
+            bound_row(q, i, 1, p->lo[v] - x[v]);
+        if (isfinite(p->hi[v]))
+            bound_row(q, i, -1, x[v] - p->hi[v]);
     }
     for (int j = 0; j < p->n_linear; j++) {
         double now = 0;
@@ -56,29 +60,28 @@ static void conditions(const lw_problem *p, const double *x, model *q)
     }
 }
 
-/* Sum of products over lanes, ld a multiple of 8; eight sums side by side, always in this order. */
-static double product(const double *a, const double *b, size_t ld)
+/* Sum of products over lanes of all rows, ld a multiple of 8; eight sums side by side, always in this
+ * order.  The next row is a_step and b_step further on. */
+static double product(const lw_work *w, const double *a, size_t a_step, const double *b, size_t b_step)
 {
     double s[8] = { 0 };
-    for (size_t k = 0; k < ld; k += 8)
-        for (int i = 0; i < 8; i++)
-            s[i] += a[k + (size_t)i]*b[k + (size_t)i];
+    for (int r = 0; r < w->n_row; r++, a += a_step, b += b_step)
+        for (size_t k = 0; k < w->ld; k += 8)
+            for (size_t i = 0; i < 8; i++)
+                s[i] += a[k + i]*b[k + i];
     return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
 }
 
 /* J'J and J'r from the rows. */
 static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
 {
-    size_t ld = w->ld, nv = (size_t)p->n_var;
-    memset(q->h, 0, sizeof q->h[0]*(size_t)(q->n*q->n));
-    memset(q->g, 0, sizeof q->g);
-    for (int r = 0; r < w->n_row; r++)
-        for (int i = 0; i < q->n; i++) {
-            const double *a = w->row + ((size_t)r*nv + (size_t)q->var[i])*ld;
-            q->g[i] += product(a, w->res + (size_t)r*ld, ld);
-            for (int j = 0; j <= i; j++)
-                q->h[i*q->n + j] += product(a, w->row + ((size_t)r*nv + (size_t)q->var[j])*ld, ld);
-        }
+    size_t ld = w->ld, step = (size_t)p->n_var*ld;
+    for (int i = 0; i < q->n; i++) {
+        const double *a = w->row + (size_t)q->var[i]*ld;
+        q->g[i] = product(w, a, step, w->res, ld);
+        for (int j = 0; j <= i; j++)
+            q->h[i*q->n + j] = product(w, a, step, w->row + (size_t)q->var[j]*ld, step);
+    }
 }
 
 /* Solve for the damped step; returns the fall of f the model promises, or -1. */

@@ -3,38 +3,39 @@
 #include <math.h>
 #include <string.h>
 
+/* All three work column by column: the operations of one column do not wait for each other. */
 bool lw_qp_cholesky(int n, double *h)
 {
-    for (int i = 0; i < n; i++)
-        for (int k = 0; k <= i; k++) {
-            double s = h[i*n + k];
-            for (int q = 0; q < k; q++)
-                s -= h[i*n + q]*h[k*n + q];
-            if (i > k)
-                h[i*n + k] = s/h[k*n + k];
-            else if (s > 0 && isfinite(s))
-                h[i*n + i] = sqrt(s);
-            else
-                return false;
-        }
+    double column[LW_QP_MAX];
+    for (int k = 0; k < n; k++) {
+        double pivot = h[k*n + k];
+        if (!(pivot > 0 && isfinite(pivot)))
+            return false;
+        h[k*n + k] = sqrt(pivot);
+        for (int i = k + 1; i < n; i++)
+            column[i] = h[i*n + k] /= h[k*n + k];
+        for (int i = k + 1; i < n; i++)
+            for (int q = k + 1; q <= i; q++)
+                h[i*n + q] -= column[i]*column[q];
+    }
     return true;
 }
 
 static void forward(int n, const double *l, double *v)          /* v = L^-1 v */
 {
-    for (int i = 0; i < n; i++) {
-        for (int q = 0; q < i; q++)
+    for (int q = 0; q < n; q++) {
+        v[q] /= l[q*n + q];
+        for (int i = q + 1; i < n; i++)
             v[i] -= l[i*n + q]*v[q];
-        v[i] /= l[i*n + i];
     }
 }
 
 static void backward(int n, const double *l, double *v)         /* v = L^-T v */
 {
-    for (int i = n - 1; i >= 0; i--) {
-        for (int q = i + 1; q < n; q++)
+    for (int q = n - 1; q >= 0; q--) {
+        v[q] /= l[q*n + q];
+        for (int i = 0; i < q; i++)
             v[i] -= l[q*n + i]*v[q];
-        v[i] /= l[i*n + i];
     }
 }
 
@@ -216,7 +217,9 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
 bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b,
                  double *p)
 {
-    active w = { .n = n };
+    active w;                                   /* q and r are filled as far as they are read    */
+    w.n = n;
+    w.count = 0;
     for (int i = 0; i < n; i++)
         p[i] = -g[i];
     forward(n, l, p);
