@@ -263,30 +263,31 @@ bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int step
 
 /* ---- both ways: curve to target ------------------------------------------------------------ */
 
-static double nearest_on_segment(double px, double py, double ax, double ay, double bx, double by,
-                                 double *qx, double *qy)
+/* Nearest points of the target polygon to M points, side after side so that the points vectorise. */
+static void feet_on_target(const lw_problem *p, const double *x, const double *y, double *fx,
+                           double *fy)
 {
-    double dx = bx - ax, dy = by - ay, d2 = dx*dx + dy*dy;
-    double t = d2 > 0 ? ((px - ax)*dx + (py - ay)*dy)/d2 : 0;
-    t = fmax(0, fmin(1, t));
-    *qx = ax + t*dx;
-    *qy = ay + t*dy;
-    return (px - *qx)*(px - *qx) + (py - *qy)*(py - *qy);
-}
-
-static void foot_on_target(const lw_problem *p, double x, double y, double *fx, double *fy)
-{
-    double least = INFINITY, qx, qy;
+    double least[M];
     size_t last = p->closed ? p->n : p->n - 1;
-    *fx = p->x[0];
-    *fy = p->y[0];
+    for (int j = 0; j < M; j++) {
+        fx[j] = p->x[0];
+        fy[j] = p->y[0];
+        least[j] = (x[j] - fx[j])*(x[j] - fx[j]) + (y[j] - fy[j])*(y[j] - fy[j]);
+    }
     for (size_t i = 0; i < last; i++) {
         size_t k = i + 1 < p->n ? i + 1 : 0;
-        double d = nearest_on_segment(x, y, p->x[i], p->y[i], p->x[k], p->y[k], &qx, &qy);
-        if (d < least) {
-            least = d;
-            *fx = qx;
-            *fy = qy;
+        double ax = p->x[i], ay = p->y[i], dx = p->x[k] - ax, dy = p->y[k] - ay;
+        double d2 = dx*dx + dy*dy, ux = d2 > 0 ? dx/d2 : 0, uy = d2 > 0 ? dy/d2 : 0;
+        for (int j = 0; j < M; j++) {
+            double t = (x[j] - ax)*ux + (y[j] - ay)*uy;
+            t = t > 0 ? t : 0;
+            t = t < 1 ? t : 1;
+            double qx = ax + t*dx, qy = ay + t*dy;
+            double d = (x[j] - qx)*(x[j] - qx) + (y[j] - qy)*(y[j] - qy);
+            bool nearer = d < least[j];
+            least[j] = nearer ? d : least[j];
+            fx[j] = nearer ? qx : fx[j];
+            fy[j] = nearer ? qy : fy[j];
         }
     }
 }
@@ -322,11 +323,12 @@ void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const d
     for (size_t i = 0; i < p->n; i++)
         total += p->w[i];
     w->sample_weight = total/M;
+    feet_on_target(p, x, y, w->foot_x, w->foot_y);
     for (int j = 0; j < M; j++) {
         w->phase[p->n + (size_t)j] = w->turn[j];
-        w->foot_x[j] = x[j];
-        w->foot_y[j] = y[j];
-        if (!outside_piece(p, w, j, w->phase[0], span))
-            foot_on_target(p, x[j], y[j], &w->foot_x[j], &w->foot_y[j]);
+        if (outside_piece(p, w, j, w->phase[0], span)) {
+            w->foot_x[j] = x[j];
+            w->foot_y[j] = y[j];
+        }
     }
 }

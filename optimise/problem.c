@@ -306,7 +306,8 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->n_lane = lanes;
     w->ld = ld;
     w->n_row = lw_problem_component_count(p);
-    double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
+    double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->normal_x, &w->normal_y,
+                               &w->by_input, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
                                &w->jac.margin, &w->jac.tx, &w->jac.ty, &w->jac.tt };
     for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
         *lane_arrays[i] = piece(base, &at, ld*v);
@@ -417,7 +418,11 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_circuit_find(p, x, w))
         return false;
-    lw_circuit_inputs(p, w, w->n_lane, w->phase, w->c, w->s, w->mode, w->input, w->rate);
+    bool samples_stand = p->turns;                    /* their inputs are those of the turn       */
+    size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
+    lw_circuit_inputs(p, w, n, w->phase, w->c, w->s, w->mode, w->input, w->rate);
+    memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);
+    memcpy(w->s + n, w->turn_s, sizeof *w->s*rest);
     return true;
 }
 
@@ -481,24 +486,47 @@ static void station_rows(const lw_problem *p, lw_work *w)
         component_rows(p, w, row, j->jt, j->tt, p->wb, true);
 }
 
+/* Derivatives of the samples' distances, whose normals (weighted) are nx, ny.  Where the limits of the
+ * input move with the dimensions, samples stay at their phases. */
+static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const double *nx,
+                        const double *ny)
+{
+    size_t ld = w->ld, nv = (size_t)p->n_var;
+    memset(w->by_input, 0, sizeof *w->by_input*w->n_lane);
+    lw_circuit_slopes(p, x, w);
+    for (size_t k = p->n; k < w->n_lane && !w->turning; k++)
+        if (w->rate[k] != 0)
+            w->by_input[k] = (nx[k]*w->jac.tx[k] + ny[k]*w->jac.ty[k])/w->rate[k];
+    for (size_t c = 0; c < nv*(size_t)w->n_row; c++) {
+        double *row = w->row + c*ld;
+        if (c >= (size_t)p->n_dim) {
+            memset(row + p->n, 0, sizeof *row*(w->n_lane - p->n));
+            continue;
+        }
+        const double *jx = w->jac.jx + c*w->jac.ld, *jy = w->jac.jy + c*w->jac.ld;
+        for (size_t k = p->n; k < w->n_lane; k++)
+            row[k] = nx[k]*jx[k] + ny[k]*jy[k];
+        for (size_t k = p->n; k < w->n_lane && !w->turning; k++)
+            row[k] += w->by_input[k]*(w->mid_by[c] - w->half_by[c]*cos(w->phase[k]));
+    }
+}
+
 /* Curve samples against the target polygon: distance to the nearest point of it (timing none). */
 static void sample_residuals(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
 {
-    size_t ld = w->ld, nv = (size_t)p->n_var;
-    if (derivatives)
-        lw_circuit_slopes(p, x, w);
+    size_t ld = w->ld;
+    double weight = sqrt(p->a*w->sample_weight);
     for (size_t k = p->n; k < w->n_lane; k++) {
-        double weight = sqrt(p->a*w->sample_weight);
         double dx = w->jac.x[k] - w->foot_x[k - p->n], dy = w->jac.y[k] - w->foot_y[k - p->n];
-        double d = hypot(dx, dy), nx = d > 0 ? dx/d : 0, ny = d > 0 ? dy/d : 0;
-        for (int i = 0; i < w->n_row; i++)
-            w->res[(size_t)i*ld + k] = i == 0 ? weight*d : 0;
-        double by_input = w->rate[k] != 0 ? (nx*w->jac.tx[k] + ny*w->jac.ty[k])/w->rate[k] : 0;
-        for (size_t c = 0; derivatives && c < nv*(size_t)w->n_row; c++)
-            w->row[c*ld + k] = c < (size_t)p->n_dim
-                ? weight*(nx*w->jac.jx[c*w->jac.ld + k] + ny*w->jac.jy[c*w->jac.ld + k]
-                          + by_input*(w->mid_by[c] - w->half_by[c]*cos(w->phase[k]))) : 0;
+        double d = sqrt(dx*dx + dy*dy), per = d > 0 ? weight/d : 0;
+        w->normal_x[k] = dx*per;
+        w->normal_y[k] = dy*per;
+        w->res[k] = weight*d;
+        for (int i = 1; i < w->n_row; i++)
+            w->res[(size_t)i*ld + k] = 0;
     }
+    if (derivatives)
+        sample_rows(p, x, w, w->normal_x, w->normal_y);
 }
 
 double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives)

@@ -30,6 +30,7 @@ typedef struct lw_work {
     /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
     double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
+    double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
     /* poses in which conditions on the motion are looked at (samples or stations) */
     double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v;
