@@ -25,6 +25,19 @@ static inline void add_form(chain_list *list, const lw_chain *c)
     lw_chain_canonical(c, &list->chain[list->n++]);
 }
 
+/* Sort the forms and keep each once. */
+static inline void prune_forms(chain_list *list)
+{
+    int n = 0;
+    if (list->n == 0)
+        return;
+    qsort(list->chain, (size_t)list->n, sizeof *list->chain, by_chain);
+    for (int i = 0; i < list->n; i++)
+        if (i == 0 || by_chain(&list->chain[n - 1], &list->chain[i]) != 0)
+            list->chain[n++] = list->chain[i];
+    list->n = n;
+}
+
 static inline void distribute(chain_list *list, const lw_structure *s, bool baranov, uint8_t *weight, int line, int left)
 {
     lw_chain c;
@@ -44,7 +57,7 @@ static inline void distribute(chain_list *list, const lw_structure *s, bool bara
 static inline chain_list all_chains(int n_link, int dof)
 {
     chain_list list = { 0 };
-    int loops = (n_link - dof - 1)/2, n = 0;
+    int loops = (n_link - dof - 1)/2;
     lw_structures *set;
     if (loops == 1) {
         lw_chain c = ring_of(n_link);
@@ -61,11 +74,7 @@ static inline chain_list all_chains(int n_link, int dof)
             distribute(&list, &s, dof == 0, weight, 0, n_link - s.n_circle);
     }
     lw_structures_free(set);
-    qsort(list.chain, (size_t)list.n, sizeof *list.chain, by_chain);
-    for (int i = 0; i < list.n; i++)
-        if (i == 0 || by_chain(&list.chain[n - 1], &list.chain[i]) != 0)
-            list.chain[n++] = list.chain[i];
-    list.n = n;
+    prune_forms(&list);
     return list;
 }
 

@@ -1,4 +1,4 @@
-/* The commands grammar and mechanisms from outside. */
+/* The commands grammar, mechanisms and catalogue check from outside. */
 #include "tests/cli_run.h"
 
 #define FOUR "((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))"
@@ -95,6 +95,22 @@ static void steps(void)
     expect("$P mechanisms --links 4 --no-ground --input ground", 3, NULL, "want a ground link");
 }
 
+static void catalogue_check(void)
+{
+    expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
+           "simple-joint,1,8,3,nonfractionated chains,16,here,\\n"
+           "simple-joint,1,8,3,nonfractionated chains,17,here,refuted\\n"
+           "simple-joint,1,18,8,nonfractionated chains,1,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --time 1",
+           0, "          16           16  agrees         simple-joint: F=1 P=8 nonfractionated chains  [here]\n",
+           "1 rows agree, 0 disagree, 1 known errata, 1 too long");
+    expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
+           "simple-joint,1,8,3,nonfractionated chains,17,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --json", 4,
+           "\"counted\":16,\"verdict\":\"DISAGREES\"", NULL);
+    expect("$P catalogue check --time 1 --disagreeing", 0, NULL, " 0 disagree, 1 known errata");
+    expect("echo a,b > $D/t.csv; $P catalogue check $D/t.csv", 3, NULL, "t.csv:1:1: the header must be");
+    expect("$P catalogue count", 2, NULL, "there is check");
+}
+
 int main(void)
 {
     RUN(notations);
@@ -102,6 +118,7 @@ int main(void)
     RUN(derive);
     RUN(explain_and_coverage);
     RUN(steps);
+    RUN(catalogue_check);
     run_end();
     return check_end();
 }

@@ -23,9 +23,9 @@ static int count(int n_link, int dof, int n2)
 {
     found f = { .n2 = n2, .dof = dof };
     CHECK_INT(lw_higher_each(n_link, dof, n2, 1, note, &f, NULL), LW_OK);
-    qsort(f.list.chain, (size_t)f.list.n, sizeof *f.list.chain, by_chain);
-    for (int i = 1; i < f.list.n; i++)
-        CHECK(by_chain(&f.list.chain[i - 1], &f.list.chain[i]) != 0);      /* each once */
+    int n = f.list.n;
+    prune_forms(&f.list);
+    CHECK_INT(f.list.n, n);                                  /* each once */
     free(f.list.chain);
     return f.n;
 }
@@ -45,7 +45,7 @@ static void published(void)
 static int by_brute_force(int n_link, int dof, int n2)
 {
     chain_list list = { 0 };
-    int n_pair = n_link*(n_link - 1)/2, n_way = 1, n = 0;
+    int n_pair = n_link*(n_link - 1)/2, n_way = 1;
     for (int i = 0; i < n_pair; i++)
         n_way *= 3;
     for (int way = 0; way < n_way; way++) {
@@ -64,11 +64,9 @@ static int by_brute_force(int n_link, int dof, int n2)
         if (!rigid)
             add_form(&list, &c);
     }
-    qsort(list.chain, (size_t)list.n, sizeof *list.chain, by_chain);
-    for (int i = 0; i < list.n; i++)
-        n += i == 0 || by_chain(&list.chain[i - 1], &list.chain[i]) != 0;
+    prune_forms(&list);
     free(list.chain);
-    return n;
+    return list.n;
 }
 
 static void brute_force(void)

@@ -1,0 +1,85 @@
+/* The published table: reading, its faults, and the recount of every row that takes no time. */
+#include "check.h"
+#include "base/file.h"
+#include "enumerate/published.h"
+
+#define HEADER "family,dof,links,loops,what,count,source,verified_by\n"
+
+static lw_published_table read_table(void)
+{
+    lw_published_table t = { 0 };
+    char *text = NULL;
+    size_t size = 0;
+    lw_error e = { 0 };
+    CHECK_INT(lw_file_read("catalogues/data/published-counts.csv", &text, &size, &e), LW_OK);
+    CHECK_INT(lw_published_read(text, size, NULL, &t, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    free(text);
+    return t;
+}
+
+static void every_quick_row(void)
+{
+    lw_published_table t = read_table();
+    lw_recount *r = lw_recount_create(1);
+    int n[LW_NOT_COUNTED + 1] = { 0 };
+    CHECK(r != NULL && t.n > 200);
+    for (size_t i = 0; i < t.n; i++) {
+        lw_recount_result result;
+        if (t.row[i].links > 13)
+            continue;
+        CHECK_INT(lw_recount_row(r, &t.row[i], 2, &result), LW_OK);
+        n[result.verdict]++;
+        if (result.verdict == LW_DISAGREES || (result.verdict == LW_NOT_COUNTED && t.row[i].family[0] != 'p')) {
+            fprintf(stderr, "line %ld: %s, %s: %lld\n", t.row[i].line, t.row[i].family, t.row[i].what, result.counted);
+            CHECK(0);
+        }
+    }
+    CHECK(n[LW_AGREES] > 215);
+    CHECK_INT(n[LW_ERRATUM], 1);                       /* 6855 twelve-link chains */
+    CHECK_INT(n[LW_NOT_COUNTED], 8);                   /* planetary gear trains */
+    lw_recount_free(r);
+    lw_published_free(&t);
+}
+
+static void limits_and_faults(void)
+{
+    static const char rows[] = HEADER
+        "simple-joint,1,18,8,nonfractionated chains,1535380884,\"a \"\"source\"\", quoted\",x\r\n\n"
+        "simple-joint,1,8,3,nonfractionated chains,17,s,x\n"
+        "simple-joint,1,8,3,nonfractionated chains,17,s,refuted: it is 16\n"
+        "simple-joint,1,8,3,something else,17,s,x\n";
+    static const lw_verdict want[] = { LW_TOO_LONG, LW_DISAGREES, LW_ERRATUM, LW_NOT_COUNTED };
+    lw_published_table t;
+    lw_recount *r = lw_recount_create(1);
+    lw_error e = { 0 };
+    CHECK_INT(lw_published_read(rows, strlen(rows), NULL, &t, &e), LW_OK);
+    CHECK_INT(t.n, 4);
+    CHECK_TEXT(t.row[0].source, "a \"source\", quoted");
+    CHECK_INT(t.row[1].line, 4);
+    for (size_t i = 0; i < t.n; i++) {
+        lw_recount_result result;
+        CHECK_INT(lw_recount_row(r, &t.row[i], 1, &result), LW_OK);
+        CHECK_INT(result.verdict, want[i]);
+        if (i == 0)
+            CHECK(result.seconds > 1);
+    }
+    lw_published_free(&t);
+    lw_recount_free(r);
+    static const struct { const char *text; long line; const char *part; } faults[] = {
+        { "a,b\n", 1, "header" }, { HEADER "x,1,2\n", 2, "3 fields" }, { HEADER "x,1,2,3,w,many,s,v\n", 2, "'many'" },
+        { HEADER "\nx,one,2,3,w,1,s,v\n", 3, "small numbers" }, { "", 1, "header" },
+    };
+    for (size_t i = 0; i < sizeof faults/sizeof *faults; i++) {
+        CHECK_INT(lw_published_read(faults[i].text, strlen(faults[i].text), "f", &t, &e), LW_E_NOTATION);
+        CHECK_INT(e.line, faults[i].line);
+        CHECK_HAS(e.text, faults[i].part);
+    }
+}
+
+int main(void)
+{
+    RUN(every_quick_row);
+    RUN(limits_and_faults);
+    return check_end();
+}
