@@ -47,6 +47,7 @@ typedef struct job {
     const settings    *s;
     lw_output          out;
     const lw_notation *notation;
+    cli_watch          watch;
     uint64_t           n;
     lw_error           e;
 } job;
@@ -59,7 +60,7 @@ static job job_of(const cli_call *call, const char *usual)
         n = &lw_notations[s->format];
     else if (call->common.json)
         n = lw_notation_find("json");
-    return (job){ .call = call, .s = s, .notation = n };
+    return (job){ .call = call, .s = s, .notation = n, .watch = cli_watch_begin(call, "grammar", "topologies") };
 }
 
 static const char *file_word(const cli_call *call)
@@ -72,8 +73,8 @@ static const char *file_word(const cli_call *call)
 static lw_status write_one(void *context, const lw_mechanism *m, lw_error *e)
 {
     job *j = context;
-    j->n++;
-    return cli_topology_write(j->out.f, j->notation, m, e);
+    lw_status s = cli_topology_write(j->out.f, j->notation, m, e);
+    return s == LW_OK && !cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_STOPPED : s;
 }
 
 /* Read topologies and say each again by `visit`. */
@@ -83,7 +84,8 @@ static int each_of_input(job *j, cli_topology_visit *visit)
     if (cli_open(j->call, &j->out, &e) != LW_OK)
         return cli_fail(j->call, &e);
     int code = cli_topologies_each(j->call, file_word(j->call), j->s->keep_going, visit, j);
-    return cli_close(j->call, &j->out, code == CLI_DONE && j->n == 0 ? CLI_NOTHING : code);
+    code = cli_watch_end(&j->watch, code == CLI_DONE && j->n == 0 ? CLI_NOTHING : code);
+    return cli_close(j->call, &j->out, code);
 }
 
 static int run_parse(const cli_call *call)
@@ -165,8 +167,7 @@ static lw_status explain_one(void *context, const lw_mechanism *m, lw_error *e)
         return s;
     lw_reach_print(m, reach, core, why, sizeof why);
     (j->call->common.json ? explain_json : explain_text)(j, m, &g, reach, why);
-    j->n++;
-    return LW_OK;
+    return cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_OK : LW_STOPPED;
 }
 
 static int run_explain(const cli_call *call)
@@ -234,8 +235,7 @@ static int derive_by_hand(const cli_call *call)
 static lw_status write_derived(void *context, const lw_mechanism *m)
 {
     job *j = context;
-    j->n++;
-    if (cli_interrupted())
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
         return LW_STOPPED;
     return j->s->count ? LW_OK : cli_topology_write(j->out.f, j->notation, m, &j->e);
 }
@@ -263,7 +263,7 @@ static int derive_all(const cli_call *call)
     }
     if (j.s->count)
         fprintf(j.out.f, "%llu\n", (unsigned long long)j.n);
-    return cli_close(call, &j.out, j.n > 0 ? CLI_DONE : CLI_NOTHING);
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, j.n > 0 ? CLI_DONE : CLI_NOTHING));
 }
 
 static int run_derive(const cli_call *call)
@@ -312,7 +312,7 @@ static int run_coverage(const cli_call *call)
         cli_json_array(&w, NULL);
     else
         fputs("links    chains    planar   reached            by regions\n", j.out.f);
-    for (int n = 4; n <= j.s->links && s == LW_OK && !cli_interrupted(); n += 2) {
+    for (int n = 4; n <= j.s->links && s == LW_OK && cli_watch_goes_on(&j.watch, n); n += 2) {
         lw_coverage c;
         s = lw_coverage_count(n, call->common.jobs, &c, &j.e);
         if (s == LW_OK && call->common.json)
@@ -323,7 +323,7 @@ static int run_coverage(const cli_call *call)
     }
     if (call->common.json)
         cli_json_end(&w);
-    return cli_close(call, &j.out, s == LW_OK ? CLI_DONE : cli_fail(call, &j.e));
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : cli_fail(call, &j.e)));
 }
 
 /* ---- the command ------------------------------------------------------------------------------- */

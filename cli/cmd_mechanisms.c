@@ -56,6 +56,7 @@ typedef struct job {
     lw_mechanism_steps   steps;
     lw_mechanism_counts  counts;
     char                 kinds[8];
+    cli_watch            watch;
     uint64_t             n;                /* written */
     lw_error             e;
 } job;
@@ -115,8 +116,7 @@ static lw_status write_groups(job *j, const lw_mechanism *m)
 static lw_status write_one(void *context, const lw_mechanism *m)
 {
     job *j = context;
-    j->n++;
-    if (cli_interrupted())
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
         return LW_STOPPED;
     if (j->s->count || j->s->void_ones)
         return LW_OK;
@@ -134,7 +134,7 @@ static lw_status write_void(void *context, const lw_mechanism *m, lw_void reason
     lw_edges_print(m, line, sizeof line);
     lw_void_print(m, reason, joints, why, sizeof why);
     fprintf(j->out.f, "%s   # %s\n", line, why);
-    return LW_OK;
+    return cli_watch_goes_on(&j->watch, (double)j->n) ? LW_OK : LW_STOPPED;
 }
 
 static void write_counts(job *j)
@@ -247,11 +247,10 @@ static lw_status write_multiple(void *context, const lw_multiple *m)
 {
     job *j = context;
     char text[LW_JOINT_MAX*8];
-    j->n++;
     lw_multiple_print(m, text, sizeof text);
     if (!j->s->count)
         fprintf(j->out.f, "%s\n", text);
-    return cli_interrupted() ? LW_STOPPED : LW_OK;
+    return cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_OK : LW_STOPPED;
 }
 
 static lw_status write_group(void *context, const lw_chain *truss, int lost, const lw_assur_group *g)
@@ -259,7 +258,8 @@ static lw_status write_group(void *context, const lw_chain *truss, int lost, con
     job *j = context;
     lw_mechanism m;
     char text[1024];
-    j->n++;
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
+        return LW_STOPPED;
     if (j->s->count)
         return LW_OK;
     lw_status s = lw_mechanism_from_chain(truss, &m);
@@ -270,7 +270,7 @@ static lw_status write_group(void *context, const lw_chain *truss, int lost, con
     fprintf(j->out.f, "%s   # ", text);
     lw_assur_print(&m, g, text, sizeof text);
     fprintf(j->out.f, "%s\n", text);
-    return cli_interrupted() ? LW_STOPPED : LW_OK;
+    return LW_OK;
 }
 
 /* ---- the command ------------------------------------------------------------------------------- */
@@ -298,7 +298,7 @@ static int run_job(job *j)
         lw_status s = run_lists(j);
         if (s < 0) {
             lw_output_abandon(&j->out);
-            return cli_fail(call, &j->e);
+            return cli_watch_end(&j->watch, cli_fail(call, &j->e));
         }
     }
     if (other && j->s->count)
@@ -306,13 +306,14 @@ static int run_job(job *j)
     else if (j->s->count)
         write_counts(j);
     bool nothing = j->n == 0 && !(j->s->void_ones || j->s->count);
-    return cli_close(call, &j->out, code == CLI_DONE && nothing ? CLI_NOTHING : code);
+    code = cli_watch_end(&j->watch, code == CLI_DONE && nothing ? CLI_NOTHING : code);
+    return cli_close(call, &j->out, code);
 }
 
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
-    job j = { .call = call, .s = s };
+    job j = { .call = call, .s = s, .watch = cli_watch_begin(call, "mechanisms", "mechanisms") };
     if (s->links > 0 && call->parsed.n_word > 0)
         return cli_usage(call, "either a file of chains or --links, not both");
     if (s->joints && !read_kinds(s->joints, j.kinds))

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
+
 /* Text comes in by portions, so that chains can be worked on while others are still being made; one that
  * takes more than PIECE_MAX has no end. */
 #define PORTION   ((size_t)1 << 16)
@@ -115,4 +117,26 @@ lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *
     fputs(text, f);
     fputc('\n', f);
     return ferror(f) ? lw_error_set(e, LW_E_IO, "output cannot be written") : LW_OK;
+}
+
+cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit)
+{
+    cli_watch_interrupt();
+    return (cli_watch){ .call = call, .progress = cli_progress_begin(call, what, unit), .start = lw_clock_wall() };
+}
+
+bool cli_watch_goes_on(cli_watch *w, double done)
+{
+    double limit = w->call->common.time;
+    cli_progress_show(&w->progress, done, 0, NULL);
+    w->over = w->over || (limit > 0 && lw_clock_wall() - w->start >= limit);
+    return !cli_interrupted() && !w->over;
+}
+
+int cli_watch_end(cli_watch *w, int code)
+{
+    cli_progress_end(&w->progress);
+    if (w->over)
+        cli_note(w->call, "stopped by --time; what is there is kept");
+    return w->over && (code == CLI_DONE || code == CLI_NOTHING) ? CLI_LIMIT : code;
 }

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include "cli/output.h"
+#include "cli/progress.h"
 #include "grammar/notation.h"
 
 /* A row of an option table for a CLI_CHOICE member that says the notation; the choices are the rows of
@@ -14,7 +15,21 @@
       "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, "notation of what is printed", \
       0, 0, NULL, NULL }
 
-/* Called for each topology; text is the piece of input it came from. */
+/* Ctrl-C, --time and the progress line of a listing. */
+typedef struct cli_watch {
+    const cli_call *call;
+    cli_progress    progress;
+    double          start;            /* clock [s]                          */
+    bool            over;             /* --time has passed                  */
+} cli_watch;
+
+cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit);
+/* False when the listing is to stop; `done` so far. */
+bool cli_watch_goes_on(cli_watch *w, double done);
+/* The exit code: CLI_LIMIT in place of CLI_DONE and CLI_NOTHING when --time ended it. */
+int cli_watch_end(cli_watch *w, int code);
+
+/* Called for each topology; LW_STOPPED ends the reading without a fault. */
 typedef lw_status cli_topology_visit(void *context, const lw_mechanism *m, lw_error *e);
 
 /* Read what `file` holds, "-" or NULL is standard input.  The first fault of input, or fault that visit

@@ -287,6 +287,24 @@ lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, u
 
 /* ---- saying why -------------------------------------------------------------------------------- */
 
+/* The links where a subdivision of K5 or K3,3 branches. */
+static void name_witness(lw_text *t, const lw_chain *c)
+{
+    uint32_t row[LW_LINK_MAX], witness[LW_LINK_MAX];
+    int n = 0;
+    for (int i = 0; i < c->n_link; i++)
+        row[i] = lw_chain_neighbours(c, i);
+    if (lw_planar_witness(c->n_link, row, witness) != LW_OK)
+        return;
+    lw_text_add(t, " (links");
+    for (int i = 0; i < c->n_link; i++)
+        if (__builtin_popcount(witness[i]) > 2) {
+            lw_text_add(t, " %d", i + 1);
+            n++;
+        }
+    lw_text_add(t, " are tied together as in %s)", n == 5 ? "K5" : "K3,3");
+}
+
 size_t lw_reach_print(const lw_mechanism *m, lw_reach reach, uint32_t core, char *buf, size_t size)
 {
     lw_text t = lw_text_start(buf, size);
@@ -299,6 +317,7 @@ size_t lw_reach_print(const lw_mechanism *m, lw_reach reach, uint32_t core, char
     case LW_REACHED_NO_REGIONS:
         lw_text_add(&t, "rules 1 to 4 reach it only where X and Y need not lie at one region: its "
                     "graph is not planar, so it has no sentence of regions");
+        name_witness(&t, &c);
         break;
     case LW_NOT_MOBILITY:
         lw_text_add(&t, "rules 1 to 4 keep F = 1, this chain has F = %d", lw_chain_mobility(&c));

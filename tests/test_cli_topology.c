@@ -89,6 +89,7 @@ static void steps(void)
     expect("echo 'Cl' | $P mechanisms --assur", 3, NULL, "wants as many inputs");
     expect("$P mechanisms --assur-groups 6 --count", 0, "10\n", NULL);
     expect("$P mechanisms --links 8 --multiple-joints --count", 0, "44\n", NULL);
+    expect("$P mechanisms --links 10 --joints r,t --input any --time 0.05 --count", 5, "with inputs", "stopped by --time");
     expect("$P mechanisms --links 4 --joints r,x", 2, NULL, "letters of r, t, p, g");
     expect("$P mechanisms --links 4 --joints p", 3, NULL, "a letter for each freedom");
     expect("$P mechanisms --links 4 file", 2, NULL, "not both");

@@ -104,6 +104,10 @@ static void reasons(void)
     lw_mechanism_from_chain(&cube, &m);
     lw_reach_print(&m, LW_NOT_CORE, core, text, sizeof text);
     CHECK_HAS(text, "ends at links 1 2 3 4 5 6 7 8, which");
+    lw_mechanism twisted_m;
+    lw_mechanism_from_chain(&twisted, &twisted_m);
+    lw_reach_print(&twisted_m, LW_REACHED_NO_REGIONS, 0, text, sizeof text);
+    CHECK_HAS(text, "(links 1 2 3 4 5 6 are tied together as in K3,3)");
     lw_reach_print(&m, LW_NOT_GEAR, 0, text, sizeof text);
     CHECK_HAS(text, "no rule makes a joint g");
     lw_mechanism_from_chain(&five, &m);
