@@ -69,7 +69,7 @@ run-test: $B/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o 
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 run-demo: $B/linkwright
 	@mkdir -p $B/demo
-	$B/linkwright fit examples/*.csv --save $B/demo
+	$B/linkwright fit examples/*.csv --type all --results 5 --save $B/demo
 
 # ---- looking after it ----------------------------------------------------------------------------
 check: $B/$(SONAME)

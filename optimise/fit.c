@@ -82,9 +82,11 @@ static bool family_wanted(const lw_fit_options *o, const lw_family *f)
 
 static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
 {
+    const char *title = lw_type_find(f->type)->title;
     size_t n = strlen(out->skipped);
-    snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s: %.100s", n ? "; " : "", f->name,
-             e->text);
+    if (!strstr(out->skipped, title))                       /* a type once, not each of its families */
+        snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s (%.60s)", n ? ", " : "", title,
+                 e->text);
 }
 
 static lw_status make_arm(search *s, const lw_family *f, double mode, int sense, lw_error *e)

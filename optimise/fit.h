@@ -52,7 +52,7 @@ typedef struct lw_fit {
     double        seconds;
     lw_stop       stop;          /* LW_STOP_F_TARGET exact, _F_TOL nothing better in many rounds, _EVALS all
                                   * rounds, _TIME, _USER                                            */
-    char          skipped[256];  /* families that cannot do this task, with the reason              */
+    char          skipped[512];  /* types that cannot do this task, with the reason              */
 } lw_fit;
 
 /* LW_OK, LW_NOTHING when no family has a feasible member, LW_STOPPED with what was found when time

@@ -221,10 +221,10 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, const lw_t
         return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
                             "target; without one use free timing");
     if (type->input_is_slider && timed)
-        return lw_error_set(e, LW_E_KIND, "a %s has a slider as input: it has no crank angle to "
-                            "prescribe", type->title);
+        return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
+                            "prescribe");
     if (s->task == LW_TASK_FUNCTION && type->letters[3] == 'P')
-        return lw_error_set(e, LW_E_KIND, "the output of a %s slides: it has no angle", type->title);
+        return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
 }
 
