@@ -65,6 +65,30 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
     }
 }
 
+/* Stations at one input that would rather part: the blocks that their own first-order steps, put in order,
+ * leave together. Sizes of these in w->pool + 2 ld; how many they are. */
+static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
+{
+    double *mean = w->pool, *mass = mean + w->ld, *size = mass + w->ld, t[LW_ROW_MAX];
+    size_t top = 0;
+    for (size_t q = 0; q < count; q++) {
+        size_t k = (first + q) % p->n;
+        double t2 = lw_problem_tangent(p, w, k, t) + 1e-300, slope = 0;
+        for (int i = 0; i < w->n_row; i++)
+            slope += t[i]*w->res[(size_t)i*w->ld + k];
+        mean[top] = -p->sense*slope/t2;
+        mass[top] = t2;
+        size[top++] = 1;
+        for (; top > 1 && mean[top - 2] > mean[top - 1]; top--) {
+            double m = mass[top - 2] + mass[top - 1];
+            mean[top - 2] = (mean[top - 2]*mass[top - 2] + mean[top - 1]*mass[top - 1])/m;
+            mass[top - 2] = m;
+            size[top - 2] += size[top - 1];
+        }
+    }
+    return top;
+}
+
 void lw_problem_eliminate(const lw_problem *p, lw_work *w)
 {
     size_t n = p->n, start = 0, count;
@@ -75,6 +99,12 @@ void lw_problem_eliminate(const lw_problem *p, lw_work *w)
         count = 1;
         while (done + count < n && lw_assign_joined(p, w, (first + count - 1) % n))
             count++;
-        eliminate_block(p, w, first, count);
+        size_t parts = count > 1 ? part(p, w, first, count) : 1;
+        const double *size = w->pool + 2*w->ld;
+        for (size_t b = 0, at = 0; b < parts; b++) {
+            size_t some = count > 1 ? (size_t)size[b] : 1;
+            eliminate_block(p, w, (first + at) % n, some);
+            at += some;
+        }
     }
 }

@@ -324,6 +324,8 @@ static void polish_one(void *context, size_t job, int thread)
     list->spent[job] = -c->evals;
     improve(s, &a->fine, &o, s->work[thread], c);
     list->spent[job] += c->evals;
+    if (a->fine.timing != LW_TIMING_PRESCRIBED)          /* what x is worth with no more known     */
+        c->f = lw_problem_value(&a->fine, c->x, NULL, s->work[thread]);
     c->polished = true;
 }
 
