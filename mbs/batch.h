@@ -29,7 +29,7 @@ typedef struct lw_lanes {
 size_t lw_batch_work_size(const lw_plan *plan);
 
 /* Positions of output `which` [m] (and direction of its link as unit vector, when u, v are given) of
- * every lane, in the plane (x0, y0, theta0 applied). margin may be NULL. */
+ * every lane, in the plane (x0, y0, theta0 applied).  u and v may be NULL, both; margin may be NULL. */
 void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *x, double *y, double *u, double *v, double *margin);
 
@@ -39,7 +39,7 @@ void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *wo
 void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *ox, double *oy, double *dx, double *dy, double *margin);
 
-/* Positions and their exact derivatives, dim_stride = 0 only.  jx[d*ld + k] is d x / d dim[d] of lane
+/* Positions and their exact derivatives, dim_stride = mode_stride = 0 only.  jx[d*ld + k] is d x / d dim[d] of lane
  * k; jt: of the angle of the output's link [rad], may be NULL.  tx, ty, tt: derivative of x, y, angle by the input. */
 typedef struct lw_jacobian { double *x, *y, *u, *v, *margin, *jx, *jy, *jt, *tx, *ty, *tt; size_t ld; } lw_jacobian;
 void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work,

@@ -142,10 +142,15 @@ static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
     return out;
 }
 
-/* Where a padded group puts its outputs, after its inputs. */
-static double *tail_rows(const run *k)
+/* Where a padded group puts its outputs, after its inputs: row i. */
+static double *tail_row(const run *k, size_t i)
 {
-    return k->tail + (2 + (size_t)k->plan->n_dyad + (size_t)k->plan->n_dim)*LW_GROUP;
+    return k->tail + (2 + (size_t)k->plan->n_dyad + (size_t)k->plan->n_dim + i)*LW_GROUP;
+}
+
+static rows tail_places(const run *k)
+{
+    return (rows){ tail_row(k, 0), tail_row(k, 1), tail_row(k, 2), tail_row(k, 3), tail_row(k, 4) };
 }
 
 static void copy_out(double *to, const double *from, size_t n)
@@ -158,7 +163,7 @@ static double *at(double *row, size_t first) { return row ? row + first : NULL; 
 
 /* ---- points and frames ----------------------------------------------------------------------------------- */
 
-/* (x, y) += or turned by theta0 into the plane. */
+/* Turned by theta0 and, points, shifted by x0, y0 into the plane. */
 LW_INLINE void move(const run *k, size_t n, const double *px, const double *py, double *restrict x, double *restrict y,
                     const int per_lane, const int shift)
 {
@@ -220,8 +225,7 @@ static rows shift_rows(const rows *o, size_t first)
 static void few_points(run *k, const lw_lanes *in, int which, const rows *out, int frame)
 {
     lw_lanes lanes = pad(k, in, 0);
-    double *t = tail_rows(k);
-    rows to = { t, t + 8, t + 16, t + 24, t + 32 };
+    rows to = tail_places(k);
     block_point(k, &lanes, which, 0, LW_GROUP, &to, frame);
     copy_out(out->x, to.x, in->n);
     copy_out(out->y, to.y, in->n);
@@ -236,7 +240,7 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
     run k = start(plan, in->n, work);
     size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
     set_ground(&k, which);
-    if (in->n < LW_GROUP)
+    if (in->n > 0 && in->n < LW_GROUP)
         few_points(&k, in, which, out, frame);
     for (size_t first = 0; first < full; first += block) {
         rows to = shift_rows(out, first);
@@ -281,37 +285,9 @@ static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, do
     backward(k, which, n, input);
 }
 
-static void fill(double *row, double v, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        row[i] = v;
-}
-
-static void short_block_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
-{
-    const lw_plan *p = k->plan;
-    const lw_short *f = &p->output_short[which];
-    const number_rows r = short_rows(k, which);
-    rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare,
-                out->margin ? out->margin : k->margin };
-    bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx), short_bars(k, which, out->jy, out->ld, out->ty) };
-    if (out->jt) {
-        bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);
-        fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);
-        fill(out->jt + (size_t)p->i_y0*out->ld, 0, n);
-        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 1);
-    } else
-        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 0);
-    fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
-    fill(out->jx + (size_t)p->i_y0*out->ld, 0, n);
-    fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);
-    fill(out->jy + (size_t)p->i_y0*out->ld, 1, n);
-}
-
 static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, size_t n, const lw_jacobian *out)
 {
     const lw_plan *p = k->plan;
-    const rows at_place = { out->x, out->y, out->u, out->v, out->margin };
     set_numbers(k, in, first);
     k->c = in->c + first;
     k->s = in->s ? in->s + first : NULL;
@@ -322,7 +298,7 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
         return;
     }
     forward(k, which, n, 0, WITH_ROOTS);
-    copy_out(at_place.margin, k->margin, n);
+    copy_out(out->margin, k->margin, n);
     move_out(k, n, p->output_point[which], out->x, out->y, 0, 1);
     if (out->u && out->v)
         move_out(k, n, p->output_dir[which], out->u, out->v, 0, 0);
@@ -366,10 +342,10 @@ static void copy_jacobian(const lw_jacobian *to, const lw_jacobian *from, int n_
 static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobian *out)
 {
     lw_lanes lanes = pad(k, in, 0);
-    double *t = tail_rows(k), *j = t + 8*LW_GROUP;
-    size_t size = (size_t)k->plan->n_dim*LW_GROUP;
-    lw_jacobian to = { t, t + 8, t + 16, t + 24, t + 32, j, j + size, out->jt ? j + 2*size : NULL,
-                       t + 40, t + 48, t + 56, LW_GROUP };
+    size_t n_dim = (size_t)k->plan->n_dim;
+    rows t = tail_places(k);
+    lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, tail_row(k, 8), tail_row(k, 8 + n_dim),
+                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7), LW_GROUP };
     block_jacobian(k, &lanes, which, 0, LW_GROUP, &to);
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
@@ -379,7 +355,7 @@ static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, 
     run k = start(plan, in->n, work);
     size_t full = in->n/LW_GROUP*LW_GROUP;
     set_ground(&k, which);
-    if (in->n < LW_GROUP)
+    if (in->n > 0 && in->n < LW_GROUP)
         few_jacobian(&k, in, which, out);
     for (size_t first = 0; first < full; first += LW_BLOCK) {
         lw_jacobian to = shift_jacobian(out, first);
@@ -482,7 +458,7 @@ static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
 /* The targets of a padded group; weight 0 for the padding. */
 static target pad_target(const run *k, const target *t, size_t first, size_t rest)
 {
-    double *x = tail_rows(k), *y = x + LW_GROUP, *w = y + LW_GROUP;
+    double *x = tail_row(k, 0), *y = tail_row(k, 1), *w = tail_row(k, 2);
     for (size_t i = 0; i < LW_GROUP; i++) {
         x[i] = i < rest ? t->x[first + i] : 0;
         y[i] = i < rest ? t->y[first + i] : 0;
@@ -526,7 +502,7 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
     run k = start(plan, in->n, work);
     target t = { tx, ty, w };
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
-    double *acc = tail_rows(&k) + 3*LW_GROUP, smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+    double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
     memset(acc, 0, (size_t)(plan->n_dim + 1)*LW_GROUP*sizeof(double));
     set_ground(&k, which);
     set_numbers(&k, in, 0);

@@ -46,6 +46,36 @@ LW_INLINE const double *mode_of(const run *k, int dyad) { return k->mode + (size
 LW_INLINE const double *cos_of(const run *k, int angle) { return k->turn + 2*(size_t)angle*k->turn_row; }
 LW_INLINE const double *sin_of(const run *k, int angle) { return cos_of(k, angle) + k->turn_row; }
 
+/* Points or directions over the lanes. */
+typedef struct in_rows { const double *x, *y; } in_rows;
+typedef struct out_rows { double *x, *y; } out_rows;
+
+LW_INLINE in_rows in_reg(const run *k, int r) { return (in_rows){ reg_x(k, r), reg_y(k, r) }; }
+LW_INLINE out_rows out_reg(const run *k, int r) { return (out_rows){ reg_x(k, r), reg_y(k, r) }; }
+LW_INLINE in_rows in_bar(const run *k, int r) { return (in_rows){ bar_x(k, r), bar_y(k, r) }; }
+LW_INLINE out_rows out_bar(const run *k, int r) { return (out_rows){ bar_x(k, r), bar_y(k, r) }; }
+LW_INLINE lw_vec2 get(in_rows r, size_t i) { return lw_v2(r.x[i], r.y[i]); }
+LW_INLINE void put(out_rows r, size_t i, lw_vec2 v)
+{
+    r.x[i] = v.x;
+    r.y[i] = v.y;
+}
+LW_INLINE void add_to(out_rows r, size_t i, lw_vec2 v)
+{
+    r.x[i] += v.x;
+    r.y[i] += v.y;
+}
+
+/* Where places go, and where they are wanted (w NULL: weight 1). */
+typedef struct rows { double *x, *y, *u, *v, *margin; } rows;
+typedef struct target { const double *x, *y, *w; } target;
+
+static void fill(double *row, double v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        row[i] = v;
+}
+
 /* What a forward sweep leaves beside the registers. */
 enum { POSE_ONLY, WITH_MARGIN, WITH_ROOTS };
 

@@ -123,8 +123,6 @@ LW_INLINE bars short_back(double c, double s, const numbers *g, const lane *z, d
 /* What a loop over points puts out. */
 enum { PLACE, PLACE_MARGIN, PLACE_TURN, PLACE_TURN_MARGIN, FRAME, FRAME_MARGIN };
 
-typedef struct rows { double *x, *y, *u, *v, *margin; } rows;
-
 LW_INLINE void short_points(const run *k, const number_rows *r, size_t n, const rows *out, const int per_lane,
                             const int form, const int pin, const int dyad)
 {
@@ -159,11 +157,11 @@ static bar_rows short_bars(const run *k, int which, double *base, size_t ld, dou
     const lw_short *f = &p->output_short[which];
     const int d[10] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2,
                         p->i_cx[which], p->i_cy[which], p->i_theta0 };
-    double *row[10];
+    double *row[10], *spare = k->spare + 2*k->nb;
     for (int i = 0; i < 10; i++)
-        row[i] = d[i] < 0 ? k->spare : base + (size_t)d[i]*ld;
+        row[i] = d[i] < 0 ? spare : base + (size_t)d[i]*ld;
     return (bar_rows){ row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9],
-                       input ? input : k->spare };
+                       input ? input : spare };
 }
 
 LW_INLINE void put_bars(const bar_rows *r, const bars *o, double turn, size_t i, const int pin, const int dyad)
@@ -193,7 +191,7 @@ LW_INLINE double short_inverse(const lane *z)
     return (firm ? 1.0 : 0.0)/(firm ? z->y : 1.0);
 }
 
-/* place[4]: x, y, u, v in the plane; u, v may be spare rows. */
+/* u, v, margin and rows of dimensions the plan does not have may be spare. */
 LW_INLINE void short_jacobian(const run *k, const number_rows *r, size_t n, const rows *out, const bar_rows bar[3],
                               const int angle, const int pin, const int dyad)
 {
@@ -229,8 +227,6 @@ typedef struct sums {
     double r2[LW_GROUP], e_in[LW_GROUP], b[LW_GROUP], e[LW_GROUP], beta[LW_GROUP], d1[LW_GROUP], d2[LW_GROUP],
            cx[LW_GROUP], cy[LW_GROUP], x0[LW_GROUP], y0[LW_GROUP], turn[LW_GROUP], f[LW_GROUP], margin[LW_GROUP];
 } sums;
-
-typedef struct target { const double *x, *y, *w; } target;
 
 LW_INLINE void add_bars(sums *a, const bars *o, size_t j, const int pin, const int dyad)
 {
@@ -321,6 +317,27 @@ static void short_block_sum(const run *k, int which, size_t n, const target *t, 
         LW_EACH_SHORT(f, short_sum, k, &r, n, t, a, 1);
     else
         LW_EACH_SHORT(f, short_sum, k, &r, n, t, a, 0);
+}
+
+static void short_block_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
+{
+    const lw_plan *p = k->plan;
+    const lw_short *f = &p->output_short[which];
+    const number_rows r = short_rows(k, which);
+    rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
+                out->margin ? out->margin : k->margin };
+    bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx), short_bars(k, which, out->jy, out->ld, out->ty) };
+    if (out->jt) {
+        bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);
+        fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);
+        fill(out->jt + (size_t)p->i_y0*out->ld, 0, n);
+        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 1);
+    } else
+        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 0);
+    fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
+    fill(out->jx + (size_t)p->i_y0*out->ld, 0, n);
+    fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);
+    fill(out->jy + (size_t)p->i_y0*out->ld, 1, n);
 }
 
 #endif

@@ -16,130 +16,104 @@ static void input_pin(const run *k, const lw_step *s, size_t n)
 
 static void input_slide(const run *k, const lw_step *s, size_t n)
 {
-    const double *qx = reg_x(k, s->in[0]), *qy = reg_y(k, s->in[0]), *wx = reg_x(k, s->in[1]), *wy = reg_y(k, s->in[1]);
+    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]);
+    const out_rows o = out_reg(k, s->out[0]);
     const double *d = k->c;
-    double *restrict ox = reg_x(k, s->out[0]), *restrict oy = reg_y(k, s->out[0]);
-    LW_LANES(n) {
-        lw_vec2 p = lw_point(lw_v2(qx[i], qy[i]), lw_v2(wx[i], wy[i]), d[i], 0);
-        ox[i] = p.x;
-        oy[i] = p.y;
-    }
+    LW_LANES(n) put(o, i, lw_point(get(q, i), get(w, i), d[i], 0));
 }
 
 LW_INLINE void point(const run *k, const lw_step *s, size_t n, const int per_lane)
 {
-    const double *ox = reg_x(k, s->in[0]), *oy = reg_y(k, s->in[0]), *dx = reg_x(k, s->in[1]), *dy = reg_y(k, s->in[1]);
+    const in_rows o = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
+    const out_rows p = out_reg(k, s->out[0]);
     const double *x = dim_of(k, s->dim[0]), *y = dim_of(k, s->dim[1]), x0 = *x, y0 = *y;
-    double *restrict px = reg_x(k, s->out[0]), *restrict py = reg_y(k, s->out[0]);
-    LW_LANES(n) {
-        lw_vec2 p = lw_point(lw_v2(ox[i], oy[i]), lw_v2(dx[i], dy[i]), per_lane ? x[i] : x0, per_lane ? y[i] : y0);
-        px[i] = p.x;
-        py[i] = p.y;
-    }
+    LW_LANES(n) put(p, i, lw_point(get(o, i), get(d, i), per_lane ? x[i] : x0, per_lane ? y[i] : y0));
 }
 
 LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane)
 {
-    const double *ox = reg_x(k, s->in[0]), *oy = reg_y(k, s->in[0]), *dx = reg_x(k, s->in[1]), *dy = reg_y(k, s->in[1]);
+    const in_rows o = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
+    const out_rows q = out_reg(k, s->out[0]), w = out_reg(k, s->out[1]);
     const double *e = dim_of(k, s->dim[0]), *c = cos_of(k, s->dim[2]), *t = sin_of(k, s->dim[2]);
     const double e0 = *e, c0 = *c, t0 = *t;
-    double *restrict qx = reg_x(k, s->out[0]), *restrict qy = reg_y(k, s->out[0]);
-    double *restrict wx = reg_x(k, s->out[1]), *restrict wy = reg_y(k, s->out[1]);
     LW_LANES(n) {
-        lw_vec2 w = lw_v2_turn(lw_v2(per_lane ? c[i] : c0, per_lane ? t[i] : t0), lw_v2(dx[i], dy[i]));
-        lw_vec2 q = lw_point(lw_v2(ox[i], oy[i]), w, 0, per_lane ? e[i] : e0);
-        wx[i] = w.x;
-        wy[i] = w.y;
-        qx[i] = q.x;
-        qy[i] = q.y;
+        lw_vec2 along = lw_v2_turn(lw_v2(per_lane ? c[i] : c0, per_lane ? t[i] : t0), get(d, i));
+        lw_vec2 at = lw_point(get(o, i), along, 0, per_lane ? e[i] : e0);
+        put(w, i, along);
+        put(q, i, at);
     }
 }
 
+/* The least margin so far, and the reciprocal that the derivatives need, 0 where they do not exist. */
 LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, const int want)
 {
     if (want >= WITH_MARGIN)
-        *margin = m < *margin ? m : *margin;
+        *margin = lw_at_most(m, *margin);
     if (want == WITH_ROOTS)
         *aux = (m > LW_MARGIN_FLAT ? 1.0 : 0.0)/(m > LW_MARGIN_FLAT ? y : 1.0);
 }
 
 LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int second)
 {
-    const double *ax = reg_x(k, s->in[0]), *ay = reg_y(k, s->in[0]), *bx = reg_x(k, s->in[1]), *by = reg_y(k, s->in[1]);
+    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
+    const out_rows u = out_reg(k, s->out[0]), v = second ? out_reg(k, s->out[1]) : u, c = out_reg(k, s->out[2]);
     const double *r1 = dim_of(k, s->dim[0]), *r2 = dim_of(k, s->dim[1]), *mode = mode_of(k, s->dyad);
     const double r10 = *r1, r20 = *r2, mode0 = *mode, flat0 = lw_rrr_flat(r10, r20);
-    double *restrict ux = reg_x(k, s->out[0]), *restrict uy = reg_y(k, s->out[0]);
-    double *restrict vx = second ? reg_x(k, s->out[1]) : NULL, *restrict vy = second ? reg_y(k, s->out[1]) : NULL;
-    double *restrict cx = reg_x(k, s->out[2]), *restrict cy = reg_y(k, s->out[2]);
-    double *restrict margin = k->margin, *restrict aux = aux_row(k, s->dyad);
+    double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
         double p = per_lane ? r1[i] : r10, q = per_lane ? r2[i] : r20;
-        lw_vec2 a = lw_v2(ax[i], ay[i]);
-        lw_rrr z = lw_rrr_solve(a, lw_v2(bx[i], by[i]), p, q, per_lane ? mode[i] : mode0);
-        lw_vec2 u = lw_rrr_first(&z), c = lw_point(a, u, p, 0);
-        if (second) {
-            lw_vec2 v = lw_rrr_second(&z);
-            vx[i] = v.x;
-            vy[i] = v.y;
-        }
+        lw_vec2 from = get(a, i);
+        lw_rrr z = lw_rrr_solve(from, get(b, i), p, q, per_lane ? mode[i] : mode0);
+        lw_vec2 first = lw_rrr_first(&z), tip = lw_point(from, first, p, 0);
+        if (second)
+            put(v, i, lw_rrr_second(&z));
         if (want)
             keep_margin(&margin[i], &aux[i], lw_rrr_margin(&z, per_lane ? lw_rrr_flat(p, q) : flat0), z.y, want);
-        ux[i] = u.x;
-        uy[i] = u.y;
-        cx[i] = c.x;
-        cy[i] = c.y;
+        put(u, i, first);
+        put(c, i, tip);
     }
 }
 
 LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
 {
-    const double *ax = reg_x(k, s->in[0]), *ay = reg_y(k, s->in[0]), *qx = reg_x(k, s->in[1]), *qy = reg_y(k, s->in[1]);
-    const double *wx = reg_x(k, s->in[2]), *wy = reg_y(k, s->in[2]);
+    const in_rows a = in_reg(k, s->in[0]), q = in_reg(k, s->in[1]), w = in_reg(k, s->in[2]);
+    const out_rows u = out_reg(k, s->out[0]), c = out_reg(k, s->out[1]);
     const double *r = dim_of(k, s->dim[0]), *mode = mode_of(k, s->dyad), r0 = *r, mode0 = *mode;
-    double *restrict ux = reg_x(k, s->out[0]), *restrict uy = reg_y(k, s->out[0]);
-    double *restrict cx = reg_x(k, s->out[1]), *restrict cy = reg_y(k, s->out[1]);
-    double *restrict margin = k->margin, *restrict aux = aux_row(k, s->dyad);
+    double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
-        lw_vec2 a = lw_v2(ax[i], ay[i]);
-        lw_rrp z = lw_rrp_solve_along(a, lw_v2(qx[i], qy[i]), lw_v2(wx[i], wy[i]), per_lane ? r[i] : r0,
-                                      per_lane ? mode[i] : mode0);
-        lw_vec2 u = lw_rrp_direction(&z), c = lw_v2_add(a, z.arm);
+        lw_vec2 from = get(a, i);
+        lw_rrp z = lw_rrp_solve_along(from, get(q, i), get(w, i), per_lane ? r[i] : r0, per_lane ? mode[i] : mode0);
         if (want)
             keep_margin(&margin[i], &aux[i], lw_rrp_margin(&z), z.y, want);
-        ux[i] = u.x;
-        uy[i] = u.y;
-        cx[i] = c.x;
-        cy[i] = c.y;
+        put(u, i, lw_rrp_direction(&z));
+        put(c, i, lw_v2_add(from, z.arm));
     }
 }
 
 LW_INLINE void rpr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
 {
-    const double *ax = reg_x(k, s->in[0]), *ay = reg_y(k, s->in[0]), *bx = reg_x(k, s->in[1]), *by = reg_y(k, s->in[1]);
+    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
+    const out_rows u = out_reg(k, s->out[0]);
     const double *e = dim_of(k, s->dim[0]), *mode = mode_of(k, s->dyad), e0 = *e, mode0 = *mode;
-    double *restrict ux = reg_x(k, s->out[0]), *restrict uy = reg_y(k, s->out[0]);
-    double *restrict margin = k->margin, *restrict aux = aux_row(k, s->dyad);
+    double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
-        lw_rpr z = lw_rpr_solve(lw_v2(ax[i], ay[i]), lw_v2(bx[i], by[i]), per_lane ? e[i] : e0, per_lane ? mode[i] : mode0);
+        lw_rpr z = lw_rpr_solve(get(a, i), get(b, i), per_lane ? e[i] : e0, per_lane ? mode[i] : mode0);
         if (want)
             keep_margin(&margin[i], &aux[i], lw_rpr_margin(&z), z.y, want);
-        ux[i] = z.u.x;
-        uy[i] = z.u.y;
+        put(u, i, z.u);
     }
 }
 
 LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int want)
 {
-    const double *px = reg_x(k, s->in[0]), *py = reg_y(k, s->in[0]), *ux = reg_x(k, s->in[1]), *uy = reg_y(k, s->in[1]);
-    const double *qx = reg_x(k, s->in[2]), *qy = reg_y(k, s->in[2]), *wx = reg_x(k, s->in[3]), *wy = reg_y(k, s->in[3]);
-    double *restrict cx = reg_x(k, s->out[0]), *restrict cy = reg_y(k, s->out[0]);
-    double *restrict margin = k->margin, *restrict aux = aux_row(k, s->dyad);
+    const in_rows p = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]), q = in_reg(k, s->in[2]), w = in_reg(k, s->in[3]);
+    const out_rows c = out_reg(k, s->out[0]);
+    double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
-        lw_prp z = lw_prp_solve(lw_v2(px[i], py[i]), lw_v2(ux[i], uy[i]), lw_v2(qx[i], qy[i]), lw_v2(wx[i], wy[i]));
+        lw_prp z = lw_prp_solve(get(p, i), get(u, i), get(q, i), get(w, i));
         if (want)
             keep_margin(&margin[i], &aux[i], lw_prp_margin(&z), z.sine, want);
-        cx[i] = z.c.x;
-        cy[i] = z.c.y;
+        put(c, i, z.c);
     }
 }
 
@@ -190,138 +164,131 @@ static void forward(const run *k, int which, size_t n, int per_lane, int want)
 /* ---- steps backwards: see mbs/dyad.h -------------------------------------------------------------------
  * Several adjoints may be one register, which is read again after it is written. */
 
+static void back_input_pin(const run *k, const lw_step *s, size_t n, double *input_bar)
+{
+    const double *u = bar_x(k, s->out[0]);
+    LW_LANES(n) input_bar[i] += u[i];
+}
+
 static void back_input_slide(const run *k, const lw_step *s, size_t n, double *input_bar)
 {
-    const double *wx = reg_x(k, s->in[1]), *wy = reg_y(k, s->in[1]), *d = k->c;
-    const double *ox = bar_x(k, s->out[0]), *oy = bar_y(k, s->out[0]);
-    double *qx = bar_x(k, s->in[0]), *qy = bar_y(k, s->in[0]), *w = bar_x(k, s->in[1]);
+    const in_rows w = in_reg(k, s->in[1]), o_bar = in_bar(k, s->out[0]);
+    const out_rows q_bar = out_bar(k, s->in[0]);
+    const double *d = k->c;
+    double *w_bar = bar_x(k, s->in[1]);
     LW_LANES(n) {
-        lw_vec2 o = lw_v2(ox[i], oy[i]), u = lw_v2(wx[i], wy[i]);
+        lw_vec2 o = get(o_bar, i), u = get(w, i);
         input_bar[i] += lw_v2_dot(o, u);
-        w[i] += d[i]*lw_v2_dot(o, lw_v2_perp(u));
-        qx[i] += o.x;
-        qy[i] += o.y;
+        w_bar[i] += d[i]*lw_v2_dot(o, lw_v2_perp(u));
+        add_to(q_bar, i, o);
     }
 }
 
 static void back_point(const run *k, const lw_step *s, size_t n)
 {
-    const double *dx = reg_x(k, s->in[1]), *dy = reg_y(k, s->in[1]);
+    const in_rows d = in_reg(k, s->in[1]), p_bar = in_bar(k, s->out[0]);
+    const out_rows o_bar = out_bar(k, s->in[0]);
     const double x = *dim_of(k, s->dim[0]), y = *dim_of(k, s->dim[1]);
-    const double *px = bar_x(k, s->out[0]), *py = bar_y(k, s->out[0]);
-    double *ox = bar_x(k, s->in[0]), *oy = bar_y(k, s->in[0]), *d = bar_x(k, s->in[1]);
-    double *x_bar = dim_bar(k, s->dim[0]), *y_bar = dim_bar(k, s->dim[1]);
+    double *d_bar = bar_x(k, s->in[1]), *x_bar = dim_bar(k, s->dim[0]), *y_bar = dim_bar(k, s->dim[1]);
     LW_LANES(n) {
-        lw_vec2 p = lw_v2(px[i], py[i]), u = lw_v2(dx[i], dy[i]);
+        lw_vec2 p = get(p_bar, i), u = get(d, i);
         double along = lw_v2_dot(p, u), across = lw_v2_dot(p, lw_v2_perp(u));
         x_bar[i] += along;
         y_bar[i] += across;
-        d[i] += x*across - y*along;
-        ox[i] += p.x;
-        oy[i] += p.y;
+        d_bar[i] += x*across - y*along;
+        add_to(o_bar, i, p);
     }
 }
 
 static void back_line(const run *k, const lw_step *s, size_t n)
 {
-    const double *wx = reg_x(k, s->out[1]), *wy = reg_y(k, s->out[1]), e = *dim_of(k, s->dim[0]);
-    const double *qx = bar_x(k, s->out[0]), *qy = bar_y(k, s->out[0]), *w = bar_x(k, s->out[1]);
-    double *ox = bar_x(k, s->in[0]), *oy = bar_y(k, s->in[0]), *d = bar_x(k, s->in[1]);
-    double *e_bar = dim_bar(k, s->dim[0]), *beta_bar = dim_bar(k, s->dim[1]);
+    const in_rows w = in_reg(k, s->out[1]), q_bar = in_bar(k, s->out[0]);
+    const out_rows o_bar = out_bar(k, s->in[0]);
+    const double e = *dim_of(k, s->dim[0]), *w_bar = bar_x(k, s->out[1]);
+    double *d_bar = bar_x(k, s->in[1]), *e_bar = dim_bar(k, s->dim[0]), *beta_bar = dim_bar(k, s->dim[1]);
     LW_LANES(n) {
-        lw_vec2 q = lw_v2(qx[i], qy[i]), u = lw_v2(wx[i], wy[i]);
-        double turn = w[i] - e*lw_v2_dot(q, u);
+        lw_vec2 q = get(q_bar, i), u = get(w, i);
+        double turn = w_bar[i] - e*lw_v2_dot(q, u);
         e_bar[i] += lw_v2_dot(q, lw_v2_perp(u));
         beta_bar[i] += turn;
-        d[i] += turn;
-        ox[i] += q.x;
-        oy[i] += q.y;
+        d_bar[i] += turn;
+        add_to(o_bar, i, q);
     }
+}
+
+/* The adjoint of the tip goes to the pin it was reached from, less the pull, which goes to the other. */
+LW_INLINE void share_pull(out_rows a_bar, out_rows b_bar, size_t i, lw_vec2 tip, lw_vec2 pull)
+{
+    add_to(a_bar, i, lw_v2_sub(tip, pull));
+    add_to(b_bar, i, pull);
 }
 
 static void back_rrr(const run *k, const lw_step *s, size_t n)
 {
-    const double *px = reg_x(k, s->in[0]), *py = reg_y(k, s->in[0]), *qx = reg_x(k, s->in[1]), *qy = reg_y(k, s->in[1]);
-    const double *ux = reg_x(k, s->out[0]), *uy = reg_y(k, s->out[0]), *inv = aux_row(k, s->dyad);
+    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]), u = in_reg(k, s->out[0]), c_bar = in_bar(k, s->out[2]);
+    const out_rows a_bar = out_bar(k, s->in[0]), b_bar = out_bar(k, s->in[1]);
     const double r1 = *dim_of(k, s->dim[0]), r2 = *dim_of(k, s->dim[1]), by_r2 = 1/lw_away_from_zero(r2);
-    const double *u = bar_x(k, s->out[0]), *cx = bar_x(k, s->out[2]), *cy = bar_y(k, s->out[2]);
-    const double *v = s->out[1] < 0 ? reg_x(k, 0) : bar_x(k, s->out[1]);
-    double *ax = bar_x(k, s->in[0]), *ay = bar_y(k, s->in[0]), *bx = bar_x(k, s->in[1]), *by = bar_y(k, s->in[1]);
+    const double *inv = aux_row(k, s->dyad), *u_bar = bar_x(k, s->out[0]);
+    const double *v_bar = s->out[1] < 0 ? reg_x(k, 0) : bar_x(k, s->out[1]);
     double *r1_bar = dim_bar(k, s->dim[0]), *r2_bar = dim_bar(k, s->dim[1]);
     LW_LANES(n) {
-        lw_vec2 u1 = lw_v2(ux[i], uy[i]), c = lw_v2(cx[i], cy[i]);
-        lw_vec2 tip = lw_point(lw_v2(px[i], py[i]), u1, r1, 0);
-        lw_vec2 u2 = lw_v2_scale(lw_v2_sub(tip, lw_v2(qx[i], qy[i])), by_r2);
-        double d1 = lw_v2_dot(c, u1), d2 = 0;
-        lw_vec2 pull = lw_rrr_back(u1, u2, r1, r2, inv[i], u[i] + r1*lw_v2_dot(c, lw_v2_perp(u1)), v[i], &d1, &d2);
+        lw_vec2 u1 = get(u, i), c = get(c_bar, i), tip = lw_point(get(a, i), u1, r1, 0);
+        lw_vec2 u2 = lw_v2_scale(lw_v2_sub(tip, get(b, i)), by_r2);
+        double d1 = lw_v2_dot(c, u1), d2 = 0, turn = u_bar[i] + r1*lw_v2_dot(c, lw_v2_perp(u1));
+        lw_vec2 pull = lw_rrr_back(u1, u2, r1, r2, inv[i], turn, v_bar[i], &d1, &d2);
         r1_bar[i] += d1;
         r2_bar[i] += d2;
-        ax[i] += c.x - pull.x;
-        ay[i] += c.y - pull.y;
-        bx[i] += pull.x;
-        by[i] += pull.y;
+        share_pull(a_bar, b_bar, i, c, pull);
     }
 }
 
 static void back_rrp(const run *k, const lw_step *s, size_t n)
 {
-    const double *qx = reg_x(k, s->in[1]), *qy = reg_y(k, s->in[1]), *wx = reg_x(k, s->in[2]), *wy = reg_y(k, s->in[2]);
-    const double *ux = reg_x(k, s->out[0]), *uy = reg_y(k, s->out[0]), *tx = reg_x(k, s->out[1]), *ty = reg_y(k, s->out[1]);
-    const double r = *dim_of(k, s->dim[0]), *inv = aux_row(k, s->dyad);
-    const double *u = bar_x(k, s->out[0]), *cx = bar_x(k, s->out[1]), *cy = bar_y(k, s->out[1]);
-    double *ax = bar_x(k, s->in[0]), *ay = bar_y(k, s->in[0]), *bx = bar_x(k, s->in[1]), *by = bar_y(k, s->in[1]);
-    double *w = bar_x(k, s->in[2]), *r_bar = dim_bar(k, s->dim[0]);
+    const in_rows q = in_reg(k, s->in[1]), w = in_reg(k, s->in[2]), u = in_reg(k, s->out[0]), c = in_reg(k, s->out[1]);
+    const in_rows c_bar = in_bar(k, s->out[1]);
+    const out_rows a_bar = out_bar(k, s->in[0]), q_bar = out_bar(k, s->in[1]);
+    const double r = *dim_of(k, s->dim[0]), *inv = aux_row(k, s->dyad), *u_bar = bar_x(k, s->out[0]);
+    double *w_bar = bar_x(k, s->in[2]), *r_bar = dim_bar(k, s->dim[0]);
     LW_LANES(n) {
-        lw_vec2 u1 = lw_v2(ux[i], uy[i]), w1 = lw_v2(wx[i], wy[i]), c = lw_v2(cx[i], cy[i]);
-        double t = lw_v2_dot(lw_v2_sub(lw_v2(tx[i], ty[i]), lw_v2(qx[i], qy[i])), w1);
-        double d = lw_v2_dot(c, u1), dw = 0;
-        lw_vec2 pull = lw_rrp_back(u1, w1, t, inv[i], u[i] + r*lw_v2_dot(c, lw_v2_perp(u1)), &d, &dw);
+        lw_vec2 u1 = get(u, i), w1 = get(w, i), bar = get(c_bar, i);
+        double t = lw_v2_dot(lw_v2_sub(get(c, i), get(q, i)), w1);
+        double d = lw_v2_dot(bar, u1), dw = 0, turn = u_bar[i] + r*lw_v2_dot(bar, lw_v2_perp(u1));
+        lw_vec2 pull = lw_rrp_back(u1, w1, t, inv[i], turn, &d, &dw);
         r_bar[i] += d;
-        w[i] += dw;
-        ax[i] += c.x - pull.x;
-        ay[i] += c.y - pull.y;
-        bx[i] += pull.x;
-        by[i] += pull.y;
+        w_bar[i] += dw;
+        share_pull(a_bar, q_bar, i, bar, pull);
     }
 }
 
 static void back_rpr(const run *k, const lw_step *s, size_t n)
 {
-    const double *ux = reg_x(k, s->out[0]), *uy = reg_y(k, s->out[0]), *u = bar_x(k, s->out[0]);
-    const double *inv = aux_row(k, s->dyad);
-    double *ax = bar_x(k, s->in[0]), *ay = bar_y(k, s->in[0]), *bx = bar_x(k, s->in[1]), *by = bar_y(k, s->in[1]);
+    const in_rows u = in_reg(k, s->out[0]);
+    const out_rows a_bar = out_bar(k, s->in[0]), b_bar = out_bar(k, s->in[1]);
+    const double *u_bar = bar_x(k, s->out[0]), *inv = aux_row(k, s->dyad);
     double *e_bar = dim_bar(k, s->dim[0]);
     LW_LANES(n) {
         double d = 0;
-        lw_vec2 pull = lw_rpr_back(lw_v2(ux[i], uy[i]), inv[i], u[i], &d);
+        lw_vec2 pull = lw_rpr_back(get(u, i), inv[i], u_bar[i], &d);
         e_bar[i] += d;
-        ax[i] -= pull.x;
-        ay[i] -= pull.y;
-        bx[i] += pull.x;
-        by[i] += pull.y;
+        share_pull(a_bar, b_bar, i, lw_v2(0, 0), pull);
     }
 }
 
 static void back_prp(const run *k, const lw_step *s, size_t n)
 {
-    const double *px = reg_x(k, s->in[0]), *py = reg_y(k, s->in[0]), *ux = reg_x(k, s->in[1]), *uy = reg_y(k, s->in[1]);
-    const double *qx = reg_x(k, s->in[2]), *qy = reg_y(k, s->in[2]), *wx = reg_x(k, s->in[3]), *wy = reg_y(k, s->in[3]);
-    const double *tx = reg_x(k, s->out[0]), *ty = reg_y(k, s->out[0]), *inv = aux_row(k, s->dyad);
-    const double *cx = bar_x(k, s->out[0]), *cy = bar_y(k, s->out[0]);
-    double *ax = bar_x(k, s->in[0]), *ay = bar_y(k, s->in[0]), *u = bar_x(k, s->in[1]);
-    double *bx = bar_x(k, s->in[2]), *by = bar_y(k, s->in[2]), *w = bar_x(k, s->in[3]);
+    const in_rows p = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]), q = in_reg(k, s->in[2]), w = in_reg(k, s->in[3]);
+    const in_rows c = in_reg(k, s->out[0]), c_bar = in_bar(k, s->out[0]);
+    const out_rows p_bar = out_bar(k, s->in[0]), q_bar = out_bar(k, s->in[2]);
+    const double *inv = aux_row(k, s->dyad);
+    double *u_bar = bar_x(k, s->in[1]), *w_bar = bar_x(k, s->in[3]);
     LW_LANES(n) {
-        lw_vec2 tip = lw_v2(tx[i], ty[i]), c = lw_v2(cx[i], cy[i]), u1 = lw_v2(ux[i], uy[i]), u2 = lw_v2(wx[i], wy[i]);
-        double t1 = lw_v2_dot(lw_v2_sub(tip, lw_v2(px[i], py[i])), u1);
-        double t2 = lw_v2_dot(lw_v2_sub(tip, lw_v2(qx[i], qy[i])), u2);
+        lw_vec2 tip = get(c, i), u1 = get(u, i), u2 = get(w, i), bar = get(c_bar, i);
+        double t1 = lw_v2_dot(lw_v2_sub(tip, get(p, i)), u1), t2 = lw_v2_dot(lw_v2_sub(tip, get(q, i)), u2);
         double d1 = 0, d2 = 0;
-        lw_vec2 pull = lw_prp_back(u1, u2, t1, t2, inv[i], c, &d1, &d2);
-        u[i] += d1;
-        w[i] += d2;
-        ax[i] += c.x - pull.x;
-        ay[i] += c.y - pull.y;
-        bx[i] += pull.x;
-        by[i] += pull.y;
+        lw_vec2 pull = lw_prp_back(u1, u2, t1, t2, inv[i], bar, &d1, &d2);
+        u_bar[i] += d1;
+        w_bar[i] += d2;
+        share_pull(p_bar, q_bar, i, bar, pull);
     }
 }
 
@@ -332,10 +299,7 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
     for (int i = p->n_output_step[which] - 1; i >= 0; i--) {
         const lw_step *s = &p->step[p->output_step[which][i]];
         switch (s->kind) {
-        case LW_STEP_INPUT_PIN:
-            for (size_t j = 0; j < n; j++)
-                input_bar[j] += bar_x(k, s->out[0])[j];
-            break;
+        case LW_STEP_INPUT_PIN:   back_input_pin(k, s, n, input_bar); break;
         case LW_STEP_INPUT_SLIDE: back_input_slide(k, s, n, input_bar); break;
         case LW_STEP_POINT:       back_point(k, s, n); break;
         case LW_STEP_LINE:        back_line(k, s, n); break;

@@ -153,6 +153,20 @@ static void same_bits_in_every_company(void)
     }
 }
 
+static void no_lanes_no_work(void)
+{
+    static subject q;
+    static lanes l;
+    static outputs o, clean;
+    lw_type_linkage(lw_type_find("fourbar"), &q.k);
+    plan_of(&q, false);
+    for (int per_lane = 0; per_lane < 4; per_lane++) {
+        run_lanes(&q, &l, 0, per_lane, &o);
+        clean.least = o.least;
+        CHECK(memcmp(&o, &clean, sizeof o) == 0);
+    }
+}
+
 /* ---- derivatives by complex steps --------------------------------------------------------------------------
  * The steps of the plan with complex dimensions (Squire & Trapp 1998: f'(x) = Im f(x + ih)/h, no
  * cancellation), from textbook formulas: law of cosines, Pythagoras, Cramer. */
@@ -647,6 +661,7 @@ int main(void)
 {
     RUN(same_bits_on_every_instruction_set);
     RUN(same_bits_in_every_company);
+    RUN(no_lanes_no_work);
     RUN(jacobian_agrees_with_complex_steps);
     RUN(jacobian_of_every_link);
     RUN(sum_agrees_with_its_parts);

@@ -13,6 +13,16 @@ static bool plan_of(subject *q)
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, NULL) == LW_OK;
 }
 
+/* Four-link chains of every type and bigger ones in turn. */
+static bool random_subject(lw_rng *r, int trial, subject *q)
+{
+    if (trial%2)
+        random_grown(r, 1 + trial/2%3, &q->k);
+    else
+        random_type(r, &lw_type_table[trial/2%11], &q->k);
+    return plan_of(q);
+}
+
 /* Distances between the pins and tracers of one link, and what slides: two sliding links keep their
  * angle and the distance of a pin of one from the slide line of the other. */
 static void check_rigid(const subject *q, const lw_pose *now, double tolerance)
@@ -70,11 +80,7 @@ static void bars_keep_their_lengths(void)
     int n_checked = 0;
     lw_rng_seed(&r, check_seed(), 1);
     for (int trial = 0; trial < 4000; trial++) {
-        if (trial % 2)
-            random_grown(&r, 1 + trial/2%3, &q.k);
-        else
-            random_type(&r, &lw_type_table[trial/2%11], &q.k);
-        if (!plan_of(&q))
+        if (!random_subject(&r, trial, &q))
             continue;
         for (int d = 0; d < q.p.n_dyad; d++)
             q.mode[d] = lw_rng_bits(&r) & 1 ? 1 : -1;                 /* both assemblies */
@@ -121,11 +127,7 @@ static void orders_follow_from_each_other(void)
     int n_checked = 0;
     lw_rng_seed(&r, check_seed(), 2);
     for (int trial = 0; trial < 3000; trial++) {
-        if (trial % 2)
-            random_grown(&r, 1 + trial/2%3, &q.k);
-        else
-            random_type(&r, &lw_type_table[trial/2%11], &q.k);
-        if (!plan_of(&q))
+        if (!random_subject(&r, trial, &q))
             continue;
         double least = 1, size = 1;
         for (int i = 0; i < 5; i++) {
