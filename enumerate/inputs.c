@@ -3,30 +3,18 @@
 #include <string.h>
 #include "enumerate/symmetry.h"
 
-/* Is link i the lowest of those alike? */
-static bool is_lowest(const lw_symmetry *s, int i)
-{
-    for (size_t k = 1; k < s->n; k++)
-        if (s->link[k][i] < i)
-            return false;
-    return true;
-}
-
 lw_status lw_grounds_each(const lw_mechanism *m, lw_mechanism_visit *visit, void *context)
 {
-    lw_symmetry symmetry;
+    uint8_t lowest[LW_LINK_MAX];
     lw_mechanism chosen = *m;
     if (m->ground != LW_NONE)
         return LW_E_ARG;
-    lw_status s = lw_symmetry_of(m, true, &symmetry);
-    if (s != LW_OK)
-        return s;
+    lw_status s = lw_mechanism_orbits(m, lowest);
     for (int i = 0; i < m->n_link && s == LW_OK; i++)
-        if (is_lowest(&symmetry, i)) {
+        if (lowest[i] == i) {
             chosen.ground = i;
             s = visit(context, &chosen);
         }
-    lw_symmetry_free(&symmetry);
     return s;
 }
 
@@ -100,23 +88,19 @@ lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechan
 
 lw_status lw_outputs_each(const lw_mechanism *m, lw_mechanism_visit *visit, void *context)
 {
-    lw_symmetry symmetry;
+    uint8_t lowest[LW_LINK_MAX];
     lw_mechanism chosen = *m;
-    uint32_t barred;
     if (m->ground == LW_NONE || m->output != LW_NONE)
         return LW_E_ARG;
-    barred = 1u << m->ground;
+    uint32_t barred = 1u << m->ground;
     for (int i = 0; i < m->n_input; i++)
         if (at_link(m, m->input[i], m->ground))
             barred |= 1u << m->link[m->input[i]][0] | 1u << m->link[m->input[i]][1];
-    lw_status s = lw_symmetry_of(m, true, &symmetry);
-    if (s != LW_OK)
-        return s;
+    lw_status s = lw_mechanism_orbits(m, lowest);
     for (int i = 0; i < m->n_link && s == LW_OK; i++)
-        if (!(barred >> i & 1) && is_lowest(&symmetry, i)) {
+        if (!(barred >> i & 1) && lowest[i] == i) {
             chosen.output = i;
             s = visit(context, &chosen);
         }
-    lw_symmetry_free(&symmetry);
     return s;
 }

@@ -53,6 +53,19 @@ void lw_symmetry_free(lw_symmetry *s)
     *s = (lw_symmetry){ 0 };
 }
 
+lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest)
+{
+    lw_graph g;
+    lw_group group;
+    graph_of(m, true, &g);
+    lw_status status = lw_graph_group(&g, &group);
+    if (status != LW_OK)
+        return status;
+    memcpy(lowest, group.orbit, (size_t)m->n_link);
+    lw_group_free(&group);
+    return LW_OK;
+}
+
 lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form)
 {
     lw_graph g;

@@ -14,9 +14,13 @@ typedef struct lw_symmetry {
 } lw_symmetry;
 
 /* Symmetries that keep joints, ground, inputs and output; with `kinds` also the kinds of joints, else
- * only their freedoms.  LW_E_MEMORY. */
+ * only their freedoms.  LW_E_MEMORY, also for more than 2^24 symmetries. */
 lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s);
 void      lw_symmetry_free(lw_symmetry *s);
+
+/* lowest[i] = the lowest link that some symmetry, kinds kept, carries link i to; lowest (n_link).  Needs no
+ * list of the symmetries.  LW_E_MEMORY. */
+lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest);
 
 /* The mechanism in canonical form: two are isomorphic, choices and all, exactly when their forms are the
  * same.  LW_E_MEMORY. */
