@@ -186,6 +186,16 @@ static bool truss_of(const lw_mechanism *m, const lw_assur_group *g, lw_chain *t
     return true;
 }
 
+static bool same_assortment(const lw_chain *a, const lw_chain *b)
+{
+    int in_a[LW_LINK_MAX], in_b[LW_LINK_MAX];
+    if (a->n_link != b->n_link)
+        return false;
+    lw_chain_assortment(a, in_a);
+    lw_chain_assortment(b, in_b);
+    return memcmp(in_a, in_b, sizeof in_a) == 0;
+}
+
 static int modes_of(const lw_mechanism *m, const lw_assur_group *g)
 {
     lw_chain truss, form, known;
@@ -201,7 +211,7 @@ static int modes_of(const lw_mechanism *m, const lw_assur_group *g)
         return 0;
     for (size_t i = 0; i < sizeof known_modes/sizeof *known_modes; i++)
         if (lw_graph6_read(known_modes[i].truss, strlen(known_modes[i].truss), NULL, &known, NULL) == LW_OK
-            && known.n_link == form.n_link && lw_chain_canonical(&known, &known) == LW_OK
+            && same_assortment(&known, &form) && lw_chain_canonical(&known, &known) == LW_OK
             && lw_chain_same(&known, &form))
             return known_modes[i].n_mode;
     return 0;

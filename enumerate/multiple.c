@@ -186,7 +186,7 @@ typedef struct laying {
 static lw_status offer(laying *l, const lw_multiple *m)
 {
     lw_multiple form;
-    if (on_pin(m, 0) == 2 || !lw_multiple_moves(m))
+    if (on_pin(m, 0) == 2 || !is_whole(m))              /* nothing is rigid: lay saw to it */
         return LW_OK;
     lw_status s = make_room(&l->seen);
     if (s == LW_OK)
@@ -204,16 +204,24 @@ static lw_status offer(laying *l, const lw_multiple *m)
 /* What is laid together so far: pins made around links 0 .. at-1, and the joints that are still simple. */
 typedef struct stage { lw_multiple pins; uint32_t left[LW_LINK_MAX]; } stage;
 
-/* Lay joints of link `at` together: the lowest of `todo` with any set of the others, or alone. */
+/* The pins, and what was not laid together as simple joints. */
+static lw_multiple whole_of(const stage *s)
+{
+    lw_multiple m = s->pins;
+    for (int i = 0; i < m.n_link; i++)
+        for (uint32_t rest = s->left[i] & ~((2u << i) - 1); rest; rest &= rest - 1)
+            m.pin[m.n_pin++] = 1u << i | (rest & -rest);
+    sort_pins(&m);
+    return m;
+}
+
+/* Lay joints of link `at` together: the lowest of `todo` with any set of the others, or alone.  What is rigid
+ * stays so when more is laid together, and is left at once. */
 static lw_status lay(laying *l, const stage *s, int at, uint32_t todo)
 {
     lw_status status = LW_OK;
-    if (at == s->pins.n_link) {                            /* what was not laid together is simple */
-        lw_multiple m = s->pins;
-        for (int i = 0; i < m.n_link; i++)
-            for (uint32_t rest = s->left[i] & ~((2u << i) - 1); rest; rest &= rest - 1)
-                m.pin[m.n_pin++] = 1u << i | (rest & -rest);
-        sort_pins(&m);
+    if (at == s->pins.n_link) {
+        lw_multiple m = whole_of(s);
         return offer(l, &m);
     }
     if (!todo)
@@ -226,8 +234,12 @@ static lw_status lay(laying *l, const stage *s, int at, uint32_t todo)
             next.left[at] &= ~(first | with);
             for (uint32_t o = first | with; o; o &= o - 1)
                 next.left[__builtin_ctz(o)] &= ~(1u << at);
+            lw_multiple m = whole_of(&next);
+            if (nothing_rigid(&m))
+                status = lay(l, &next, at, others & ~with);
+        } else {
+            status = lay(l, &next, at, others);
         }
-        status = lay(l, &next, at, others & ~with);
         with = (with - others) & others;
     } while (with && status == LW_OK);
     return status;
