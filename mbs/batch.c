@@ -1,5 +1,5 @@
 /* Which instruction set serves the batch, and how much scratch it needs. */
-#include "mbs/kernels.h"
+#include "mbs/kernels_internal.h"
 
 #ifdef __x86_64__
 extern const lw_kernels lw_kernels_x86_64, lw_kernels_x86_64_v3, lw_kernels_x86_64_v4;

@@ -2,8 +2,8 @@
  *
  * Compiled once per instruction set (LW_ISA, see the Makefile); everything but the table at the end
  * is static, so that no instruction of one set leaks into another. */
-#include "mbs/kernel_short.h"
-#include "mbs/kernel_steps.h"
+#include "mbs/kernel_short_internal.h"
+#include "mbs/kernel_steps_internal.h"
 
 /* ---- lanes in blocks ----------------------------------------------------------------------------------- */
 

@@ -7,7 +7,7 @@
  * slider, v is a displacement and the distance is |w + i v|. */
 #include "mbs/motion_internal.h"
 #include "base/sum.h"
-#include "mbs/dyad.h"
+#include "mbs/dyad_internal.h"
 #include "mbs/plan_internal.h"
 
 static const double change_tolerance = 1e-14;

@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 #include <string.h>
-#include "mbs/kernels.h"
+#include "mbs/kernels_internal.h"
 
 /* ---- pins ------------------------------------------------------------------------------------- */
 

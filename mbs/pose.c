@@ -2,7 +2,7 @@
  * number is replaced by its Taylor coefficients in the input, sums and products by theirs
  * (Griewank & Walther 2008, ch. 13), so that the derivatives are exact to rounding. */
 #include "mbs/pose.h"
-#include "mbs/dyad.h"
+#include "mbs/dyad_internal.h"
 #include "mbs/plan_internal.h"
 
 #include <string.h>
@@ -141,7 +141,7 @@ static jet dot2(jet2 a, jet2 b) { return add(mul(a.x, b.x), mul(a.y, b.y)); }
 static jet2 constant2(double x, double y) { return (jet2){ constant(x), constant(y) }; }
 static jet2 point2(jet2 o, jet2 d, double x, double y) { return add2(o, turn2(constant2(x, y), d)); }
 
-/* ---- steps in Taylor arithmetic: the formulas of mbs/dyad.h, where they close ------------------------- */
+/* ---- steps in Taylor arithmetic: the formulas of mbs/dyad_internal.h, where they close ------------------------- */
 
 static jet2 input_direction(double input)
 {

@@ -3,7 +3,7 @@
 #include <complex.h>
 #undef I
 #include "mbs/batch.h"
-#include "mbs/kernels.h"
+#include "mbs/kernels_internal.h"
 #include "mbs/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"

@@ -11,7 +11,7 @@
 #include "base/clock.h"
 #include "base/rng.h"
 #include "mbs/batch.h"
-#include "mbs/kernels.h"
+#include "mbs/kernels_internal.h"
 #include "mbs/types.h"
 
 #define HAND(name) name##_v1

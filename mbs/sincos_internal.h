@@ -1,13 +1,13 @@
-/* mbs/sincos.h - sine and cosine as straight-line arithmetic that vectorises, the same bits in every
+/* mbs/sincos_internal.h - sine and cosine as straight-line arithmetic that vectorises, the same bits in every
  * instruction set.  Internal to mbs.
  *
  * The argument less the nearest multiple of pi/2 (subtracted in three parts, Cody & Waite 1980), then the
  * Taylor series to x^17, whose remainder on |x| <= pi/4 is below 1e-19.  Error at most 2 units in the
  * last place of 1 for |x| < LW_SINCOS_MAX; larger arguments are not for this function. */
-#ifndef LW_MBS_SINCOS_H
-#define LW_MBS_SINCOS_H
+#ifndef LW_MBS_SINCOS_INTERNAL_H
+#define LW_MBS_SINCOS_INTERNAL_H
 
-#include "mbs/dyad.h"
+#include "mbs/dyad_internal.h"
 
 #define LW_SINCOS_MAX 1e6
 

@@ -1,11 +1,11 @@
-/* mbs/kernel_run.h - the registers of a block of lanes and the loops over it.  Included by mbs/kernel.c
+/* mbs/kernel_run_internal.h - the registers of a block of lanes and the loops over it.  Included by mbs/kernel.c
  * alone, once per instruction set. */
-#ifndef LW_MBS_KERNEL_RUN_H
-#define LW_MBS_KERNEL_RUN_H
+#ifndef LW_MBS_KERNEL_RUN_INTERNAL_H
+#define LW_MBS_KERNEL_RUN_INTERNAL_H
 
 #include <string.h>
-#include "mbs/kernels.h"
-#include "mbs/sincos.h"
+#include "mbs/kernels_internal.h"
+#include "mbs/sincos_internal.h"
 
 /* Whole groups of lanes, which spares the compiler the loop's rest.  Lanes do not depend on each other:
  * nothing a lane writes is read by another. */

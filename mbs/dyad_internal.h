@@ -1,4 +1,4 @@
-/* mbs/dyad.h - the closed forms of the dyads and their derivatives, one pose at a time.
+/* mbs/dyad_internal.h - the closed forms of the dyads and their derivatives, one pose at a time.
  *
  * Straight-line arithmetic without branches, written once and inlined into every loop (mbs/kernel.c) and
  * into the single pose (mbs/pose.c).  Internal to mbs.
@@ -10,8 +10,8 @@
  * Derivatives run backwards: given the adjoint of what a dyad put out (bar: derivative of some scalar by
  * it), add to the adjoints of what it took.  A direction has one number as adjoint, by its angle.  `inv`
  * is the one division a dyad's derivative needs, 0 where it does not exist. */
-#ifndef LW_MBS_DYAD_H
-#define LW_MBS_DYAD_H
+#ifndef LW_MBS_DYAD_INTERNAL_H
+#define LW_MBS_DYAD_INTERNAL_H
 
 #include "base/vec2.h"
 

@@ -1,9 +1,9 @@
-/* mbs/kernel_steps.h - each step of a plan as one loop over a block, forwards and backwards.  Included by
+/* mbs/kernel_steps_internal.h - each step of a plan as one loop over a block, forwards and backwards.  Included by
  * mbs/kernel.c alone. */
-#ifndef LW_MBS_KERNEL_STEPS_H
-#define LW_MBS_KERNEL_STEPS_H
+#ifndef LW_MBS_KERNEL_STEPS_INTERNAL_H
+#define LW_MBS_KERNEL_STEPS_INTERNAL_H
 
-#include "mbs/kernel_run.h"
+#include "mbs/kernel_run_internal.h"
 
 /* ---- steps forwards ----------------------------------------------------------------------------------
  * per_lane: dimensions and modes differ from lane to lane; a constant wherever these are inlined. */
@@ -161,7 +161,7 @@ static void forward(const run *k, int which, size_t n, int per_lane, int want)
         step[per_lane][want](k, &p->step[p->output_step[which][i]], n);
 }
 
-/* ---- steps backwards: see mbs/dyad.h -------------------------------------------------------------------
+/* ---- steps backwards: see mbs/dyad_internal.h -------------------------------------------------------------------
  * Several adjoints may be one register, which is read again after it is written. */
 
 static void back_input_pin(const run *k, const lw_step *s, size_t n, double *input_bar)

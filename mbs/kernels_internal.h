@@ -1,9 +1,9 @@
-/* mbs/kernels.h - the loops of mbs/batch.h, compiled once per instruction set from mbs/kernel.c.
+/* mbs/kernels_internal.h - the loops of mbs/batch.h, compiled once per instruction set from mbs/kernel.c.
  *
  * Every instruction set gives the same bits: no contraction, no reassociation, sums in eight accumulators
  * (lane number modulo eight).  Internal to mbs. */
-#ifndef LW_MBS_KERNELS_H
-#define LW_MBS_KERNELS_H
+#ifndef LW_MBS_KERNELS_INTERNAL_H
+#define LW_MBS_KERNELS_INTERNAL_H
 
 #include "mbs/batch.h"
 

@@ -1,11 +1,11 @@
-/* mbs/kernel_short.h - one loop for all steps of the commonest plans (lw_short in mbs/plan.h), from the
+/* mbs/kernel_short_internal.h - one loop for all steps of the commonest plans (lw_short in mbs/plan.h), from the
  * same dyad formulas as the loops of single steps.  Included by mbs/kernel.c alone.
  *
  * `pin` (crank or slider input) and `dyad` are constants wherever these functions are inlined. */
-#ifndef LW_MBS_KERNEL_SHORT_H
-#define LW_MBS_KERNEL_SHORT_H
+#ifndef LW_MBS_KERNEL_SHORT_INTERNAL_H
+#define LW_MBS_KERNEL_SHORT_INTERNAL_H
 
-#include "mbs/kernel_run.h"
+#include "mbs/kernel_run_internal.h"
 
 /* The line of RRP along x, at a distance; or through the origin, turned. */
 enum { SHORT_RRR, SHORT_RRP, SHORT_RRP_TURNED, SHORT_RPR };
@@ -100,7 +100,7 @@ LW_INLINE bars short_back(double c, double s, const numbers *g, const lane *z, d
         lw_vec2 tip = lw_v2_add(z->a, lw_v2_scale(z->u, g->d1));
         lw_vec2 u2 = lw_v2_scale(lw_v2(tip.x - g->b, tip.y), by_d2);
         pull = lw_rrr_back(z->u, u2, g->d1, g->d2, inv, turn, 0, &o.d1, &o.d2);
-    } else if (dyad == SHORT_RRP) {                      /* w along x, for which mbs/dyad.h gives */
+    } else if (dyad == SHORT_RRP) {                      /* w along x, for which mbs/dyad_internal.h gives */
         double k = turn*inv;
         o.d1 = -k*z->u.y;
         pull = lw_v2(0, k);
