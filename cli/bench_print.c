@@ -49,10 +49,10 @@ static double best_published(const cli_bench_figures *k)
 
 /* ---- tables -------------------------------------------------------------------------------------- */
 
-static void print_number(FILE *f, double v, const char *unit)
+static void print_number(FILE *f, double v, int digits)
 {
     if (isfinite(v))
-        fprintf(f, " %.5g%s |", v, unit);
+        fprintf(f, " %.*g |", digits, v);
     else
         fputs(" - |", f);
 }
@@ -91,13 +91,13 @@ static void reach_row(const cli_bench *b, int i, double *seconds, double *evals,
     qsort(evals, (size_t)n, sizeof *evals, by_size);
     bounds_text(p->known, bounds, sizeof bounds);
     fprintf(f, "| %s | %s |", p->name, bounds);
-    print_number(f, best_published(p->known), "");
-    print_number(f, p->known->reachable > 0 ? p->known->reachable : INFINITY, "");
+    print_number(f, best_published(p->known), 5);
+    print_number(f, p->known->reachable > 0 ? p->known->reachable : INFINITY, 5);
     fprintf(f, " %d of %d |", n, b->reach_done[i]);
-    print_number(f, n ? seconds[n/2] : INFINITY, "");
-    print_number(f, n ? seconds[n - 1] : INFINITY, "");
-    print_number(f, n ? evals[n/2] : INFINITY, "");
-    print_number(f, worst, "");
+    print_number(f, n ? seconds[n/2] : INFINITY, 2);
+    print_number(f, n ? seconds[n - 1] : INFINITY, 2);
+    print_number(f, n ? evals[n/2] : INFINITY, 6);
+    print_number(f, worst, 5);
     fputc('\n', f);
 }
 
