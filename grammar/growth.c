@@ -83,13 +83,10 @@ static bool is_k(char kind) { return kind == LW_JOINT_REVOLUTE || kind == LW_JOI
 /* Rule 3 backwards at the binary link q. */
 static bool is_rule_3(const lw_mechanism *m, uint32_t beside, int q, piece *p)
 {
-    int a = __builtin_ctz(beside), b = __builtin_ctz(beside & (beside - 1));
-    if (kind_of(m, q, a) == LW_JOINT_SLOT)
-        a ^= b, b ^= a, a ^= b;
-    if (kind_of(m, q, a) != LW_JOINT_REVOLUTE || kind_of(m, q, b) != LW_JOINT_SLOT)
-        return false;
-    *p = (piece){ .rule = 3, .n = 1, .x = a, .y = b, .q = { q } };
-    return true;
+    int side[2] = { __builtin_ctz(beside), __builtin_ctz(beside & (beside - 1)) };
+    bool turned = kind_of(m, q, side[0]) == LW_JOINT_SLOT;
+    *p = (piece){ .rule = 3, .n = 1, .x = side[turned], .y = side[!turned], .q = { q } };
+    return kind_of(m, q, p->x) == LW_JOINT_REVOLUTE && kind_of(m, q, p->y) == LW_JOINT_SLOT;
 }
 
 /* Rule 4 backwards at the binary link q and a binary link beside it. */
