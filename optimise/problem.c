@@ -99,7 +99,7 @@ static lw_status make_plan(const lw_type *type, lw_problem *p, lw_error *e)
     lw_type_linkage(type, &k);
     if (p->task == LW_TASK_FUNCTION)                       /* the output is the link at the ground   */
         k.tracer[0].link = 3;
-    lw_status s = lw_plan_make(&k, (lw_want){ .tracers = 1 }, &p->plan, e);
+    lw_status s = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &p->plan, e);
     if (s != LW_OK)
         return s;
     p->n_dim = p->n_var = p->plan.n_dim;

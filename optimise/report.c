@@ -105,7 +105,7 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
 static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c, double mode,
                         double from, double to, bool target, bool acceleration, lw_report *r)
 {
-    enum { STEPS = 360 };
+    enum { STEPS = 720 };
     double modes[LW_DYAD_MAX];
     modes_of(plan, mode, modes);
     for (int k = 0; k <= STEPS; k++) {
@@ -178,12 +178,13 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
             run_through(t, plan, c, k ? 1 : -1, from, to, true, false, r);
 }
 
-static void classify(const lw_candidate *c, lw_report *r)
+static void classify(const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
 {
     if (strcmp(c->family->type, "RRRR") != 0)
         return;
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
-    if (lw_fourbar_cognates(c->dim, c->mode, r->cognate, r->cognate_mode) == LW_OK)
+    if (s->task != LW_TASK_FUNCTION                      /* its tracer is not on the coupler         */
+        && lw_fourbar_cognates(c->dim, mode_at(c, 0), r->cognate, r->cognate_mode) == LW_OK)
         r->n_cognate = 2;
 }
 
@@ -216,7 +217,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         r->linkage.tracer[0].angle = pose.angle[r->linkage.tracer[0].link][0] + c->tool0;
         r->linkage.units = t->units;
         describe_motion(t, s, c, &plan, r);
-        classify(c, r);
+        classify(s, c, r);
         lw_verify(t, s, c, &plan, at, r);
     }
     free(at);

@@ -1,0 +1,438 @@
+/* Reports: what they say against sums by hand, and that the check of a result can fail. */
+#include "mbs/motion.h"
+#include "optimise/report_internal.h"
+#include "tests/fit_problem.h"
+#include "tests/mbs_linkage.h"
+
+/* A candidate made from a member whose stations are `st`, claimed to miss a shaken target. */
+typedef struct made {
+    member       m;
+    stations     st;
+    lw_target    t;
+    lw_fit_spec  spec;
+    lw_candidate c;
+    double       input[STATION_MAX], mode[STATION_MAX];
+} made;
+
+static double eq17(const made *k)
+{
+    double f = 0;
+    for (size_t i = 0; i < k->t.n; i++) {
+        lw_pose pose;
+        double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.mode;
+        lw_pose_solve(&k->m.plan, k->c.dim, &mode, k->c.input[i], 0, &pose);
+        if (k->spec.task != LW_TASK_FUNCTION)
+            f += k->spec.a*k->t.weight[i]*(pow(pose.tracer[0][0].x - k->t.x[i], 2) + pow(pose.tracer[0][0].y - k->t.y[i], 2));
+        double turn = k->t.theta ? pose.angle[k->m.plan.output_link[0]][0] + k->c.tool0 - k->t.theta[i] : 0;
+        f += k->spec.b*k->t.weight[i]*pow(remainder(turn, 2*LW_PI), 2);
+    }
+    return f;
+}
+
+static void claim(made *k)
+{
+    k->c = (lw_candidate){ .family = k->m.family, .mode = k->m.mode, .sense = 1, .n_dim = k->m.plan.n_dim,
+                           .input = k->input, .tool0 = k->t.theta ? 0.125 : 0 };
+    memcpy(k->c.dim, k->m.dim, sizeof k->c.dim);
+    memcpy(k->input, k->st.input, sizeof k->input);
+    k->c.objective = eq17(k);
+}
+
+static void make(const char *family, double mode, lw_task task, double shake, lw_rng *rng, made *k)
+{
+    memset(k, 0, sizeof *k);
+    k->spec = lw_fit_spec_default();
+    k->spec.task = task;
+    k->spec.a = 2;
+    k->spec.b = 0.5;
+    draw_member(family, mode, task == LW_TASK_FUNCTION, rng, &k->m);
+    trace_member(&k->m, 9, &k->st);
+    shake_stations(&k->st, shake, rng);
+    target_of(&k->st, &k->spec, &k->t);
+    claim(k);
+}
+
+static lw_report report_of(const made *k)
+{
+    lw_report r;
+    lw_error e = { .text = "" };
+    CHECK_INT(lw_report_make(&k->t, &k->spec, &k->c, &r, &e), LW_OK);
+    return r;
+}
+
+/* ---- honest candidates -------------------------------------------------------------------------- */
+
+static bool can_do(const char *family, lw_task task)
+{
+    const char *type = family_named(family)->type;
+    return task != LW_TASK_FUNCTION || (type[3] != 'P' && type[0] != 'P');
+}
+
+static void every_honest_candidate_is_verified(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (const lw_family *f = lw_family_table; f->name; f++)
+        for (int trial = 0; trial < 12; trial++) {
+            lw_task task = (lw_task)(trial % 3);
+            made k;
+            if (!can_do(f->name, task))
+                continue;
+            make(f->name, trial % 2 ? 1 : -1, task, 0.05, &rng, &k);
+            lw_report r = report_of(&k);
+            if (!r.verified)
+                fprintf(stderr, "%s: %s\n", f->name, r.fault);
+            CHECK(r.verified && r.fault[0] == 0);
+            CHECK_NEAR(r.objective, k.c.objective, 0, 1e-12);
+            CHECK_NEAR(r.verified_objective, k.c.objective, 1e-18, 1e-8);
+            CHECK(r.difference <= 1e-9*(k.t.length + 1));
+            lw_target_free(&k.t);
+        }
+}
+
+/* The dimensions of a candidate are those of its report, by name. */
+static void dimensions_of_fit_and_report_agree(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 13);
+    for (const lw_family *f = lw_family_table; f->name; f++)
+        for (int task = 0; task < 3; task++) {
+            made k;
+            lw_problem p;
+            if (!can_do(f->name, (lw_task)task))
+                continue;
+            make(f->name, 1, (lw_task)task, 0.05, &rng, &k);
+            lw_report r = report_of(&k);
+            CHECK_INT(lw_problem_make(&k.t, &k.spec, f, 1, 1, &p, NULL), LW_OK);
+            for (int i = 0; i < p.n_dim; i++) {
+                CHECK_TEXT(r.dim_name[i], lw_problem_variable(&p, i));
+                CHECK_INT(r.dim_kind[i], p.plan.dim[i].kind);
+            }
+            CHECK(r.dim_name[p.n_dim][0] == 0);
+            lw_problem_free(&p);
+            lw_target_free(&k.t);
+        }
+}
+
+static void errors_are_those_by_hand(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 2);
+    for (int trial = 0; trial < 40; trial++) {
+        made k;
+        double sum = 0, square = 0, most = 0, length = 0;
+        size_t worst = 0;
+        make(trial % 2 ? "crank-rocker" : "drag-link", 1, LW_TASK_PATH, 0.2, &rng, &k);
+        lw_report r = report_of(&k);
+        for (size_t i = 0; i < 9; i++) {
+            lw_vec2 p = fourbar_at(k.c.dim, 1, k.input[i]).p;
+            double d = hypot(p.x - k.st.x[i], p.y - k.st.y[i]);
+            sum += d;
+            square += d*d;
+            worst = d > most ? i : worst;
+            most = fmax(most, d);
+            length += hypot(k.st.x[(i + 1) % 9] - k.st.x[i], k.st.y[(i + 1) % 9] - k.st.y[i]);
+        }
+        CHECK_NEAR(r.objective, 2*square, 0, 1e-11);
+        CHECK_NEAR(r.error_mean, sum/9, 0, 1e-11);
+        CHECK_NEAR(r.error_rms, sqrt(square/9), 0, 1e-11);
+        CHECK_NEAR(r.error_max, most, 0, 1e-11);
+        CHECK_INT(r.worst, worst);
+        CHECK_NEAR(r.error_percent, 100*sum/9/length, 0, 1e-11);
+        CHECK(isnan(r.angle_mean) && isnan(r.angle_max));
+        lw_target_free(&k.t);
+    }
+}
+
+static void angles_are_those_by_hand(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    for (int trial = 0; trial < 20; trial++) {
+        made k;
+        double sum = 0, most = 0;
+        make("crank-rocker", 1, LW_TASK_MOTION, 0.2, &rng, &k);
+        lw_report r = report_of(&k);
+        for (size_t i = 0; i < 9; i++) {
+            fourbar_joints q = fourbar_at(k.c.dim, 1, k.input[i]);
+            double tool = atan2(q.b.y - q.a.y, q.b.x - q.a.x) + 0.125;
+            double d = fabs(remainder(tool - k.st.theta[i], 2*LW_PI));
+            sum += d;
+            most = fmax(most, d);
+        }
+        CHECK_NEAR(r.angle_mean, sum/9, 0, 1e-10);
+        CHECK_NEAR(r.angle_max, most, 0, 1e-10);
+        lw_target_free(&k.t);
+        make("oscillating", 1, LW_TASK_FUNCTION, 0.2, &rng, &k);
+        r = report_of(&k);
+        CHECK(isnan(r.error_mean) && isnan(r.curve_max) && r.n_cognate == 0);
+        CHECK(r.angle_max >= r.angle_mean && r.angle_mean > 0);
+        lw_target_free(&k.t);
+    }
+}
+
+static void motion_is_that_of_brute_force(void)
+{
+    enum { LOOKS = 3600 };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 4);
+    for (int trial = 0; trial < 20; trial++) {
+        made k;
+        double least = 9, most = 0, farthest = 0, stride = 0;
+        make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0.2, &rng, &k);
+        lw_report r = report_of(&k);
+        for (int q = 0; q < LOOKS; q++) {
+            fourbar_joints j = fourbar_at(k.c.dim, k.m.mode, 2*LW_PI*q/LOOKS);
+            lw_vec2 u = lw_v2_sub(j.a, j.b), v = lw_v2_sub(j.b0, j.b);
+            lw_vec2 next = fourbar_at(k.c.dim, k.m.mode, 2*LW_PI*(q + LOOKS/720)/LOOKS).p;
+            stride = fmax(stride, lw_v2_norm(lw_v2_sub(next, j.p)));
+            double angle = acos(lw_v2_dot(u, v)/(lw_v2_norm(u)*lw_v2_norm(v))), near = INFINITY;
+            least = fmin(least, angle);
+            most = fmax(most, angle);
+            for (size_t i = 0; i < 9; i++) {
+                lw_vec2 a = lw_v2(k.st.x[i], k.st.y[i]);
+                lw_vec2 d = lw_v2_sub(lw_v2(k.st.x[(i + 1) % 9], k.st.y[(i + 1) % 9]), a);
+                double along = fmax(0, fmin(1, lw_v2_dot(lw_v2_sub(j.p, a), d)/lw_v2_dot(d, d)));
+                near = fmin(near, lw_v2_norm(lw_v2_sub(j.p, lw_v2_add(a, lw_v2_scale(d, along)))));
+            }
+            farthest = fmax(farthest, near);
+        }
+        CHECK(r.turns && r.has_class && r.barker.crank);
+        CHECK_NEAR(r.transmission_min, least, 1e-5, 0);
+        CHECK_NEAR(r.transmission_max, most, 1e-5, 0);
+        CHECK_NEAR(r.curve_max, farthest, 0.5*stride, 0);           /* 720 looks against 3600      */
+        lw_target_free(&k.t);
+    }
+}
+
+static void cognates_trace_the_curve(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 5);
+    for (int trial = 0; trial < 20; trial++) {
+        made k;
+        make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
+        lw_report r = report_of(&k);
+        CHECK_INT(r.n_cognate, 2);
+        for (size_t i = 0; i < 9; i++) {
+            lw_vec2 p = lw_v2(k.st.x[i], k.st.y[i]);
+            double turn[2], mode[2];
+            CHECK_INT(lw_fourbar_cognate_pose(k.c.dim, k.m.mode, k.input[i], turn, mode), LW_OK);
+            CHECK_NEAR(remainder(turn[0] - k.input[i], 2*LW_PI), 0, 1e-12, 0);
+            CHECK(mode[0] == r.cognate_mode[0]);
+            for (int which = 0; which < 2; which++) {
+                lw_vec2 on = fourbar_at(r.cognate[which], mode[which], turn[which]).p;
+                CHECK(lw_v2_norm(lw_v2_sub(on, p)) < 1e-7*k.t.size);       /* near limits half the digits */
+            }
+        }
+        lw_target_free(&k.t);
+    }
+}
+
+/* ---- the check can fail ----------------------------------------------------------------------------- */
+
+static void what_was_tampered_with_is_not_verified(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 6);
+    for (int trial = 0; trial < 40; trial++) {
+        made k;
+        make(trial % 2 ? "crank-rocker" : "slider-crank", 1, (lw_task)(trial % 4 == 3 ? 2 : 0), 0.1, &rng, &k);
+        CHECK(report_of(&k).verified);
+        double keep = k.c.objective;
+        k.c.objective *= 1 + 1e-6;
+        CHECK(!report_of(&k).verified);
+        k.c.objective = keep;
+        k.c.dim[trial % 6] += 1e-3;
+        CHECK(!report_of(&k).verified);
+        k.c.dim[trial % 6] -= 1e-3;
+        k.input[trial % 9] += 1e-2;
+        lw_report r = report_of(&k);
+        CHECK(!r.verified);
+        CHECK_HAS(r.fault, "objective");
+        k.input[trial % 9] = NAN;
+        CHECK(!report_of(&k).verified);
+        lw_target_free(&k.t);
+    }
+}
+
+/* Positions that the independent simulation does not find. */
+static void positions_that_disagree_are_not_verified(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 7);
+    static const double by[] = { 0, 1e-8, 1e-3, NAN };
+    for (int trial = 0; trial < 4; trial++) {
+        made k;
+        make("crank-rocker", 1, LW_TASK_PATH, 0.1, &rng, &k);
+        lw_report r = report_of(&k);
+        lw_vec2 at[STATION_MAX];
+        for (size_t i = 0; i < 9; i++)
+            at[i] = fourbar_at(k.c.dim, 1, k.input[i]).p;
+        at[4].x += by[trial]*k.t.length;
+        r.verified = false;
+        r.difference = r.verified_objective = r.verified_mean = 0;
+        lw_verify(&k.t, &k.spec, &k.c, &k.m.plan, at, &r);
+        CHECK_INT(r.verified, trial == 0);
+        CHECK(trial == 0 || strstr(r.fault, "independent"));
+        lw_target_free(&k.t);
+    }
+}
+
+/* Stations along one circuit that swings from limit to limit, by phase as the search has them. */
+static bool make_swing(lw_rng *rng, double side, made *k)
+{
+    static const double angle_of[] = { 0.3, 0.9, 1.5, 2.2, 2.9, 3.6, 4.4, 5.1, 5.9 };
+    make("any four-bar", 1, LW_TASK_PATH, 0, rng, k);
+    lw_motion m;
+    CHECK_INT(lw_motion_find(&k->m.plan, k->m.dim, &m), LW_OK);
+    const lw_arc *a = NULL;
+    for (int i = 0; i < m.n_arc && !a; i++)
+        if (m.arc[i].mode[0] > 0 && !m.arc[i].turns && m.arc[i].limit[0] && m.arc[i].limit[1]
+            && (m.n_arc == 2 || side*(m.arc[i].first + m.arc[i].last) > 0))
+            a = &m.arc[i];
+    if (!a || m.change_point)
+        return false;
+    for (size_t i = 0; i < 9; i++) {
+        lw_pose pose;
+        k->mode[i] = sin(angle_of[i]) > 0 ? 1 : -1;
+        k->st.input[i] = 0.5*(a->first + a->last) - 0.5*(a->last - a->first)*cos(angle_of[i]);
+        CHECK_INT(lw_pose_solve(&k->m.plan, k->m.dim, &k->mode[i], k->st.input[i], 0, &pose), LW_OK);
+        k->st.x[i] = pose.tracer[0][0].x;
+        k->st.y[i] = pose.tracer[0][0].y;
+    }
+    shake_stations(&k->st, 0.05, rng);
+    lw_target_free(&k->t);
+    target_of(&k->st, &k->spec, &k->t);
+    claim(k);
+    k->c.mode_of = k->mode;
+    k->c.objective = eq17(k);
+    return true;
+}
+
+static void a_circuit_through_both_assemblies_is_verified(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 8);
+    int seen = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        made k;
+        if (make_swing(&rng, trial % 2 ? 1 : -1, &k)) {
+            lw_report r = report_of(&k);
+            if (!r.verified)
+                fprintf(stderr, "%s\n", r.fault);
+            CHECK(r.verified);
+            seen++;
+        }
+        lw_target_free(&k.t);
+    }
+    CHECK(seen >= 10);
+}
+
+/* A crank-rocker has two circuits, one an assembly: nobody gets from one to the other. */
+static void stations_in_two_circuits_are_refused(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 9);
+    for (int trial = 0; trial < 10; trial++) {
+        made k;
+        make(trial % 2 ? "crank-rocker" : "slider-crank", 1, LW_TASK_PATH, 0.1, &rng, &k);
+        for (size_t i = 0; i < 9; i++)
+            k.mode[i] = i < 5 ? 1 : -1;
+        k.c.mode_of = k.mode;
+        k.c.objective = eq17(&k);
+        lw_report r = report_of(&k);
+        CHECK(!r.verified);
+        CHECK_HAS(r.fault, "station 6 lies on another branch");
+        lw_target_free(&k.t);
+    }
+}
+
+/* A double rocker of Grashof's kind: in one assembly its input has two ranges with a gap between. */
+static void stations_beyond_a_gap_are_refused(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 10);
+    static const double r[4] = { 3, 2.5, 1, 2.6 };        /* the coupler is the shortest          */
+    made k;
+    make("any four-bar", 1, LW_TASK_PATH, 0, &rng, &k);
+    memcpy(k.m.dim, r, sizeof r);
+    lw_motion m;
+    CHECK_INT(lw_motion_find(&k.m.plan, k.m.dim, &m), LW_OK);
+    CHECK_INT(m.n_circuit, 2);
+    const lw_arc *arc[2];
+    int n = 0;
+    for (int i = 0; i < m.n_arc && n < 2; i++)
+        if (m.arc[i].mode[0] > 0)
+            arc[n++] = &m.arc[i];
+    CHECK_INT(n, 2);
+    for (size_t i = 0; n == 2 && i < 9; i++)
+        k.st.input[i] = arc[i < 4 ? 0 : 1]->first + 0.1*(double)(i + 1)*(arc[0]->last - arc[0]->first);
+    claim(&k);
+    lw_report report = report_of(&k);
+    CHECK(!report.verified);
+    CHECK_HAS(report.fault, "station 5 cannot be reached");
+    lw_target_free(&k.t);
+}
+
+static void what_does_not_close_says_so(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 11);
+    made k;
+    make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
+    k.c.dim[0] *= 100;
+    lw_report r = report_of(&k);
+    CHECK(!r.verified);
+    CHECK_HAS(r.fault, "close");
+    lw_target_free(&k.t);
+}
+
+/* Size and place of the whole do not matter to the check. */
+static void far_small_and_large_results_are_verified(void)
+{
+    static const double size[] = { 1e9, 1e-9, 1, 1e6 }, away[] = { 0, 3, 1e6, -2 };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 12);
+    for (int trial = 0; trial < 48; trial++) {
+        static const char *const family[] = { "crank-rocker", "slider-crank", "any four-bar", "trammel" };
+        double z = size[trial % 4], far = away[trial/4 % 4]*z;
+        made k;
+        make(family[trial/4 % 4], 1, LW_TASK_PATH, 0.05, &rng, &k);
+        for (int i = 0; i < k.m.plan.n_dim; i++)
+            k.m.dim[i] *= k.m.plan.dim[i].kind == LW_DIM_ANGLE ? 1 : z;
+        *dim_named(&k.m, "x0") += far;
+        *dim_named(&k.m, "y0") -= far;
+        for (size_t i = 0; i < 9; i++) {
+            k.st.x[i] = z*k.st.x[i] + far;
+            k.st.y[i] = z*k.st.y[i] - far;
+            k.st.input[i] *= k.m.plan.input_is_slider ? z : 1;
+        }
+        lw_target_free(&k.t);
+        target_of(&k.st, &k.spec, &k.t);
+        claim(&k);
+        lw_report r = report_of(&k);
+        if (!r.verified)
+            fprintf(stderr, "%s, size %g: %s\n", k.m.family->name, z, r.fault);
+        CHECK(r.verified);
+        lw_target_free(&k.t);
+    }
+}
+
+int main(void)
+{
+    RUN(every_honest_candidate_is_verified);
+    RUN(dimensions_of_fit_and_report_agree);
+    RUN(errors_are_those_by_hand);
+    RUN(angles_are_those_by_hand);
+    RUN(motion_is_that_of_brute_force);
+    RUN(cognates_trace_the_curve);
+    RUN(what_was_tampered_with_is_not_verified);
+    RUN(positions_that_disagree_are_not_verified);
+    RUN(a_circuit_through_both_assemblies_is_verified);
+    RUN(stations_in_two_circuits_are_refused);
+    RUN(stations_beyond_a_gap_are_refused);
+    RUN(what_does_not_close_says_so);
+    RUN(far_small_and_large_results_are_verified);
+    return check_end();
+}
