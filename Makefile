@@ -1,7 +1,7 @@
 # linkwright: make, make test, make demo, make check, make bench, make install.  See README.md.
 VERSION  = 0.1.0
 SO_MAJOR = 0
-B        = build
+B        = $(if $(MPI),build/mpi,build)
 CC       = gcc
 CFLAGS   = -O3 -g
 PREFIX   = /usr/local
@@ -15,6 +15,10 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-proto
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif -lpthread -lm
+ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
+INCS    += -DLW_MPI $(shell mpicc --showme:compile)
+LIBS    += $(shell mpicc --showme:link)
+endif
 COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' -DLW_DATA='"$(PREFIX)/share/linkwright"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
 
 # mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time

@@ -8,6 +8,7 @@
 #include "cli/json.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/spread.h"
 #include "cli/topology.h"
 #include "enumerate/chains.h"
 #include "enumerate/estimate.h"
@@ -16,7 +17,7 @@
 
 typedef struct settings {
     int         links, dof, format, by;
-    bool        count, planar, non_planar, fractionated, resume;
+    bool        count, planar, non_planar, fractionated, resume, mpi;
     const char *part, *filter;
 } settings;
 
@@ -42,6 +43,8 @@ static const cli_option options[] = {
       "part R = 1 .. M of the work; the parts are disjoint and together the whole", 0, 0, NULL, NULL },
     { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
       "go on with the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+    { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
+      "work with all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },
     { .name = NULL }
 };
 
@@ -58,6 +61,9 @@ typedef struct task {
     cli_progress            progress;
     uint64_t                n_fractionated, n_bridged, at; /* `at` numbers those of all parts      */
     char                   *text;                         /* one chain                             */
+    lw_chain_table          table;
+    size_t                  n_task;                       /* under mpirun                          */
+    bool                    spread;                       /* the others have been served           */
 } task;
 
 static bool tick(void *context, double done)
@@ -116,6 +122,10 @@ static int read_settings(task *t)
         return cli_usage(t->call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", s->part);
     if (filter && !(t->how.filter = lw_filter_find(filter)))
         return unknown_filter(t->call, filter);
+    if (s->mpi && !cli_spread_available())
+        return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with it");
+    if (s->mpi && s->resume)
+        return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
         return cli_usage(t->call, "--resume needs -o FILE, the listing to go on with");
     if (s->resume && t->notation->lines)
@@ -231,19 +241,66 @@ static void write_counts(task *t, const lw_chain_table *table)
         fprintf(t->out.f, "%llu\n", n);
 }
 
+/* Under mpirun a task is a part of the work, its answer the numbers of the rows of the table. */
+static lw_status work_count(void *context, size_t k, lw_bytes *answer)
+{
+    task *t = context;
+    lw_chain_walk how = t->how;
+    lw_chain_table table;
+    how.part = (int)k;
+    how.n_part = (int)t->n_task;
+    how.n_thread = 1;
+    how.tick = NULL;
+    lw_status status = lw_chains_count(t->chains, &how, &table);
+    for (size_t i = 0; i < table.n_row; i++)
+        lw_bytes_add(answer, &table.row[i].n, sizeof table.row[i].n);
+    lw_chain_table_free(&table);
+    return status;
+}
+
+static lw_status take_count(void *context, size_t k, const char *answer, size_t size)
+{
+    task *t = context;
+    for (size_t i = 0; i < size/sizeof(lw_tally); i++) {
+        lw_tally n;
+        memcpy(&n, answer + i*sizeof n, sizeof n);
+        t->table.row[i].n.n_chain += n.n_chain;
+        t->table.row[i].n.n_ground += n.n_ground;
+        t->table.total.n_chain += n.n_chain;
+        t->table.total.n_ground += n.n_ground;
+    }
+    return tick(t, (double)(k + 1)/(double)t->n_task) ? LW_OK : LW_STOPPED;
+}
+
+#define COUNT_TASKS 1000
+
+static lw_status spread_count(task *t)
+{
+    lw_chain_walk nothing = t->how;
+    nothing.part = COUNT_TASKS - 1;              /* only for the rows of the table; counted again below */
+    nothing.n_part = COUNT_TASKS;
+    t->n_task = COUNT_TASKS;
+    lw_status status = lw_chains_count(t->chains, &nothing, &t->table);
+    for (size_t i = 0; i < t->table.n_row; i++)
+        t->table.row[i].n = (lw_tally){ 0, 0 };
+    t->table.total = (lw_tally){ 0, 0 };
+    cli_spread_work w = { COUNT_TASKS, work_count, take_count, t };
+    t->spread = true;
+    lw_status spread = cli_spread_run(&w);
+    return status == LW_OK ? spread : status;
+}
+
 static lw_status count_all(task *t)
 {
-    lw_chain_table table;
-    lw_status status = lw_chains_count(t->chains, &t->how, &table);
+    lw_status status = t->s->mpi ? spread_count(t) : lw_chains_count(t->chains, &t->how, &t->table);
     if (status == LW_OK && t->s->fractionated)
         status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
     cli_progress_end(&t->progress);
     if (status == LW_OK || status == LW_STOPPED) {
         if (status == LW_STOPPED)
             cli_note(t->call, "stopped: the counts are those of the chains found until then");
-        write_counts(t, &table);
+        write_counts(t, &t->table);
     }
-    lw_chain_table_free(&table);
     return status;
 }
 
@@ -329,6 +386,49 @@ static lw_status find_resume(task *t, lw_error *e)
     return status == LW_OK ? LW_OK : lw_error_set(e, status, "%s", lw_status_text(status));
 }
 
+static lw_status add_text(void *context, const char *text, size_t size)
+{
+    lw_bytes_add(context, text, size);
+    return LW_OK;
+}
+
+/* Under mpirun a task is a structure, its answer the text of its chains. */
+typedef struct spread_print { const task *t; lw_bytes *answer; } spread_print;
+
+static lw_status print_for_answer(void *context, const lw_chain_item *item)
+{
+    spread_print *p = context;
+    char text[LW_NOTATION_SIZE];
+    return add_text(p->answer, text, print_chain(p->t, item->chain, text, sizeof text));
+}
+
+static lw_status work_list(void *context, size_t k, lw_bytes *answer)
+{
+    task *t = context;
+    spread_print p = { t, answer };
+    lw_chain_walk how = t->how;
+    how.part = (int)k;
+    how.n_part = (int)t->n_task;
+    how.tick = NULL;
+    return lw_chains_each(t->chains, &how, print_for_answer, &p);
+}
+
+static lw_status take_list(void *context, size_t k, const char *answer, size_t size)
+{
+    task *t = context;
+    lw_status status = write_text(t, answer, size);
+    return status == LW_OK && !tick(t, (double)(k + 1)/(double)t->n_task) ? LW_STOPPED : status;
+}
+
+static lw_status spread_list(task *t)
+{
+    const lw_structures *set = lw_chains_structures(t->chains);
+    t->n_task = set ? lw_structures_count(set, lw_structures_loops(set)) : 1;
+    cli_spread_work w = { t->n_task, work_list, take_list, t };
+    t->spread = true;
+    return cli_spread_run(&w);
+}
+
 static lw_status list_all(task *t, lw_error *e)
 {
     lw_status status = t->s->resume ? find_resume(t, e) : LW_OK;
@@ -336,7 +436,8 @@ static lw_status list_all(task *t, lw_error *e)
     if (!t->text)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK) {
-        status = lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
+        status = t->s->mpi ? spread_list(t)
+               : lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
         if (status == LW_OK && t->s->fractionated)
             status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
         if (status < 0)
@@ -360,31 +461,65 @@ static int finish(task *t, lw_status status, const lw_error *e)
     return cli_close(t->call, &t->out, nothing ? CLI_NOTHING : cli_exit_code(status));
 }
 
+/* Structures first, then what was asked for; by process 0, when there are several. */
+static int enumerate(task *t, lw_error *e)
+{
+    lw_status status;
+    t->progress = cli_progress_begin(t->call, "structures", "structures");
+    status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
+    cli_progress_end(&t->progress);
+    if (status != LW_OK)
+        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(t->call, e);
+    t->progress = cli_progress_begin(t->call, "chains", "chains");
+    if (cli_open(t->call, &t->out, e) != LW_OK)
+        return cli_fail(t->call, e);
+    status = t->s->count ? count_all(t) : list_all(t, e);
+    if (status < 0 && e->status == LW_OK)
+        (void)lw_error_set(e, status, "%s", lw_status_text(status));
+    return finish(t, status, e);
+}
+
+/* The other processes: the same structures, then tasks of process 0. */
+static void help_out(task *t)
+{
+    if (lw_chains_create(t->s->links, t->s->dof, 1, &t->chains, NULL) == LW_OK)
+        (void)(t->s->count ? spread_count(t) : spread_list(t));
+}
+
+/* For a process that cannot go on: answers that say so, or goodbye to the others. */
+static lw_status work_not(void *context, size_t k, lw_bytes *answer)
+{
+    (void)context;
+    (void)k;
+    (void)answer;
+    return LW_E_MEMORY;
+}
+
+static void end_spread(task *t)
+{
+    cli_spread_work w = { 0, work_not, NULL, NULL };
+    if (!t->spread)
+        (void)cli_spread_run(&w);
+    cli_spread_end();
+}
+
 static int run(const cli_call *call)
 {
     task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
     lw_error e = { 0 };
-    int code = read_settings(&t);
+    int code = read_settings(&t), rank = 0;
     if (code != CLI_DONE)
         return code;
     cli_watch_interrupt();
-    if (say_how_long(&t, &e) != LW_OK)
-        return cli_fail(call, &e);
-    t.progress = cli_progress_begin(call, "structures", "structures");
-    lw_status status = lw_chains_create_while(t.s->links, t.s->dof, call->common.jobs, tick_structures, &t, &t.chains, &e);
-    cli_progress_end(&t.progress);
-    if (status != LW_OK)
-        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(call, &e);
-    t.progress = cli_progress_begin(call, "chains", "chains");
-    status = cli_open(call, &t.out, &e);
-    if (status != LW_OK)
-        code = cli_fail(call, &e);
-    else {
-        status = t.s->count ? count_all(&t) : list_all(&t, &e);
-        if (status < 0 && e.status == LW_OK)
-            (void)lw_error_set(&e, status, "%s", lw_status_text(status));
-        code = finish(&t, status, &e);
-    }
+    if (t.s->mpi)
+        rank = cli_spread_begin();
+    if (rank > 0)
+        help_out(&t);
+    else
+        code = say_how_long(&t, &e) == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
+    if (t.s->mpi)
+        end_spread(&t);
+    lw_chain_table_free(&t.table);
     lw_chains_free(t.chains);
     return code;
 }
@@ -399,7 +534,8 @@ const cli_command cli_chains_command = {
         "  linkwright chains --links 9 --dof 0 --format edges   Baranov trusses as lists of joints\n"
         "  linkwright chains --links 9 --dof 2 --fractionated   with those that fall apart at a link\n"
         "  linkwright chains --links 16 --part 3/100 -o 3.g6    one of a hundred jobs of a cluster\n"
-        "  linkwright chains --links 16 -o all.g6 --resume      go on after an interruption\n",
+        "  linkwright chains --links 16 -o all.g6 --resume      go on after an interruption\n"
+        "  mpirun -n 64 linkwright chains --links 18 --count --mpi   on many machines\n",
     .about =
         "Joints have one freedom; no subchain is rigid. The order is fixed: structures by number of\n"
         "circles and then as they grow, of each structure the distributions of binary links, larger first\n"

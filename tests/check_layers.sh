@@ -38,6 +38,7 @@ cairo catalogues/picture.c
 gif_lib catalogues/gif.c
 planarity grammar/planar.c
 igraph enumerate/canon.c
+mpi.h cli/spread.c
 TABLE
 
 [ $bad -eq 0 ] && echo "layers: fine"

@@ -82,6 +82,28 @@ static void resume(void)
     expect("$P chains --links 8 --resume -o $D/x --format dot", 2, NULL, "one line");
 }
 
+/* Needs a program built with `make MPI=1`. */
+static void processes(void)
+{
+    ran r = run("$P chains --links 4 --mpi && command -v mpirun");
+    if (r.code != 0) {
+        printf("test_cli_enumerate: no MPI here, processes skipped\n");
+        ran_free(&r);
+        expect("$P chains --links 4 --mpi", 2, NULL, "make MPI=1");
+        return;
+    }
+    ran_free(&r);
+    setenv("RUN", "mpirun --allow-run-as-root --oversubscribe -n 3", 1);
+    expect("$P chains --links 9 --dof 2 --fractionated > $D/one; $RUN $P chains --links 9 --dof 2 --fractionated --mpi "
+           "| cmp - $D/one && echo same", 0, "same\n", NULL);
+    expect("$RUN $P chains --links 12 --mpi --count --by assortment > $D/three; "
+           "$P chains --links 12 --count --by assortment | cmp - $D/three && echo same", 0, "same\n", NULL);
+    expect("$RUN $P chains --links 5 --dof 2 --mpi", 0, "Dhc\n", NULL);
+    expect("$RUN $P chains --links 8 --mpi -o /no/such/folder/x", 3, NULL, "/no/such/folder");
+    expect("$RUN $P chains --links 7 --mpi", 3, NULL, "P = F + 2 L + 1 - n2");
+    expect("$RUN $P chains --links 19 --dof 6 --mpi --time 1 > $D/cut", 5, NULL, NULL);
+}
+
 static void limits_and_faults(void)
 {
     expect("$P chains --links 7", 3, NULL, "P = F + 2 L + 1 - n2");
@@ -110,6 +132,7 @@ int main(void)
     RUN(chain_counts);
     RUN(chain_lists);
     RUN(resume);
+    RUN(processes);
     RUN(limits_and_faults);
     return check_end();
 }
