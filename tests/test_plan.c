@@ -1,4 +1,5 @@
 /* The plan: dimensions out of a posture and back, linkages told in any order, what cannot be planned. */
+#include "mbs/newton.h"
 #include "mbs/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
@@ -120,6 +121,66 @@ static void dimensions_do_not_move(void)
             CHECK_NEAR(moved.input[0].value - q.k.input[0].value, step, 1e-12, 0);
             CHECK(mode[0] == q.mode[0] || strchr("PRP PPR", t->letters[1]) != NULL);
         }
+}
+
+/* The displacement is that of link[1] against link[0] along `along`, whichever of them is the ground. */
+static void slider_inputs_count_as_the_file_says(void)
+{
+    static planned q;
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 5);
+    for (const lw_type *t = lw_type_table; t->letters; t++)
+        for (int trial = 0; t->input_is_slider && trial < 200; trial++) {
+            random_type(&r, t, &q.k);
+            if (trial & 1) {
+                q.k.joint[0].link[0] = 1;
+                q.k.joint[0].link[1] = 0;
+            }
+            lw_linkage moved = q.k;
+            if (!plan_all(&q) || lw_plan_write(&q.p, q.dim, q.mode, q.input + 0.1, &moved) != LW_OK)
+                continue;
+            CHECK_NEAR(moved.input[0].value, q.k.input[0].value + 0.1, 1e-12, 0);
+            lw_vec2 step = lw_v2_sub(moved.joint[1].at, q.k.joint[1].at);
+            if (t->letters[1] == 'R')                     /* the pin of the driven slider */
+                CHECK_NEAR(lw_v2_dot(step, q.k.joint[0].along), trial & 1 ? -0.1 : 0.1, 1e-12, 0);
+        }
+}
+
+/* The second opinion: Newton's method on the loop equations, from the same file to the same input. */
+static void newton_arrives_at_the_same_place(void)
+{
+    static planned q;
+    lw_rng r;
+    int n_checked = 0;
+    lw_rng_seed(&r, check_seed(), 6);
+    for (int trial = 0; trial < 600; trial++) {
+        lw_linkage k;
+        lw_newton *s;
+        lw_pose pose;
+        if (trial%2)
+            random_type(&r, &lw_type_table[trial/2%11], &k);
+        else
+            random_grown(&r, 1 + trial/2%3, &k);
+        shuffle_linkage(&r, &k, &q.k);
+        double step = lw_rng_range(&r, -0.3, 0.3), least = 1, reached;
+        if (!plan_all(&q))
+            continue;
+        for (int i = 0; i <= 20; i++) {
+            lw_pose_solve(&q.p, q.dim, q.mode, q.input + step*i/20, 0, &pose);
+            least = fmin(least, pose.margin);
+        }
+        if (least < 0.01 || lw_newton_create(&q.k, &s, NULL) != LW_OK)
+            continue;
+        if (lw_newton_move(s, q.k.input[0].value + step, &reached) == LW_OK) {
+            lw_vec2 p = lw_newton_tracer(s, 0);
+            double size = 1 + lw_v2_norm(p);
+            CHECK_NEAR(pose.tracer[0][0].x, p.x, 1e-9*size, 0);
+            CHECK_NEAR(pose.tracer[0][0].y, p.y, 1e-9*size, 0);
+            n_checked++;
+        }
+        lw_newton_free(s);
+    }
+    CHECK(n_checked > 100);
 }
 
 static void jansen_is_five_dyads(void)
@@ -252,6 +313,8 @@ int main(void)
     RUN(grown_linkages_read_and_write);
     RUN(order_of_telling_does_not_matter);
     RUN(dimensions_do_not_move);
+    RUN(slider_inputs_count_as_the_file_says);
+    RUN(newton_arrives_at_the_same_place);
     RUN(jansen_is_five_dyads);
     RUN(plans_hold_what_is_wanted);
     RUN(says_what_cannot_be_planned);
