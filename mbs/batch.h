@@ -7,7 +7,8 @@
  * Outputs must not overlap inputs: some lanes may be worked out twice, with the same bits.
  *
  * Lanes that cannot close are answered by the nearest pose that nearly closes (square root of a
- * negative number taken as 0) and tell so in `margin`; no NaN for finite input.
+ * negative number taken as 0) and tell so in `margin`; no NaN as long as lengths and coordinates lie
+ * below 1e70 (their fourth power must be a number); below 1e-70 they count as 0.
  *     margin = least over the dyads of  the squared sine of the angle at which its two circles or
  *              lines meet at the solution, negative when they do not meet [1]
  * so sqrt(margin) is the sine of the transmission angle of an RRR dyad, 0 at a dead point. */

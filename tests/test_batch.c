@@ -546,13 +546,15 @@ static void coordinates_of_every_size(void)
 {
     static subject q;
     lw_vec2 unit, p;
-    for (int e = -9; e <= 9; e += 3) {
+    for (int e = -48; e <= 69; e += 3) {
         double s = pow(10, e), dim[9] = { 3*s, s, 2.5*s, 2.8*s, 1.2*s, 0.7*s, 5*s, -3*s, 0.3 };
         named(&q, "fourbar", (double[9]){ 3, 1, 2.5, 2.8, 1.2, 0.7, 5, -3, 0.3 }, 1);
         double m = point_at(&q, q.dim, 0.7, &unit);
         CHECK_NEAR(point_at(&q, dim, 0.7, &p), m, 0, 1e-13);
         CHECK_NEAR(p.x, s*unit.x, 0, 1e-14);
         CHECK_NEAR(p.y, s*unit.y, 0, 1e-14);
+        named(&q, "fourbar", dim, 1);
+        check_everywhere_finite(&q);
     }
 }
 
