@@ -392,10 +392,12 @@ static void one_round(search *s)
 
 static int rounds_of(const search *s)
 {
-    /* Jobs of about ten milliseconds each at eighteen stations: 400 of them are enough for every
-     * published path problem with margin (docs/benchmarks.md). */
+    /* Jobs of about five milliseconds each at eighteen stations: 500 of them for one family of cranks
+     * are enough for every published path problem with margin (docs/benchmarks.md); further families
+     * take their share of more. */
     const lw_target *t = s->thin.n ? &s->thin : s->t;
-    double jobs = 500.0*45/((double)t->n + 27);
+    double share = s->n_job > 16 ? 700.0 : 500.0;
+    double jobs = share*45/((double)t->n + 27);
     int rounds = (int)(jobs/s->n_job + 0.5);
     return s->o->max_rounds > 0 ? s->o->max_rounds : rounds < 5 ? 5 : rounds;
 }
