@@ -19,7 +19,7 @@ ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
 endif
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' -DLW_DATA='"$(PREFIX)/share/linkwright"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
 
 # mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
@@ -79,7 +79,7 @@ run-demo: $B/linkwright
 check: $B/$(SONAME)
 	tests/check_layers.sh
 	@for f in $(wildcard $(STAGES:%=%/*.c) cli/*.c tests/*.c tests/*/*.c); do \
-	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_DATA='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
+	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
 	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 sanitize:

@@ -30,8 +30,8 @@ typedef struct cli_bench_problem {
 } cli_bench_problem;
 
 /* Problems of a folder: those of the table first, in its order, then other CSV files by name, fitted
- * without bounds.  *p (*n) is freed with _free.  folder NULL: catalogues/data/paths here, else where
- * `make install` puts it. */
+ * without bounds.  *p (*n) is freed with _free.  folder NULL: catalogues/data/paths, here or beside the
+ * program, else where `make install` puts it. */
 lw_status cli_bench_load(const char *folder, cli_bench_problem **p, int *n, lw_error *e);
 void      cli_bench_free(cli_bench_problem *p, int n);
 
