@@ -28,7 +28,7 @@ static void every_quick_row(void)
         lw_recount_result result;
         if (t.row[i].links > 13)
             continue;
-        CHECK_INT(lw_recount_row(r, &t.row[i], 2, &result), LW_OK);
+        CHECK_INT(lw_recount_row(r, &t.row[i], 1e9, &result), LW_OK);
         n[result.verdict]++;
         if (result.verdict == LW_DISAGREES || (result.verdict == LW_NOT_COUNTED && t.row[i].family[0] != 'p')) {
             fprintf(stderr, "line %ld: %s, %s: %lld\n", t.row[i].line, t.row[i].family, t.row[i].what, result.counted);
@@ -59,10 +59,10 @@ static void limits_and_faults(void)
     CHECK_INT(t.row[1].line, 4);
     for (size_t i = 0; i < t.n; i++) {
         lw_recount_result result;
-        CHECK_INT(lw_recount_row(r, &t.row[i], 1, &result), LW_OK);
+        CHECK_INT(lw_recount_row(r, &t.row[i], 20, &result), LW_OK);
         CHECK_INT(result.verdict, want[i]);
         if (i == 0)
-            CHECK(result.seconds > 1);
+            CHECK(result.seconds > 20);
     }
     lw_published_free(&t);
     lw_recount_free(r);
