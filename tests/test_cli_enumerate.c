@@ -115,7 +115,8 @@ static void limits_and_faults(void)
     expect("$P chains --links 8 --planar --non-planar", 2, NULL, "non-planar");
     expect("$P chains --links 14 --dof 5 --time 0.000001", 5, NULL, "stopped");
     expect("$P chains --links 19 --dof 6 --time 1.5 -o $D/part", 5, NULL, NULL);
-    expect("test -s $D/part && tail -c1 $D/part | od -An -c", 0, "\\n", NULL);
+    /* whole lines only; on a busy machine there may be none yet */
+    expect("test ! -s $D/part || test -z \"$(tail -c1 $D/part)\"", 0, NULL, NULL);
     expect("$P chains --links 21 --dof 6 --time 0.5 --count", 5, NULL, "stopped");
     expect("$P chains --links 18 --time 0.1 --count", 5, NULL, "structures with 8 loops");
     expect("$P structures --loops 9 --time 0.1", 5, NULL, "stopped");
