@@ -247,12 +247,21 @@ static double shorten(const lw_problem *p, lw_work *w)
 
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
+    double least = INFINITY, *kept = w->keep_theta;
     for (int i = 0;; i++) {
         if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
             return false;
-        if (i >= steps)
+        double f = lw_problem_rows(p, x, w, false);
+        if (f <= least) {
+            least = f;
+            memcpy(kept, w->phase, p->n*sizeof *kept);
+        }
+        if (i >= steps && f <= least)
             return true;
-        lw_problem_rows(p, x, w, false);
+        if (i >= steps) {                                /* Newton went astray: back to the best  */
+            memcpy(w->phase, kept, p->n*sizeof *kept);
+            continue;
+        }
         propose(p, w, i > 0);
         if (p->timing == LW_TIMING_FREE)
             lw_assign_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);

@@ -536,7 +536,7 @@ double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool de
     if (derivatives) {
         station_rows(p, w);
         if (p->timing != LW_TIMING_PRESCRIBED)
-            lw_problem_eliminate(p, w);
+            lw_problem_eliminate(p, x, w);
     }
     if (p->timing == LW_TIMING_NONE)
         sample_residuals(p, x, w, derivatives);

@@ -20,7 +20,7 @@ typedef struct lw_work {
     double *res;                 /* residuals, res[k*ld + lane]                                    */
     int     n_row;               /* residuals a lane                                               */
     bool   *tie;                 /* station whose input moves nothing: not eliminated              */
-    double *slide, *slip;        /* eliminated: change of input = -(slip[k] + sum slide[d*ld+k] dx[d]) */
+    double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
     /* the circuit: the input turns, or goes to and fro about mid */
@@ -85,7 +85,7 @@ void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w);
 /* The inputs of free stations from scratch: the best monotone assignment to curve samples. */
 bool lw_assign(const lw_problem *p, const double *x, lw_work *w);
 
-/* Improve them by Newton steps that keep the order, until they rest or `steps` are used up.
+/* Improve them by Newton steps that keep the order, until they rest or `steps` are used up; the best are kept.
  * jac is that of the inputs left behind. false when the linkage cannot close there. */
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
 
@@ -100,6 +100,6 @@ void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const d
 bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k);
 
 /* Rows of derivatives with the inputs of stations eliminated; tie, slip and slide. */
-void lw_problem_eliminate(const lw_problem *p, lw_work *w);
+void lw_problem_eliminate(const lw_problem *p, const double *x, lw_work *w);
 
 #endif
