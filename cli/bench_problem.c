@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "cli/bench.h"
+#include "cli/data.h"
 #include "cli/model.h"
 
 /* Bounds, published errors as they really evaluate, and reachable figures are those in the comments of
@@ -126,27 +127,11 @@ static lw_status add_others(const char *folder, cli_bench_problem **p, int *n, l
     return st;
 }
 
-/* Where the problems lie: in the sources, seen from here or from the built program, or where they were
- * installed beside it, wherever that is. */
-static void find_folder(char *path, size_t size)
-{
-    static const char *const beside[] = { "/../catalogues/data/paths", "/../share/linkwright/paths" };
-    char program[512];
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[n > 0 ? n : 0] = 0;
-    char *slash = strrchr(program, '/');
-    if (slash)
-        *slash = 0;
-    snprintf(path, size, "%s", beside[0] + strlen("/../"));
-    for (int i = 0; i < 2 && access(path, F_OK) != 0; i++)
-        snprintf(path, size, "%s%s", program, beside[i]);
-}
-
 lw_status cli_bench_load(const char *folder, cli_bench_problem **p, int *n, lw_error *e)
 {
-    char found[600];
+    char found[1024];
     lw_status st = LW_OK;
-    find_folder(found, sizeof found);
+    cli_data_path("paths", found, sizeof found);
     if (!folder)
         folder = found;
     *p = NULL;

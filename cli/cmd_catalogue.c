@@ -1,9 +1,9 @@
 /* linkwright catalogue - the published tables, recounted. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/clock.h"
+#include "cli/data.h"
 #include "cli/json.h"
 #include "cli/output.h"
 #include "cli/progress.h"
@@ -88,13 +88,13 @@ static lw_status check_rows(check *c, const lw_published_table *t, lw_recount *r
     return status == LW_OK ? LW_OK : lw_error_set(e, status, "out of memory");
 }
 
-/* The table of the user, of the source tree, or the installed one. */
-static const char *table_path(const cli_call *call)
+/* The table of the user, else the one that comes with the program. */
+static void table_path(const cli_call *call, char *path, size_t size)
 {
-    const char *here = "catalogues/data/published-counts.csv";
     if (call->parsed.n_word > 1)
-        return call->parsed.word[1];
-    return access(here, F_OK) == 0 ? here : LW_DATA "/published-counts.csv";
+        snprintf(path, size, "%s", call->parsed.word[1]);
+    else
+        cli_data_path("published-counts.csv", path, size);
 }
 
 static int run_check(const cli_call *call)
@@ -104,7 +104,8 @@ static int run_check(const cli_call *call)
     size_t size;
     lw_published_table table = { 0 };
     lw_error e = { 0 };
-    const char *path = table_path(call);
+    char path[4096];
+    table_path(call, path, sizeof path);
     lw_status s = lw_file_read(path, &text, &size, &e);
     if (s == LW_OK)
         s = lw_published_read(text, size, path, &table, &e);
