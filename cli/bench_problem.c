@@ -59,7 +59,7 @@ static lw_status add(const char *folder, const char *file, const cli_bench_figur
                      cli_bench_problem **list, int *n, lw_error *e)
 {
     static const lw_target_options by_file = { -1, NULL, NULL };
-    char path[1024];
+    char path[2048];
     cli_bench_problem *more = realloc(*list, sizeof **list*(size_t)(*n + 1));
     if (!more)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -103,7 +103,7 @@ static int other_csv(const struct dirent *d)
 
 static bool is_there(const char *folder, const char *file)
 {
-    char path[1024];
+    char path[2048];
     snprintf(path, sizeof path, "%s/%s.csv", folder, file);
     return access(path, F_OK) == 0;
 }
@@ -129,7 +129,7 @@ static lw_status add_others(const char *folder, cli_bench_problem **p, int *n, l
 
 lw_status cli_bench_load(const char *folder, cli_bench_problem **p, int *n, lw_error *e)
 {
-    char found[1024];
+    char found[900];
     lw_status st = LW_OK;
     cli_data_path("paths", found, sizeof found);
     if (!folder)
