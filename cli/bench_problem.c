@@ -103,14 +103,8 @@ static int other_csv(const struct dirent *d)
 
 static bool is_there(const char *folder, const char *file)
 {
-<<<<<<< Updated upstream
     char path[2048];
     snprintf(path, sizeof path, "%s/%s.csv", folder, file);
-=======
-    char path[1024];
-    if (snprintf(path, sizeof path, "%s/%s.csv", folder, file) >= (int)sizeof path)
-        return false;
->>>>>>> Stashed changes
     return access(path, F_OK) == 0;
 }
 
