@@ -30,11 +30,16 @@ static double apart(const lw_linkage *a, const lw_linkage *b)
     return d/size;
 }
 
-/* Rounding grows near singular postures: by the reciprocal sine at the dyad. */
+/* Rounding grows near singular postures, by the reciprocal sine at the dyad, and with dimensions larger
+ * than the posture: slides that are nearly parallel meet far away. */
 static void check_round_trip(planned *q, double growth)
 {
     lw_pose pose;
     lw_linkage back = q->k;
+    double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0));
+    for (int d = 0; d < q->p.n_dim; d++)
+        far = fmax(far, fabs(q->dim[d]));
+    growth *= far;
     CHECK_INT(lw_pose_solve(&q->p, q->dim, q->mode, q->input, 0, &pose), LW_OK);
     CHECK_INT(lw_plan_write(&q->p, q->dim, q->mode, q->input, &back), LW_OK);
     CHECK(apart(&q->k, &back) <= growth*1e-15/pose.margin);
@@ -116,9 +121,10 @@ static void dimensions_do_not_move(void)
                 continue;
             CHECK_INT(lw_plan_read(&q.p, &moved, dim, mode, &input, NULL), LW_OK);
             for (int d = 0; d < q.p.n_dim; d++)
-                CHECK_NEAR(dim[d], q.dim[d], 1e-10, 1e-10);
-            CHECK_NEAR(remainder(input - q.input - step, q.p.input_is_slider ? 1e9 : 2*LW_PI), 0, 1e-10, 0);
-            CHECK_NEAR(moved.input[0].value - q.k.input[0].value, step, 1e-12, 0);
+                CHECK_NEAR(dim[d], q.dim[d], 1e-10*(1 + fabs(q.input)), 1e-10);
+            double turn = q.p.input_is_slider ? 1e300 : 2*LW_PI, far = 1 + fabs(q.input);
+            CHECK_NEAR(remainder(input - q.input - step, turn), 0, 1e-10*far, 0);
+            CHECK_NEAR(moved.input[0].value - q.k.input[0].value, step, 1e-14*far, 0);
             CHECK(mode[0] == q.mode[0] || strchr("PRP PPR", t->letters[1]) != NULL);
         }
 }
@@ -139,10 +145,11 @@ static void slider_inputs_count_as_the_file_says(void)
             lw_linkage moved = q.k;
             if (!plan_all(&q) || lw_plan_write(&q.p, q.dim, q.mode, q.input + 0.1, &moved) != LW_OK)
                 continue;
-            CHECK_NEAR(moved.input[0].value, q.k.input[0].value + 0.1, 1e-12, 0);
+            double far = 1 + fabs(q.input);
+            CHECK_NEAR(moved.input[0].value, q.k.input[0].value + 0.1, 1e-14*far, 0);
             lw_vec2 step = lw_v2_sub(moved.joint[1].at, q.k.joint[1].at);
             if (t->letters[1] == 'R')                     /* the pin of the driven slider */
-                CHECK_NEAR(lw_v2_dot(step, q.k.joint[0].along), trial & 1 ? -0.1 : 0.1, 1e-12, 0);
+                CHECK_NEAR(lw_v2_dot(step, q.k.joint[0].along), trial & 1 ? -0.1 : 0.1, 1e-14*far, 0);
         }
 }
 

@@ -135,8 +135,9 @@ static void orders_follow_from_each_other(void)
             least = fmin(least, at[i].margin);
         }
         for (int o = 0; o <= 3; o++)
-            size = fmax(size, lw_v2_norm(at[2].tracer[0][o]));
-        if (least < 0.05 || size > 100)
+            for (int t = 0; t < q.k.n_tracer; t++)
+                size = fmax(size, lw_v2_norm(at[2].tracer[t][o]));
+        if (least < 0.1 || size > 50)
             continue;                                                 /* the difference fails first there */
         for (int order = 1; order <= 3; order++)
             check_order(at, order, h, 1e-7, q.k.n_tracer, q.k.tracer[0].link);
