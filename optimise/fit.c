@@ -477,7 +477,10 @@ static lw_stop search_rounds(search *s)
 }
 
 /* The curve of one find: where its stations and its samples are. */
-typedef struct trail { double *px, *py, cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES]; } trail;
+typedef struct trail {
+    const lw_found *of;
+    double *px, *py, cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
+} trail;
 
 static double nearest_of(const trail *t, double x, double y)
 {
@@ -505,8 +508,25 @@ static bool same_curve(const trail *a, const trail *b, size_t n)
     return true;
 }
 
+/* One generator of a function: links of the same proportions.  An offset to the other side with the slide
+ * turned round is the same. */
+static bool same_links(const search *s, const lw_found *a, const lw_found *b)
+{
+    const lw_problem *p = &s->arm[a->arm].fine, *q = &s->arm[b->arm].fine;
+    if (strcmp(p->family->type, q->family->type) != 0)
+        return false;
+    int first = lw_problem_index(p, p->family->shape[0]);
+    for (int i = 0; i < p->n_dim; i++) {
+        double u = fabs(a->x[i]/a->x[first]), v = fabs(b->x[i]/b->x[first]);
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > 1e-4*fmax(1, u))
+            return false;
+    }
+    return true;
+}
+
 static bool follow(const search *s, const lw_found *c, trail *t)
 {
+    t->of = c;
     const lw_problem *p = &s->arm[c->arm].fine;
     lw_work *w = s->work[0];
     lw_problem_work_init(p, w);
@@ -565,8 +585,9 @@ static lw_status rank(search *s, lw_fit *out)
         t->px = points + 2*n*(size_t)out->n;
         t->py = t->px + n;
         bool fresh = follow(s, c, t);
-        for (int k = 0; fresh && s->o->spec.task != LW_TASK_FUNCTION && k < out->n; k++)
-            fresh = !same_curve(t, &seen[k], n);
+        for (int k = 0; fresh && k < out->n; k++)
+            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_links(s, t->of, seen[k].of)
+                                                        : !same_curve(t, &seen[k], n);
         if (fresh && hand_out(s, c, &out->candidate[out->n]))
             out->n++;
     }
