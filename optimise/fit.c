@@ -616,8 +616,8 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     for (int i = 0; st == LW_OK && i < s->n_job; i++)
         out->improved += s->improved[i];
     out->evals = st == LW_OK ? evals_of(s) : 0;
-    out->rounds = s->round;
-    out->starts = (long)s->n_job*BLOCK*(s->round + 1);
+    out->rounds = s->round + (out->stop != LW_STOP_EVALS);       /* it ended in a round, or after all */
+    out->starts = (long)s->n_job*BLOCK*out->rounds;
     out->seconds = lw_clock_wall() - s->started;
     search_free(s);
     if (st == LW_E_MEMORY)

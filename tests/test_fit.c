@@ -201,6 +201,8 @@ static void repeat_on_any_number_of_threads(void)
             o.jobs = k == 3 ? 2 : k + 1;
             lw_status st = lw_fit_run(&t, &o, &fit[k], NULL);
             CHECK(st == LW_OK && fit[k].n > 0);
+            CHECK(fit[k].rounds >= 1 && fit[k].rounds <= o.max_rounds);
+            CHECK(fit[k].starts % (400*fit[k].rounds) == 0 && fit[k].evals >= fit[k].starts);
             same_fit(&fit[k], &fit[0], t.n);
         }
         for (int k = 0; k < 4; k++)

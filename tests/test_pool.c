@@ -1,0 +1,85 @@
+/* The pool of finds: in order, each linkage once, never more than it holds. */
+#include "optimise/pool.h"
+#include "tests/fit_problem.h"
+
+static void make_problem(lw_problem *p)
+{
+    static const double x[] = { 0, 1, 1, 0 }, y[] = { 0, 0, 1, 1 };
+    lw_fit_spec s = lw_fit_spec_default();
+    lw_target t;
+    CHECK_INT(lw_target_make(4, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    CHECK_INT(lw_problem_make(&t, &s, family_named("crank-rocker"), 1, 1, p, NULL), LW_OK);
+    lw_target_free(&t);
+}
+
+static lw_found find(double f, double first)
+{
+    lw_found c = { .f = f, .hits = 1 };
+    for (int i = 0; i < 9; i++)
+        c.x[i] = first + 0.1*i;
+    return c;
+}
+
+static void check_order(const lw_pool *pool)
+{
+    CHECK(pool->n >= 0 && pool->n <= LW_POOL_MAX);
+    for (int i = 0; i + 1 < pool->n; i++)
+        CHECK(pool->item[i].f <= pool->item[i + 1].f);
+}
+
+static void keeps_the_best_in_order(void)
+{
+    static lw_pool pool;
+    lw_problem p;
+    lw_rng rng;
+    double all[300];
+    lw_rng_seed(&rng, check_seed(), 1);
+    make_problem(&p);
+    for (int i = 0; i < 300; i++) {
+        lw_found c = find(all[i] = lw_rng_uniform(&rng), i);
+        lw_pool_put(&pool, &c, &p);
+        check_order(&pool);
+        CHECK_INT(pool.n, i + 1 < LW_POOL_MAX ? i + 1 : LW_POOL_MAX);
+    }
+    for (int k = 0; k < pool.n; k++) {                   /* its k-th has k better ones               */
+        int better = 0;
+        for (int i = 0; i < 300; i++)
+            better += all[i] < pool.item[k].f;
+        CHECK_INT(better, k);
+    }
+    lw_problem_free(&p);
+}
+
+static void counts_what_comes_again(void)
+{
+    static lw_pool pool;
+    lw_problem p;
+    make_problem(&p);
+    lw_found a = find(1, 3), again = a, turned = a, other = a, arm = a, none = a;
+    again.f *= 1 - 1e-6;
+    again.x[2] *= 1 + 1e-6;
+    turned.x[p.plan.i_theta0] += 2*LW_PI;
+    other.x[1] += 0.01;
+    arm.arm = 1;
+    none.f = INFINITY;
+    lw_pool_put(&pool, &a, &p);
+    lw_pool_put(&pool, &again, &p);
+    CHECK_INT(pool.n, 1);
+    CHECK(pool.item[0].f == again.f && pool.item[0].hits == 2);
+    lw_pool_put(&pool, &turned, &p);                     /* worse: the better one stays              */
+    CHECK_INT(pool.n, 1);
+    CHECK(pool.item[0].f == again.f && pool.item[0].hits == 3);
+    lw_pool_put(&pool, &other, &p);
+    lw_pool_put(&pool, &arm, &p);
+    lw_pool_put(&pool, &none, &p);
+    CHECK_INT(pool.n, 3);
+    check_order(&pool);
+    lw_problem_free(&p);
+}
+
+int main(void)
+{
+    RUN(keeps_the_best_in_order);
+    RUN(counts_what_comes_again);
+    return check_end();
+}
