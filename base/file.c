@@ -3,9 +3,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,6 +34,7 @@ static const reason reasons[] = {
     { EIO,          "the device reports an error" },
     { ETXTBSY,      "the file is being executed" },
     { EBADF,        "it is not open" },
+    { EWOULDBLOCK,  "another program is writing it" },
 };
 
 static lw_status failed(lw_error *e, const char *verb, const char *path, int number)
@@ -148,6 +149,19 @@ static int create_beside(lw_output *o)
     return fd;
 }
 
+/* The file that a killed program left behind, or a new one, for this program alone. */
+static int open_partial(lw_output *o)
+{
+    snprintf(o->temp, sizeof o->temp, "%s.partial", o->path);
+    int fd = open(o->temp, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        close(fd);
+        errno = EWOULDBLOCK;
+        return -1;
+    }
+    return fd;
+}
+
 /* A regular file is replaced where it really lies: a symbolic link keeps pointing to it. */
 static int open_replacement(lw_output *o, const char *path, const struct stat *old)
 {
@@ -160,18 +174,18 @@ static int open_replacement(lw_output *o, const char *path, const struct stat *o
     strcpy(o->path, target);
     if (old && access(o->path, W_OK) != 0)          /* rename() would overrule the protection */
         return -1;
-    int fd = create_beside(o);
+    int fd = o->partial ? open_partial(o) : create_beside(o);
     if (fd >= 0 && old && fchmod(fd, old->st_mode & 07777) != 0)
         errno = 0;                                   /* a file system without rights: keep going */
     return fd;
 }
 
-lw_status lw_output_open(lw_output *o, const char *path, lw_error *e)
+static lw_status open_output(lw_output *o, const char *path, bool partial, lw_error *e)
 {
     struct stat st;
     int stream = named_stream(path), fd;
     size_t n = strlen(path);
-    *o = (lw_output){ .f = NULL };
+    *o = (lw_output){ .f = NULL, .partial = partial };
     if (stream >= 0) {
         fflush(stream == STDERR_FILENO ? stderr : stdout);
         fd = dup(stream);
@@ -190,13 +204,23 @@ lw_status lw_output_open(lw_output *o, const char *path, lw_error *e)
         return failed(e, "written", path, errno);
     if (!o->temp[0])
         snprintf(o->path, sizeof o->path, "%s", path);
-    o->f = fdopen(fd, "wb");
+    o->f = fdopen(fd, partial && o->temp[0] ? "r+b" : "wb");
     if (!o->f) {
         close(fd);
         lw_output_abandon(o);
         return lw_error_at(e, LW_E_MEMORY, path, 0, 0, "cannot be written: out of memory");
     }
     return LW_OK;
+}
+
+lw_status lw_output_open(lw_output *o, const char *path, lw_error *e)
+{
+    return open_output(o, path, false, e);
+}
+
+lw_status lw_output_open_partial(lw_output *o, const char *path, lw_error *e)
+{
+    return open_output(o, path, true, e);
 }
 
 /* The stream remembers that an earlier write failed, not why: one more byte, in a file that is lost
@@ -241,7 +265,7 @@ void lw_output_abandon(lw_output *o)
 {
     if (o->f)
         fclose(o->f);
-    if (o->temp[0])
+    if (o->temp[0] && !o->partial)
         unlink(o->temp);
     o->f = NULL;
     o->temp[0] = '\0';

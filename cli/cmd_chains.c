@@ -8,6 +8,7 @@
 #include "cli/json.h"
 #include "cli/output.h"
 #include "cli/progress.h"
+#include "cli/resume.h"
 #include "cli/spread.h"
 #include "cli/topology.h"
 #include "enumerate/chains.h"
@@ -60,7 +61,8 @@ typedef struct task {
     double                  start, expected;              /* clock; chains, about               */
     cli_progress            progress;
     uint64_t                n_fractionated, n_bridged, at; /* `at` numbers those of all parts      */
-    char                   *text;                         /* one chain                             */
+    cli_resume              before;                       /* an interrupted listing                */
+    bool                    compared;                     /* with its last line                    */
     lw_chain_table          table;
     size_t                  n_task;                       /* under mpirun                          */
     bool                    spread;                       /* the others have been served           */
@@ -324,16 +326,26 @@ static size_t print_item(void *context, const lw_chain_item *item, char *text, s
     return print_chain(context, item->chain, text, most);
 }
 
+/* Whole chains; the first text after a resumption begins with the last chain of before. */
 static lw_status write_text(void *context, const char *text, size_t size)
 {
     task *t = context;
+    size_t known = t->compared ? 0 : t->before.size;
     t->n_listed += size > 0;
+    if (size == 0)
+        return LW_OK;
+    if (size < known || memcmp(text, t->before.last, known) != 0)
+        return LW_E_KIND;
+    t->compared = true;
+    text += known;
+    size -= known;
     return fwrite(text, 1, size, t->out.f) == size ? LW_OK : LW_E_IO;
 }
 
 static lw_status write_fractionated(void *context, const lw_chain *c, int n_bridge)
 {
     task *t = context;
+    char text[LW_NOTATION_SIZE];
     (void)n_bridge;
     if (!wanted(t, c))
         return LW_OK;
@@ -341,47 +353,21 @@ static lw_status write_fractionated(void *context, const lw_chain *c, int n_brid
         t->skip_fractionated--;
         return LW_OK;
     }
-    lw_status status = write_text(t, t->text, print_chain(t, c, t->text, LW_NOTATION_SIZE));
+    lw_status status = write_text(t, text, print_chain(t, c, text, sizeof text));
     return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
 }
 
-/* Copy the whole lines of the listing so far to the new file; *n gets their number. */
-static lw_status take_over(task *t, uint64_t *n, lw_error *e)
-{
-    const char *path = t->call->common.output;
-    FILE *f = fopen(path, "r");
-    char *line = NULL;
-    size_t room = 0;
-    ssize_t length;
-    lw_status status = LW_OK;
-    *n = 0;
-    while (f && status == LW_OK && (length = getline(&line, &room, f)) > 0)
-        if (line[length - 1] == '\n') {
-            ++*n;
-            if (fwrite(line, 1, (size_t)length, t->out.f) != (size_t)length)
-                status = lw_error_set(e, LW_E_IO, "cannot write what was listed before");
-        }
-    if (f && ferror(f))
-        status = lw_error_set(e, LW_E_IO, "cannot read %s", path);
-    free(line);
-    if (f)
-        fclose(f);
-    return status;
-}
-
-/* How many chains are listed already, of both sorts. */
+/* What is listed already is left out, but for its last chain, which comes once more to be compared. */
 static lw_status find_resume(task *t, lw_error *e)
 {
-    uint64_t n;
-    lw_status status = take_over(t, &n, e);
-    t->n_listed = n;
-    t->how.skip = n;
-    if (status != LW_OK || !t->s->fractionated || n == 0)
-        return status;
+    t->n_listed = t->before.n_line;
+    t->how.skip = t->before.n_line > 0 ? t->before.n_line - 1 : 0;
+    if (!t->s->fractionated || t->how.skip == 0)
+        return LW_OK;
     lw_chain_table table;
-    status = lw_chains_count(t->chains, &t->how, &table);
-    if (n > table.total.n_chain)
-        t->skip_fractionated = n - table.total.n_chain;
+    lw_status status = lw_chains_count(t->chains, &t->how, &table);
+    if (t->how.skip > table.total.n_chain)
+        t->skip_fractionated = t->how.skip - table.total.n_chain;
     lw_chain_table_free(&table);
     return status == LW_OK ? LW_OK : lw_error_set(e, status, "%s", lw_status_text(status));
 }
@@ -431,20 +417,18 @@ static lw_status spread_list(task *t)
 
 static lw_status list_all(task *t, lw_error *e)
 {
-    lw_status status = t->s->resume ? find_resume(t, e) : LW_OK;
-    t->text = malloc(LW_NOTATION_SIZE);
-    if (!t->text)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    if (status == LW_OK) {
+    lw_status status = find_resume(t, e);
+    if (status == LW_OK)
         status = t->s->mpi ? spread_list(t)
                : lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
-        if (status == LW_OK && t->s->fractionated)
-            status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
-        if (status < 0)
-            (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
-    }
+    if (status == LW_OK && t->s->fractionated)
+        status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
     cli_progress_end(&t->progress);
-    free(t->text);
+    if (status == LW_E_KIND || (status == LW_OK && t->before.n_line > 0 && !t->compared))
+        return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1, "another chain comes here, so "
+                           "this is a listing of something else; --resume wants the options that it was begun with");
+    if (status < 0 && e->status == LW_OK)
+        (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
     return status;
 }
 
@@ -465,13 +449,14 @@ static int finish(task *t, lw_status status, const lw_error *e)
 static int enumerate(task *t, lw_error *e)
 {
     lw_status status;
+    bool listing = !t->s->count && !t->notation->lines;
     t->progress = cli_progress_begin(t->call, "structures", "structures");
     status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
     cli_progress_end(&t->progress);
     if (status != LW_OK)
         return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
-    if (cli_open(t->call, &t->out, e) != LW_OK)
+    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out, e)) != LW_OK)
         return cli_fail(t->call, e);
     status = t->s->count ? count_all(t) : list_all(t, e);
     if (status < 0 && e->status == LW_OK)
@@ -519,6 +504,7 @@ static int run(const cli_call *call)
         code = say_how_long(&t, &e) == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
     if (t.s->mpi)
         end_spread(&t);
+    free(t.before.last);
     lw_chain_table_free(&t.table);
     lw_chains_free(t.chains);
     return code;
@@ -542,6 +528,8 @@ const cli_command cli_chains_command = {
         "(docs/theory.md); it does not depend on --jobs. --part deals out structures like cards: R, R + M,\n"
         "R + 2M, ... Fractionated chains come last and are counted apart. Chains for which --filter asks\n"
         "single chains are counted by listing. What takes longer than some seconds says so before it starts.\n"
+        "A listing in -o FILE is written to FILE.partial until it ends; --resume goes on with either, also\n"
+        "after the program was killed, and compares the last line.\n"
         "Exit code 1: there is no such chain; 5: --time was over, what was found until then is kept.\n",
     .options = options,
     .settings_size = sizeof(settings),

@@ -77,9 +77,26 @@ static void resume(void)
     expect("$P chains --links 9 --dof 2 --fractionated -o $D/whole && for n in 0 1 12 13 200 399 400 401 500 520; do "
            "head -c $n $D/whole > $D/cut; $P chains --links 9 --dof 2 --fractionated -o $D/cut --resume; "
            "cmp $D/cut $D/whole || echo differs; done; wc -l < $D/whole", 0, "40\n", NULL);
+    expect("for n in 0 1 12 399 520; do head -c 200 $D/whole > $D/cut; head -c $n $D/whole > $D/cut.partial; "
+           "$P chains --links 9 --dof 2 --fractionated -o $D/cut --resume; "
+           "cmp $D/cut $D/whole || echo differs; ls $D/cut.partial 2>&-; done", 2, "", NULL);
     expect("rm -f $D/new; $P chains --links 8 -o $D/new --resume; wc -l < $D/new", 0, "16\n", NULL);
     expect("$P chains --links 8 --resume", 2, NULL, "-o FILE");
     expect("$P chains --links 8 --resume -o $D/x --format dot", 2, NULL, "one line");
+}
+
+/* What a program had written when it was killed is not lost; a listing of something else is left as it is. */
+static void resume_after_a_kill(void)
+{
+    expect("$P chains --links 14 -o $D/all && { $P chains --links 14 -o $D/killed & "
+           "until [ -s $D/killed.partial ] || [ -e $D/killed ]; do sleep 0.01; done; kill -KILL $!; wait; "
+           "$P chains --links 14 -o $D/killed --resume; } 2>&-; cmp $D/all $D/killed && ls $D/killed*", 0, "/killed\n", NULL);
+    expect("$P chains --links 12 -o $D/other && $P chains --links 12 --planar -o $D/other --resume", 3, NULL,
+           "other:6856:1: another chain comes here");
+    expect("head -n 5918 $D/other > $D/planar && $P chains --links 12 --planar -o $D/planar --resume", 3, NULL, ":5918:1:");
+    expect("$P chains --links 10 -o $D/all --resume", 3, NULL, "all:318162:1:");
+    expect("wc -l < $D/all", 0, "318162\n", NULL);
+    expect("rm $D/*.partial; $P chains --links 6 -o $D/plain && rm $D/plain && ls $D/*.partial 2>&-", 2, "", NULL);
 }
 
 /* Needs a program built with `make MPI=1`. */
@@ -133,6 +150,7 @@ int main(void)
     RUN(chain_counts);
     RUN(chain_lists);
     RUN(resume);
+    RUN(resume_after_a_kill);
     RUN(processes);
     RUN(limits_and_faults);
     return check_end();

@@ -232,6 +232,32 @@ static void standard_input_is_read(void)
     unlink(path);
 }
 
+/* What a killed program leaves: found again, for one program at a time, and whole only after a commit. */
+static void partial_output_is_gone_on_with(void)
+{
+    const char *path = in_folder("long.txt"), *partial = in_folder("long.txt.partial");
+    char text[8] = "";
+    lw_output o, second;
+    lw_error e = { 0 };
+    CHECK_INT(lw_output_open_partial(&o, path, NULL), LW_OK);
+    fputs("one\n", o.f);
+    CHECK_INT(lw_output_open_partial(&second, path, &e), LW_E_IO);
+    CHECK_HAS(e.text, "another program is writing it");
+    lw_output_abandon(&o);
+    CHECK(access(path, F_OK) != 0);
+    check_content(partial, "one\n");
+    CHECK_INT(lw_output_open_partial(&o, path, NULL), LW_OK);
+    CHECK(fgets(text, sizeof text, o.f) && strcmp(text, "one\n") == 0);
+    CHECK_INT(fseek(o.f, 0, SEEK_END), 0);
+    fputs("two\n", o.f);
+    CHECK_INT(lw_output_commit(&o, NULL), LW_OK);
+    check_content(path, "one\ntwo\n");
+    CHECK_INT(count_files(), 1);
+    unlink(path);
+    CHECK_INT(lw_output_open_partial(&o, "/dev/null", NULL), LW_OK);
+    CHECK_INT(lw_output_commit(&o, NULL), LW_OK);
+}
+
 int main(void)
 {
     strcpy(folder, "/tmp/lw-test-file-XXXXXX");
@@ -244,6 +270,7 @@ int main(void)
     RUN(longest_name_the_system_allows);
     RUN(what_cannot_be_written);
     RUN(a_failed_write_leaves_the_old_file);
+    RUN(partial_output_is_gone_on_with);
     RUN(devices_are_written_in_place);
     RUN(what_cannot_be_read);
     RUN(standard_output_is_continued);
