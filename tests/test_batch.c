@@ -184,13 +184,16 @@ static void complex_dyad(const lw_step *s, const double complex *dim, double mod
     const int *in = s->in, *out = s->out;
     cpoint d = csub(reg[in[1]], reg[in[0]]);
     double complex length = csqrt(cdot(d, d));
-    if (s->kind == LW_STEP_RRR) {                             /* angle at the first pin, then at the second */
+    if (s->kind == LW_STEP_RRR) {                             /* the angle at the pin of the shorter link */
         double complex a = dim[s->dim[0]], b = dim[s->dim[1]];
-        double complex ca = (length*length + a*a - b*b)/(2*length*a), sa = mode*csqrt(1 - ca*ca);
-        reg[out[0]] = cscale(cturn(d, (cpoint){ ca, sa }), 1/length);
-        reg[out[2]] = cadd(reg[in[0]], cscale(reg[out[0]], a));
+        bool second = cabs(b) < cabs(a);
+        double complex r = second ? b : a, other = second ? a : b;
+        double complex cosine = (length*length + r*r - other*other)/(2*length*r), sine = mode*csqrt(1 - cosine*cosine);
+        cpoint u = cscale(cturn(d, (cpoint){ second ? -cosine : cosine, sine }), 1/length);
+        reg[out[2]] = cadd(reg[in[second]], cscale(u, r));
+        reg[out[0]] = second ? cscale(csub(reg[out[2]], reg[in[0]]), 1/a) : u;
         if (out[1] >= 0)
-            reg[out[1]] = cscale(csub(reg[out[2]], reg[in[1]]), 1/b);
+            reg[out[1]] = second ? u : cscale(csub(reg[out[2]], reg[in[1]]), 1/b);
     } else if (s->kind == LW_STEP_RRP) {                      /* along the line from the foot */
         double complex a = dim[s->dim[0]];
         cpoint w = reg[in[2]], foot = cadd(reg[in[1]], cscale(w, -cdot(d, w)));
