@@ -46,6 +46,9 @@ bool lw_problem_is_nonlinear(const lw_problem *p);
 
 int lw_problem_component_count(const lw_problem *p);
 
+/* Lanes: stations, and curve samples where both ways count. */
+size_t lw_problem_lane_count(const lw_problem *p);
+
 /* Fill jac for x at the inputs in w->c, w->s; false when a lane cannot close. */
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 

@@ -1,0 +1,112 @@
+/* optimise/fit_arms.c - which problems a search consists of. */
+#include <stdio.h>
+#include <string.h>
+
+#include "optimise/fit_internal.h"
+
+/* Is this type asked for?  `types` is "all", or names and letters separated by commas. */
+static bool wanted(const char *types, const lw_type *type)
+{
+    const char *names[] = { type->letters, type->name };
+    if (strcmp(types, "all") == 0)
+        return true;
+    for (int i = 0; i < 2; i++)
+        for (const char *at = types; (at = strstr(at, names[i])); at++) {
+            size_t n = strlen(names[i]);
+            if ((at == types || at[-1] == ',') && (at[n] == 0 || at[n] == ','))
+                return true;
+        }
+    return false;
+}
+
+static bool family_wanted(const lw_fit_options *o, const lw_family *f)
+{
+    if (!wanted(o->types, lw_type_find(f->type)))
+        return false;
+    if (o->spec.crank_only && !f->turns)
+        return false;
+    return !(o->spec.exclude_drag_link && f->drag_link);
+}
+
+static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
+{
+    const char *title = lw_type_find(f->type)->title;
+    size_t n = strlen(out->skipped);
+    if (!strstr(out->skipped, title))                       /* a type once, not each of its families */
+        snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s (%.60s)", n ? ", " : "", title,
+                 e->text);
+}
+
+static lw_status make_arm(lw_search *s, const lw_family *f, double mode, int sense, lw_error *e)
+{
+    lw_arm *a = &s->arm[s->n_arm];
+    memset(a, 0, sizeof *a);
+    lw_status st = lw_problem_make(s->t, &s->o->spec, f, mode, sense, &a->fine, e);
+    if (st != LW_OK)
+        return st;
+    a->has_coarse = s->thin.n > 0;
+    if (a->has_coarse && (st = lw_problem_make(&s->thin, &s->o->spec, f, mode, sense, &a->coarse, e))
+            != LW_OK) {
+        lw_problem_free(&a->fine);
+        return st;
+    }
+    s->n_arm++;
+    return LW_OK;
+}
+
+/* All arms: families in both modes, and for ordered free timing in both senses. */
+static lw_status make_arms(lw_search *s, lw_fit *out, lw_error *e)
+{
+    for (const lw_family *f = lw_family_table; f->name; f++) {
+        if (!family_wanted(s->o, f))
+            continue;
+        int senses = s->o->spec.timing == LW_TIMING_FREE ? 2 : 1;
+        for (int k = 0; k < 2*senses; k++) {
+            lw_error why = { .text = "" };
+            lw_status st = make_arm(s, f, k & 1 ? -1 : 1, k & 2 ? -1 : 1, &why);
+            if (st == LW_E_KIND && k == 0)
+                note_skipped(out, f, &why);
+            if (st == LW_E_KIND)
+                break;
+            if (st != LW_OK) {
+                if (e)
+                    *e = why;
+                return st;
+            }
+        }
+    }
+    if (s->n_arm == 0)
+        return lw_error_set(e, LW_E_ARG, "no linkage of the types asked for can do this%s%s%s",
+                            s->o->spec.crank_only ? ", since its input must turn fully" : "",
+                            out->skipped[0] ? ": " : "", out->skipped);
+    return LW_OK;
+}
+
+/* Every so-manieth station, for the search on long targets. */
+static lw_status thin_out(lw_search *s, lw_error *e)
+{
+    enum { MANY = 48, FEW = 28 };
+    const lw_target *t = s->t;
+    if (t->n <= MANY || s->o->spec.task == LW_TASK_FUNCTION)
+        return LW_OK;
+    double v[5][FEW];
+    const double *from[5] = { t->x, t->y, t->theta, t->angle, t->weight };
+    for (size_t i = 0; i < FEW; i++) {
+        size_t k = t->closed ? i*t->n/FEW : i*(t->n - 1)/(FEW - 1);
+        for (int c = 0; c < 5; c++)
+            v[c][i] = from[c] ? from[c][k] : 0;
+    }
+    double weight = 0;
+    for (size_t i = 0; i < FEW; i++)
+        weight += v[4][i];
+    for (size_t i = 0; i < FEW && !(weight > 0); i++)
+        v[4][i] = 1;
+    return lw_target_make(FEW, v[0], v[1], t->theta ? v[2] : NULL, t->angle ? v[3] : NULL, v[4],
+                          t->closed, &s->thin, e);
+}
+
+lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e)
+{
+    lw_status st = thin_out(s, e);
+    return st == LW_OK ? make_arms(s, out, e) : st;
+}

@@ -1,0 +1,249 @@
+/* optimise/fit_round.c - one round of the search: low-discrepancy starts, the better ones improved, the
+ * best polished. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/parallel.h"
+#include "optimise/fit_internal.h"
+#include "optimise/lm.h"
+#include "optimise/lowdiscrepancy.h"
+#include "optimise/problem_internal.h"
+#include "optimise/start.h"
+
+enum {
+    GLANCE = 100,           /* draws of a block that are settled, where the timing is free        */
+    IMPROVE = 12,           /* of these, improved                                                 */
+    FIRST_STEPS = 40,       /* of each of these                                                   */
+    FULL_STEPS = 120,       /* of the LW_KEEP that are handed on                                  */
+    POLISH = 8              /* of a round's finds, polished                                       */
+};
+
+bool lw_search_stopped(const lw_search *s)
+{
+    return (s->o->interrupt && *s->o->interrupt)
+        || (s->o->max_seconds > 0 && lw_clock_wall() - s->started > s->o->max_seconds);
+}
+
+typedef struct glance { double rest; int which; } glance;
+
+static int by_rest(const void *a, const void *b)
+{
+    const glance *p = a, *q = b;
+    return p->rest < q->rest ? -1 : p->rest > q->rest ? 1 : p->which - q->which;
+}
+
+/* Which draws of a block are worth settling: all where that is cheap, else the GLANCE best by a
+ * first look. */
+static int choose_draws(const lw_problem *p, const double *u, int d, void *work, glance *g)
+{
+    for (int i = 0; i < LW_BLOCK; i++) {
+        g[i].which = i;
+        g[i].rest = p->timing == LW_TIMING_PRESCRIBED ? 0 : lw_start_glance(p, u + i*d, work);
+    }
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        return LW_BLOCK;
+    qsort(g, LW_BLOCK, sizeof *g, by_rest);
+    return GLANCE;
+}
+
+/* The IMPROVE best starts of a block, in order. */
+static int screen(const lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+{
+    double u[LW_BLOCK*LW_START_DRAWS];
+    glance g[LW_BLOCK];
+    int n = 0, d = lw_start_draws(p);
+    if (!lw_low_discrepancy(rng, LW_BLOCK, d, u))
+        return 0;
+    int chosen = choose_draws(p, u, d, work, g);
+    for (int i = 0; i < chosen && isfinite(g[i].rest); i++) {
+        lw_found c;
+        c.f = lw_start(p, u + g[i].which*d, c.x, work);
+        if (!isfinite(c.f) || (n == IMPROVE && c.f >= best[n - 1].f))
+            continue;
+        int at = n < IMPROVE ? n++ : n - 1;
+        for (; at > 0 && best[at - 1].f > c.f; at--)
+            best[at] = best[at - 1];
+        best[at] = c;
+    }
+    return n;
+}
+
+/* The user's solver from where the start stands. */
+static void run_solver(const lw_search *s, const lw_solver *solver, const lw_problem *p, long evals,
+                       lw_found *c)
+{
+    lw_solver_options o = lw_solver_options_default();
+    lw_solver_result r;
+    o.seed = s->o->seed;
+    o.max_evals = evals;
+    o.interrupt = s->o->interrupt;
+    lw_status st = solver->run(p, &o, c->x, &r);
+    c->f = st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
+    c->evals += r.evals;
+    c->stop = r.stop;
+}
+
+/* Improve c: least squares by default, a solver with conditions where these are violated. */
+static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options *o, void *work,
+                    lw_found *c)
+{
+    const lw_solver *mine = s->o->solver;
+    if (mine && mine->run != lw_lm_run) {
+        run_solver(s, mine, p, 10L*o->max_steps, c);
+        return;
+    }
+    c->f = lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop);
+}
+
+/* Least squares from each of n starts, at most so many steps; then in order of f. */
+static void improve_all(const lw_search *s, const lw_problem *p, int steps, int n, void *work,
+                        lw_found *best)
+{
+    lw_lm_options o = lw_lm_options_default();
+    o.max_steps = steps;
+    o.f_hopeless = 1e4*s->best_raw;
+    o.patience = FIRST_STEPS;
+    o.interrupt = s->o->interrupt;
+    o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
+    for (int i = 0; i < n && !lw_search_stopped(s); i++)
+        improve(s, p, &o, work, &best[i]);
+    for (int i = 1; i < n; i++) {
+        lw_found c = best[i];
+        int at = i;
+        for (; at > 0 && best[at - 1].f > c.f; at--)
+            best[at] = best[at - 1];
+        best[at] = c;
+    }
+}
+
+/* Local fits of the best starts of one block: all of them a little, the best of these further; LW_KEEP
+ * go to the pool. */
+static void search_block(void *context, size_t job, int thread)
+{
+    lw_search *s = context;
+    int ia = s->job_arm[job];
+    const lw_arm *a = &s->arm[ia];
+    const lw_problem *p = a->has_coarse ? &a->coarse : &a->fine;
+    void *work = s->work[thread];
+    lw_found best[IMPROVE], *keep = s->found + job*LW_KEEP;
+    lw_rng rng;
+    for (int i = 0; i < LW_KEEP; i++)
+        keep[i].f = INFINITY;
+    if (lw_search_stopped(s))
+        return;
+    lw_problem_work_init(p, work);
+    lw_rng_seed(&rng, s->o->seed, (uint64_t)s->round*LW_ARM_MAX*8 + job);
+    int n = screen(p, &rng, work, best);
+    s->evals[job] += LW_BLOCK;
+    s->improved[job] += n;
+    for (int i = 0; i < n; i++) {
+        best[i].arm = ia;
+        best[i].evals = 0;
+        best[i].polished = false;
+        best[i].hits = 1;
+    }
+    improve_all(s, p, FIRST_STEPS, n, work, best);
+    improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
+    for (int i = 0; i < n; i++) {
+        best[i].seconds = lw_clock_wall() - s->started;
+        s->evals[job] += best[i].evals;
+        if (i < LW_KEEP)
+            keep[i] = best[i];
+    }
+}
+
+typedef struct polish_list {
+    lw_search *s;
+    int n;
+    lw_found item[LW_POOL_MAX];
+    long spent[LW_POOL_MAX];                 /* evaluations of the polish alone                  */
+} polish_list;
+
+/* To the end, on the full target. */
+static void polish_one(void *context, size_t job, int thread)
+{
+    polish_list *list = context;
+    lw_search *s = list->s;
+    lw_found *c = &list->item[job];
+    const lw_arm *a = &s->arm[c->arm];
+    lw_lm_options o = lw_lm_options_default();
+    o.max_steps = 1500;
+    o.f_tol = 1e-12;
+    lw_problem_work_init(&a->fine, s->work[thread]);
+    list->spent[job] = -c->evals;
+    improve(s, &a->fine, &o, s->work[thread], c);
+    list->spent[job] += c->evals;
+    if (a->fine.timing != LW_TIMING_PRESCRIBED)          /* what x is worth with no more known     */
+        c->f = lw_problem_value(&a->fine, c->x, NULL, s->work[thread]);
+    c->polished = true;
+}
+
+/* Count how often the best of the search was met, to know when to end. */
+static void count_hits(lw_search *s, double f)
+{
+    if (f < s->best_raw*(1 - 1e-3)) {
+        s->best_raw = f;
+        s->hits = 1;
+    } else if (f <= s->best_raw*(1 + 1e-3))
+        s->hits++;
+}
+
+/* Coarse and fine targets are scaled by themselves: go through the user's frame. */
+static void refine_variables(const lw_arm *a, const double *coarse, double *x)
+{
+    double dim[LW_DIM_MAX];
+    lw_problem_to_dims(&a->coarse, coarse, dim);
+    lw_problem_from_dims(&a->fine, dim, x);
+    for (int i = a->fine.n_dim; i < a->fine.n_var; i++)
+        x[i] = coarse[i];
+}
+
+static void take(lw_search *s, const lw_found *c, polish_list *list)
+{
+    lw_found *to = &list->item[list->n++];
+    const lw_arm *a = &s->arm[c->arm];
+    *to = *c;
+    if (a->has_coarse)
+        refine_variables(a, c->x, to->x);
+    lw_lm_feasible(&a->fine, to->x);
+}
+
+/* The best of the round's finds go on, each linkage once; and of every type the best, since a list
+ * of one type is not what somebody asks for who allows several. */
+static void pick(lw_search *s, polish_list *list)
+{
+    lw_pool *raw = &s->raw;
+    const char *seen[LW_ARM_MAX];
+    int n_seen = 0;
+    raw->n = list->n = 0;
+    for (int i = 0; i < s->n_job*LW_KEEP; i++) {
+        const lw_found *c = &s->found[i];
+        if (!isfinite(c->f))
+            continue;
+        count_hits(s, c->f);
+        lw_pool_put(raw, c, &s->arm[c->arm].fine);
+    }
+    for (int i = 0; i < raw->n && list->n < LW_POOL_MAX; i++) {
+        const char *type = s->arm[raw->item[i].arm].fine.family->type;
+        bool first = true;
+        for (int k = 0; k < n_seen; k++)
+            first &= seen[k] != type;
+        if (first)
+            seen[n_seen++] = type;
+        if (first || i < POLISH)
+            take(s, &raw->item[i], list);
+    }
+}
+
+void lw_search_round(lw_search *s)
+{
+    polish_list list = { .s = s };
+    lw_parallel(s->n_thread, (size_t)s->n_job, search_block, s);
+    pick(s, &list);
+    lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
+    for (int i = 0; i < list.n; i++) {
+        lw_pool_put(&s->pool, &list.item[i], &s->arm[list.item[i].arm].fine);
+        s->evals[0] += list.spent[i];
+    }
+}

@@ -1,0 +1,96 @@
+/* optimise/problem_work.c - the scratch of one thread, laid out in memory of the caller. */
+#include <string.h>
+
+#include "optimise/problem_internal.h"
+
+size_t lw_problem_lane_count(const lw_problem *p)
+{
+    return p->n + (p->timing == LW_TIMING_NONE ? LW_CURVE_SAMPLES : 0);
+}
+
+int lw_problem_component_count(const lw_problem *p)
+{
+    return p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+}
+
+/* Hand out 64-byte aligned pieces; with base NULL it only counts. */
+static void *piece(char *base, size_t *at, size_t bytes)
+{
+    size_t here = *at;
+    *at = (*at + bytes + 63) & ~(size_t)63;
+    return base ? base + here : NULL;
+}
+
+static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
+{
+    size_t at = (sizeof *w + 63) & ~(size_t)63;
+    size_t lanes = lw_problem_lane_count(p), ld = (lanes + 7) & ~(size_t)7, v = sizeof(double);
+    size_t m = LW_CURVE_SAMPLES;
+    w->n = p->n;
+    w->n_lane = lanes;
+    w->ld = ld;
+    w->n_row = lw_problem_component_count(p);
+    double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->normal_x, &w->normal_y,
+                               &w->by_input, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
+                               &w->jac.margin, &w->jac.tx, &w->jac.ty, &w->jac.tt };
+    for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
+        *lane_arrays[i] = piece(base, &at, ld*v);
+    w->mode = piece(base, &at, ld*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
+    w->jac.jx = piece(base, &at, ld*v*(size_t)p->n_dim);
+    w->jac.jy = piece(base, &at, ld*v*(size_t)p->n_dim);
+    w->jac.jt = p->theta ? piece(base, &at, ld*v*(size_t)p->n_dim) : NULL;
+    w->jac.ld = ld;
+    if (!p->theta)
+        w->jac.tt = NULL;
+    w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
+    w->res = piece(base, &at, ld*v*(size_t)w->n_row);
+    double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
+                         &w->curve_u, &w->curve_v,
+                         &w->foot_x, &w->foot_y, &w->turn, &w->turn_mode };
+    for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
+        *curve[i] = piece(base, &at, m*v);
+    size_t poses = ld > m ? ld : m, g = lw_problem_constraint_count(p) + 1;
+    double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v,
+                        &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
+    for (size_t i = 0; i < sizeof pose/sizeof *pose; i++)
+        *pose[i] = piece(base, &at, poses*v);
+    w->pose.jx = piece(base, &at, poses*v*(size_t)p->n_dim);
+    w->pose.jy = piece(base, &at, poses*v*(size_t)p->n_dim);
+    w->pose.jt = w->pose.tt = NULL;
+    w->pose.ld = poses;
+    w->g_now = piece(base, &at, g*v);
+    w->g_up = piece(base, &at, g*v);
+    w->g_down = piece(base, &at, g*v);
+    w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
+    w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
+    w->from = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*sizeof(short));
+    w->order = piece(base, &at, 2*p->n*sizeof(short));
+    w->try_theta = piece(base, &at, 3*ld*v);
+    w->pool = piece(base, &at, 3*ld*v);
+    w->slide = piece(base, &at, ld*v*(size_t)p->n_var);
+    w->keep_theta = piece(base, &at, ld*v);
+    w->best_theta = piece(base, &at, ld*v);
+    w->slip = piece(base, &at, ld*v);
+    w->tie = piece(base, &at, ld*sizeof(bool));
+    w->batch = piece(base, &at, lw_batch_work_size(&p->plan));
+    return at;
+}
+
+size_t lw_problem_work_size(const lw_problem *p)
+{
+    lw_work w;
+    return lay_out(p, &w, NULL);
+}
+
+void lw_problem_work_init(const lw_problem *p, void *work)
+{
+    lw_work *w = work;
+    memset(work, 0, lay_out(p, w, NULL));         /* lanes beyond the last stay zero in sums        */
+    lay_out(p, w, work);
+    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+        w->turn[j] = 2*LW_PI*(j + (p->turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
+        w->turn_c[j] = cos(w->turn[j]);
+        w->turn_s[j] = sin(w->turn[j]);
+    }
+    w->least_margin = !p->turns && p->timing != LW_TIMING_PRESCRIBED ? -1e-9 : 0;
+}

@@ -1,0 +1,125 @@
+/* optimise/rank.c - what the caller gets: candidates in order, no two of one curve. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/fit_internal.h"
+#include "optimise/problem_internal.h"
+
+/* The curve of one find: where its stations and its samples are. */
+typedef struct trail {
+    const lw_found *of;
+    double *px, *py, cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
+} trail;
+
+static double nearest_of(const trail *t, double x, double y)
+{
+    double least = INFINITY;
+    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+        int k = (j + 1) % LW_CURVE_SAMPLES;
+        double dx = t->cx[k] - t->cx[j], dy = t->cy[k] - t->cy[j], d2 = dx*dx + dy*dy;
+        double u = d2 > 0 ? ((x - t->cx[j])*dx + (y - t->cy[j])*dy)/d2 : 0;
+        u = fmax(0, fmin(1, u));
+        least = fmin(least, hypot(x - t->cx[j] - u*dx, y - t->cy[j] - u*dy));
+    }
+    return least;
+}
+
+/* One curve (cognates, or a linkage met twice): the stations' points agree, and the rest to what
+ * polygons of samples can tell. */
+static bool same_curve(const trail *a, const trail *b, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        if (hypot(a->px[k] - b->px[k], a->py[k] - b->py[k]) > 1e-4)
+            return false;
+    for (int j = 0; j < LW_CURVE_SAMPLES; j += 4)
+        if (nearest_of(b, a->cx[j], a->cy[j]) > 0.03)
+            return false;
+    return true;
+}
+
+/* One generator of a function: links of the same proportions.  An offset to the other side with the slide
+ * turned round is the same. */
+static bool same_links(const lw_search *s, const lw_found *a, const lw_found *b)
+{
+    const lw_problem *p = &s->arm[a->arm].fine, *q = &s->arm[b->arm].fine;
+    if (strcmp(p->family->type, q->family->type) != 0)
+        return false;
+    int first = lw_problem_index(p, p->family->shape[0]);
+    for (int i = 0; i < p->n_dim; i++) {
+        double u = fabs(a->x[i]/a->x[first]), v = fabs(b->x[i]/b->x[first]);
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > 1e-4*fmax(1, u))
+            return false;
+    }
+    return true;
+}
+
+static bool follow(const lw_search *s, const lw_found *c, trail *t)
+{
+    t->of = c;
+    const lw_problem *p = &s->arm[c->arm].fine;
+    lw_work *w = s->work[0];
+    lw_problem_work_init(p, w);
+    if (!lw_problem_settle(p, c->x, w))
+        return false;
+    memcpy(t->px, w->jac.x, sizeof *t->px*p->n);
+    memcpy(t->py, w->jac.y, sizeof *t->py*p->n);
+    lw_assign_sample(p, c->x, w);
+    memcpy(t->cx, w->curve_x, sizeof t->cx);
+    memcpy(t->cy, w->curve_y, sizeof t->cy);
+    return true;
+}
+
+/* What the caller gets of one find. */
+static bool hand_out(const lw_search *s, const lw_found *c, lw_candidate *out)
+{
+    const lw_problem *p = &s->arm[c->arm].fine;
+    lw_work *w = s->work[0];
+    lw_problem_work_init(p, w);
+    if (!lw_problem_settle(p, c->x, w))
+        return false;
+    *out = (lw_candidate){ .family = p->family, .mode = p->mode[0], .sense = p->sense,
+                           .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
+                           .seconds = c->seconds, .stop = c->stop };
+    lw_problem_to_dims(p, c->x, out->dim);
+    out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
+    out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
+    out->input = malloc(sizeof *out->input*p->n);
+    if (out->input)
+        for (size_t k = 0; k < p->n; k++)
+            out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
+    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
+        return out->input != NULL;
+    out->mode_of = malloc(sizeof *out->mode_of*p->n);
+    if (out->mode_of)
+        memcpy(out->mode_of, w->mode, sizeof *out->mode_of*p->n);
+    return out->input && out->mode_of;
+}
+
+lw_status lw_search_rank(lw_search *s, lw_fit *out)
+{
+    int most = s->o->n_result > 0 ? s->o->n_result : 1;
+    size_t n = s->t->n;
+    trail *seen = calloc((size_t)most + 1, sizeof *seen);
+    double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
+    out->candidate = calloc((size_t)most, sizeof *out->candidate);
+    if (!seen || !points || !out->candidate) {
+        free(seen);
+        free(points);
+        return LW_E_MEMORY;
+    }
+    for (int i = 0; i < s->pool.n && out->n < most; i++) {
+        const lw_found *c = &s->pool.item[i];
+        trail *t = &seen[out->n];
+        t->px = points + 2*n*(size_t)out->n;
+        t->py = t->px + n;
+        bool fresh = follow(s, c, t);
+        for (int k = 0; fresh && k < out->n; k++)
+            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_links(s, t->of, seen[k].of)
+                                                        : !same_curve(t, &seen[k], n);
+        if (fresh && hand_out(s, c, &out->candidate[out->n]))
+            out->n++;
+    }
+    free(seen);
+    free(points);
+    return LW_OK;
+}
