@@ -59,17 +59,22 @@ static double whole_way(const replay *v)
     return v->plan->input_is_slider ? 4*reach : 2*LW_PI;
 }
 
-/* Do both come to one limit of motion, moved up (or down)? */
+/* Do both come to one limit of motion, moved up (or down)?  Pins and tracer tell; where a slide line has its
+ * point is another matter in every file. */
 static bool meet(lw_newton *a, lw_newton *b, const replay *v, double by)
 {
-    double size = 0, gap = 0;
+    double size = 0;
     if (lw_newton_move(a, lw_newton_input(a) + by, NULL) != LW_OPEN
         || lw_newton_move(b, lw_newton_input(b) + by, NULL) != LW_OPEN)
         return false;
+    lw_vec2 here = lw_newton_tracer(a, 0);
+    double gap = lw_v2_norm(lw_v2_sub(here, lw_newton_tracer(b, 0)));
     for (int j = 0; j < v->k.n_joint; j++) {
         lw_vec2 p = lw_newton_joint(a, j);
+        size = fmax(size, lw_v2_norm(lw_v2_sub(p, here)));
+        if (v->k.joint[j].kind != LW_JOINT_REVOLUTE)
+            continue;
         gap = fmax(gap, lw_v2_norm(lw_v2_sub(p, lw_newton_joint(b, j))));
-        size = fmax(size, lw_v2_norm(lw_v2_sub(p, lw_newton_joint(a, 0))));
     }
     return gap <= 1e-5*size;                     /* half of the digits count at a limit      */
 }
