@@ -209,13 +209,36 @@ static void take(lw_search *s, const lw_found *c, polish_list *list)
     lw_lm_feasible(&a->fine, to->x);
 }
 
+static const char *type_of(const lw_search *s, const lw_found *c)
+{
+    return s->arm[c->arm].fine.family->type;
+}
+
+/* The best of each type that the search found, best[0 ..]; returns how many types. */
+static int best_of_types(const lw_search *s, const lw_found **best)
+{
+    int n_type = 0;
+    for (int i = 0; i < s->n_job*LW_KEEP; i++) {
+        const lw_found *c = &s->found[i];
+        int k = 0;
+        if (!isfinite(c->f))
+            continue;
+        while (k < n_type && type_of(s, best[k]) != type_of(s, c))
+            k++;
+        if (k == n_type)
+            best[n_type++] = c;
+        else if (c->f < best[k]->f)
+            best[k] = c;
+    }
+    return n_type;
+}
+
 /* The best of the round's finds go on, each linkage once; and of every type the best, since a list
  * of one type is not what somebody asks for who allows several. */
 static void pick(lw_search *s, polish_list *list)
 {
     lw_pool *raw = &s->raw;
-    const char *seen[LW_ARM_MAX];
-    int n_seen = 0;
+    const lw_found *best[LW_ARM_MAX];
     raw->n = list->n = 0;
     for (int i = 0; i < s->n_job*LW_KEEP; i++) {
         const lw_found *c = &s->found[i];
@@ -224,15 +247,15 @@ static void pick(lw_search *s, polish_list *list)
         count_hits(s, c->f);
         lw_pool_put(raw, c, &s->arm[c->arm].fine);
     }
-    for (int i = 0; i < raw->n && list->n < LW_POOL_MAX; i++) {
-        const char *type = s->arm[raw->item[i].arm].fine.family->type;
-        bool first = true;
-        for (int k = 0; k < n_seen; k++)
-            first &= seen[k] != type;
-        if (first)
-            seen[n_seen++] = type;
-        if (first || i < POLISH)
-            take(s, &raw->item[i], list);
+    for (int i = 0; i < raw->n && i < POLISH; i++)
+        take(s, &raw->item[i], list);
+    int n_type = best_of_types(s, best), n_raw = list->n;
+    for (int k = 0; k < n_type; k++) {
+        bool taken = false;
+        for (int i = 0; i < n_raw; i++)
+            taken |= type_of(s, &raw->item[i]) == type_of(s, best[k]);
+        if (!taken)
+            take(s, best[k], list);
     }
 }
 
