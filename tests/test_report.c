@@ -419,6 +419,41 @@ static void far_small_and_large_results_are_verified(void)
     }
 }
 
+/* Sliding inputs go to and fro through both assemblies, and their guides have no place of their own: a
+ * trammel that draws an ellipse exactly, and a yoke whose way is long beside its links, are simulated
+ * again through their limits. */
+static void sliding_inputs_pass_their_limits(void)
+{
+    static const char *const types[] = { "trammel", "wedge", "sliderdriven" };
+    double x[20], y[20];
+    for (int i = 0; i < 20; i++) {
+        lw_vec2 p = lw_v2_turn(lw_v2(0.06*cos(0.1*LW_PI*i), 0.025*sin(0.1*LW_PI*i)), lw_v2(0.8, 0.6));
+        x[i] = 0.1 + p.x;
+        y[i] = 0.05 + p.y;
+    }
+    lw_target t;
+    CHECK_INT(lw_target_make(20, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    for (int k = 0; k < 3; k++) {
+        lw_fit_options o = lw_fit_options_default();
+        lw_fit f;
+        lw_report r;
+        o.types = types[k];
+        o.max_rounds = 2;
+        o.n_result = 1;
+        CHECK_INT(lw_fit_run(&t, &o, &f, NULL), LW_OK);
+        CHECK_INT(f.n, 1);
+        if (f.n == 1) {
+            CHECK_INT(lw_report_make(&t, &o.spec, &f.candidate[0], &r, NULL), LW_OK);
+            CHECK_TEXT(r.fault, "");
+            CHECK(r.verified);
+            if (k == 0)
+                CHECK_NEAR(r.error_max, 0, 1e-12, 0);
+        }
+        lw_fit_free(&f);
+    }
+    lw_target_free(&t);
+}
+
 int main(void)
 {
     RUN(every_honest_candidate_is_verified);
@@ -434,5 +469,6 @@ int main(void)
     RUN(stations_beyond_a_gap_are_refused);
     RUN(what_does_not_close_says_so);
     RUN(far_small_and_large_results_are_verified);
+    RUN(sliding_inputs_pass_their_limits);
     return check_end();
 }
