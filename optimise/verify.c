@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mbs/motion.h"
 #include "mbs/newton.h"
 #include "mbs/pose.h"
 #include "optimise/report_internal.h"
@@ -49,14 +50,15 @@ static bool open_at(replay *v, size_t station)
     return ok;
 }
 
-/* How far an input may have to go for all of its way: a turn, or what the links can reach. */
+/* How far an input may have to go for all of its way: a turn, or a little more than its range. */
 static double whole_way(const replay *v)
 {
-    double reach = 0;
-    for (int d = 0; d < v->plan->n_dim; d++)
-        if (d < v->plan->i_x0 && v->plan->dim[d].kind != LW_DIM_ANGLE)
-            reach += fabs(v->c->dim[d]);
-    return v->plan->input_is_slider ? 4*reach : 2*LW_PI;
+    lw_range r;
+    if (!v->plan->input_is_slider)
+        return 2*LW_PI;
+    if (lw_motion_range(v->plan, v->c->dim, v->mode, &r) != LW_OK)
+        return 0;
+    return 1.1*(r.last - r.first);
 }
 
 /* Do both come to one limit of motion, moved up (or down)?  Pins and tracer tell; where a slide line has its
