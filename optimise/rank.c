@@ -63,6 +63,13 @@ static bool follow(const lw_search *s, const lw_found *c, trail *t)
         return false;
     memcpy(t->px, w->jac.x, sizeof *t->px*p->n);
     memcpy(t->py, w->jac.y, sizeof *t->py*p->n);
+    if (!p->turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
+        for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+            t->cx[j] = t->px[0];
+            t->cy[j] = t->py[0];
+        }
+        return true;
+    }
     lw_assign_sample(p, c->x, w);
     memcpy(t->cx, w->curve_x, sizeof t->cx);
     memcpy(t->cy, w->curve_y, sizeof t->cy);
