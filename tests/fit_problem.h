@@ -151,4 +151,17 @@ static inline void variables_of(const lw_problem *p, const member *m, double *x)
         x[p->i_tool0] = 0;
 }
 
+/* The least of the linear conditions at x. */
+static inline double linear_least(const lw_problem *p, const double *x)
+{
+    double least = INFINITY;
+    for (int j = 0; j < p->n_linear; j++) {
+        double g = -LW_LINEAR_LEAST;
+        for (int v = 0; v < p->n_var; v++)
+            g += p->linear[j][v]*x[v];
+        least = fmin(least, g);
+    }
+    return least;
+}
+
 #endif

@@ -59,18 +59,6 @@ static double value(const lw_problem *p, const double *x, double *grad)
     return f;
 }
 
-static double linear_least(const lw_problem *p, const double *x)
-{
-    double least = INFINITY;
-    for (int j = 0; j < p->n_linear; j++) {
-        double g = -LW_LINEAR_LEAST;
-        for (int v = 0; v < p->n_var; v++)
-            g += p->linear[j][v]*x[v];
-        least = fmin(least, g);
-    }
-    return least;
-}
-
 static void check_inside(const lw_problem *p, const double *x)
 {
     double size = 1;

@@ -92,18 +92,6 @@ static void no_other_place_size_or_tracer_is_better(void)
     }
 }
 
-static double linear_least(const lw_problem *p, const double *x)
-{
-    double least = INFINITY;
-    for (int j = 0; j < p->n_linear; j++) {
-        double g = -LW_LINEAR_LEAST;
-        for (int v = 0; v < p->n_var; v++)
-            g += p->linear[j][v]*x[v];
-        least = fmin(least, g);
-    }
-    return least;
-}
-
 /* Any draw of any family: inside bounds and conditions, f as said, closing everywhere. */
 static void starts_are_what_they_say(void)
 {
