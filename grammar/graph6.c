@@ -3,21 +3,29 @@
 #include <string.h>
 #include "grammar/text_internal.h"
 
-/* Column by column of the upper triangle, six bits a byte, the first bit the highest. */
+/* Bit i goes to bit 31 - i. */
+static uint32_t reversed(uint32_t v)
+{
+    v = (v >> 1 & 0x55555555u) | (v & 0x55555555u) << 1;
+    v = (v >> 2 & 0x33333333u) | (v & 0x33333333u) << 2;
+    v = (v >> 4 & 0x0f0f0f0fu) | (v & 0x0f0f0f0fu) << 4;
+    return __builtin_bswap32(v);
+}
+
+/* Column by column of the upper triangle, which as a row of the lower one is a word of bits; six a byte, the first the
+ * highest. */
 static void print_word(lw_text *t, int n, const uint32_t *one, const uint32_t *two)
 {
-    int bits = 0, n_bit = 0;
+    uint64_t bits = 0;
+    int n_bit = 0;
     lw_text_byte(t, (char)(63 + n));
-    for (int k = 1; k < n; k++)
-        for (int i = 0; i < k; i++) {
-            bits = bits << 1 | (int)((one[i] | two[i]) >> k & 1);
-            if (++n_bit == 6) {
-                lw_text_byte(t, (char)(63 + bits));
-                bits = n_bit = 0;
-            }
-        }
+    for (int k = 1; k < n; k++) {
+        bits = bits << k | reversed(one[k] | two[k]) >> (32 - k);
+        for (n_bit += k; n_bit >= 6; n_bit -= 6)
+            lw_text_byte(t, (char)(63 + (bits >> (n_bit - 6) & 63)));
+    }
     if (n_bit > 0)
-        lw_text_byte(t, (char)(63 + (bits << (6 - n_bit))));
+        lw_text_byte(t, (char)(63 + (bits << (6 - n_bit) & 63)));
 }
 
 size_t lw_graph6_print(const lw_chain *c, char *buf, size_t size)
