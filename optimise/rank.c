@@ -90,16 +90,19 @@ static bool hand_out(const lw_search *s, const lw_found *c, lw_candidate *out)
     lw_problem_to_dims(p, c->x, out->dim);
     out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
     out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
+    bool both_modes = !p->turns && p->timing != LW_TIMING_PRESCRIBED;
     out->input = malloc(sizeof *out->input*p->n);
-    if (out->input)
-        for (size_t k = 0; k < p->n; k++)
-            out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
-    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
-        return out->input != NULL;
-    out->mode_of = malloc(sizeof *out->mode_of*p->n);
-    if (out->mode_of)
+    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n) : NULL;
+    if (!out->input || (both_modes && !out->mode_of)) {
+        free(out->input);
+        free(out->mode_of);
+        return false;
+    }
+    for (size_t k = 0; k < p->n; k++)
+        out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
+    if (both_modes)
         memcpy(out->mode_of, w->mode, sizeof *out->mode_of*p->n);
-    return out->input && out->mode_of;
+    return true;
 }
 
 lw_status lw_search_rank(lw_search *s, lw_fit *out)

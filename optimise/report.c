@@ -120,22 +120,33 @@ static void run_through(const lw_target *t, const lw_plan *plan, const lw_candid
     }
 }
 
-static const lw_arc *arc_of(const lw_motion *m, const lw_candidate *c)
+/* The arc in which station 0 is; -1: none. */
+static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c)
 {
-    const lw_arc *any = NULL;
+    double modes[LW_DYAD_MAX];
+    modes_of(plan, mode_at(c, 0), modes);
+    int at = lw_motion_arc(plan, m, modes, c->input[0]);
+    modes_of(plan, 1, modes);                          /* dyads of two slides have one mode       */
+    return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
+}
+
+/* What holds all along the circuit of station 0: of both its assemblies where it has two. */
+static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_candidate *c,
+                             const lw_motion *m, lw_report *r)
+{
+    int at = arc_of(plan, m, c);
+    r->circuits = m->n_circuit;
+    if (at < 0)
+        return;
+    r->turns = m->arc[at].turns;
     for (int i = 0; i < m->n_arc; i++) {
         const lw_arc *a = &m->arc[i];
-        double in = c->input[0] - a->first;
-        bool inside = a->turns || (in >= -1e-9 && in <= a->last - a->first + 1e-9);
-        for (int k = -1; k <= 1 && !inside; k++)
-            inside = c->input[0] + 2*LW_PI*k >= a->first - 1e-9
-                  && c->input[0] + 2*LW_PI*k <= a->last + 1e-9;
-        if (inside && a->mode[0]*mode_at(c, 0) > 0)
-            return a;
-        if (inside)
-            any = a;
+        if (i != at && (r->turns || a->circuit != m->arc[at].circuit))
+            continue;
+        r->transmission_min = fmin(r->transmission_min, a->transmission_min);   /* NaN gives way  */
+        r->transmission_max = fmax(r->transmission_max, a->transmission_max);
+        run_through(t, plan, c, a->mode[0], a->first, a->last, false, true, r);
     }
-    return any;
 }
 
 /* Inputs the stations span: the whole turn for closed targets. */
@@ -154,16 +165,8 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     lw_motion m;
     double from, to;
     covered(t, c, &from, &to);
-    if (lw_motion_find(plan, c->dim, &m) == LW_OK) {
-        const lw_arc *a = arc_of(&m, c);
-        r->circuits = m.n_circuit;
-        if (a) {
-            r->turns = a->turns;
-            r->transmission_min = a->transmission_min;
-            r->transmission_max = a->transmission_max;
-            run_through(t, plan, c, a->mode[0], a->first, a->last, false, true, r);
-        }
-    }
+    if (lw_motion_find(plan, c->dim, &m) == LW_OK)
+        describe_circuit(t, plan, c, &m, r);
     if (s->task == LW_TASK_FUNCTION) {
         r->curve_max = NAN;
         return;
