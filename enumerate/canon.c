@@ -175,7 +175,11 @@ static bool tell_apart(const lw_graph *g, uint8_t *rank)
 /* ---- BLISS through igraph ----------------------------------------------------------------------- */
 
 /* igraph keeps its error handler and its stack of half-built objects in process-wide variables. */
+#ifdef PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP    /* calls last microseconds: spin before sleeping, where the system can */
+static pthread_mutex_t igraph_lock = PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP;
+#else
 static pthread_mutex_t igraph_lock = PTHREAD_MUTEX_INITIALIZER;
+#endif
 
 typedef struct bliss {
     igraph_t            graph;
