@@ -32,12 +32,11 @@ static lw_status share_out(lw_search *s)
 {
     size_t bytes = 0;
     for (int i = 0; i < s->n_arm; i++) {
-        lw_arm *a = &s->arm[i];
+        const lw_arm *a = &s->arm[i];
         long blocks = s->o->starts > 0 ? (s->o->starts + LW_BLOCK - 1)/LW_BLOCK : a->fine.family->blocks;
         size_t need = lw_problem_work_size(&a->fine);
-        a->blocks = (int)(blocks > 8 ? 8 : blocks);
         bytes = need > bytes ? need : bytes;
-        for (int k = 0; k < a->blocks; k++)
+        for (int k = 0; k < blocks && k < 8; k++)
             s->job_arm[s->n_job++] = i;
     }
     s->n_thread = s->o->jobs > 0 ? s->o->jobs : lw_core_count();

@@ -17,7 +17,6 @@ enum {
 typedef struct lw_arm {
     lw_problem fine, coarse;
     bool       has_coarse;
-    int        blocks;                       /* jobs a round                                     */
 } lw_arm;
 
 typedef struct lw_search {
@@ -29,7 +28,7 @@ typedef struct lw_search {
     int        job_arm[LW_ARM_MAX*8];
     void     **work;                         /* of each thread                                   */
     lw_pool    pool, raw;                    /* polished; of this round's search                 */
-    lw_found  *found;                        /* LW_KEEP of each job                                 */
+    lw_found  *found;                        /* LW_KEEP of each job                              */
     double     started, best_raw;            /* the latter in the search's own scale             */
     long       hits;                         /* how often the best of the search was found       */
     long      *evals, *improved;             /* of each job                                      */

@@ -16,10 +16,8 @@ static double nearest_of(const trail *t, double x, double y)
     double least = INFINITY;
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
         int k = (j + 1) % LW_CURVE_SAMPLES;
-        double dx = t->cx[k] - t->cx[j], dy = t->cy[k] - t->cy[j], d2 = dx*dx + dy*dy;
-        double u = d2 > 0 ? ((x - t->cx[j])*dx + (y - t->cy[j])*dy)/d2 : 0;
-        u = fmax(0, fmin(1, u));
-        least = fmin(least, hypot(x - t->cx[j] - u*dx, y - t->cy[j] - u*dy));
+        least = fmin(least, lw_v2_segment_distance(lw_v2(x, y), lw_v2(t->cx[j], t->cy[j]),
+                                                   lw_v2(t->cx[k], t->cy[k])));
     }
     return least;
 }

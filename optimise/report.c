@@ -93,10 +93,7 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
     size_t last = t->closed ? t->n : t->n - 1;
     for (size_t i = 0; i < last; i++) {
         size_t k = i + 1 < t->n ? i + 1 : 0;
-        lw_vec2 a = lw_v2(t->x[i], t->y[i]), d = lw_v2(t->x[k] - a.x, t->y[k] - a.y);
-        double d2 = lw_v2_dot(d, d), u = d2 > 0 ? lw_v2_dot(lw_v2_sub(p, a), d)/d2 : 0;
-        u = fmax(0, fmin(1, u));
-        least = fmin(least, hypot(p.x - a.x - u*d.x, p.y - a.y - u*d.y));
+        least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
     }
     return least;
 }
