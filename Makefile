@@ -7,14 +7,15 @@ CFLAGS   = -O3 -g
 PREFIX   = /usr/local
 STAGES   = base grammar enumerate mbs optimise catalogues     # each includes only those before it
 
-PKGS     = gsl igraph nlopt jansson cairo
+PKGS     = gsl igraph nlopt jansson cairo sqlite3
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
-           libgif-dev libplanarity-dev
+           libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev
+SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 has no .pc for it
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
-LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif -lpthread -lm
+LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif $(SUNDIALS) -lpthread -lm
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)

@@ -1,0 +1,122 @@
+/* grammar/model.h - a linkage with everything that makes it move and everything it has to carry:
+ * motions of its inputs as functions of time, masses, springs, dampers, forces, friction, stops,
+ * clearances, motors.
+ *
+ * Read from the same JSON file as the linkage (docs/notation.md, "Model"); a file without any of it is
+ * a model too.  All in SI.  Owned memory: _free.  Places are those in the drawn posture. */
+#ifndef LW_GRAMMAR_MODEL_H
+#define LW_GRAMMAR_MODEL_H
+
+#include "grammar/expression.h"
+#include "grammar/linkage.h"
+
+#define LW_LOAD_MAX 64               /* springs, dampers, forces: of each at most                   */
+
+typedef struct lw_body {
+    bool    given;                   /* a mass was written; else 0                                 */
+    double  mass;                    /* >= 0 [kg]                                                   */
+    lw_vec2 centre;                  /* of mass [m]                                                 */
+    double  inertia;                 /* about it, >= 0 [kg m^2]                                     */
+} lw_body;
+
+/* Between a point of one link and a point of another.  Pull f along the line of the points, > 0 draws
+ * together:  f = stiffness (l - free) + damping dl/dt,  or `law`, a function of the variables length
+ * and rate (and t). */
+typedef struct lw_spring {
+    char    name[LW_NAME_SIZE];
+    int     link[2];
+    lw_vec2 at[2];
+    double  stiffness, damping, free;    /* [N/m] [N s/m] [m]                                      */
+    lw_expression *law;                  /* NULL: linear                                           */
+} lw_spring;
+
+/* At a joint, against its displacement q [rad] or [m] from the posture, of link[1] against link[0]:
+ * torque or force -(stiffness (q - free) + damping v), or `law` of displacement, rate, t. */
+typedef struct lw_joint_spring {
+    char   name[LW_NAME_SIZE];
+    int    joint;
+    double stiffness, damping, free;     /* [N m/rad] or [N/m], ...                                */
+    lw_expression *law;
+} lw_joint_spring;
+
+typedef struct lw_force {                /* on one link; the reaction goes to ground               */
+    char    name[LW_NAME_SIZE];
+    int     link;
+    lw_vec2 at;
+    bool    follows;                     /* directions turn with the link                          */
+    lw_expression *fx, *fy, *torque;     /* [N] [N m], each may be NULL                            */
+} lw_force;
+
+typedef struct lw_friction {             /* Coulomb, regularised: mu tanh(v/speed); of a joint     */
+    double coefficient;                  /* 0: none                                                */
+    double radius;                       /* of a pin [m]; torque mu radius |reaction|              */
+    double speed;                        /* where it is at 76 % [m/s]                               */
+} lw_friction;
+
+typedef struct lw_stop {                 /* of a joint's displacement from the posture             */
+    bool   has_least, has_greatest;
+    double least, greatest;              /* [rad] or [m]                                           */
+    double restitution;                  /* 0 .. 1, used when stiffness is 0                        */
+    double stiffness, damping;           /* > 0: a compliant stop                                  */
+} lw_stop;
+
+typedef enum lw_clearance_model {
+    LW_CLEARANCE_NONE,                   /* a plain joint                                          */
+    LW_CLEARANCE_ZERO,                   /* no gap; Earles-Wu criterion of contact loss            */
+    LW_CLEARANCE_LINK,                   /* a massless link as long as the gap                     */
+    LW_CLEARANCE_MLSD,                   /* massless link with spring and damper                   */
+    LW_CLEARANCE_IMPACT,                 /* two modes, cubic damping step (Makkonen, paper C)      */
+    LW_CLEARANCE_HUNT_CROSSLEY, LW_CLEARANCE_LANKARANI
+} lw_clearance_model;
+
+typedef struct lw_clearance {            /* of a revolute joint                                    */
+    lw_clearance_model model;
+    double gap;                          /* radial clearance R [m]                                 */
+    double stiffness, exponent;          /* K, e: F = K (r - R)^e                                  */
+    double damping, depth;               /* c, d of the damping step [N s/m] [m]                   */
+    double restitution;                  /* Hunt-Crossley, Lankarani-Nikravesh                     */
+    double friction, friction_speed;     /* coefficient at the contact, regularisation [m/s]       */
+} lw_clearance;
+
+typedef struct lw_motor {                /* torque-speed line at a joint                           */
+    char   name[LW_NAME_SIZE];
+    int    joint;
+    double stall, free_speed;            /* torque at rest [N m], speed without load [rad/s]       */
+} lw_motor;
+
+typedef struct lw_model {
+    lw_linkage     linkage;
+    lw_expression *motion[LW_INPUT_MAX]; /* value of input i [rad] or [m] as a function of t; NULL: none */
+    bool           has_speed[LW_INPUT_MAX];
+    double         speed[LW_INPUT_MAX];  /* at t = 0 [rad/s] or [m/s]; the input then runs freely  */
+    lw_body        body[LW_LINK_MAX];
+    lw_vec2        gravity;              /* [m/s^2]                                                */
+    int            n_spring, n_joint_spring, n_force, n_motor;
+    lw_spring       spring[LW_LOAD_MAX];
+    lw_joint_spring joint_spring[LW_LOAD_MAX];
+    lw_force        force[LW_LOAD_MAX];
+    lw_motor        motor[LW_INPUT_MAX];
+    lw_friction     friction[LW_JOINT_MAX];
+    lw_stop         stop[LW_JOINT_MAX];
+    lw_clearance    clearance[LW_JOINT_MAX];
+} lw_model;
+
+/* What a variable of an expression of a model counts: t; q, v: displacement and rate of a joint; x, y,
+ * vx, vy: of a tracer, in the plane; angle, omega: turn of a link since the posture, and its rate. */
+typedef enum lw_quantity {
+    LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_VX,
+    LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE
+} lw_quantity;
+
+/* A variable's number: quantity and the index of the joint, tracer or link it belongs to. */
+static inline int lw_variable(lw_quantity q, int index) { return 64*(int)q + index; }
+
+/* Read.  LW_E_NOTATION with line and column, for expressions the column inside the file's text;
+ * m needs no _free after a failure. */
+lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);
+void      lw_model_free(lw_model *m);
+
+/* A model of a linkage alone: no masses, no loads. */
+void      lw_model_from_linkage(const lw_linkage *k, lw_model *m);
+
+#endif
