@@ -9,7 +9,7 @@ int lw_linkage_mobility(const lw_linkage *k)
     int freedom = 3*(k->n_link - 1);
     for (int i = 0; i < k->n_joint; i++) {
         lw_joint_kind kind = k->joint[i].kind;
-        freedom -= kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
+        freedom -= kind == LW_JOINT_FIXED ? 3 : kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
     }
     return freedom;
 }
@@ -28,7 +28,7 @@ static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
     lw_vec2 from = k->joint[joint].at;
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
-        if (i == joint || !carries(j, link) || j->kind == LW_JOINT_GEAR)
+        if (i == joint || !carries(j, link) || j->kind == LW_JOINT_GEAR || j->kind == LW_JOINT_FIXED)
             continue;
         if (slides_on(j, link))
             return j->along;

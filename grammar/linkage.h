@@ -7,6 +7,7 @@
 #ifndef LW_GRAMMAR_LINKAGE_H
 #define LW_GRAMMAR_LINKAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include "base/error.h"
 #include "base/units.h"
@@ -30,9 +31,9 @@ typedef struct lw_joint {
     char          name[LW_NAME_SIZE];
     lw_joint_kind kind;
     int           link[2];     /* the two links it joins                                       */
-    lw_vec2       at;          /* r: the pin; t, p: a point of the slide line; g: contact [m]  */
+    lw_vec2       at;          /* r: the pin; t, p: a point of the slide line; g: contact, f: any [m] */
     lw_vec2       along;       /* t, p: unit direction of the slide line; else (0, 0)          */
-    double        ratio;       /* g: speed of link[1] over that of link[0]; else 0             */
+    double        ratio;       /* g: speed of link[1] over that of link[0], see lw_linkage_gear; else 0 */
 } lw_joint;
 
 /* A driven joint, a pin or a slider.  For a pin the input is the direction [rad, counter-clockwise from
@@ -63,8 +64,30 @@ typedef struct lw_linkage {
     lw_units  units;
 } lw_linkage;
 
-/* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2). */
+/* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2); a welded joint takes 3. */
 int lw_linkage_mobility(const lw_linkage *k);
+
+/* What a gear joint runs on.  Speeds are relative to the carrier, so the ratio is that of the turns, > 0
+ * for an internal gear and < 0 for an external one; with a rack it is [m/rad] of the rack along its slide
+ * line over the pinion if the rack is link[1], [rad/m] if it is link[0]. */
+typedef struct lw_gear {
+    int     carrier;           /* the link on which both links turn or slide                   */
+    int     slider[2];         /* joint in which link[i] slides on the carrier, -1: it turns   */
+    double  way[2];            /* +1 where link[i] (or what is welded to it) is that joint's link[1], else -1 */
+    lw_vec2 centre[2];         /* where it turns; a point of its slide line [m]                */
+} lw_gear;
+
+/* Find the carrier of gear joint `joint`.  Links on one pin (joints at the bit-same place) turn on each other,
+ * links welded together are one.  Where several links carry both, the one on whose line of centres
+ * the contact `at` divides by the ratio (to 1e-6 of the centres' distance).  LW_E_KIND: there is none (a
+ * cam, say), or more than one. */
+lw_status lw_linkage_gear(const lw_linkage *k, int joint, lw_gear *g, lw_error *e);
+
+/* What a ratio counts in, `metre` the length unit: metre where link[1] is a rack, 1/metre where link[0] is. */
+double lw_linkage_gear_unit(const lw_gear *g, double metre);
+
+/* The pitch point of a gear: where both sides move alike; the middle of the centres for ratio 1. */
+lw_vec2 lw_linkage_contact(const lw_linkage *k, int joint, const lw_gear *g);
 
 #define LW_COORDINATE_MAX 1e100   /* larger ones overflow when squared: refused [m] */
 
@@ -75,8 +98,8 @@ lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
 /* What an input counts in the given posture when nobody says otherwise.  A slider: 0 [m].  A pin [rad, in
  * (-pi, pi]]: the direction of the x axis of its driven link, which is the one of its two links that is
  * not the ground; when both move, that of link[1] less that of link[0].  The x axis runs from the
- * input pin to the first other joint of the link in the order of `joint` (gears, and joints at the
- * same place, are passed over), or along that joint's slide line if it is a slider or the link
+ * input pin to the first other joint of the link in the order of `joint` (gears, welds, and joints at
+ * the same place, are passed over), or along that joint's slide line if it is a slider or the link
  * carries the slot; to the link's first tracer when it has no such joint; else along +x. */
 double lw_linkage_posture_input(const lw_linkage *k, int joint);
 

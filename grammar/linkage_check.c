@@ -76,9 +76,9 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
 static lw_status check_joint(const lw_linkage *k, const lw_joint *j, lw_error *e)
 {
     if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT &&
-        j->kind != LW_JOINT_GEAR)
+        j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
-                            "slot, g gear", j->name);
+                            "slot, g gear, f fixed", j->name);
     if (!in_range(j->link[0], k->n_link) || !in_range(j->link[1], k->n_link))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" joins links number %d and %d; there are links 0 to "
                             "%d", j->name, j->link[0], j->link[1], k->n_link - 1);

@@ -266,9 +266,9 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
     if (s != LW_OK)
         return s;
     const char *kind = lw_json_text(&n);
-    if (strlen(kind) != 1 || !strchr("rtpg", *kind))
+    if (strlen(kind) != 1 || !strchr("rtpgf", *kind))
         return lw_json_fault(&n, e, "unknown kind \"%.20s\"; known are \"r\" pin, \"t\" slider, \"p\" pin in slot, "
-                             "\"g\" gear", kind);
+                             "\"g\" gear, \"f\" fixed", kind);
     j->kind = (lw_joint_kind)*kind;
     return LW_OK;
 }
@@ -316,7 +316,9 @@ static lw_status read_ratio(const lw_json_node *joint, lw_joint *j, lw_error *e)
     lw_json_node n;
     bool given;
     if (!lw_json_member(joint, "ratio", &n))
-        return j->kind == LW_JOINT_GEAR ? need(joint, "ratio", &n, e) : LW_OK;
+        return j->kind == LW_JOINT_GEAR
+             ? lw_json_fault(joint, e, "gear \"%s\" has no ratio: give \"ratio\", the speed of its second link over "
+                             "that of the first", j->name) : LW_OK;
     if (j->kind != LW_JOINT_GEAR)
         return lw_json_fault(&n, e, "a joint of kind \"%c\" has no ratio; only gears (\"g\") have", (char)j->kind);
     return read_optional(joint, "ratio", 1, &j->ratio, &given, e);
@@ -338,11 +340,54 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
         lw_json_node link = lw_json_element(&links, end);
         s = look_up_link(&link, k, &j->link[end], e);
     }
-    if (s == LW_OK && (s = need(joint, "at", &at, e)) == LW_OK)
+    bool placed = lw_json_member(joint, "at", &at);
+    if (s == LW_OK && !placed && j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
+        s = need(joint, "at", &at, e);
+    if (s == LW_OK && placed)
         s = read_pair(&at, k->units.metre, &j->at, e);
     if (s == LW_OK)
         s = read_direction(joint, k, j, e);
     return s == LW_OK ? read_ratio(joint, j, e) : s;
+}
+
+/* The ratio of a rack holds a length; a contact that was left out is put where it must be. */
+static lw_status finish_gear(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
+{
+    lw_json_node at, ratio;
+    lw_gear gear;
+    lw_error why;
+    lw_joint *j = &k->joint[i];
+    bool placed = lw_json_member(joint, "at", &at);
+    if (lw_linkage_gear(k, i, &gear, &why) != LW_OK)
+        return placed ? LW_OK : lw_json_fault(joint, e, "%s", why.text);
+    lw_json_member(joint, "ratio", &ratio);
+    j->ratio *= lw_linkage_gear_unit(&gear, k->units.metre);
+    if (!(fabs(j->ratio) > 0 && fabs(j->ratio) <= LW_COORDINATE_MAX))
+        return lw_json_fault(&ratio, e, "the ratio of a gear is a number other than 0");
+    if (!placed)
+        j->at = lw_linkage_contact(k, i, &gear);
+    return LW_OK;
+}
+
+/* A weld that says no place is where the other joints of its first link are. */
+static void finish_weld(lw_linkage *k, int i)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind != LW_JOINT_FIXED && (k->joint[j].link[0] == k->joint[i].link[0] ||
+                                                  k->joint[j].link[1] == k->joint[i].link[0])) {
+            k->joint[i].at = k->joint[j].at;
+            return;
+        }
+}
+
+static lw_status finish_joint(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
+{
+    lw_json_node at;
+    if (k->joint[i].kind == LW_JOINT_GEAR)
+        return finish_gear(joint, k, i, e);
+    if (k->joint[i].kind == LW_JOINT_FIXED && !lw_json_member(joint, "at", &at))
+        finish_weld(k, i);
+    return LW_OK;
 }
 
 static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *e)
@@ -355,6 +400,10 @@ static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *
         lw_json_node joint = lw_json_element(&joints, i);
         s = read_joint(&joint, k, &k->joint[i], e);
         k->n_joint++;
+    }
+    for (int i = 0; s == LW_OK && i < k->n_joint; i++) {
+        lw_json_node joint = lw_json_element(&joints, (size_t)i);
+        s = finish_joint(&joint, k, i, e);
     }
     return s;
 }

@@ -62,6 +62,13 @@ static void put_pair(const writer *w, const char *key, lw_vec2 p, double unit)
     fputc(']', w->f);
 }
 
+static double ratio_unit(const writer *w, const lw_linkage *k, const lw_joint *j)
+{
+    lw_gear gear;
+    bool carried = lw_linkage_gear(k, (int)(j - k->joint), &gear, NULL) == LW_OK;
+    return carried ? lw_linkage_gear_unit(&gear, w->units->metre) : 1.0;
+}
+
 static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
 {
     fputc('{', w->f);
@@ -76,7 +83,7 @@ static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
         put_pair(w, "along", j->along, 1);
     if (j->kind == LW_JOINT_GEAR) {
         fputs(", \"ratio\": ", w->f);
-        put_number(w, j->ratio, 1);
+        put_number(w, j->ratio, ratio_unit(w, k, j));
     }
     fputc('}', w->f);
 }

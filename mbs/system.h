@@ -14,8 +14,10 @@
 #ifndef LW_MBS_SYSTEM_H
 #define LW_MBS_SYSTEM_H
 
+#include "grammar/expression.h"
 #include "grammar/linkage.h"
 
+#define LW_SYSTEM_ORDER_MAX LW_SERIES_ORDER_MAX
 #define LW_SYSTEM_Q_MAX   (3*(LW_LINK_MAX - 1))
 #define LW_SYSTEM_ROW_MAX (3*LW_JOINT_MAX)
 #define LW_SYSTEM_ENTRY_MAX 9              /* entries that are not 0 in a row, at most                */
@@ -28,11 +30,15 @@ typedef struct lw_system_joint {
     lw_joint_kind kind;
     int     body[2];                       /* of its two links; -1: ground                            */
     int     carrier;                       /* g: body that carries both centres; -1: ground           */
-    lw_vec2 arm[2];                        /* the joint's point in the frames of the two links        */
+    double  sign;                          /* of what it counts: -1 for a pin whose link[1] is ground */
+    lw_vec2 arm[2];                        /* the joint's point in the frames of the two links; g: in */
+                                           /* that of the carrier                                     */
     lw_vec2 along;                         /* t, p: direction of the line, in the frame of link[0]    */
     double  ratio;                         /* g: of turns, or [unit/rad] where link[1] is a rack      */
     int     row;                           /* its first row                                           */
-    int     sliding[2];                    /* g: 1 where that side slides on the carrier (a rack)     */
+    int     slider[2];                     /* g: the joint in which that side slides on the carrier,  */
+                                           /* a rack; -1: it turns                                    */
+    double  slider_sign[2];                /* g: +1 where the rack is link[1] of that joint, else -1  */
 } lw_system_joint;
 
 typedef struct lw_system {
@@ -51,9 +57,9 @@ typedef struct lw_system {
 } lw_system;
 
 /* reference (n_link), [m]: reference points of the links, NULL: the middle of each link's joints.
- * unit 0: the size of the posture, and origin its middle; else origin (0, 0).
- * LW_E_ARG: a posture without extent, inputs given twice; LW_E_KIND: a gear whose two links have no
- * common carrier (a link that both turn or slide on); failures of lw_linkage_check. */
+ * unit 0: the size of the posture (the farthest joint from their middle), and origin its middle; else
+ * origin (0, 0).  LW_E_ARG: a posture without extent; LW_E_KIND: a gear without carrier
+ * (lw_linkage_gear); failures of lw_linkage_check. */
 lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s,
                          lw_error *e);
 
@@ -67,11 +73,14 @@ void lw_system_rows(const lw_system *s, const double *q, double *phi, double *ja
 void lw_system_series(const lw_system *s, int order, const double *q, double *phi);
 
 /* What joint j counts (turn or displacement from the posture, in rad or units), and its row of
- * derivatives (n_q, zeroed first) when given; and its series. */
+ * derivatives (n_q, zeroed first) when given; and its series.  Sliders and slots: link[1] against link[0]
+ * along the line; pins too, but where link[1] is the ground, link[0] against it, as an input counts.
+ * Gears and welds count nothing: 0. */
 double lw_system_measure(const lw_system *s, int j, const double *q, double *row);
 void   lw_system_measure_series(const lw_system *s, int j, int order, const double *q, double *out);
 
-/* A point fixed to a body (arm: in its frame, scaled): place [m], and its series (derivatives over k!). */
+/* A point fixed to a body (-1: ground; arm: in its frame, scaled): place [m], and its series (coefficients:
+ * derivatives over k!). */
 lw_vec2 lw_system_point(const lw_system *s, int body, lw_vec2 arm, const double *q);
 void    lw_system_point_series(const lw_system *s, int body, lw_vec2 arm, int order, const double *q,
                                lw_vec2 *out);
@@ -79,7 +88,8 @@ void    lw_system_point_series(const lw_system *s, int body, lw_vec2 arm, int or
 /* Where a point of the posture [m] sits on a link: body and arm. */
 lw_vec2 lw_system_arm(const lw_system *s, int body, lw_vec2 at);
 
-/* Put posture q into a copy of the linkage: joints, slide lines, tracers, input values. */
+/* Put posture q into a copy of the linkage: joints (sliders: their point on link[0]; slots: the pin), slide
+ * lines, tracers, input values. */
 void lw_system_write(const lw_system *s, const double *q, lw_linkage *k);
 
 #endif

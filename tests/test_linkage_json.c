@@ -132,11 +132,37 @@ static void other_kinds_and_several_inputs(void)
     CHECK_NEAR(k.joint[1].along.y, 0.8, 0, 0);
     CHECK_NEAR(k.joint[2].along.x, 0, 1e-16, 0);
     CHECK_NEAR(k.joint[2].along.y, 1, 0, 0);
-    CHECK_NEAR(k.joint[3].ratio, -2.5, 0, 0);
+    CHECK_NEAR(k.joint[3].ratio, -0.025, 0, 1e-15);              /* b is a rack: cm per rad */
     CHECK_INT(k.n_input, 2);
     CHECK_NEAR(k.input[0].value, atan2(0.8, 0.6), 0, 1e-15);     /* along the slot that the link carries */
     CHECK_NEAR(k.input[1].value, 0.05, 0, 1e-15);
     CHECK_NEAR(k.input[1].first, -0.01, 0, 1e-15);
+}
+
+/* The contact of gears and the place of a weld may be left out. */
+static void gears_and_welds_find_their_place(void)
+{
+    lw_linkage k;
+    lw_error e = { 0 };
+    CHECK_INT(read("{\"linkwright\":1,\"units\":{\"length\":\"mm\"},\"joints\":["
+                   "{\"name\":\"A\",\"links\":[\"ground\",\"a\"],\"at\":[10,0]},"
+                   "{\"name\":\"B\",\"links\":[\"ground\",\"b\"],\"at\":[40,0]},"
+                   "{\"name\":\"G\",\"kind\":\"g\",\"links\":[\"a\",\"b\"],\"ratio\":-0.5},"
+                   "{\"name\":\"C\",\"kind\":\"t\",\"links\":[\"ground\",\"rack\"],\"at\":[0,0],\"angle\":0},"
+                   "{\"name\":\"H\",\"kind\":\"g\",\"links\":[\"b\",\"rack\"],\"ratio\":20},"
+                   "{\"name\":\"W\",\"kind\":\"f\",\"links\":[\"rack\",\"tool\"]}],"
+                   "\"input\":{\"joint\":\"A\"}}", &k, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_NEAR(k.joint[2].at.x, 0.02, 0, 1e-15);             /* w_b = -w_a/2: radii 10 and 20 */
+    CHECK_NEAR(k.joint[2].at.y, 0, 1e-18, 0);
+    CHECK_NEAR(k.joint[4].ratio, 0.02, 0, 1e-15);
+    CHECK_NEAR(k.joint[4].at.x, 0.04, 0, 1e-15);             /* below the pinion the rack goes with it */
+    CHECK_NEAR(k.joint[4].at.y, -0.02, 0, 1e-15);
+    CHECK_NEAR(k.joint[5].at.x, 0, 1e-18, 0);
+    CHECK_INT(lw_linkage_mobility(&k), 1);
+    char *text = lw_linkage_write(&k, 0);
+    CHECK_HAS(text, "\"ratio\": 20}");
+    free(text);
 }
 
 /* ---- round trips ------------------------------------------------------------------------------ */
@@ -306,6 +332,11 @@ static void every_fault_has_its_place(void)
         { "\"at\": [0, 30]", "\"at\": [0, ^\"30\"]", "joints[1].at[1]: a number is expected" },
         { "\"at\": [0, 30]", "\"at\": [0, ^1e200]", "too large" },
         { "\"at\": [0, 30]", "\"at\": [0, 30], \"ratio\": ^2", "only gears" },
+        { "{\"name\": \"B\", \"kind\": \"r\"", "^{\"name\": \"B\", \"kind\": \"g\"", "gear \"B\" has no ratio" },
+        { "\"kind\": \"r\", \"links\": [\"crank\", \"coupler\"]",
+          "\"kind\": \"g\", \"ratio\": ^0, \"links\": [\"coupler\", \"ground\"]", "other than 0" },
+        { "{\"name\": \"B\", \"kind\": \"r\", \"links\": [\"crank\", \"coupler\"], \"at\": [0, 30]}",
+          "^{\"name\": \"B\", \"kind\": \"g\", \"ratio\": 1, \"links\": [\"crank\", \"coupler\"]}", "no link carries both" },
         { "{\"name\": \"B\"", "^{\"x-name\": \"B\"", "\"name\" is missing" },
         { "{\"name\": \"B\"", "^{\"name\": \"A\"", "joints 1 and 2 are both called \"A\"" },
         { "\"name\": \"B\"", "\"name\": ^\"0123456789012345678901234567890B\"", "has 32 bytes; at most 31" },
@@ -441,6 +472,7 @@ int main(void)
     RUN(links_without_a_list_follow_the_joints);
     RUN(links_may_be_objects);
     RUN(other_kinds_and_several_inputs);
+    RUN(gears_and_welds_find_their_place);
     RUN(in_si_the_bits_come_back);
     RUN(in_other_units_to_rounding);
     RUN(every_fault_has_its_place);
