@@ -125,7 +125,8 @@ static void series_sum_to_the_rows(void)
     lw_rng_seed(&r, check_seed(), 3);
     for (int trial = 0; trial < 100; trial++) {
         lw_linkage k;
-        static double q[(K + 1)*LW_SYSTEM_Q_MAX], phi[(K + 1)*LW_SYSTEM_ROW_MAX], jac[LW_SYSTEM_ROW_MAX*LW_SYSTEM_Q_MAX];
+        static double q[(K + 1)*LW_SYSTEM_Q_MAX], phi[(K + 1)*LW_SYSTEM_ROW_MAX];
+        static double jac[LW_SYSTEM_ROW_MAX*LW_SYSTEM_Q_MAX];
         double at[LW_SYSTEM_Q_MAX], want[LW_SYSTEM_ROW_MAX], count[K + 1];
         lw_vec2 p[K + 1], sum = { 0, 0 };
         draw_linkage(&r, &k);
@@ -302,7 +303,7 @@ static void a_written_posture_closes(void)
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k, moved;
         double q[9], phi[9];
-        blank_linkage(&k, 4);                             /* ground, crank on a pin, block on its slide, bar in a slot */
+        blank_linkage(&k, 4);                         /* crank, block on a slide, bar in a slot */
         add_pin(&k, 0, 1, draw_place(&r));
         add_slide(&k, 1, 2, draw_place(&r), lw_rng_range(&r, -3, 3));
         add_joint(&k, LW_JOINT_SLOT, 2, 3, draw_place(&r), lw_rng_range(&r, -3, 3));
