@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/linalg.h"
-#include "mbs/newton_internal.h"
+#include "mbs/system_internal.h"
 
 static const double first_step   = 0.2;
 static const double largest_step = 0.5;
@@ -31,15 +31,15 @@ static const double chord_sine   = 0.02;   /* of the angle between chord and mea
 typedef struct place {
     double *z, *t;                         /* posture and input; unit tangent                (w)   */
     double  det;                           /* determinant; 0 for overconstrained linkages          */
-    int     turns[LW_LINK_MAX];            /* whole turns taken out of the coordinates             */
+    int     turns[LW_LINK_MAX];            /* whole turns taken out of the bodies' coordinates     */
     int     input_turns;                   /* and out of a pin's input                             */
 } place;
 
 struct lw_newton {
-    lw_loop loop;
-    int     w, rows;                       /* unknowns n + 1, equations m + 1                      */
-    int     n_tracer, tracer_link[LW_TRACER_MAX];
-    lw_vec2 tracer_arm[LW_TRACER_MAX];
+    lw_system system;
+    int     n, m;                          /* coordinates; rows and inputs                         */
+    int     w, rows;                       /* unknowns: coordinates and the change of the first    */
+                                           /* input, n + 1; equations m + 1                        */
     double  value;                         /* input in the posture                                 */
     double  unit;                          /* input per unit of z[n]: 1 [rad] or the size [m]      */
     place   start, here, next;
@@ -52,6 +52,7 @@ struct lw_newton {
     bool    input_is_pin;
     double *store;                         /* all arrays                                           */
     double *matrix, *diag, *rest, *border;
+    double *turned;                        /* what the turns taken out of s->here count in each equation */
 };
 
 static double dot(const lw_newton *s, const double *a, const double *b)
@@ -77,12 +78,33 @@ static void predict(const lw_newton *s, const place *from, double h, place *to)
         to->z[i] = from->z[i] + h*from->t[i];
 }
 
+/* Equations at z in s->rest, the first m; returns the greatest in size. */
+static double evaluate(const lw_newton *s, const double *z, double *rest, double *matrix)
+{
+    const lw_system *p = &s->system;
+    lw_system_frames f;
+    double most = 0.0;
+    lw_system_place(p, z, &f);
+    lw_system_fill(p, &f, rest, matrix, 1, s->rows);
+    for (int i = 0; i < p->n_input; i++)
+        rest[p->n_row + i] = lw_system_count(p, &f, p->input_joint[i], matrix ? matrix + p->n_row + i : NULL, s->rows);
+    rest[p->n_row] -= z[s->n];
+    if (matrix)
+        matrix[p->n_row + (long)s->rows*s->n] = -1.0;
+    for (int i = 0; i < s->m; i++) {
+        rest[i] += s->turned[i];
+        most = fmax(most, fabs(rest[i]));
+    }
+    return most;
+}
+
 /* Equations at z with `row` as last row of the matrix; returns the greatest of the equations. */
 static double assemble(lw_newton *s, const double *z, const double *row)
 {
-    double most = lw_loop_equations(&s->loop, z, s->rest, s->matrix, s->rows);
+    memset(s->matrix, 0, (size_t)s->rows*(size_t)s->w*sizeof *s->matrix);
+    double most = evaluate(s, z, s->rest, s->matrix);
     for (int c = 0; c < s->w; c++)
-        s->matrix[s->loop.m + (long)s->rows*c] = row[c];
+        s->matrix[s->m + (long)s->rows*c] = row[c];
     return most;
 }
 
@@ -90,7 +112,7 @@ static double assemble(lw_newton *s, const double *z, const double *row)
 static double rounding(const lw_newton *s, const double *z)
 {
     double most = 1.0;
-    for (int i = 0; i < s->loop.n; i++)
+    for (int i = 0; i < s->n; i++)
         if (i % 3 != 2)
             most = fmax(most, fabs(z[i]));
     return 4.0*DBL_EPSILON*most;
@@ -109,7 +131,7 @@ static bool correct(lw_newton *s, double *z, const double *row, double h)
         double small = rounding(s, z);
         if (left <= 0.25*small && fabs(off) <= small)
             return true;
-        s->rest[s->loop.m] = off;
+        s->rest[s->m] = off;
         if (!(lw_qr_factor(s->rows, s->w, s->matrix, s->diag) > 1e-14))
             return false;
         lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
@@ -135,7 +157,7 @@ static bool find_tangent(lw_newton *s, place *p, const double *row)
         return false;
     p->det = s->rows == s->w ? lw_qr_determinant(s->w, s->diag) : 0.0;
     memset(s->rest, 0, (size_t)s->rows*sizeof *s->rest);
-    s->rest[s->loop.m] = 1.0;
+    s->rest[s->m] = 1.0;
     lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
     double length = sqrt(dot(s, s->rest, s->rest));
     for (int i = 0; i < s->w; i++)
@@ -182,7 +204,7 @@ static bool go(lw_newton *s, double h)
  * the mean slope m.  Where h is small, what it can hide is smaller than the limits are told to. */
 static bool dips(const lw_newton *s, double h)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double p0 = s->here.t[n]*s->way, p1 = s->next.t[n]*s->way;
     double m = (s->next.z[n] - s->here.z[n])*s->way/h;
     double slope = 6.0*m - 4.0*p0 - 2.0*p1, bend = 3.0*(p0 + p1) - 6.0*m;
@@ -196,21 +218,33 @@ static bool dips(const lw_newton *s, double h)
 static bool go_to(lw_newton *s, double target, double h)
 {
     memset(s->border, 0, (size_t)s->w*sizeof *s->border);
-    s->border[s->loop.n] = 1.0;
+    s->border[s->n] = 1.0;
     predict(s, &s->here, h, &s->next);
-    s->next.z[s->loop.n] = target;
-    return correct(s, s->next.z, s->border, target - s->here.z[s->loop.n])
+    s->next.z[s->n] = target;
+    return correct(s, s->next.z, s->border, target - s->here.z[s->n])
         && find_tangent(s, &s->next, s->here.t)
         && smooth(s)
         && uncrossed(s)
         && !dips(s, h);
 }
 
-static void swap(place *a, place *b)
+/* To be called where s->here gets other turns. */
+static void count_turns(lw_newton *s)
 {
-    place old = *a;
-    *a = *b;
-    *b = old;
+    lw_system_turns(&s->system, s->here.turns, s->turned, s->turned + s->system.n_row);
+    s->turned[s->system.n_row] -= s->here.input_turns;
+    for (int i = 0; i < s->m; i++)
+        s->turned[i] *= 2.0*LW_PI;
+}
+
+/* s->here <-> another place */
+static void swap(lw_newton *s, place *other)
+{
+    place old = *other;
+    *other = s->here;
+    s->here = old;
+    if (memcmp(s->here.turns, other->turns, sizeof old.turns) != 0 || s->here.input_turns != other->input_turns)
+        count_turns(s);
 }
 
 /* Take a whole turn out of an angle beyond half a turn. */
@@ -227,19 +261,18 @@ static void arrive(lw_newton *s)
     place *p = &s->next;
     memcpy(p->turns, s->here.turns, sizeof p->turns);
     p->input_turns = s->here.input_turns;
-    for (int i = 0; i < s->loop.n_link; i++)
-        if (s->loop.column[i] >= 0)
-            p->turns[i] += wrap(&p->z[s->loop.column[i] + 2]);
+    for (int i = 0; i < s->system.n_body; i++)
+        p->turns[i] += wrap(&p->z[3*i + 2]);
     if (s->input_is_pin)
-        p->input_turns += wrap(&p->z[s->loop.n]);
-    swap(&s->here, &s->next);
+        p->input_turns += wrap(&p->z[s->n]);
+    swap(s, &s->next);
 }
 
 /* On the curve between s->here and h along, find where the input is *target, or (NULL) where it turns
  * round: regula falsi after Dowell & Jarratt 1971 (Illinois).  s->next is the place. */
 static bool locate(lw_newton *s, double h, const double *target)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double lo = 0.0, hi = h;
     double at_lo = target ? s->here.z[n] - *target : s->here.t[n];
     double at_hi = target ? s->next.z[n] - *target : s->next.t[n];
@@ -276,11 +309,11 @@ static double reach_of(const lw_newton *s, const place *p)
  * enough before it for a good tangent. */
 static bool cross(lw_newton *s)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double away = s->has_back ? reach_of(s, &s->back) : 0.0;
     if (!s->has_back || !(away < largest_step))
         copy(s, &s->back, &s->here);
-    swap(&s->here, &s->back);
+    swap(s, &s->back);
     for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4)
         if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det) &&
             s->next.t[n]*s->way > 0.0) {
@@ -290,7 +323,7 @@ static bool cross(lw_newton *s)
             s->has_back = false;
             return true;
         }
-    swap(&s->here, &s->back);
+    swap(s, &s->back);
     return false;
 }
 
@@ -298,7 +331,7 @@ static bool cross(lw_newton *s)
  * the rates here and a way back the input is a parabola of the way: is its top within rounding? */
 static bool at_double_limit(const lw_newton *s)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double rate = s->here.t[n]*s->way, before = s->back.t[n]*s->way;
     return s->has_back && before > rate && 0.5*rate*rate*reach_of(s, &s->back) <= 1e-11*(before - rate);
 }
@@ -311,7 +344,7 @@ typedef enum outcome { MOVED, ARRIVED, ENDED, LOST } outcome;
  * way: find the first of the two. */
 static outcome settle(lw_newton *s, double h, double target)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double end = h, way = s->way;
     if (s->next.t[n]*way <= 0.0) {
         bool from_limit = s->here.t[n]*way < 1e-9;         /* two limits: a shorter step parts them */
@@ -338,7 +371,7 @@ static outcome settle(lw_newton *s, double h, double target)
 /* One step towards the target, of the length that the curve allows. */
 static outcome advance(lw_newton *s, double target)
 {
-    int n = s->loop.n;
+    int n = s->n;
     double way = s->way, rate = s->here.t[n]*way, need = (target - s->here.z[n])*way;
     if (rate > 0.0 && need <= rate*s->step && go_to(s, target, need/rate)) {
         arrive(s);
@@ -392,7 +425,7 @@ static double wanted(const lw_newton *s, double input)
 lw_status lw_newton_move(lw_newton *s, double input, double *reached)
 {
     lw_status status = LW_OK;
-    double target = wanted(s, input), from = s->here.z[s->loop.n];
+    double target = wanted(s, input), from = s->here.z[s->n];
     if (!isfinite(input))
         status = LW_E_ARG;
     else if (target != from) {
@@ -412,6 +445,7 @@ lw_status lw_newton_move(lw_newton *s, double input, double *reached)
 void lw_newton_reset(lw_newton *s)
 {
     copy(s, &s->here, &s->start);
+    memset(s->turned, 0, (size_t)s->rows*sizeof *s->turned);
     s->step = first_step;
     s->way = 1;
     s->limit = s->has_back = false;
@@ -421,10 +455,8 @@ void lw_newton_reset(lw_newton *s)
 /* One block for all arrays. */
 static bool allocate(lw_newton *s)
 {
-    s->w = s->loop.n + 1;
-    s->rows = s->loop.m + 1;
     size_t w = (size_t)s->w, rows = (size_t)s->rows;
-    double *store = s->store = calloc(10*w + rows + rows*w, sizeof *store);
+    double *store = s->store = calloc(10*w + 2*rows + rows*w, sizeof *store);
     if (!store)
         return false;
     s->start  = (place){ .z = store,         .t = store + w };
@@ -434,21 +466,36 @@ static bool allocate(lw_newton *s)
     s->diag   = store + 8*w;
     s->border = store + 9*w;
     s->rest   = store + 10*w;
-    s->matrix = s->rest + rows;
+    s->turned = s->rest + rows;
+    s->matrix = s->turned + rows;
     return true;
+}
+
+static lw_status count_equations(const lw_linkage *k, lw_newton *s, lw_error *e)
+{
+    s->n = s->system.n_q;
+    s->m = s->system.n_row + k->n_input;
+    s->w = s->n + 1;
+    s->rows = s->m + 1;
+    if (k->n_input < 1)
+        return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
+    if (s->m < s->n)
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d inputs; drive %d more joints",
+                            lw_linkage_mobility(k), k->n_input, s->n - s->m);
+    return LW_OK;
 }
 
 /* The tangent of the posture, with the input growing. */
 static lw_status begin(lw_newton *s, lw_error *e)
 {
-    lw_loop_posture(&s->loop, s->start.z);
-    s->border[s->loop.n] = 1.0;
+    lw_system_posture(&s->system, s->start.z);
+    s->border[s->n] = 1.0;
     if (!find_tangent(s, &s->start, s->border))
         return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the input: draw the linkage "
                             "in another posture, so that its branch can be told");
     double left = 0.0;
-    lw_loop_equations(&s->loop, s->start.z, s->rest, s->matrix, s->rows);
-    for (int i = 0; i < s->loop.m; i++) {
+    assemble(s, s->start.z, s->border);
+    for (int i = 0; i < s->m; i++) {
         double rate = 0.0;
         for (int c = 0; c < s->w; c++)
             rate += s->matrix[i + (long)s->rows*c]*s->start.t[c];
@@ -467,18 +514,15 @@ lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
     lw_newton *s = calloc(1, sizeof *s);
     if (!s)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status status = lw_loop_make(k, &s->loop, e);
+    lw_status status = lw_system_make(k, NULL, 0.0, &s->system, e);
+    if (status == LW_OK)
+        status = count_equations(k, s, e);
     if (status == LW_OK && !allocate(s))
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK) {
         s->value = k->input[0].value;
         s->input_is_pin = k->joint[k->input[0].joint].kind == LW_JOINT_REVOLUTE;
-        s->unit = s->input_is_pin ? 1.0 : s->loop.size;
-        s->n_tracer = k->n_tracer;
-        for (int i = 0; i < k->n_tracer; i++) {
-            s->tracer_link[i] = k->tracer[i].link;
-            s->tracer_arm[i] = lw_loop_arm(&s->loop, k->tracer[i].link, k->tracer[i].at);
-        }
+        s->unit = s->input_is_pin ? 1.0 : s->system.unit;
         status = begin(s, e);
     }
     if (status != LW_OK) {
@@ -498,29 +542,29 @@ void lw_newton_free(lw_newton *s)
 
 lw_vec2 lw_newton_tracer(const lw_newton *s, int which)
 {
-    return lw_loop_point(&s->loop, s->here.z, s->tracer_link[which], s->tracer_arm[which]);
+    return lw_system_point(&s->system, s->system.tracer_body[which], s->system.tracer_arm[which], s->here.z);
 }
 
 lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
 {
-    const lw_loop_joint *q = &s->loop.joint[joint];
-    return lw_loop_point(&s->loop, s->here.z, q->link[0], q->arm[0]);
+    const lw_system_joint *q = &s->system.joint[joint];
+    return lw_system_point(&s->system, q->kind == LW_JOINT_GEAR ? q->carrier : q->body[0], q->arm[0], s->here.z);
 }
 
 double lw_newton_angle(const lw_newton *s, int link)
 {
-    int c = s->loop.column[link];
-    return c < 0 ? 0.0 : s->here.z[c + 2] + 2.0*LW_PI*s->here.turns[link];
+    int b = s->system.body[link];
+    return b < 0 ? 0.0 : s->here.z[3*b + 2] + 2.0*LW_PI*s->here.turns[b];
 }
 
 double lw_newton_input(const lw_newton *s)
 {
-    return s->value + s->unit*(s->here.z[s->loop.n] + 2.0*LW_PI*s->here.input_turns);
+    return s->value + s->unit*(s->here.z[s->n] + 2.0*LW_PI*s->here.input_turns);
 }
 
 double lw_newton_residual(const lw_newton *s)
 {
-    return s->loop.size*lw_loop_equations(&s->loop, s->here.z, s->rest, NULL, 0);
+    return s->system.unit*evaluate(s, s->here.z, s->rest, NULL);
 }
 
 int lw_newton_crossings(const lw_newton *s) { return s->crossings; }

@@ -1,7 +1,6 @@
-/* mbs/newton.h - the second opinion: any planar linkage of pins, sliders and slots by Newton's method
- * on its loop equations (three coordinates a moving link, two equations a joint, one an input),
- * sharing no code with the plan.  General, used to verify: a full turn of a four-bar takes about
- * 0.1 ms.
+/* mbs/newton.h - the second opinion: any planar linkage by Newton's method on its loop equations
+ * (mbs/system.h), sharing no code with the plan.  General, used to verify: a full turn of a four-bar takes
+ * about 0.1 ms.
  *
  * Works in coordinates relative to the middle of the posture and divided by its size, so a linkage
  * far from the origin or of any unit loses nothing but what the posture's own digits cannot hold. */
@@ -13,8 +12,7 @@
 typedef struct lw_newton lw_newton;
 
 /* Overconstrained linkages are accepted if they can move.  The inputs after the first stay where they
- * are.  LW_E_ARG: fewer inputs than freedoms, a posture without extent, or as lw_linkage_check;
- * LW_E_KIND: gears; LW_E_NUMERIC: the linkage is rigid, or its posture is a dead point of the input,
+ * are.  LW_E_ARG: fewer inputs than freedoms; failures of lw_system_make; LW_E_NUMERIC: the linkage is rigid, or its posture is a dead point of the input,
  * where two branches meet and none can be chosen. */
 lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e);
 void      lw_newton_free(lw_newton *s);

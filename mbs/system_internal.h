@@ -20,4 +20,7 @@ void lw_system_fill(const lw_system *s, const lw_system_frames *f, double *phi, 
 /* lw_system_measure for frames; row[i*step] gets its derivatives added. */
 double lw_system_count(const lw_system *s, const lw_system_frames *f, int j, double *row, long step);
 
+/* What whole turns of the bodies add to rows (n_row) and input counts (n_input), in turns. */
+void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs);
+
 #endif

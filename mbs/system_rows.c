@@ -7,7 +7,7 @@
  *     slider    i u . d = 0,   phi_1 - phi_0 = 0
  *     slot      i u . d = 0
  *     fixed     d = 0,         phi_1 - phi_0 = 0
- *     gear      m_1 - ratio m_0 = 0,   m_i = phi_i - phi_c, or what the slider of a rack counts
+ *     gear      (m_1 - ratio m_0)/(1 + |ratio|) = 0,   m_i = phi_i - phi_c, or what the slider of a rack counts
  *
  * What a slider counts is u . d.  The derivatives of v . d for a v that is carried by link 0 or fixed are
  *     by x_1: v,  by phi_1: v . i r_1,  by x_0: -v,  by phi_0: dv . d - v . i r_0.                       */
@@ -94,11 +94,17 @@ double lw_system_count(const lw_system *s, const lw_system_frames *f, int j, dou
     return count(&s->joint[j], f, 1.0, (target){ row, step });
 }
 
+/* Divided so that rounding of the row is that of a turn, whatever the ratio. */
+static double side_factor(const lw_system_joint *j, int side)
+{
+    return (side == 1 ? 1.0 : -j->ratio)/(1.0 + fabs(j->ratio));
+}
+
 static double gear_row(const lw_system *s, const lw_system_joint *j, const lw_system_frames *f, target t)
 {
     double left = 0.0;
     for (int side = 0; side < 2; side++) {
-        double factor = side == 1 ? 1.0 : -j->ratio;
+        double factor = side_factor(j, side);
         if (j->slider[side] >= 0) {
             left += count(&s->joint[j->slider[side]], f, factor*j->slider_sign[side], t);
             continue;
@@ -164,4 +170,27 @@ double lw_system_measure(const lw_system *s, int j, const double *q, double *row
     if (row)
         memset(row, 0, (size_t)s->n_q*sizeof *row);
     return lw_system_count(s, &f, j, row, 1);
+}
+
+void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs)
+{
+    lw_system_frames f;
+    f.turn[0] = 0.0;
+    memset(rows, 0, (size_t)s->n_row*sizeof *rows);
+    for (int b = 0; b < s->n_body; b++)
+        f.turn[b + 1] = turns[b];
+    for (int k = 0; k < s->n_joint; k++) {
+        const lw_system_joint *j = &s->joint[k];
+        if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED)
+            rows[j->row + (j->kind == LW_JOINT_FIXED ? 2 : 1)] = turn_between(j, &f);
+        if (j->kind == LW_JOINT_GEAR)
+            for (int side = 0; side < 2; side++)
+                if (j->slider[side] < 0)
+                    rows[j->row] += side_factor(j, side)
+                                  * (f.turn[j->body[side] + 1] - f.turn[j->carrier + 1]);
+    }
+    for (int i = 0; i < s->n_input; i++) {
+        const lw_system_joint *j = &s->joint[s->input_joint[i]];
+        inputs[i] = j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, &f) : 0.0;
+    }
 }

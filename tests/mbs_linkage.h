@@ -39,6 +39,14 @@ static inline int add_slide(lw_linkage *k, int i, int j, lw_vec2 at, double alon
     return add_joint(k, LW_JOINT_SLIDER, i, j, at, along);
 }
 
+static inline int add_gear(lw_linkage *k, int i, int j, lw_vec2 at, double ratio)
+{
+    int g = add_joint(k, LW_JOINT_GEAR, i, j, at, 0.0);
+    k->joint[g].along = lw_v2(0.0, 0.0);
+    k->joint[g].ratio = ratio;
+    return g;
+}
+
 static inline void add_input(lw_linkage *k, int joint, double value)
 {
     k->input[k->n_input++] = (lw_input){ .joint = joint, .value = value };

@@ -263,6 +263,53 @@ static void pin_in_slot(void)
     lw_newton_free(s);
 }
 
+/* Cardan's gears: a point of the rim of the planet in a ring twice its size keeps to a line, for fifty turns. */
+static void cardan_gears_draw_a_line(void)
+{
+    lw_linkage l;
+    blank_linkage(&l, 3);
+    add_pin(&l, 0, 1, lw_v2(5.0, 3.0));
+    add_pin(&l, 1, 2, lw_v2(6.0, 3.0));
+    add_gear(&l, 0, 2, lw_v2(7.0, 3.0), 2.0);
+    add_input(&l, 0, 0.0);
+    add_tracer(&l, 2, lw_v2(7.0, 3.0));
+    lw_newton *s = make(&l);
+    for (int i = 1; i <= 200; i++) {
+        double turn = 0.5*LW_PI*i + 0.1, reached;
+        CHECK_INT(lw_newton_move(s, turn, &reached), LW_OK);
+        CHECK_NEAR(lw_newton_tracer(s, 0).y, 3.0, 2e-14, 0);
+        CHECK_NEAR(lw_newton_tracer(s, 0).x, 5.0 + 2.0*cos(turn), 1e-14*i, 0);
+        CHECK_NEAR(lw_newton_angle(s, 2), -turn, 1e-15, 1e-15);
+        CHECK(lw_newton_residual(s) <= 1e-14);
+    }
+    lw_newton_free(s);
+}
+
+/* Three wheels on the ground and a rack on the last, with ratios that are no round numbers. */
+static void a_gear_train_turns_by_its_ratios(void)
+{
+    const double r[3] = { -3.7, -0.31, 1.9 };
+    lw_linkage l;
+    blank_linkage(&l, 5);                                  /* ground, three wheels, rack */
+    for (int i = 0; i < 3; i++)
+        add_pin(&l, 0, i + 1, lw_v2(2.0*i, 0.3*i));
+    add_slide(&l, 0, 4, lw_v2(3.0, 3.0), 0.4);
+    for (int i = 0; i < 3; i++)
+        add_gear(&l, i + 1, i + 2, lw_v2(2.0*i + 1.0, 0.0), r[i]);
+    add_input(&l, 0, 0.0);
+    add_tracer(&l, 4, lw_v2(3.0, 3.0));
+    lw_newton *s = make(&l);
+    for (int i = 1; i <= 40; i++) {
+        double turn = -0.9*i, reached;
+        CHECK_INT(lw_newton_move(s, turn, &reached), LW_OK);
+        CHECK_NEAR(lw_newton_angle(s, 2), r[0]*turn, 1e-14, 1e-15);
+        CHECK_NEAR(lw_newton_angle(s, 3), r[0]*r[1]*turn, 1e-14, 1e-15);
+        lw_vec2 way = lw_v2_sub(lw_newton_tracer(s, 0), lw_v2(3.0, 3.0));
+        CHECK_NEAR(distance(way, lw_v2_polar(r[0]*r[1]*r[2]*turn, 0.4)), 0.0, 1e-14*i, 0);
+    }
+    lw_newton_free(s);
+}
+
 static void refuses_with_reasons(void)
 {
     double k[9] = { 4, 2, 3, 3.5, 1, 1, 0, 0, 0 }, reached;
@@ -276,7 +323,8 @@ static void refuses_with_reasons(void)
     fourbar_linkage(&l, k, 1.0, 1.0);
     l.joint[2].kind = LW_JOINT_GEAR;
     l.joint[2].ratio = 2.0;
-    CHECK(lw_newton_create(&l, &s, &e) < 0);
+    CHECK_INT(lw_newton_create(&l, &s, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "no link carries both");
     double dead[9] = { 4, 3, 2, 3, 1, 1, 0, 0, 0 };            /* posture where b and h are in line */
     lw_fourbar_class c;
     lw_fourbar_classify(dead, LW_FOURBAR_TOLERANCE, &c, NULL);
@@ -308,6 +356,8 @@ int main(void)
     RUN(overconstrained_parallelogram);
     RUN(input_between_moving_links);
     RUN(pin_in_slot);
+    RUN(cardan_gears_draw_a_line);
+    RUN(a_gear_train_turns_by_its_ratios);
     RUN(refuses_with_reasons);
     return check_end();
 }

@@ -171,13 +171,6 @@ static void series_sum_to_the_rows(void)
     }
 }
 
-static void set_gear(lw_linkage *k, int a, int b, lw_vec2 at, double ratio)
-{
-    int j = add_joint(k, LW_JOINT_GEAR, a, b, at, 0);
-    k->joint[j].along = lw_v2(0, 0);
-    k->joint[j].ratio = ratio;
-}
-
 /* Cardan's gears: in a ring twice its size a planet's rim runs on a diameter.  Planet: centre e^{i t}, turn -t. */
 static void cardan_gears_satisfy_the_rows(void)
 {
@@ -185,7 +178,7 @@ static void cardan_gears_satisfy_the_rows(void)
     blank_linkage(&k, 3);
     add_pin(&k, 0, 1, lw_v2(0, 0));
     add_pin(&k, 1, 2, lw_v2(1, 0));
-    set_gear(&k, 0, 2, lw_v2(2, 0), 2);
+    add_gear(&k, 0, 2, lw_v2(2, 0), 2);
     add_input(&k, 0, 0);
     add_tracer(&k, 2, lw_v2(2, 0));
     lw_system s = make(&k);
@@ -228,9 +221,9 @@ static void rack_and_pinion(void)
             add_slide(&k, 0, 2, lw_v2(1, 2), slope);
         lw_vec2 contact = lw_v2_add(lw_v2(3, 4), lw_v2_polar(0.5, slope - LW_PI/2));
         if (way & 1)
-            set_gear(&k, 2, 1, contact, 2);
+            add_gear(&k, 2, 1, contact, 2);
         else
-            set_gear(&k, 1, 2, contact, 0.5);
+            add_gear(&k, 1, 2, contact, 0.5);
         add_input(&k, 0, 0);
         lw_gear g;
         CHECK_INT(lw_linkage_gear(&k, 2, &g, NULL), LW_OK);
@@ -266,7 +259,7 @@ static void the_carrier_is_found(void)
     add_pin(&k, ROD, ARM, lw_v2(1, 0));
     add_pin(&k, GROUND, ARM, lw_v2(0, 0));
     add_pin(&k, GROUND, SUN, lw_v2(0, 0));
-    set_gear(&k, ROD, SUN, lw_v2(0.5, 0), -1);
+    add_gear(&k, ROD, SUN, lw_v2(0.5, 0), -1);
     CHECK_INT(lw_linkage_gear(&k, 5, &g, &e), LW_OK);
     CHECK_INT(g.carrier, ARM);
     CHECK(g.slider[0] < 0 && g.slider[1] < 0);
@@ -276,7 +269,7 @@ static void the_carrier_is_found(void)
     add_pin(&k, 1, 2, lw_v2(2, 0));
     int weld = add_joint(&k, LW_JOINT_FIXED, 2, 3, lw_v2(2, 1), 0);
     k.joint[weld].along = lw_v2(0, 0);
-    set_gear(&k, 0, 3, lw_v2(1, 0), -1);
+    add_gear(&k, 0, 3, lw_v2(1, 0), -1);
     CHECK_INT(lw_linkage_gear(&k, 3, &g, &e), LW_OK);
     CHECK_INT(g.carrier, 1);
     CHECK_INT(lw_linkage_mobility(&k), 1);
@@ -287,7 +280,7 @@ static void the_carrier_is_found(void)
     blank_linkage(&k, 4);
     for (int i = 0; i < 4; i++)
         add_pin(&k, i, (i + 1)%4, lw_v2_polar(1, 1.5*i));
-    set_gear(&k, 1, 3, lw_v2(9, 9), -2);
+    add_gear(&k, 1, 3, lw_v2(9, 9), -2);
     CHECK_INT(lw_linkage_gear(&k, 4, &g, &e), LW_E_KIND);
     CHECK_HAS(e.text, "2 links in common");
     k.joint[4].at = lw_v2_add(lw_v2_scale(k.joint[1].at, 1/3.0), lw_v2_scale(k.joint[2].at, 2/3.0));
@@ -356,7 +349,7 @@ static void scale_and_references_may_be_given(void)
     blank_linkage(&k, 3);
     add_pin(&k, 0, 1, lw_v2(1, 1));
     add_pin(&k, 1, 2, lw_v2(2, 1));
-    set_gear(&k, 1, 2, lw_v2(3, 1), 2);
+    add_gear(&k, 1, 2, lw_v2(3, 1), 2);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_KIND);
     CHECK_HAS(e.text, "no link carries both");
 }
