@@ -1,0 +1,510 @@
+/* grammar/expression.c - text -> operations, by recursive descent:
+ *
+ *     sum     = product (("+" | "-") product)*
+ *     product = unary (("*" | "/") unary)*
+ *     unary   = ("+" | "-") unary | power
+ *     power   = primary ("^" unary)?                        -2^2 is -4, 2^-1 is 0.5, 2^3^2 is 2^9
+ *     primary = number | "(" sum ")" | "pi" | function "(" sum ("," sum)* ")" | word ("(" name ")")? */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/number.h"
+#include "base/suggest.h"
+#include "base/vec2.h"
+#include "grammar/expression_internal.h"
+#include "grammar/text_internal.h"
+
+#define DEPTH_MAX 100              /* brackets in brackets, signs before signs */
+#define WORD_SIZE 64
+
+typedef struct parser {
+    const char    *text;
+    size_t         size, at;
+    int            depth;
+    lw_expression *x;
+    lw_expression_lookup *lookup;
+    void          *context;
+    lw_error      *e;
+} parser;
+
+typedef struct argument { lw_operand o; size_t at; } argument;     /* and where its text begins */
+
+static const struct function { const char *name; lw_op op; int least, most; const char *form; } functions[] = {
+    { "sin",   LW_OP_SIN,   1, 1, "sin(x)" },     { "cos",   LW_OP_COS,   1, 1, "cos(x)" },
+    { "tan",   LW_OP_TAN,   1, 1, "tan(x)" },     { "asin",  LW_OP_ASIN,  1, 1, "asin(x)" },
+    { "acos",  LW_OP_ACOS,  1, 1, "acos(x)" },    { "atan",  LW_OP_ATAN,  1, 1, "atan(x)" },
+    { "atan2", LW_OP_ATAN2, 2, 2, "atan2(y, x)" }, { "sinh", LW_OP_SINH,  1, 1, "sinh(x)" },
+    { "cosh",  LW_OP_COSH,  1, 1, "cosh(x)" },    { "tanh",  LW_OP_TANH,  1, 1, "tanh(x)" },
+    { "exp",   LW_OP_EXP,   1, 1, "exp(x)" },     { "log",   LW_OP_LOG,   1, 1, "log(x)" },
+    { "sqrt",  LW_OP_SQRT,  1, 1, "sqrt(x)" },    { "abs",   LW_OP_ABS,   1, 1, "abs(x)" },
+    { "sign",  LW_OP_SIGN,  1, 1, "sign(x)" },    { "min",   LW_OP_MIN,   2, 0, "min(a, b, ...)" },
+    { "max",   LW_OP_MAX,   2, 0, "max(a, b, ...)" }, { "mod", LW_OP_MOD, 2, 2, "mod(x, y)" },
+    { "hypot", LW_OP_HYPOT, 2, 2, "hypot(x, y)" },
+    { "step",   LW_OP_STEP,   5, 5, "step(x, x0, h0, x1, h1)" },
+    { "havsin", LW_OP_HAVSIN, 5, 5, "havsin(x, x0, h0, x1, h1)" },
+    { "poly",   LW_OP_POLY,   3, 0, "poly(x, x0, a0, a1, ...)" },
+    { "table",  LW_OP_TABLE,  5, 0, "table(x, x1, y1, x2, y2, ...)" },
+};
+enum { N_FUNCTION = sizeof functions/sizeof *functions };
+
+static lw_status sum(parser *p, lw_operand *out);
+
+/* ---- text -------------------------------------------------------------------------------------- */
+
+__attribute__((format(printf, 3, 4)))
+static lw_status fault(const parser *p, size_t at, const char *format, ...)
+{
+    char text[sizeof p->e->text];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    return lw_error_at(p->e, LW_E_NOTATION, "", 1, (long)at + 1, "%s", text);
+}
+
+static int peek(parser *p)
+{
+    while (p->at < p->size && strchr(" \t\r\n", p->text[p->at]) && p->text[p->at])
+        p->at++;
+    return p->at < p->size ? (unsigned char)p->text[p->at] : -1;
+}
+
+static bool take(parser *p, int byte)
+{
+    if (peek(p) != byte)
+        return false;
+    p->at++;
+    return true;
+}
+
+static bool is_digit(int c) { return c >= '0' && c <= '9'; }
+static bool is_letter(int c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+static int byte_at(const parser *p, size_t at)
+{
+    return at < p->size ? (unsigned char)p->text[at] : -1;
+}
+
+static size_t digits(const parser *p, size_t at)
+{
+    while (is_digit(byte_at(p, at)))
+        at++;
+    return at;
+}
+
+/* ---- operations -------------------------------------------------------------------------------- */
+
+static lw_operand number(double v) { return (lw_operand){ -1, v }; }
+
+/* One more operation, or its value where that is known now.  `at`: where it stands in the text. */
+static lw_status emit(parser *p, size_t at, lw_node n, lw_operand *out)
+{
+    lw_expression *x = p->x;
+    if (n.op != LW_OP_VARIABLE && n.a.node < 0 && n.b.node < 0) {
+        *out = number(lw_op_value(x, &n, n.a.value, n.b.value));
+        return isfinite(out->value) ? LW_OK
+             : fault(p, at, "this is no finite number whatever the variables are");
+    }
+    if (x->n_node == LW_EXPRESSION_NODE_MAX)
+        return fault(p, at, "the expression is too long: at most %d operations",
+                     LW_EXPRESSION_NODE_MAX);
+    x->node[x->n_node] = n;
+    *out = (lw_operand){ x->n_node++, 0 };
+    return LW_OK;
+}
+
+static lw_status binary(parser *p, size_t at, lw_op op, lw_operand a, lw_operand b, lw_operand *out)
+{
+    return emit(p, at, (lw_node){ .op = op, .a = a, .b = b }, out);
+}
+
+static lw_status unary_op(parser *p, size_t at, lw_op op, lw_operand a, lw_operand *out)
+{
+    return emit(p, at, (lw_node){ .op = op, .a = a, .b = number(0) }, out);
+}
+
+/* ---- functions that are spelt out --------------------------------------------------------------- */
+
+/* h0 (1 - r) + h1 r,  r the ramp of u = (x - x0)/(x1 - x0): both ends are met exactly. */
+static lw_status spell_ramp(parser *p, size_t at, lw_op ramp, const argument *a, lw_operand *out)
+{
+    lw_operand x0 = a[1].o, x1 = a[3].o, top = x0, below = x1, r, rest;
+    lw_status s;
+    if (x0.node < 0 && x1.node < 0 && !(x0.value < x1.value))
+        return fault(p, a[3].at, "x1 must be greater than x0");
+    if ((s = binary(p, at, LW_OP_SUBTRACT, a[0].o, x0, &top)) != LW_OK
+        || (s = binary(p, at, LW_OP_SUBTRACT, x1, x0, &below)) != LW_OK
+        || (s = binary(p, at, LW_OP_DIVIDE, top, below, &r)) != LW_OK
+        || (s = unary_op(p, at, ramp, r, &r)) != LW_OK
+        || (s = binary(p, at, LW_OP_SUBTRACT, number(1), r, &rest)) != LW_OK
+        || (s = binary(p, at, LW_OP_MULTIPLY, a[2].o, rest, &rest)) != LW_OK
+        || (s = binary(p, at, LW_OP_MULTIPLY, a[4].o, r, &r)) != LW_OK)
+        return s;
+    return binary(p, at, LW_OP_ADD, rest, r, out);
+}
+
+/* Horner: a0 + d (a1 + d (a2 + ...)) */
+static lw_status spell_poly(parser *p, size_t at, const argument *a, int n, lw_operand *out)
+{
+    lw_operand d, sum_of = a[n-1].o;
+    lw_status s = binary(p, at, LW_OP_SUBTRACT, a[0].o, a[1].o, &d);
+    for (int i = n - 2; s == LW_OK && i >= 2; i--)
+        if ((s = binary(p, at, LW_OP_MULTIPLY, sum_of, d, &sum_of)) == LW_OK)
+            s = binary(p, at, LW_OP_ADD, sum_of, a[i].o, &sum_of);
+    *out = sum_of;
+    return s;
+}
+
+static lw_status check_table(const parser *p, const argument *a, int n)
+{
+    if (n % 2 == 0)
+        return fault(p, a[n-1].at, "this x has no y: table(x, x1, y1, x2, y2, ...)");
+    for (int i = 1; i < n; i++) {
+        if (a[i].o.node >= 0)
+            return fault(p, a[i].at, "the points of a table are numbers, nothing that changes");
+        if (i > 2 && i % 2 && !(a[i].o.value > a[i-2].o.value))
+            return fault(p, a[i].at, "the x of a table must rise, but %g follows %g", a[i].o.value,
+                         a[i-2].o.value);
+    }
+    return LW_OK;
+}
+
+static lw_status spell_table(parser *p, size_t at, const argument *a, int n, lw_operand *out)
+{
+    lw_expression *x = p->x;
+    lw_status s = check_table(p, a, n);
+    if (s != LW_OK)
+        return s;
+    size_t m = (size_t)n/2;
+    lw_spline *more = realloc(x->spline, (size_t)(x->n_spline + 1)*sizeof *more);
+    double *block = more ? malloc(4*m*sizeof *block) : NULL;
+    if (more)
+        x->spline = more;
+    if (!block)
+        return lw_error_set(p->e, LW_E_MEMORY, "out of memory for a table");
+    lw_spline *spline = &x->spline[x->n_spline];
+    *spline = (lw_spline){ (int)m, block, block + m, block + 2*m };
+    for (size_t i = 0; i < m; i++) {
+        spline->x[i] = a[1 + 2*i].o.value;
+        spline->y[i] = a[2 + 2*i].o.value;
+    }
+    lw_spline_bend((int)m, spline->x, spline->y, block + 3*m, spline->bend);
+    for (size_t i = 0; i < m; i++)
+        if (!isfinite(spline->bend[i])) {
+            free(block);
+            return fault(p, at, "the points of this table are too far apart, or too close, to compute with");
+        }
+    x->n_spline++;
+    return emit(p, at, (lw_node){ .op = LW_OP_SPLINE, .index = x->n_spline - 1, .a = a[0].o,
+                                  .b = number(0) }, out);
+}
+
+static lw_status call(parser *p, size_t at, const struct function *f, const argument *a, int n,
+                      lw_operand *out)
+{
+    lw_status s = LW_OK;
+    switch (f->op) {
+    case LW_OP_STEP:   return spell_ramp(p, at, LW_OP_CUBIC, a, out);
+    case LW_OP_HAVSIN: return spell_ramp(p, at, LW_OP_HALF_SINE, a, out);
+    case LW_OP_POLY:   return spell_poly(p, at, a, n, out);
+    case LW_OP_TABLE:  return spell_table(p, at, a, n, out);
+    default:
+        if (f->most == 1)
+            return unary_op(p, at, f->op, a[0].o, out);
+        *out = a[0].o;
+        for (int i = 1; s == LW_OK && i < n; i++)
+            s = binary(p, at, f->op, *out, a[i].o, out);
+        return s;
+    }
+}
+
+/* ---- grammar ------------------------------------------------------------------------------------ */
+
+/* After the opening bracket: arguments and the closing one.  *list grows; the caller frees it. */
+static lw_status arguments(parser *p, const struct function *f, argument **list, int *n)
+{
+    for (int room = 0;;) {
+        if (*n == room) {
+            room = room ? 2*room : 8;
+            argument *more = realloc(*list, (size_t)room*sizeof *more);
+            if (!more)
+                return lw_error_set(p->e, LW_E_MEMORY, "out of memory for an expression");
+            *list = more;
+        }
+        peek(p);
+        argument *a = &(*list)[*n];
+        a->at = p->at;
+        if (f->most && *n == f->most)
+            return fault(p, p->at, "this is one too many: %s", f->form);
+        lw_status s = sum(p, &a->o);
+        if (s != LW_OK)
+            return s;
+        ++*n;
+        if (take(p, ','))
+            continue;
+        char buf[24];
+        if (peek(p) != ')')
+            return fault(p, p->at, "',' or ')' is expected in %s, not %s", f->form,
+                         lw_byte_name(peek(p), buf));
+        if (*n < f->least)
+            return fault(p, p->at, "something is missing: %s", f->form);
+        p->at++;
+        return LW_OK;
+    }
+}
+
+static lw_status function_call(parser *p, size_t at, const struct function *f, lw_operand *out)
+{
+    argument *list = NULL;
+    int n = 0;
+    if (!take(p, '('))
+        return fault(p, p->at, "'(' is expected: %s", f->form);
+    lw_status s = arguments(p, f, &list, &n);
+    if (s == LW_OK)
+        s = call(p, at, f, list, n, out);
+    free(list);
+    return s;
+}
+
+/* After the opening bracket of a variable: its name, up to ')', without blanks around; or in '...'. */
+static lw_status name_of(parser *p, char name[WORD_SIZE], size_t *name_at)
+{
+    peek(p);
+    char stop = ')';
+    if (byte_at(p, p->at) == '\'') {
+        stop = '\'';
+        p->at++;
+    }
+    size_t end = *name_at = p->at;
+    while (byte_at(p, end) >= ' ' && byte_at(p, end) != stop)
+        end++;
+    if (byte_at(p, end) != stop)
+        return fault(p, end, "%c is missing behind a name", stop);
+    p->at = end + 1;
+    while (stop == ')' && end > *name_at && p->text[end-1] == ' ')
+        end--;
+    if (end == *name_at || end - *name_at >= WORD_SIZE)
+        return fault(p, *name_at, "a name of 1 to %d bytes is expected", WORD_SIZE - 1);
+    memcpy(name, p->text + *name_at, end - *name_at);
+    name[end - *name_at] = '\0';
+    return stop == '\'' && !take(p, ')') ? fault(p, p->at, "')' is missing behind a name") : LW_OK;
+}
+
+static lw_status unknown(const parser *p, const char *word, size_t at)
+{
+    const char *words[N_FUNCTION + 1] = { "pi" };
+    for (int i = 0; i < N_FUNCTION; i++)
+        words[i + 1] = functions[i].name;
+    const char *near = lw_suggest(word, words, N_FUNCTION + 1);
+    return fault(p, at, "there is no function or variable %s here%s%s%s", word,
+                 near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+/* The variable of the caller's number `id`: an operation that fetches it, once for each. */
+static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
+{
+    lw_expression *x = p->x;
+    for (int i = 0; i < x->n_variable; i++)
+        if (x->variable[i] == id) {
+            for (int k = 0; k < x->n_node; k++)
+                if (x->node[k].op == LW_OP_VARIABLE && x->node[k].index == i)
+                    *out = (lw_operand){ k, 0 };
+            return LW_OK;
+        }
+    if (x->n_variable == LW_EXPRESSION_VARIABLE_MAX)
+        return fault(p, at, "the expression depends on too many quantities: at most %d",
+                     LW_EXPRESSION_VARIABLE_MAX);
+    x->variable[x->n_variable] = id;
+    return emit(p, at, (lw_node){ .op = LW_OP_VARIABLE, .index = x->n_variable++, .a = number(0),
+                                  .b = number(0) }, out);
+}
+
+static lw_status word(parser *p, lw_operand *out)
+{
+    char text[WORD_SIZE], name[WORD_SIZE], why[128] = "";
+    size_t at = p->at, end = at, name_at = 0;
+    while (is_letter(byte_at(p, end)) || is_digit(byte_at(p, end)))
+        end++;
+    if (end - at >= WORD_SIZE)
+        return fault(p, at, "this word is too long");
+    memcpy(text, p->text + at, end - at);
+    text[end - at] = '\0';
+    p->at = end;
+    if (strcmp(text, "pi") == 0) {
+        *out = number(LW_PI);
+        return LW_OK;
+    }
+    for (int i = 0; i < N_FUNCTION; i++)
+        if (strcmp(text, functions[i].name) == 0)
+            return function_call(p, at, &functions[i], out);
+    bool named = peek(p) == '(';
+    if (named) {
+        p->at++;
+        lw_status s = name_of(p, name, &name_at);
+        if (s != LW_OK)
+            return s;
+    }
+    int id = p->lookup ? p->lookup(p->context, text, named ? name : NULL, why) : -1;
+    if (id >= 0)
+        return variable(p, at, id, out);
+    return why[0] ? fault(p, named ? name_at : at, "%s", why) : unknown(p, text, at);
+}
+
+static lw_status read_number(parser *p, lw_operand *out)
+{
+    size_t at = p->at, end = digits(p, at);
+    if (byte_at(p, end) == '.')
+        end = digits(p, end + 1);
+    int sign = byte_at(p, end + 1);
+    if ((byte_at(p, end) == 'e' || byte_at(p, end) == 'E')
+        && (is_digit(sign) || sign == '+' || sign == '-')) {
+        end += is_digit(sign) ? 1 : 2;
+        if (digits(p, end) == end)
+            return fault(p, end, "the digits of an exponent are missing");
+        end = digits(p, end);
+    }
+    double v = 0;
+    lw_status s = lw_number_parse(p->text + at, end - at, &v);
+    if (s != LW_OK)
+        return fault(p, at, s == LW_E_NUMERIC ? "this number is too large" : "this is no number");
+    p->at = end;
+    *out = number(v);
+    return LW_OK;
+}
+
+static lw_status primary(parser *p, lw_operand *out)
+{
+    int byte = peek(p);
+    size_t at = p->at;
+    char buf[24];
+    if (is_digit(byte) || (byte == '.' && is_digit(byte_at(p, at + 1))))
+        return read_number(p, out);
+    if (is_letter(byte))
+        return word(p, out);
+    if (byte != '(')
+        return fault(p, at, "a number, a word or '(' is expected, not %s", lw_byte_name(byte, buf));
+    p->at++;
+    lw_status s = sum(p, out);
+    if (s == LW_OK && !take(p, ')'))
+        s = fault(p, p->at, "')' is expected, not %s: the bracket of column %zu is open",
+                  lw_byte_name(peek(p), buf), at + 1);
+    return s;
+}
+
+static lw_status unary(parser *p, lw_operand *out)
+{
+    int byte = peek(p);
+    size_t at = p->at;
+    if (p->depth == DEPTH_MAX)
+        return fault(p, at, "too many brackets, signs or powers in each other: at most %d", DEPTH_MAX);
+    p->depth++;
+    lw_status s;
+    if (byte == '+' || byte == '-') {
+        p->at++;
+        s = unary(p, out);
+        if (s == LW_OK && byte == '-')
+            s = unary_op(p, at, LW_OP_NEGATE, *out, out);
+    } else {
+        s = primary(p, out);
+        if (s == LW_OK && peek(p) == '^') {
+            lw_operand exponent;
+            at = p->at++;
+            s = unary(p, &exponent);
+            if (s == LW_OK)
+                s = binary(p, at, LW_OP_POWER, *out, exponent, out);
+        }
+    }
+    p->depth--;
+    return s;
+}
+
+static lw_status product(parser *p, lw_operand *out)
+{
+    lw_status s = unary(p, out);
+    for (int byte; s == LW_OK && ((byte = peek(p)) == '*' || byte == '/');) {
+        size_t at = p->at++;
+        lw_operand b;
+        s = unary(p, &b);
+        if (s == LW_OK)
+            s = binary(p, at, byte == '*' ? LW_OP_MULTIPLY : LW_OP_DIVIDE, *out, b, out);
+    }
+    return s;
+}
+
+static lw_status sum(parser *p, lw_operand *out)
+{
+    lw_status s = product(p, out);
+    for (int byte; s == LW_OK && ((byte = peek(p)) == '+' || byte == '-');) {
+        size_t at = p->at++;
+        lw_operand b;
+        s = product(p, &b);
+        if (s == LW_OK)
+            s = binary(p, at, byte == '+' ? LW_OP_ADD : LW_OP_SUBTRACT, *out, b, out);
+    }
+    return s;
+}
+
+/* What stands behind a whole expression. */
+static lw_status left_over(parser *p)
+{
+    char buf[24];
+    int byte = peek(p);
+    if (byte < 0)
+        return LW_OK;
+    if (byte == ',')
+        return fault(p, p->at, "',' stands between arguments of a function only; numbers have a decimal point");
+    if (byte == ')')
+        return fault(p, p->at, "this ')' closes nothing");
+    if (is_digit(byte) || is_letter(byte) || byte == '(' || byte == '.')
+        return fault(p, p->at, "an operator is missing before %s", lw_byte_name(byte, buf));
+    return fault(p, p->at, "an operator or the end is expected, not %s", lw_byte_name(byte, buf));
+}
+
+lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
+                              void *context, lw_expression **out, lw_error *e)
+{
+    *out = NULL;
+    lw_expression *x = calloc(1, sizeof *x + LW_EXPRESSION_NODE_MAX*sizeof *x->node);
+    if (x)
+        x->text = malloc(size + 1);
+    if (!x || !x->text) {
+        free(x);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for an expression");
+    }
+    if (size)
+        memcpy(x->text, text, size);
+    x->text[size] = '\0';
+    parser p = { .text = x->text, .size = size, .x = x, .lookup = lookup, .context = context, .e = e };
+    lw_status s = sum(&p, &x->result);
+    if (s == LW_OK)
+        s = left_over(&p);
+    if (s != LW_OK) {
+        lw_expression_free(x);
+        return s;
+    }
+    lw_expression *fit = realloc(x, sizeof *x + (size_t)x->n_node*sizeof *x->node);
+    *out = fit ? fit : x;
+    return LW_OK;
+}
+
+void lw_expression_free(lw_expression *x)
+{
+    if (!x)
+        return;
+    for (int i = 0; i < x->n_spline; i++)
+        free(x->spline[i].x);
+    free(x->spline);
+    free(x->text);
+    free(x);
+}
+
+int lw_expression_variables(const lw_expression *x, const int **which)
+{
+    if (which)
+        *which = x->variable;
+    return x->n_variable;
+}
+
+const char *lw_expression_text(const lw_expression *x) { return x->text; }
