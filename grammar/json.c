@@ -123,7 +123,26 @@ static int print_way(const lw_json_node *n, char *buf, size_t size, lw_json_way 
                           : snprintf(buf + used, size - (size_t)used, "[%zu]", n->index));
 }
 
-static lw_status fault(const lw_json_node *n, bool key, lw_error *e, const char *format, va_list arg)
+/* From the opening quote of a text to its byte `at`: an escape stands for one byte or, \uXXXX, for the one
+ * to three of its character in UTF-8 (a pair of them for four: two each). */
+static size_t inside_text(const char *text, size_t size, size_t quote, size_t at)
+{
+    size_t i = quote + 1;
+    for (size_t seen = 0; seen < at && i < size && text[i] != '"';) {
+        bool escape = text[i] == '\\' && i + 1 < size, wide = escape && text[i + 1] == 'u';
+        unsigned code = 0;
+        if (wide && i + 6 <= size)
+            sscanf(text + i + 2, "%4x", &code);
+        seen += !wide || code < 0x80 ? 1 : code < 0x800 || (code >= 0xd800 && code < 0xe000) ? 2 : 3;
+        i += wide ? 6 : escape ? 2 : 1;
+    }
+    return i < size ? i : size;
+}
+
+typedef enum { AT_VALUE, AT_KEY, AT_INSIDE } fault_place;
+
+static lw_status fault(const lw_json_node *n, fault_place place, size_t at, lw_error *e, const char *format,
+                       va_list arg)
 {
     char where[160] = "", text[640];
     lw_json_way way = { .n = 0 };
@@ -131,7 +150,10 @@ static lw_status fault(const lw_json_node *n, bool key, lw_error *e, const char 
     const lw_json *j = n->json;
     print_way(n, where, sizeof where, &way);
     vsnprintf(text, sizeof text, format, arg);
-    lw_text_place(j->text, j->size, lw_json_locate(j->text, j->size, &way, key), &line, &column);
+    size_t offset = lw_json_locate(j->text, j->size, &way, place == AT_KEY);
+    if (place == AT_INSIDE)
+        offset = inside_text(j->text, j->size, offset, at);
+    lw_text_place(j->text, j->size, offset, &line, &column);
     return lw_error_at(e, LW_E_NOTATION, j->file, line, column, "%s%s%s", where, *where ? ": " : "", text);
 }
 
@@ -139,7 +161,16 @@ lw_status lw_json_fault(const lw_json_node *n, lw_error *e, const char *format, 
 {
     va_list arg;
     va_start(arg, format);
-    lw_status s = fault(n, false, e, format, arg);
+    lw_status s = fault(n, AT_VALUE, 0, e, format, arg);
+    va_end(arg);
+    return s;
+}
+
+lw_status lw_json_fault_inside(const lw_json_node *n, size_t at, lw_error *e, const char *format, ...)
+{
+    va_list arg;
+    va_start(arg, format);
+    lw_status s = fault(n, AT_INSIDE, at, e, format, arg);
     va_end(arg);
     return s;
 }
@@ -150,7 +181,7 @@ static lw_status key_fault(const lw_json_node *n, lw_error *e, const char *forma
 {
     va_list arg;
     va_start(arg, format);
-    lw_status s = fault(n, true, e, format, arg);
+    lw_status s = fault(n, AT_KEY, 0, e, format, arg);
     va_end(arg);
     return s;
 }

@@ -46,6 +46,10 @@ bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *o
 lw_status lw_json_fault(const lw_json_node *n, lw_error *e, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* The same at byte `at` (from 0) of what a text node holds. */
+lw_status lw_json_fault_inside(const lw_json_node *n, size_t at, lw_error *e, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
 /* Fault unless the node is of this kind. */
 lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e);
 lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e);

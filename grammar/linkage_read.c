@@ -6,107 +6,8 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "base/suggest.h"
-#include "grammar/json_internal.h"
 #include "grammar/linkage_internal.h"
-
-#define COUNT(a) ((int)(sizeof (a)/sizeof *(a)))
-
-/* ---- pieces ------------------------------------------------------------------------------------ */
-
-static lw_status need(const lw_json_node *object, const char *key, lw_json_node *out, lw_error *e)
-{
-    return lw_json_member(object, key, out) ? LW_OK : lw_json_fault(object, e, "\"%s\" is missing", key);
-}
-
-/* A list of `least` to `most` elements. */
-static lw_status want_list(const lw_json_node *n, size_t least, size_t most, lw_error *e)
-{
-    lw_status s = lw_json_want(n, LW_JSON_ARRAY, e);
-    size_t count = s == LW_OK ? lw_json_count(n) : least;
-    if (count >= least && count <= most)
-        return s;
-    if (least == most)
-        return lw_json_fault(n, e, "a list of %zu is expected here, this one has %zu", least, count);
-    return lw_json_fault(n, e, "a list of %zu to %zu is expected here, this one has %zu", least, most, count);
-}
-
-/* [x, y] times unit, within what can be reckoned with. */
-static lw_status read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e)
-{
-    lw_status s = want_list(n, 2, 2, e);
-    double v[2] = { 0, 0 };
-    for (size_t i = 0; s == LW_OK && i < 2; i++) {
-        lw_json_node part = lw_json_element(n, i);
-        s = lw_json_number(&part, &v[i], e);
-        v[i] *= unit;
-        if (s == LW_OK && !(fabs(v[i]) <= LW_COORDINATE_MAX))
-            s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed",
-                              LW_COORDINATE_MAX);
-    }
-    *out = lw_v2(v[0], v[1]);
-    return s;
-}
-
-/* A number that may be left out. */
-static lw_status read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
-                               lw_error *e)
-{
-    lw_json_node n;
-    double v;
-    *given = lw_json_member(object, key, &n);
-    if (!*given)
-        return LW_OK;
-    lw_status s = lw_json_number(&n, &v, e);
-    if (s == LW_OK && !(fabs(v*unit) <= LW_COORDINATE_MAX))
-        s = lw_json_fault(&n, e, "this number is too large");
-    if (s == LW_OK)
-        *out = v*unit;
-    return s;
-}
-
-/* ---- names ------------------------------------------------------------------------------------- */
-
-static int find(const char *name, const char *const *names, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (strcmp(name, names[i]) == 0)
-            return i;
-    return -1;
-}
-
-/* Index of the thing that a node names; a fault with a suggestion when there is none. */
-static lw_status look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out,
-                         lw_error *e)
-{
-    lw_status s = lw_json_want(n, LW_JSON_TEXT, e);
-    if (s != LW_OK)
-        return s;
-    const char *name = lw_json_text(n);
-    *out = find(name, names, n_name);
-    if (*out >= 0)
-        return LW_OK;
-    const char *near = lw_suggest(name, names, n_name);
-    if (near)
-        return lw_json_fault(n, e, "there is no %s \"%.40s\"; did you mean \"%s\"?", what, name, near);
-    return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
-}
-
-static lw_status look_up_link(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
-{
-    const char *names[LW_LINK_MAX];
-    for (int i = 0; i < k->n_link; i++)
-        names[i] = k->link_name[i];
-    return look_up(n, "link", names, k->n_link, out, e);
-}
-
-static lw_status look_up_joint(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
-{
-    const char *names[LW_JOINT_MAX];
-    for (int i = 0; i < k->n_joint; i++)
-        names[i] = k->joint[i].name;
-    return look_up(n, "joint", names, k->n_joint, out, e);
-}
+#include "grammar/read_internal.h"
 
 /* The link that a node names, made known if it is new. */
 static lw_status meet_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
@@ -166,16 +67,16 @@ static lw_status read_units(const lw_json_node *root, lw_linkage *k, lw_error *e
     return s;
 }
 
-/* One of "links": a name, or an object with the name, where a link's masses will stand. */
+/* One of "links": a name, or an object with the name and the masses that a model has. */
 static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
 {
-    static const char *const known[] = { "name" };
+    static const char *const known[] = { "name", "mass", "centre", "inertia" };
     lw_json_node name = *n;
     lw_status s = LW_OK;
     if (lw_json_kind_of(n) == LW_JSON_OBJECT) {
         s = lw_json_known_keys(n, known, COUNT(known), e);
         if (s == LW_OK)
-            s = need(n, "name", &name, e);
+            s = lw_read_need(n, "name", &name, e);
     }
     if (s == LW_OK)
         s = lw_json_name(&name, k->link_name[k->n_link], LW_NAME_SIZE, e);
@@ -188,16 +89,16 @@ static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
 static lw_status gather_links(const lw_json_node *root, lw_linkage *k, lw_error *e)
 {
     lw_json_node joints, links;
-    lw_status s = need(root, "joints", &joints, e);
+    lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
-        s = want_list(&joints, 1, LW_JOINT_MAX, e);
+        s = lw_read_list(&joints, 1, LW_JOINT_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
         s = lw_json_want(&joint, LW_JSON_OBJECT, e);
         if (s == LW_OK)
-            s = need(&joint, "links", &links, e);
+            s = lw_read_need(&joint, "links", &links, e);
         if (s == LW_OK)
-            s = want_list(&links, 2, 2, e);
+            s = lw_read_list(&links, 2, 2, e);
         for (size_t end = 0; s == LW_OK && end < 2; end++) {
             lw_json_node link = lw_json_element(&links, end);
             s = meet_link(&link, k, e);
@@ -212,7 +113,7 @@ static lw_status read_links(const lw_json_node *root, lw_linkage *k, lw_error *e
     bool has_ground = lw_json_member(root, "ground", &ground);
     lw_status s = LW_OK;
     if (lw_json_member(root, "links", &links)) {
-        s = want_list(&links, 2, LW_LINK_MAX, e);
+        s = lw_read_list(&links, 2, LW_LINK_MAX, e);
         for (size_t i = 0; s == LW_OK && i < lw_json_count(&links); i++) {
             lw_json_node link = lw_json_element(&links, i);
             s = read_link(&link, k, e);
@@ -224,7 +125,7 @@ static lw_status read_links(const lw_json_node *root, lw_linkage *k, lw_error *e
             s = gather_links(root, k, e);
     }
     if (s == LW_OK && has_ground)
-        return look_up_link(&ground, k, &k->ground, e);
+        return lw_read_link(&ground, k, &k->ground, e);
     for (int i = 0; s == LW_OK && i < k->n_link; i++)
         if (strcmp(k->link_name[i], "ground") == 0) {
             k->ground = i;
@@ -237,7 +138,8 @@ static lw_status read_links(const lw_json_node *root, lw_linkage *k, lw_error *e
 static lw_status read_head(const lw_json_node *root, lw_linkage *k, lw_error *e)
 {
     static const char *const known[] = { "linkwright", "name", "units", "links", "ground", "joints", "input",
-                                         "inputs", "tracers", "fit", "$schema" };
+                                         "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
+                                         "forces", "motors" };
     lw_json_node n;
     lw_status s = lw_json_want(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)
@@ -277,7 +179,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
  * lw_linkage_write reads back the same. */
 static lw_status read_unit_vector(const lw_json_node *n, lw_vec2 *out, lw_error *e)
 {
-    lw_status s = read_pair(n, 1, out, e);
+    lw_status s = lw_read_pair(n, 1, out, e);
     if (s != LW_OK)
         return s;
     double size = hypot(out->x, out->y);
@@ -306,7 +208,7 @@ static lw_status read_direction(const lw_json_node *joint, const lw_linkage *k, 
     if (!has_angle)
         return lw_json_fault(joint, e, "a joint of kind \"%c\" slides: give \"along\": [dx, dy] or \"angle\"",
                              (char)j->kind);
-    lw_status s = read_optional(joint, "angle", k->units.radian, &turn, &has_angle, e);
+    lw_status s = lw_read_optional(joint, "angle", k->units.radian, &turn, &has_angle, e);
     j->along = lw_v2_polar(1, turn);
     return s;
 }
@@ -321,24 +223,25 @@ static lw_status read_ratio(const lw_json_node *joint, lw_joint *j, lw_error *e)
                              "that of the first", j->name) : LW_OK;
     if (j->kind != LW_JOINT_GEAR)
         return lw_json_fault(&n, e, "a joint of kind \"%c\" has no ratio; only gears (\"g\") have", (char)j->kind);
-    return read_optional(joint, "ratio", 1, &j->ratio, &given, e);
+    return lw_read_optional(joint, "ratio", 1, &j->ratio, &given, e);
 }
 
 static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *j, lw_error *e)
 {
-    static const char *const known[] = { "name", "kind", "links", "at", "along", "angle", "ratio" };
+    static const char *const known[] = { "name", "kind", "links", "at", "along", "angle", "ratio", "friction",
+                                         "stop", "clearance" };
     lw_json_node name, links, at;
     lw_status s = lw_json_want(joint, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
-        (s = need(joint, "name", &name, e)) == LW_OK)
+        (s = lw_read_need(joint, "name", &name, e)) == LW_OK)
         s = lw_json_name(&name, j->name, sizeof j->name, e);
     if (s == LW_OK)
         s = read_kind(joint, j, e);
-    if (s == LW_OK && (s = need(joint, "links", &links, e)) == LW_OK)
-        s = want_list(&links, 2, 2, e);
+    if (s == LW_OK && (s = lw_read_need(joint, "links", &links, e)) == LW_OK)
+        s = lw_read_list(&links, 2, 2, e);
     for (size_t end = 0; s == LW_OK && end < 2; end++) {
         lw_json_node link = lw_json_element(&links, end);
-        s = look_up_link(&link, k, &j->link[end], e);
+        s = lw_read_link(&link, k, &j->link[end], e);
     }
     bool placed = lw_json_member(joint, "at", &at);
     if (s == LW_OK && !placed && j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
@@ -393,9 +296,9 @@ static lw_status finish_joint(const lw_json_node *joint, lw_linkage *k, int i, l
 static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *e)
 {
     lw_json_node joints;
-    lw_status s = need(root, "joints", &joints, e);
+    lw_status s = lw_read_need(root, "joints", &joints, e);
     if (s == LW_OK)
-        s = want_list(&joints, 1, LW_JOINT_MAX, e);
+        s = lw_read_list(&joints, 1, LW_JOINT_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
         s = read_joint(&joint, k, &k->joint[i], e);
@@ -412,21 +315,21 @@ static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *
 
 static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *in, bool *has_value, lw_error *e)
 {
-    static const char *const known[] = { "joint", "value", "first", "last" };
+    static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed" };
     lw_json_node joint;
     bool has_first = false, has_last = false;
     lw_status s = lw_json_want(input, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(input, known, COUNT(known), e)) == LW_OK &&
-        (s = need(input, "joint", &joint, e)) == LW_OK)
-        s = look_up_joint(&joint, k, &in->joint, e);
+        (s = lw_read_need(input, "joint", &joint, e)) == LW_OK)
+        s = lw_read_joint(&joint, k, &in->joint, e);
     if (s != LW_OK)
         return s;
     double unit = k->joint[in->joint].kind == LW_JOINT_SLIDER ? k->units.metre : k->units.radian;
-    s = read_optional(input, "value", unit, &in->value, has_value, e);
+    s = lw_read_optional(input, "value", unit, &in->value, has_value, e);
     if (s == LW_OK)
-        s = read_optional(input, "first", unit, &in->first, &has_first, e);
+        s = lw_read_optional(input, "first", unit, &in->first, &has_first, e);
     if (s == LW_OK)
-        s = read_optional(input, "last", unit, &in->last, &has_last, e);
+        s = lw_read_optional(input, "last", unit, &in->last, &has_last, e);
     if (s == LW_OK && has_first != has_last)
         s = lw_json_fault(input, e, "\"first\" and \"last\" bound the motion together; give both or none");
     return s;
@@ -442,7 +345,7 @@ static lw_status read_inputs(const lw_json_node *root, lw_linkage *k, bool has_v
         k->n_input = 1;
         return read_input(&one, k, &k->input[0], &has_value[0], e);
     }
-    lw_status s = has_many ? want_list(&many, 1, LW_INPUT_MAX, e) : LW_OK;
+    lw_status s = has_many ? lw_read_list(&many, 1, LW_INPUT_MAX, e) : LW_OK;
     for (size_t i = 0; has_many && s == LW_OK && i < lw_json_count(&many); i++) {
         lw_json_node input = lw_json_element(&many, i);
         s = read_input(&input, k, &k->input[i], &has_value[i], e);
@@ -458,14 +361,14 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_linkage *k, lw_trace
     bool given;
     lw_status s = lw_json_want(tracer, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(tracer, known, COUNT(known), e)) == LW_OK &&
-        (s = need(tracer, "name", &name, e)) == LW_OK)
+        (s = lw_read_need(tracer, "name", &name, e)) == LW_OK)
         s = lw_json_name(&name, t->name, sizeof t->name, e);
-    if (s == LW_OK && (s = need(tracer, "link", &link, e)) == LW_OK)
-        s = look_up_link(&link, k, &t->link, e);
-    if (s == LW_OK && (s = need(tracer, "at", &at, e)) == LW_OK)
-        s = read_pair(&at, k->units.metre, &t->at, e);
+    if (s == LW_OK && (s = lw_read_need(tracer, "link", &link, e)) == LW_OK)
+        s = lw_read_link(&link, k, &t->link, e);
+    if (s == LW_OK && (s = lw_read_need(tracer, "at", &at, e)) == LW_OK)
+        s = lw_read_pair(&at, k->units.metre, &t->at, e);
     if (s == LW_OK)
-        s = read_optional(tracer, "angle", k->units.radian, &t->angle, &given, e);
+        s = lw_read_optional(tracer, "angle", k->units.radian, &t->angle, &given, e);
     return s;
 }
 
@@ -474,7 +377,7 @@ static lw_status read_tracers(const lw_json_node *root, lw_linkage *k, lw_error 
     lw_json_node tracers;
     if (!lw_json_member(root, "tracers", &tracers))
         return LW_OK;
-    lw_status s = want_list(&tracers, 0, LW_TRACER_MAX, e);
+    lw_status s = lw_read_list(&tracers, 0, LW_TRACER_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&tracers); i++) {
         lw_json_node tracer = lw_json_element(&tracers, i);
         s = read_tracer(&tracer, k, &k->tracer[i], e);
@@ -501,7 +404,7 @@ static lw_status fault_at(const lw_json_node *root, lw_linkage_place place, cons
     return lw_json_fault(&one, e, "%s", text);
 }
 
-static lw_status read_all(const lw_json_node *root, lw_linkage *k, lw_error *e)
+lw_status lw_linkage_read_root(const lw_json_node *root, lw_linkage *k, lw_error *e)
 {
     bool has_value[LW_INPUT_MAX] = { false };
     lw_linkage_place place;
@@ -529,7 +432,7 @@ lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_li
     if (s != LW_OK)
         return s;
     lw_json_node root = lw_json_root(&json);
-    s = read_all(&root, k, e);
+    s = lw_linkage_read_root(&root, k, e);
     lw_json_close(&json);
     return s;
 }

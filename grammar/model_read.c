@@ -1,0 +1,545 @@
+/* A model from JSON (docs/notation.md, "Model"): the linkage first, by its own reader, then what makes it
+ * move and what it carries.  Places and angles are in the units of the file, all else is SI. */
+#include "grammar/model.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/number.h"
+#include "grammar/read_internal.h"
+
+/* ---- numbers ----------------------------------------------------------------------------------- */
+
+/* A number of an object, in unit `unit`, that stays as it is when left out; in least .. most. */
+typedef struct number { const char *key; double unit, least, most, *out; bool *given; } number;
+
+static lw_status read_number(const lw_json_node *object, const number *want, lw_error *e)
+{
+    bool given;
+    lw_json_node n;
+    lw_status s = lw_read_optional(object, want->key, want->unit, want->out, &given, e);
+    if (want->given)
+        *want->given = given;
+    if (s != LW_OK || !given || (*want->out >= want->least && *want->out <= want->most))
+        return s;
+    lw_json_member(object, want->key, &n);
+    if (want->least == 0 && want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must not be negative");
+    if (want->most == INFINITY)
+        return lw_json_fault(&n, e, "this must be greater than 0");
+    return lw_json_fault(&n, e, "this must lie between %g and %g", want->least, want->most);
+}
+
+static lw_status read_numbers(const lw_json_node *object, const number *want, int n, lw_error *e)
+{
+    lw_status s = LW_OK;
+    for (int i = 0; s == LW_OK && i < n; i++)
+        s = read_number(object, &want[i], e);
+    return s;
+}
+
+#define POSITIVE 1e-300, INFINITY
+#define ANY -INFINITY, INFINITY
+
+/* ---- expressions ------------------------------------------------------------------------------- */
+
+/* What the variables of an expression may be. */
+typedef enum { OF_TIME, OF_STATE, OF_LENGTH, OF_DISPLACEMENT } scope;
+
+typedef struct look { const lw_linkage *k; scope scope; } look;
+
+#define WHY_SIZE 128      /* of grammar/expression.h */
+
+static int find_name(const char *name, const char *first, size_t stride, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, first + (size_t)i*stride) == 0)
+            return i;
+    return -1;
+}
+
+/* A variable of the state of the linkage: word(name). */
+static int look_up_state(const lw_linkage *k, const char *word, const char *name, char *why)
+{
+    static const struct { const char *word; lw_quantity quantity; char of; } known[] = {
+        { "q", LW_QUANTITY_Q, 'j' }, { "v", LW_QUANTITY_V, 'j' }, { "x", LW_QUANTITY_X, 't' },
+        { "y", LW_QUANTITY_Y, 't' }, { "vx", LW_QUANTITY_VX, 't' }, { "vy", LW_QUANTITY_VY, 't' },
+        { "angle", LW_QUANTITY_ANGLE, 'l' }, { "omega", LW_QUANTITY_OMEGA, 'l' },
+    };
+    for (int i = 0; i < COUNT(known); i++) {
+        if (strcmp(word, known[i].word) != 0)
+            continue;
+        char of = known[i].of;
+        const char *what = of == 'j' ? "joint" : of == 't' ? "tracer" : "link";
+        if (!name) {
+            snprintf(why, WHY_SIZE, "%s needs the name of a %s: %s(...)", word, what, word);
+            return -1;
+        }
+        int at = of == 'j' ? find_name(name, k->joint[0].name, sizeof k->joint[0], k->n_joint)
+               : of == 't' ? find_name(name, k->tracer[0].name, sizeof k->tracer[0], k->n_tracer)
+               :             find_name(name, k->link_name[0], sizeof k->link_name[0], k->n_link);
+        if (at < 0)
+            snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
+        else if (of == 'j' && k->joint[at].kind != LW_JOINT_REVOLUTE && k->joint[at].kind != LW_JOINT_SLIDER)
+            snprintf(why, WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
+        else
+            return lw_variable(known[i].quantity, at);
+        return -1;
+    }
+    return -1;
+}
+
+static int look_up_variable(void *context, const char *word, const char *name, char *why)
+{
+    const look *l = context;
+    if (strcmp(word, "t") == 0 && !name)
+        return lw_variable(LW_QUANTITY_T, 0);
+    if (l->scope == OF_STATE)
+        return look_up_state(l->k, word, name, why);
+    const char *first = l->scope == OF_LENGTH ? "length" : "displacement";
+    if (l->scope != OF_TIME && !name && strcmp(word, first) == 0)
+        return lw_variable(LW_QUANTITY_LENGTH, 0);
+    if (l->scope != OF_TIME && !name && strcmp(word, "rate") == 0)
+        return lw_variable(LW_QUANTITY_RATE, 0);
+    if (l->scope == OF_TIME)
+        snprintf(why, WHY_SIZE, "the motion of an input depends on t alone");
+    else
+        snprintf(why, WHY_SIZE, "the law of a spring depends on %s, rate and t alone", first);
+    return -1;
+}
+
+/* Numbers are expressions too. */
+static lw_status read_expression(const lw_json_node *object, const char *key, const lw_linkage *k, scope sc,
+                                 lw_expression **out, lw_error *e)
+{
+    lw_json_node n;
+    lw_error inner = { 0 };
+    look l = { k, sc };
+    char digits[LW_NUMBER_SIZE];
+    double value;
+    if (!lw_json_member(object, key, &n))
+        return LW_OK;
+    const char *text = lw_json_text(&n);
+    if (lw_json_kind_of(&n) == LW_JSON_NUMBER) {
+        lw_json_number(&n, &value, e);
+        lw_number_print(value, digits);
+        text = digits;
+    }
+    if (!text)
+        return lw_json_fault(&n, e, "a number or an expression \"...\" is expected here");
+    lw_status s = lw_expression_parse(text, strlen(text), look_up_variable, &l, out, &inner);
+    if (s == LW_OK)
+        return s;
+    *out = NULL;
+    if (s != LW_E_NOTATION)
+        return lw_error_set(e, s, "%s", inner.text);
+    return lw_json_fault_inside(&n, inner.column > 0 ? (size_t)inner.column - 1 : 0, e, "%s", inner.text);
+}
+
+/* ---- links and inputs -------------------------------------------------------------------------- */
+
+static lw_status read_body(const lw_json_node *link, lw_model *m, int i, lw_error *e)
+{
+    lw_json_node n;
+    lw_body *b = &m->body[i];
+    const number numbers[] = {
+        { "mass", 1, 0, INFINITY, &b->mass, &b->given },
+        { "inertia", 1, 0, INFINITY, &b->inertia, NULL },
+    };
+    if (lw_json_kind_of(link) != LW_JSON_OBJECT)
+        return LW_OK;
+    bool centre = lw_json_member(link, "centre", &n);
+    lw_status s = centre ? lw_read_pair(&n, m->linkage.units.metre, &b->centre, e) : LW_OK;
+    if (s == LW_OK)
+        s = read_numbers(link, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !b->given && (centre || lw_json_member(link, "inertia", &n)))
+        s = lw_json_fault(link, e, "link \"%s\" has %s but no \"mass\"; write one [kg], 0 is allowed",
+                          m->linkage.link_name[i], centre ? "a centre of mass" : "an inertia");
+    if (s == LW_OK && b->mass > 0 && !centre)
+        s = lw_json_fault(link, e, "link \"%s\" has a mass but no \"centre\" where it acts",
+                          m->linkage.link_name[i]);
+    return s;
+}
+
+static lw_status read_bodies(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node links, gravity;
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "links", &links))
+        for (int i = 0; s == LW_OK && i < m->linkage.n_link; i++) {
+            lw_json_node link = lw_json_element(&links, (size_t)i);
+            s = read_body(&link, m, i, e);
+        }
+    if (s == LW_OK && lw_json_member(root, "gravity", &gravity))
+        s = lw_read_pair(&gravity, 1, &m->gravity, e);
+    return s;
+}
+
+static lw_status read_motion(const lw_json_node *input, lw_model *m, int i, lw_error *e)
+{
+    const number speed = { "speed", 1, ANY, &m->speed[i], &m->has_speed[i] };
+    lw_json_node n;
+    lw_status s = read_number(input, &speed, e);
+    if (s == LW_OK && m->has_speed[i] && lw_json_member(input, "motion", &n))
+        return lw_json_fault(&n, e, "\"motion\" says where the input is at every time, \"speed\" how fast it "
+                             "starts before it runs freely; keep one");
+    return s == LW_OK ? read_expression(input, "motion", &m->linkage, OF_TIME, &m->motion[i], e) : s;
+}
+
+static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node one, many;
+    if (lw_json_member(root, "input", &one))
+        return read_motion(&one, m, 0, e);
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "inputs", &many))
+        for (int i = 0; s == LW_OK && i < m->linkage.n_input; i++) {
+            one = lw_json_element(&many, (size_t)i);
+            s = read_motion(&one, m, i, e);
+        }
+    return s;
+}
+
+/* ---- joints ------------------------------------------------------------------------------------ */
+
+/* The unit in which a joint's displacement is written. */
+static double joint_unit(const lw_model *m, int joint)
+{
+    return m->linkage.joint[joint].kind == LW_JOINT_REVOLUTE ? m->linkage.units.radian : m->linkage.units.metre;
+}
+
+static lw_status want_kinds(const lw_json_node *n, const lw_model *m, int joint, const char *kinds,
+                            const char *what, lw_error *e)
+{
+    const lw_joint *j = &m->linkage.joint[joint];
+    if (strchr(kinds, (char)j->kind))
+        return LW_OK;
+    return lw_json_fault(n, e, "joint \"%s\" is of kind \"%c\"; only %s have %s", j->name, (char)j->kind,
+                         strcmp(kinds, "r") == 0 ? "pins (\"r\")" : strcmp(kinds, "rt") == 0 ?
+                         "pins (\"r\") and sliders (\"t\")" : "pins, sliders and slots", what);
+}
+
+static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    static const char *const known[] = { "coefficient", "radius", "speed" };
+    lw_friction *f = &m->friction[joint];
+    bool radius = false;
+    const number numbers[] = {
+        { "coefficient", 1, 0, INFINITY, &f->coefficient, NULL },
+        { "radius", m->linkage.units.metre, POSITIVE, &f->radius, &radius },
+        { "speed", 1, POSITIVE, &f->speed, NULL },
+    };
+    lw_json_node at;
+    f->speed = 0.001;
+    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
+        (s = want_kinds(n, m, joint, "rtp", "friction", e)) == LW_OK &&
+        (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
+        s = read_numbers(n, numbers, COUNT(numbers), e);
+    if (s == LW_OK && m->linkage.joint[joint].kind == LW_JOINT_REVOLUTE && !radius)
+        s = lw_json_fault(n, e, "friction of a pin needs its \"radius\"");
+    if (s == LW_OK && m->linkage.joint[joint].kind != LW_JOINT_REVOLUTE && radius)
+        s = lw_json_fault(n, e, "only pins have a \"radius\"");
+    return s;
+}
+
+static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
+    lw_stop *p = &m->stop[joint];
+    double unit = joint_unit(m, joint);
+    const number numbers[] = {
+        { "least", unit, ANY, &p->least, &p->has_least },
+        { "greatest", unit, ANY, &p->greatest, &p->has_greatest },
+        { "restitution", 1, 0, 1, &p->restitution, NULL },
+        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
+        { "damping", 1, 0, INFINITY, &p->damping, NULL },
+    };
+    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
+        (s = want_kinds(n, m, joint, "rt", "stops", e)) == LW_OK)
+        s = read_numbers(n, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !p->has_least && !p->has_greatest)
+        s = lw_json_fault(n, e, "a stop needs \"least\", \"greatest\" or both");
+    if (s == LW_OK && p->has_least && p->has_greatest && !(p->least < p->greatest))
+        s = lw_json_fault(n, e, "\"least\" must be less than \"greatest\"");
+    if (s == LW_OK && ((p->has_least && p->least > 0) || (p->has_greatest && p->greatest < 0)))
+        s = lw_json_fault(n, e, "the posture of the file, displacement 0, lies outside its stop");
+    return s;
+}
+
+static lw_status read_clearance_model(const lw_json_node *n, lw_clearance *c, lw_error *e)
+{
+    static const char *const names[] = { "zero", "link", "mlsd", "impact", "hunt-crossley",
+                                         "lankarani-nikravesh" };
+    int which;
+    lw_json_node model;
+    lw_status s = lw_read_need(n, "model", &model, e);
+    if (s == LW_OK)
+        s = lw_read_look_up(&model, "model of clearance", names, COUNT(names), &which, e);
+    if (s == LW_OK)
+        c->model = (lw_clearance_model)(LW_CLEARANCE_ZERO + which);
+    return s;
+}
+
+static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
+{
+    static const char *const known[] = { "model", "gap", "stiffness", "exponent", "damping", "depth",
+                                         "restitution", "friction", "friction_speed" };
+    lw_clearance *c = &m->clearance[joint];
+    double metre = m->linkage.units.metre;
+    bool stiff = false;
+    const number numbers[] = {
+        { "gap", metre, POSITIVE, &c->gap, NULL },
+        { "stiffness", 1, POSITIVE, &c->stiffness, &stiff },
+        { "exponent", 1, 1, 10, &c->exponent, NULL },
+        { "damping", 1, 0, INFINITY, &c->damping, NULL },
+        { "depth", metre, 0, INFINITY, &c->depth, NULL },
+        { "restitution", 1, 0, 1, &c->restitution, NULL },
+        { "friction", 1, 0, INFINITY, &c->friction, NULL },
+        { "friction_speed", 1, POSITIVE, &c->friction_speed, NULL },
+    };
+    lw_json_node at;
+    *c = (lw_clearance){ .exponent = 1, .restitution = 1, .friction_speed = 0.001 };
+    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
+        (s = want_kinds(n, m, joint, "r", "a clearance", e)) == LW_OK &&
+        (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
+        s = read_numbers(n, numbers, COUNT(numbers), e);
+    if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
+        s = lw_read_need(n, "stiffness", &at, e);
+    return s;
+}
+
+static lw_status read_joint_extras(const lw_json_node *root, lw_model *m, lw_error *e)
+{
+    lw_json_node joints, n;
+    lw_status s = lw_read_need(root, "joints", &joints, e);
+    for (int i = 0; s == LW_OK && i < m->linkage.n_joint; i++) {
+        lw_json_node joint = lw_json_element(&joints, (size_t)i);
+        if (lw_json_member(&joint, "friction", &n))
+            s = read_friction(&n, m, i, e);
+        if (s == LW_OK && lw_json_member(&joint, "stop", &n))
+            s = read_stop(&n, m, i, e);
+        if (s == LW_OK && lw_json_member(&joint, "clearance", &n))
+            s = read_clearance(&n, m, i, e);
+    }
+    return s;
+}
+
+/* ---- loads ------------------------------------------------------------------------------------- */
+
+/* The name of a load, or "spring 2" when it has none. */
+static lw_status read_load_name(const lw_json_node *object, const char *what, size_t index,
+                                char name[LW_NAME_SIZE], lw_error *e)
+{
+    lw_json_node n;
+    if (lw_json_member(object, "name", &n))
+        return lw_json_name(&n, name, LW_NAME_SIZE, e);
+    snprintf(name, LW_NAME_SIZE, "%s %zu", what, index + 1);
+    return LW_OK;
+}
+
+/* The joint of a load: a pin or a slider. */
+static lw_status read_load_joint(const lw_json_node *object, const char *what, lw_model *m, int *joint,
+                                 lw_error *e)
+{
+    lw_json_node n;
+    lw_status s = lw_read_need(object, "joint", &n, e);
+    if (s == LW_OK)
+        s = lw_read_joint(&n, &m->linkage, joint, e);
+    return s == LW_OK ? want_kinds(&n, m, *joint, "rt", what, e) : s;
+}
+
+static lw_status full(const lw_json_node *n, const char *what, int count, int most, lw_error *e)
+{
+    return count < most ? LW_OK : lw_json_fault(n, e, "more than %d %s", most, what);
+}
+
+static lw_status law_alone(const lw_json_node *object, lw_error *e)
+{
+    static const char *const other[] = { "stiffness", "damping", "free" };
+    lw_json_node n;
+    for (int i = 0; i < COUNT(other); i++)
+        if (lw_json_member(object, other[i], &n))
+            return lw_json_fault(&n, e, "\"law\" says all of the force; leave \"%s\" out", other[i]);
+    return LW_OK;
+}
+
+static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p, lw_error *e)
+{
+    lw_json_node links, at;
+    lw_status s = lw_read_need(object, "links", &links, e);
+    if (s == LW_OK && (s = lw_read_list(&links, 2, 2, e)) == LW_OK &&
+        (s = lw_read_need(object, "at", &at, e)) == LW_OK)
+        s = lw_read_list(&at, 2, 2, e);
+    for (size_t end = 0; s == LW_OK && end < 2; end++) {
+        lw_json_node link = lw_json_element(&links, end), point = lw_json_element(&at, end);
+        s = lw_read_link(&link, &m->linkage, &p->link[end], e);
+        if (s == LW_OK)
+            s = lw_read_pair(&point, m->linkage.units.metre, &p->at[end], e);
+    }
+    if (s == LW_OK && p->link[0] == p->link[1])
+        s = lw_json_fault(&links, e, "both ends are on link \"%s\": nothing between them can move",
+                          m->linkage.link_name[p->link[0]]);
+    return s;
+}
+
+/* Between two points.  Without "free" it is as long as in the posture. */
+static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
+                                  lw_error *e)
+{
+    lw_spring *p = &m->spring[m->n_spring];
+    const number numbers[] = {
+        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
+        { "damping", 1, 0, INFINITY, &p->damping, NULL },
+        { "free", m->linkage.units.metre, 0, INFINITY, &p->free, NULL },
+    };
+    lw_status s = full(object, "springs and dampers between points", m->n_spring, LW_LOAD_MAX, e);
+    if (s == LW_OK && (s = read_load_name(object, what, index, p->name, e)) == LW_OK)
+        s = read_ends(object, m, p, e);
+    if (s != LW_OK)
+        return s;
+    m->n_spring++;
+    p->free = hypot(p->at[1].x - p->at[0].x, p->at[1].y - p->at[0].y);
+    s = read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK)
+        s = read_expression(object, "law", &m->linkage, OF_LENGTH, &p->law, e);
+    return s == LW_OK && p->law ? law_alone(object, e) : s;
+}
+
+static lw_status read_joint_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
+                                   lw_error *e)
+{
+    lw_joint_spring *p = &m->joint_spring[m->n_joint_spring];
+    lw_status s = full(object, "springs and dampers at joints", m->n_joint_spring, LW_LOAD_MAX, e);
+    if (s == LW_OK && (s = read_load_name(object, what, index, p->name, e)) == LW_OK)
+        s = read_load_joint(object, what, m, &p->joint, e);
+    if (s != LW_OK)
+        return s;
+    m->n_joint_spring++;
+    const number numbers[] = {
+        { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
+        { "damping", 1, 0, INFINITY, &p->damping, NULL },
+        { "free", joint_unit(m, p->joint), ANY, &p->free, NULL },
+    };
+    s = read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK)
+        s = read_expression(object, "law", &m->linkage, OF_DISPLACEMENT, &p->law, e);
+    return s == LW_OK && p->law ? law_alone(object, e) : s;
+}
+
+/* A spring or damper: between two points of "links", or at a "joint". */
+static lw_status read_spring(const lw_json_node *object, size_t index, lw_model *m, bool damper, lw_error *e)
+{
+    static const char *const spring[] = { "name", "links", "at", "joint", "stiffness", "damping", "free", "law" };
+    static const char *const dashpot[] = { "name", "links", "at", "joint", "damping" };
+    const char *what = damper ? "damper" : "spring";
+    lw_json_node n, joint;
+    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
+    if (s != LW_OK)
+        return s;
+    bool at_joint = lw_json_member(object, "joint", &joint);
+    if (at_joint && (lw_json_member(object, "links", &n) || lw_json_member(object, "at", &n)))
+        return lw_json_fault(&n, e, "a %s acts at a \"joint\" or between the points \"at\" of two \"links\"; "
+                             "keep one", what);
+    if (!lw_json_member(object, damper ? "damping" : "stiffness", &n) &&
+        (damper || !lw_json_member(object, "law", &n)))
+        return lw_json_fault(object, e, damper ? "\"damping\" is missing" : "\"stiffness\" or \"law\" is missing");
+    return at_joint ? read_joint_spring(object, what, index, m, e) : read_line_spring(object, what, index, m, e);
+}
+
+static lw_status read_force(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "link", "at", "frame", "fx", "fy", "torque" };
+    static const char *const frames[] = { "plane", "link" };
+    lw_force *f = &m->force[m->n_force++];
+    lw_json_node n;
+    int frame = 0;
+    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = read_load_name(object, "force", index, f->name, e)) == LW_OK &&
+        (s = lw_read_need(object, "link", &n, e)) == LW_OK)
+        s = lw_read_link(&n, &m->linkage, &f->link, e);
+    if (s == LW_OK && lw_json_member(object, "frame", &n))
+        s = lw_read_look_up(&n, "frame", frames, COUNT(frames), &frame, e);
+    f->follows = frame == 1;
+    if (s == LW_OK && (s = read_expression(object, "fx", &m->linkage, OF_STATE, &f->fx, e)) == LW_OK &&
+        (s = read_expression(object, "fy", &m->linkage, OF_STATE, &f->fy, e)) == LW_OK)
+        s = read_expression(object, "torque", &m->linkage, OF_STATE, &f->torque, e);
+    if (s != LW_OK)
+        return s;
+    if (!f->fx && !f->fy && !f->torque)
+        return lw_json_fault(object, e, "a force needs \"fx\", \"fy\" or \"torque\"");
+    if (lw_json_member(object, "at", &n))
+        return lw_read_pair(&n, m->linkage.units.metre, &f->at, e);
+    return f->fx || f->fy ? lw_read_need(object, "at", &n, e) : LW_OK;
+}
+
+static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *m, lw_error *e)
+{
+    static const char *const known[] = { "name", "joint", "stall", "free_speed" };
+    lw_motor *p = &m->motor[m->n_motor++];
+    lw_json_node n;
+    const number numbers[] = {
+        { "stall", 1, ANY, &p->stall, NULL }, { "free_speed", 1, ANY, &p->free_speed, NULL },
+    };
+    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
+        (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK &&
+        (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&
+        (s = lw_read_need(object, "stall", &n, e)) == LW_OK &&
+        (s = lw_read_need(object, "free_speed", &n, e)) == LW_OK)
+        s = read_numbers(object, numbers, COUNT(numbers), e);
+    if (s == LW_OK && !(p->stall*p->free_speed > 0))
+        s = lw_json_fault(object, e, "\"stall\" and \"free_speed\" of a motor have the same sign, that of its turn, "
+                          "and are not 0");
+    return s;
+}
+
+typedef enum { SPRINGS, DAMPERS, FORCES, MOTORS } load;
+
+static lw_status read_loads(const lw_json_node *root, load which, lw_model *m, lw_error *e)
+{
+    static const struct { const char *key; size_t most; } list[] = {
+        [SPRINGS] = { "springs", 2*LW_LOAD_MAX }, [DAMPERS] = { "dampers", 2*LW_LOAD_MAX },
+        [FORCES] = { "forces", LW_LOAD_MAX }, [MOTORS] = { "motors", LW_INPUT_MAX },
+    };
+    lw_json_node all;
+    if (!lw_json_member(root, list[which].key, &all))
+        return LW_OK;
+    lw_status s = lw_read_list(&all, 0, list[which].most, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&all); i++) {
+        lw_json_node one = lw_json_element(&all, i);
+        s = which == FORCES ? read_force(&one, i, m, e) : which == MOTORS ? read_motor(&one, i, m, e)
+          : read_spring(&one, i, m, which == DAMPERS, e);
+    }
+    return s;
+}
+
+lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e)
+{
+    lw_json json;
+    memset(m, 0, sizeof *m);
+    m->linkage.units = lw_units_si();
+    lw_status s = lw_json_open(text, size, file, &json, e);
+    if (s != LW_OK)
+        return s;
+    lw_json_node root = lw_json_root(&json);
+    s = lw_linkage_read_root(&root, &m->linkage, e);
+    if (s == LW_OK)
+        s = read_bodies(&root, m, e);
+    if (s == LW_OK)
+        s = read_motions(&root, m, e);
+    if (s == LW_OK)
+        s = read_joint_extras(&root, m, e);
+    for (int which = SPRINGS; s == LW_OK && which <= MOTORS; which++)
+        s = read_loads(&root, (load)which, m, e);
+    lw_json_close(&json);
+    if (s != LW_OK)
+        lw_model_free(m);
+    return s;
+}

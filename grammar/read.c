@@ -1,0 +1,97 @@
+/* Pieces of what people write: pairs, lists, optional numbers, names of links and joints. */
+#include "grammar/read_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/suggest.h"
+
+lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node *out, lw_error *e)
+{
+    return lw_json_member(object, key, out) ? LW_OK : lw_json_fault(object, e, "\"%s\" is missing", key);
+}
+
+lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e)
+{
+    lw_status s = lw_json_want(n, LW_JSON_ARRAY, e);
+    size_t count = s == LW_OK ? lw_json_count(n) : least;
+    if (count >= least && count <= most)
+        return s;
+    if (least == most)
+        return lw_json_fault(n, e, "a list of %zu is expected here, this one has %zu", least, count);
+    return lw_json_fault(n, e, "a list of %zu to %zu is expected here, this one has %zu", least, most, count);
+}
+
+lw_status lw_read_pair(const lw_json_node *n, double unit, lw_vec2 *out, lw_error *e)
+{
+    lw_status s = lw_read_list(n, 2, 2, e);
+    double v[2] = { 0, 0 };
+    for (size_t i = 0; s == LW_OK && i < 2; i++) {
+        lw_json_node part = lw_json_element(n, i);
+        s = lw_json_number(&part, &v[i], e);
+        v[i] *= unit;
+        if (s == LW_OK && !(fabs(v[i]) <= LW_COORDINATE_MAX))
+            s = lw_json_fault(&part, e, "this number is too large; at most %g m are allowed",
+                              LW_COORDINATE_MAX);
+    }
+    *out = lw_v2(v[0], v[1]);
+    return s;
+}
+
+lw_status lw_read_optional(const lw_json_node *object, const char *key, double unit, double *out, bool *given,
+                               lw_error *e)
+{
+    lw_json_node n;
+    double v;
+    *given = lw_json_member(object, key, &n);
+    if (!*given)
+        return LW_OK;
+    lw_status s = lw_json_number(&n, &v, e);
+    if (s == LW_OK && !(fabs(v*unit) <= LW_COORDINATE_MAX))
+        s = lw_json_fault(&n, e, "this number is too large");
+    if (s == LW_OK)
+        *out = v*unit;
+    return s;
+}
+
+/* ---- names ------------------------------------------------------------------------------------- */
+
+static int find(const char *name, const char *const *names, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(name, names[i]) == 0)
+            return i;
+    return -1;
+}
+
+lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out,
+                         lw_error *e)
+{
+    lw_status s = lw_json_want(n, LW_JSON_TEXT, e);
+    if (s != LW_OK)
+        return s;
+    const char *name = lw_json_text(n);
+    *out = find(name, names, n_name);
+    if (*out >= 0)
+        return LW_OK;
+    const char *near = lw_suggest(name, names, n_name);
+    if (near)
+        return lw_json_fault(n, e, "there is no %s \"%.40s\"; did you mean \"%s\"?", what, name, near);
+    return lw_json_fault(n, e, "there is no %s \"%.40s\"", what, name);
+}
+
+lw_status lw_read_link(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
+{
+    const char *names[LW_LINK_MAX];
+    for (int i = 0; i < k->n_link; i++)
+        names[i] = k->link_name[i];
+    return lw_read_look_up(n, "link", names, k->n_link, out, e);
+}
+
+lw_status lw_read_joint(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e)
+{
+    const char *names[LW_JOINT_MAX];
+    for (int i = 0; i < k->n_joint; i++)
+        names[i] = k->joint[i].name;
+    return lw_read_look_up(n, "joint", names, k->n_joint, out, e);
+}

@@ -1,0 +1,37 @@
+/* Any bytes as a model: what is read passes the check of its linkage and holds sane numbers; what is not
+ * has an error with a place. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/model.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void demand(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static lw_model m;
+    lw_error e = { .text = "" };
+    lw_status s = lw_model_read((const char *)data, size, "f", &m, &e);
+    if (s != LW_OK) {
+        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
+        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+        return 0;
+    }
+    demand(lw_linkage_check(&m.linkage, &e) == LW_OK);
+    for (int i = 0; i < m.linkage.n_link; i++)
+        demand(m.body[i].mass >= 0 && m.body[i].inertia >= 0 && isfinite(m.body[i].mass));
+    for (int i = 0; i < m.n_spring; i++)
+        demand(m.spring[i].link[0] != m.spring[i].link[1] && m.spring[i].stiffness >= 0);
+    for (int i = 0; i < m.n_force; i++)
+        demand(m.force[i].fx || m.force[i].fy || m.force[i].torque);
+    lw_model_free(&m);
+    return 0;
+}
