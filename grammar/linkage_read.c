@@ -245,9 +245,9 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
     }
     bool placed = lw_json_member(joint, "at", &at);
     if (s == LW_OK && !placed && j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
-        s = need(joint, "at", &at, e);
+        s = lw_read_need(joint, "at", &at, e);
     if (s == LW_OK && placed)
-        s = read_pair(&at, k->units.metre, &j->at, e);
+        s = lw_read_pair(&at, k->units.metre, &j->at, e);
     if (s == LW_OK)
         s = read_direction(joint, k, j, e);
     return s == LW_OK ? read_ratio(joint, j, e) : s;
