@@ -1,0 +1,195 @@
+#include "base/rank.h"
+
+#include <math.h>
+#include <string.h>
+
+size_t lw_rank_doubles(int m, int n) { return (size_t)m*(size_t)n + 3*(size_t)(m + n); }
+size_t lw_rank_ints(int m, int n) { return (size_t)n + 0*(size_t)m; }
+
+void lw_rank_place(lw_rank *r, int m, int n, double *doubles, int *ints)
+{
+    int least = m < n ? m : n;
+    *r = (lw_rank){ .m = m, .n = n, .a = doubles, .column = ints };
+    r->left = doubles + (size_t)m*(size_t)n;
+    r->right = r->left + least;
+    r->work = r->right + least;
+}
+
+static double *column(const lw_rank *r, int k) { return r->a + (size_t)k*(size_t)r->m; }
+
+static double norm(const double *v, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += v[i]*v[i];
+    return sqrt(sum);
+}
+
+/* I - factor v v^T with v[0] = 1 takes x to (-sign |x|, 0 ..); v over x, its first number the new one. */
+static double reflector(double *x, int n, double rest)
+{
+    double size = hypot(x[0], rest), head = x[0];
+    if (!(size > 0) || rest == 0)
+        return 0;
+    double top = head > 0 ? -size : size;
+    for (int i = 1; i < n; i++)
+        x[i] /= head - top;
+    x[0] = top;
+    return (top - head)/top;
+}
+
+/* Reflect c, of which v[0] = 1 stands for c[0]. */
+static void reflect(const double *v, double factor, double *c, int n)
+{
+    double sum = c[0];
+    for (int i = 1; i < n; i++)
+        sum += v[i]*c[i];
+    sum *= factor;
+    c[0] -= sum;
+    for (int i = 1; i < n; i++)
+        c[i] -= sum*v[i];
+}
+
+/* The column with the longest rest goes to place k; returns that length. */
+static double bring_longest(lw_rank *r, int k)
+{
+    int best = k;
+    double longest = -1;
+    for (int j = k; j < r->n; j++) {
+        double d = norm(column(r, j) + k, r->m - k);
+        if (d > longest || isnan(d)) {
+            longest = d;
+            best = j;
+        }
+    }
+    if (best == k)
+        return longest;
+    double *a = column(r, k), *b = column(r, best);
+    for (int i = 0; i < r->m; i++) {
+        double t = a[i];
+        a[i] = b[i];
+        b[i] = t;
+    }
+    int t = r->column[k];
+    r->column[k] = r->column[best];
+    r->column[best] = t;
+    return longest;
+}
+
+/* Row k of [T R12] from the right: only place k and those from rank on change. */
+static void fold_row(lw_rank *r, int k)
+{
+    double sum = 0;
+    for (int j = r->rank; j < r->n; j++)
+        sum += column(r, j)[k]*column(r, j)[k];
+    double head = column(r, k)[k], size = sqrt(head*head + sum);
+    r->right[k] = 0;
+    if (sum == 0 || !(size > 0))
+        return;
+    double top = head > 0 ? -size : size;
+    for (int j = r->rank; j < r->n; j++)
+        column(r, j)[k] /= head - top;
+    column(r, k)[k] = top;
+    r->right[k] = (top - head)/top;
+    for (int i = 0; i < k; i++) {
+        double dot = column(r, k)[i];
+        for (int j = r->rank; j < r->n; j++)
+            dot += column(r, j)[i]*column(r, j)[k];
+        dot *= r->right[k];
+        column(r, k)[i] -= dot;
+        for (int j = r->rank; j < r->n; j++)
+            column(r, j)[i] -= dot*column(r, j)[k];
+    }
+}
+
+void lw_rank_factor(lw_rank *r, double least)
+{
+    int most = r->m < r->n ? r->m : r->n;
+    double first = 0;
+    r->rank = 0;
+    r->weakest = 0;
+    for (int j = 0; j < r->n; j++)
+        r->column[j] = j;
+    for (int k = 0; k < most; k++) {
+        double longest = bring_longest(r, k);
+        first = k == 0 ? longest : first;
+        if (!(longest > least*first) || !(longest > 0) || isinf(longest))
+            break;
+        double *c = column(r, k) + k;
+        r->left[k] = reflector(c, r->m - k, norm(c + 1, r->m - k - 1));
+        for (int j = k + 1; j < r->n; j++)
+            reflect(c, r->left[k], column(r, j) + k, r->m - k);
+        r->weakest = longest/first;
+        r->rank++;
+    }
+    for (int k = r->rank - 1; k >= 0; k--)
+        fold_row(r, k);
+}
+
+/* Reflector k of Z on z (n). */
+static void fold(const lw_rank *r, int k, double *z)
+{
+    double sum = z[k];
+    for (int j = r->rank; j < r->n; j++)
+        sum += column(r, j)[k]*z[j];
+    sum *= r->right[k];
+    z[k] -= sum;
+    for (int j = r->rank; j < r->n; j++)
+        z[j] -= sum*column(r, j)[k];
+}
+
+/* x = P Z^T z */
+static void from_rows(const lw_rank *r, double *z, double *x)
+{
+    for (int k = 0; k < r->rank; k++)
+        fold(r, k, z);
+    for (int j = 0; j < r->n; j++)
+        x[r->column[j]] = z[j];
+}
+
+void lw_rank_solve(const lw_rank *r, double *b, double *x)
+{
+    double *z = r->work;
+    for (int k = 0; k < r->rank; k++)
+        reflect(column(r, k) + k, r->left[k], b + k, r->m - k);
+    memset(z, 0, (size_t)r->n*sizeof *z);
+    for (int k = r->rank - 1; k >= 0; k--) {
+        double sum = b[k];
+        for (int j = k + 1; j < r->rank; j++)
+            sum -= column(r, j)[k]*z[j];
+        z[k] = sum/column(r, k)[k];
+    }
+    from_rows(r, z, x);
+}
+
+/* z = Z P^T x: its first `rank` numbers are the part in the row space. */
+static void to_rows(const lw_rank *r, const double *x, double *z)
+{
+    for (int j = 0; j < r->n; j++)
+        z[j] = x[r->column[j]];
+    for (int k = r->rank - 1; k >= 0; k--)
+        fold(r, k, z);
+}
+
+void lw_rank_solve_transposed(const lw_rank *r, const double *b, double *x)
+{
+    double *z = r->work;
+    to_rows(r, b, z);
+    memset(x, 0, (size_t)r->m*sizeof *x);
+    for (int k = 0; k < r->rank; k++) {
+        double sum = z[k];
+        for (int j = 0; j < k; j++)
+            sum -= column(r, k)[j]*x[j];
+        x[k] = sum/column(r, k)[k];
+    }
+    for (int k = r->rank - 1; k >= 0; k--)
+        reflect(column(r, k) + k, r->left[k], x + k, r->m - k);
+}
+
+void lw_rank_null_part(const lw_rank *r, double *x)
+{
+    double *z = r->work;
+    to_rows(r, x, z);
+    memset(z, 0, (size_t)r->rank*sizeof *z);
+    from_rows(r, z, x);
+}
