@@ -131,9 +131,9 @@ static void faults(void)
 static void column_inside_an_expression(void)
 {
     CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"t + foo\"}"), LW_E_NOTATION);
-    CHECK_INT(e.column, 43);
+    CHECK_INT(e.column, 40);
     CHECK_INT(read_with("", "", "", ",\n\"input\": {\"joint\": \"A\", \"motion\": \"\\u0074 + foo\"}"), LW_E_NOTATION);
-    CHECK_INT(e.column, 48);
+    CHECK_INT(e.column, 45);
 }
 
 int main(void)
