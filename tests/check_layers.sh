@@ -39,6 +39,9 @@ gif_lib catalogues/gif.c
 planarity grammar/planar.c
 igraph enumerate/canon.c
 mpi.h cli/spread.c
+cvode mbs/cvode.c
+ida mbs/ida.c
+(nvector|sun) mbs/sundials_internal.h
 TABLE
 
 [ $bad -eq 0 ] && echo "layers: fine"

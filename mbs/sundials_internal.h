@@ -1,0 +1,83 @@
+/* mbs/sundials_internal.h - what the bridges to SUNDIALS share: one context a solver, its messages and the codes of
+ * our callbacks kept instead of printed, matrices as plain columns. */
+#ifndef LW_MBS_SUNDIALS_INTERNAL_H
+#define LW_MBS_SUNDIALS_INTERNAL_H
+
+#include <math.h>
+#include <nvector/nvector_serial.h>
+#include <stdio.h>
+#include <string.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include "mbs/integrate.h"
+
+typedef struct lw_sun {
+    SUNContext      context;
+    SUNMatrix       matrix;
+    SUNLinearSolver linear;
+    lw_status       failed;              /* what a callback returned when it ended the run             */
+    char            message[256];        /* the solver's own words                                     */
+} lw_sun;
+
+static inline bool lw_sun_make(lw_sun *s, int n, N_Vector *v, int n_vector)
+{
+    if (SUNContext_Create(NULL, &s->context) != 0)
+        return false;
+    for (int i = 0; i < n_vector; i++) {
+        v[i] = N_VNew_Serial(n, s->context);
+        if (!v[i])
+            return false;
+        N_VConst(0.0, v[i]);
+    }
+    s->matrix = SUNDenseMatrix(n, n, s->context);
+    s->linear = s->matrix ? SUNLinSol_Dense(v[0], s->matrix, s->context) : NULL;
+    return s->linear != NULL;
+}
+
+static inline void lw_sun_free(lw_sun *s, N_Vector *v, int n_vector)
+{
+    if (s->linear)
+        SUNLinSolFree(s->linear);
+    if (s->matrix)
+        SUNMatDestroy(s->matrix);
+    for (int i = 0; i < n_vector; i++)
+        if (v[i])
+            N_VDestroy(v[i]);
+    if (s->context)
+        SUNContext_Free(&s->context);
+}
+
+/* What a callback answered, for SUNDIALS: 0 fine, > 0 try shorter, < 0 give up. */
+static inline int lw_sun_code(lw_sun *s, lw_status status)
+{
+    if (status == LW_OK)
+        return 0;
+    if (status == LW_OPEN)
+        return 1;
+    s->failed = status;
+    return -1;
+}
+
+static inline void lw_sun_message(int code, const char *module, const char *function, char *message, void *user)
+{
+    (void)module, (void)function;
+    if (code < 0)                        /* warnings are no answers */
+        snprintf(((lw_sun *)user)->message, sizeof ((lw_sun *)user)->message, "%s", message);
+}
+
+static inline void lw_sun_tolerances(const lw_ode_options *o, N_Vector each)
+{
+    double *v = N_VGetArrayPointer(each);
+    for (int i = 0; i < (int)N_VGetLength(each); i++)
+        v[i] = o->absolute_each ? o->absolute_each[i] : o->absolute;
+}
+
+static inline lw_status lw_sun_error(const lw_sun *s, const char *solver, double t, lw_error *e)
+{
+    lw_status status = s->failed != LW_OK ? s->failed : LW_E_NUMERIC;
+    return lw_error_set(e, status, "%s gave up at t = %.9g s: %s", solver, t,
+                        s->failed != LW_OK ? lw_status_text(s->failed) : s->message[0] ? s->message : "no reason given");
+}
+
+#endif

@@ -1,0 +1,198 @@
+/* tests/test_cvode.c - the bridge to CVODE: a stiff problem with a published solution, events, projection, how
+ * failures are told. */
+#include "mbs/cvode.h"
+#include "tests/check.h"
+
+static lw_status run_to(lw_cvode *w, double t, lw_error *e)
+{
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    while (s == LW_OK && stop != LW_ODE_END)
+        s = lw_cvode_step(w, t, &stop, e);
+    return s;
+}
+
+/* Van der Pol, mu = 1e3 in scaled time (1e-6 in front): Mazzia & Magherini, Test set for IVP solvers 2.4, problem
+ * VDPOL: y(2) = 1.706167732170483, -0.8928097010247975. */
+static lw_status van_der_pol(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = ((1.0 - y[0]*y[0])*y[1] - y[0])/1e-6;
+    return LW_OK;
+}
+
+static lw_status van_der_pol_slope(void *context, double t, const double *y, const double *dy, double *jac)
+{
+    (void)context, (void)t, (void)dy;
+    jac[0] = 0.0, jac[2] = 1.0;
+    jac[1] = (-2.0*y[0]*y[1] - 1.0)/1e-6, jac[3] = (1.0 - y[0]*y[0])/1e-6;
+    return LW_OK;
+}
+
+static void stiff_published(void)
+{
+    for (int with = 0; with < 2; with++)
+        for (double tolerance = 1e-6; tolerance > 1e-11; tolerance *= 0.01) {
+            lw_ode ode = { .n = 2, .rate = van_der_pol, .jacobian = with ? van_der_pol_slope : NULL };
+            lw_ode_options o = lw_ode_options_default();
+            o.relative = o.absolute = tolerance;
+            lw_cvode w;
+            double y[2] = { 2.0, 0.0 };
+            CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
+            CHECK_INT(run_to(&w, 2.0, NULL), LW_OK);
+            CHECK_NEAR(w.y[0], 1.706167732170483, 2000.0*tolerance, 0);
+            CHECK_NEAR(w.y[1], -0.8928097010247975, 2000.0*tolerance, 0);
+            CHECK(w.t == 2.0 && w.n_step > 50 && w.n_step < 20000 && w.n_jacobian > 0);
+            lw_cvode_free(&w);
+        }
+}
+
+static lw_status oscillator(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1], dy[1] = -y[0];
+    return LW_OK;
+}
+
+static lw_status levels(void *context, double t, const double *y, double *g)
+{
+    (void)context, (void)t;
+    g[0] = y[0], g[1] = y[0] - 0.5;
+    return LW_OK;
+}
+
+typedef struct seen_list { int n; double t[16]; } seen_list;
+static void note(void *context, int event, double t, const double *y)
+{
+    (void)y, (void)event;
+    seen_list *l = context;
+    if (l->n < 16)
+        l->t[l->n++] = t;
+}
+
+static void events_in_order(void)
+{
+    const double pi = 3.14159265358979323846;
+    seen_list l = { 0 };
+    lw_ode ode = { .n = 2, .context = &l, .rate = oscillator, .n_event = 2, .event = levels, .direction = { 0, -1 },
+                   .passing = { false, true }, .seen = note };
+    lw_ode_options o = lw_ode_options_default();
+    o.relative = o.absolute = 1e-11;
+    lw_cvode w;
+    double y[2] = { 1.0, 0.0 };
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_ADAMS, 0.0, y, NULL), LW_OK);
+    lw_ode_stop stop;
+    int k = 0;
+    while (lw_cvode_step(&w, 10.0, &stop, NULL) == LW_OK && stop != LW_ODE_END)
+        if (stop == LW_ODE_EVENT) {
+            CHECK_NEAR(w.t, (k++ + 0.5)*pi, 1e-8, 0);
+            CHECK_INT((int)w.events & 1, 1);
+            CHECK_NEAR(w.y[0], 0.0, 1e-13, 0);
+            double early[2];                                 /* inside the step that the event ended */
+            CHECK_INT(lw_cvode_dense(&w, w.t - 1e-3, early), LW_OK);
+            CHECK_NEAR(early[0], cos(w.t - 1e-3), 1e-8, 0);
+        }
+    CHECK_INT(k, 3);
+    CHECK_INT(l.n, 2);
+    CHECK_NEAR(l.t[0], pi/3, 1e-8, 0);
+    CHECK_NEAR(l.t[1], 7*pi/3, 1e-8, 0);
+    CHECK(w.t == 10.0);
+    /* an end shortly after an event, which CVODE has passed already, and a state put in by hand */
+    CHECK_INT(lw_cvode_restart(&w, y, NULL), LW_OK);
+    stop = LW_ODE_STEP;
+    while (stop == LW_ODE_STEP)
+        CHECK_INT(lw_cvode_step(&w, 20.0, &stop, NULL), LW_OK);
+    CHECK_NEAR(w.t, 10.0 + pi/2, 1e-8, 0);
+    CHECK_INT(run_to(&w, w.t + 1e-6, NULL), LW_OK);
+    CHECK_NEAR(w.y[0], -1e-6, 1e-8, 0);
+    lw_cvode_free(&w);
+}
+
+/* pendulum in Cartesian coordinates, pulled onto its circle */
+static lw_status pendulum(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    double pull = y[2]*y[2] + y[3]*y[3] - 9.81*y[1];
+    dy[0] = y[2], dy[1] = y[3], dy[2] = -pull*y[0], dy[3] = -9.81 - pull*y[1];
+    return LW_OK;
+}
+
+static lw_status onto_circle(void *context, double t, double *y)
+{
+    (void)context, (void)t;
+    double r = hypot(y[0], y[1]), v = (y[0]*y[2] + y[1]*y[3])/(r*r);
+    y[2] -= v*y[0], y[3] -= v*y[1], y[0] /= r, y[1] /= r;
+    return LW_OK;
+}
+
+static void projection(void)
+{
+    double drift[2];
+    for (int with = 0; with < 2; with++) {
+        lw_ode ode = { .n = 4, .rate = pendulum, .project = with ? onto_circle : NULL };
+        lw_ode_options o = lw_ode_options_default();
+        o.relative = o.absolute = 1e-7;
+        lw_cvode w;
+        double y[4] = { 1.0, 0.0, 0.0, 0.0 };
+        CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, NULL), LW_OK);
+        CHECK_INT(run_to(&w, 10.0, NULL), LW_OK);
+        drift[with] = fabs(hypot(w.y[0], w.y[1]) - 1.0);
+        lw_cvode_free(&w);
+    }
+    CHECK(drift[0] > 1e-8);
+    CHECK(drift[1] < 1e-9);
+}
+
+static lw_status explodes(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[0]*y[0];
+    return LW_OK;
+}
+
+static lw_status breaks(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)y;
+    dy[0] = 1.0;
+    return t > 0.5 ? LW_E_KIND : LW_OK;
+}
+
+static void failures_are_told(void)
+{
+    lw_ode_options o = lw_ode_options_default();
+    lw_error e;
+    lw_cvode w;
+    double y[2] = { 1.0, 0.0 };
+    lw_ode bad = { .n = 1, .rate = explodes };
+    CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
+    CHECK_INT(run_to(&w, 2.0, &e), LW_E_NUMERIC);
+    CHECK_HAS(e.text, "CVODE gave up at t = ");
+    CHECK(w.t < 1.0 + 1e-6 && w.t > 0.9);
+    lw_cvode_free(&w);
+    bad.rate = breaks;
+    CHECK_INT(lw_cvode_make(&w, &bad, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
+    CHECK_INT(run_to(&w, 2.0, &e), LW_E_KIND);
+    lw_cvode_free(&w);
+    lw_ode ode = { .n = 2, .rate = oscillator };
+    o.max_step = 20;
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_OK);
+    CHECK_INT(run_to(&w, 1e3, &e), LW_STOPPED);
+    lw_ode_stop stop;
+    CHECK_INT(lw_cvode_step(&w, -1.0, &stop, &e), LW_E_ARG);
+    lw_cvode_free(&w);
+    lw_cvode_free(&w);                                       /* twice is harmless */
+    o = (lw_ode_options){ .relative = -1.0 };
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
+    o = (lw_ode_options){ .relative = 1e-6, .absolute = 1e-6, .fixed = 0.1 };
+    CHECK_INT(lw_cvode_make(&w, &ode, &o, LW_CVODE_BDF, 0.0, y, &e), LW_E_ARG);
+}
+
+int main(void)
+{
+    RUN(stiff_published);
+    RUN(events_in_order);
+    RUN(projection);
+    RUN(failures_are_told);
+    return check_end();
+}
