@@ -1,159 +1,110 @@
-/* linkwright catalogue - the published tables, recounted. */
-#include <stdlib.h>
+/* linkwright catalogue - a database of mechanisms: built, checked, asked; and the published tables, recounted. */
 #include <string.h>
 
 #include "base/clock.h"
-#include "cli/data.h"
-#include "cli/json.h"
-#include "cli/output.h"
-#include "cli/progress.h"
-#include "enumerate/published.h"
+#include "base/suggest.h"
+#include "cli/catalogue.h"
+#include "enumerate/synthesis.h"
 
-typedef struct settings { double time; bool disagreeing; } settings;
+#define PLACE(member) offsetof(cli_catalogue_settings, member)
 
 static const cli_option options[] = {
-    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "60",
-      "check: rows that would not be through by then are left out", 0, 1e9, NULL, NULL },
-    { "disagreeing", 0, CLI_FLAG, offsetof(settings, disagreeing), NULL, NULL,
-      "check: only the rows that do not agree", 0, 0, NULL, NULL },
+    { "links", 'p', CLI_INT, PLACE(links), "P", NULL, "build: number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
+    { "joints", 0, CLI_TEXT, PLACE(joints), "LETTERS", "r",
+      "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
+    { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground", "build: drive joints at the ground, or any", 0, 0,
+      NULL, NULL },
+    { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5", "how long to wait for another program that writes to the file",
+      0, 1e6, NULL, NULL },
+    { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
+      "how often what is done is written down for good: so much work is lost at most when the program is killed", 0, 1e6,
+      NULL, NULL },
+    { "time", 0, CLI_REAL, PLACE(time), "SECONDS", "60",
+      "check of a table: rows that would not be through by then are left out; others, when given: stop then", 0, 1e9,
+      NULL, NULL },
+    { "disagreeing", 0, CLI_FLAG, PLACE(disagreeing), NULL, NULL, "check: only the rows that do not agree", 0, 0, NULL,
+      NULL },
     { .name = NULL }
 };
 
-static const char *const verdict_text[] = {
-    [LW_AGREES] = "agrees", [LW_DISAGREES] = "DISAGREES", [LW_ERRATUM] = "known erratum",
-    [LW_TOO_LONG] = "too long", [LW_NOT_COUNTED] = "not counted",
+static const struct { const char *name; int least, most; const char *words; int (*run)(const cli_call *call); } actions[] = {
+    { "build", 2, 2, "build FILE --links P", cli_catalogue_build },
+    { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check_file },
 };
 
-typedef struct check {
-    const cli_call *call;
-    lw_output       out;
-    cli_json        json;
-    int             n[LW_NOT_COUNTED + 1];
-} check;
+#define N_ACTION (sizeof actions/sizeof *actions)
 
-static void write_json(check *c, const lw_published *row, const lw_recount_result *r)
+lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e)
 {
-    cli_json *w = &c->json;
-    *w = cli_json_begin(c->out.f, 0);
-    cli_json_object(w, NULL);
-    cli_json_int(w, "line", row->line);
-    cli_json_text(w, "family", row->family);
-    cli_json_int(w, "dof", row->dof);
-    cli_json_int(w, "links", row->links);
-    cli_json_int(w, "loops", row->loops);
-    cli_json_text(w, "what", row->what);
-    cli_json_int(w, "published", row->count);
-    if (r->verdict <= LW_ERRATUM)
-        cli_json_int(w, "counted", r->counted);
-    cli_json_text(w, "verdict", verdict_text[r->verdict]);
-    cli_json_text(w, "source", row->source);
-    cli_json_end(w);
+    const cli_catalogue_settings *s = call->settings;
+    lw_store_options o = { .write = write, .create = write, .wait = s->wait, .command = call->line };
+    return lw_store_open(call->parsed.word[1], &o, store, e);
 }
 
-static void write_text(check *c, const lw_published *row, const lw_recount_result *r)
+cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *what, const char *unit)
 {
-    char counted[32] = "", links[16] = "", dof[16] = "";
-    if (r->verdict <= LW_ERRATUM)
-        snprintf(counted, sizeof counted, "%lld", r->counted);
-    if (r->verdict == LW_TOO_LONG)
-        snprintf(counted, sizeof counted, "(%.0f s)", r->seconds);
-    if (row->links >= 0)
-        snprintf(links, sizeof links, "P=%d ", row->links);
-    if (row->dof >= 0)
-        snprintf(dof, sizeof dof, "F=%d ", row->dof);
-    fprintf(c->out.f, "%12lld %12s  %-13s  %s: %s%s%s", row->count, counted, verdict_text[r->verdict], row->family,
-            dof, links, row->what);
-    fprintf(c->out.f, "  [%s]\n", row->source);
+    const cli_catalogue_settings *s = call->settings;
+    cli_watch_interrupt();
+    return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit), .start = lw_clock_wall(),
+                                  .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
 }
 
-static lw_status check_rows(check *c, const lw_published_table *t, lw_recount *r, lw_error *e)
+bool cli_catalogue_goes_on(cli_catalogue_watch *w, double done)
 {
-    const settings *s = c->call->settings;
-    double start = lw_clock_wall();
-    cli_progress p = cli_progress_begin(c->call, "check", "rows");
-    lw_status status = LW_OK;
-    if (!c->call->common.json)
-        fprintf(c->out.f, "%12s %12s  %-13s  what  [source]\n", "published", "counted", "verdict");
-    for (size_t i = 0; i < t->n && status == LW_OK && !cli_interrupted(); i++) {
-        lw_recount_result result;
-        status = lw_recount_row(r, &t->row[i], s->time - (lw_clock_wall() - start), &result);
-        if (status != LW_OK)
-            break;
-        c->n[result.verdict]++;
-        if (!s->disagreeing || result.verdict == LW_DISAGREES)
-            (c->call->common.json ? write_json : write_text)(c, &t->row[i], &result);
-        cli_progress_show(&p, (double)(i + 1), (double)t->n, NULL);
-    }
-    cli_progress_end(&p);
-    return status == LW_OK ? LW_OK : lw_error_set(e, status, "out of memory");
+    cli_progress_show(&w->progress, done, w->total, NULL);
+    w->over = w->over || (w->limit > 0 && lw_clock_wall() - w->start >= w->limit);
+    return !cli_interrupted() && !w->over;
 }
 
-/* The table of the user, else the one that comes with the program. */
-static void table_path(const cli_call *call, char *path, size_t size)
+int cli_catalogue_watch_end(cli_catalogue_watch *w, int code)
 {
-    if (call->parsed.n_word > 1)
-        snprintf(path, size, "%s", call->parsed.word[1]);
-    else
-        cli_data_path("published-counts.csv", path, size);
-}
-
-static int run_check(const cli_call *call)
-{
-    check c = { .call = call };
-    char *text = NULL;
-    size_t size;
-    lw_published_table table = { 0 };
-    lw_error e = { 0 };
-    char path[4096];
-    table_path(call, path, sizeof path);
-    lw_status s = lw_file_read(path, &text, &size, &e);
-    if (s == LW_OK)
-        s = lw_published_read(text, size, path, &table, &e);
-    free(text);
-    lw_recount *r = s == LW_OK ? lw_recount_create(call->common.jobs) : NULL;
-    if (s == LW_OK && !r)
-        s = lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (s == LW_OK)
-        s = cli_open(call, &c.out, &e);
-    int code = CLI_DONE;
-    if (s != LW_OK) {
-        code = cli_fail(call, &e);
-    } else {
-        if (check_rows(&c, &table, r, &e) != LW_OK)
-            code = cli_fail(call, &e);
-        else if (c.n[LW_DISAGREES] > 0)
-            code = CLI_NUMERIC;
-        code = cli_close(call, &c.out, code);
-        cli_note(call, "%d rows agree, %d disagree, %d known errata, %d too long, %d not counted here",
-                 c.n[LW_AGREES], c.n[LW_DISAGREES], c.n[LW_ERRATUM], c.n[LW_TOO_LONG], c.n[LW_NOT_COUNTED]);
-    }
-    lw_recount_free(r);
-    lw_published_free(&table);
-    return code;
+    cli_progress_end(&w->progress);
+    return w->over && code == CLI_DONE ? CLI_LIMIT : code;
 }
 
 static int run(const cli_call *call)
 {
-    if (strcmp(call->parsed.word[0], "check") == 0)
-        return run_check(call);
-    return cli_usage(call, "there is no action '%s'; there is check", call->parsed.word[0]);
+    const char *word = call->parsed.word[0], *names[N_ACTION];
+    for (size_t i = 0; i < N_ACTION; i++) {
+        names[i] = actions[i].name;
+        if (strcmp(word, names[i]) != 0)
+            continue;
+        if (call->parsed.n_word < actions[i].least || call->parsed.n_word > actions[i].most)
+            return cli_usage(call, "%s words: linkwright catalogue %s",
+                             call->parsed.n_word < actions[i].least ? "too few" : "too many", actions[i].words);
+        return actions[i].run(call);
+    }
+    const char *near = lw_suggest(word, names, N_ACTION);
+    if (near)
+        return cli_usage(call, "there is no action '%s'; did you mean '%s'?", word, near);
+    return cli_usage(call, "there is no action '%s'; there are build and check", word);
 }
 
 const cli_command cli_catalogue_command = {
     .name = "catalogue",
-    .words = "check [TABLE.csv]",
-    .title = "published counts of chains, counted again",
+    .words = "ACTION [FILE]",
+    .title = "a database of mechanisms; published counts, counted again",
     .examples =
+        "  linkwright catalogue build atlas.db --links 8        all chains, ground links, inputs of eight links\n"
+        "  linkwright catalogue build atlas.db --links 6 --joints r,t\n"
+        "  linkwright catalogue check atlas.db                  against the published counts, page by page\n"
         "  linkwright catalogue check                    the table that comes with the program\n"
         "  linkwright catalogue check --time 600         with patience: 18 links take some minutes\n"
         "  linkwright catalogue check mine.csv --json    another table of the same columns\n",
     .about =
-        "Each row of the table is counted again, as far as it is feasible within --time: the number published, the\n"
-        "number counted, whether they agree, what was counted, and the source. A number that is known to be wrong is a\n"
-        "known erratum. Any other disagreement makes the exit code 4.\n",
+        "build puts every chain with P links and F freedoms into FILE, an SQLite database (docs/catalogue.md), with\n"
+        "its structure and derivation, canonical label, symmetry, planarity, notations, ground links up to symmetry,\n"
+        "inputs and Assur groups. One file takes any number of builds. A build that was stopped, or killed,\n"
+        "goes on where it was when the same command is given again; nothing is lost or there twice.\n"
+        "check FILE examines a catalogue: every page and reference, every label, and all numbers that are\n"
+        "published. check [TABLE.csv] counts each row of the table of published counts again, as far as it is\n"
+        "feasible within --time: the number published, the number counted, whether they agree, what was\n"
+        "counted, and the source. A number that is known to be wrong is a known erratum. Any other disagreement\n"
+        "makes the exit code 4.\n",
     .options = options,
-    .settings_size = sizeof(settings),
+    .settings_size = sizeof(cli_catalogue_settings),
     .least_words = 1,
-    .most_words = 2,
+    .most_words = 3,
     .run = run,
 };

@@ -37,6 +37,7 @@ jansson grammar/json.c cli/model.c
 cairo catalogues/picture.c
 gif_lib catalogues/gif.c
 planarity grammar/planar.c
+sqlite3 catalogues/store_internal.h
 igraph enumerate/canon.c
 mpi.h cli/spread.c
 cvode mbs/cvode.c

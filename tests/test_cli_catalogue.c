@@ -1,0 +1,173 @@
+/* test_cli_catalogue.c - catalogues from outside: what is built, what survives kills, full disks and foreign files. */
+#include "tests/catalogue_file.h"
+#include "tests/cli_run.h"
+
+static void help(void)
+{
+    expect("$P help catalogue", 0, "Examples:", NULL);
+    expect("$P catalogue biuld x.db", 2, NULL, "did you mean 'build'?");
+    expect("$P catalogue wash x.db", 2, NULL, "there are build");
+    expect("$P catalogue build", 2, NULL, "too few words");
+    expect("$P catalogue build $D/a.db", 2, NULL, "--links P");
+    expect("$P catalogue build $D/a.db --links 8 --joints q", 2, NULL, "r, t or r,t");
+    expect("$P catalogue build $D/a.db --links 7 && ls $D", 3, NULL, "P = F + 2 L + 1 - n2");
+}
+
+/* 16 chains and 71 ground links with eight links: OEIS A233288 and the table of published counts. */
+static void build(void)
+{
+    expect("$P catalogue build $D/a.db --links 8", 0, "", "16 of 16 chains");
+    expect("$P catalogue build $D/a.db --links 8", 0, "", "complete already: 16 chains");
+    expect("$P catalogue build $D/a.db --links 5 --dof 2 && $P catalogue build $D/a.db --links 4", 0, "", NULL);
+    expect("$P catalogue check $D/a.db", 0, "71           71  agrees         P=8 F=1 inversions of nonfractionated",
+           "18 chains are what their labels say");
+    expect("$P catalogue check $D/a.db --json | grep -c '\"verdict\":\"agrees\"'", 0, "", NULL);
+    expect("$P catalogue build $D/sliders.db --links 6 && $P catalogue build $D/sliders.db --links 6 --joints r,t", 0, "",
+           NULL);
+    expect("$P catalogue check $D/sliders.db", 0, NULL, "2 chains");
+    expect("$P catalogue build $D/b.db --links 8 --jobs 1 --command x", 2, NULL, "no option");
+    expect("ls $D/*-lock $D/*-journal", 2, "", NULL);
+}
+
+/* 153 mechanisms of eight links with an input at the ground, 513 of six links with sliders: `mechanisms --count`
+ * counts them without a catalogue. */
+static void mechanisms_as_counted(void)
+{
+    static const struct { const char *file; int n; } row[] = { { "a.db", 153 + 1 + 1 }, { "sliders.db", 513 } };
+    expect("$P mechanisms --links 8 --input ground --count", 0, "153\n", NULL);
+    expect("$P mechanisms --links 6 --joints r,t --input ground --count", 0, "513\n", NULL);
+    for (size_t i = 0; i < 2; i++) {
+        char path[200];
+        int n = 0;
+        snprintf(path, sizeof path, "%s/%s", getenv("D"), row[i].file);
+        char *text = dump_catalogue(path);
+        for (const char *at = text; (at = strstr(at, "\nmechanism|")); at++)
+            n++;
+        CHECK_INT(n, row[i].n);
+        free(text);
+    }
+}
+
+/* The same content for any number of threads. */
+static void threads(void)
+{
+    char path[200];
+    expect("mkdir $D/one $D/three; cd $D/one; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build x.db --links 10 --jobs 1; "
+           "cd $D/three; $Q catalogue build x.db --links 10 --jobs 3", 0, NULL, NULL);
+    snprintf(path, sizeof path, "%s/one/x.db", getenv("D"));
+    char *one = dump_catalogue(path);
+    snprintf(path, sizeof path, "%s/three/x.db", getenv("D"));
+    char *three = dump_catalogue(path);
+    /* but for the command line itself */
+    char *a = strstr(one, "--jobs 1"), *b = strstr(three, "--jobs 3");
+    CHECK(a && b);
+    if (a && b)
+        a[7] = b[7] = '?';
+    CHECK(strlen(one) > 10000 && strcmp(one, three) == 0);
+    free(one);
+    free(three);
+}
+
+static void remove_file(const char *path)
+{
+    char journal[320];
+    snprintf(journal, sizeof journal, "%s-journal", path);
+    remove(path);
+    remove(journal);
+}
+
+#define BUILD_TEN "catalogue build x.db --links 10 --commit 0"
+
+static void killed_builds(void)
+{
+    char folder[200], path[220];
+    snprintf(folder, sizeof folder, "%s/killed", getenv("D"));
+    snprintf(path, sizeof path, "%s/x.db", folder);
+    expect("mkdir $D/killed", 0, NULL, NULL);
+    double start = seconds_now();
+    CHECK_INT(start_and_kill(folder, BUILD_TEN, -1), 0);
+    double seconds = seconds_now() - start;
+    char *want = dump_catalogue(path);
+    CHECK_HAS(want, "build|1|10|1|r|230|1");
+    kill_at_random(folder, "x.db", BUILD_TEN, seconds, 25, want, remove_file);
+    free(want);
+}
+
+/* --time ends a build in good order. */
+static void stopped_builds(void)
+{
+    expect("$P catalogue build $D/t.db --links 12 --time 0.2 --commit 0", 5, NULL, "the same command goes on");
+    expect("$P catalogue check $D/t.db", 0, NULL, "1 build is not finished");
+    expect("$P catalogue build $D/t.db --links 12 --time 0.2 --commit 0", 5, NULL, "goes on behind");
+}
+
+static void full_disk(void)
+{
+    expect("trap '' XFSZ; ulimit -f 400; $P catalogue build $D/full.db --links 10 --commit 0", 3, NULL, "full.db: ");
+    expect("$P catalogue check $D/full.db", 0, NULL, "1 build is not finished");
+    expect("$P catalogue build $D/full.db --links 10 && $P catalogue check $D/full.db", 0, "230          230  agrees", NULL);
+    expect("trap '' XFSZ; ulimit -f 1; $P catalogue build $D/tiny.db --links 10", 3, NULL, "tiny.db: ");
+    expect("$P catalogue build $D/tiny.db --links 6", 0, NULL, "2 of 2");
+    expect("$P catalogue build /dev/full --links 6", 3, NULL, "no plain file");
+}
+
+static void files_that_are_none(void)
+{
+    expect("chmod 444 $D/a.db; $P catalogue build $D/a.db --links 6; c=$?; chmod 644 $D/a.db; exit $c", 3, NULL, "read-only");
+    expect("chmod 444 $D/a.db; $P catalogue check $D/a.db; c=$?; chmod 644 $D/a.db; exit $c", 0, NULL, "whole");
+    expect("$P catalogue build $D --links 6", 3, NULL, "a folder");
+    expect("$P catalogue build $D/no/such.db --links 6", 3, NULL, "No such file");
+    expect("$P catalogue check $D/none.db", 3, NULL, "no such file");
+    expect("echo hello > $D/text.db; $P catalogue build $D/text.db --links 6", 3, NULL, "no SQLite file");
+    expect("cat $D/text.db", 0, "hello\n", NULL);
+    expect("$P catalogue build '' --links 6", 3, NULL, "empty");
+    /* names that mean something to SQLite or a shell are names of files here */
+    expect("cd $D; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build ':memory:' --links 4 && "
+           "$Q catalogue build 'file:x?mode=ro' --links 4 && $Q catalogue build '; DROP TABLE chain --' --links 4 && "
+           "ls ':memory:' 'file:x?mode=ro' '; DROP TABLE chain --'", 0, "file:x?mode=ro", NULL);
+}
+
+static void damaged_files(void)
+{
+    static const char *const cut[] = { "0", "99", "100", "4095", "4096", "20000", "60000" };
+    for (size_t i = 0; i < sizeof cut/sizeof *cut; i++) {
+        char line[300];
+        snprintf(line, sizeof line, "head -c %s $D/a.db > $D/cut.db; $P catalogue check $D/cut.db", cut[i]);
+        expect(line, 3, NULL, "cut.db: ");
+        snprintf(line, sizeof line, "head -c %s $D/a.db > $D/cut.db; $P catalogue build $D/cut.db --links 10", cut[i]);
+        expect(line, i ? 3 : 0, NULL, NULL);
+    }
+    /* a wild byte anywhere: found, or harmless; never a crash */
+    for (int at = 60; at < 70000; at += 4211) {
+        char line[300];
+        snprintf(line, sizeof line, "cp $D/a.db $D/wild.db; printf '\\377\\001\\377' | dd of=$D/wild.db bs=1 seek=%d conv=notrunc "
+                 "2>&-; $P catalogue check $D/wild.db > /dev/null; c=$?; [ $c = 0 ] || [ $c = 3 ] || [ $c = 4 ]", at);
+        expect(line, 0, NULL, NULL);
+    }
+}
+
+/* The second says who writes, or waits. */
+static void two_at_once(void)
+{
+    expect("$P catalogue build $D/two.db --links 12 --commit 0 --quiet & sleep 0.2; "
+           "$P catalogue build $D/two.db --links 6 --wait 0; c=$?; kill -9 $!; wait; exit $c", 3, NULL, "--links 12");
+    expect("$P catalogue build $D/w.db --links 10 & $P catalogue build $D/w.db --links 8 --wait 60; wait; "
+           "$P catalogue check $D/w.db", 0, "230          230", "246 chains are what their labels say");
+}
+
+int main(void)
+{
+    expect("true", 0, NULL, NULL);
+    RUN(help);
+    RUN(build);
+    RUN(mechanisms_as_counted);
+    RUN(threads);
+    RUN(killed_builds);
+    RUN(stopped_builds);
+    RUN(full_disk);
+    RUN(files_that_are_none);
+    RUN(damaged_files);
+    RUN(two_at_once);
+    run_end();
+    return check_end();
+}
