@@ -1,0 +1,274 @@
+/* Pictures of chains: no crossing on all planar chains up to ten links, measured here again from the
+ * places alone; distances, angles, symmetry; frames on a line; chains that are not planar. */
+#include "catalogues/chain_layout.h"
+#include "grammar/planar.h"
+#include "tests/all_chains.h"
+#include "tests/check.h"
+
+/* ---- a second look at a layout, by exact signs and sampled areas -------------------------------- */
+
+typedef struct shape { int n; lw_vec2 p[LW_LINK_MAX]; int joint[LW_LINK_MAX]; } shape;
+
+static shape shape_of(const lw_chain_layout *l, int link)
+{
+    shape s = { 0 };
+    for (int k = l->first[link]; k < l->first[link + 1]; k++) {
+        s.joint[s.n] = l->ring[k];
+        s.p[s.n++] = l->at[l->ring[k]];
+    }
+    if (s.n == 1) {
+        s.joint[1] = -1 - link;
+        s.p[s.n++] = l->end[link];
+    }
+    return s;
+}
+
+static double side_of(lw_vec2 a, lw_vec2 b, lw_vec2 c)
+{
+    return lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a));
+}
+
+static bool in_shape(const shape *s, lw_vec2 q)                             /* winding number */
+{
+    double turn = 0;
+    for (int i = 0; i < s->n; i++) {
+        lw_vec2 a = lw_v2_sub(s->p[i], q), b = lw_v2_sub(s->p[(i + 1) % s->n], q);
+        turn += atan2(lw_v2_cross(a, b), lw_v2_dot(a, b));
+    }
+    return s->n > 2 && fabs(turn) > LW_PI;
+}
+
+/* Do two links cross?  Points along the outline of one that lie in the other, and sides that cut sides. */
+static bool overlap(const shape *s, const shape *t)
+{
+    for (int i = 0; i < (s->n > 2 ? s->n : 1); i++) {
+        lw_vec2 a = s->p[i], b = s->p[(i + 1) % s->n];
+        for (int k = 1; k < 40; k++)
+            if (in_shape(t, lw_v2_add(a, lw_v2_scale(lw_v2_sub(b, a), k/40.0))))
+                return true;
+        for (int j = 0; j < (t->n > 2 ? t->n : 1); j++) {
+            lw_vec2 c = t->p[j], d = t->p[(j + 1) % t->n];
+            if (side_of(a, b, c)*side_of(a, b, d) < -1e-12 && side_of(c, d, a)*side_of(c, d, b) < -1e-12)
+                return true;
+        }
+    }
+    return false;
+}
+
+static int count_overlaps(const lw_mechanism *m, const lw_chain_layout *l)
+{
+    int n = 0;
+    for (int i = 0; i < m->n_link; i++)
+        for (int k = 0; k < i; k++) {
+            shape s = shape_of(l, i), t = shape_of(l, k);
+            n += i != m->ground && k != m->ground && (overlap(&s, &t) || overlap(&t, &s));
+        }
+    return n;
+}
+
+/* Every joint stands in the rings of its two links, once. */
+static void check_rings(const lw_mechanism *m, const lw_chain_layout *l)
+{
+    CHECK_INT(l->first[m->n_link], 2*m->n_joint);
+    for (int i = 0; i < m->n_link; i++) {
+        uint64_t seen = 0;
+        for (int k = l->first[i]; k < l->first[i + 1]; k++) {
+            int j = l->ring[k];
+            CHECK(j < m->n_joint && (m->link[j][0] == i || m->link[j][1] == i) && !(seen >> j & 1));
+            seen |= (uint64_t)1 << j;
+        }
+    }
+}
+
+static void check_ground(const lw_mechanism *m, const lw_chain_layout *l)
+{
+    double last = -1e9;
+    for (int k = l->first[m->ground]; k < l->first[m->ground + 1]; k++) {
+        lw_vec2 p = l->at[l->ring[k]];
+        CHECK_NEAR(p.y, 0, 1e-12, 0);
+        CHECK(p.x > last);
+        last = p.x;
+    }
+    for (int j = 0; j < m->n_joint; j++) {
+        bool on_line = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
+        for (int k = l->first[m->ground]; k < l->first[m->ground + 1]; k++)    /* the pin of a block */
+            on_line = on_line || (l->at[j].x == l->at[l->ring[k]].x && l->at[j].y == 0);
+        CHECK(on_line || l->at[j].y > 0.1);
+    }
+}
+
+typedef struct worst { int n, n_planar, n_cross; double angle, gap; } worst;
+
+static void look_at(const lw_mechanism *m, worst *w)
+{
+    lw_chain_layout l;
+    lw_error e;
+    uint32_t mask[LW_LINK_MAX] = { 0 };
+    lw_chain c;
+    bool planar;
+    CHECK_INT(lw_chain_layout_make(m, &l, &e), LW_OK);
+    lw_mechanism_chain(m, &c);
+    for (int i = 0; i < m->n_link; i++)
+        mask[i] = lw_chain_neighbours(&c, i);
+    CHECK_INT(lw_planar_test(m->n_link, mask, &planar), LW_OK);
+    CHECK_INT(l.planar, planar);
+    int n_cross = count_overlaps(m, &l);
+    CHECK_INT(l.n_cross, n_cross);
+    if (planar)
+        CHECK_INT(n_cross, 0);
+    check_rings(m, &l);
+    if (m->ground != LW_NONE)
+        check_ground(m, &l);
+    w->n++;
+    w->n_planar += planar;
+    w->n_cross += n_cross;
+    w->angle = fmin(w->angle, l.least_angle);
+    w->gap = fmin(w->gap, l.least_gap);
+}
+
+static worst look_at_all(int n_link, int dof, bool grounded)
+{
+    chain_list list = all_chains(n_link, dof);
+    worst w = { .angle = 9, .gap = 9 };
+    for (int i = 0; i < list.n; i++)
+        for (int g = grounded ? 0 : LW_NONE; g < (grounded ? n_link : 0); g++) {
+            lw_mechanism m;
+            lw_mechanism_from_chain(&list.chain[i], &m);
+            m.ground = g;
+            look_at(&m, &w);
+        }
+    free(list.chain);
+    return w;
+}
+
+/* ---- tests -------------------------------------------------------------------------------------- */
+
+/* Least angle [degrees] and gap are what the method reaches; a bar is 1 long. */
+static const struct { int n_link, dof, n_chain, n_planar, n_cross; double angle, gap; } known[] = {
+    {  4, 1,   1,   1,  0, 60, 0.90 }, {  6, 1,  2,  2,  0, 40, 0.50 }, { 8, 1, 16, 16, 0, 20, 0.30 },
+    { 10, 1, 230, 219, 11, 17, 0.30 }, {  5, 2,  1,  1,  0, 60, 0.90 }, { 7, 2,  3,  3, 0, 40, 0.50 },
+    {  9, 2,  35,  35,  0, 25, 0.30 }, {  8, 3,  5,  5,  0, 38, 0.45 },
+};
+
+static void all_chains_up_to_ten_links(void)
+{
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        worst w = look_at_all(known[i].n_link, known[i].dof, false);
+        CHECK_INT(w.n, known[i].n_chain);
+        CHECK_INT(w.n_planar, known[i].n_planar);
+        CHECK_INT(w.n_cross, known[i].n_cross);
+        CHECK(w.angle*180/LW_PI > known[i].angle);
+        CHECK(w.gap > known[i].gap);
+    }
+}
+
+static void frames_on_a_line(void)
+{
+    worst w = look_at_all(8, 1, true);
+    CHECK_INT(w.n, 16*8);
+    CHECK_INT(w.n_cross, 0);
+    CHECK(w.angle*180/LW_PI > 12 && w.gap > 0.27);
+    w = look_at_all(9, 2, true);
+    CHECK_INT(w.n_cross, 0);
+    CHECK(w.angle*180/LW_PI > 12 && w.gap > 0.27);
+}
+
+/* The image of the picture under its mirror line is the picture. */
+static void symmetry_is_exact(void)
+{
+    lw_mechanism m;
+    lw_chain_layout l;
+    lw_chain c = watt_chain();
+    lw_mechanism_from_chain(&c, &m);
+    CHECK_INT(lw_chain_layout_make(&m, &l, NULL), LW_OK);
+    CHECK_INT(l.symmetry, 4);
+    lw_vec2 middle = { 0, 0 };
+    for (int j = 0; j < m.n_joint; j++)
+        middle = lw_v2_add(middle, lw_v2_scale(l.at[j], 1.0/m.n_joint));
+    for (int j = 0; j < m.n_joint; j++) {
+        double nearest = 9;
+        for (int k = 0; k < m.n_joint; k++)
+            nearest = fmin(nearest, hypot(2*middle.x - l.at[j].x - l.at[k].x, l.at[j].y - l.at[k].y));
+        CHECK_NEAR(nearest, 0, 1e-9, 0);
+    }
+    c = ring_of(5);
+    lw_mechanism_from_chain(&c, &m);
+    CHECK_INT(lw_chain_layout_make(&m, &l, NULL), LW_OK);
+    CHECK_INT(l.symmetry, 10);
+    CHECK_NEAR(l.least_angle, 3*LW_PI/5, 1e-6, 0);
+}
+
+static void same_chain_same_picture(void)
+{
+    lw_mechanism m;
+    lw_chain_layout a, b;
+    lw_chain c = nonplanar_chain();
+    lw_mechanism_from_chain(&c, &m);
+    CHECK_INT(lw_chain_layout_make(&m, &a, NULL), LW_OK);
+    CHECK_INT(lw_chain_layout_make(&m, &b, NULL), LW_OK);
+    CHECK_INT(memcmp(a.at, b.at, sizeof a.at), 0);
+    CHECK_INT(a.n_cross, 1);
+    CHECK(!a.planar);
+}
+
+/* Open chains, fractionated ones, trees, crowds: any connected graph has a picture. */
+static void anything_connected(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int trial = 0; trial < 300; trial++) {
+        int n = 2 + (int)lw_rng_range(&rng, 0, trial % 10 ? 9 : 14);
+        lw_mechanism m = random_topology(&rng, n, (int)lw_rng_range(&rng, 0, 5), "rtpg");
+        lw_chain_layout l;
+        lw_error e;
+        m.ground = trial % 2 ? (int)lw_rng_range(&rng, 0, n) : LW_NONE;
+        CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_OK);
+        CHECK(isfinite(l.least_angle) && l.least_gap > 1e-3);
+        if (l.planar)
+            CHECK_INT(l.n_cross, 0);
+    }
+}
+
+/* A crank, a rod and a block on the frame: the block's two joints are one point on the line. */
+static void blocks(void)
+{
+    lw_mechanism m;
+    lw_chain_layout l;
+    lw_mechanism_clear(&m, 4);
+    lw_mechanism_join(&m, 0, 1, 'r');
+    lw_mechanism_join(&m, 1, 2, 'r');
+    lw_mechanism_join(&m, 2, 3, 'r');
+    lw_mechanism_join(&m, 0, 3, 't');
+    m.ground = 0;
+    CHECK_INT(lw_chain_layout_make(&m, &l, NULL), LW_OK);
+    int slide = lw_mechanism_joint(&m, 0, 3), pin = lw_mechanism_joint(&m, 2, 3);
+    CHECK_NEAR(lw_v2_norm(lw_v2_sub(l.at[slide], l.at[pin])), 0, 0, 0);
+    check_ground(&m, &l);
+}
+
+static void faults(void)
+{
+    lw_mechanism m;
+    lw_chain_layout l;
+    lw_error e;
+    lw_mechanism_clear(&m, 1);
+    CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "two links");
+    lw_mechanism_clear(&m, 4);
+    lw_mechanism_join(&m, 0, 1, 'r');
+    lw_mechanism_join(&m, 2, 3, 'r');
+    CHECK_INT(lw_chain_layout_make(&m, &l, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "hang together");
+}
+
+int main(void)
+{
+    RUN(all_chains_up_to_ten_links);
+    RUN(frames_on_a_line);
+    RUN(symmetry_is_exact);
+    RUN(same_chain_same_picture);
+    RUN(anything_connected);
+    RUN(blocks);
+    RUN(faults);
+    return check_end();
+}
