@@ -1,0 +1,418 @@
+/* mbs/branch_walk.c - going along the curve of postures. */
+#include "mbs/branch_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/rank.h"
+#include "base/rng.h"
+
+static const double least_step = 1e-6;     /* branches nearer than about this are taken to cross       */
+static const double back_off = 0.03;       /* arc before a branch point from where it is leapt over    */
+static const double longest_step = 0.5;    /* so that what lies between is seen by the ends            */
+static const double closing = 1e-8;        /* of the start, which a closed curve comes back to          */
+
+/* ---- nodes ------------------------------------------------------------------------------------- */
+
+static lw_status add_node(lw_branch *b, const double *q, int *index)
+{
+    if (b->n_node % 64 == 0) {
+        lw_branch_node *grown = realloc(b->node, (size_t)(b->n_node + 64)*sizeof *grown);
+        if (!grown)
+            return LW_E_MEMORY;
+        b->node = grown;
+    }
+    lw_branch_node *p = &b->node[b->n_node];
+    p->q = calloc(3*(size_t)b->n, sizeof *p->q);
+    if (!p->q)
+        return LW_E_MEMORY;
+    p->kappa = 0.0;
+    memcpy(p->q, q, (size_t)b->n*sizeof *q);
+    *index = b->n_node++;
+    return LW_OK;
+}
+
+static void drop_nodes(lw_branch *b, int n)
+{
+    while (b->n_node > n)
+        free(b->node[--b->n_node].q);
+}
+
+static double dot(const lw_branch *b, const double *x, const double *y)
+{
+    double sum = 0.0;
+    for (int i = 0; i < b->n; i++)
+        sum += x[i]*y[i];
+    return sum;
+}
+
+/* Tangent on the side of f->row, reach and curvature of a node, which f is then ready to step from; the tangent is
+ * stored on the side of growing stations. */
+static bool look_around(lw_branch *b, int node, int way)
+{
+    lw_branch_node *p = &b->node[node];
+    double *q = p->q, *series = b->series;
+    if (!(lw_follow_factor(&b->f, q) > 1e-14) || !lw_follow_tangent(&b->f))
+        return false;
+    p->kappa = lw_follow_bound(&b->f, q);
+    memcpy(series, q, (size_t)b->n*sizeof *q);
+    lw_follow_series(&b->f, 4, NULL, series);
+    for (int i = 0; i < b->n; i++) {
+        lw_node_tangent(b, node)[i] = way*b->f.tangent[i];
+        lw_node_bend(b, node)[i] = series[2*b->n + i];
+        b->f.row[i] = b->f.tangent[i];
+        b->f.origin[i] = q[i];
+    }
+    b->worst = fmax(b->worst, lw_follow_residual(&b->f, q));
+    return isfinite(p->kappa);
+}
+
+/* ---- the start --------------------------------------------------------------------------------- */
+
+/* The direction of motion at the posture into f->row; freedoms other than 1 are told. */
+static int find_direction(lw_branch *b, const double *q, lw_status *status)
+{
+    int m = b->s->n_row + b->f.n_held, n = b->n, free_number = 0;
+    lw_rank r;
+    double *memory = malloc((lw_rank_doubles(m, n) + (size_t)n)*sizeof *memory);
+    int *ints = malloc(lw_rank_ints(m, n)*sizeof *ints);
+    *status = memory && ints ? LW_OK : LW_E_MEMORY;
+    if (*status == LW_OK) {
+        lw_rng rng;
+        lw_system_frames at;
+        lw_rank_place(&r, m, n, memory, ints);
+        lw_system_place(b->s, q, &at);
+        memset(r.a, 0, (size_t)m*(size_t)n*sizeof *r.a);
+        lw_system_fill(b->s, &at, NULL, r.a, 1, m);
+        for (int i = 0; i < b->f.n_held; i++)
+            lw_system_count(b->s, &at, b->s->input_joint[b->f.held[i]], r.a + b->s->n_row + i, m);
+        lw_rank_factor(&r, 1e-9);
+        free_number = n - r.rank;
+        lw_rng_seed(&rng, 1, 0);
+        for (int i = 0; i < n; i++)
+            b->f.row[i] = lw_rng_range(&rng, -1.0, 1.0);
+        lw_rank_null_part(&r, b->f.row);
+        double length = sqrt(dot(b, b->f.row, b->f.row));
+        for (int i = 0; i < n; i++)
+            b->f.row[i] /= length;
+    }
+    free(memory);
+    free(ints);
+    return free_number;
+}
+
+static lw_status begin(lw_branch *b, lw_error *e)
+{
+    lw_status status;
+    int freedoms = find_direction(b, b->node[0].q, &status);
+    if (status != LW_OK)
+        return lw_error_set(e, status, "out of memory");
+    if (freedoms == 0)
+        return lw_error_set(e, LW_E_NUMERIC, "the linkage cannot move: in its posture every freedom is taken");
+    if (freedoms > 1)
+        return lw_error_set(e, LW_E_NUMERIC, "the posture has %d freedoms where one is expected: it is a branch point, "
+                            "or a part moves freely; draw the linkage in another posture", freedoms);
+    lw_system_measure(b->s, b->s->input_joint[b->input], b->node[0].q, b->a);
+    double rate = dot(b, b->a, b->f.row);
+    for (int i = 0; i < b->n; i++)
+        b->f.row[i] *= rate < 0.0 ? -1.0 : 1.0;
+    if (!look_around(b, 0, 1))
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is a branch point; draw the linkage in another posture");
+    return LW_OK;
+}
+
+/* ---- steps ------------------------------------------------------------------------------------- */
+
+/* d arc / d h = sqrt(1 + |2 q_2 h + ..|^2), which is 1/(t . t_far) at the far end */
+static void measure_arc(lw_branch *b, lw_branch_segment *s)
+{
+    const double *c = lw_node_bend(b, s->base);
+    double h = s->length, end = 1.0/fmax(0.1, dot(b, lw_node_tangent(b, s->base), lw_node_tangent(b, s->far)));
+    s->square = 2.0*dot(b, c, c);
+    s->cube = (end - 1.0 - s->square*h*h)/(h*h*h);
+    if (fabs(s->cube*h) > s->square + 1.0) {              /* from rounding of a short step */
+        s->square = (end - 1.0)/(h*h);
+        s->cube = 0.0;
+    }
+    s->arc = h + s->square*h*h*h/3.0 + s->cube*h*h*h*h/4.0;
+}
+
+static lw_status add_segment(lw_branch *b, int base, int far, int way, double length, double singular)
+{
+    if (b->n_segment % 64 == 0) {
+        lw_branch_segment *grown = realloc(b->segment, (size_t)(b->n_segment + 64)*sizeof *grown);
+        if (!grown)
+            return LW_E_MEMORY;
+        b->segment = grown;
+    }
+    lw_branch_segment *s = &b->segment[b->n_segment++];
+    *s = (lw_branch_segment){ .base = base, .far = far, .way = way, .length = length, .singular = singular };
+    measure_arc(b, s);
+    return LW_OK;
+}
+
+/* From node `here`, which f is ready at, one step that stays on the branch; q is where it leads, *h its length. */
+static bool step(lw_branch *b, int here, double *q, double *h)
+{
+    double kappa = b->node[here].kappa;
+    for (*h = fmin(longest_step, 0.5*LW_FOLLOW_SHARE/kappa); *h >= least_step; *h *= 0.5) {
+        lw_follow_sum(&b->f, 4, b->series, *h, q);
+        b->f.distance = *h;
+        if (lw_follow_correct(&b->f, q) && lw_follow_distance(&b->f, q, b->node[here].q) < 1.0/kappa)
+            return true;
+    }
+    return false;
+}
+
+/* ---- branch points ----------------------------------------------------------------------------- */
+
+/* A number that is 0 where the equations lose rank and smooth along the curve: with A^+ arms ~ 1/distance, its
+ * reciprocal along a fixed direction (Govaerts 2000, chapter 3: bordering).  `arms`: whose solution at the base
+ * defines the direction `along`. */
+static double singularity(lw_branch *b, const double *q, const double *arms, const double *along)
+{
+    lw_follow_factor(&b->f, q);
+    memcpy(b->f.work, arms, (size_t)b->f.m*sizeof *arms);
+    lw_follow_solve(&b->f, b->f.work);
+    return 1.0/dot(b, b->f.work, along);
+}
+
+/* Where on the plane's way the equations lose rank, about `guess`: inverse interpolation of four values. */
+static double locate(lw_branch *b, double guess, const double *arms, const double *along)
+{
+    double x[4], g[4], at = 0.0, delta = fmin(2e-3, guess/8.0);
+    for (int i = 0; i < 4; i++) {
+        x[i] = guess + delta*(i < 2 ? i - 2 : i - 1);
+        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, x[i], b->a);
+        b->f.distance = x[i];
+        lw_follow_correct(&b->f, b->a);
+        g[i] = singularity(b, b->a, arms, along);
+    }
+    for (int i = 0; i < 4; i++) {
+        double weight = x[i];
+        for (int j = 0; j < 4; j++)
+            weight *= j == i ? 1.0 : g[j]/(g[j] - g[i]);
+        at += weight;
+    }
+    return isfinite(at) && fabs(at - guess) < delta ? at : guess;
+}
+
+/* Random arms: every one that is not special shows the loss of rank. */
+static void choose_direction(lw_branch *b, const double *q, double *arms, double *along)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, 7, 0);
+    for (int i = 0; i < b->f.m; i++)
+        arms[i] = i < b->f.m - 1 ? lw_rng_range(&rng, -1.0, 1.0) : 0.0;
+    lw_follow_factor(&b->f, q);
+    memcpy(b->f.work, arms, (size_t)b->f.m*sizeof *arms);
+    lw_follow_solve(&b->f, b->f.work);
+    memcpy(along, b->f.work, (size_t)b->n*sizeof *along);
+}
+
+/* No step is short enough at node `here`: leap over the branch point ahead, from a node far enough before it for
+ * good derivatives, along the series there.  The far side must agree with it far better than its reach. */
+static lw_status leap(lw_branch *b, int first_segment, int way, int here, double ahead, int *far)
+{
+    double away = 0.0;
+    int base = here, cut = b->n_segment;
+    while (cut > first_segment && away < back_off) {
+        cut--;
+        away += b->segment[cut].arc;
+        base = b->segment[cut].base;
+    }
+    for (int i = 0; i < b->n; i++)
+        b->f.row[i] = way*lw_node_tangent(b, base)[i];
+    memcpy(b->a, b->node[here].q, (size_t)b->n*sizeof *b->a);
+    double distance = ahead;
+    for (int i = 0; i < b->n; i++)
+        distance += b->f.row[i]*(b->a[i] - b->node[base].q[i]);
+    if (!look_around(b, base, way))
+        return LW_E_NUMERIC;
+    lw_follow_series(&b->f, LW_BRANCH_ORDER, NULL, b->series);
+    for (double share = 2.0; share <= 4.0; share += 0.5) {
+        double h = share*distance, *q = b->b, *p = b->c;
+        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, h, p);
+        memcpy(q, p, (size_t)b->n*sizeof *q);
+        b->f.distance = h;
+        if (!lw_follow_correct(&b->f, q) || !(lw_follow_factor(&b->f, q) > 1e-12) || !lw_follow_tangent(&b->f))
+            continue;
+        double gap = lw_follow_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
+        if (!(gap*lw_follow_bound(&b->f, q) < 0.01) || !(turn > 0.5))
+            continue;
+        double *arms = calloc((size_t)b->f.m, sizeof *arms);
+        if (!arms)
+            return LW_E_MEMORY;
+        choose_direction(b, q, arms, p);
+        double singular = locate(b, distance, arms, p);
+        free(arms);
+        b->n_segment = cut;
+        drop_nodes(b, base + 1);
+        lw_status s = add_node(b, q, far);
+        if (s != LW_OK || !look_around(b, *far, way))
+            return s != LW_OK ? s : LW_E_NUMERIC;
+        return add_segment(b, base, *far, way, h, singular);
+    }
+    return LW_E_NUMERIC;
+}
+
+/* ---- the way ----------------------------------------------------------------------------------- */
+
+/* q less the start with whole turns taken out, into out; how far that is along the tangent of the start. */
+static double from_start(const lw_branch *b, const double *q, double *out)
+{
+    for (int i = 0; i < b->n; i++) {
+        out[i] = q[i] - b->node[0].q[i];
+        if (i % 3 == 2)
+            out[i] -= 2.0*LW_PI*round(out[i]/(2.0*LW_PI));
+    }
+    return dot(b, out, lw_node_tangent(b, 0));
+}
+
+/* The last segment went from `before` (along the start's tangent) to node `far`: did it pass the start?  Then it ends
+ * there. */
+static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
+{
+    lw_branch_segment *s = &b->segment[b->n_segment - 1];
+    double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
+    *closed = false;
+    if (!(before < 0.0 && after >= 0.0) || s->singular >= 0.0 || size > 4.0*s->length
+        || dot(b, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
+        return LW_OK;
+    memcpy(b->c, b->node[far].q, (size_t)b->n*sizeof *b->c);
+    for (int i = 0; i < b->n; i++) {
+        b->f.row[i] = lw_node_tangent(b, 0)[i];
+        b->f.origin[i] = b->node[far].q[i] - b->a[i];     /* the start, turned on */
+    }
+    b->f.distance = 0.0;
+    for (int i = 0; i < b->n; i++)
+        b->c[i] = b->node[far].q[i] - after*b->f.row[i];
+    if (!lw_follow_correct(&b->f, b->c))
+        return LW_OK;
+    double gap = 0.0;
+    for (int i = 0; i < b->n; i++)
+        gap = fmax(gap, fabs(b->c[i] - b->f.origin[i]));
+    if (gap > closing)
+        return LW_OK;
+    *closed = true;
+    for (int i = 0; i < b->n; i++)
+        b->node[far].q[i] = b->f.origin[i];
+    int base = s->base;
+    memcpy(lw_node_tangent(b, far), lw_node_tangent(b, 0), 2*(size_t)b->n*sizeof(double));
+    b->node[far].kappa = b->node[0].kappa;
+    s->length = 0.0;
+    for (int i = 0; i < b->n; i++)
+        s->length += lw_node_tangent(b, base)[i]*(b->node[far].q[i] - b->node[base].q[i]);
+    measure_arc(b, s);
+    if (s->length < 1e-9) {                               /* a step that led to the start */
+        b->n_segment--;
+        b->segment[b->n_segment - 1].far = far;
+    }
+    return LW_OK;
+}
+
+static bool too_far(const lw_branch *b, const double *q)
+{
+    for (int i = 0; i < b->n; i++)
+        if (i % 3 != 2 && fabs(q[i]) > b->reach)
+            return true;
+    return false;
+}
+
+/* From node 0, ready in f, one way to the end. */
+static lw_status go(lw_branch *b, int way, lw_branch_end *end)
+{
+    int here = 0, first = b->n_segment;
+    for (;;) {
+        double h, before = from_start(b, b->node[here].q, b->a);
+        int far;
+        if (b->n_segment >= b->most) {
+            *end = LW_BRANCH_STOPPED;
+            return LW_OK;
+        }
+        if (step(b, here, b->b, &h)) {
+            lw_status s = add_node(b, b->b, &far);
+            if (s != LW_OK)
+                return s;
+            if (!look_around(b, far, way)) {
+                drop_nodes(b, far);
+                *end = LW_BRANCH_LOST;
+                return LW_OK;
+            }
+            s = add_segment(b, here, far, way, h, -1.0);
+            if (s != LW_OK)
+                return s;
+        } else {
+            lw_status s = leap(b, first, way, here, 0.5/b->node[here].kappa, &far);
+            if (s == LW_E_MEMORY)
+                return s;
+            if (s != LW_OK) {
+                *end = LW_BRANCH_LOST;
+                return LW_OK;
+            }
+        }
+        bool closed = false;
+        lw_status s = way > 0 ? close_up(b, before, far, &closed) : LW_OK;
+        if (s != LW_OK || closed) {
+            *end = LW_BRANCH_CLOSED;
+            return s;
+        }
+        if (way > 0 && from_start(b, b->node[far].q, b->a) >= 0.0 && before < 0.0) {
+            for (int i = 0; i < b->n; i++)
+                b->f.row[i] = lw_node_tangent(b, far)[i];
+            look_around(b, far, way);                     /* close_up may have left f elsewhere */
+        }
+        here = far;
+        if (too_far(b, b->node[here].q)) {
+            *end = LW_BRANCH_FAR;
+            return LW_OK;
+        }
+    }
+}
+
+static void reverse(lw_branch_segment *s, int n)
+{
+    for (int lo = 0, hi = n - 1; lo < hi; lo++, hi--) {
+        lw_branch_segment old = s[lo];
+        s[lo] = s[hi];
+        s[hi] = old;
+    }
+}
+
+/* The segments from `half` on lead backwards from the start: put them first, the last of them foremost. */
+static void order_segments(lw_branch *b, int half)
+{
+    reverse(b->segment, half);
+    reverse(b->segment, b->n_segment);
+    b->start = b->n_segment - half;
+}
+
+lw_status lw_branch_walk(lw_branch *b, lw_error *e)
+{
+    lw_branch_end end[2] = { LW_BRANCH_CLOSED, LW_BRANCH_CLOSED };
+    lw_status s = begin(b, e);
+    if (s != LW_OK)
+        return s;
+    s = go(b, 1, &end[0]);
+    if (s == LW_OK && end[0] != LW_BRANCH_CLOSED) {
+        int half = b->n_segment;
+        for (int i = 0; i < b->n; i++)
+            b->f.row[i] = -lw_node_tangent(b, 0)[i];
+        if (look_around(b, 0, -1)) {
+            b->most += half;
+            s = go(b, -1, &end[1]);
+            order_segments(b, half);
+        }
+    }
+    if (s != LW_OK)
+        return lw_error_set(e, s, "out of memory");
+    b->end = end[0] > end[1] ? end[0] : end[1];
+    b->before = malloc((size_t)(b->n_segment + 1)*sizeof *b->before);
+    if (!b->before)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    b->before[0] = 0.0;
+    for (int i = 0; i < b->n_segment; i++)
+        b->before[i + 1] = b->before[i] + b->segment[i].arc;
+    if (b->n_segment == 0)
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is at a branch point; draw the linkage in another posture");
+    return LW_OK;
+}
