@@ -149,7 +149,7 @@ static int by_f(const void *a, const void *b)
 static bool draw_arm(arms *a, int arm, lw_rng *rng, start *s)
 {
     double u[DRAWS*LW_START_DRAWS];
-    const lw_problem *p = &a->problem[arm];
+    lw_problem *p = &a->problem[arm];
     bool look = p->timing != LW_TIMING_PRESCRIBED;
     int d = lw_start_draws(p), n = look ? GLANCE : DRAWS;
     if (!lw_low_discrepancy(rng, DRAWS, d, u))

@@ -8,8 +8,9 @@
 #include "cli/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit;
-    int         task, timing, datum, starts, rounds, results;
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume;
+    int         task, timing, datum, starts, rounds, results, links, dof;
+    double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
     double      length_range[2], position_range[2];
     bool        crank_only, full_turn, closed, open;
@@ -21,6 +22,18 @@ static const cli_option options[] = {
     { "type", 't', CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
       "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
       NULL, NULL },
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
+      "all mechanisms with up to so many links: 4, 6 or 8", 4, 10, NULL, NULL },
+    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom", 1, 1, NULL, NULL },
+    { "joints", 'j', CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
+      "kinds of joints with more than four links: r, or r,t with sliders too", 0, 0, NULL, NULL },
+    { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
+      "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
+      "links and number, 8.5", 0, 0, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
+      "evaluations for each number of links above four", 1e3, 1e12, NULL, NULL },
+    { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
+      "start from the results in FILE too, which an earlier fit wrote with -o or --json", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
       "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
       0, 0, NULL, NULL },
@@ -240,23 +253,45 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.interrupt = cli_stop_flag();
     o.progress = show;
     o.context = &progress;
-    lw_status st = lw_fit_run(&set->target, &o, &set->fit, e);
+    o.budget = (long)s->budget;
+    lw_stage stage[LW_STAGE_MAX + 1] = { { .links = 4 } };
+    int n = 1;
+    for (int i = 0; i < set->topologies.n && n <= LW_STAGE_MAX; i++, n++)
+        stage[n] = (lw_stage){ set->topologies.stage[i].links, set->topologies.stage[i].family,
+                               set->topologies.stage[i].n_family };
+    lw_status st = lw_survey_run(&set->target, &o, stage, n, &set->survey, e);
     cli_progress_end(&progress.line);
     return st;
+}
+
+/* Which topologies there are for this target. */
+static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    char kinds[8] = "";
+    if (s->links == 4)
+        return LW_OK;
+    for (const char *at = s->joints; *at; at++)
+        if ((*at == 'r' || *at == 't') && !strchr(kinds, *at))
+            kinds[strlen(kinds)] = *at;
+    cli_topology_wish w = { .links = s->links, .kinds = kinds, .only = s->topology, .task = set->spec.task,
+                            .timed = set->spec.task == LW_TASK_FUNCTION
+                                  || set->spec.timing == LW_TIMING_PRESCRIBED };
+    return cli_topologies_make(&w, &set->topologies, e);
 }
 
 /* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
  * has a defect and is left out. */
 static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
 {
-    int n = set->fit.n;
+    int n = set->survey.fit.n;
     set->report = calloc((size_t)n + 1, sizeof *set->report);
     set->which = calloc((size_t)n + 1, sizeof *set->which);
     if (!set->report || !set->which)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
     for (int i = 0; i < n; i++) {
         lw_report *r = &set->report[set->n];
-        lw_status st = lw_report_make(&set->target, &set->spec, &set->fit.candidate[i], r, e);
+        lw_status st = lw_report_make(&set->target, &set->spec, &set->survey.fit.candidate[i], r, e);
         if (st != LW_OK)
             return st;
         if (r->verified) {
@@ -265,7 +300,7 @@ static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
         }
         set->left_out++;
         cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path,
-                 set->fit.candidate[i].family->name, set->fit.candidate[i].objective, r->fault);
+                 set->survey.fit.candidate[i].family->name, set->survey.fit.candidate[i].objective, r->fault);
     }
     return LW_OK;
 }
@@ -282,8 +317,8 @@ static void name_of(const char *path, char *name, size_t size)
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
     const lw_report *r = &set->report[0];
-    if (set->fit.skipped[0])
-        cli_note(call, "%s: skipped %s", set->path, set->fit.skipped);
+    if (set->survey.fit.skipped[0])
+        cli_note(call, "%s: skipped %s", set->path, set->survey.fit.skipped);
     if (set->n && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
@@ -302,6 +337,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
     if (st == LW_OK)
         st = make_spec(call, &set->target, &set->spec, e);
     if (st != LW_OK)
+        return st;
+    if ((st = make_topologies(call, set, e)) != LW_OK)
         return st;
     why = search(call, set, e);
     if (why < 0 || why == LW_NOTHING) {
@@ -324,7 +361,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
 static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
-    lw_fit_free(&set->fit);
+    lw_survey_free(&set->survey);
+    cli_topologies_free(&set->topologies);
     free(set->which);
     free(set->report);
 }

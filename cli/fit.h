@@ -2,9 +2,11 @@
 #ifndef LW_CLI_FIT_H
 #define LW_CLI_FIT_H
 
+#include "cli/fit_topologies.h"
+#include "cli/json.h"
 #include "cli/json.h"
 #include "cli/output.h"
-#include "optimise/report.h"
+#include "optimise/survey.h"
 
 /* One target with its ranked, verified results. */
 typedef struct cli_fit_set {
@@ -12,7 +14,8 @@ typedef struct cli_fit_set {
     char        name[64];         /* its last part without ".csv"                                  */
     lw_target   target;
     lw_fit_spec spec;
-    lw_fit      fit;
+    lw_survey   survey;           /* what was found, by number of links                            */
+    cli_topologies topologies;    /* what was looked through beyond four links                     */
     int         n;                /* results that passed the second simulation                     */
     int        *which;            /* their candidates                                       (n)    */
     lw_report  *report;           /*                                                        (n)    */

@@ -17,7 +17,7 @@ static double length(const cli_fit_set *s, double metres)
 
 static const lw_candidate *candidate(const cli_fit_set *s, int i)
 {
-    return &s->fit.candidate[s->which[i]];
+    return &s->survey.fit.candidate[s->which[i]];
 }
 
 static const char *class_of(const lw_report *r)
@@ -34,9 +34,8 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
     const lw_report *r = &s->report[i];
     const lw_candidate *c = candidate(s, i);
-    const lw_type *type = lw_type_find(c->family->type);
     double deg = 180/LW_PI;
-    fprintf(f, "%3d  %-16s %-6s", i + 1, type->title, class_of(r));
+    fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class_of(r));
     if (s->spec.task == LW_TASK_FUNCTION)
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
     else
@@ -47,6 +46,47 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     for (int d = 0; d < c->n_dim; d++)
         fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     fputc('\n', f);
+}
+
+/* The best with so many links or fewer; -1: none. */
+static int best_up_to(const cli_fit_set *s, int links)
+{
+    int best = -1;
+    for (int i = 0; i < s->n; i++)
+        if (lw_candidate_links(candidate(s, i)) <= links
+            && (best < 0 || candidate(s, i)->objective < candidate(s, best)->objective))
+            best = i;
+    return best;
+}
+
+/* Error against number of links, and what was looked through. */
+static void print_stages(const cli_fit_set *s, FILE *f)
+{
+    for (int k = 0; k < s->survey.n_stage && s->survey.n_stage > 1; k++) {
+        const lw_stage_result *r = &s->survey.stage[k];
+        int i = best_up_to(s, r->links);
+        fprintf(f, "best with up to %d links: ", r->links);
+        if (i < 0)
+            fprintf(f, "none");
+        else if (s->spec.task == LW_TASK_FUNCTION)
+            fprintf(f, "%.4g deg in the mean", s->report[i].angle_mean*180/LW_PI);
+        else
+            fprintf(f, "%.4g %% of the path (%s)", s->report[i].error_percent, lw_family_title(candidate(s, i)->family));
+        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r->starts, r->improved, r->seconds);
+    }
+    for (int k = 0; k < s->topologies.n; k++) {
+        const cli_topology_stage *t = &s->topologies.stage[k];
+        const lw_stage_result *r = k + 1 < s->survey.n_stage ? &s->survey.stage[k + 1] : NULL;
+        long found = 0;
+        for (int i = 0; r && i < r->n_tried; i++)
+            found += isfinite(r->tried[i].best);
+        fprintf(f, "%d links: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input:", t->links,
+                t->n_chain, t->n_ground, t->n_pair, t->n_driven);
+        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+            if (t->fate[i] > 0)
+                fprintf(f, "%s %ld %s", i ? "," : "", t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
+        fprintf(f, "; %d searched, %ld of them with a fit\n", t->n_family, found);
+    }
 }
 
 void cli_fit_table(const cli_fit_set *s, FILE *f)
@@ -62,9 +102,10 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
                 s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->n; i++)
         table_row(s, i, f);
+    print_stages(s, f);
     fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
-            "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->fit.starts, s->fit.improved,
-            s->fit.evals, s->fit.seconds, lw_stop_text(s->fit.stop));
+            "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts, s->survey.fit.improved,
+            s->survey.fit.evals, s->survey.fit.seconds, lw_stop_text(s->survey.fit.stop));
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------- */
@@ -109,11 +150,11 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_re
 {
     cli_json_bool(j, "crank", r->turns);
     cli_json_int(j, "circuits", r->circuits);
-    cli_json_int(j, "branch", c->mode > 0 ? 1 : -1);
+    cli_json_int(j, "branch", c->branch.mode[0] > 0 ? 1 : -1);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
     cli_json_real(j, "acceleration_max", length(s, r->acceleration_max));
-    cli_json_int(j, "sense", c->sense);
+    cli_json_int(j, "sense", c->branch.sense);
     cli_json_real(j, "input0", c->input0);
     cli_json_real(j, "tool0", c->tool0);
     cli_json_reals(j, "inputs", c->input, s->target.n);
@@ -123,10 +164,9 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
 {
     const lw_report *r = &s->report[i];
     const lw_candidate *c = candidate(s, i);
-    const lw_type *type = lw_type_find(c->family->type);
     cli_json_object(j, NULL);
     cli_json_int(j, "rank", i + 1);
-    cli_json_text(j, "type", type->name);
+    cli_json_text(j, "type", lw_family_type(c->family));
     cli_json_text(j, "family", c->family->name);
     json_class(r, j);
     cli_json_real(j, "objective", c->objective);
@@ -171,10 +211,10 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
         json_result(s, i, &j);
     cli_json_end(&j);
     cli_json_int(&j, "left_out", s->left_out);
-    cli_json_int(&j, "starts", s->fit.starts);
-    cli_json_int(&j, "local_fits", s->fit.improved);
-    cli_json_int(&j, "evaluations", s->fit.evals);
-    cli_json_real(&j, "seconds", s->fit.seconds);
-    cli_json_text(&j, "stop", lw_stop_text(s->fit.stop));
+    cli_json_int(&j, "starts", s->survey.fit.starts);
+    cli_json_int(&j, "local_fits", s->survey.fit.improved);
+    cli_json_int(&j, "evaluations", s->survey.fit.evals);
+    cli_json_real(&j, "seconds", s->survey.fit.seconds);
+    cli_json_text(&j, "stop", lw_stop_text(s->survey.fit.stop));
     cli_json_end(&j);
 }

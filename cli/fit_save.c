@@ -22,8 +22,8 @@ static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_err
 {
     char title[128];
     lw_scene_options o = lw_scene_options_default();
-    const lw_candidate *c = &s->fit.candidate[s->which[i]];
-    snprintf(title, sizeof title, "%s: %s", s->name, lw_type_find(c->family->type)->title);
+    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    snprintf(title, sizeof title, "%s: %s", s->name, lw_family_title(c->family));
     o.title = title;
     return lw_scene_make(&s->report[i].linkage, s->target.x ? &s->target : NULL, &o, scene, e);
 }
@@ -76,12 +76,12 @@ typedef struct sheet {
 static void describe(const cli_fit_set *s, int i, sheet *h)
 {
     const lw_report *r = &s->report[i];
-    const lw_candidate *c = &s->fit.candidate[s->which[i]];
+    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
     if (r->has_class)
         snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s", r->barker.symbol,
                  r->barker.name);
     h->result[i] = (lw_page_result){
-        .scene = &h->scene[i], .type = lw_type_find(c->family->type)->title,
+        .scene = &h->scene[i], .type = lw_family_title(c->family),
         .class_name = r->has_class ? h->class_name[i] : NULL, .objective = c->objective,
         .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent
     };
@@ -95,7 +95,7 @@ static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, l
         describe(s, h->n, h);
     }
     snprintf(h->about, sizeof h->about, "%zu points, %s; %ld local fits in %.1f s.", s->target.n,
-             s->target.closed ? "closed" : "open", s->fit.improved, s->fit.seconds);
+             s->target.closed ? "closed" : "open", s->survey.fit.improved, s->survey.fit.seconds);
     *t = (lw_page_target){ .name = s->name, .about = h->about, .n_result = h->n,
                            .result = h->result };
     return st;

@@ -48,6 +48,7 @@
 
 #define LW_DIM_MAX   64
 #define LW_DYAD_MAX  16
+#define LW_MODE_MAX  64
 #define LW_STEP_MAX  96
 #define LW_REG_MAX  128
 

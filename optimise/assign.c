@@ -8,11 +8,11 @@ enum { M = LW_CURVE_SAMPLES };
 
 void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
 {
-    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->mode };
-    if (!p->turns) {
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    if (!p->branch.turns) {
         lw_circuit_inputs(p, w, M, w->turn, w->turn_c, w->turn_s, w->turn_mode, NULL, NULL);
-        in.mode = w->turn_mode;
-        in.mode_stride = M;
+        in.mode = lw_problem_has_modes(p) ? w->turn_mode : p->branch.mode;
+        in.mode_stride = lw_problem_has_modes(p) ? M : 0;
     }
     lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
                    w->curve_m);
@@ -89,7 +89,7 @@ static void nearest(const lw_problem *p, lw_work *w)
  * of its distance; each gives one dynamic programme. */
 static bool monotone(const lw_problem *p, lw_work *w)
 {
-    int stride = p->sense > 0 ? 1 : M - 1, kept = -1;
+    int stride = p->branch.sense > 0 ? 1 : M - 1, kept = -1;
     double least = 1e29;
     short *now = w->order, *keep = w->order + p->n;
     for (int j = 0; j < M; j++) {
@@ -104,7 +104,7 @@ static bool monotone(const lw_problem *p, lw_work *w)
         }
     }
     for (size_t i = 0; kept >= 0 && i < p->n; i++)
-        w->phase[i] = w->turn[kept] + p->sense*keep[i]*(2*LW_PI/M);
+        w->phase[i] = w->turn[kept] + p->branch.sense*keep[i]*(2*LW_PI/M);
     return kept >= 0;
 }
 
@@ -153,7 +153,7 @@ static void pool_blocks(const lw_problem *p, const double *theta, const double *
     b->n = 0;
     for (size_t i = 0; i < p->n; i++) {
         size_t top = b->n++;
-        b->mean[top] = p->sense*theta[i];
+        b->mean[top] = p->branch.sense*theta[i];
         b->mass[top] = weight[i];
         b->size[top] = 1;
         for (; top > 0 && b->mean[top - 1] > b->mean[top]; top--, b->n--) {
@@ -195,7 +195,7 @@ void lw_assign_order(const lw_problem *p, double *theta, const double *weight, d
     pool_round_the_turn(&b);
     for (size_t k = 0, i = 0; k < b.n; k++)
         for (double q = 0; q < b.size[k]; q++)
-            theta[i++] = p->sense*b.mean[k];
+            theta[i++] = p->branch.sense*b.mean[k];
 }
 
 bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
@@ -203,7 +203,7 @@ bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
     if (p->timing != LW_TIMING_FREE || p->n < 2)
         return false;
     return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
-                        : w->phase[k] == p->sense*(p->sense*w->phase[0] + 2*LW_PI);
+                        : w->phase[k] == p->branch.sense*(p->branch.sense*w->phase[0] + 2*LW_PI);
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two

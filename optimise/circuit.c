@@ -11,9 +11,16 @@ bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_range r;
     w->turning = true;
-    if (p->turns)
+    if (p->branch.turns)
         return true;
-    if (lw_motion_range(&p->plan, x, p->mode[0], &r) != LW_OK)
+    if (p->family->linkage) {                              /* a slider's way scales with the linkage */
+        int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+        w->turning = w->flips = false;
+        w->mid = p->branch.mid*(size >= 0 ? x[size] : 1);
+        w->half = p->branch.half*(size >= 0 ? x[size] : 1);
+        return w->half > 0;
+    }
+    if (lw_motion_range(&p->plan, x, p->branch.mode[0], &r) != LW_OK)
         return false;
     w->turning = r.turns;
     w->flips = r.limits;
@@ -29,6 +36,14 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
     memset(w->half_by, 0, sizeof w->half_by);
     if (w->turning)
         return;
+    if (p->family->linkage) {
+        int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+        if (size >= 0) {
+            w->mid_by[size] = p->branch.mid;
+            w->half_by[size] = p->branch.half;
+        }
+        return;
+    }
     memcpy(at, x, sizeof at[0]*(size_t)p->n_var);
     for (int k = 0; p->family->shape[k]; k++) {            /* limits depend on the shape only        */
         int d = lw_plan_dim(&p->plan, p->family->shape[k]);
@@ -64,7 +79,7 @@ void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const do
             s[k] = sine;
         } else
             place(p, at, &c[k], &s[k]);
-        mode[k] = w->turning || !w->flips ? p->mode[0] : sine < 0 ? -1 : 1;
+        mode[k] = w->turning || !w->flips ? p->branch.mode[0] : sine < 0 ? -1 : 1;
         if (input)
             input[k] = at;
         if (rate)
@@ -74,7 +89,7 @@ void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const do
 
 void lw_circuit_modes(const lw_problem *p, const lw_work *w, lw_lanes *in)
 {
-    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
+    if (!lw_problem_has_modes(p))
         return;
     in->mode = w->mode;
     in->mode_stride = w->ld;

@@ -8,12 +8,12 @@
  * transmission angles of four-link chains have their extremes. */
 static size_t pose_count(const lw_problem *p)
 {
-    return p->turns ? LW_CURVE_SAMPLES : p->n;
+    return p->branch.turns ? LW_CURVE_SAMPLES : p->n;
 }
 
 static bool must_stay_closed(const lw_problem *p)
 {
-    return !p->turns && p->timing == LW_TIMING_PRESCRIBED;
+    return !p->branch.turns && p->timing == LW_TIMING_PRESCRIBED;
 }
 
 bool lw_problem_is_nonlinear(const lw_problem *p)
@@ -37,18 +37,12 @@ static void linear(const lw_problem *p, const double *x, double *g)
     }
 }
 
-/* Do the stations have assembly modes of their own? */
-static bool on_circuit(const lw_problem *p)
-{
-    return !p->turns && p->timing != LW_TIMING_PRESCRIBED;
-}
-
 /* The inputs (and modes) of the poses at x; false when it cannot close. */
 static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
 {
-    if (p->turns)
+    if (p->branch.turns)
         return true;
-    if (on_circuit(p))
+    if (p->timing != LW_TIMING_PRESCRIBED)
         return lw_problem_settle(p, x, w);
     lw_problem_prescribe(p, x, w);
     return true;
@@ -56,8 +50,8 @@ static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
 
 static void margins(const lw_problem *p, const double *x, lw_work *w, double *margin)
 {
-    lw_lanes in = { .n = pose_count(p), .c = p->turns ? w->turn_c : w->c,
-                    .s = p->turns ? w->turn_s : w->s, .dim = x, .mode = p->mode };
+    lw_lanes in = { .n = pose_count(p), .c = p->branch.turns ? w->turn_c : w->c,
+                    .s = p->branch.turns ? w->turn_s : w->s, .dim = x, .mode = p->branch.mode };
     lw_circuit_modes(p, w, &in);
     lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
 }
@@ -78,14 +72,14 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
                      double *ty)
 {
     size_t n = pose_count(p);
-    const double *c = p->turns ? w->turn_c : w->c, *s = p->turns ? w->turn_s : w->s;
+    const double *c = p->branch.turns ? w->turn_c : w->c, *s = p->branch.turns ? w->turn_s : w->s;
     double cb = cos(by), sb = sin(by);
     for (size_t k = 0; k < n; k++) {
         w->pose_c[k] = p->plan.input_is_slider ? c[k] + by : cb*c[k] - sb*s[k];
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c[k] + cb*s[k];
     }
-    if (!on_circuit(p)) {
-        tangents_of_mode(p, x, w, 0, n, p->mode, tx, ty);
+    if (!lw_problem_has_modes(p)) {
+        tangents_of_mode(p, x, w, 0, n, p->branch.mode, tx, ty);
         return;
     }
     for (size_t first = 0, k = 1; k <= n; k++)

@@ -79,7 +79,7 @@ static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
         double t2 = lw_problem_tangent(p, w, k, t) + 1e-300, slope = 0;
         for (int i = 0; i < w->n_row; i++)
             slope += t[i]*w->res[(size_t)i*w->ld + k];
-        mean[top] = -p->sense*slope/t2;
+        mean[top] = -p->branch.sense*slope/t2;
         mass[top] = t2;
         size[top++] = 1;
         for (; top > 1 && mean[top - 2] > mean[top - 1]; top--) {

@@ -87,33 +87,55 @@ static void draw_offsets(const double *u, double *s)
 
 /* name, letters, turns, drag-link, shape, conditions, share, draws.  The turn of a yoke or an Oldham
  * coupling needs no condition. */
+#define ROW(...) { __VA_ARGS__, NULL, false, 0 }
 const lw_family lw_family_table[] = {
-    { "crank-rocker", "RRRR", true, false, FOUR,
-      { "+r3+r4-r1-r2", "+r1+r4-r2-r3", "+r1+r3-r2-r4" }, 4, 3, draw_crank_rocker },
-    { "drag-link", "RRRR", true, true, FOUR,
-      { "+r3+r4-r1-r2", "+r2+r4-r1-r3", "+r2+r3-r1-r4" }, 2, 3, draw_drag_link },
-    { "any four-bar", "RRRR", false, false, FOUR, NO_CONDITION, 2, 3, draw_four_bar },
-    { "slider-crank", "RRRP", true, false, { "r2", "r3", "e1" },
-      { "+r3-r2-e1", "+r3-r2+e1" }, 2, 2, draw_slider_crank },
-    { "any slider-crank", "RRRP", false, false, { "r2", "r3", "e1" }, NO_CONDITION, 1, 2,
-      draw_two_and_offset },
-    { "oscillating", "RRPR", true, false, { "r1", "r2", "e3" },
-      { "+r1-r2-e3", "+r1-r2+e3" }, 2, 2, draw_oscillating },
-    { "turning", "RRPR", true, false, { "r1", "r2", "e3" },
-      { "+r2-r1-e3", "+r2-r1+e3" }, 2, 2, draw_turning },
-    { "any inverted", "RRPR", false, false, { "r1", "r2", "e3" }, NO_CONDITION, 1, 2,
-      draw_two_and_offset },
-    { "slotted crank", "RPRR", true, false, { "r1", "r4", "e2" },
-      { "+r4-r1-e2", "+r4-r1+e2" }, 1, 2, draw_slider_crank },
-    { "any slotted crank", "RPRR", false, false, { "r1", "r4", "e2" }, NO_CONDITION, 1, 2,
-      draw_two_and_offset },
-    { "trammel", "PRRP", false, false, { "r3", "beta1" }, NO_CONDITION, 1, 1, draw_angle_last },
-    { "slider-driven", "PRRR", false, false, { "r3", "r4", "e1" }, NO_CONDITION, 1, 2,
-      draw_two_and_offset },
-    { "slider-rocker", "PRPR", false, false, { "e3", "e1" }, NO_CONDITION, 1, 1, draw_offsets },
-    { "tangent", "RPRP", false, false, { "e2", "e1" }, NO_CONDITION, 1, 1, draw_offsets },
-    { "oldham", "RPPR", true, false, { "r1", "beta3" }, NO_CONDITION, 1, 1, draw_angle_last },
-    { "yoke", "RRPP", true, false, { "r2", "beta4" }, NO_CONDITION, 1, 1, draw_angle_last },
-    { "wedge", "PPRR", false, false, { "beta2", "r4" }, NO_CONDITION, 1, 1, draw_angle_first },
+    ROW("crank-rocker", "RRRR", true, false, FOUR,
+      { "+r3+r4-r1-r2", "+r1+r4-r2-r3", "+r1+r3-r2-r4" }, 4, 3, draw_crank_rocker ),
+    ROW("drag-link", "RRRR", true, true, FOUR,
+      { "+r3+r4-r1-r2", "+r2+r4-r1-r3", "+r2+r3-r1-r4" }, 2, 3, draw_drag_link ),
+    ROW("any four-bar", "RRRR", false, false, FOUR, NO_CONDITION, 2, 3, draw_four_bar ),
+    ROW("slider-crank", "RRRP", true, false, { "r2", "r3", "e1" },
+      { "+r3-r2-e1", "+r3-r2+e1" }, 2, 2, draw_slider_crank ),
+    ROW("any slider-crank", "RRRP", false, false, { "r2", "r3", "e1" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset ),
+    ROW("oscillating", "RRPR", true, false, { "r1", "r2", "e3" },
+      { "+r1-r2-e3", "+r1-r2+e3" }, 2, 2, draw_oscillating ),
+    ROW("turning", "RRPR", true, false, { "r1", "r2", "e3" },
+      { "+r2-r1-e3", "+r2-r1+e3" }, 2, 2, draw_turning ),
+    ROW("any inverted", "RRPR", false, false, { "r1", "r2", "e3" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset ),
+    ROW("slotted crank", "RPRR", true, false, { "r1", "r4", "e2" },
+      { "+r4-r1-e2", "+r4-r1+e2" }, 1, 2, draw_slider_crank ),
+    ROW("any slotted crank", "RPRR", false, false, { "r1", "r4", "e2" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset ),
+    ROW("trammel", "PRRP", false, false, { "r3", "beta1" }, NO_CONDITION, 1, 1, draw_angle_last ),
+    ROW("slider-driven", "PRRR", false, false, { "r3", "r4", "e1" }, NO_CONDITION, 1, 2,
+      draw_two_and_offset ),
+    ROW("slider-rocker", "PRPR", false, false, { "e3", "e1" }, NO_CONDITION, 1, 1, draw_offsets ),
+    ROW("tangent", "RPRP", false, false, { "e2", "e1" }, NO_CONDITION, 1, 1, draw_offsets ),
+    ROW("oldham", "RPPR", true, false, { "r1", "beta3" }, NO_CONDITION, 1, 1, draw_angle_last ),
+    ROW("yoke", "RRPP", true, false, { "r2", "beta4" }, NO_CONDITION, 1, 1, draw_angle_last ),
+    ROW("wedge", "PPRR", false, false, { "beta2", "r4" }, NO_CONDITION, 1, 1, draw_angle_first ),
     { .name = NULL }
 };
+
+void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *k)
+{
+    if (f->linkage) {
+        *k = *f->linkage;
+        return;
+    }
+    lw_type_linkage(lw_type_find(f->type), k);
+    if (task == LW_TASK_FUNCTION)                          /* the output is the link at the ground   */
+        k->tracer[0].link = 3;
+}
+
+const char *lw_family_title(const lw_family *f)
+{
+    return f->linkage ? f->name : lw_type_find(f->type)->title;
+}
+
+const char *lw_family_type(const lw_family *f)
+{
+    return f->linkage ? f->name : lw_type_find(f->type)->name;
+}

@@ -1,5 +1,8 @@
-/* optimise/family.h - where to look: families of four-link chains, each with linear conditions under
- * which its input turns fully, and a way to draw a member that meets them.
+/* optimise/family.h - where to look: families of linkages of one topology and a way to draw a member.
+ *
+ * Two sorts.  Four-link chains come with linear conditions under which the input turns fully, and are drawn
+ * so that they meet them.  Any other linkage is given by one of its topology; members are drawn step by
+ * step along its plan so that they close (optimise/member.h).
  *
  * The conditions are Grashof's and their like, written so that each is linear: a four-bar's input is
  * the shortest link and turns fully exactly when each sum of r2 and one other link is at most the
@@ -14,7 +17,7 @@
 
 typedef struct lw_family {
     const char *name;                    /* "crank-rocker"                                         */
-    const char *type;                    /* row of lw_type_table, by letters                       */
+    const char *type;                    /* row of lw_type_table, by letters; NULL: any linkage    */
     bool        turns;                   /* the linear conditions make the input turn fully        */
     bool        drag_link;               /* turns, but the input is not the shortest link          */
     const char *shape[LW_SHAPE_MAX + 1]; /* dimensions that fix the shape but for size, and cx, cy */
@@ -22,8 +25,17 @@ typedef struct lw_family {
     int         blocks;                  /* share of the search                                    */
     int         n_draw;                  /* numbers in [0, 1) a draw takes                         */
     void      (*draw)(const double *u, double *shape);   /* a member, of size about one            */
+    const lw_linkage *linkage;           /* any linkage: one input, tracer 0 is the point that is fitted  */
+    bool        posture;                 /* start from the dimensions of `linkage` itself too      */
+    int         links;                   /* of the whole mechanism; 0: four                        */
 } lw_family;
 
 extern const lw_family lw_family_table[];             /* ends with name == NULL                    */
+
+/* A linkage of the family: its topology.  For a function the tracer's angle is the output. */
+void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *k);
+
+const char *lw_family_title(const lw_family *f);        /* "four-bar"; of any linkage its name    */
+const char *lw_family_type(const lw_family *f);         /* "fourbar"                               */
 
 #endif

@@ -8,6 +8,7 @@
 #include "optimise/fit_internal.h"
 
 enum { HITS = 100 };        /* found this often by different starts: nothing better is likely     */
+enum { BUDGET = 1000000 };  /* evaluations of a search over families, when nobody says           */
 #define EXACT 1e-27         /* f of one station, of size one, that is rounding                    */
 
 lw_fit_options lw_fit_options_default(void)
@@ -25,30 +26,40 @@ static int rounds_of(const lw_search *s)
     double share = s->n_job > 16 ? 700.0 : 500.0;
     double jobs = share*45/((double)t->n + 27);
     int rounds = (int)(jobs/s->n_job + 0.5);
-    return s->o->max_rounds > 0 ? s->o->max_rounds : rounds < 5 ? 5 : rounds;
+    if (s->o->max_rounds > 0)
+        return s->o->max_rounds;
+    return s->o->family ? 100000 : rounds < 5 ? 5 : rounds;
 }
 
-static lw_status share_out(lw_search *s)
+/* Families of any linkage have more variables and dearer starts, and there are more of them. */
+static void size_jobs(lw_search *s)
+{
+    bool any = s->o->family != NULL;
+    s->block = any ? 96 : LW_BLOCK;
+    s->settle = any ? 24 : 100;
+    s->improve = any ? 6 : 12;
+}
+
+static lw_status make_room(lw_search *s)
 {
     size_t bytes = 0;
     for (int i = 0; i < s->n_arm; i++) {
-        const lw_arm *a = &s->arm[i];
-        long blocks = s->o->starts > 0 ? (s->o->starts + LW_BLOCK - 1)/LW_BLOCK : a->fine.family->blocks;
-        size_t need = lw_problem_work_size(&a->fine);
+        size_t need = lw_problem_work_size(&s->arm[i].fine);
         bytes = need > bytes ? need : bytes;
-        for (int k = 0; k < blocks && k < 8; k++)
-            s->job_arm[s->n_job++] = i;
     }
     s->n_thread = s->o->jobs > 0 ? s->o->jobs : lw_core_count();
-    s->found = malloc(sizeof *s->found*(size_t)(s->n_job*LW_KEEP));
-    s->evals = calloc((size_t)s->n_job, sizeof *s->evals);
-    s->improved = calloc((size_t)s->n_job, sizeof *s->improved);
+    s->found = malloc(sizeof *s->found*(size_t)(LW_JOB_MAX*LW_KEEP));
+    s->evals = calloc(LW_JOB_MAX, sizeof *s->evals);
+    s->improved = calloc(LW_JOB_MAX, sizeof *s->improved);
     s->work = calloc((size_t)s->n_thread, sizeof *s->work);
-    if (!s->found || !s->evals || !s->improved || !s->work)
+    s->local = calloc((size_t)s->n_thread, sizeof *s->local);
+    if (!s->found || !s->evals || !s->improved || !s->work || !s->local)
         return LW_E_MEMORY;
     for (int i = 0; i < s->n_thread; i++)
         if (!(s->work[i] = aligned_alloc(64, (bytes + 127) & ~(size_t)63)))
             return LW_E_MEMORY;
+    size_jobs(s);
+    lw_search_share(s, 0);
     return LW_OK;
 }
 
@@ -58,7 +69,10 @@ static void search_free(lw_search *s)
         lw_problem_free(&s->arm[i].fine);
         if (s->arm[i].has_coarse)
             lw_problem_free(&s->arm[i].coarse);
+        free(s->arm[i].best);
     }
+    free(s->arm);
+    free(s->local);
     for (int i = 0; s->work && i < s->n_thread; i++)
         free(s->work[i]);
     lw_target_free(&s->thin);
@@ -72,20 +86,31 @@ static void search_free(lw_search *s)
 static long evals_of(const lw_search *s)
 {
     long sum = 0;
-    for (int i = 0; i < s->n_job; i++)
+    for (int i = 0; i < LW_JOB_MAX; i++)
         sum += s->evals[i];
     return sum;
+}
+
+static long budget_of(const lw_search *s)
+{
+    return s->o->budget > 0 ? s->o->budget : BUDGET;
+}
+
+static double done_share(const lw_search *s, int rounds)
+{
+    double rounded = (s->round + 1.0)/rounds;
+    return s->o->family ? fmax(rounded, fmin(1, (double)evals_of(s)/(double)budget_of(s))) : rounded;
 }
 
 static lw_stop search_rounds(lw_search *s)
 {
     double least = INFINITY;
     int rounds = rounds_of(s);
-    for (s->round = 0; s->round < rounds; s->round++) {
+    for (s->round = 0; s->round < rounds && s->n_job > 0; s->round++) {
         lw_search_round(s);
         double best = s->pool.n ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
         if (s->o->progress)
-            s->o->progress(s->o->context, (s->round + 1.0)/rounds, now, best*s->arm[0].fine.scale);
+            s->o->progress(s->o->context, done_share(s, rounds), now, best*s->arm[0].fine.scale);
         if (s->o->improved && best < least)
             s->o->improved(s->o->context, evals_of(s), now, best*s->arm[0].fine.scale);
         least = fmin(least, best);
@@ -95,10 +120,25 @@ static lw_stop search_rounds(lw_search *s)
             return LW_STOP_TIME;
         if (best <= EXACT*(double)s->t->n)
             return LW_STOP_F_TARGET;
-        if (s->hits >= HITS && s->round >= 2)
+        if (s->hits >= HITS && s->round >= 2 && !s->o->family)
             return LW_STOP_F_TOL;
+        if (s->o->family && evals_of(s) >= budget_of(s))
+            break;
+        lw_search_share(s, s->round + 1);
     }
     return LW_STOP_EVALS;
+}
+
+static void describe_tries(const lw_search *s, lw_fit *out)
+{
+    for (int i = 0; s->o->family && i < s->n_arm; i++) {
+        const lw_arm *a = &s->arm[i];
+        lw_fit_try *t = &out->tried[a->family];
+        t->starts = a->starts;
+        t->improved = a->improved;
+        if (a->best->n > 0)
+            t->best = a->best->item[0].f*(a->has_coarse ? a->coarse.scale : a->fine.scale);
+    }
 }
 
 lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, lw_error *e)
@@ -112,15 +152,17 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     s->started = lw_clock_wall();
     s->best_raw = INFINITY;
     lw_status st = lw_search_arms(s, out, e);
-    if (st == LW_OK && (st = share_out(s)) == LW_OK) {
+    if (st == LW_OK && s->n_arm > 0 && (st = make_room(s)) == LW_OK) {
         out->stop = search_rounds(s);
         st = lw_search_rank(s, out);
+        for (int i = 0; i < LW_JOB_MAX; i++)
+            out->improved += s->improved[i];
+        out->evals = evals_of(s);
+        describe_tries(s, out);
     }
-    for (int i = 0; st == LW_OK && i < s->n_job; i++)
-        out->improved += s->improved[i];
-    out->evals = st == LW_OK ? evals_of(s) : 0;
     out->rounds = s->round + (out->stop != LW_STOP_EVALS);       /* it ended in a round, or after all */
-    out->starts = (long)s->n_job*LW_BLOCK*out->rounds;
+    for (int i = 0; i < s->n_arm; i++)
+        out->starts += s->arm[i].starts;
     out->seconds = lw_clock_wall() - s->started;
     search_free(s);
     if (st == LW_E_MEMORY)
@@ -137,5 +179,6 @@ void lw_fit_free(lw_fit *f)
         free(f->candidate[i].mode_of);
     }
     free(f->candidate);
+    free(f->tried);
     memset(f, 0, sizeof *f);
 }

@@ -14,6 +14,11 @@ typedef struct lw_fit_options {
     lw_fit_spec spec;
     const char *types;           /* names or letters of mbs/types.h, comma separated, or "all"
                                   * ("fourbar")                                                     */
+    const lw_family *family;     /* look in these instead, of any linkage, by successive halving; NULL:
+                                  * by types                                                 (n_family) */
+    int         n_family;
+    long        budget;          /* evaluations of f after which no further round begins, with `family`; 0: by
+                                  * default                                                          */
     const lw_solver *solver;     /* local solver of the improvement; NULL: lm                       */
     uint64_t    seed;            /* 1                                                               */
     int         jobs;            /* threads; < 1: one per core                                      */
@@ -32,8 +37,7 @@ lw_fit_options lw_fit_options_default(void);
 /* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame. */
 typedef struct lw_candidate {
     const lw_family *family;
-    double  mode;
-    int     sense;
+    lw_branch branch;            /* assembly, sense of the run                                      */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */
@@ -45,6 +49,14 @@ typedef struct lw_candidate {
     lw_stop stop;                /* why its improvement ended                                       */
 } lw_candidate;
 
+/* What was done in one family of lw_fit_options.family. */
+typedef struct lw_fit_try {
+    lw_status status;            /* LW_OK; else why it was not tried                                */
+    char      why[96];
+    long      starts, improved;
+    double    best;              /* objective, INFINITY: no member fits at all                      */
+} lw_fit_try;
+
 typedef struct lw_fit {
     int           n;             /* candidates, best first, no two of one curve                     */
     lw_candidate *candidate;
@@ -52,6 +64,8 @@ typedef struct lw_fit {
     double        seconds;
     lw_stop       stop;          /* LW_STOP_F_TARGET exact, _F_TOL nothing better in many rounds, _EVALS all
                                   * rounds, _TIME, _USER                                            */
+    int           n_tried;       /* with families: as many as these                                 */
+    lw_fit_try   *tried;
     char          skipped[512];  /* types that cannot do this task, with the reason              */
 } lw_fit;
 

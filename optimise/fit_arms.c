@@ -1,5 +1,6 @@
 /* optimise/fit_arms.c - which problems a search consists of. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "optimise/fit_internal.h"
@@ -40,7 +41,6 @@ static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
 static lw_status make_arm(lw_search *s, const lw_family *f, double mode, int sense, lw_error *e)
 {
     lw_arm *a = &s->arm[s->n_arm];
-    memset(a, 0, sizeof *a);
     lw_status st = lw_problem_make(s->t, &s->o->spec, f, mode, sense, &a->fine, e);
     if (st != LW_OK)
         return st;
@@ -105,8 +105,41 @@ static lw_status thin_out(lw_search *s, lw_error *e)
                           t->closed, &s->thin, e);
 }
 
+/* One arm a family; those that cannot do it say why. */
+static lw_status make_family_arms(lw_search *s, lw_fit *out, lw_error *e)
+{
+    out->n_tried = s->o->n_family;
+    out->tried = calloc((size_t)out->n_tried + 1, sizeof *out->tried);
+    if (!out->tried)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %d families", out->n_tried);
+    for (int i = 0; i < s->o->n_family; i++) {
+        lw_error why = { .text = "" };
+        lw_fit_try *t = &out->tried[i];
+        t->status = make_arm(s, &s->o->family[i], 1, 1, &why);
+        t->best = INFINITY;
+        snprintf(t->why, sizeof t->why, "%.90s", why.text);
+        if (t->status == LW_E_ARG || t->status == LW_E_MEMORY) {
+            if (e)
+                *e = why;
+            return t->status;
+        }
+        if (t->status != LW_OK)
+            continue;
+        lw_arm *a = &s->arm[s->n_arm - 1];
+        a->family = i;
+        if (!(a->best = calloc(1, sizeof *a->best)))
+            return lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a family");
+    }
+    return LW_OK;
+}
+
 lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e)
 {
     lw_status st = thin_out(s, e);
-    return st == LW_OK ? make_arms(s, out, e) : st;
+    s->arm = calloc((size_t)(s->o->family ? s->o->n_family : LW_ARM_MAX) + 1, sizeof *s->arm);
+    if (!s->arm)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
+    if (st != LW_OK)
+        return st;
+    return s->o->family ? make_family_arms(s, out, e) : make_arms(s, out, e);
 }

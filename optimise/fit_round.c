@@ -8,12 +8,12 @@
 #include "optimise/fit_internal.h"
 #include "optimise/lm.h"
 #include "optimise/lowdiscrepancy.h"
+#include "optimise/member.h"
 #include "optimise/problem_internal.h"
 #include "optimise/start.h"
 
 enum {
-    GLANCE = 100,           /* draws of a block that are settled, where the timing is free        */
-    IMPROVE = 12,           /* of these, improved                                                 */
+    IMPROVE = 12,           /* starts of a job that are improved, at most                          */
     FIRST_STEPS = 40,       /* of each of these                                                   */
     FULL_STEPS = 120,       /* of the LW_KEEP that are handed on                                  */
     POLISH = 8              /* of a round's finds, polished                                       */
@@ -33,38 +33,63 @@ static int by_rest(const void *a, const void *b)
     return p->rest < q->rest ? -1 : p->rest > q->rest ? 1 : p->which - q->which;
 }
 
-/* Which draws of a block are worth settling: all where that is cheap, else the GLANCE best by a
- * first look. */
-static int choose_draws(const lw_problem *p, const double *u, int d, void *work, glance *g)
+/* Which draws of a block are worth settling: all where that is cheap, else the best by a first look. */
+static int choose_draws(const lw_search *s, lw_problem *p, const double *u, int d, void *work, glance *g)
 {
-    for (int i = 0; i < LW_BLOCK; i++) {
+    for (int i = 0; i < s->block; i++) {
         g[i].which = i;
         g[i].rest = p->timing == LW_TIMING_PRESCRIBED ? 0 : lw_start_glance(p, u + i*d, work);
     }
     if (p->timing == LW_TIMING_PRESCRIBED)
-        return LW_BLOCK;
-    qsort(g, LW_BLOCK, sizeof *g, by_rest);
-    return GLANCE;
+        return s->block;
+    qsort(g, (size_t)s->block, sizeof *g, by_rest);
+    return s->settle;
 }
 
-/* The IMPROVE best starts of a block, in order. */
-static int screen(const lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+/* Put c among the n best; returns how many there are now. */
+static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
+{
+    if (!isfinite(c->f) || (n == most && c->f >= best[n - 1].f))
+        return n;
+    int at = n < most ? n++ : n - 1;
+    for (; at > 0 && best[at - 1].f > c->f; at--)
+        best[at] = best[at - 1];
+    best[at] = *c;
+    return n;
+}
+
+/* The best starts of a block, in order. */
+static int screen(const lw_search *s, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     double u[LW_BLOCK*LW_START_DRAWS];
     glance g[LW_BLOCK];
     int n = 0, d = lw_start_draws(p);
-    if (!lw_low_discrepancy(rng, LW_BLOCK, d, u))
+    if (!lw_low_discrepancy(rng, (size_t)s->block, d, u))
         return 0;
-    int chosen = choose_draws(p, u, d, work, g);
+    int chosen = choose_draws(s, p, u, d, work, g);
     for (int i = 0; i < chosen && isfinite(g[i].rest); i++) {
         lw_found c;
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
-        if (!isfinite(c.f) || (n == IMPROVE && c.f >= best[n - 1].f))
-            continue;
-        int at = n < IMPROVE ? n++ : n - 1;
-        for (; at > 0 && best[at - 1].f > c.f; at--)
-            best[at] = best[at - 1];
-        best[at] = c;
+        c.branch = p->branch;
+        n = put_in_order(best, n, s->improve, &c);
+    }
+    return n;
+}
+
+/* Starts around what the arm found: all variables moved a little, or some of them farther. */
+static int look_around(const lw_search *s, const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+{
+    int n = 0, known = a->best->n < LW_ARM_BEST ? a->best->n : LW_ARM_BEST;
+    for (int i = 0; known > 0 && i < s->settle; i++) {
+        lw_found c = a->best->item[(int)(lw_rng_uniform(rng)*known)];
+        double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
+        p->branch = c.branch;
+        lw_problem_work_branch(p, work);
+        for (int v = 0; v < p->n_var; v++)
+            if (lw_rng_uniform(rng) < part)
+                c.x[v] += far*fmax(0.1, fabs(c.x[v]))*lw_rng_normal(rng);
+        c.f = lw_lm_feasible(p, c.x) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
+        n = put_in_order(best, n, s->improve, &c);
     }
     return n;
 }
@@ -97,7 +122,7 @@ static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options
 }
 
 /* Least squares from each of n starts, at most so many steps; then in order of f. */
-static void improve_all(const lw_search *s, const lw_problem *p, int steps, int n, void *work,
+static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, void *work,
                         lw_found *best)
 {
     lw_lm_options o = lw_lm_options_default();
@@ -106,8 +131,11 @@ static void improve_all(const lw_search *s, const lw_problem *p, int steps, int 
     o.patience = FIRST_STEPS;
     o.interrupt = s->o->interrupt;
     o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
-    for (int i = 0; i < n && !lw_search_stopped(s); i++)
+    for (int i = 0; i < n && !lw_search_stopped(s); i++) {
+        p->branch = best[i].branch;
+        lw_problem_work_branch(p, work);
         improve(s, p, &o, work, &best[i]);
+    }
     for (int i = 1; i < n; i++) {
         lw_found c = best[i];
         int at = i;
@@ -117,28 +145,54 @@ static void improve_all(const lw_search *s, const lw_problem *p, int steps, int 
     }
 }
 
-/* Local fits of the best starts of one block: all of them a little, the best of these further; LW_KEEP
+lw_problem *lw_search_problem(lw_search *s, int thread, const lw_found *c, bool coarse)
+{
+    const lw_arm *a = &s->arm[c->arm];
+    lw_problem *p = &s->local[thread];
+    *p = coarse && a->has_coarse ? a->coarse : a->fine;
+    p->branch = c->branch;
+    return p;
+}
+
+/* The starts of one job, in order of f. */
+static int starts_of(lw_search *s, size_t job, lw_problem *p, void *work, lw_found *best)
+{
+    const lw_arm *a = &s->arm[s->job[job].arm];
+    lw_rng rng;
+    uint64_t round = (uint64_t)s->round*(s->o->family ? LW_JOB_MAX : LW_ARM_MAX*8);
+    lw_rng_seed(&rng, s->o->seed, round + job);
+    if (s->job[job].around)
+        return look_around(s, a, p, &rng, work, best);
+    int n = screen(s, p, &rng, work, best);
+    if (p->family->posture && s->round == 0) {
+        lw_found c;
+        c.f = lw_member_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
+        c.branch = p->branch;
+        n = put_in_order(best, n, s->improve, &c);
+    }
+    return n;
+}
+
+/* Local fits of the best starts of one job: all of them a little, the best of these further; LW_KEEP
  * go to the pool. */
-static void search_block(void *context, size_t job, int thread)
+static void search_job(void *context, size_t job, int thread)
 {
     lw_search *s = context;
-    int ia = s->job_arm[job];
-    const lw_arm *a = &s->arm[ia];
-    const lw_problem *p = a->has_coarse ? &a->coarse : &a->fine;
-    void *work = s->work[thread];
     lw_found best[IMPROVE], *keep = s->found + job*LW_KEEP;
-    lw_rng rng;
+    void *work = s->work[thread];
     for (int i = 0; i < LW_KEEP; i++)
         keep[i].f = INFINITY;
     if (lw_search_stopped(s))
         return;
+    lw_problem *p = &s->local[thread];
+    const lw_arm *a = &s->arm[s->job[job].arm];
+    *p = a->has_coarse ? a->coarse : a->fine;
     lw_problem_work_init(p, work);
-    lw_rng_seed(&rng, s->o->seed, (uint64_t)s->round*LW_ARM_MAX*8 + job);
-    int n = screen(p, &rng, work, best);
-    s->evals[job] += LW_BLOCK;
+    int n = starts_of(s, job, p, work, best);
+    s->evals[job] += s->block;
     s->improved[job] += n;
     for (int i = 0; i < n; i++) {
-        best[i].arm = ia;
+        best[i].arm = s->job[job].arm;
         best[i].evals = 0;
         best[i].polished = false;
         best[i].hits = 1;
@@ -166,16 +220,16 @@ static void polish_one(void *context, size_t job, int thread)
     polish_list *list = context;
     lw_search *s = list->s;
     lw_found *c = &list->item[job];
-    const lw_arm *a = &s->arm[c->arm];
+    lw_problem *p = lw_search_problem(s, thread, c, false);
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = 1500;
     o.f_tol = 1e-12;
-    lw_problem_work_init(&a->fine, s->work[thread]);
+    lw_problem_work_init(p, s->work[thread]);
     list->spent[job] = -c->evals;
-    improve(s, &a->fine, &o, s->work[thread], c);
+    improve(s, p, &o, s->work[thread], c);
     list->spent[job] += c->evals;
-    if (a->fine.timing != LW_TIMING_PRESCRIBED)          /* what x is worth with no more known     */
-        c->f = lw_problem_value(&a->fine, c->x, NULL, s->work[thread]);
+    if (p->timing != LW_TIMING_PRESCRIBED)               /* what x is worth with no more known     */
+        c->f = lw_problem_value(p, c->x, NULL, s->work[thread]);
     c->polished = true;
 }
 
@@ -211,7 +265,7 @@ static void take(lw_search *s, const lw_found *c, polish_list *list)
 
 static const char *type_of(const lw_search *s, const lw_found *c)
 {
-    return s->arm[c->arm].fine.family->type;
+    return lw_family_type(s->arm[c->arm].fine.family);
 }
 
 /* The best of each type that the search found, best[0 ..]; returns how many types. */
@@ -249,7 +303,7 @@ static void pick(lw_search *s, polish_list *list)
     }
     for (int i = 0; i < raw->n && i < POLISH; i++)
         take(s, &raw->item[i], list);
-    int n_type = best_of_types(s, best), n_raw = list->n;
+    int n_type = s->o->family ? 0 : best_of_types(s, best), n_raw = list->n;
     for (int k = 0; k < n_type; k++) {
         bool taken = false;
         for (int i = 0; i < n_raw; i++)
@@ -259,10 +313,22 @@ static void pick(lw_search *s, polish_list *list)
     }
 }
 
+/* What the arms remember of a round. */
+static void keep_of_arms(lw_search *s)
+{
+    for (int j = 0; j < s->n_job; j++) {
+        lw_arm *a = &s->arm[s->job[j].arm];
+        a->starts += s->block;
+        for (int i = 0; i < LW_KEEP && a->best; i++)
+            lw_pool_put(a->best, &s->found[j*LW_KEEP + i], a->has_coarse ? &a->coarse : &a->fine);
+    }
+}
+
 void lw_search_round(lw_search *s)
 {
     polish_list list = { .s = s };
-    lw_parallel(s->n_thread, (size_t)s->n_job, search_block, s);
+    lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
+    keep_of_arms(s);
     pick(s, &list);
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
     for (int i = 0; i < list.n; i++) {

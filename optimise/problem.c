@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "optimise/family.h"
 #include "optimise/problem_internal.h"
 
 lw_fit_spec lw_fit_spec_default(void)
@@ -54,14 +55,17 @@ static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size
     lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
 }
 
-/* A circuit through both modes: run by run of equal mode; then derivatives by the phase. */
+/* A circuit: run by run of equal mode; then derivatives by the phase. */
 static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
 {
-    for (size_t first = 0, k = 1; k <= w->n_lane; k++)
+    bool modes = lw_problem_has_modes(p);
+    for (size_t first = 0, k = 1; k <= w->n_lane && modes; k++)
         if (k == w->n_lane || w->mode[k] != w->mode[first]) {
             lanes_of_mode(p, x, w, first, k, w->mode + first);
             first = k;
         }
+    if (!modes)
+        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
     for (size_t k = 0; k < w->n_lane; k++) {
         w->jac.tx[k] *= w->rate[k];
         w->jac.ty[k] *= w->rate[k];
@@ -70,23 +74,49 @@ static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
+/* Does a linkage without linear conditions close in between: all round, or from the first station's input to
+ * the last's? */
+static bool closes_between(const lw_problem *p, const double *x, lw_work *w)
+{
+    size_t n = LW_CURVE_SAMPLES;
+    double lo = w->input[0], hi = w->input[0], least = 1;
+    lw_lanes in = { .n = n, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    if (!p->branch.turns) {
+        for (size_t k = 1; k < p->n; k++) {
+            lo = fmin(lo, w->input[k]);
+            hi = fmax(hi, w->input[k]);
+        }
+        for (size_t k = 0; k < n; k++) {
+            double at = lo + (hi - lo)*((double)k + 0.5)/(double)n;
+            w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
+            w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+        }
+        in.c = w->pose_c;
+        in.s = w->pose_s;
+    }
+    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    for (size_t k = 0; k < n; k++)
+        least = fmin(least, w->pose.margin[k]);
+    return least > 0;
+}
+
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
 {
     double least = 1;
-    if (p->turns || p->timing == LW_TIMING_PRESCRIBED)
-        lanes_of_mode(p, x, w, 0, w->n_lane, p->mode);
+    if (p->branch.turns || p->timing == LW_TIMING_PRESCRIBED)
+        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
     else
         lanes_of_circuit(p, x, w);
     for (size_t k = 0; k < w->n_lane; k++)
         least = fmin(least, w->jac.margin[k]);
-    return least >= w->least_margin;
+    return least >= w->least_margin && (!p->family->linkage || closes_between(p, x, w));
 }
 
 bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_circuit_find(p, x, w))
         return false;
-    bool samples_stand = p->turns;                    /* their inputs are those of the turn       */
+    bool samples_stand = p->branch.turns;                    /* their inputs are those of the turn       */
     size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
     lw_circuit_inputs(p, w, n, w->phase, w->c, w->s, w->mode, w->input, w->rate);
     memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);

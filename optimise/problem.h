@@ -59,15 +59,23 @@ lw_fit_spec lw_fit_spec_default(void);
  * or none.  Rows of a table in optimise/family.c. */
 struct lw_family;
 
+/* Which of its motions a linkage is meant to make. */
+typedef struct lw_branch {
+    double mode[LW_MODE_MAX];            /* assembly, see mbs/plan.h                               */
+    int    sense;                        /* +1: stations follow a rising input, -1: a falling one  */
+    bool   turns;                        /* the input must turn fully                              */
+    double mid, half;                    /* of any linkage whose input does not: its way, mid +- half, in
+                                          * which it must close, [rad] or scaled                   */
+} lw_branch;
+
 typedef struct lw_problem {
     const struct lw_family *family;
     lw_plan      plan;
-    double       mode[LW_DYAD_MAX];      /* assembly of this run                                   */
-    int          sense;                  /* +1: stations follow a rising input, -1: a falling one  */
+    lw_branch    branch;                 /* of this run                                            */
+    bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
     lw_task      task;
     lw_timing    timing;
     lw_datum     datum;
-    bool         turns;                  /* the input must turn fully                              */
     double       a, b;                   /* for the scaled target                                  */
     double       scale;                  /* objective in the user's units = scale * f              */
     lw_vec2      origin;                 /* user's point = origin + unit * scaled point            */

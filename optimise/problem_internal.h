@@ -44,6 +44,15 @@ typedef struct lw_work {
 /* Are there conditions besides bounds and linear ones? */
 bool lw_problem_is_nonlinear(const lw_problem *p);
 
+/* Do stations have assembly modes of their own: a four-link circuit through both? */
+bool lw_problem_has_modes(const lw_problem *p);
+
+/* The first length of the plan, what a size is told by; -1: there is none. */
+int lw_problem_first_length(const lw_problem *p);
+
+/* After p->branch was changed: what work keeps of it. */
+void lw_problem_work_branch(const lw_problem *p, lw_work *w);
+
 int lw_problem_component_count(const lw_problem *p);
 
 /* Lanes: stations, and curve samples where both ways count. */

@@ -54,12 +54,10 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
-static lw_status make_plan(const lw_type *type, lw_problem *p, lw_error *e)
+static lw_status make_plan(lw_problem *p, lw_error *e)
 {
     lw_linkage k;
-    lw_type_linkage(type, &k);
-    if (p->task == LW_TASK_FUNCTION)                       /* the output is the link at the ground   */
-        k.tracer[0].link = 3;
+    lw_family_linkage(p->family, p->task, &k);
     lw_status s = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &p->plan, e);
     if (s != LW_OK)
         return s;
@@ -132,6 +130,14 @@ static lw_status named_bound(lw_problem *p, const lw_bound *b, lw_error *e)
     return LW_OK;
 }
 
+int lw_problem_first_length(const lw_problem *p)
+{
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH)
+            return i;
+    return -1;
+}
+
 static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)
 {
     lw_fit_spec s;
@@ -159,12 +165,12 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
             fix(p, lw_problem_index(p, idle[k]), 0);
         fix(p, lw_problem_index(p, "cx"), 1);
         if (!(spec->length_hi > 0))                          /* else any size in that range will do */
-            fix(p, lw_problem_index(p, p->family->shape[0]), 1);
+            fix(p, p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]), 1);
     }
     return LW_OK;
 }
 
-static lw_status check_task(const lw_target *t, const lw_fit_spec *s, const lw_type *type, lw_error *e)
+static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *e)
 {
     if (t->n < 2)
         return lw_error_set(e, LW_E_ARG, "one point only: a linkage is found for two points or more");
@@ -181,10 +187,16 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, const lw_t
     if (timed && !t->angle)
         return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
                             "target; without one use free timing");
-    if (type->input_is_slider && timed)
+    return LW_OK;
+}
+
+/* Can linkages of this family do it at all? */
+static lw_status check_family(const lw_problem *p, lw_error *e)
+{
+    if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
-    if (s->task == LW_TASK_FUNCTION && type->letters[3] == 'P')
+    if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
 }
@@ -193,26 +205,27 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
                           double mode, int sense, lw_problem *p, lw_error *e)
 {
     memset(p, 0, sizeof *p);
-    const lw_type *type = lw_type_find(family->type);
-    if (!type)
+    if (!family->linkage && !lw_type_find(family->type))
         return lw_error_set(e, LW_E_KIND, "no linkage type %s", family->type);
-    lw_status st = check_task(t, s, type, e);
+    lw_status st = check_task(t, s, e);
     if (st != LW_OK)
         return st;
     p->family = family;
     p->task = s->task;
     p->timing = s->task == LW_TASK_FUNCTION ? LW_TIMING_PRESCRIBED : s->timing;
     p->datum = s->datum;
-    p->turns = family->turns;
-    p->sense = sense < 0 ? -1 : 1;
+    p->branch.turns = family->turns;
+    p->must_turn = s->crank_only;
+    p->branch.sense = sense < 0 ? -1 : 1;
     p->closed = t->closed;
-    for (int d = 0; d < LW_DYAD_MAX; d++)
-        p->mode[d] = mode;
+    for (int d = 0; d < LW_MODE_MAX; d++)
+        p->branch.mode[d] = mode;
     if ((st = make_stations(t, p, e)) != LW_OK)
         return st;
     if (p->task == LW_TASK_PATH)
         p->theta = NULL;
-    if ((st = make_plan(type, p, e)) != LW_OK || (st = make_bounds(t, s, p, e)) != LW_OK) {
+    if ((st = make_plan(p, e)) != LW_OK || (st = check_family(p, e)) != LW_OK
+        || (st = make_bounds(t, s, p, e)) != LW_OK) {
         lw_problem_free(p);
         return st;
     }
@@ -225,7 +238,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         p->wb[i] = sqrt(p->b*p->w[i]);
     }
     p->min_transmission = s->min_transmission;
-    p->max_acceleration = type->input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
+    p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
                                                 : s->max_acceleration/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);

@@ -1,11 +1,17 @@
 /* optimise/problem_work.c - the scratch of one thread, laid out in memory of the caller. */
 #include <string.h>
 
+#include "optimise/family.h"
 #include "optimise/problem_internal.h"
 
 size_t lw_problem_lane_count(const lw_problem *p)
 {
     return p->n + (p->timing == LW_TIMING_NONE ? LW_CURVE_SAMPLES : 0);
+}
+
+bool lw_problem_has_modes(const lw_problem *p)
+{
+    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && !p->family->linkage;
 }
 
 int lw_problem_component_count(const lw_problem *p)
@@ -87,10 +93,15 @@ void lw_problem_work_init(const lw_problem *p, void *work)
     lw_work *w = work;
     memset(work, 0, lay_out(p, w, NULL));         /* lanes beyond the last stay zero in sums        */
     lay_out(p, w, work);
+    lw_problem_work_branch(p, w);
+}
+
+void lw_problem_work_branch(const lw_problem *p, lw_work *w)
+{
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
-        w->turn[j] = 2*LW_PI*(j + (p->turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
+        w->turn[j] = 2*LW_PI*(j + (p->branch.turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
         w->turn_c[j] = cos(w->turn[j]);
         w->turn_s[j] = sin(w->turn[j]);
     }
-    w->least_margin = !p->turns && p->timing != LW_TIMING_PRESCRIBED ? -1e-9 : 0;
+    w->least_margin = lw_problem_has_modes(p) ? -1e-9 : 0;
 }

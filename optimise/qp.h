@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-#define LW_QP_MAX 24      /* unknowns */
+#define LW_QP_MAX 48      /* unknowns */
 
 /* Lower triangle of h (n x n, row by row, only its lower triangle is read) becomes its Cholesky
  * factor; false, h spoilt, when h is not positive definite to rounding. */

@@ -40,9 +40,9 @@ static bool same_curve(const trail *a, const trail *b, size_t n)
 static bool same_links(const lw_search *s, const lw_found *a, const lw_found *b)
 {
     const lw_problem *p = &s->arm[a->arm].fine, *q = &s->arm[b->arm].fine;
-    if (strcmp(p->family->type, q->family->type) != 0)
+    if (strcmp(lw_family_type(p->family), lw_family_type(q->family)) != 0 || p->n_dim != q->n_dim)
         return false;
-    int first = lw_problem_index(p, p->family->shape[0]);
+    int first = p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]);
     for (int i = 0; i < p->n_dim; i++) {
         double u = fabs(a->x[i]/a->x[first]), v = fabs(b->x[i]/b->x[first]);
         if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > 1e-4*fmax(1, u))
@@ -51,17 +51,17 @@ static bool same_links(const lw_search *s, const lw_found *a, const lw_found *b)
     return true;
 }
 
-static bool follow(const lw_search *s, const lw_found *c, trail *t)
+static bool follow(lw_search *s, const lw_found *c, trail *t)
 {
     t->of = c;
-    const lw_problem *p = &s->arm[c->arm].fine;
     lw_work *w = s->work[0];
+    const lw_problem *p = lw_search_problem(s, 0, c, false);
     lw_problem_work_init(p, w);
     if (!lw_problem_settle(p, c->x, w))
         return false;
     memcpy(t->px, w->jac.x, sizeof *t->px*p->n);
     memcpy(t->py, w->jac.y, sizeof *t->py*p->n);
-    if (!p->turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
+    if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
         for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
             t->cx[j] = t->px[0];
             t->cy[j] = t->py[0];
@@ -75,20 +75,20 @@ static bool follow(const lw_search *s, const lw_found *c, trail *t)
 }
 
 /* What the caller gets of one find. */
-static bool hand_out(const lw_search *s, const lw_found *c, lw_candidate *out)
+static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
 {
-    const lw_problem *p = &s->arm[c->arm].fine;
+    const lw_problem *p = lw_search_problem(s, 0, c, false);
     lw_work *w = s->work[0];
     lw_problem_work_init(p, w);
     if (!lw_problem_settle(p, c->x, w))
         return false;
-    *out = (lw_candidate){ .family = p->family, .mode = p->mode[0], .sense = p->sense,
+    *out = (lw_candidate){ .family = p->family, .branch = p->branch,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
                            .seconds = c->seconds, .stop = c->stop };
     lw_problem_to_dims(p, c->x, out->dim);
     out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
     out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
-    bool both_modes = !p->turns && p->timing != LW_TIMING_PRESCRIBED;
+    bool both_modes = lw_problem_has_modes(p);
     out->input = malloc(sizeof *out->input*p->n);
     out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n) : NULL;
     if (!out->input || (both_modes && !out->mode_of)) {

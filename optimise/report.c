@@ -13,23 +13,16 @@
 static lw_status full_plan(const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_plan *plan,
                            lw_error *e)
 {
-    const lw_type *type = lw_type_find(c->family->type);
-    lw_type_linkage(type, k);
-    if (s->task == LW_TASK_FUNCTION)
-        k->tracer[0].link = 3;
-    snprintf(k->name, sizeof k->name, "%s", type->title);
+    lw_family_linkage(c->family, s->task, k);
+    snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
     return lw_plan_make(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, e);
 }
 
-static void modes_of(const lw_plan *plan, double mode, double *modes)
+void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
 {
-    for (int d = 0; d < plan->n_dyad; d++)
-        modes[d] = mode;
-}
-
-static double mode_at(const lw_candidate *c, size_t station)
-{
-    return c->mode_of ? c->mode_of[station] : c->mode;
+    memcpy(modes, c->branch.mode, sizeof c->branch.mode);
+    for (int d = 0; c->mode_of && d < plan->n_dyad; d++)
+        modes[d] = c->mode_of[station];
 }
 
 /* ---- errors at the stations ------------------------------------------------------------------- */
@@ -66,9 +59,9 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
 {
     sums sum = { 0, 0, 0, 0 };
     for (size_t i = 0; i < t->n; i++) {
-        double modes[LW_DYAD_MAX];
+        double modes[LW_MODE_MAX];
         lw_pose pose;
-        modes_of(plan, mode_at(c, i), modes);
+        lw_candidate_modes(c, plan, i, modes);
         if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
             return LW_OPEN;
         at[i] = pose.tracer[0][0];
@@ -99,12 +92,10 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
 }
 
 /* Poses over [from, to] in one mode: the farthest the tracer goes from the target, its acceleration. */
-static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c, double mode,
-                        double from, double to, bool target, bool acceleration, lw_report *r)
+static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c,
+                        const double *modes, double from, double to, bool target, bool acceleration, lw_report *r)
 {
     enum { STEPS = 720 };
-    double modes[LW_DYAD_MAX];
-    modes_of(plan, mode, modes);
     for (int k = 0; k <= STEPS; k++) {
         lw_pose pose;
         double at = from + (to - from)*k/STEPS;
@@ -120,10 +111,11 @@ static void run_through(const lw_target *t, const lw_plan *plan, const lw_candid
 /* The arc in which station 0 is; -1: none. */
 static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c)
 {
-    double modes[LW_DYAD_MAX];
-    modes_of(plan, mode_at(c, 0), modes);
+    double modes[LW_MODE_MAX];
+    lw_candidate_modes(c, plan, 0, modes);
     int at = lw_motion_arc(plan, m, modes, c->input[0]);
-    modes_of(plan, 1, modes);                          /* dyads of two slides have one mode       */
+    for (int d = 0; d < plan->n_dyad; d++)             /* dyads of two slides have one mode       */
+        modes[d] = 1;
     return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
 }
 
@@ -142,7 +134,7 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_c
             continue;
         r->transmission_min = fmin(r->transmission_min, a->transmission_min);   /* NaN gives way  */
         r->transmission_max = fmax(r->transmission_max, a->transmission_max);
-        run_through(t, plan, c, a->mode[0], a->first, a->last, false, true, r);
+        run_through(t, plan, c, a->mode, a->first, a->last, false, true, r);
     }
 }
 
@@ -171,20 +163,22 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     if (t->closed && r->turns)
         to = from + 2*LW_PI;
     bool used[2] = { false, false };
-    for (size_t i = 0; i < t->n; i++)
-        used[mode_at(c, i) > 0] = true;
-    for (int k = 0; k < 2; k++)
-        if (used[k])
-            run_through(t, plan, c, k ? 1 : -1, from, to, true, false, r);
+    for (size_t i = 0; i < t->n; i++) {
+        double modes[LW_MODE_MAX];
+        lw_candidate_modes(c, plan, i, modes);
+        if (!used[modes[0] > 0])
+            run_through(t, plan, c, modes, from, to, true, false, r);
+        used[modes[0] > 0] = true;
+    }
 }
 
 static void classify(const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
 {
-    if (strcmp(c->family->type, "RRRR") != 0)
+    if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
         return;
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
     if (s->task != LW_TASK_FUNCTION                      /* its tracer is not on the coupler         */
-        && lw_fourbar_cognates(c->dim, mode_at(c, 0), r->cognate, r->cognate_mode) == LW_OK)
+        && lw_fourbar_cognates(c->dim, c->mode_of ? c->mode_of[0] : c->branch.mode[0], r->cognate, r->cognate_mode) == LW_OK)
         r->n_cognate = 2;
 }
 
@@ -194,7 +188,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
                          lw_report *r, lw_error *e)
 {
     lw_plan plan;
-    double modes[LW_DYAD_MAX];
+    double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
     lw_status st = full_plan(s, c, &r->linkage, &plan, e);
     if (st != LW_OK)
@@ -203,7 +197,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         memcpy(r->dim_name[i], plan.dim[i].name, sizeof r->dim_name[i]);
         r->dim_kind[i] = plan.dim[i].kind;
     }
-    modes_of(&plan, mode_at(c, 0), modes);
+    lw_candidate_modes(c, &plan, 0, modes);
     lw_vec2 *at = malloc(sizeof *at*t->n);
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);

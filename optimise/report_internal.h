@@ -4,6 +4,9 @@
 
 #include "optimise/report.h"
 
+/* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
+void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes);
+
 /* Write the posture as a file would hold it, read it back, move it from station to station by
  * Newton's method on the loop equations, and compare with `at`, the plan's positions.  Fills
  * verified ... fault of the report. */

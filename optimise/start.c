@@ -7,9 +7,14 @@
 #include "optimise/lm.h"
 #include "optimise/problem_internal.h"
 
+static int shape_draws(const lw_problem *p)
+{
+    return p->family->linkage ? lw_member_draws(&p->plan) : p->family->n_draw;
+}
+
 int lw_start_draws(const lw_problem *p)
 {
-    return p->family->n_draw + (p->timing == LW_TIMING_PRESCRIBED ? 1 : 4);
+    return shape_draws(p) + (p->timing == LW_TIMING_PRESCRIBED ? 1 : 4);
 }
 
 /* z0, a, b of  P = z0 + a o + b d  by weighted least squares; small multiples of the diagonal are
@@ -84,7 +89,7 @@ static void mount_tool(const lw_problem *p, const lw_work *w, double *x)
 /* Frames of the tracer's link at the stations' inputs, in a linkage of this shape. */
 static bool frames(const lw_problem *p, const double *shape, lw_work *w)
 {
-    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->mode };
+    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->branch.mode };
     lw_circuit_modes(p, w, &in);
     lw_batch_frame(&p->plan, &in, 0, w->batch, w->jac.x, w->jac.y, w->jac.u, w->jac.v, w->jac.margin);
     double least = 1;
@@ -93,13 +98,19 @@ static bool frames(const lw_problem *p, const double *shape, lw_work *w)
     return least >= w->least_margin;
 }
 
-static void draw_shape(const lw_problem *p, const double *u, double *shape)
+static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w)
 {
     double value[LW_SHAPE_MAX];
+    if (p->family->linkage) {
+        if (p->timing == LW_TIMING_FREE)                 /* both senses alike                       */
+            p->branch.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
+        return lw_member_draw(p, u, p->must_turn, shape, w);
+    }
     p->family->draw(u, value);
     memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
     for (int i = 0; p->family->shape[i]; i++)
         shape[lw_plan_dim(&p->plan, p->family->shape[i])] = value[i];
+    return true;
 }
 
 static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
@@ -121,7 +132,7 @@ static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
  * what the bounds of the lengths allow. */
 static double function_size(const lw_problem *p, const double *shape)
 {
-    int first = lw_plan_dim(&p->plan, p->family->shape[0]);
+    int first = p->family->linkage ? lw_problem_first_length(p) : lw_plan_dim(&p->plan, p->family->shape[0]);
     double least = 0, most = INFINITY;
     if (p->lo[first] == p->hi[first])
         return p->lo[first]/shape[first];
@@ -133,12 +144,13 @@ static double function_size(const lw_problem *p, const double *shape)
     return sqrt(least*most);
 }
 
-static double start_prescribed(const lw_problem *p, const double *u, double *x, lw_work *w)
+static double start_prescribed(lw_problem *p, const double *u, double *x, lw_work *w)
 {
     double shape[LW_VAR_MAX];
-    double first = p->datum == LW_DATUM_FRAME ? 0 : 2*LW_PI*u[p->family->n_draw] - LW_PI;
-    draw_shape(p, u, shape);
+    double first = p->datum == LW_DATUM_FRAME ? 0 : 2*LW_PI*u[shape_draws(p)] - LW_PI;
     memset(x, 0, sizeof *x*(size_t)p->n_var);
+    if (!draw_shape(p, u, shape, w))
+        return INFINITY;
     for (size_t k = 0; k < p->n; k++) {
         w->c[k] = cos(first)*p->c[k] - sin(first)*p->s[k];
         w->s[k] = sin(first)*p->c[k] + cos(first)*p->s[k];
@@ -177,18 +189,19 @@ static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
         double t = total > 0 ? 2*LW_PI*along/total : 0;
         if (!hurried)
             t += warp*(sin(t + phase) - sin(phase));
-        w->phase[k] = first + p->sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
+        w->phase[k] = first + p->branch.sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
     }
 }
 
 /* Fit place, size and tracer; assign the stations anew; and again. */
-static double start_free(const lw_problem *p, const double *u, double *x, lw_work *w)
+static double start_free(lw_problem *p, const double *u, double *x, lw_work *w)
 {
     enum { ROUNDS = 4 };
     double shape[LW_VAR_MAX];
-    draw_shape(p, u, shape);
     memset(x, 0, sizeof *x*(size_t)p->n_var);
-    guess_phases(p, u + p->family->n_draw, w);
+    if (!draw_shape(p, u, shape, w))
+        return INFINITY;
+    guess_phases(p, u + shape_draws(p), w);
     if (!lw_problem_turn_stations(p, shape, w))
         return INFINITY;
     for (int i = 0; i < ROUNDS; i++) {
@@ -204,15 +217,16 @@ static double start_free(const lw_problem *p, const double *u, double *x, lw_wor
     return settle_and_score(p, x, w);
 }
 
-double lw_start_glance(const lw_problem *p, const double *u, void *work)
+double lw_start_glance(lw_problem *p, const double *u, void *work)
 {
     double shape[LW_VAR_MAX];
-    draw_shape(p, u, shape);
-    guess_phases(p, u + p->family->n_draw, work);
+    if (!draw_shape(p, u, shape, work))
+        return INFINITY;
+    guess_phases(p, u + shape_draws(p), work);
     return lw_problem_turn_stations(p, shape, work) && frames(p, shape, work) ? fit_linear(p, work).rest : INFINITY;
 }
 
-double lw_start(const lw_problem *p, const double *u, double *x, void *work)
+double lw_start(lw_problem *p, const double *u, double *x, void *work)
 {
     return p->timing == LW_TIMING_PRESCRIBED ? start_prescribed(p, u, x, work)
                                              : start_free(p, u, x, work);

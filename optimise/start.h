@@ -8,19 +8,20 @@
 #ifndef LW_OPTIMISE_START_H
 #define LW_OPTIMISE_START_H
 
-#include "optimise/problem.h"
+#include "optimise/member.h"
 
-#define LW_START_DRAWS 8        /* numbers in [0, 1) a start takes at most */
+#define LW_START_DRAWS (LW_MEMBER_DRAW_MAX + 4)     /* numbers in [0, 1) a start takes at most     */
 
 /* How many numbers a start of this problem takes. */
 int lw_start_draws(const lw_problem *p);
 
 /* A first look at the start that belongs to u, for a tenth of the price: what the linear fit leaves
- * with the inputs as guessed.  INFINITY when it is no start. */
-double lw_start_glance(const lw_problem *p, const double *u, void *work);
+ * with the inputs as guessed.  INFINITY when it is no start.  Of a family of any linkage, p->branch becomes
+ * that of the start, here and below. */
+double lw_start_glance(lw_problem *p, const double *u, void *work);
 
 /* x (n_var) of the start that belongs to u; meets bounds and linear conditions; inputs of free
  * stations are left in work.  Returns f there; INFINITY when it is no start. */
-double lw_start(const lw_problem *p, const double *u, double *x, void *work);
+double lw_start(lw_problem *p, const double *u, double *x, void *work);
 
 #endif

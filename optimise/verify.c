@@ -25,12 +25,11 @@ typedef struct replay {
 /* The posture at a station through text, as a file would carry it. */
 static bool open_at(replay *v, size_t station)
 {
-    double modes[LW_DYAD_MAX];
+    double modes[LW_MODE_MAX];
     lw_linkage k = v->r->linkage;
     lw_error why = { .text = "" };
-    v->mode = v->c->mode_of ? v->c->mode_of[station] : v->c->mode;
-    for (int d = 0; d < v->plan->n_dyad; d++)
-        modes[d] = v->mode;
+    lw_candidate_modes(v->c, v->plan, station, modes);
+    v->mode = modes[0];
     lw_pose pose;
     if (station > 0) {
         if (lw_plan_write(v->plan, v->c->dim, modes, v->c->input[station], &k) != LW_OK)
@@ -101,7 +100,7 @@ static bool change_assembly(replay *v, size_t i)
 
 static bool go_to(replay *v, size_t i)
 {
-    double mode = v->c->mode_of ? v->c->mode_of[i] : v->c->mode, reached;
+    double mode = v->c->mode_of ? v->c->mode_of[i] : v->mode, reached;
     if (i > 0 && mode != v->mode && !change_assembly(v, i))
         return false;
     double to = v->c->input[i] + v->shift, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;

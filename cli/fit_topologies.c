@@ -1,0 +1,297 @@
+#include "cli/fit_topologies.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "enumerate/chains.h"
+#include "enumerate/mechanisms.h"
+#include "grammar/sketch.h"
+
+typedef struct maker {
+    const cli_topology_wish *w;
+    cli_topology_stage      *to;
+    lw_mechanism_counts      counts;
+    lw_rng                   rng;
+    int                      chain;              /* number of the chain in the list, from 1        */
+    bool                     met[64];            /* names of `only` that something bore           */
+    lw_error                 e;
+} maker;
+
+const char *cli_topology_fate_text(cli_topology_fate f)
+{
+    static const char *const text[CLI_TOPOLOGY_FATES] = {
+        "fitted", "tracer link joined to the ground", "moves as one with fewer links",
+        "no input by which it can be worked out", "not asked for"
+    };
+    return text[f];
+}
+
+/* ---- names -------------------------------------------------------------------------------------------- */
+
+static int degree(const lw_mechanism *m, int link)
+{
+    int n = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        n += m->link[j][0] == link || m->link[j][1] == link;
+    return n;
+}
+
+/* Watt I, II, Stephenson I, II, III by the place of the ground; others by number. */
+static void ground_name(const maker *mk, const lw_mechanism *m, char *name, char *key, size_t size)
+{
+    if (m->n_link != 6) {
+        snprintf(name, size, "%d-link chain %d, ground %d", m->n_link, mk->chain, m->ground + 1);
+        snprintf(key, size, "%d.%d", m->n_link, mk->chain);
+        return;
+    }
+    int ternary[2], n = 0, beside = 0;
+    for (int i = 0; i < 6; i++)
+        if (degree(m, i) == 3)
+            ternary[n++] = i;
+    for (int i = 0; i < 2; i++)
+        beside += lw_mechanism_joint(m, m->ground, ternary[i]) != LW_NONE;
+    bool watt = lw_mechanism_joint(m, ternary[0], ternary[1]) != LW_NONE, three = degree(m, m->ground) == 3;
+    int number = watt ? 1 + three : three ? 3 : beside == 2 ? 1 : 2;
+    static const char *const roman[] = { "", "I", "II", "III" };
+    snprintf(name, size, "%s %s", watt ? "Watt" : "Stephenson", roman[number]);
+    snprintf(key, size, "%s%d", watt ? "watt" : "stephenson", number);
+}
+
+/* Is one of `keys` (separated by commas) the word or its beginning up to digits? */
+static bool asked_for(maker *mk, const char *key)
+{
+    bool found = strcmp(mk->w->only, "all") == 0;
+    int k = 0;
+    for (const char *at = mk->w->only; *at; k++) {
+        size_t n = strcspn(at, ",");
+        bool whole = strncmp(key, at, n) == 0 && key[n] == 0;
+        bool begins = strncmp(key, at, n) == 0 && at[n - 1] > '9';     /* "watt": both          */
+        if ((whole || begins) && k < 64)
+            mk->met[k] = found = true;
+        at += n + (at[n] == ',');
+    }
+    return found;
+}
+
+/* ---- one pair of ground and tracer link ----------------------------------------------------------------- */
+
+static lw_status count_input(void *context, const lw_mechanism *m)
+{
+    (void)m;
+    ((maker *)context)->to->n_driven++;
+    return LW_OK;
+}
+
+static lw_status make_room(cli_topology_stage *s)
+{
+    if (s->n_family < s->capacity)
+        return LW_OK;
+    int most = s->capacity ? 2*s->capacity : 64;
+    lw_family *f = realloc(s->family, sizeof *f*(size_t)most);
+    s->family = f ? f : s->family;
+    lw_linkage **k = realloc(s->linkage, sizeof *k*(size_t)most);
+    s->linkage = k ? k : s->linkage;
+    void *name = realloc(s->name, sizeof *s->name*(size_t)most);
+    s->name = name ? name : s->name;
+    if (!f || !k || !name)
+        return LW_E_MEMORY;
+    s->capacity = most;
+    return LW_OK;
+}
+
+static lw_status add_family(maker *mk, const lw_linkage *k, const char *name)
+{
+    cli_topology_stage *s = mk->to;
+    lw_status st = make_room(s);
+    if (st != LW_OK)
+        return st;
+    lw_linkage *own = malloc(sizeof *own);
+    if (!own)
+        return LW_E_MEMORY;
+    *own = *k;
+    snprintf(own->name, sizeof own->name, "%s", name);
+    s->linkage[s->n_family] = own;
+    snprintf(s->name[s->n_family], sizeof s->name[0], "%s", name);
+    s->n_family++;
+    return LW_OK;
+}
+
+/* The linkage with this input, and how it can be worked out: 0 not at all, 1 with groups beyond dyads, 2 by
+ * dyads; *links that the point feels. */
+static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k, int *links)
+{
+    lw_mechanism driven = *m;
+    lw_plan *plan = malloc(sizeof *plan);
+    int way = 0;
+    driven.n_input = 1;
+    driven.input[0] = (uint8_t)joint;
+    if (plan && lw_linkage_sketch(&driven, &mk->rng, k) == LW_OK
+        && lw_plan_make(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
+        way = 2;
+        *links = plan->n_link;
+    }
+    free(plan);
+    return way;
+}
+
+/* Joints that may drive, those that make the plainest plan first: pins at the ground, slides there. */
+static int best_input(maker *mk, const lw_mechanism *m, lw_linkage *best, int *links)
+{
+    int way = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int j = 0; j < m->n_joint && way < 2; j++) {
+            bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
+            lw_linkage k;
+            int felt, now;
+            if (!ground || m->kind[j] != (pass ? 't' : 'r') || (now = try_input(mk, m, j, &k, &felt)) <= way)
+                continue;
+            way = now;
+            *links = felt;
+            *best = k;
+        }
+    return way;
+}
+
+static bool joined_to_ground(const lw_mechanism *m)
+{
+    return lw_mechanism_joint(m, m->ground, m->output) != LW_NONE;
+}
+
+/* All inputs at the ground that a prescribed timing may mean. */
+static lw_status add_timed(void *context, const lw_mechanism *m)
+{
+    maker *mk = context;
+    char name[96], key[64], title[64];
+    lw_linkage k;
+    int links, way;
+    if (m->kind[m->input[0]] != 'r')
+        return LW_OK;
+    way = try_input(mk, m, m->input[0], &k, &links);
+    if (way == 0 || links < m->n_link)
+        return LW_OK;
+    ground_name(mk, m, title, key, sizeof title);
+    snprintf(name, sizeof name, "%s, input %d, point on link %d", title, m->input[0] + 1, m->output + 1);
+    mk->to->n_group += way == 1;
+    return add_family(mk, &k, name);
+}
+
+static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+{
+    char title[64], key[64], name[96];
+    lw_linkage k;
+    int links = 0, before = mk->to->n_family;
+    ground_name(mk, m, title, key, sizeof title);
+    *fate = CLI_TOPOLOGY_NOT_ASKED;
+    if (!asked_for(mk, key))
+        return LW_OK;
+    *fate = CLI_TOPOLOGY_CIRCLE;
+    if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
+        return LW_OK;
+    int way = best_input(mk, m, &k, &links);
+    *fate = way == 0 ? CLI_TOPOLOGY_NO_PLAN : links < m->n_link ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
+    if (way == 0 || (links < m->n_link && !mk->w->timed))
+        return LW_OK;
+    if (mk->w->timed) {
+        lw_status st = lw_inputs_each(m, 1, true, add_timed, mk);
+        *fate = mk->to->n_family > before ? CLI_TOPOLOGY_FITTED : CLI_TOPOLOGY_SMALLER;
+        return st;
+    }
+    snprintf(name, sizeof name, "%s, point on link %d", title, m->output + 1);
+    mk->to->n_group += way == 1;
+    return add_family(mk, &k, name);
+}
+
+static lw_status visit_pair(void *context, const lw_mechanism *m)
+{
+    maker *mk = context;
+    cli_topology_fate fate;
+    lw_status st = add_pair(mk, m, &fate);
+    mk->to->n_pair++;
+    mk->to->fate[fate]++;
+    return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
+}
+
+/* ---- a number of links ------------------------------------------------------------------------------------ */
+
+static lw_status visit_chain(void *context, const lw_chain_item *item)
+{
+    maker *mk = context;
+    lw_mechanism m;
+    lw_mechanism_steps steps = { .ground = true, .kinds = mk->w->kinds, .output = true };
+    lw_status st = lw_mechanism_from_chain(item->chain, &m);
+    mk->chain++;
+    return st == LW_OK ? lw_mechanisms_each(&m, &steps, &mk->counts, visit_pair, NULL, mk) : st;
+}
+
+static lw_status make_stage(maker *mk, int links)
+{
+    lw_chains *chains;
+    lw_chain_walk how = lw_chain_walk_default();
+    lw_status st = lw_chains_create(links, 1, 1, &chains, &mk->e);
+    if (st != LW_OK)
+        return st;
+    mk->counts = (lw_mechanism_counts){ 0 };
+    mk->chain = 0;
+    mk->to->links = links;
+    how.n_thread = 1;
+    st = lw_chains_each(chains, &how, visit_chain, mk);
+    lw_chains_free(chains);
+    mk->to->n_chain = (long)mk->counts.n_chain;
+    mk->to->n_ground = (long)mk->counts.n_ground;
+    mk->to->n_labelled = (long)mk->counts.n_labelled;
+    for (int i = 0; i < mk->to->n_family; i++)
+        mk->to->family[i] = (lw_family){ .name = mk->to->name[i], .linkage = mk->to->linkage[i], .links = links };
+    return st;
+}
+
+static lw_status check_names(const maker *mk, lw_error *e)
+{
+    int k = 0;
+    for (const char *at = mk->w->only; strcmp(mk->w->only, "all") != 0 && *at; k++) {
+        size_t n = strcspn(at, ",");
+        if (k < 64 && !mk->met[k])
+            return lw_error_set(e, LW_E_ARG, "--topology: nothing up to %d links is called '%.*s'; there are watt1, "
+                                "watt2, stephenson1, stephenson2, stephenson3, and chains by links and number as 8.5",
+                                mk->w->links, (int)n, at);
+        at += n + (at[n] == ',');
+    }
+    return LW_OK;
+}
+
+lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e)
+{
+    maker *mk = calloc(1, sizeof *mk);
+    lw_status st = mk ? LW_OK : LW_E_MEMORY;
+    memset(t, 0, sizeof *t);
+    if (mk)
+        mk->w = w;
+    for (int links = 6; st == LW_OK && links <= w->links && t->n < LW_STAGE_MAX; links += 2) {
+        mk->to = &t->stage[t->n++];
+        lw_rng_seed(&mk->rng, 1, (uint64_t)links);
+        st = make_stage(mk, links);
+    }
+    if (st == LW_OK)
+        st = check_names(mk, e);
+    else if (mk && mk->e.text[0])
+        *e = mk->e;
+    else
+        lw_error_set(e, st, "out of memory");
+    free(mk);
+    if (st != LW_OK)
+        cli_topologies_free(t);
+    return st;
+}
+
+void cli_topologies_free(cli_topologies *t)
+{
+    for (int i = 0; i < t->n; i++) {
+        cli_topology_stage *s = &t->stage[i];
+        for (int k = 0; k < s->n_family; k++)
+            free(s->linkage[k]);
+        free(s->linkage);
+        free(s->family);
+        free(s->name);
+    }
+    memset(t, 0, sizeof *t);
+}

@@ -1,0 +1,49 @@
+/* cli/fit_topologies.h - from numbers of links to families that a fit can search: every chain, ground link and
+ * tracer link once up to symmetry, those left out with the reason, and the inputs of each counted. */
+#ifndef LW_CLI_FIT_TOPOLOGIES_H
+#define LW_CLI_FIT_TOPOLOGIES_H
+
+#include "optimise/survey.h"
+
+/* Why a ground and tracer link is not fitted by itself. */
+typedef enum cli_topology_fate {
+    CLI_TOPOLOGY_FITTED,
+    CLI_TOPOLOGY_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
+    CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
+    CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out                                  */
+    CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
+    CLI_TOPOLOGY_FATES
+} cli_topology_fate;
+
+/* What there is with one number of links. */
+typedef struct cli_topology_stage {
+    int         links;
+    long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link; with an input */
+    long        fate[CLI_TOPOLOGY_FATES];                          /* of the pairs                  */
+    long        n_group;                                           /* fitted that hold a group beyond dyads */
+    int         n_family, capacity;
+    lw_family  *family;
+    lw_linkage **linkage;                                          /* (n_family) owned              */
+    char      (*name)[64];
+} cli_topology_stage;
+
+typedef struct cli_topologies {
+    int                n;
+    cli_topology_stage stage[LW_STAGE_MAX];
+} cli_topologies;
+
+typedef struct cli_topology_wish {
+    int         links;         /* 4, 6, 8: all up to these                                        */
+    const char *kinds;         /* letters of joints, "r" or "rt"                                  */
+    const char *only;          /* "watt1,stephenson3", "8.5", or "all"                             */
+    lw_task     task;
+    bool        timed;         /* the input matters: every input at the ground by itself           */
+} cli_topology_wish;
+
+/* LW_E_ARG with a text: a name in `only` that nothing bears. */
+lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
+void      cli_topologies_free(cli_topologies *t);
+
+const char *cli_topology_fate_text(cli_topology_fate f);
+
+#endif

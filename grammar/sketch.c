@@ -1,0 +1,56 @@
+#include "grammar/sketch.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static lw_vec2 anywhere(lw_rng *rng)
+{
+    double x = lw_rng_uniform(rng), y = lw_rng_uniform(rng);
+    return lw_v2(x, y);
+}
+
+static void sketch_joint(const lw_mechanism *m, int i, lw_rng *rng, lw_joint *j)
+{
+    snprintf(j->name, sizeof j->name, "J%d", i + 1);
+    j->kind = (lw_joint_kind)m->kind[i];
+    j->link[0] = m->link[i][0];
+    j->link[1] = m->link[i][1];
+    if (j->link[1] == m->ground) {                       /* the ground first: an input counts from it */
+        j->link[0] = m->ground;
+        j->link[1] = m->link[i][0];
+    }
+    j->at = anywhere(rng);
+    double turn = lw_rng_range(rng, 0, 2*LW_PI), ratio = lw_rng_range(rng, 0.5, 3);
+    if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT)
+        j->along = lw_v2_polar(1, turn);
+    if (j->kind == LW_JOINT_GEAR)
+        j->ratio = -ratio;
+}
+
+lw_status lw_linkage_sketch(const lw_mechanism *m, lw_rng *rng, lw_linkage *k)
+{
+    memset(k, 0, sizeof *k);
+    if (m->ground == LW_NONE || m->output == LW_NONE)
+        return LW_E_ARG;
+    k->n_link = m->n_link;
+    k->n_joint = m->n_joint;
+    k->ground = m->ground;
+    k->units = lw_units_si();
+    for (int i = 0; i < m->n_link; i++) {
+        snprintf(k->link_name[i], sizeof k->link_name[i], "L%d", i + 1);
+        if (i == m->ground)
+            snprintf(k->link_name[i], sizeof k->link_name[i], "ground");
+    }
+    for (int i = 0; i < m->n_joint; i++)
+        sketch_joint(m, i, rng, &k->joint[i]);
+    k->n_input = m->n_input;
+    for (int i = 0; i < m->n_input; i++) {
+        k->input[i].joint = m->input[i];
+        k->input[i].value = lw_linkage_posture_input(k, m->input[i]);
+    }
+    k->n_tracer = 1;
+    snprintf(k->tracer[0].name, sizeof k->tracer[0].name, "P");
+    k->tracer[0].link = m->output;
+    k->tracer[0].at = anywhere(rng);
+    return LW_OK;
+}

@@ -1,0 +1,17 @@
+/* optimise/grow.h - a linkage with two links more that does what the smaller one does: the point is taken by a
+ * new link that is pinned there, and held by a second one that is pinned to the ground or to
+ * another link.  As a start for a fit it cannot be worse than what it came from, and it has five
+ * dimensions more. */
+#ifndef LW_OPTIMISE_GROW_H
+#define LW_OPTIMISE_GROW_H
+
+#include "base/rng.h"
+#include "grammar/linkage.h"
+
+/* The new dyad's lengths are drawn so that it closes wherever the parent's input goes: `turns`, or from
+ * `first` to `last` (as lw_plan_read counts it).  Tracer 0 of the child is that of the parent, on the new
+ * link.  LW_E_ARG: too many links or joints; LW_OPEN: nothing was found in some tries. */
+lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
+                          lw_linkage *child);
+
+#endif

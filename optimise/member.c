@@ -1,0 +1,295 @@
+#include "optimise/member.h"
+
+#include <complex.h>
+#include <string.h>
+
+#include "optimise/family.h"
+#include "optimise/problem_internal.h"
+
+enum { M = LW_CURVE_SAMPLES };
+
+/* Points and directions of the plan's registers over the inputs of the motion: all of a turn, or one. */
+typedef struct drawing {
+    const lw_plan *plan;
+    const double  *u;               /* numbers not used yet                                         */
+    double        *shape, *mode;
+    int            n;               /* inputs                                                       */
+    double         input[M];
+    bool           drawn[LW_DIM_MAX];
+    double         length[LW_LINK_MAX];     /* of the first two pins of a link, 0: not known        */
+    double complex reg[LW_REG_MAX][M];
+} drawing;
+
+int lw_member_draws(const lw_plan *plan)
+{
+    int n = plan->n_dim + plan->n_dyad + 2;
+    return n < LW_MEMBER_DRAW_MAX ? n : LW_MEMBER_DRAW_MAX;
+}
+
+static double ratio(double u, double lo, double hi)
+{
+    return lo*exp(u*log(hi/lo));
+}
+
+static void choose(drawing *d, int dim, double value)
+{
+    d->shape[dim] = value;
+    d->drawn[dim] = true;
+    if (d->plan->dim[dim].role == LW_ROLE_R)
+        d->length[d->plan->dim[dim].link] = value;
+}
+
+/* ---- points and lines on links -------------------------------------------------------------------- */
+
+/* A pin of a link: the crank's at distance one, others near the size of their link. */
+static void draw_point(drawing *d, const lw_step *s)
+{
+    int link = d->plan->dim[s->dim[0]].link;
+    if (d->drawn[s->dim[0]])
+        return;
+    double size = d->length[link] > 0 ? d->length[link] : link == d->plan->link[1] ? 1 : 2.5;
+    if (s->dim[1] < 0) {
+        choose(d, s->dim[0], link == d->plan->link[1] ? 1 : size*ratio(*d->u++, 0.12, 4));
+        return;
+    }
+    double complex at = size*ratio(d->u[0], 0.15, 3)*cexp(2*LW_PI*I*d->u[1]);
+    d->u += 2;
+    choose(d, s->dim[0], creal(at));
+    choose(d, s->dim[1], cimag(at));
+}
+
+static void step_point(drawing *d, const lw_step *s)
+{
+    draw_point(d, s);
+    double complex arm = d->shape[s->dim[0]] + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + arm*d->reg[s->in[1]][k];
+}
+
+static void step_line(drawing *d, const lw_step *s)
+{
+    if (s->dim[0] >= 0 && !d->drawn[s->dim[0]]) {
+        double v = 2**d->u++ - 1;
+        choose(d, s->dim[0], 4*v*v*v);
+    }
+    if (s->dim[1] >= 0 && !d->drawn[s->dim[1]])
+        choose(d, s->dim[1], LW_PI*(2**d->u++ - 1));
+    double e = s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0;
+    double complex turn = cexp(I*(s->dim[1] >= 0 ? d->shape[s->dim[1]] : 0));
+    for (int k = 0; k < d->n; k++) {
+        double complex w = d->reg[s->in[1]][k]*turn;
+        d->reg[s->out[1]][k] = w;
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + I*e*w;
+    }
+}
+
+/* ---- dyads ------------------------------------------------------------------------------------------ */
+
+static double sign_of(drawing *d, const lw_step *s)
+{
+    return d->mode[s->dyad] = *d->u++ < 0.5 ? -1 : 1;
+}
+
+/* Least and greatest distance of two points over the motion. */
+static void distances(const drawing *d, int a, int b, double *least, double *most)
+{
+    *least = INFINITY;
+    *most = 0;
+    for (int k = 0; k < d->n; k++) {
+        double r = cabs(d->reg[b][k] - d->reg[a][k]);
+        *least = fmin(*least, r);
+        *most = fmax(*most, r);
+    }
+}
+
+/* Both lengths together exceed the greatest distance, their difference is below the least. */
+static bool step_rrr(drawing *d, const lw_step *s)
+{
+    double least, most, mode = sign_of(d, s);
+    distances(d, s->in[0], s->in[1], &least, &most);
+    double sum = fmax(most, 1e-3)*(1 + ratio(d->u[0], 0.004, 4)), differ = least*0.995*(2*d->u[1] - 1);
+    d->u += 2;
+    choose(d, s->dim[0], 0.5*(sum + differ));
+    choose(d, s->dim[1], 0.5*(sum - differ));
+    for (int k = 0; k < d->n; k++) {
+        double complex a = d->reg[s->in[0]][k], b = d->reg[s->in[1]][k];
+        double r = cabs(b - a), r1 = d->shape[s->dim[0]], r2 = d->shape[s->dim[1]];
+        double along = (r*r + r1*r1 - r2*r2)/(2*r), h2 = r1*r1 - along*along;
+        if (!(h2 > 0))
+            return false;
+        double complex c = a + (b - a)/r*(along + I*mode*sqrt(h2));
+        d->reg[s->out[0]][k] = (c - a)/r1;
+        if (s->out[1] >= 0)
+            d->reg[s->out[1]][k] = (c - b)/r2;
+        if (s->out[2] >= 0)
+            d->reg[s->out[2]][k] = c;
+    }
+    return true;
+}
+
+/* The link is longer than the pin's greatest distance from the line. */
+static bool step_rrp(drawing *d, const lw_step *s)
+{
+    double most = 0, mode = sign_of(d, s);
+    for (int k = 0; k < d->n; k++)
+        most = fmax(most, fabs(cimag((d->reg[s->in[0]][k] - d->reg[s->in[1]][k])*conj(d->reg[s->in[2]][k]))));
+    choose(d, s->dim[0], most > 1e-6 ? most*(1 + ratio(*d->u++, 0.004, 8)) : ratio(*d->u++, 0.2, 4));
+    double r = d->shape[s->dim[0]];
+    for (int k = 0; k < d->n; k++) {
+        double complex a = d->reg[s->in[0]][k], w = d->reg[s->in[2]][k];
+        double complex foot = (a - d->reg[s->in[1]][k])*conj(w);
+        double complex c = d->reg[s->in[1]][k] + w*(creal(foot) + mode*sqrt(r*r - cimag(foot)*cimag(foot)));
+        d->reg[s->out[0]][k] = (c - a)/r;
+        if (s->out[1] >= 0)
+            d->reg[s->out[1]][k] = c;
+    }
+    return true;
+}
+
+/* The offset is smaller than the least distance of the pins. */
+static bool step_rpr(drawing *d, const lw_step *s)
+{
+    double least, most, mode = sign_of(d, s), v;
+    distances(d, s->in[0], s->in[1], &least, &most);
+    if (!(least > 0))
+        return false;
+    if (s->dim[0] >= 0) {
+        v = 2**d->u++ - 1;
+        choose(d, s->dim[0], 0.99*least*v*v*v);
+    }
+    double e = s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0;
+    for (int k = 0; k < d->n; k++) {
+        double complex ab = d->reg[s->in[1]][k] - d->reg[s->in[0]][k];
+        double r2 = creal(ab)*creal(ab) + cimag(ab)*cimag(ab);
+        d->reg[s->out[0]][k] = ab/(mode*sqrt(r2 - e*e) + I*e);
+    }
+    return true;
+}
+
+static bool step_lines(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++) {
+        double complex q = d->reg[s->in[0]][k], w = d->reg[s->in[1]][k];
+        double complex across = d->reg[s->in[3]][k];
+        double sine = cimag(conj(w)*across);
+        if (!(fabs(sine) > 1e-3))
+            return false;
+        double t = cimag(conj(d->reg[s->in[2]][k] - q)*across)/sine;
+        d->reg[s->out[0]][k] = q + t*w;
+    }
+    return true;
+}
+
+/* ---- all of it ---------------------------------------------------------------------------------------- */
+
+static bool take_step(drawing *d, const lw_step *s)
+{
+    switch (s->kind) {
+    case LW_STEP_INPUT_PIN:
+        for (int k = 0; k < d->n; k++)
+            d->reg[s->out[0]][k] = cexp(I*d->input[k]);
+        return true;
+    case LW_STEP_INPUT_SLIDE:
+        for (int k = 0; k < d->n; k++)
+            d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + d->input[k]*d->reg[s->in[1]][k];
+        return true;
+    case LW_STEP_POINT: step_point(d, s); return true;
+    case LW_STEP_LINE:  step_line(d, s); return true;
+    case LW_STEP_RRR:   return step_rrr(d, s);
+    case LW_STEP_RRP:   return step_rrp(d, s);
+    case LW_STEP_RPR:   return step_rpr(d, s);
+    case LW_STEP_PRP:
+    case LW_STEP_PPR:   return step_lines(d, s);
+    default:            return false;
+    }
+}
+
+/* The steps that the point depends on, its own place excepted: that is solved for. */
+static bool run_steps(drawing *d)
+{
+    const lw_plan *plan = d->plan;
+    for (int k = 0; k < d->n; k++) {
+        d->reg[0][k] = 0;
+        d->reg[1][k] = 1;
+    }
+    for (int i = 0; i < plan->n_output_step[0]; i++) {
+        const lw_step *s = &plan->step[plan->output_step[0][i]];
+        bool tracer = s->kind == LW_STEP_POINT && plan->dim[s->dim[0]].role == LW_ROLE_CX;
+        if (!tracer && !take_step(d, s))
+            return false;
+    }
+    return true;
+}
+
+/* The range about the branch's `mid` in which it closes, looked for in steps of a part of `reach`. */
+static bool find_range(lw_problem *p, const double *shape, double reach, lw_work *w)
+{
+    int half = M/2, lo = half, hi = half;
+    double width = reach/half;
+    for (int k = 0; k < M; k++) {
+        double at = p->branch.mid + (k - half)*width;
+        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
+        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+    }
+    lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->branch.mode };
+    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    while (lo > 0 && w->pose.margin[lo - 1] > 1e-3)
+        lo--;
+    while (hi < M - 1 && w->pose.margin[hi + 1] > 1e-3)
+        hi++;
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    double unit = size >= 0 ? shape[size] : 1;
+    p->branch.half = 0.5*(hi - lo)*width/unit;
+    p->branch.mid = (p->branch.mid + (0.5*(hi + lo) - half)*width)/unit;
+    return hi > lo + 2;
+}
+
+/* Does it close at every sample of a turn? */
+static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    for (int k = 0; k < M; k++)
+        if (!(w->pose.margin[k] > 0))
+            return false;
+    return true;
+}
+
+bool lw_member_posture(lw_problem *p, double *x, void *work)
+{
+    double dim[LW_DIM_MAX], input;
+    memset(x, 0, sizeof *x*(size_t)p->n_var);
+    if (lw_plan_read(&p->plan, p->family->linkage, dim, p->branch.mode, &input, NULL) != LW_OK)
+        return false;
+    lw_problem_from_dims(p, dim, x);
+    for (int i = 0; i < p->n_dim; i++)
+        x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
+    if (p->i_input0 >= 0 && p->datum == LW_DATUM_FREE)
+        x[p->i_input0] = input;
+    p->branch.mid = p->plan.input_is_slider ? input/p->unit : input;
+    p->branch.turns = true;
+    lw_problem_work_branch(p, work);
+    p->branch.turns = !p->plan.input_is_slider && closes_all_round(p, x, work);
+    if (p->must_turn && !p->branch.turns)
+        return false;
+    lw_problem_work_branch(p, work);
+    return p->branch.turns || find_range(p, x, p->plan.input_is_slider ? 8 : LW_PI, work);
+}
+
+bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
+{
+    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
+    bool slides = p->plan.input_is_slider;
+    p->branch.turns = !slides && (turns || u[0] < 0.5);
+    p->branch.mid = slides ? 6*u[1] - 3 : 2*LW_PI*u[1];
+    d.n = p->branch.turns ? M : 1;
+    for (int k = 0; k < d.n; k++)
+        d.input[k] = p->branch.turns ? 2*LW_PI*k/M : p->branch.mid;
+    memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
+    for (int i = 0; i < LW_MODE_MAX; i++)
+        p->branch.mode[i] = 1;
+    if (!run_steps(&d))
+        return false;
+    lw_problem_work_branch(p, work);
+    return p->branch.turns || find_range(p, shape, slides ? 8 : LW_PI, work);
+}

@@ -1,0 +1,217 @@
+#include "optimise/survey.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "optimise/grow.h"
+
+enum { PARENTS = 4, CHILDREN = 24 };       /* of a stage that are grown, and into how many in all   */
+
+struct lw_grown {
+    lw_family  family;
+    lw_linkage linkage;
+    char       name[64];
+};
+
+int lw_candidate_links(const lw_candidate *c)
+{
+    return c->family->links > 0 ? c->family->links : c->family->linkage ? c->family->linkage->n_link : 4;
+}
+
+/* ---- the starts of a stage ------------------------------------------------------------------------ */
+
+/* Inputs over which a candidate is used. */
+static void used_range(const lw_target *t, const lw_candidate *c, double *first, double *last)
+{
+    *first = *last = c->input[0];
+    for (size_t i = 1; i < t->n; i++) {
+        *first = fmin(*first, c->input[i]);
+        *last = fmax(*last, c->input[i]);
+    }
+}
+
+static bool grow_one(const lw_target *t, const lw_candidate *c, const lw_report *r, lw_rng *rng,
+                     struct lw_grown *g)
+{
+    double first, last;
+    used_range(t, c, &first, &last);
+    if (lw_linkage_grow(&r->linkage, c->branch.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
+        return false;
+    snprintf(g->name, sizeof g->name, "%.40s with a dyad more", lw_family_title(c->family));
+    if (strstr(lw_family_title(c->family), " with "))    /* grown twice                              */
+        snprintf(g->name, sizeof g->name, "%.40ss more", lw_family_title(c->family));
+    snprintf(g->linkage.name, sizeof g->linkage.name, "%s", g->name);
+    g->family = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
+                             .links = lw_candidate_links(c) + 2 };
+    return true;
+}
+
+static bool changes_mode(const lw_target *t, const lw_candidate *c)
+{
+    for (size_t i = 1; c->mode_of && i < t->n; i++)
+        if (c->mode_of[i] != c->mode_of[0])
+            return true;
+    return false;
+}
+
+/* Children of the best results with `links` links; a child points into `to`, which must stay. */
+static int grow(const lw_target *t, const lw_fit_options *o, const lw_fit *from, int links, struct lw_grown *to)
+{
+    int n = 0, parents = 0;
+    lw_rng rng;
+    lw_report *r = malloc(sizeof *r);
+    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
+    for (int i = 0; r && i < from->n && parents < PARENTS; i++) {
+        const lw_candidate *c = &from->candidate[i];
+        if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_report_make(t, &o->spec, c, r, NULL) != LW_OK
+            || !r->verified)
+            continue;
+        int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
+        parents++;
+        for (int k = 0; k < want && n < CHILDREN; k++)
+            n += grow_one(t, c, r, &rng, &to[n]);
+    }
+    free(r);
+    return n;
+}
+
+/* ---- the list of results --------------------------------------------------------------------------- */
+
+static int by_objective(const void *a, const void *b)
+{
+    const lw_candidate *p = a, *q = b;
+    if (p->objective != q->objective)
+        return p->objective < q->objective ? -1 : 1;
+    return lw_candidate_links(p) - lw_candidate_links(q);
+}
+
+/* The candidates of one more stage among the others. */
+static lw_status merge(lw_fit *all, lw_fit *more)
+{
+    lw_candidate *list = realloc(all->candidate, sizeof *list*(size_t)(all->n + more->n + 1));
+    if (!list)
+        return LW_E_MEMORY;
+    for (int i = 0; i < more->n; i++)
+        list[all->n + i] = more->candidate[i];
+    all->candidate = list;
+    all->n += more->n;
+    qsort(list, (size_t)all->n, sizeof *list, by_objective);
+    all->starts += more->starts;
+    all->improved += more->improved;
+    all->evals += more->evals;
+    all->rounds += more->rounds;
+    all->seconds += more->seconds;
+    all->stop = more->stop;
+    if (more->skipped[0] && !all->skipped[0])
+        memcpy(all->skipped, more->skipped, sizeof all->skipped);
+    more->n = 0;                                         /* they belong to `all` now               */
+    return LW_OK;
+}
+
+/* ---- stages ------------------------------------------------------------------------------------------ */
+
+static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int before,
+                           double seconds, lw_survey *out, lw_error *e)
+{
+    lw_fit_options mine = *o;
+    lw_stage_result *r = &out->stage[out->n_stage];
+    lw_fit fit;
+    lw_family *list = calloc((size_t)stage->n_family + CHILDREN + 1, sizeof *list);
+    *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
+    if (!list)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %d families", stage->n_family);
+    if (stage->family) {
+        memcpy(list, stage->family, sizeof *list*(size_t)stage->n_family);
+        if (before > 0 && o->spec.task == LW_TASK_PATH)
+            r->n_grown = grow(t, o, &out->fit, before, out->grown + out->n_grown);
+        for (int i = 0; i < r->n_grown; i++)
+            list[stage->n_family + i] = out->grown[out->n_grown + i].family;
+        mine.family = list;
+        mine.n_family = stage->n_family + r->n_grown;
+    }
+    double start = lw_clock_wall();
+    mine.max_seconds = seconds;
+    lw_status st = lw_fit_run(t, &mine, &fit, e);
+    r->seconds = lw_clock_wall() - start;
+    out->n_stage++;
+    if (st >= 0) {
+        r->starts = fit.starts;
+        r->improved = fit.improved;
+        r->evals = fit.evals;
+        r->stop = fit.stop;
+        r->best = fit.n ? fit.candidate[0].objective : INFINITY;
+        r->tried = fit.tried;
+        r->n_tried = stage->family ? stage->n_family : 0;
+        fit.tried = NULL;
+    }
+    /* candidates point to families: the caller's, or those kept in `grown` */
+    for (int i = 0; st >= 0 && i < fit.n && stage->family; i++) {
+        size_t at = (size_t)(fit.candidate[i].family - list);
+        fit.candidate[i].family = at < (size_t)stage->n_family ? &stage->family[at]
+                                : &out->grown[out->n_grown + (int)at - stage->n_family].family;
+    }
+    out->n_grown += r->n_grown;
+    if (st >= 0 && merge(&out->fit, &fit) != LW_OK)
+        st = lw_error_set(e, LW_E_MEMORY, "no memory for the results");
+    if (st >= 0)
+        lw_fit_free(&fit);
+    free(list);
+    return st;
+}
+
+/* No more than wanted, but of every stage its best. */
+static void shorten(lw_survey *s, int most)
+{
+    lw_fit *f = &s->fit;
+    int n = 0;
+    bool seen[LW_LINK_MAX + 1] = { false };
+    for (int i = 0; i < f->n; i++) {
+        lw_candidate *c = &f->candidate[i];
+        int links = lw_candidate_links(c);
+        if (n < most || !seen[links])
+            f->candidate[n++] = *c;
+        else {
+            free(c->input);
+            free(c->mode_of);
+        }
+        seen[links] = true;
+    }
+    f->n = n;
+}
+
+lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
+                        lw_survey *out, lw_error *e)
+{
+    lw_status st = LW_OK;
+    double start = lw_clock_wall();
+    memset(out, 0, sizeof *out);
+    out->grown = calloc((size_t)n_stage*CHILDREN + 1, sizeof *out->grown);
+    if (!out->grown)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
+    for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
+        double left = o->max_seconds - (lw_clock_wall() - start), share = left/(n_stage - i);
+        lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i - 1].links : 0,
+                                  o->max_seconds > 0 ? fmax(share, 1e-3) : 0, out, e);
+        if (now < 0 && now != LW_E_KIND) {
+            lw_survey_free(out);
+            return now;
+        }
+        st = now == LW_STOPPED ? now : st;
+        if (now == LW_STOPPED && o->interrupt && *o->interrupt)
+            break;
+    }
+    shorten(out, o->n_result > 0 ? o->n_result : 1);
+    return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
+}
+
+void lw_survey_free(lw_survey *s)
+{
+    lw_fit_free(&s->fit);
+    for (int i = 0; i < s->n_stage; i++)
+        free(s->stage[i].tried);
+    free(s->grown);
+    memset(s, 0, sizeof *s);
+}

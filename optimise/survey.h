@@ -1,0 +1,46 @@
+/* optimise/survey.h - one target, linkages of four, six, eight links: fits stage by stage, the best of
+ * each stage grown into starts of the next, so that more links are never worse than fewer.
+ *
+ * Which topologies there are the caller says (enumerate/ is not known here). */
+#ifndef LW_OPTIMISE_SURVEY_H
+#define LW_OPTIMISE_SURVEY_H
+
+#include "optimise/report.h"
+
+#define LW_STAGE_MAX 8
+
+/* The families of one number of links; family NULL: four-link types, as lw_fit_options.types says. */
+typedef struct lw_stage {
+    int              links;
+    const lw_family *family;
+    int              n_family;
+} lw_stage;
+
+/* What came of a stage. */
+typedef struct lw_stage_result {
+    int        links, n_grown;       /* starts grown out of the stage before                        */
+    double     best;                 /* objective; INFINITY: nothing                                */
+    long       starts, improved, evals;
+    double     seconds;              /* of the stage                                                */
+    int        n_tried;
+    lw_fit_try *tried;               /* of the stage's families, NULL for types             (n_tried) */
+    lw_stop    stop;
+} lw_stage_result;
+
+typedef struct lw_survey {
+    lw_fit          fit;             /* candidates of all stages, best first; of every stage its best  */
+    int             n_stage;
+    lw_stage_result stage[LW_STAGE_MAX];
+    int             n_grown;         /* families made here, which candidates point to               */
+    struct lw_grown *grown;
+} lw_survey;
+
+/* o->family is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
+lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
+                        lw_survey *out, lw_error *e);
+void      lw_survey_free(lw_survey *s);
+
+/* Links of a candidate's mechanism. */
+int lw_candidate_links(const lw_candidate *c);
+
+#endif
