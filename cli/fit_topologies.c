@@ -162,7 +162,7 @@ static bool joined_to_ground(const lw_mechanism *m)
 static lw_status add_timed(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
-    char name[96], key[64], title[64];
+    char name[128], key[64], title[64];
     lw_linkage k;
     int links, way;
     if (m->kind[m->input[0]] != 'r')
@@ -178,7 +178,7 @@ static lw_status add_timed(void *context, const lw_mechanism *m)
 
 static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
 {
-    char title[64], key[64], name[96];
+    char title[64], key[64], name[128];
     lw_linkage k;
     int links = 0, before = mk->to->n_family;
     ground_name(mk, m, title, key, sizeof title);

@@ -138,10 +138,10 @@ static void conditions_are_those_of_single_poses(void)
             continue;
         }
         seen++;
-        size_t n = p.turns ? LW_CURVE_SAMPLES : st.n, closure = !p.turns && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
+        size_t n = p.branch.turns ? LW_CURVE_SAMPLES : st.n, closure = !p.branch.turns && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
         double *g = conditions(&p, x, NULL), *at = g + p.n_linear;
         for (size_t k = 0; k < n; k++) {
-            double input = p.turns ? 2*LW_PI*(double)k/LW_CURVE_SAMPLES : st.input[k];
+            double input = p.branch.turns ? 2*LW_PI*(double)k/LW_CURVE_SAMPLES : st.input[k];
             CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, input, 2, &pose), LW_OK);
             if (closure)
                 CHECK_NEAR(at[k], pose.margin, 1e-12, 1e-10);

@@ -19,7 +19,7 @@ static double eq17(const made *k)
     double f = 0;
     for (size_t i = 0; i < k->t.n; i++) {
         lw_pose pose;
-        double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.mode;
+        double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.branch.mode[0];
         lw_pose_solve(&k->m.plan, k->c.dim, &mode, k->c.input[i], 0, &pose);
         if (k->spec.task != LW_TASK_FUNCTION)
             f += k->spec.a*k->t.weight[i]*(pow(pose.tracer[0][0].x - k->t.x[i], 2) + pow(pose.tracer[0][0].y - k->t.y[i], 2));
@@ -31,8 +31,10 @@ static double eq17(const made *k)
 
 static void claim(made *k)
 {
-    k->c = (lw_candidate){ .family = k->m.family, .mode = k->m.mode, .sense = 1, .n_dim = k->m.plan.n_dim,
+    k->c = (lw_candidate){ .family = k->m.family, .branch = { .sense = 1 }, .n_dim = k->m.plan.n_dim,
                            .input = k->input, .tool0 = k->t.theta ? 0.125 : 0 };
+    for (int d = 0; d < LW_MODE_MAX; d++)
+        k->c.branch.mode[d] = k->m.mode;
     memcpy(k->c.dim, k->m.dim, sizeof k->c.dim);
     memcpy(k->input, k->st.input, sizeof k->input);
     k->c.objective = eq17(k);
