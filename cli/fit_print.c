@@ -59,10 +59,10 @@ static int best_up_to(const cli_fit_set *s, int links)
     return best;
 }
 
-/* Error against number of links, and what was looked through. */
+/* Error against number of links. */
 static void print_stages(const cli_fit_set *s, FILE *f)
 {
-    for (int k = 0; k < s->survey.n_stage && s->survey.n_stage > 1; k++) {
+    for (int k = 0; k < s->survey.n_stage; k++) {
         const lw_stage_result *r = &s->survey.stage[k];
         int i = best_up_to(s, r->links);
         fprintf(f, "best with up to %d links: ", r->links);
@@ -71,21 +71,46 @@ static void print_stages(const cli_fit_set *s, FILE *f)
         else if (s->spec.task == LW_TASK_FUNCTION)
             fprintf(f, "%.4g deg in the mean", s->report[i].angle_mean*180/LW_PI);
         else
-            fprintf(f, "%.4g %% of the path (%s)", s->report[i].error_percent, lw_family_title(candidate(s, i)->family));
+            fprintf(f, "%.4g %% of the path", s->report[i].error_percent);
+        if (i >= 0)
+            fprintf(f, " (%s)", lw_family_title(candidate(s, i)->family));
         fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r->starts, r->improved, r->seconds);
     }
+}
+
+/* Families of a stage in which a linkage was found; -1: the stage was not reached. */
+static long n_with_fit(const cli_fit_set *s, int links)
+{
+    long n = -1;
+    for (int k = 0; k < s->survey.n_stage; k++) {
+        const lw_stage_result *r = &s->survey.stage[k];
+        if (r->links != links)
+            continue;
+        n = 0;
+        for (int i = 0; i < r->n_tried; i++)
+            n += isfinite(r->tried[i].best);
+    }
+    return n;
+}
+
+/* What was looked through, and what not, with the reason. */
+static void print_topologies(const cli_fit_set *s, FILE *f)
+{
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];
-        const lw_stage_result *r = k + 1 < s->survey.n_stage ? &s->survey.stage[k + 1] : NULL;
-        long found = 0;
-        for (int i = 0; r && i < r->n_tried; i++)
-            found += isfinite(r->tried[i].best);
-        fprintf(f, "%d links: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input:", t->links,
+        const char *between = "";
+        long found = n_with_fit(s, t->links);
+        fprintf(f, "%d links: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input: ", t->links,
                 t->n_chain, t->n_ground, t->n_pair, t->n_driven);
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
-            if (t->fate[i] > 0)
-                fprintf(f, "%s %ld %s", i ? "," : "", t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
-        fprintf(f, "; %d searched, %ld of them with a fit\n", t->n_family, found);
+            if (t->fate[i] > 0) {
+                fprintf(f, "%s%ld %s", between, t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
+                between = ", ";
+            }
+        if (found >= 0)
+            fprintf(f, "; %d searched, %ld of them with a linkage that closes\n", t->n_family, found);
+        else
+            fprintf(f, "; not reached\n");
     }
 }
 
@@ -102,7 +127,9 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
                 s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->n; i++)
         table_row(s, i, f);
-    print_stages(s, f);
+    if (s->survey.n_stage > 1)
+        print_stages(s, f);
+    print_topologies(s, f);
     fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
             "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts, s->survey.fit.improved,
             s->survey.fit.evals, s->survey.fit.seconds, lw_stop_text(s->survey.fit.stop));
@@ -168,6 +195,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     cli_json_int(j, "rank", i + 1);
     cli_json_text(j, "type", lw_family_type(c->family));
     cli_json_text(j, "family", c->family->name);
+    cli_json_int(j, "links", lw_candidate_links(c));
     json_class(r, j);
     cli_json_real(j, "objective", c->objective);
     json_errors(s, r, j);
@@ -187,6 +215,48 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     if (text)
         cli_json_raw(j, "linkage", text);
     free(text);
+    cli_json_end(j);
+}
+
+static void json_stages(const cli_fit_set *s, cli_json *j)
+{
+    cli_json_array(j, "by_links");
+    for (int k = 0; k < s->survey.n_stage; k++) {
+        const lw_stage_result *r = &s->survey.stage[k];
+        int i = best_up_to(s, r->links);
+        cli_json_object(j, NULL);
+        cli_json_int(j, "links", r->links);
+        cli_json_int(j, "best_rank", i + 1);
+        cli_json_real(j, "objective", i >= 0 ? candidate(s, i)->objective : NAN);
+        cli_json_real(j, "error_percent", i >= 0 ? s->report[i].error_percent : NAN);
+        cli_json_int(j, "starts", r->starts);
+        cli_json_int(j, "local_fits", r->improved);
+        cli_json_int(j, "grown", r->n_grown);
+        cli_json_real(j, "seconds", r->seconds);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+static void json_topologies(const cli_fit_set *s, cli_json *j)
+{
+    static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
+                                                         "not_asked" };
+    cli_json_array(j, "topologies");
+    for (int k = 0; k < s->topologies.n; k++) {
+        const cli_topology_stage *t = &s->topologies.stage[k];
+        cli_json_object(j, NULL);
+        cli_json_int(j, "links", t->links);
+        cli_json_int(j, "chains", t->n_chain);
+        cli_json_int(j, "grounds", t->n_ground);
+        cli_json_int(j, "with_tracer_link", t->n_pair);
+        cli_json_int(j, "with_input", t->n_driven);
+        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+            cli_json_int(j, key[i], t->fate[i]);
+        cli_json_int(j, "searched", t->n_family);
+        cli_json_int(j, "with_linkage", n_with_fit(s, t->links));
+        cli_json_end(j);
+    }
     cli_json_end(j);
 }
 
@@ -210,6 +280,10 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     for (int i = 0; i < s->n; i++)
         json_result(s, i, &j);
     cli_json_end(&j);
+    if (s->topologies.n > 0) {
+        json_stages(s, &j);
+        json_topologies(s, &j);
+    }
     cli_json_int(&j, "left_out", s->left_out);
     cli_json_int(&j, "starts", s->survey.fit.starts);
     cli_json_int(&j, "local_fits", s->survey.fit.improved);
