@@ -33,7 +33,7 @@ static const cli_option options[] = {
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
       "evaluations for each number of links above four", 1e3, 1e12, NULL, NULL },
     { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
-      "start from the results in FILE too, which an earlier fit wrote with -o or --json", 0, 0, NULL, NULL },
+      "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
       "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
       0, 0, NULL, NULL },
@@ -254,12 +254,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.progress = show;
     o.context = &progress;
     o.budget = (long)s->budget;
-    lw_stage stage[LW_STAGE_MAX + 1] = { { .links = 4 } };
-    int n = 1;
-    for (int i = 0; i < set->topologies.n && n <= LW_STAGE_MAX; i++, n++)
-        stage[n] = (lw_stage){ set->topologies.stage[i].links, set->topologies.stage[i].family,
-                               set->topologies.stage[i].n_family };
-    lw_status st = lw_survey_run(&set->target, &o, stage, n, &set->survey, e);
+    lw_status st = lw_survey_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
     cli_progress_end(&progress.line);
     return st;
 }
@@ -269,15 +264,18 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
 {
     const settings *s = call->settings;
     char kinds[8] = "";
-    if (s->links == 4)
-        return LW_OK;
     for (const char *at = s->joints; *at; at++)
         if ((*at == 'r' || *at == 't') && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
     cli_topology_wish w = { .links = s->links, .kinds = kinds, .only = s->topology, .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    return cli_topologies_make(&w, &set->topologies, e);
+    lw_status st = s->links > 4 ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
+    if (st == LW_OK && s->resume)
+        st = cli_fit_known_read(s->resume, &set->known, e);
+    if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    return st;
 }
 
 /* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
@@ -362,6 +360,8 @@ static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
     lw_survey_free(&set->survey);
+    cli_fit_stages_free(&set->stages);
+    cli_fit_known_free(&set->known);
     cli_topologies_free(&set->topologies);
     free(set->which);
     free(set->report);

@@ -2,7 +2,7 @@
 #ifndef LW_CLI_FIT_H
 #define LW_CLI_FIT_H
 
-#include "cli/fit_topologies.h"
+#include "cli/fit_stages.h"
 #include "cli/json.h"
 #include "cli/json.h"
 #include "cli/output.h"
@@ -16,6 +16,8 @@ typedef struct cli_fit_set {
     lw_fit_spec spec;
     lw_survey   survey;           /* what was found, by number of links                            */
     cli_topologies topologies;    /* what was looked through beyond four links                     */
+    cli_fit_known  known;         /* linkages to start from                                        */
+    cli_fit_stages stages;
     int         n;                /* results that passed the second simulation                     */
     int        *which;            /* their candidates                                       (n)    */
     lw_report  *report;           /*                                                        (n)    */

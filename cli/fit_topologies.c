@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/sketch.h"
@@ -212,6 +213,46 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
     return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
 }
 
+/* ---- the other way ---------------------------------------------------------------------------------- */
+
+/* Links as vertices, coloured by ground and tracer; the kinds of joints between them: canonical. */
+static bool canonical(const lw_linkage *k, lw_graph *form)
+{
+    lw_graph g = { .n = k->n_link };
+    uint8_t to[LW_GRAPH_MAX];
+    g.colour[k->ground] = 1;
+    g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
+    for (int j = 0; j < k->n_joint; j++) {
+        int a = k->joint[j].link[0], b = k->joint[j].link[1];
+        g.tie[a][b] = g.tie[b][a] = (uint8_t)k->joint[j].kind;
+    }
+    if (lw_graph_label(&g, to) != LW_OK)
+        return false;
+    *form = (lw_graph){ .n = g.n };
+    for (int i = 0; i < g.n; i++) {
+        form->colour[to[i]] = g.colour[i];
+        for (int l = 0; l < g.n; l++)
+            form->tie[to[i]][to[l]] = g.tie[i][l];
+    }
+    return true;
+}
+
+bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size_t size)
+{
+    const cli_topologies *t = topologies;
+    lw_graph want, have;
+    if (!canonical(k, &want))
+        return true;
+    for (int i = 0; i < t->n; i++)
+        for (int f = 0; t->stage[i].links == k->n_link && f < t->stage[i].n_family; f++)
+            if (canonical(t->stage[i].linkage[f], &have) && memcmp(&want, &have, sizeof want) == 0) {
+                const char *given = t->stage[i].name[f], *cut = strstr(given, ", input");
+                snprintf(name, size, "%.*s", cut ? (int)(cut - given) : (int)strlen(given), given);
+                return true;
+            }
+    return t->wish_all;
+}
+
 /* ---- a number of links ------------------------------------------------------------------------------------ */
 
 static lw_status visit_chain(void *context, const lw_chain_item *item)
@@ -266,6 +307,7 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
     memset(t, 0, sizeof *t);
     if (mk)
         mk->w = w;
+    t->wish_all = strcmp(w->only, "all") == 0;
     for (int links = 6; st == LW_OK && links <= w->links && t->n < LW_STAGE_MAX; links += 2) {
         mk->to = &t->stage[t->n++];
         lw_rng_seed(&mk->rng, 1, (uint64_t)links);

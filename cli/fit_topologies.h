@@ -29,6 +29,7 @@ typedef struct cli_topology_stage {
 
 typedef struct cli_topologies {
     int                n;
+    bool               wish_all;
     cli_topology_stage stage[LW_STAGE_MAX];
 } cli_topologies;
 
@@ -43,6 +44,10 @@ typedef struct cli_topology_wish {
 /* LW_E_ARG with a text: a name in `only` that nothing bears. */
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
+
+/* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_stage.name with a
+ * cli_topologies as context); false: it is not among those to be fitted. */
+bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size_t size);
 
 const char *cli_topology_fate_text(cli_topology_fate f);
 

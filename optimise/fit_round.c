@@ -230,6 +230,8 @@ static void polish_one(void *context, size_t job, int thread)
     list->spent[job] += c->evals;
     if (p->timing != LW_TIMING_PRESCRIBED)               /* what x is worth with no more known     */
         c->f = lw_problem_value(p, c->x, NULL, s->work[thread]);
+    if (isfinite(c->f) && !lw_problem_stays(p, c->x, s->work[thread]))
+        c->f = INFINITY;
     c->polished = true;
 }
 

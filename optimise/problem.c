@@ -74,30 +74,40 @@ static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Does a linkage without linear conditions close in between: all round, or from the first station's input to
- * the last's? */
-static bool closes_between(const lw_problem *p, const double *x, lw_work *w)
+/* Least margin in between: all round, or from the first station's input to the last's; `shift` of a sample. */
+static double margin_between(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
     double lo = w->input[0], hi = w->input[0], least = 1;
-    lw_lanes in = { .n = n, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
-    if (!p->branch.turns) {
-        for (size_t k = 1; k < p->n; k++) {
-            lo = fmin(lo, w->input[k]);
-            hi = fmax(hi, w->input[k]);
-        }
-        for (size_t k = 0; k < n; k++) {
-            double at = lo + (hi - lo)*((double)k + 0.5)/(double)n;
-            w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
-            w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
-        }
-        in.c = w->pose_c;
-        in.s = w->pose_s;
+    for (size_t k = 1; k < p->n && !p->branch.turns; k++) {
+        lo = fmin(lo, w->input[k]);
+        hi = fmax(hi, w->input[k]);
     }
+    if (p->branch.turns)
+        hi = lo + 2*LW_PI;
+    for (size_t k = 0; k < n; k++) {
+        double at = lo + (hi - lo)*((double)k + shift)/(double)n;
+        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
+        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+    }
+    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->branch.mode };
     lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
     for (size_t k = 0; k < n; k++)
         least = fmin(least, w->pose.margin[k]);
-    return least > 0;
+    return least;
+}
+
+/* Nearer to a dead point of a dyad than its square root [rad], a linkage may leave its branch between two
+ * samples. */
+#define LEAST_MARGIN 1e-4
+
+bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
+{
+    enum { TIMES = 12 };
+    for (int i = 0; p->family->linkage && i < TIMES; i++)
+        if (!(margin_between(p, x, (i + 0.5)/TIMES, w) > 0.1*LEAST_MARGIN))
+            return false;
+    return true;
 }
 
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
@@ -109,7 +119,7 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
         lanes_of_circuit(p, x, w);
     for (size_t k = 0; k < w->n_lane; k++)
         least = fmin(least, w->jac.margin[k]);
-    return least >= w->least_margin && (!p->family->linkage || closes_between(p, x, w));
+    return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
 }
 
 bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)

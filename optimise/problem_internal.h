@@ -61,6 +61,9 @@ size_t lw_problem_lane_count(const lw_problem *p);
 /* Fill jac for x at the inputs in w->c, w->s; false when a lane cannot close. */
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
+/* Of any linkage: does it stay clear of dead points between the stations of w->input, looked at closely? */
+bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w);
+
 /* The circuit of the linkage x: its input turns, or goes from limit to limit in one assembly mode
  * and back in the other,  input = mid - half cos(phase).  false when it closes nowhere. */
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);

@@ -33,16 +33,16 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
     }
 }
 
-static bool grow_one(const lw_target *t, const lw_candidate *c, const lw_report *r, lw_rng *rng,
-                     struct lw_grown *g)
+static bool grow_one(const lw_target *t, const lw_stage *stage, const lw_candidate *c, const lw_report *r,
+                     lw_rng *rng, struct lw_grown *g)
 {
     double first, last;
     used_range(t, c, &first, &last);
     if (lw_linkage_grow(&r->linkage, c->branch.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
         return false;
     snprintf(g->name, sizeof g->name, "%.40s with a dyad more", lw_family_title(c->family));
-    if (strstr(lw_family_title(c->family), " with "))    /* grown twice                              */
-        snprintf(g->name, sizeof g->name, "%.40ss more", lw_family_title(c->family));
+    if (stage->name && !stage->name(stage->context, &g->linkage, g->name, sizeof g->name))
+        return false;
     snprintf(g->linkage.name, sizeof g->linkage.name, "%s", g->name);
     g->family = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
                              .links = lw_candidate_links(c) + 2 };
@@ -58,7 +58,8 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
 }
 
 /* Children of the best results with `links` links; a child points into `to`, which must stay. */
-static int grow(const lw_target *t, const lw_fit_options *o, const lw_fit *from, int links, struct lw_grown *to)
+static int grow(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, const lw_fit *from, int links,
+                struct lw_grown *to)
 {
     int n = 0, parents = 0;
     lw_rng rng;
@@ -72,7 +73,7 @@ static int grow(const lw_target *t, const lw_fit_options *o, const lw_fit *from,
         int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
         parents++;
         for (int k = 0; k < want && n < CHILDREN; k++)
-            n += grow_one(t, c, r, &rng, &to[n]);
+            n += grow_one(t, stage, c, r, &rng, &to[n]);
     }
     free(r);
     return n;
@@ -126,7 +127,7 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     if (stage->family) {
         memcpy(list, stage->family, sizeof *list*(size_t)stage->n_family);
         if (before > 0 && o->spec.task == LW_TASK_PATH)
-            r->n_grown = grow(t, o, &out->fit, before, out->grown + out->n_grown);
+            r->n_grown = grow(t, o, stage, &out->fit, before, out->grown + out->n_grown);
         for (int i = 0; i < r->n_grown; i++)
             list[stage->n_family + i] = out->grown[out->n_grown + i].family;
         mine.family = list;
@@ -162,6 +163,13 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     return st;
 }
 
+/* A linkage met again, or a cognate: as many links and the same error to rounding. */
+static bool again(const lw_candidate *a, const lw_candidate *b)
+{
+    return lw_candidate_links(a) == lw_candidate_links(b)
+        && fabs(a->objective - b->objective) <= 1e-9*b->objective && b->objective > 1e-20;
+}
+
 /* No more than wanted, but of every stage its best. */
 static void shorten(lw_survey *s, int most)
 {
@@ -171,7 +179,7 @@ static void shorten(lw_survey *s, int most)
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if (n < most || !seen[links])
+        if ((n < most || !seen[links]) && (n == 0 || !again(c, &f->candidate[n - 1])))
             f->candidate[n++] = *c;
         else {
             free(c->input);

@@ -14,6 +14,9 @@ typedef struct lw_stage {
     int              links;
     const lw_family *family;
     int              n_family;
+    /* What a grown linkage of the stage is called; false: it is not wanted.  NULL: by its parent. */
+    bool           (*name)(void *context, const lw_linkage *k, char *name, size_t size);
+    void            *context;
 } lw_stage;
 
 /* What came of a stage. */

@@ -1,0 +1,107 @@
+#include "cli/fit_stages.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/model.h"
+
+enum { KNOWN_MAX = 256 };
+
+static lw_status add_known(cli_fit_known *k, const lw_linkage *linkage)
+{
+    lw_linkage *more = realloc(k->linkage, sizeof *more*(size_t)(k->n + 1));
+    if (!more)
+        return LW_E_MEMORY;
+    more[k->n++] = *linkage;
+    k->linkage = more;
+    return LW_OK;
+}
+
+/* May this linkage be a start?  It needs an input and a point. */
+static lw_status check_known(const lw_linkage *k, const char *path, lw_error *e)
+{
+    if (k->n_input == 1 && k->n_tracer > 0)
+        return LW_OK;
+    return lw_error_at(e, LW_E_ARG, path, 0, 0, "a linkage to start from has one input and a tracer; \"%.40s\" has %d "
+                       "inputs and %d tracers", k->name, k->n_input, k->n_tracer);
+}
+
+lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e)
+{
+    memset(k, 0, sizeof *k);
+    for (int which = 0; which < KNOWN_MAX; which++) {
+        lw_linkage linkage;
+        lw_error why = { .text = "" };
+        lw_status st = cli_read_linkage(path, which == 0 ? 0 : which + 1, &linkage, &why);
+        if (st != LW_OK && which > 0)
+            break;                                       /* one linkage, or no more results        */
+        if (st != LW_OK) {
+            *e = why;
+            return st;
+        }
+        linkage.n_tracer = linkage.n_tracer > 1 ? 1 : linkage.n_tracer;
+        if ((st = check_known(&linkage, path, e)) != LW_OK)
+            return st;
+        if (add_known(k, &linkage) != LW_OK)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    k->family = calloc((size_t)k->n + 1, sizeof *k->family);
+    if (!k->family)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < k->n; i++) {
+        lw_linkage *l = &k->linkage[i];
+        if (!l->name[0])
+            memcpy(l->name, "linkage", sizeof "linkage");
+        k->family[i] = (lw_family){ .name = l->name, .linkage = l, .posture = true, .links = l->n_link };
+    }
+    return LW_OK;
+}
+
+void cli_fit_known_free(cli_fit_known *k)
+{
+    free(k->linkage);
+    free(k->family);
+    memset(k, 0, sizeof *k);
+}
+
+/* A stage of those with so many links; none when there are none. */
+static void add_stage(const cli_topology_stage *t, const cli_fit_known *k, int links, cli_fit_stages *s, lw_family **at)
+{
+    lw_stage *stage = &s->stage[s->n];
+    *stage = (lw_stage){ .links = links, .family = *at };
+    if (t)
+        memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
+    stage->n_family = t ? t->n_family : 0;
+    for (int i = 0; i < k->n; i++)
+        if (k->family[i].links == links)
+            (*at)[stage->n_family++] = k->family[i];
+    *at += stage->n_family;
+    s->n += (t || stage->n_family > 0) && s->n < LW_STAGE_MAX - 1;
+}
+
+lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s)
+{
+    size_t n = (size_t)k->n + 1;
+    for (int i = 0; i < t->n; i++)
+        n += (size_t)t->stage[i].n_family;
+    *s = (cli_fit_stages){ .n = 1, .stage = { { .links = 4 } } };
+    lw_family *at = s->family = calloc(n, sizeof *at);
+    if (!at)
+        return LW_E_MEMORY;
+    for (int links = 4; links <= LW_LINK_MAX; links++) {
+        const cli_topology_stage *own = NULL;
+        for (int i = 0; i < t->n; i++)
+            if (t->stage[i].links == links)
+                own = &t->stage[i];
+        add_stage(own, k, links, s, &at);
+        s->stage[s->n - 1].name = t->n > 0 ? cli_topologies_name : NULL;
+        s->stage[s->n - 1].context = t;
+    }
+    return LW_OK;
+}
+
+void cli_fit_stages_free(cli_fit_stages *s)
+{
+    free(s->family);
+    memset(s, 0, sizeof *s);
+}

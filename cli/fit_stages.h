@@ -1,0 +1,29 @@
+/* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of six, eight, ...; and
+ * linkages to start from, each with those of its own number of links. */
+#ifndef LW_CLI_FIT_STAGES_H
+#define LW_CLI_FIT_STAGES_H
+
+#include "cli/fit_topologies.h"
+
+/* Linkages that somebody has already: results of an earlier fit, or drawn by hand. */
+typedef struct cli_fit_known {
+    int         n;
+    lw_linkage *linkage;             /* (n) owned */
+    lw_family  *family;              /* (n) owned */
+} cli_fit_known;
+
+/* From a file as cli_read_linkage takes it, all results of it. */
+lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e);
+void      cli_fit_known_free(cli_fit_known *k);
+
+typedef struct cli_fit_stages {
+    int        n;
+    lw_stage   stage[LW_STAGE_MAX];
+    lw_family *family;               /* owned */
+} cli_fit_stages;
+
+/* Four links first, then by rising number; t and k must stay.  LW_E_MEMORY. */
+lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
+void      cli_fit_stages_free(cli_fit_stages *s);
+
+#endif
