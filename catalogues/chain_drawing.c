@@ -10,6 +10,7 @@
 
 #define SIGN      (1/72.0)   /* size of signs (u of symbols.h) against a bar       */
 #define SIGN_MOST 1.3        /* and at most [px]                                   */
+#define SIGN_LEAST 0.42      /* and at least: pins of 2.3 px                       */
 #define CAPTION   12.0       /* size of the type below a picture [px]              */
 #define LETTER    13.0       /* size of the number of a link [u]                   */
 
@@ -86,25 +87,37 @@ typedef struct extent { double left, right, low, top; } extent;
 
 static void include(extent *x, lw_vec2 p, double side, double up, double down)
 {
-    x->left = fmin(x->left, p.x - side*SIGN);
-    x->right = fmax(x->right, p.x + side*SIGN);
-    x->low = fmin(x->low, p.y - down*SIGN);
-    x->top = fmax(x->top, p.y + up*SIGN);
+    x->left = fmin(x->left, p.x - side);
+    x->right = fmax(x->right, p.x + side);
+    x->low = fmin(x->low, p.y - down);
+    x->top = fmax(x->top, p.y + up);
 }
 
-static void fit(sketch *k, lw_box box)
+/* What is covered when signs have the size `sign` against a bar. */
+static extent cover(const sketch *k, double sign)
 {
     extent x = { 1e9, -1e9, 1e9, -1e9 };
     double side, up, down;
     for (int j = 0; j < k->l->n_joint; j++) {
         room_of(k->m, j, &side, &up, &down);
-        include(&x, k->l->at[j], side, up, down);
+        include(&x, k->l->at[j], sign*side, sign*up, sign*down);
     }
     for (int i = 0; i < k->m->n_link; i++)
-        include(&x, k->l->end[i], 8, 8, 8);
-    double w = box.x1 - box.x0, h = box.y1 - box.y0;
-    k->scale = fmin(fmin(w/(x.right - x.left), h/(x.top - x.low)), fmin(w, h)/3);
-    k->u = fmin(k->scale*SIGN, SIGN_MOST);
+        include(&x, k->l->end[i], 8*sign, 8*sign, 8*sign);
+    return x;
+}
+
+/* Signs do not shrink below what can be read, so in a small box they take more of it: found in rounds. */
+static void fit(sketch *k, lw_box box)
+{
+    double w = box.x1 - box.x0, h = box.y1 - box.y0, sign = SIGN;
+    extent x = { 0, 0, 0, 0 };
+    for (int round = 0; round < 6; round++) {
+        x = cover(k, sign);
+        k->scale = fmin(fmin(w/(x.right - x.left), h/(x.top - x.low)), fmin(w, h)/3);
+        sign = fmax(sign, fmin(SIGN_LEAST/k->scale, 3*SIGN));
+    }
+    k->u = fmin(k->scale*sign, SIGN_MOST);
     k->middle = lw_v2((x.left + x.right)/2, (x.low + x.top)/2);
     k->centre = lw_v2((box.x0 + box.x1)/2, (box.y0 + box.y1)/2);
 }
@@ -241,7 +254,11 @@ static void draw_input(sketch *k, int input)
     lw_vec2 at = pixel(k, k->l->at[joint]), along = direction_of(k, link, joint);
     lw_bearer b = { joint, -1, -1 };
     if (k->m->kind[joint] != 't') {
-        lw_symbol_turning(k->d, b, at, atan2(-along.y, along.x) + 0.4, k->u);
+        /* counter-clockwise from the link, or up to it where that is further above the frame */
+        double link_at = atan2(-along.y, along.x);
+        bool below = on_ground(k->m, joint) && fmin(sin(link_at + 0.4), sin(link_at + 2.3))
+                                               < fmin(sin(link_at - 2.3), sin(link_at - 0.4));
+        lw_symbol_turning(k->d, b, at, link_at + (below ? -2.3 : 0.4), k->u);
         return;
     }
     along = direction_of(k, k->m->link[joint][rail_side(k, joint)], joint);
@@ -268,8 +285,15 @@ static double clearance(const sketch *k, lw_vec2 at)
 /* Beside the middle of a bar or a little off it, on either side: where it is freest. */
 static lw_vec2 beside_bar(const sketch *k, lw_vec2 a, lw_vec2 b)
 {
-    lw_vec2 d = lw_v2_sub(b, a), best = lw_v2(a.x, a.y - 19*k->u);                       /* of a block */
+    lw_vec2 d = lw_v2_sub(b, a), best = a;
     double length = lw_v2_norm(d), most = -1;
+    for (int i = 0; length <= 1e-6 && i < 8; i++) {                                       /* a block */
+        lw_vec2 at = lw_v2_add(a, lw_v2_polar(25*k->u, (2*i + 3)*LW_PI/8));
+        if (clearance(k, at) > most + 0.1*k->u) {
+            most = clearance(k, at);
+            best = at;
+        }
+    }
     for (int i = 0; length > 1e-6 && i < 6; i++) {
         static const double part[] = { 0.5, 0.36, 0.64 };
         lw_vec2 off = lw_v2_scale(lw_v2_perp(d), (i % 2 ? 11 : -11)*k->u/length);
@@ -291,7 +315,8 @@ static void draw_number(sketch *k, int link)
     for (int i = 0; i < n; i++)
         at = lw_v2_add(at, lw_v2_scale(p[i], 1.0/n));
     if (link == k->m->ground) {
-        at = lw_v2(p[0].x - 20*k->u, p[0].y + 14*k->u);
+        bool pin = k->m->kind[k->l->ring[k->l->first[link]]] == 'r';
+        at = lw_v2(p[0].x - (pin ? 25 : 46)*k->u, p[0].y + 12*k->u);
     } else if (n == 2) {
         at = beside_bar(k, p[0], p[1]);
     }

@@ -27,7 +27,7 @@ lw_status lw_draw_kind_of(const char *path, lw_draw_kind *kind, lw_error *e)
                         "in .svg, .pdf, .png, .gif or .html", path);
 }
 
-static lw_status drawing_bytes(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e)
+lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e)
 {
     switch (kind) {
     case LW_DRAW_SVG: return lw_svg_write(d, out, e);
@@ -47,7 +47,7 @@ static lw_status still(const lw_scene *s, lw_draw_kind kind, int width, int heig
     lw_status st = lw_diagram_draw(s, &o, &d, e);
     if (st != LW_OK)
         return st;
-    st = drawing_bytes(&d, kind, out, e);
+    st = lw_draw_still(&d, kind, out, e);
     lw_drawing_free(&d);
     return st;
 }
@@ -96,7 +96,7 @@ lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e)
         st = lw_plot_draw(p, &d, e);
     if (st < 0)
         return st;
-    st = drawing_bytes(&d, kind, &b, e);
+    st = lw_draw_still(&d, kind, &b, e);
     lw_drawing_free(&d);
     if (st == LW_OK)
         st = lw_file_write(path, b.data, b.size, e);

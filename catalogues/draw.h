@@ -19,6 +19,9 @@ lw_status lw_draw_bytes(const lw_scene *s, lw_draw_kind kind, int width, int hei
 lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, int width, int height,
                        lw_error *e);
 
+/* A drawing as SVG, PNG or PDF.  LW_E_ARG for the other kinds. */
+lw_status lw_draw_still(const lw_drawing *d, lw_draw_kind kind, lw_bytes *out, lw_error *e);
+
 /* A plot as SVG, PNG or PDF by the name of the file. */
 lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e);
 

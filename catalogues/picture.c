@@ -157,6 +157,11 @@ lw_status lw_picture_png(const lw_drawing *d, lw_bytes *out, lw_error *e)
 
 lw_status lw_picture_pdf(const lw_drawing *d, lw_bytes *out, lw_error *e)
 {
+    return lw_picture_pdf_pages(d, 1, out, e);
+}
+
+lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_error *e)
+{
     *out = (lw_bytes){ 0 };
     const double point = 0.75;                                   /* of the page per CSS pixel */
     cairo_surface_t *surface = cairo_pdf_surface_create_for_stream(append, out, point*d->width,
@@ -164,9 +169,14 @@ lw_status lw_picture_pdf(const lw_drawing *d, lw_bytes *out, lw_error *e)
     cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, d->title);
     cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     cairo_t *c = cairo_create(surface);
-    cairo_scale(c, point, point);
-    paint(c, d, NULL, 0);
-    cairo_show_page(c);
+    for (size_t i = 0; i < n && !cairo_status(c); i++) {
+        cairo_pdf_surface_set_size(surface, point*d[i].width, point*d[i].height);
+        cairo_save(c);
+        cairo_scale(c, point, point);
+        paint(c, &d[i], NULL, 0);
+        cairo_restore(c);
+        cairo_show_page(c);
+    }
     cairo_status_t s = cairo_status(c);
     cairo_destroy(c);
     cairo_surface_finish(surface);
