@@ -167,6 +167,8 @@ static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
     cli_json_int(j, "error_worst", (long long)r->worst + 1);
     cli_json_real(j, "error_percent", r->error_percent);
     cli_json_real(j, "error_curve", length(s, r->curve_max));
+    cli_json_real(j, "chamfer", r->likeness.chamfer);
+    cli_json_real(j, "ordered", r->likeness.ordered);
     if (s->spec.task != LW_TASK_PATH) {
         cli_json_real(j, "angle_error_mean", r->angle_mean);
         cli_json_real(j, "angle_error_max", r->angle_max);

@@ -172,6 +172,38 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     }
 }
 
+/* The angle in [0, 2 pi) that is a whole number of turns away. */
+static double turn_up(double angle)
+{
+    double a = remainder(angle, 2*LW_PI);
+    return a < 0 ? a + 2*LW_PI : a;
+}
+
+/* The curve from station to station, in their order: the way the point goes where the timing has an order. */
+static void compare_curves(const lw_target *t, const lw_candidate *c, const lw_plan *plan, lw_report *r)
+{
+    enum { STEPS = 12 };
+    size_t spans = t->closed ? t->n : t->n - 1, n = 0;
+    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + 1));
+    for (size_t i = 0; curve && i <= spans; i++) {
+        size_t a = i % t->n, b = (i + 1) % t->n;
+        double modes[LW_MODE_MAX], next[LW_MODE_MAX], way = c->input[b] - c->input[a];
+        lw_candidate_modes(c, plan, a, modes);
+        lw_candidate_modes(c, plan, b, next);
+        if (b == 0 && r->turns)
+            way = c->branch.sense*turn_up(c->branch.sense*way);
+        int steps = i == spans || modes[0] != next[0] ? 1 : STEPS;
+        for (int k = 0; k < steps && !(i == spans && t->closed); k++) {
+            lw_pose pose;
+            if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/STEPS, 0, &pose) == LW_OK)
+                curve[n++] = pose.tracer[0][0];
+        }
+    }
+    if (n >= 2)
+        lw_likeness_measure(t, curve, n, &r->likeness);
+    free(curve);
+}
+
 static void classify(const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
 {
     if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
@@ -202,6 +234,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
     r->transmission_min = r->transmission_max = NAN;
+    r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
         || station_errors(t, s, c, &plan, at, r) != LW_OK)
         snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
@@ -211,6 +244,8 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         r->linkage.tracer[0].angle = pose.angle[r->linkage.tracer[0].link][0] + c->tool0;
         r->linkage.units = t->units;
         describe_motion(t, s, c, &plan, r);
+        if (s->task != LW_TASK_FUNCTION)
+            compare_curves(t, c, &plan, r);
         classify(s, c, r);
         lw_verify(t, s, c, &plan, at, r);
     }

@@ -5,6 +5,7 @@
 
 #include "mbs/fourbar.h"
 #include "optimise/fit.h"
+#include "optimise/likeness.h"
 
 typedef struct lw_report {
     lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one      */
@@ -17,6 +18,7 @@ typedef struct lw_report {
     double   angle_mean, angle_max;/* of the tool or output [rad]; NaN when the task has none      */
     double   curve_max;            /* greatest distance of the curve, as far as it is run through from first to
                                     * last station, from the target polygon [m]                     */
+    lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
     int      circuits;             /* of the linkage with these lengths                            */
     double   transmission_min, transmission_max;    /* over the motion of this branch [rad]        */

@@ -1,0 +1,95 @@
+/* Distances of curves: known ones, and what must not matter. */
+#include "base/rng.h"
+#include "optimise/likeness.h"
+#include "tests/check.h"
+
+enum { N = 900 };
+
+static void circle(double r, lw_vec2 centre, double from, int sense, lw_vec2 p[N])
+{
+    for (int i = 0; i < N; i++)
+        p[i] = lw_v2_add(centre, lw_v2_polar(r, from + sense*2*LW_PI*i/N));
+}
+
+static void make(const lw_vec2 p[N], int closed, lw_target *t)
+{
+    double x[N], y[N];
+    for (int i = 0; i < N; i++) {
+        x[i] = p[i].x;
+        y[i] = p[i].y;
+    }
+    CHECK_INT(lw_target_make(N, x, y, NULL, NULL, NULL, closed, t, NULL), LW_OK);
+}
+
+static void concentric_circles(void)
+{
+    lw_vec2 a[N], b[N];
+    lw_target t;
+    lw_likeness l;
+    circle(2, lw_v2(3, 4), 0, 1, a);
+    make(a, 1, &t);
+    for (int sense = -1; sense <= 1; sense += 2) {
+        circle(2.5, lw_v2(3, 4), 1, sense, b);
+        lw_likeness_measure(&t, b, N, &l);
+        CHECK_NEAR(l.chamfer, 0.25, 1e-3, 0);             /* less the sagitta of the polygons       */
+        CHECK_NEAR(l.ordered, 0.25, 1e-3, 0);
+        CHECK_NEAR(l.chamfer, 0.5*(l.to_curve + l.to_target), 1e-15, 0);
+    }
+    lw_likeness_measure(&t, a, N, &l);
+    CHECK_NEAR(l.chamfer, 0, 1e-12, 0);
+    CHECK_NEAR(l.ordered, 0, 1e-12, 0);
+    lw_target_free(&t);
+}
+
+static void an_open_line_and_its_double(void)
+{
+    lw_vec2 a[N], b[2] = { { 2, 0 }, { 0, 0 } };
+    lw_target t;
+    lw_likeness l;
+    for (int i = 0; i < N; i++)
+        a[i] = lw_v2((double)i/(N - 1), 0);
+    make(a, 0, &t);
+    lw_likeness_measure(&t, b, 2, &l);
+    double radius = sqrt(1.0/12)*sqrt((LW_LIKENESS_POINTS + 1.0)/(LW_LIKENESS_POINTS - 1));
+    CHECK_NEAR(l.to_target*radius, 0.25, 5e-3, 0);        /* half of it lies 0 .. 1 away            */
+    CHECK(l.to_curve*radius < 5e-3);
+    CHECK_NEAR(l.ordered*radius, 0.5, 5e-3, 0);
+    lw_target_free(&t);
+}
+
+static void scale_and_place_do_not_matter(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int trial = 0; trial < 20; trial++) {
+        lw_vec2 a[N], b[N], u = lw_v2_polar(exp(lw_rng_normal(&rng)), 6*lw_rng_uniform(&rng));
+        lw_target t;
+        lw_likeness l, moved;
+        for (int i = 0; i < N; i++) {
+            double s = 2*LW_PI*i/N;
+            a[i] = lw_v2(cos(s) + 0.3*cos(3*s), sin(s));
+            b[i] = lw_v2(1.1*cos(s), sin(s) + 0.1*sin(2*s + trial));
+        }
+        make(a, 1, &t);
+        lw_likeness_measure(&t, b, N, &l);
+        lw_target_free(&t);
+        for (int i = 0; i < N; i++) {
+            a[i] = lw_v2_add(lw_v2(7, -2), lw_v2_turn(a[i], u));
+            b[i] = lw_v2_add(lw_v2(7, -2), lw_v2_turn(b[i], u));
+        }
+        make(a, 1, &t);
+        lw_likeness_measure(&t, b, N, &moved);
+        CHECK_NEAR(moved.chamfer, l.chamfer, 1e-9, 1e-9);
+        CHECK_NEAR(moved.ordered, l.ordered, 1e-9, 1e-9);
+        CHECK(l.ordered >= l.to_curve - 1e-12);
+        lw_target_free(&t);
+    }
+}
+
+int main(void)
+{
+    RUN(concentric_circles);
+    RUN(an_open_line_and_its_double);
+    RUN(scale_and_place_do_not_matter);
+    return check_end();
+}
