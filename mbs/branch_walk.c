@@ -6,8 +6,6 @@
 #include "base/rank.h"
 #include "base/rng.h"
 
-static const double least_step = 1e-6;     /* branches nearer than about this are taken to cross       */
-static const double back_off = 0.03;       /* arc before a branch point from where it is leapt over    */
 static const double longest_step = 0.5;    /* so that what lies between is seen by the ends            */
 static const double closing = 1e-8;        /* of the start, which a closed curve comes back to          */
 
@@ -154,7 +152,7 @@ static lw_status add_segment(lw_branch *b, int base, int far, int way, double le
 static bool step(lw_branch *b, int here, double *q, double *h)
 {
     double kappa = b->node[here].kappa;
-    for (*h = fmin(longest_step, 0.5*LW_FOLLOW_SHARE/kappa); *h >= least_step; *h *= 0.5) {
+    for (*h = fmin(longest_step, 0.5*LW_FOLLOW_SHARE/kappa); *h >= LW_FOLLOW_LEAST; *h *= 0.5) {
         lw_follow_sum(&b->f, 4, b->series, *h, q);
         b->f.distance = *h;
         if (lw_follow_correct(&b->f, q) && lw_follow_distance(&b->f, q, b->node[here].q) < 1.0/kappa)
@@ -165,48 +163,10 @@ static bool step(lw_branch *b, int here, double *q, double *h)
 
 /* ---- branch points ----------------------------------------------------------------------------- */
 
-/* A number that is 0 where the equations lose rank and smooth along the curve: with A^+ arms ~ 1/distance, its
- * reciprocal along a fixed direction (Govaerts 2000, chapter 3: bordering).  `arms`: whose solution at the base
- * defines the direction `along`. */
-static double singularity(lw_branch *b, const double *q, const double *arms, const double *along)
+static void set_distance(void *context, double h)
 {
-    lw_follow_factor(&b->f, q);
-    memcpy(b->f.work, arms, (size_t)b->f.m*sizeof *arms);
-    lw_follow_solve(&b->f, b->f.work);
-    return 1.0/dot(b, b->f.work, along);
-}
-
-/* Where on the plane's way the equations lose rank, about `guess`: inverse interpolation of four values. */
-static double locate(lw_branch *b, double guess, const double *arms, const double *along)
-{
-    double x[4], g[4], at = 0.0, delta = fmin(2e-3, guess/8.0);
-    for (int i = 0; i < 4; i++) {
-        x[i] = guess + delta*(i < 2 ? i - 2 : i - 1);
-        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, x[i], b->a);
-        b->f.distance = x[i];
-        lw_follow_correct(&b->f, b->a);
-        g[i] = singularity(b, b->a, arms, along);
-    }
-    for (int i = 0; i < 4; i++) {
-        double weight = x[i];
-        for (int j = 0; j < 4; j++)
-            weight *= j == i ? 1.0 : g[j]/(g[j] - g[i]);
-        at += weight;
-    }
-    return isfinite(at) && fabs(at - guess) < delta ? at : guess;
-}
-
-/* Random arms: every one that is not special shows the loss of rank. */
-static void choose_direction(lw_branch *b, const double *q, double *arms, double *along)
-{
-    lw_rng rng;
-    lw_rng_seed(&rng, 7, 0);
-    for (int i = 0; i < b->f.m; i++)
-        arms[i] = i < b->f.m - 1 ? lw_rng_range(&rng, -1.0, 1.0) : 0.0;
-    lw_follow_factor(&b->f, q);
-    memcpy(b->f.work, arms, (size_t)b->f.m*sizeof *arms);
-    lw_follow_solve(&b->f, b->f.work);
-    memcpy(along, b->f.work, (size_t)b->n*sizeof *along);
+    lw_branch *b = context;
+    b->f.distance = h;
 }
 
 /* No step is short enough at node `here`: leap over the branch point ahead, from a node far enough before it for
@@ -215,7 +175,7 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
 {
     double away = 0.0;
     int base = here, cut = b->n_segment;
-    while (cut > first_segment && away < back_off) {
+    while (cut > first_segment && away < LW_FOLLOW_BACK) {
         cut--;
         away += b->segment[cut].arc;
         base = b->segment[cut].base;
@@ -239,12 +199,7 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
         double gap = lw_follow_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
         if (!(gap*lw_follow_bound(&b->f, q) < 0.01) || !(turn > 0.5))
             continue;
-        double *arms = calloc((size_t)b->f.m, sizeof *arms);
-        if (!arms)
-            return LW_E_MEMORY;
-        choose_direction(b, q, arms, p);
-        double singular = locate(b, distance, arms, p);
-        free(arms);
+        double singular = lw_follow_locate(&b->f, LW_BRANCH_ORDER, b->series, distance, set_distance, b);
         b->n_segment = cut;
         drop_nodes(b, base + 1);
         lw_status s = add_node(b, q, far);

@@ -14,9 +14,8 @@
  *
  * kappa.  Pins and welds: the second derivative by the turn of body b is the stack of its arms, -R(phi_b) a, of
  * constant length whatever q, so A^+ of it is c g + s g' with g, g' that of the arms here and a quarter turn on; its
- * length is
- * at most the greatest singular value of [g g'].  Rows that project on a slide line (slider, slot, rack, driven
- * slider) are bilinear in turns and places with coefficients read off below.  All other rows are linear.
+ * length is at most the greatest singular value of [g g'].  Rows that project on a slide line (slider, slot, rack,
+ * driven slider) are bilinear in turns and places with coefficients read off below.  All other rows are linear.
  * Norms are those of the coordinates in which G is not linear: turns, and places of bodies at slide lines. */
 #ifndef LW_MBS_FOLLOW_INTERNAL_H
 #define LW_MBS_FOLLOW_INTERNAL_H
@@ -24,6 +23,8 @@
 #include "mbs/system_internal.h"
 
 #define LW_FOLLOW_SHARE 0.9      /* of the reach 1/(2 kappa) that a step may use                        */
+#define LW_FOLLOW_LEAST 1e-6     /* step: branches nearer than about this are taken to cross            */
+#define LW_FOLLOW_BACK  0.03     /* before a branch point, from where it is leapt over                   */
 
 typedef struct lw_follow {
     const lw_system *s;
@@ -73,5 +74,11 @@ void   lw_follow_series(lw_follow *f, int order, const double *value, double *q)
 
 /* Sum of q[k*n ..] h^k */
 void   lw_follow_sum(const lw_follow *f, int order, const double *q, double h, double *out);
+
+/* Where between two good postures the equations lose rank (follow_singular.c): `series` of the motion by x from a
+ * posture before, guess: about where.  set(context, x) makes f's equations those at x.
+ * Right to about 1e-11; the guess where nothing better is found. */
+double lw_follow_locate(lw_follow *f, int order, const double *series, double guess,
+                        void (*set)(void *context, double x), void *context);
 
 #endif
