@@ -1,0 +1,51 @@
+/* linkwright mobility: what it says about the examples, and how it refuses. */
+#include "tests/cli_run.h"
+
+static void examples_are_told_apart(void)
+{
+    expect("$P mobility examples/focal.json", 0, "moves because its dimensions are special", NULL);
+    expect("$P mobility examples/focal.json", 0, "-1 = 3*7 - 22", NULL);
+    expect("$P mobility examples/parallelogram.json", 0, "1  (0 with other dimensions)", NULL);
+    expect("$P mobility examples/parallelogram.json", 0, "of C'  follows from A, A', B, B', C", NULL);
+    expect("$P mobility examples/shaky.json", 0, "shaky: it yields, but cannot move", NULL);
+    expect("$P mobility examples/roller.json", 0, "1 freedom that reaches no tracer: roller", NULL);
+    expect("$P mobility examples/jansen.json", 0, "20 of 20 rows", NULL);
+}
+
+static void json_says_the_same(void)
+{
+    expect("$P mobility examples/roller.json --json", 0, "\"idle_links\": [\n    \"roller\"\n  ]", NULL);
+    expect("$P mobility examples/parallelogram.json --json", 0, "\"verdict\": \"moves\"", NULL);
+    expect("$P mobility examples/parallelogram.json --json", 0, "\"freedom_other_dimensions\": 0", NULL);
+    expect("$P mobility - --json < examples/shaky.json", 0, "\"order\": 1", NULL);
+    expect("$P mobility examples/jansen.json --json -o $D/a", 0, NULL, NULL);
+    expect("$P mobility examples/jansen.json --json | cmp - $D/a", 0, NULL, NULL);
+}
+
+/* Rounded to four digits the focal linkage is rigid, unless the joints may have that much play. */
+static void rounded_files(void)
+{
+    expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/focal.json > $D/r.json; $P mobility $D/r.json", 0,
+           "would move if joints opened by", NULL);
+    expect("$P mobility $D/r.json", 0, "freedom         0", NULL);
+    expect("$P mobility $D/r.json -t 1e-4", 0, "freedom         1", NULL);
+}
+
+static void refusals(void)
+{
+    expect("$P mobility", 2, NULL, "MODEL.json");
+    expect("$P mobility nowhere.json", 3, NULL, "nowhere.json");
+    expect("$P mobility examples/jansen.json --tolerance 1", 2, NULL, "out of range");
+    expect("$P mobilty examples/jansen.json", 2, NULL, "did you mean 'mobility'");
+    expect("$P help mobility", 0, "Gruebler", NULL);
+}
+
+int main(void)
+{
+    RUN(examples_are_told_apart);
+    RUN(json_says_the_same);
+    RUN(rounded_files);
+    RUN(refusals);
+    run_end();
+    return check_end();
+}
