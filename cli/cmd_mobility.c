@@ -214,7 +214,7 @@ const cli_command cli_mobility_command = {
     .title = "freedoms of a linkage, redundant constraints, idle links; rigid, shaky or movable",
     .examples =
         "  linkwright mobility examples/jansen.json          one freedom, nothing redundant\n"
-        "  linkwright mobility examples/focal.json           moves although the count says -1\n"
+        "  linkwright mobility examples/mobility/focal.json           moves although the count says -1\n"
         "  linkwright mobility bridge.json --json            the same for programs\n"
         "  linkwright mobility rounded.json -t 1e-6          coordinates with six digits\n",
     .about =

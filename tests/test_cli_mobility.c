@@ -3,21 +3,21 @@
 
 static void examples_are_told_apart(void)
 {
-    expect("$P mobility examples/focal.json", 0, "moves because its dimensions are special", NULL);
-    expect("$P mobility examples/focal.json", 0, "-1 = 3*7 - 22", NULL);
-    expect("$P mobility examples/parallelogram.json", 0, "1  (0 with other dimensions)", NULL);
-    expect("$P mobility examples/parallelogram.json", 0, "of C'  follows from A, A', B, B', C", NULL);
-    expect("$P mobility examples/shaky.json", 0, "shaky: it yields, but cannot move", NULL);
-    expect("$P mobility examples/roller.json", 0, "1 freedom that reaches no tracer: roller", NULL);
+    expect("$P mobility examples/mobility/focal.json", 0, "moves because its dimensions are special", NULL);
+    expect("$P mobility examples/mobility/focal.json", 0, "-1 = 3*7 - 22", NULL);
+    expect("$P mobility examples/mobility/parallelogram.json", 0, "1  (0 with other dimensions)", NULL);
+    expect("$P mobility examples/mobility/parallelogram.json", 0, "of C'  follows from A, A', B, B', C", NULL);
+    expect("$P mobility examples/mobility/shaky.json", 0, "shaky: it yields, but cannot move", NULL);
+    expect("$P mobility examples/mobility/roller.json", 0, "1 freedom that reaches no tracer: roller", NULL);
     expect("$P mobility examples/jansen.json", 0, "20 of 20 rows", NULL);
 }
 
 static void json_says_the_same(void)
 {
-    expect("$P mobility examples/roller.json --json", 0, "\"idle_links\": [\n    \"roller\"\n  ]", NULL);
-    expect("$P mobility examples/parallelogram.json --json", 0, "\"verdict\": \"moves\"", NULL);
-    expect("$P mobility examples/parallelogram.json --json", 0, "\"freedom_other_dimensions\": 0", NULL);
-    expect("$P mobility - --json < examples/shaky.json", 0, "\"order\": 1", NULL);
+    expect("$P mobility examples/mobility/roller.json --json", 0, "\"idle_links\": [\n    \"roller\"\n  ]", NULL);
+    expect("$P mobility examples/mobility/parallelogram.json --json", 0, "\"verdict\": \"moves\"", NULL);
+    expect("$P mobility examples/mobility/parallelogram.json --json", 0, "\"freedom_other_dimensions\": 0", NULL);
+    expect("$P mobility - --json < examples/mobility/shaky.json", 0, "\"order\": 1", NULL);
     expect("$P mobility examples/jansen.json --json -o $D/a", 0, NULL, NULL);
     expect("$P mobility examples/jansen.json --json | cmp - $D/a", 0, NULL, NULL);
 }
@@ -25,8 +25,9 @@ static void json_says_the_same(void)
 /* Rounded to four digits the focal linkage is rigid, unless the joints may have that much play. */
 static void rounded_files(void)
 {
-    expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/focal.json > $D/r.json; $P mobility $D/r.json", 0,
-           "would move if joints opened by", NULL);
+    expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/mobility/focal.json > $D/r.json", 0, NULL,
+           NULL);
+    expect("$P mobility $D/r.json", 0, "would move if joints opened by", NULL);
     expect("$P mobility $D/r.json", 0, "freedom         0", NULL);
     expect("$P mobility $D/r.json -t 1e-4", 0, "freedom         1", NULL);
 }
