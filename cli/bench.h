@@ -87,4 +87,13 @@ void      cli_bench_tables(const cli_bench *b, FILE *f);                       /
 /* curves.csv, reach.csv and a plot for each problem. */
 lw_status cli_bench_save(const cli_bench *b, const char *line, const char *folder, lw_error *e);
 
+/* Searches with up to so many links; the table goes to standard output, links.csv and plots into the folder. */
+typedef struct cli_bench_links {
+    int         links, jobs;
+    long        budget;                  /* evaluations a number of links                           */
+    uint64_t    seed;
+    const char *folder;                  /* NULL: none                                              */
+} cli_bench_links;
+lw_status cli_bench_links_run(const cli_call *call, const cli_bench *b, const cli_bench_links *o, lw_error *e);
+
 #endif

@@ -10,8 +10,9 @@
 
 typedef struct settings {
     const char *output, *problems, *solvers;
-    double      time, limit;
+    double      time, limit, budget;
     int         seeds;
+    const char *links;
 } settings;
 
 static const cli_option options[] = {
@@ -27,6 +28,10 @@ static const cli_option options[] = {
     { "seeds", 'n', CLI_INT, offsetof(settings, seeds), "N", "20",
       "runs of the default strategy towards the reachable error, with the seeds from --seed on", 0, 10000,
       NULL, NULL },
+    { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
+      "instead: error against number of links, 6 or 6,8: searches over all mechanisms with so many", 0, 0, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
+      "with --links: evaluations for each number of links", 1e3, 1e12, NULL, NULL },
     { "limit", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
     { .name = NULL }
 };
@@ -162,6 +167,36 @@ static int finish(const cli_call *call, const cli_bench *b)
     return cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
 }
 
+/* "6,8" to 8; 0 when it is no such list. */
+static int most_links(const char *list)
+{
+    int most = 0;
+    for (const char *at = list; *at;) {
+        char *end;
+        long links = strtol(at, &end, 10);
+        if (end == at || (*end && *end != ',') || links < 4 || links > 10 || links % 2)
+            return 0;
+        most = links > most ? (int)links : most;
+        at = end + (*end == ',');
+    }
+    return most;
+}
+
+static int run_links(const cli_call *call, cli_bench *b)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    cli_bench_links o = { .links = most_links(s->links), .jobs = b->jobs, .budget = (long)s->budget,
+                          .seed = call->common.seed, .folder = s->output };
+    if (o.links == 0)
+        return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
+    lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, &e);
+    if (st == LW_OK)
+        st = cli_bench_links_run(call, b, &o, &e);
+    cli_bench_free(b->problem, b->n_problem);
+    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -178,6 +213,8 @@ static int run(const cli_call *call)
         return cli_usage(call, "%s", e.text);
     cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
+    if (s->links)
+        return run_links(call, &b);
     lw_status st = cli_bench_load(s->problems, &b.problem, &b.n_problem, &e);
     if (st == LW_OK)
         st = run_all(call, &b, &c, &e);
@@ -194,7 +231,9 @@ const cli_command cli_bench_command = {
         "  linkwright bench fit                                      the published path problems, all solvers\n"
         "  linkwright bench fit -o out                               with CSV and a plot of each problem\n"
         "  linkwright bench fit --solvers lm,slsqp --time 2 --seeds 0\n"
-        "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n",
+        "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n"
+        "  linkwright bench fit --links 6,8                          error against number of links\n"
+        "  linkwright bench fit --links 8 --problems examples/letters -o out\n",
     .about =
         "Two Markdown tables go to standard output: how often and how soon the default strategy\n"
         "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"

@@ -278,6 +278,17 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     return st;
 }
 
+/* Candidate i is verified: one more result, unless there are enough and others have as many links. */
+static void keep(cli_fit_set *set, int i, int most)
+{
+    const lw_candidate *c = set->survey.fit.candidate;
+    bool first = true;
+    for (int k = 0; k < set->n; k++)
+        first &= lw_candidate_links(&c[set->which[k]]) != lw_candidate_links(&c[i]);
+    if (set->n < most || first)
+        set->which[set->n++] = i;
+}
+
 /* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
  * has a defect and is left out. */
 static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
@@ -293,7 +304,7 @@ static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
         if (st != LW_OK)
             return st;
         if (r->verified) {
-            set->which[set->n++] = i;
+            keep(set, i, ((const settings *)call->settings)->results);
             continue;
         }
         set->left_out++;

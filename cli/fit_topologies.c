@@ -67,7 +67,7 @@ static bool asked_for(maker *mk, const char *key)
     for (const char *at = mk->w->only; *at; k++) {
         size_t n = strcspn(at, ",");
         bool whole = strncmp(key, at, n) == 0 && key[n] == 0;
-        bool begins = strncmp(key, at, n) == 0 && at[n - 1] > '9';     /* "watt": both          */
+        bool begins = strncmp(key, at, n) == 0 && at[n - 1] > '9' && key[n] <= '9';     /* "watt": both */
         if ((whole || begins) && k < 64)
             mk->met[k] = found = true;
         at += n + (at[n] == ',');

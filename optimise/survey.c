@@ -170,22 +170,23 @@ static bool again(const lw_candidate *a, const lw_candidate *b)
         && fabs(a->objective - b->objective) <= 1e-9*b->objective && b->objective > 1e-20;
 }
 
-/* No more than wanted, but of every stage its best. */
+/* No more than wanted, but of every stage its best, and some more in case the best has a defect. */
 static void shorten(lw_survey *s, int most)
 {
     lw_fit *f = &s->fit;
     int n = 0;
-    bool seen[LW_LINK_MAX + 1] = { false };
+    enum { OF_EACH = 4 };
+    int seen[LW_LINK_MAX + 1] = { 0 };
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if ((n < most || !seen[links]) && (n == 0 || !again(c, &f->candidate[n - 1])))
+        if ((n < most || seen[links] < OF_EACH) && (n == 0 || !again(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
-        else {
+            seen[links]++;
+        } else {
             free(c->input);
             free(c->mode_of);
         }
-        seen[links] = true;
     }
     f->n = n;
 }
