@@ -13,7 +13,7 @@ struct lw_store {
     char          path[1024], lock_path[1040];
     int           lock, found_version;       /* lock: a file descriptor, -1 when nothing is written   */
     bool          writes;
-    sqlite3_int64 run, build;
+    sqlite3_int64 run, build, sweep;
     int           n_statement;
     struct { const char *sql; sqlite3_stmt *statement; } statement[LW_STORE_STATEMENT_MAX];
 };

@@ -31,7 +31,27 @@ static const char version_1[] =
     " groups_n INTEGER NOT NULL, highest INTEGER NOT NULL, modes INTEGER, run INTEGER NOT NULL REFERENCES run(id),"
     " UNIQUE(chain, ground, kinds, inputs));";
 
-const char *const lw_store_steps[] = { version_1 };
+/* Curves and linkages that were found. */
+static const char version_2[] =
+    "CREATE TABLE sweep("
+    " id INTEGER PRIMARY KEY, families TEXT NOT NULL, kinds INTEGER NOT NULL, seed TEXT NOT NULL,"
+    " samples INTEGER NOT NULL DEFAULT 0, segments INTEGER NOT NULL DEFAULT 0, UNIQUE(families, kinds, seed));"
+    "CREATE TABLE curve_segment("
+    " id INTEGER PRIMARY KEY, sweep INTEGER NOT NULL REFERENCES sweep(id), number INTEGER NOT NULL,"
+    " closed INTEGER NOT NULL, n INTEGER NOT NULL, first_block INTEGER NOT NULL, boxes BLOB NOT NULL,"
+    " run INTEGER NOT NULL REFERENCES run(id), UNIQUE(sweep, number, closed));"
+    "CREATE TABLE curve_block(id INTEGER PRIMARY KEY, terms BLOB NOT NULL, linkages BLOB NOT NULL);"
+    "CREATE TABLE linkage("
+    " id INTEGER PRIMARY KEY, hash TEXT NOT NULL UNIQUE, name TEXT NOT NULL, links INTEGER NOT NULL,"
+    " dof INTEGER NOT NULL, joints INTEGER NOT NULL, sliders INTEGER NOT NULL, kinds TEXT NOT NULL, label TEXT,"
+    " type TEXT, family TEXT, class TEXT, task TEXT, timing TEXT, target TEXT, source TEXT,"
+    " objective REAL, error REAL, error_mean REAL, error_rms REAL, error_max REAL, error_curve REAL, angle_error REAL,"
+    " crank INTEGER, circuits INTEGER, transmission_min REAL, transmission_max REAL, size REAL, closed INTEGER,"
+    " curve BLOB, terms BLOB, json TEXT NOT NULL, run INTEGER NOT NULL REFERENCES run(id));"
+    "CREATE INDEX linkage_label ON linkage(label);"
+    "CREATE INDEX linkage_error ON linkage(error);";
+
+const char *const lw_store_steps[] = { version_1, version_2 };
 const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;
 
 static int run_steps(lw_store *s, int from)

@@ -9,12 +9,14 @@
 typedef struct cli_catalogue_settings {
     double      time, wait, commit;
     bool        disagreeing;
-    int         links, dof, input;
-    const char *joints;
+    int         links, dof, input, samples, curves, neighbours, shape;
+    const char *joints, *types;
 } cli_catalogue_settings;
 
 /* Each gets the whole call; word[0] is its own name.  They return the exit code. */
 int cli_catalogue_build(const cli_call *call);
+int cli_catalogue_curves(const cli_call *call);
+int cli_catalogue_nearest(const cli_call *call);
 int cli_catalogue_check(const cli_call *call);        /* of a table                                 */
 int cli_catalogue_check_file(const cli_call *call);   /* of a catalogue                             */
 

@@ -15,6 +15,15 @@ static const cli_option options[] = {
       "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground", "build: drive joints at the ground, or any", 0, 0,
       NULL, NULL },
+    { "samples", 'n', CLI_INT, PLACE(samples), "N", NULL, "curves: how many are drawn", 1, 2e9, NULL, NULL },
+    { "types", 0, CLI_TEXT, PLACE(types), "LIST", "fourbar", "curves: types of linkages, as of fit, apart by commas, or all",
+      0, 0, NULL, NULL },
+    { "curves", 0, CLI_CHOICE, PLACE(curves), "both|closed|open", "both",
+      "curves: whole circuits, or pieces of them, or in turn", 0, 0, NULL, NULL },
+    { "neighbours", 'k', CLI_INT, PLACE(neighbours), "K", "20", "nearest: how many curves are wanted", 1, 100000, NULL,
+      NULL },
+    { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file", "nearest: take the target as closed or open", 0, 0,
+      NULL, NULL },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5", "how long to wait for another program that writes to the file",
       0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
@@ -30,6 +39,8 @@ static const cli_option options[] = {
 
 static const struct { const char *name; int least, most; const char *words; int (*run)(const cli_call *call); } actions[] = {
     { "build", 2, 2, "build FILE --links P", cli_catalogue_build },
+    { "curves", 2, 2, "curves FILE --links 4 --samples N", cli_catalogue_curves },
+    { "nearest", 3, 3, "nearest FILE TARGET.csv", cli_catalogue_nearest },
     { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check_file },
 };
 
@@ -78,7 +89,7 @@ static int run(const cli_call *call)
     const char *near = lw_suggest(word, names, N_ACTION);
     if (near)
         return cli_usage(call, "there is no action '%s'; did you mean '%s'?", word, near);
-    return cli_usage(call, "there is no action '%s'; there are build and check", word);
+    return cli_usage(call, "there is no action '%s'; there are build, curves, nearest and check", word);
 }
 
 const cli_command cli_catalogue_command = {
@@ -88,6 +99,8 @@ const cli_command cli_catalogue_command = {
     .examples =
         "  linkwright catalogue build atlas.db --links 8        all chains, ground links, inputs of eight links\n"
         "  linkwright catalogue build atlas.db --links 6 --joints r,t\n"
+        "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
+        "  linkwright catalogue nearest atlas.db target.csv -k 20\n"
         "  linkwright catalogue check atlas.db                  against the published counts, page by page\n"
         "  linkwright catalogue check                    the table that comes with the program\n"
         "  linkwright catalogue check --time 600         with patience: 18 links take some minutes\n"
@@ -97,6 +110,9 @@ const cli_command cli_catalogue_command = {
         "its structure and derivation, canonical label, symmetry, planarity, notations, ground links up to symmetry,\n"
         "inputs and Assur groups. One file takes any number of builds. A build that was stopped, or killed,\n"
         "goes on where it was when the same command is given again; nothing is lost or there twice.\n"
+        "curves draws coupler curves of four-link chains, whole circuits and pieces of them, spread evenly over\n"
+        "the shapes of linkages; nearest finds those most like a target, whatever its place, size, turn, direction and\n"
+        "mirroring, and prints the linkages laid on it.\n"
         "check FILE examines a catalogue: every page and reference, every label, and all numbers that are\n"
         "published. check [TABLE.csv] counts each row of the table of published counts again, as far as it is\n"
         "feasible within --time: the number published, the number counted, whether they agree, what was\n"

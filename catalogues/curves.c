@@ -1,0 +1,308 @@
+#include "catalogues/curves.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/batch.h"
+#include "mbs/types.h"
+
+#define FAMILY_MAX 32
+#define POINTS     LW_CURVE_POINTS
+#define REACH      2.0          /* how far from the middle of the coupler tracers are drawn, couplers */
+#define LEAST_PART 0.1          /* of the way, of an open curve                                       */
+
+typedef struct kind {
+    const lw_family *family;
+    lw_plan          plan;
+    int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* numbers of dimensions; -1: none */
+    double           upto;                                      /* share of the samples, added up  */
+} kind;
+
+struct lw_curve_maker {
+    int    n;
+    size_t batch_size;
+    double c[POINTS], s[POINTS];                                /* a full turn                     */
+    char   families[FAMILY_MAX*32];
+    kind   kind[FAMILY_MAX];
+};
+
+typedef struct scratch { double c[POINTS], s[POINTS], x[POINTS], y[POINTS]; } scratch;
+
+/* ---- making ---------------------------------------------------------------------------------------- */
+
+static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
+{
+    lw_linkage k;
+    kind *to = &m->kind[m->n];
+    if (m->n == FAMILY_MAX)
+        return lw_error_set(e, LW_E_ARG, "more than %d families", FAMILY_MAX);
+    lw_type_linkage(lw_type_find(f->type), &k);
+    lw_status status = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &to->plan, e);
+    if (status != LW_OK)
+        return status;
+    to->family = f;
+    to->coupler = lw_plan_dim(&to->plan, "r3");
+    for (int i = 0; f->shape[i]; i++)
+        to->shape[to->n_shape++] = lw_plan_dim(&to->plan, f->shape[i]);
+    to->upto = (m->n > 0 ? m->kind[m->n - 1].upto : 0) + f->blocks;
+    size_t size = lw_batch_work_size(&to->plan);
+    m->batch_size = size > m->batch_size ? size : m->batch_size;
+    if (m->n > 0)
+        strcat(m->families, ",");
+    strcat(m->families, f->name);
+    m->n++;
+    return LW_OK;
+}
+
+/* The next word of a list apart by commas; false at the end. */
+static bool next_word(const char **list, char word[32])
+{
+    size_t n = strcspn(*list, ",");
+    if (!**list)
+        return false;
+    snprintf(word, 32, "%.*s", (int)(n < 31 ? n : 31), *list);
+    *list += n + ((*list)[n] == ',');
+    return true;
+}
+
+static lw_status create(lw_curve_maker **maker, lw_error *e)
+{
+    lw_curve_maker *m = calloc(1, sizeof *m);
+    *maker = m;
+    if (!m)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < POINTS; i++) {
+        m->c[i] = cos(2*LW_PI*i/POINTS);
+        m->s[i] = sin(2*LW_PI*i/POINTS);
+    }
+    return LW_OK;
+}
+
+static lw_status add_type(lw_curve_maker *m, const lw_type *type, lw_error *e)
+{
+    lw_status status = LW_OK;
+    for (const lw_family *f = lw_family_table; f->name && status == LW_OK; f++)
+        if (!type || strcmp(f->type, type->letters) == 0)
+            status = add_family(m, f, e);
+    return status;
+}
+
+lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_error *e)
+{
+    char word[32];
+    lw_status status = create(maker, e);
+    if (status == LW_OK && strcmp(types, "all") == 0)
+        status = add_type(*maker, NULL, e);
+    else
+        while (status == LW_OK && next_word(&types, word)) {
+            const lw_type *t = lw_type_find(word);
+            status = t ? add_type(*maker, t, e) : lw_error_set(e, LW_E_ARG, "there is no type '%s'; 'linkwright help fit' "
+                                                               "lists them", word);
+        }
+    if (status == LW_OK && (*maker)->n == 0)
+        status = lw_error_set(e, LW_E_ARG, "no type of linkage is named");
+    if (status != LW_OK) {
+        lw_curve_maker_free(*maker);
+        *maker = NULL;
+    }
+    return status;
+}
+
+lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_error *e)
+{
+    char word[32];
+    lw_status status = create(maker, e);
+    while (status == LW_OK && next_word(&families, word)) {
+        const lw_family *f = lw_family_table;
+        while (f->name && strcmp(f->name, word) != 0)
+            f++;
+        status = f->name ? add_family(*maker, f, e) : lw_error_set(e, LW_E_NOTATION, "there is no family '%s' in this "
+                                                                   "program", word);
+    }
+    if (status != LW_OK) {
+        lw_curve_maker_free(*maker);
+        *maker = NULL;
+    }
+    return status;
+}
+
+void lw_curve_maker_free(lw_curve_maker *maker)                       { free(maker); }
+const char *lw_curve_maker_families(const lw_curve_maker *maker)      { return maker->families; }
+
+const lw_family *lw_curve_family(const lw_curve_maker *maker, const lw_curve_row *row)
+{
+    return row->family < maker->n ? maker->kind[row->family].family : NULL;
+}
+
+size_t lw_curve_work_size(const lw_curve_maker *maker)
+{
+    return (sizeof(scratch) + maker->batch_size + 63)/64*64;
+}
+
+/* ---- drawing --------------------------------------------------------------------------------------- */
+
+static void set_dims(const kind *k, const lw_curve_row *row, double *dim)
+{
+    memset(dim, 0, sizeof *dim*(size_t)k->plan.n_dim);
+    for (int i = 0; i < k->n_shape; i++)
+        dim[k->shape[i]] = row->dim[i];
+    dim[k->plan.i_cx[0]] = row->dim[LW_SHAPE_MAX];
+    dim[k->plan.i_cy[0]] = row->dim[LW_SHAPE_MAX + 1];
+}
+
+/* Tracers are dense in the middle of the coupler and thin out towards REACH times its length. */
+static void draw_tracer(const kind *k, const double *u, lw_curve_row *row)
+{
+    double coupler = 1, middle = 0;
+    for (int i = 0; i < k->n_shape; i++)
+        if (k->shape[i] == k->coupler) {
+            coupler = row->dim[i];
+            middle = 0.5*coupler;
+        }
+    lw_vec2 at = lw_v2_polar(REACH*coupler*u[0], 2*LW_PI*u[1]);
+    row->dim[LW_SHAPE_MAX] = (float)(middle + at.x);
+    row->dim[LW_SHAPE_MAX + 1] = (float)at.y;
+}
+
+/* A piece of the way from a to b: u[0] where, u[1] how much. */
+static void draw_piece(const double *u, double a, double b, bool turns, lw_curve_row *row)
+{
+    double part = LEAST_PART + (1 - LEAST_PART)*u[1];
+    double from = a + (b - a)*u[0]*(turns ? 1 : 1 - part);
+    row->first = (float)from;
+    row->last = (float)(from + (b - a)*part);
+}
+
+lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row)
+{
+    double shape[LW_SHAPE_MAX] = { 0 }, dim[LW_DIM_MAX];
+    int which = 0;
+    lw_range range = { .first = 0, .last = 2*LW_PI, .turns = true };
+    (void)work;
+    while (which + 1 < maker->n && u[0]*maker->kind[maker->n - 1].upto >= maker->kind[which].upto)
+        which++;
+    const kind *k = &maker->kind[which];
+    *row = (lw_curve_row){ .family = (uint8_t)which, .mode = 1 };
+    k->family->draw(u + 1, shape);
+    for (int i = 0; i < k->n_shape; i++)
+        row->dim[i] = (float)shape[i];
+    draw_tracer(k, u + 4, row);
+    set_dims(k, row, dim);
+    if (!k->family->turns && lw_motion_range(&k->plan, dim, 1, &range) != LW_OK)
+        return LW_OPEN;
+    if (!(range.last - range.first > 1e-6))
+        return LW_OPEN;
+    if (!closed) {
+        /* through the limits one comes into the other assembly: both are drawn */
+        double at = u[6]*2;
+        row->mode = !range.turns && range.limits && at >= 1 ? -1 : 1;
+        draw_piece((double[2]){ range.turns ? u[6] : at - (at >= 1), u[7] }, range.first, range.last, range.turns, row);
+        return LW_OK;
+    }
+    if (!range.turns && !range.limits)
+        return LW_OPEN;
+    row->mode = range.turns ? 1 : 0;
+    row->first = (float)range.first;
+    row->last = (float)range.last;
+    return LW_OK;
+}
+
+/* ---- points ---------------------------------------------------------------------------------------- */
+
+/* Inputs of lanes from..to-1 run from a to b as a cosine does, dense at the ends, where the linkage may be at a
+ * limit and run fast. */
+static void set_inputs(const kind *k, scratch *w, int from, int to, double first, double last, bool ends)
+{
+    int n = to - from;
+    for (int i = 0; i < n; i++) {
+        double t = ends ? i/(double)(n - 1) : i/(double)n;
+        double input = 0.5*(first + last) - 0.5*(last - first)*cos(LW_PI*t);
+        w->c[from + i] = k->plan.input_is_slider ? input : cos(input);
+        w->s[from + i] = k->plan.input_is_slider ? 0 : sin(input);
+    }
+}
+
+static void solve(const kind *k, const double *dim, double mode, const double *c, const double *s, int from, int to,
+                  scratch *w, void *batch)
+{
+    double modes[LW_DYAD_MAX];
+    for (int i = 0; i < k->plan.n_dyad; i++)
+        modes[i] = mode;
+    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
+    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, NULL);
+}
+
+lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p)
+{
+    scratch *w = work;
+    void *batch = w + 1;
+    double dim[LW_DIM_MAX];
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    const kind *k = &maker->kind[row->family];
+    set_dims(k, row, dim);
+    if (closed && row->mode != 0) {
+        solve(k, dim, row->mode, maker->c, maker->s, 0, POINTS, w, batch);
+    } else if (closed) {
+        set_inputs(k, w, 0, POINTS/2, row->first, row->last, false);
+        set_inputs(k, w, POINTS/2, POINTS, row->last, row->first, false);
+        solve(k, dim, 1, w->c, w->s, 0, POINTS/2, w, batch);
+        solve(k, dim, -1, w->c, w->s, POINTS/2, POINTS, w, batch);
+    } else {
+        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
+        solve(k, dim, row->mode, w->c, w->s, 0, POINTS, w, batch);
+    }
+    for (int i = 0; i < POINTS; i++)
+        p[i] = lw_v2(w->x[i], w->y[i]);
+    return LW_OK;
+}
+
+/* ---- the linkage ----------------------------------------------------------------------------------- */
+
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
+{
+    double dim[LW_DIM_MAX], modes[LW_DYAD_MAX];
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    const kind *from = &maker->kind[row->family];
+    set_dims(from, row, dim);
+    for (int i = 0; i < from->plan.n_dyad; i++)
+        modes[i] = row->mode < 0 ? -1 : 1;
+    lw_type_linkage(lw_type_find(from->family->type), k);
+    return lw_plan_write(&from->plan, dim, modes, 0.5*(row->first + row->last), k);
+}
+
+static lw_vec2 lay(lw_vec2 p, bool mirrored, lw_vec2 turn_and_size)
+{
+    return lw_v2_turn(mirrored ? lw_v2(p.x, -p.y) : p, turn_and_size);
+}
+
+void lw_linkage_lay(lw_linkage *k, bool mirrored, double turn, double size, lw_vec2 shift)
+{
+    lw_vec2 along = lw_v2_polar(1, turn), all = lw_v2_scale(along, size);
+    double sense = mirrored ? -1 : 1;
+    for (int j = 0; j < k->n_joint; j++) {
+        k->joint[j].at = lw_v2_add(shift, lay(k->joint[j].at, mirrored, all));
+        k->joint[j].along = lay(k->joint[j].along, mirrored, along);
+        double length = lw_v2_norm(k->joint[j].along);
+        if (length > 0)
+            k->joint[j].along = lw_v2_scale(k->joint[j].along, 1/length);
+    }
+    for (int i = 0; i < k->n_tracer; i++) {
+        k->tracer[i].at = lw_v2_add(shift, lay(k->tracer[i].at, mirrored, all));
+        k->tracer[i].angle = sense*k->tracer[i].angle + turn;
+    }
+    for (int i = 0; i < k->n_input; i++) {
+        lw_input *in = &k->input[i];
+        const lw_joint *j = &k->joint[in->joint];
+        bool pin = j->kind == LW_JOINT_REVOLUTE, ground = j->link[0] == k->ground || j->link[1] == k->ground;
+        double by = pin ? sense : size, plus = pin && ground ? turn : 0, first = in->first;
+        bool all_of_it = in->first == in->last;
+        in->value = by*in->value + plus;
+        if (all_of_it)
+            continue;
+        in->first = by*(pin && mirrored ? in->last : first) + plus;
+        in->last = by*(pin && mirrored ? first : in->last) + plus;
+    }
+}

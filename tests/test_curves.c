@@ -1,0 +1,134 @@
+/* test_curves.c - curves drawn at random: they are those of their linkages, wherever these are laid. */
+#include "catalogues/curves.h"
+
+#include "catalogues/scene.h"
+#include "mbs/types.h"
+#include "optimise/lowdiscrepancy.h"
+#include "tests/check.h"
+
+static double distance_to(lw_vec2 p, const lw_vec2 *q, size_t n, bool closed)
+{
+    double near = INFINITY;
+    for (size_t i = 0; i + 1 < n + closed; i++)
+        near = fmin(near, lw_v2_segment_distance(p, q[i], q[(i + 1)%n]));
+    return near;
+}
+
+/* The curve as the program draws it (scene.h), by the linkage's own posture. */
+static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool closed, double size)
+{
+    lw_scene scene;
+    lw_scene_options o = lw_scene_options_default();
+    lw_error e = { 0 };
+    o.n_curve_point = 8000;
+    CHECK_INT(lw_scene_make(k, NULL, &o, &scene, &e), LW_OK);
+    CHECK(scene.n_curve > 0);
+    double worst = 0;
+    for (int i = 0; i < LW_CURVE_POINTS && scene.n_curve > 0; i += 5)
+        worst = fmax(worst, distance_to(p[i], scene.curve[0].p, scene.curve[0].n, closed));
+    CHECK_NEAR(worst, 0, 2e-3*size, 0);
+    lw_scene_free(&scene);
+}
+
+static void draws(const char *types, size_t n)
+{
+    lw_curve_maker *m;
+    lw_error e = { 0 };
+    lw_rng rng;
+    lw_describer tables;
+    int n_made[2] = { 0, 0 };
+    static double u[400*LW_CURVE_DRAWS];
+    lw_describer_make(&tables);
+    CHECK_INT(lw_curve_maker_create(types, &m, &e), LW_OK);
+    void *work = aligned_alloc(64, lw_curve_work_size(m));
+    lw_rng_seed(&rng, check_seed(), 5);
+    CHECK(lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u));
+    for (size_t i = 0; i < n; i++) {
+        lw_curve_row row;
+        lw_vec2 p[LW_CURVE_POINTS];
+        lw_linkage k;
+        lw_descriptor d;
+        bool closed = i%2;
+        if (lw_curve_draw(m, u + i*LW_CURVE_DRAWS, closed, work, &row) != LW_OK)
+            continue;
+        CHECK_INT(lw_curve_points(m, &row, closed, work, p), LW_OK);
+        if (lw_descriptor_make(&tables, p, LW_CURVE_POINTS, closed, &d) != LW_OK)
+            continue;
+        n_made[closed]++;
+        if (lw_curve_linkage(m, &row, &k) != LW_OK)
+            continue;
+        CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
+        if (i%8 < 2)
+            check_against_scene(&k, p, closed && row.mode != 0, d.size);
+    }
+    CHECK(n_made[0] > (int)n/4 && n_made[1] > (int)n/6);
+    free(work);
+    lw_curve_maker_free(m);
+}
+
+static void curves_are_those_of_their_linkages(void) { draws("fourbar", 400); }
+static void all_types(void)                          { draws("all", 400); }
+
+/* A linkage that is mirrored, turned, stretched and moved traces the curve that is. */
+static void laid_elsewhere(void)
+{
+    static const char *const types[] = { "fourbar", "slidercrank", "inverted", "trammel", "sliderdriven", "oldham" };
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 6);
+    for (size_t t = 0; t < 2*sizeof types/sizeof *types; t++) {
+        lw_linkage k, laid;
+        lw_scene a, b;
+        lw_error e;
+        bool mirrored = t%2;
+        double turn = lw_rng_range(&rng, -3, 3), size = exp(lw_rng_range(&rng, -2, 2));
+        lw_vec2 shift = lw_v2(lw_rng_range(&rng, -5, 5), 2);
+        lw_type_linkage(lw_type_find(types[t/2]), &k);
+        laid = k;
+        lw_linkage_lay(&laid, mirrored, turn, size, shift);
+        CHECK_INT(lw_linkage_check(&laid, &e), LW_OK);
+        if (laid.joint[laid.input[0].joint].kind == LW_JOINT_REVOLUTE)
+            CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI), 0,
+                       1e-12, 0);
+        CHECK_INT(lw_scene_make(&k, NULL, NULL, &a, &e), LW_OK);
+        CHECK_INT(lw_scene_make(&laid, NULL, NULL, &b, &e), LW_OK);
+        CHECK(a.n_curve > 0 && b.n_curve > 0);
+        for (size_t i = 0; i < a.curve[0].n; i += 9) {
+            lw_vec2 p = a.curve[0].p[i];
+            p = lw_v2_add(shift, lw_v2_turn(lw_v2(p.x, mirrored ? -p.y : p.y), lw_v2_polar(size, turn)));
+            CHECK_NEAR(distance_to(p, b.curve[0].p, b.curve[0].n, b.curve[0].closed), 0, 2e-3*size, 0);
+        }
+        lw_scene_free(&a);
+        lw_scene_free(&b);
+    }
+}
+
+static void names_and_families(void)
+{
+    lw_curve_maker *m, *again;
+    lw_error e;
+    CHECK_INT(lw_curve_maker_create("fourbar,nonsense", &m, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "nonsense");
+    CHECK_INT(lw_curve_maker_create("", &m, &e), LW_E_ARG);
+    CHECK_INT(lw_curve_maker_create("slidercrank,fourbar", &m, &e), LW_OK);
+    CHECK_TEXT(lw_curve_maker_families(m), "slider-crank,any slider-crank,crank-rocker,drag-link,any four-bar");
+    CHECK_INT(lw_curve_maker_of(lw_curve_maker_families(m), &again, &e), LW_OK);
+    CHECK_TEXT(lw_curve_maker_families(again), lw_curve_maker_families(m));
+    lw_curve_maker_free(m);
+    lw_curve_maker_free(again);
+    CHECK_INT(lw_curve_maker_of("crank-rocker,flying carpet", &m, &e), LW_E_NOTATION);
+    lw_curve_row row = { .family = 200 };
+    CHECK_INT(lw_curve_maker_create("all", &m, &e), LW_OK);
+    CHECK(lw_curve_family(m, &row) == NULL);
+    lw_linkage k;
+    CHECK_INT(lw_curve_linkage(m, &row, &k), LW_OPEN);
+    lw_curve_maker_free(m);
+}
+
+int main(void)
+{
+    RUN(names_and_families);
+    RUN(curves_are_those_of_their_linkages);
+    RUN(all_types);
+    RUN(laid_elsewhere);
+    return check_end();
+}
