@@ -80,11 +80,11 @@ static void select_first(uint64_t *key, size_t n, size_t m)
     }
 }
 
-typedef struct sorting { const sizes *size; uint64_t *key; uint32_t *order; lw_box *box; size_t n_block; } sorting;
+typedef struct sorting { const sizes *size; uint64_t *key; uint32_t *order; lw_curve_box *box; size_t n_block; } sorting;
 
-static lw_box box_of(const sorting *s, const uint32_t *order, size_t n)
+static lw_curve_box box_of(const sorting *s, const uint32_t *order, size_t n)
 {
-    lw_box b = { .n = (uint32_t)n };
+    lw_curve_box b = { .n = (uint32_t)n };
     memset(b.least, 0xff, sizeof b.least);
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < LW_TERMS; k++) {
@@ -99,7 +99,7 @@ static lw_box box_of(const sorting *s, const uint32_t *order, size_t n)
 static void sort_blocks(sorting *s, size_t first, size_t n)
 {
     uint32_t *order = s->order + first;
-    lw_box b = box_of(s, order, n);
+    lw_curve_box b = box_of(s, order, n);
     if (n <= LW_BLOCK_MAX) {
         s->box[s->n_block++] = b;
         return;

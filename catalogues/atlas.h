@@ -15,7 +15,7 @@
 #define LW_SEGMENT_MAX  65536             /* samples in a segment                                    */
 
 /* Box of the |c_k| of a block, as packed numbers. */
-typedef struct lw_box { uint16_t least[LW_TERMS], most[LW_TERMS]; uint32_t n; } lw_box;
+typedef struct lw_curve_box { uint16_t least[LW_TERMS], most[LW_TERMS]; uint32_t n; } lw_curve_box;
 
 /* The closed or the open curves of a segment, block by block. */
 typedef struct lw_atlas_tree {
@@ -23,7 +23,7 @@ typedef struct lw_atlas_tree {
     size_t        n, n_block;
     lw_packed    *terms;                  /* (n) owned                                               */
     lw_curve_row *row;                    /* (n) owned                                               */
-    lw_box       *box;                    /* (n_block) owned                                         */
+    lw_curve_box       *box;                    /* (n_block) owned                                         */
 } lw_atlas_tree;
 
 /* Which curves: both kinds (samples in turn), or one. */

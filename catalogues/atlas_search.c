@@ -33,7 +33,7 @@ typedef struct search {
 /* ---- reading the boxes ------------------------------------------------------------------------------ */
 
 /* The least a curve in the box can be away from the target, squared. */
-static float bound_of(const float size[LW_TERMS], const lw_box *b)
+static float bound_of(const float size[LW_TERMS], const lw_curve_box *b)
 {
     float sum = 0;
     for (int k = 0; k < LW_TERMS; k++) {
@@ -63,7 +63,7 @@ static lw_status find_source(search *s, long long sweep, const lw_value *familie
 static lw_status take_segment(void *context, int n_column, const char *const *name, const lw_value *v)
 {
     search *s = context;
-    size_t n = v[1].size/sizeof(lw_box);
+    size_t n = v[1].size/sizeof(lw_curve_box);
     int which;
     (void)n_column, (void)name;
     lw_status status = find_source(s, v[2].integer, &v[3], &which);
@@ -78,7 +78,7 @@ static lw_status take_segment(void *context, int n_column, const char *const *na
         s->room = room;
     }
     for (size_t i = 0; i < n; i++) {
-        lw_box b;
+        lw_curve_box b;
         memcpy(&b, v[1].text + i*sizeof b, sizeof b);
         if (b.n > LW_BLOCK_MAX)
             return lw_error_set(s->e, LW_E_NOTATION, "the catalogue is damaged: a block of %u curves", (unsigned)b.n);

@@ -156,13 +156,14 @@ static void variant(const lw_descriptor *d, bool mirrored, bool reversed, lw_vec
 /* F(tau) = sum of w_k e^{i k tau} and its first two derivatives; w in the order of the terms. */
 static void series(const lw_vec2 *w, double tau, lw_vec2 f[3])
 {
+    lw_vec2 one = lw_v2_polar(1, tau), turn = one;              /* e^{i k tau} */
     f[0] = f[1] = f[2] = lw_v2(0, 0);
-    for (int k = 0; k < LW_TERMS; k++) {
-        double number = k%2 ? -(k/2 + 1) : k/2 + 1;
-        lw_vec2 a = lw_v2_turn(w[k], lw_v2_polar(1, number*tau));
-        f[0] = lw_v2_add(f[0], a);
-        f[1] = lw_v2_add(f[1], lw_v2_scale(lw_v2_perp(a), number));
-        f[2] = lw_v2_add(f[2], lw_v2_scale(a, -number*number));
+    for (int k = 1; k <= PAIRS; k++, turn = lw_v2_turn(turn, one)) {
+        lw_vec2 a = lw_v2_turn(w[2*k - 2], turn), b = lw_v2_unturn(w[2*k - 1], turn);
+        lw_vec2 sum = lw_v2_add(a, b), difference = lw_v2_sub(a, b);
+        f[0] = lw_v2_add(f[0], sum);
+        f[1] = lw_v2_add(f[1], lw_v2_scale(lw_v2_perp(difference), k));
+        f[2] = lw_v2_sub(f[2], lw_v2_scale(sum, (double)k*k));
     }
 }
 

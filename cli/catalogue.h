@@ -8,7 +8,7 @@
 
 typedef struct cli_catalogue_settings {
     double      time, wait, commit;
-    bool        disagreeing;
+    bool        disagreeing, no_pictures;
     int         links, dof, input, samples, curves, neighbours, shape;
     const char *joints, *types;
 } cli_catalogue_settings;

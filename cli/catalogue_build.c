@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "catalogues/bytes.h"
+#include "catalogues/store_layout.h"
 #include "cli/catalogue.h"
 #include "enumerate/assur.h"
 #include "enumerate/canon.h"
@@ -29,6 +29,7 @@ typedef struct entry {
     lw_store_chain      row;
     uint8_t             ground[LW_LINK_MAX], alike[LW_LINK_MAX];
     int                 n_with[5];
+    lw_bytes            layout;
     lw_bytes            text;                  /* all texts; until the end pointers are offsets here */
     size_t              n_mechanism, room;
     lw_store_mechanism *mechanism;
@@ -40,7 +41,7 @@ typedef struct entry {
 typedef struct job {
     const cli_call    *call;
     const char        *kinds;
-    bool               any_input;
+    bool               any_input, no_pictures;
     lw_store          *store;
     lw_chains         *chains;
     cli_catalogue_watch watch;
@@ -223,6 +224,19 @@ static void set_texts(entry *x, const size_t place[N_TEXT])
     x->row.n_mechanism = x->n_mechanism;
 }
 
+/* Where the joints go in a picture. */
+static lw_status lay_out(const lw_mechanism *m, entry *x)
+{
+    lw_chain_layout l;
+    lw_status s = lw_chain_layout_make(m, &l, &x->e);
+    if (s != LW_OK)
+        return s;
+    lw_layout_pack(&l, m->n_link, &x->layout);
+    x->row.layout = x->layout.data;
+    x->row.layout_size = x->layout.size;
+    return x->layout.failed ? LW_E_MEMORY : LW_OK;
+}
+
 static lw_status describe(const job *j, entry *x)
 {
     const lw_chain *c = &x->chain;
@@ -236,7 +250,7 @@ static lw_status describe(const job *j, entry *x)
                            .loops = lw_chain_loops(c) };
     r->structure = r->loops > 1 ? (int)x->structure + 1 : 0;
     x->n_mechanism = 0;
-    x->text.size = 0;
+    x->text.size = x->layout.size = 0;
     lw_status s = lw_mechanism_from_chain(c, &m);
     if (s == LW_OK)
         s = count_symmetry(c, x);
@@ -244,6 +258,8 @@ static lw_status describe(const job *j, entry *x)
         s = is_planar(c, &r->planar);
     if (s == LW_OK)
         s = print_chain(c, &m, x, place);
+    if (s == LW_OK && !j->no_pictures)
+        s = lay_out(&m, x);
     if (s == LW_OK)
         s = lw_mechanisms_each(&m, &steps, &counts, take_mechanism, NULL, x);
     if (s == LW_OK && x->text.failed)
@@ -407,6 +423,7 @@ static void free_job(job *j)
 {
     for (int i = 0; i < BLOCK; i++) {
         lw_bytes_free(&j->entry[i].text);
+        lw_bytes_free(&j->entry[i].layout);
         free(j->entry[i].mechanism);
         free(j->entry[i].place);
     }
@@ -442,6 +459,7 @@ int cli_catalogue_build(const cli_call *call)
     j->call = call;
     j->kinds = read_kinds(s->joints);
     j->any_input = s->input == 1;
+    j->no_pictures = s->no_pictures;
     j->watch = cli_catalogue_watch_begin(call, "build", "chains");
     double start = lw_clock_wall();
     lw_status status = build(j, &was_complete);

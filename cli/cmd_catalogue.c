@@ -15,6 +15,8 @@ static const cli_option options[] = {
       "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground", "build: drive joints at the ground, or any", 0, 0,
       NULL, NULL },
+    { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL, "build: leave out where the joints of a chain are drawn",
+      0, 0, NULL, NULL },
     { "samples", 'n', CLI_INT, PLACE(samples), "N", NULL, "curves: how many are drawn", 1, 2e9, NULL, NULL },
     { "types", 0, CLI_TEXT, PLACE(types), "LIST", "fourbar", "curves: types of linkages, as of fit, apart by commas, or all",
       0, 0, NULL, NULL },

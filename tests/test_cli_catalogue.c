@@ -76,7 +76,7 @@ static void remove_file(const char *path)
     remove(journal);
 }
 
-#define BUILD_TEN "catalogue build x.db --links 10 --commit 0"
+#define BUILD_TEN "catalogue build x.db --links 10 --commit 0 --no-pictures"
 
 static void killed_builds(void)
 {
@@ -96,9 +96,9 @@ static void killed_builds(void)
 /* --time ends a build in good order. */
 static void stopped_builds(void)
 {
-    expect("$P catalogue build $D/t.db --links 12 --time 0.2 --commit 0", 5, NULL, "the same command goes on");
+    expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "the same command goes on");
     expect("$P catalogue check $D/t.db", 0, NULL, "1 build is not finished");
-    expect("$P catalogue build $D/t.db --links 12 --time 0.2 --commit 0", 5, NULL, "goes on behind");
+    expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "goes on behind");
 }
 
 static void full_disk(void)
@@ -149,7 +149,7 @@ static void damaged_files(void)
 /* The second says who writes, or waits. */
 static void two_at_once(void)
 {
-    expect("$P catalogue build $D/two.db --links 12 --commit 0 --quiet & sleep 0.2; "
+    expect("$P catalogue build $D/two.db --links 12 --commit 0 --no-pictures --quiet & sleep 0.2; "
            "$P catalogue build $D/two.db --links 6 --wait 0; c=$?; kill -9 $!; wait; exit $c", 3, NULL, "--links 12");
     expect("$P catalogue build $D/w.db --links 10 & $P catalogue build $D/w.db --links 8 --wait 60; wait; "
            "$P catalogue check $D/w.db", 0, "230          230", "246 chains are what their labels say");

@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include "base/file.h"
 #include "tests/check.h"
 
 static char folder[64];
@@ -126,6 +127,46 @@ static void knows_whose_file_it_is(void)
     CHECK_HAS(e.text, "no such file");
 }
 
+/* A file of schema version 1 (four and six links) becomes one of today, read or written, and loses nothing. */
+static void older_files_are_brought_up_to_date(void)
+{
+    lw_error e;
+    size_t size;
+    char *sql = NULL;
+    CHECK_INT(lw_file_read("tests/data/catalogue-version-1.sql", &sql, &size, &e), LW_OK);
+    execute("v1.db", sql);
+    execute("v1-too.db", sql);
+    free(sql);
+    lw_store *s = open_store("v1.db", true, LW_OK, &e);
+    CHECK_INT(lw_store_found_version(s), 1);
+    CHECK_INT(count(s, "chain"), 3);
+    CHECK_INT(count(s, "mechanism"), 10);
+    CHECK_INT(count(s, "linkage"), 0);
+    CHECK_INT(lw_store_verify(s, &e), LW_OK);
+    lw_store_close(s);
+    s = open_store("v1.db", false, LW_OK, &e);
+    CHECK_INT(lw_store_found_version(s), lw_store_version());
+    lw_store_close(s);
+    s = open_store("v1-too.db", false, LW_OK, &e);
+    CHECK_INT(lw_store_found_version(s), 1);
+    CHECK_INT(count(s, "linkage"), 0);
+    lw_store_close(s);
+    /* one that cannot be written stays as it is, and says so */
+    CHECK_INT(lw_file_read("tests/data/catalogue-version-1.sql", &sql, &size, &e), LW_OK);
+    execute("v1-only.db", sql);
+    free(sql);
+    CHECK_INT(chmod(at("v1-only.db"), 0444), 0);
+    open_store("v1-only.db", false, LW_E_IO, &e);
+    CHECK_HAS(e.text, "read-only");
+    /* a step that fails leaves version 1 behind */
+    CHECK_INT(chmod(at("v1-only.db"), 0644), 0);
+    execute("v1-only.db", "CREATE TABLE sweep(in_the_way)");
+    open_store("v1-only.db", true, LW_E_NOTATION, &e);
+    CHECK_HAS(e.text, "brought up to date");
+    execute("v1-only.db", "DROP TABLE sweep; CREATE TABLE is_version_1(a CHECK (a = 1))");
+    execute("v1-only.db", "INSERT INTO is_version_1 SELECT user_version FROM pragma_user_version");
+}
+
 static void one_writes_at_a_time(void)
 {
     lw_error e;
@@ -195,6 +236,7 @@ int main(void)
         return 1;
     RUN(keeps_what_was_committed);
     RUN(knows_whose_file_it_is);
+    RUN(older_files_are_brought_up_to_date);
     RUN(one_writes_at_a_time);
     RUN(a_persons_sql_only_reads);
     char line[100];
