@@ -42,11 +42,11 @@ MAKEFLAGS += --no-builtin-rules
 $B/mbs/kernel-%.o: mbs/kernel.c
 	@mkdir -p $(@D)
 	$(COMPILE) $(KERNEL) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
-# the web page's style sheet and script as C texts, line by line
-$B/catalogues/page.o: $B/catalogues/page_files.h
-$B/catalogues/page_files.h: catalogues/page.css catalogues/page.js
+# the web pages' style sheets and scripts as C texts, line by line
+$B/catalogues/page.o $B/catalogues/atlas_html.o: $B/catalogues/page_files.h
+$B/catalogues/page_files.h: $(wildcard catalogues/*.css catalogues/*.js)
 	@mkdir -p $(@D)
-	@for f in $^; do echo "static const char *const lw_$$(basename $$f | tr . _)[] = {"; \
+	@for f in $^; do echo "__attribute__((unused)) static const char *const lw_$$(basename $$f | tr . _)[] = {"; \
 	    sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $$f; echo 'NULL };'; done > $@
 $B/%.o: %.c
 	@mkdir -p $(@D)

@@ -8,74 +8,23 @@
 #include "catalogues/diagram.h"
 #include "catalogues/page_files.h"      /* made from page.css and page.js by the Makefile */
 #include "catalogues/page_internal.h"
-#include "catalogues/sha256.h"
 #include "catalogues/svg.h"
-
-static void heading(lw_bytes *b, const char *open, const char *text, const char *close)
-{
-    lw_bytes_text(b, open);
-    lw_bytes_xml(b, text ? text : "");
-    lw_bytes_text(b, close);
-}
 
 static bool same(const char *a, const char *b)
 {
     return a && b && strcmp(a, b) == 0;
 }
 
-static void lines(lw_bytes *b, const char *const *line)
-{
-    for (; *line; line++)
-        lw_bytes_text(b, *line);
-}
-
-/* The inks as variables of the style sheet, light and dark, and the classes that use them. */
-static void ink_styles(lw_bytes *b)
-{
-    char t[160];
-    for (int dark = 0; dark < 2; dark++) {
-        lw_bytes_text(b, dark ? "@media (prefers-color-scheme: dark) {\n:root {" : ":root {");
-        for (int i = LW_INK_PAPER; i < LW_INK_COUNT; i++) {
-            unsigned rgb = dark ? lw_ink_dark((lw_ink)i) : lw_ink_light((lw_ink)i);
-            snprintf(t, sizeof t, " --%s: #%06x;", lw_ink_name((lw_ink)i), rgb);
-            lw_bytes_text(b, t);
-        }
-        lw_bytes_text(b, dark ? " }\n}\n" : " }\n");
-    }
-    lw_bytes_text(b, "svg line, svg polyline, svg polygon, svg circle { fill: none; }\n");
-    for (int i = LW_INK_PAPER; i < LW_INK_COUNT; i++) {
-        const char *name = lw_ink_name((lw_ink)i);
-        snprintf(t, sizeof t, ".f-%s { fill: var(--%s); }\n.s-%s { stroke: var(--%s); }\n", name,
-                 name, name, name);
-        lw_bytes_text(b, t);
-    }
-}
-
-/* Nothing may be loaded, and only this style sheet and this script may act: named by their hashes. */
-static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script)
-{
-    char hash[LW_SHA256_TEXT];
-    lw_bytes_text(b, "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-                     "base-uri 'none'; form-action 'none'; style-src 'sha256-");
-    lw_sha256_base64(style->data, style->size, hash);
-    lw_bytes_text(b, hash);
-    lw_bytes_text(b, "'; script-src 'sha256-");
-    lw_sha256_base64(script->data, script->size, hash);
-    lw_bytes_text(b, hash);
-    lw_bytes_text(b, "'\">\n");
-}
-
 static void head(lw_bytes *b, const lw_page *p, const lw_bytes *style, const lw_bytes *script)
 {
-    lw_bytes_text(b, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n");
-    policy(b, style, script);
-    lw_bytes_text(b, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
-    heading(b, "<title>", p->title, "</title>\n<style>");
-    lw_bytes_text(b, style->data);
-    lw_bytes_text(b, "</style>\n</head>\n<body>\n");
-    heading(b, "<header>\n<h1>", p->title, "</h1>\n");
+    lw_page_head(b, p->title, style, script);
+    lw_page_text(b, "<header>\n<h1>", p->title, "</h1>\n");
     if (p->about)
-        heading(b, "<p class=\"about\">", p->about, "</p>\n");
+        lw_page_text(b, "<p class=\"about\">", p->about, "</p>\n");
+    if (p->home) {
+        lw_page_text(b, "<p><a href=\"", p->home, "\">");
+        lw_page_text(b, "", p->home_title ? p->home_title : p->home, "</a></p>\n");
+    }
     lw_bytes_text(b, "</header>\n");
     if (p->n_target < 2)
         return;
@@ -83,7 +32,7 @@ static void head(lw_bytes *b, const lw_page *p, const lw_bytes *style, const lw_
     for (int i = 0; i < p->n_target; i++) {
         char t[48];
         snprintf(t, sizeof t, "<li><a href=\"#target-%d\">", i + 1);
-        heading(b, t, p->target[i].name, "</a></li>\n");
+        lw_page_text(b, t, p->target[i].name, "</a></li>\n");
     }
     lw_bytes_text(b, "</ul></nav>\n");
 }
@@ -122,8 +71,8 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     snprintf(t, sizeof t, "t%dr%d-", target + 1, result + 1);
     lw_svg_inline(&d, t, b);
     bool titled = !same(r->scene->title, p->title) && !same(r->scene->title, p->target[target].name);
-    heading(b, "<figcaption>", titled ? r->scene->title : NULL, titled && r->note ? ": " : "");
-    heading(b, "", r->note, "</figcaption>\n</figure>\n");
+    lw_page_text(b, "<figcaption>", titled ? r->scene->title : NULL, titled && r->note ? ": " : "");
+    lw_page_text(b, "", r->note, "</figcaption>\n</figure>\n");
     lw_bytes_text(motions, *n_motion ? ",\n" : "");
     lw_page_motions(motions, r->scene, &d);
     ++*n_motion;
@@ -139,9 +88,9 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
     snprintf(open, sizeof open, "<section id=\"target-%d\">\n", target + 1);
     lw_bytes_text(b, open);
     if (p->n_target > 1 || !same(t->name, p->title))
-        heading(b, "<h2>", t->name, "</h2>\n");
+        lw_page_text(b, "<h2>", t->name, "</h2>\n");
     if (t->about)
-        heading(b, "<p class=\"about\">", t->about, "</p>\n");
+        lw_page_text(b, "<p class=\"about\">", t->about, "</p>\n");
     for (int i = 0; i < t->n_result; i++) {
         lw_status st = t->result[i].scene
                      ? figure(b, motions, p, target, i, n_motion, e) : LW_OK;
@@ -183,11 +132,8 @@ lw_status lw_page_write(const lw_page *p, lw_bytes *out, lw_error *e)
     if (n_result == 0)
         return lw_error_set(e, LW_E_ARG, "a page needs a result to show");
     lw_bytes style = { 0 }, script = { 0 }, motions = { 0 };
-    lw_bytes_text(&style, "\n");
-    ink_styles(&style);
-    lines(&style, lw_page_css);
-    lw_bytes_text(&script, "\n");
-    lines(&script, lw_page_js);
+    lw_page_style(&style, lw_page_css, NULL);
+    lw_page_script(&script, lw_page_js);
     out->failed = style.failed || script.failed;
     lw_status st = LW_OK;
     if (!out->failed) {

@@ -28,6 +28,7 @@ typedef struct lw_page_target {
 
 typedef struct lw_page {
     const char *title, *about;    /* about: NULL or a paragraph below the title                     */
+    const char *home, *home_title;/* NULL, or where a link below that leads, and its words          */
     int n_target;
     const lw_page_target *target;
 } lw_page;

@@ -19,6 +19,7 @@ int cli_catalogue_curves(const cli_call *call);
 int cli_catalogue_nearest(const cli_call *call);
 int cli_catalogue_check(const cli_call *call);        /* of a table                                 */
 int cli_catalogue_check_file(const cli_call *call);   /* of a catalogue                             */
+int cli_catalogue_html(const cli_call *call);
 
 /* word[1] of the call, opened; `write` also makes it when there is none. */
 lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store, lw_error *e);

@@ -44,6 +44,7 @@ static const struct { const char *name; int least, most; const char *words; int 
     { "curves", 2, 2, "curves FILE --links 4 --samples N", cli_catalogue_curves },
     { "nearest", 3, 3, "nearest FILE TARGET.csv", cli_catalogue_nearest },
     { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check_file },
+    { "html", 2, 2, "html FILE -o FOLDER", cli_catalogue_html },
 };
 
 #define N_ACTION (sizeof actions/sizeof *actions)
@@ -91,7 +92,7 @@ static int run(const cli_call *call)
     const char *near = lw_suggest(word, names, N_ACTION);
     if (near)
         return cli_usage(call, "there is no action '%s'; did you mean '%s'?", word, near);
-    return cli_usage(call, "there is no action '%s'; there are build, curves, nearest and check", word);
+    return cli_usage(call, "there is no action '%s'; there are build, curves, nearest, check and html", word);
 }
 
 const cli_command cli_catalogue_command = {
@@ -104,6 +105,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue nearest atlas.db target.csv -k 20\n"
         "  linkwright catalogue check atlas.db                  against the published counts, page by page\n"
+        "  linkwright catalogue html atlas.db -o atlas          web pages: open atlas/index.html\n"
         "  linkwright catalogue check                    the table that comes with the program\n"
         "  linkwright catalogue check --time 600         with patience: 18 links take some minutes\n"
         "  linkwright catalogue check mine.csv --json    another table of the same columns\n",
@@ -119,7 +121,9 @@ const cli_command cli_catalogue_command = {
         "published. check [TABLE.csv] counts each row of the table of published counts again, as far as it is\n"
         "feasible within --time: the number published, the number counted, whether they agree, what was\n"
         "counted, and the source. A number that is known to be wrong is a known erratum. Any other disagreement\n"
-        "makes the exit code 4.\n",
+        "makes the exit code 4.\n"
+        "html writes a folder of web pages that need no server: an overview with search, a page a chain with its picture,\n"
+        "notations to copy and ground links, and pages of moving linkages; --links P takes only chains with P links.\n",
     .options = options,
     .settings_size = sizeof(cli_catalogue_settings),
     .least_words = 1,

@@ -1,0 +1,153 @@
+"use strict";
+(function () {
+  // data: [links, dof, number, planar, symmetry, grounds, linkages, assortment, graph6, label, franke, form,
+  //        [x, y, ...] of joints in 1/100 of a bar, [[joint, ...] in order, ...] of links]
+  const STEP = 60;
+  const byId = (id) => document.getElementById(id);
+  const chains = JSON.parse(byId("data").textContent).map((d) => ({
+    links: d[0], dof: d[1], number: d[2], planar: d[3], symmetry: d[4], grounds: d[5], linkages: d[6],
+    assortment: d[7], places: d[12], rings: d[13], name: `${d[0]}-${d[1]}-${d[2]}`,
+    text: [`${d[0]}-${d[1]}-${d[2]}`, d[8], d[9], d[10], d[11]].join("\n").toLowerCase(),
+  }));
+  const fields = ["q", "links", "dof", "assortment", "planar", "order"].map(byId);
+  const withLinkages = byId("linkages"), cards = byId("cards"), more = byId("more");
+  let found = [], shown = 0;
+
+  function shape(svg, name, attributes) {
+    const e = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const key of Object.keys(attributes)) e.setAttribute(key, attributes[key]);
+    svg.appendChild(e);
+  }
+
+  function picture(c) {
+    const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    const xs = c.places.filter((_, i) => i % 2 === 0), ys = c.places.filter((_, i) => i % 2 === 1);
+    const x = Math.min(...xs) - 16, y = Math.min(...ys) - 16;
+    const w = Math.max(...xs) + 16 - x, h = Math.max(...ys) + 16 - y;
+    svg.setAttribute("viewBox", `${x} ${y} ${w} ${h}`);
+    svg.setAttribute("aria-hidden", "true");
+    for (const ring of c.rings) {
+      const points = ring.map((j) => `${c.places[2 * j]},${c.places[2 * j + 1]}`).join(" ");
+      if (ring.length > 2) shape(svg, "polygon", { points, class: "f-link s-link" });
+      else shape(svg, "polyline", { points, class: "s-link" });
+    }
+    for (let j = 0; j < xs.length; j++) shape(svg, "circle", { cx: xs[j], cy: ys[j], r: 8, class: "f-paper s-ground" });
+    return svg;
+  }
+
+  function card(c) {
+    const item = document.createElement("li"), link = document.createElement("a");
+    const name = document.createElement("span"), note = document.createElement("span");
+    link.href = `chain-${c.name}.html`;
+    name.textContent = c.name;
+    note.textContent = c.assortment + (c.linkages ? `, ${c.linkages} linkage${c.linkages > 1 ? "s" : ""}` : "");
+    note.className = "hint";
+    link.setAttribute("aria-label", `Chain ${c.number} with ${c.links} links, F = ${c.dof}, assortment ${c.assortment}`);
+    link.append(picture(c), name, note);
+    item.append(link);
+    return item;
+  }
+
+  function showMore() {
+    const next = found.slice(shown, shown + STEP);
+    cards.append(...next.map(card));
+    shown += next.length;
+    more.hidden = shown >= found.length;
+    const all = found.length === chains.length ? "" : ` of ${chains.length}`;
+    byId("count").textContent = `${found.length}${all} chain${chains.length === 1 ? "" : "s"}` +
+      (shown < found.length ? `, the first ${shown} shown` : "");
+  }
+
+  function search() {
+    const [q, links, dof, assortment, planar, order] = fields.map((f) => f.value);
+    const words = q.toLowerCase().split(/\s+/).filter(Boolean);
+    found = chains.filter((c) => words.every((word) => c.text.includes(word)) &&
+      (links === "" || c.links === Number(links)) && (dof === "" || c.dof === Number(dof)) &&
+      (assortment === "" || c.assortment === assortment) && (planar === "" || c.planar === Number(planar)) &&
+      (!withLinkages.checked || c.linkages > 0));
+    if (order === "symmetry") found.sort((a, b) => b.symmetry - a.symmetry);
+    if (order === "grounds") found.sort((a, b) => a.grounds - b.grounds);
+    cards.replaceChildren();
+    shown = 0;
+    showMore();
+  }
+
+  function fill(select, values) {
+    for (const value of values) {
+      const option = document.createElement("option");
+      option.value = option.textContent = String(value);
+      select.append(option);
+    }
+  }
+
+  function distinct(of) {
+    return Array.from(new Set(chains.map(of)));
+  }
+
+  // The filter stands in the address, so that a link or the back button brings it again.
+  function remember() {
+    const p = new URLSearchParams();
+    for (const f of fields) if (f.value) p.set(f.id, f.value);
+    if (withLinkages.checked) p.set("linkages", "1");
+    window.history.replaceState(null, "", "#" + p.toString());
+    search();
+  }
+
+  function recall() {
+    const p = new URLSearchParams(window.location.hash.slice(1));
+    for (const f of fields) f.value = p.get(f.id) || "";
+    withLinkages.checked = p.has("linkages");
+    for (const f of fields) if (f.selectedIndex === -1) f.value = "";
+    search();
+  }
+
+  function move(event) {
+    const links = Array.from(cards.querySelectorAll("a")), at = links.indexOf(document.activeElement);
+    if (at < 0 || event.ctrlKey || event.altKey || event.metaKey) return;
+    const top = links[0].offsetTop, columns = Math.max(links.findIndex((a) => a.offsetTop > top), 1);
+    const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -columns, ArrowDown: columns }[event.key];
+    let to = event.key === "Home" ? 0 : event.key === "End" ? links.length - 1 : step ? at + step : at;
+    if (to >= links.length && !more.hidden) {
+      showMore();
+      return move(event);
+    }
+    to = Math.min(Math.max(to, 0), links.length - 1);
+    if (to === at) return undefined;
+    event.preventDefault();
+    links[to].focus();
+    return undefined;
+  }
+
+  fill(byId("links"), distinct((c) => c.links).sort((a, b) => a - b));
+  fill(byId("dof"), distinct((c) => c.dof).sort((a, b) => a - b));
+  fill(byId("assortment"), distinct((c) => c.assortment));
+  for (const f of fields) f.addEventListener("input", remember);
+  withLinkages.addEventListener("input", remember);
+  withLinkages.parentElement.hidden = !chains.some((c) => c.linkages > 0);
+  byId("clear").addEventListener("click", () => {
+    for (const f of fields) f.value = "";
+    withLinkages.checked = false;
+    remember();
+  });
+  more.addEventListener("click", () => {
+    const first = shown;
+    showMore();
+    const next = cards.children[first];
+    if (next) next.firstElementChild.focus();
+  });
+  cards.addEventListener("keydown", move);
+  document.addEventListener("keydown", (event) => {
+    const typing = /^(input|select|textarea)$/i.test(document.activeElement.tagName);
+    if (event.key === "/" && !typing) {
+      event.preventDefault();
+      byId("q").focus();
+    }
+  });
+  window.addEventListener("hashchange", () => {
+    recall();
+    byId("chains").scrollIntoView();
+  });
+  document.querySelector(".filter").hidden = false;
+  document.querySelector(".keys").hidden = false;
+  recall();
+})();

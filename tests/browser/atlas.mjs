@@ -1,0 +1,210 @@
+// The atlas in headless Chromium, opened from the disk.   node atlas.mjs FOLDER [CHROMIUM]
+// Every page is opened: no error, no blocked script, nothing loaded, every link leads somewhere, no script of a
+// hostile catalogue runs.  Then what a visitor does: search, filter, keys, copying, a phone, motion.
+import { chromium } from "playwright-core";
+import { existsSync, readdirSync, readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+const folder = resolve(process.argv[2]);
+const files = readdirSync(folder).filter((f) => f.endsWith(".html"));
+const url = (file) => pathToFileURL(`${folder}/${file}`).href;
+let passed = 0, failed = 0;
+
+async function test(name, run) {
+  try {
+    await run();
+    passed++;
+  } catch (error) {
+    failed++;
+    console.log(`FAIL ${name}: ${error.message}`);
+  }
+}
+
+function check(what, condition) {
+  if (!condition) throw new Error(what);
+}
+
+const browser = await chromium.launch({
+  executablePath: process.argv[3] || "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"],
+});
+
+// A page that remembers all that goes wrong in it and all that it asks for.
+async function open(file, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  const page = await context.newPage();
+  const faults = [], requests = [];
+  page.on("pageerror", (e) => faults.push(e.message));
+  page.on("console", (m) => { if (m.type() === "error" || m.type() === "warning") faults.push(m.text()); });
+  page.on("dialog", (d) => { faults.push(`dialog: ${d.message()}`); d.dismiss(); });
+  page.on("request", (r) => requests.push(r.url()));
+  await page.goto(url(file));
+  return { context, page, faults, requests };
+}
+
+const isWide = (page) => page.evaluate(() =>
+  document.documentElement.scrollWidth > document.documentElement.clientWidth + 1);
+
+await test("every page opens without a fault and asks for nothing", async () => {
+  const { context, page, faults, requests } = await open("index.html");
+  for (const file of files) {
+    requests.length = 0;
+    await page.goto(url(file));
+    check(`${file}: ${faults.join("; ")}`, faults.length === 0);
+    check(`${file} asks for ${requests.slice(1)}`, requests.length === 1);
+    check(`${file} has no heading`, (await page.locator("h1").count()) === 1);
+    const policy = await page.locator("meta[http-equiv=Content-Security-Policy]").getAttribute("content");
+    check(`${file}: policy ${policy}`, policy.startsWith("default-src 'none'") && !policy.includes("unsafe"));
+    const injected = await page.evaluate(() => document.querySelectorAll("script:not([id]), iframe, img, object").length);
+    check(`${file} holds ${injected} elements that act`, injected === 1);
+  }
+  await context.close();
+});
+
+await test("every link leads to a page and a place that are there", async () => {
+  const seen = new Map(), { context, page } = await open("index.html");
+  const ids = (file) => {
+    if (!seen.has(file)) {
+      const text = readFileSync(`${folder}/${file}`, "utf8");
+      seen.set(file, new Set(Array.from(text.matchAll(/ id="([^"]*)"/g), (m) => m[1])));
+    }
+    return seen.get(file);
+  };
+  const linked = new Set(["index.html"]);
+  for (const file of files) {
+    await page.goto(url(file));
+    if (file === "index.html")
+      while (await page.locator("#more").isVisible()) await page.locator("#more").click();
+    const hrefs = await page.$$eval("a[href]", (all) => all.map((a) => a.getAttribute("href")));
+    check(`${file} has no link`, hrefs.length > 0);
+    for (const href of hrefs) {
+      const [target, place] = href.split("#");
+      check(`${file}: ${href}`, target === "" || existsSync(`${folder}/${target}`));
+      if (place && !place.includes("=")) check(`${file}: ${href}`, ids(target || file).has(place));
+      if (target) linked.add(target);
+    }
+  }
+  check("pages no link leads to: " + files.filter((f) => !linked.has(f)), files.every((f) => linked.has(f)));
+  await context.close();
+});
+
+await test("search and filter", async () => {
+  const { context, page, faults } = await open("index.html");
+  const count = () => page.locator("#count").innerText();
+  const cards = () => page.locator("#cards li").count();
+  const all = Number((await count()).match(/^\d+/)[0]);
+  check(`${all} of ${files.length} pages`, all === files.filter((f) => f.startsWith("chain-")).length);
+  await page.selectOption("#links", "6");
+  check(`two chains of six links, not ${await cards()}`, (await cards()) === 2);
+  check("the address remembers", page.url().endsWith("#links=6"));
+  await page.reload();
+  check("and brings the filter again", (await cards()) === 2 && (await page.inputValue("#links")) === "6");
+  await page.click("#clear");
+  check("clear", (await count()).startsWith(String(all)));
+  await page.selectOption("#links", "8");
+  check("sixteen of eight links", (await cards()) === 16);
+  await page.selectOption("#order", "symmetry");
+  await page.fill("#q", "8-1-3");
+  check("search by number", (await cards()) === 1 && (await page.locator("#cards a").getAttribute("href")) === "chain-8-1-3.html");
+  await page.fill("#q", "no such chain");
+  check("nothing found is said", (await cards()) === 0 && (await count()).startsWith("0 of"));
+  await page.click("#clear");
+  await page.locator(".assortments a").last().click();
+  check("a link of the overview filters", (await count()).includes(" of ") && (await cards()) > 0);
+  const drawn = await page.$$eval("#cards svg", (all) => all.every((s) => s.querySelectorAll("circle").length > 3));
+  check("every card has a picture", drawn);
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
+await test("keys", async () => {
+  const { context, page, faults } = await open("index.html");
+  const focused = () => page.evaluate(() => document.activeElement.getAttribute("href") || document.activeElement.id);
+  await page.keyboard.press("/");
+  check("slash goes to the search", (await focused()) === "q");
+  await page.keyboard.type("8-1-1");
+  for (let i = 0; i < 20 && !(await focused()).startsWith("chain-"); i++) await page.keyboard.press("Tab");
+  check("tab reaches the pictures", (await focused()) === "chain-8-1-1.html");
+  await page.keyboard.press("ArrowRight");
+  check("right", (await focused()) === "chain-8-1-10.html");
+  await page.keyboard.press("End");
+  check("end", (await focused()) === "chain-8-1-16.html");
+  await page.keyboard.press("Home");
+  await page.keyboard.press("Enter");
+  await page.waitForURL(/chain-8-1-1\.html/);
+  await page.keyboard.press("n");
+  await page.waitForURL(/chain-8-1-2\.html/);
+  await page.keyboard.press("p");
+  await page.waitForURL(/chain-8-1-1\.html/);
+  await page.keyboard.press("u");
+  await page.waitForURL(/index\.html/);
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
+await test("notations are copied", async () => {
+  const { context, page } = await open("chain-8-1-2.html", { permissions: ["clipboard-read", "clipboard-write"] });
+  const buttons = page.locator(".copy");
+  check("buttons", (await buttons.count()) >= 5);
+  for (let i = 0; i < (await buttons.count()); i++) {
+    await buttons.nth(i).focus();
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.getElementById("said").textContent !== "");
+    const said = await page.locator("#said").innerText();
+    check(said, said.includes("copied"));
+    const got = await page.evaluate(() => navigator.clipboard.readText());
+    check("what was copied", got === (await page.locator("pre code").nth(i).textContent()));
+    await page.evaluate(() => { document.getElementById("said").textContent = ""; });
+  }
+  await context.close();
+});
+
+await test("phone", async () => {
+  const phone = { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+  const { context, page, faults } = await open("index.html", phone);
+  const some = files.filter((f, i) => i % 7 === 0 || f.startsWith("linkages") || f === "index.html");
+  for (const file of some) {
+    await page.goto(url(file));
+    check(`${file} is wider than the screen`, !(await isWide(page)));
+    const small = await page.$$eval("p, td, a, button, h1, pre", (all) =>
+      all.filter((e) => e.offsetParent && parseFloat(getComputedStyle(e).fontSize) < 12).length);
+    check(`${file}: ${small} texts too small to read`, small === 0);
+  }
+  check(faults.join("; "), faults.length === 0);
+  await context.close();
+});
+
+await test("linkages move", async () => {
+  const moving = files.filter((f) => f.startsWith("linkages-"));
+  check("there are none", moving.length > 0);
+  for (const file of moving) {
+    const { context, page, faults } = await open(file);
+    const places = () => page.$$eval("figure:not([hidden]) [data-link]", (all) =>
+      all.map((e) => e.getAttribute("transform")).join());
+    const first = await places();
+    await page.waitForFunction((before) => Array.from(document.querySelectorAll("figure:not([hidden]) [data-link]"),
+      (e) => e.getAttribute("transform")).join() !== before, first, { timeout: 5000 });
+    await page.click(".play");
+    check(`${file}: pauses`, (await page.locator(".play").innerText()) === "Play");
+    const still = await places();
+    await page.waitForTimeout(150);
+    check(`${file}: stands still`, (await places()) === still);
+    check(`${file}: a curve`, (await page.locator("figure .curve").count()) > 0);
+    check(`${file}: way back`, (await page.locator("header a").count()) === 1);
+    check(`${file}: ${faults.join("; ")}`, faults.length === 0);
+    await context.close();
+  }
+});
+
+await test("readable without scripts", async () => {
+  const { context, page } = await open("index.html", { javaScriptEnabled: false });
+  check("list of chains", (await page.locator("noscript").count()) === 1 || (await page.locator(".plain a").count()) > 0);
+  await page.goto(url("chain-8-1-2.html"));
+  check("picture", (await page.locator(".first svg circle").count()) === 10);
+  check("inversions", (await page.locator("article svg").count()) > 2);
+  await context.close();
+});
+
+await browser.close();
+console.log(`browser: ${passed} passed, ${failed} failed`);
+process.exit(failed ? 1 : 0);
