@@ -85,6 +85,8 @@ check: $B/$(SONAME)
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 sanitize:
 	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
+browser-test: $B/tests/test_atlas_html      # the atlas in Chromium; skipped without
+	@tests/browser/run.sh $B
 fuzz:      # FUZZ_SECONDS=60 for each target
 	$(MAKE) B=$B/fuzz CC=clang CFLAGS="-O1 -g -fsanitize=fuzzer-no-link,address,undefined" run-fuzz
 run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
@@ -112,6 +114,6 @@ install: all $B/$(SONAME) $B/linkwright.1
 
 clean:
 	rm -rf $B
-.PHONY: all deps test demo run-test run-demo check sanitize fuzz run-fuzz bench install clean
+.PHONY: all deps test demo run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
 .SECONDARY:
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -55,7 +55,8 @@ await test("every page opens without a fault and asks for nothing", async () => 
     check(`${file} has no heading`, (await page.locator("h1").count()) === 1);
     const policy = await page.locator("meta[http-equiv=Content-Security-Policy]").getAttribute("content");
     check(`${file}: policy ${policy}`, policy.startsWith("default-src 'none'") && !policy.includes("unsafe"));
-    const injected = await page.evaluate(() => document.querySelectorAll("script:not([id]), iframe, img, object").length);
+    const injected = await page.evaluate(() =>
+      document.querySelectorAll("script:not([id]), iframe, img, object").length);
     check(`${file} holds ${injected} elements that act`, injected === 1);
   }
   await context.close();

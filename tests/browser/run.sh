@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# The atlas in a real browser: make browser-test.   tests/browser/run.sh BUILD [FOLDER]
+# Without FOLDER on the pages of tests/test_atlas_html.c.  Skipped, with a word, where there is no Chromium or Node.
+set -eu
+build=$1
+here=$(dirname "$0")
+chromium=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+for need in "${chromium:-chromium}" node npm; do
+    command -v "$need" > /dev/null || { echo "browser: skipped, there is no $need (Debian: chromium, nodejs, npm)"; exit 0; }
+done
+mkdir -p "$build/browser"
+cp "$here"/package.json "$here"/atlas.mjs "$build/browser"
+[ -d "$build/browser/node_modules/playwright-core" ] \
+    || npm --prefix "$build/browser" install --no-audit --no-fund --silent \
+    || { echo "browser: skipped, playwright-core cannot be installed from the npm registry"; exit 0; }
+folder=${2:-$build/browser/atlas}
+if [ $# -lt 2 ]; then
+    rm -rf "$folder"
+    LW_ATLAS_FOLDER=$folder "$build/tests/test_atlas_html"
+fi
+node "$build/browser/atlas.mjs" "$folder" "$chromium"

@@ -1,0 +1,293 @@
+/* The web pages of a catalogue: every file there, every link in them leads somewhere, every policy names what stands
+ * in the page, nothing a hostile catalogue holds becomes HTML; sizes.  How they behave in a browser:
+ * tests/browser/, on the pages that this test leaves in LW_ATLAS_FOLDER when that is set. */
+#include <dirent.h>
+#include <sqlite3.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "catalogues/atlas_html.h"
+#include "catalogues/sha256.h"
+#include "enumerate/canon.h"
+#include "grammar/graph6.h"
+#include "tests/all_chains.h"
+#include "tests/check.h"
+
+static char folder[64];
+static const char hostile[] = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
+
+static const char *path_of(const char *name)
+{
+    static char path[4][512];
+    static int next;
+    next = (next + 1) % 4;
+    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
+    return path[next];
+}
+
+/* ---- a catalogue -------------------------------------------------------------------------------- */
+
+static void put_chain(lw_store *s, const lw_chain *c, int loops, const char *evil)
+{
+    char graph6[LW_GRAPH6_SIZE];
+    int n_with[LW_LINK_MAX];
+    uint8_t ground[LW_LINK_MAX], alike[LW_LINK_MAX];
+    lw_store_mechanism m = { .kinds = "rrrr", .inputs = evil ? evil : "1-2", .groups = "I1:2 II2:3,4", .n_group = 2,
+                             .highest = 2, .modes = 2, .ground = 1 };
+    lw_error e;
+    lw_graph6_print(c, graph6, sizeof graph6);
+    lw_chain_assortment(c, n_with);
+    for (int i = 0; i < c->n_link; i++) {
+        ground[i] = (uint8_t)(i + 1);
+        alike[i] = 1;
+    }
+    lw_store_chain row = {
+        .label = graph6, .graph6 = graph6, .franke = evil ? evil : "franke", .sentence = evil ? evil : "sentence",
+        .matrix = "0 1\n0 0", .links = c->n_link, .dof = lw_chain_mobility(c), .joints = lw_chain_count(c, 1),
+        .loops = loops, .n_with = n_with + 2, .assortment = evil ? evil : "4 4", .symmetry = 2, .planar = true,
+        .n_ground = c->n_link, .ground = ground, .alike = alike, .n_mechanism = 1, .mechanism = &m,
+    };
+    CHECK_INT(lw_store_put_chain(s, &row, &e), LW_OK);
+}
+
+static lw_store *open_store(bool write)
+{
+    lw_store_options o = { .write = write, .create = write, .wait = 1, .command = "test" };
+    lw_store *s = NULL;
+    lw_error e = { 0 };
+    CHECK_INT(lw_store_open(path_of("a.db"), &o, &s, &e), LW_OK);
+    return s;
+}
+
+static void make_store(void)
+{
+    lw_store *s = open_store(true);
+    lw_store_run run = { "build", "test", "test", 1 };
+    lw_error e;
+    CHECK_INT(lw_store_begin(s, &e), LW_OK);
+    CHECK_INT(lw_store_run_begin(s, &run, &e), LW_OK);
+    for (int links = 4; links <= 8; links += 2) {
+        chain_list list = all_chains(links, 1);
+        for (int i = 0; i < list.n; i++)
+            put_chain(s, &list.chain[i], (links - 2)/2, links == 6 && i == 0 ? hostile : NULL);
+        free(list.chain);
+    }
+    CHECK_INT(lw_store_run_end(s, &e), LW_OK);
+    CHECK_INT(lw_store_commit(s, &e), LW_OK);
+    lw_store_close(s);
+}
+
+/* Linkages: two of the four-bar chain, one of a chain that is not there. */
+static void put_linkages(void)
+{
+    static const char sql[] =
+        "INSERT INTO linkage(hash, name, links, dof, joints, sliders, kinds, label, type, class, error_mean, json, run)"
+        " SELECT ?1, ?2, 4, 1, 4, 0, 'rrrr', CASE WHEN ?3 THEN label END, ?2, ?2, ?4, ?5, 1 FROM chain WHERE links = 4";
+    static const struct { const char *file, *name; bool known; } row[] = {
+        { "examples/hoeken.json", "Hoeken", true }, { "examples/hoeken.json", hostile, true },
+        { "examples/jansen.json", "Jansen", false } };
+    sqlite3 *db;
+    CHECK_INT(sqlite3_open(path_of("a.db"), &db), SQLITE_OK);
+    for (int i = 0; i < 3; i++) {
+        char *json = NULL, hash[8];
+        size_t size;
+        sqlite3_stmt *t;
+        snprintf(hash, sizeof hash, "%d", i);
+        CHECK_INT(lw_file_read(row[i].file, &json, &size, NULL), LW_OK);
+        CHECK_INT(sqlite3_prepare_v2(db, sql, -1, &t, NULL), SQLITE_OK);
+        sqlite3_bind_text(t, 1, hash, -1, SQLITE_STATIC);
+        sqlite3_bind_text(t, 2, row[i].name, -1, SQLITE_STATIC);
+        sqlite3_bind_int(t, 3, row[i].known);
+        if (i != 1)
+            sqlite3_bind_double(t, 4, 0.001*(i + 1));
+        sqlite3_bind_text(t, 5, json, -1, SQLITE_STATIC);
+        CHECK_INT(sqlite3_step(t), SQLITE_DONE);
+        sqlite3_finalize(t);
+        free(json);
+    }
+    sqlite3_close(db);
+}
+
+/* ---- looking at pages --------------------------------------------------------------------------- */
+
+static char *read_page(const char *file)
+{
+    char *text = NULL, name[256];
+    size_t size;
+    snprintf(name, sizeof name, "atlas/%s", file);
+    CHECK_INT(lw_file_read(path_of(name), &text, &size, NULL), LW_OK);
+    return text ? text : calloc(1, 1);
+}
+
+/* The hash of what stands between two tags is in the policy. */
+static void check_hash(const char *page, const char *open, const char *close)
+{
+    const char *from = strstr(page, open), *to = from ? strstr(from + strlen(open), close) : NULL;
+    char hash[LW_SHA256_TEXT + 16] = "sha256-";
+    CHECK(from && to);
+    if (!from || !to)
+        return;
+    from += strlen(open);
+    lw_sha256_base64(from, (size_t)(to - from), hash + 7);
+    const char *policy = strstr(page, "Content-Security-Policy"), *end = policy ? strchr(policy, '>') : NULL;
+    const char *found = policy ? strstr(policy, hash) : NULL;
+    CHECK(found && found < end);
+}
+
+static void check_links(const char *page)
+{
+    for (const char *at = page; (at = strstr(at, "href=\"")) != NULL;) {
+        char file[256] = "atlas/";
+        at += 6;
+        size_t n = strcspn(at, "\"#");
+        CHECK(n < 200);
+        snprintf(file + 6, sizeof file - 6, "%.*s", (int)n, at);
+        CHECK(n == 0 || access(path_of(file), R_OK) == 0);
+    }
+}
+
+static int count(const char *text, const char *part)
+{
+    int n = 0;
+    for (; (text = strstr(text, part)) != NULL; text += strlen(part))
+        n++;
+    return n;
+}
+
+static void check_page(const char *file)
+{
+    char *page = read_page(file);
+    CHECK_HAS(page, "default-src 'none'");
+    CHECK(!strstr(page, "unsafe"));
+    CHECK(!strstr(page, "alert(1)</script>") && !strstr(page, "<img"));
+    CHECK_INT(count(page, "<script>"), 1);
+    CHECK_INT(count(page, "<style>"), 1);
+    CHECK(!strstr(page, " style=\"") && !strstr(page, " onclick") && !strstr(page, "javascript:"));
+    check_hash(page, "<style>", "</style>");
+    check_hash(page, "<script>", "</script>");
+    check_links(page);
+    free(page);
+}
+
+/* ---- tests -------------------------------------------------------------------------------------- */
+
+static lw_status write_atlas(const char *dir, const lw_atlas_html_options *o, size_t *n_page, size_t *n_byte,
+                             lw_error *e)
+{
+    lw_store *s = open_store(false);
+    lw_status st = lw_atlas_html_write(s, dir, o, n_page, n_byte, e);
+    lw_store_close(s);
+    return st;
+}
+
+static void pages(void)
+{
+    lw_atlas_html_options o = lw_atlas_html_options_default();
+    size_t n_page, n_byte, size = 0;
+    lw_error e = { 0 };
+    int n = 0;
+    o.title = hostile;
+    CHECK_INT(write_atlas(path_of("atlas"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(n_page, 1 + 1 + 2 + 16 + 2);
+    DIR *d = opendir(path_of("atlas"));
+    for (struct dirent *f; d && (f = readdir(d)) != NULL;) {
+        struct stat st;
+        char name[300];
+        if (f->d_name[0] == '.')
+            continue;
+        snprintf(name, sizeof name, "atlas/%s", f->d_name);
+        CHECK(stat(path_of(name), &st) == 0);
+        size += (size_t)st.st_size;
+        check_page(f->d_name);
+        n++;
+    }
+    if (d)
+        closedir(d);
+    CHECK_INT(n, n_page);
+    CHECK_INT(size, n_byte);
+    CHECK(n_byte/n_page < 70000);                /* 230 chains of ten links and these: under 20 MB */
+}
+
+static void what_a_page_holds(void)
+{
+    char *page = read_page("chain-8-1-5.html");
+    CHECK_HAS(page, "<h1>Chain 5 of 16: 8 links, F = 1</h1>");
+    CHECK_HAS(page, "href=\"chain-8-1-4.html\"");
+    CHECK_HAS(page, "href=\"chain-8-1-6.html\"");
+    CHECK_INT(count(page, "<svg"), 1 + 8);
+    CHECK_INT(count(page, "class=\"copy\""), 6);
+    CHECK_HAS(page, "I1:2 II2:3,4");
+    free(page);
+    page = read_page("chain-6-1-1.html");
+    CHECK_HAS(page, "&lt;/script&gt;&lt;script&gt;alert(1)");
+    free(page);
+    page = read_page("chain-4-1-1.html");
+    CHECK_HAS(page, "<a href=\"linkages-4-1-1.html\">2 linkages, moving</a>");
+    free(page);
+    page = read_page("linkages-4-1-1.html");
+    CHECK_INT(count(page, "<figure"), 2);
+    CHECK_HAS(page, "href=\"chain-4-1-1.html\"");
+    CHECK(strstr(page, ">Hoeken<") < strstr(page, "&lt;/script&gt;"));            /* those with an error first */
+    free(page);
+    page = read_page("index.html");
+    CHECK_HAS(page, "href=\"linkages-other.html\">1 linkage of another chain<");
+    CHECK_INT(count(page, "class=\"number\" data-label=\"Chains\""), 3);
+    CHECK_HAS(page, "\\u003c/script\\u003e");
+    CHECK_HAS(page, ">16</td>");
+    free(page);
+}
+
+static bool after_three(void *context, double done, double total)
+{
+    CHECK(total == 19 && !context);
+    return done < 3;
+}
+
+static void limits_and_faults(void)
+{
+    lw_atlas_html_options o = lw_atlas_html_options_default();
+    size_t n_page, n_byte;
+    lw_error e = { 0 };
+    o.n_linkage = 1;
+    o.links = 4;
+    CHECK_INT(write_atlas(path_of("four"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(n_page, 4);
+    o.n_linkage = 0;
+    o.links = 6;
+    CHECK_INT(write_atlas(path_of("six"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK_INT(n_page, 3);
+    o.links = 7;
+    CHECK_INT(write_atlas(path_of("seven"), &o, &n_page, &n_byte, &e), LW_NOTHING);
+    CHECK_HAS(e.text, "no chain");
+    o.links = 0;
+    o.goes_on = after_three;
+    CHECK_INT(write_atlas(path_of("three"), &o, &n_page, &n_byte, &e), LW_STOPPED);
+    CHECK_INT(n_page, 3);
+    CHECK(access(path_of("three/index.html"), F_OK) != 0);
+    o.goes_on = NULL;
+    CHECK_INT(write_atlas(path_of("none/deep"), &o, &n_page, &n_byte, &e), LW_E_IO);
+    CHECK_HAS(e.text, "cannot be made");
+    CHECK_INT(write_atlas(path_of("a.db"), &o, &n_page, &n_byte, &e), LW_E_IO);
+}
+
+int main(void)
+{
+    char line[400];
+    snprintf(folder, sizeof folder, "/tmp/lw-atlas-XXXXXX");
+    if (!mkdtemp(folder))
+        return 1;
+    make_store();
+    put_linkages();
+    RUN(pages);
+    RUN(what_a_page_holds);
+    RUN(limits_and_faults);
+    const char *keep = getenv("LW_ATLAS_FOLDER");
+    snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'", folder, keep ? keep : "");
+    if (keep && system(line) != 0)
+        perror(keep);
+    snprintf(line, sizeof line, "rm -rf %s", folder);
+    if (system(line) != 0)
+        perror("rm");
+    return check_end();
+}
