@@ -13,7 +13,7 @@ typedef struct settings {
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
     double      length_range[2], position_range[2];
-    bool        crank_only, full_turn, closed, open;
+    bool        crank_only, full_turn, closed, open, exact;
 } settings;
 
 enum { AUTO = 0 };
@@ -61,6 +61,9 @@ static const cli_option options[] = {
       "least transmission angle over the motion [degrees]", 0, 89.9, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point by the input [unit/rad^2]", 0, 1e300, NULL, NULL },
+    { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
+      "linkages through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points; sorted by "
+      "defects (circuit, branch, order)", 0, 0, NULL, "solver" },
     { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
       "local solver behind the starts; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
     { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
@@ -254,7 +257,10 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.progress = show;
     o.context = &progress;
     o.budget = (long)s->budget;
-    lw_status st = lw_survey_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
+    if (s->exact && !cli_given(&call->parsed, "type"))
+        o.types = NULL;                              /* as their number suggests */
+    lw_status st = s->exact ? cli_fit_exact(call, set, &o, e)
+                 : lw_survey_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
     cli_progress_end(&progress.line);
     return st;
 }
@@ -352,7 +358,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
     why = search(call, set, e);
     if (why < 0 || why == LW_NOTHING) {
         if (why == LW_NOTHING)
-            lw_error_at(e, why, path, 0, 0, "no linkage of these types within these bounds and "
+            lw_error_at(e, why, path, 0, 0, s->exact ? "no real linkage of these types within these bounds and "
+                        "conditions goes through all stations" : "no linkage of these types within these bounds and "
                         "conditions was found; widen the bounds or allow more types");
         else if (e->file[0] == 0) {
             snprintf(e->file, sizeof e->file, "%s", path);
@@ -360,10 +367,11 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
         }
         return why;
     }
-    st = verify(call, set, e);
+    st = set->is_exact ? cli_fit_exact_verify(call, set, e) : verify(call, set, e);
     if (st != LW_OK)
         return st;
-    warn(call, set);
+    if (!set->is_exact)
+        warn(call, set);
     return why;
 }
 
@@ -374,6 +382,7 @@ static void set_free(cli_fit_set *set)
     cli_fit_stages_free(&set->stages);
     cli_fit_known_free(&set->known);
     cli_topologies_free(&set->topologies);
+    lw_exact_free(&set->exact);
     free(set->which);
     free(set->report);
 }

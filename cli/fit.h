@@ -6,6 +6,7 @@
 #include "cli/json.h"
 #include "cli/json.h"
 #include "cli/output.h"
+#include "optimise/exact.h"
 #include "optimise/survey.h"
 
 /* One target with its ranked, verified results. */
@@ -23,6 +24,8 @@ typedef struct cli_fit_set {
     lw_report  *report;           /*                                                        (n)    */
     int         left_out;         /* candidates with a defect: a station on another branch         */
     uint64_t    seed;
+    bool        is_exact;         /* precision points: fit above is that of ...                     */
+    lw_exact    exact;            /* ... these, by candidate                                        */
 } cli_fit_set;
 
 /* Ranked table, lengths in the unit of the target. */
@@ -34,6 +37,15 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
 /* Pictures of the best result and linkages of all into a folder; and one page for all targets. */
 lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
+
+/* --exact (fit_exact.c): linkages through all stations instead of the best ones; then as a fit, with what is said
+ * of their defects. */
+lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_options *o, lw_error *e);
+lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e);
+void      cli_fit_exact_row(const cli_fit_set *s, int i, FILE *f);
+void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
+void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
+void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
 /* Value of a dimension in the user's unit: angles in radians. */
 double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si);

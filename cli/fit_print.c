@@ -43,6 +43,8 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
                 length(s, r->error_max), r->worst + 1);
     fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s ", c->objective, r->transmission_min*deg,
             r->transmission_max*deg, r->turns ? "turns" : "rocks");
+    if (s->is_exact)
+        cli_fit_exact_row(s, i, f);
     for (int d = 0; d < c->n_dim; d++)
         fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     fputc('\n', f);
@@ -130,9 +132,13 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     if (s->survey.n_stage > 1)
         print_stages(s, f);
     print_topologies(s, f);
-    fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
-            "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts, s->survey.fit.improved,
-            s->survey.fit.evals, s->survey.fit.seconds, lw_stop_text(s->survey.fit.stop));
+    if (s->is_exact)
+        cli_fit_exact_summary(s, f);
+    else
+        fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
+                "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts,
+                s->survey.fit.improved, s->survey.fit.evals, s->survey.fit.seconds,
+                lw_stop_text(s->survey.fit.stop));
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------- */
@@ -199,6 +205,8 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
     cli_json_text(j, "family", c->family->name);
     cli_json_int(j, "links", lw_candidate_links(c));
     json_class(r, j);
+    if (s->is_exact)
+        cli_fit_exact_json_row(s, i, j);
     cli_json_real(j, "objective", c->objective);
     json_errors(s, r, j);
     cli_json_object(j, "dimensions");
@@ -278,6 +286,8 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     cli_json_end(&j);
     cli_json_text(&j, "task", task_names[s->spec.task]);
     cli_json_text(&j, "timing", timing_names[s->spec.timing]);
+    if (s->is_exact)
+        cli_fit_exact_json(s, &j);
     cli_json_array(&j, "results");
     for (int i = 0; i < s->n; i++)
         json_result(s, i, &j);
