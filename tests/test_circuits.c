@@ -1,0 +1,74 @@
+/* tests/test_circuits.c - circuits found by chance against counts known in closed form. */
+#include "mbs/circuits.h"
+#include "base/rng.h"
+#include "mbs/fourbar.h"
+#include "mbs/motion.h"
+#include "tests/check.h"
+#include "tests/mbs_random.h"
+
+static int circuits(const lw_linkage *k, uint64_t seed)
+{
+    lw_system s;
+    lw_circuits c;
+    lw_error e = { 0 };
+    CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_branch_options){ .input = 0 }, 40, seed, NULL, &c, &e), LW_OK);
+    CHECK(c.since == 40 && !c.full && c.closed <= c.draws);
+    for (int i = 0; i < c.n; i++)
+        CHECK(lw_branch_worst(c.curve[i]) <= 1e-12*s.unit);
+    int n = c.n;
+    lw_circuits_free(&c);
+    return n;
+}
+
+/* One circuit or two (Barker): two for Grashof's four-bars. */
+static void four_bars(void)
+{
+    lw_rng r;
+    lw_rng_seed(&r, check_seed(), 1);
+    for (int trial = 0; trial < 60; trial++) {
+        double k[9] = { 0 };
+        lw_fourbar_class c;
+        do {
+            for (int i = 0; i < 4; i++)
+                k[i] = lw_rng_range(&r, 0.2, 1.0);
+        } while (lw_fourbar_classify(k, LW_FOURBAR_TOLERANCE, &c, NULL) != LW_OK || c.margin < 5e-3);
+        lw_linkage l;
+        fourbar_linkage(&l, k, 1, 0.5*(c.range[0][0] + c.range[0][1]));
+        CHECK_INT(circuits(&l, 1), c.circuits);
+    }
+}
+
+/* Linkages of two dyads: as many circuits as the plan finds in all its modes. */
+static void six_links_as_the_plan_says(void)
+{
+    lw_rng r;
+    int most = 0;
+    lw_rng_seed(&r, check_seed(), 2);
+    for (int trial = 0; trial < 25; trial++) {
+        lw_linkage l;
+        lw_plan p;
+        lw_motion *m = calloc(1, sizeof *m);
+        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        blank_linkage(&l, 6);
+        static const int pair[2][7][2] = { { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,3} },
+                                           { {0,1},{1,2},{2,3},{3,0},{2,4},{4,5},{5,0} } };
+        for (int j = 0; j < 7; j++)
+            add_pin(&l, pair[trial%2][j][0], pair[trial%2][j][1], random_place(&r));
+        add_input(&l, 0, lw_linkage_posture_input(&l, 0));
+        CHECK_INT(lw_plan_make(&l, (lw_want){ .all_joints = true }, &p, NULL), LW_OK);
+        CHECK_INT(lw_plan_read(&p, &l, dim, mode, &input, NULL), LW_OK);
+        CHECK_INT(lw_motion_find(&p, dim, m), LW_OK);
+        CHECK_INT(circuits(&l, 1), m->n_circuit);
+        most = m->n_circuit > most ? m->n_circuit : most;
+        free(m);
+    }
+    CHECK(most >= 3);
+}
+
+int main(void)
+{
+    RUN(four_bars);
+    RUN(six_links_as_the_plan_says);
+    return check_end();
+}
