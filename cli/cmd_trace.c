@@ -8,11 +8,13 @@
 #include "cli/model.h"
 #include "cli/output.h"
 #include "cli/trace.h"
+#include "cli/trace_curve.h"
 
 typedef struct settings {
     int         steps, mode;
-    const char *tracer;
+    const char *tracer, *range;
     double      from, to, speed;
+    bool        cycle, all;
 } settings;
 
 enum { MODE_BOTH, MODE_FILE };
@@ -31,6 +33,13 @@ static const cli_option options[] = {
     { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
       "constant speed of the input [rad/s, or length unit/s for a slider]: derivatives are by time "
       "instead of by the input", 0, 0, NULL, NULL },
+    { "cycle", 'c', CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
+      "the whole motion as one curve of postures, over limits of the input until it closes; rows evenly along it",
+      0, 0, NULL, "from" },
+    { "all-assemblies", 'a', CLI_FLAG, offsetof(settings, all), NULL, NULL,
+      "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
+    { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
+      "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "from" },
     { .name = NULL }
 };
 
@@ -80,17 +89,19 @@ static void set_tools(cli_trace *t)
         t->tool[i] = t->k.tracer[i].angle - pose.angle[t->k.tracer[i].link][0];
 }
 
+/* ---- by the plan ------------------------------------------------------------------------------- */
+
+static cli_rows make_rows(const cli_call *call, const lw_linkage *k, unsigned tracers, double start)
+{
+    return (cli_rows){ .k = k, .tracers = tracers, .stop = cli_stop_flag(),
+                       .until = call->common.time > 0 ? start + call->common.time : 0 };
+}
+
 static lw_status prepare(const cli_call *call, cli_trace *t, lw_error *e)
 {
     const settings *s = call->settings;
     const char *file = call->parsed.word[0];
-    lw_status st = cli_read_linkage(file, 0, &t->k, e);
-    if (st == LW_OK)
-        st = choose_tracers(s, file, &t->k, &t->tracers, e);
-    if (st == LW_OK)
-        st = lw_plan_make(&t->k, (lw_want){ .tracers = t->tracers, .all_joints = true }, &t->plan, e);
-    if (st == LW_OK)
-        st = lw_plan_read(&t->plan, &t->k, t->dim, t->mode, &t->input, e);
+    lw_status st = lw_plan_read(&t->plan, &t->k, t->dim, t->mode, &t->input, e);
     if (st != LW_OK)
         return st;
     st = lw_motion_find(&t->plan, t->dim, &t->motion);
@@ -104,7 +115,241 @@ static lw_status prepare(const cli_call *call, cli_trace *t, lw_error *e)
     t->timed = cli_given(&call->parsed, "speed");
     t->steps = s->steps;
     cli_trace_pieces(t, s->mode == MODE_FILE);
+    t->rows.total = (double)t->n_piece*(t->steps + 1);
     return LW_OK;
+}
+
+/* t->k, t->plan are made. */
+static int run_plan(const cli_call *call, cli_trace *t, unsigned tracers, double start)
+{
+    lw_error e = { 0 };
+    lw_output o;
+    t->rows = make_rows(call, &t->k, tracers, start);
+    if (prepare(call, t, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    t->rows.f = o.f;
+    t->line = call->line;
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    t->rows.progress = &progress;
+    if (call->common.json)
+        cli_trace_json(t);
+    else
+        cli_trace_csv(t);
+    cli_progress_end(&progress);
+    int code = t->rows.cut_short ? CLI_LIMIT : t->n_piece > 0 ? CLI_DONE : CLI_NOTHING;
+    if (code == CLI_NOTHING)
+        cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
+                                             : "the linkage closes nowhere");
+    return cli_close(call, &o, code);
+}
+
+/* ---- along curves of postures, and in time ----------------------------------------------------- */
+
+static lw_status read_range(const settings *s, double range[3], lw_error *e)
+{
+    char text[128], *part = text, *rest;
+    int n = 0;
+    snprintf(text, sizeof text, "%s", s->range);
+    static const cli_option row = { "time-range", 0, CLI_REAL, 0, "T0:T1:DT", NULL, NULL, 0, 0, NULL, NULL };
+    for (; part && n < 3; part = rest) {
+        rest = strchr(part, ':');
+        if (rest)
+            *rest++ = 0;
+        lw_status st = cli_value(&row, "time-range", part, &range[n++], e);
+        if (st != LW_OK)
+            return st;
+    }
+    if (n < 3 || part || !(range[0] < range[1]) || !(range[2] > 0) || (range[1] - range[0])/range[2] > 1e7)
+        return lw_error_set(e, LW_E_ARG, "--time-range: three numbers are wanted, T0:T1:DT with T0 < T1 and at most 1e7 "
+                            "steps of DT > 0, as in 0:1:0.01");
+    return LW_OK;
+}
+
+/* Errors of the library name no file. */
+static int fail_in(const cli_call *call, lw_error *e)
+{
+    if (!e->file[0] && e->status != LW_E_MEMORY)
+        snprintf(e->file, sizeof e->file, "%s", call->parsed.word[0]);
+    return cli_fail(call, e);
+}
+
+/* Only the stretch that holds the posture of the file. */
+static void keep_posture(cli_curve_trace *t)
+{
+    double start = lw_branch_start(t->curves.curve[0]);
+    for (int i = 0; i < t->n_stretch; i++) {
+        const cli_stretch *s = &t->stretch[i];
+        if (s->curve == 0 && (s->n_part > 1 || (s->part[0].from <= start && start <= s->part[0].to))) {
+            t->stretch[0] = *s;
+            t->n_stretch = 1;
+            return;
+        }
+    }
+}
+
+static lw_status find_curves(const cli_call *call, cli_curve_trace *t, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_branch_options o = { .input = 0 };
+    lw_status st = LW_OK;
+    if (s->all) {
+        st = lw_circuits_find(&t->s, &o, 300, call->common.seed, cli_stop_flag(), &t->curves, e);
+        if (st == LW_OK)
+            cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
+                     t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
+                     t->curves.full ? "; there are more than can be listed" : "");
+    } else {
+        st = lw_branch_create(&t->s, NULL, &o, &t->curves.curve[0], e);
+        t->curves.n = st == LW_OK;
+    }
+    for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
+        lw_branch_end end = lw_branch_ended(t->curves.curve[i]);
+        if (end == LW_BRANCH_LOST || end == LW_BRANCH_STOPPED)
+            cli_note(call, "circuit %d is not followed to its end: %s", i + 1, end == LW_BRANCH_LOST
+                     ? "no step is short enough at a singular posture" : "it has not closed after 20000 steps");
+    }
+    return st;
+}
+
+static void curve_window(const cli_call *call, cli_curve_trace *t)
+{
+    const settings *s = call->settings;
+    const lw_input *in = &t->k->input[0];
+    double unit = t->k->n_input ? cli_curve_unit(t, 0) : 1;
+    bool given = cli_given(&call->parsed, "from");
+    t->whole = !given && in->first == in->last;
+    t->from = given ? s->from*unit : fmin(in->first, in->last);
+    t->to = given ? s->to*unit : fmax(in->first, in->last);
+    t->timed = cli_given(&call->parsed, "speed");
+    t->speed = s->speed*(t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER ? t->k->units.metre : 1);
+    t->steps = s->steps;
+}
+
+static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
+{
+    cli_json *j = t->rows.json;
+    const lw_input *in = &t->k->input[0];
+    bool slider = t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    bool timed = t->timed || strcmp(way, "time") == 0;
+    cli_json_object(j, NULL);
+    cli_json_text(j, "version", LW_VERSION);
+    cli_json_text(j, "command", call->line);
+    cli_json_text(j, "name", t->k->name);
+    cli_json_text(j, "way", way);
+    cli_json_object(j, "units");
+    cli_json_text(j, "length", t->k->units.length);
+    cli_json_text(j, "angle", t->k->units.angle);
+    cli_json_text(j, "rates_by", timed ? "s" : slider ? "length" : "rad");
+    cli_json_end(j);
+}
+
+static int print_curves(const cli_call *call, cli_curve_trace *t, const double *range, lw_output *o)
+{
+    const settings *s = call->settings;
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    cli_json json = cli_json_begin(o->f, 1);
+    lw_error e = { 0 };
+    lw_status st = LW_OK;
+    t->rows.f = o->f;
+    t->rows.progress = &progress;
+    t->line = call->line;
+    if (call->common.json) {
+        t->rows.json = &json;
+        json_top(call, t, range ? "time" : s->cycle ? "cycle" : "curve");
+    }
+    if (range)
+        st = cli_time_print(t, range, &e);
+    else
+        cli_curve_print(t, s->cycle);
+    if (t->rows.json && st >= 0)
+        cli_json_end(&json);
+    cli_progress_end(&progress);
+    if (st != LW_OK) {
+        int code = fail_in(call, &e);
+        if (t->rows.done == 0) {
+            lw_output_abandon(o);
+            return code;
+        }
+        return cli_close(call, o, st == LW_OPEN ? CLI_LIMIT : code);
+    }
+    bool nothing = !range && !s->cycle && t->n_stretch == 0;
+    if (nothing)
+        cli_note(call, "the linkage does not reach that range of the input");
+    return cli_close(call, o, t->rows.cut_short ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
+}
+
+static int run_curves(const cli_call *call, const lw_model *m, unsigned tracers, const double *range, double start)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    lw_output o;
+    cli_curve_trace *t = calloc(1, sizeof *t);
+    if (!t)
+        return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
+    t->model = m;
+    t->k = &m->linkage;
+    t->rows = make_rows(call, t->k, tracers, start);
+    lw_status st = lw_system_make(t->k, NULL, 0, &t->s, &e);
+    if (st == LW_OK) {
+        curve_window(call, t);
+        st = range ? LW_OK : find_curves(call, t, &e);
+    }
+    if (st == LW_OK && !range) {
+        cli_curve_stretches(t);
+        if (s->mode == MODE_FILE)
+            keep_posture(t);
+    }
+    int code = st == LW_OK && (st = cli_open(call, &o, &e)) == LW_OK ? print_curves(call, t, range, &o)
+                                                                     : fail_in(call, &e);
+    lw_circuits_free(&t->curves);
+    free(t);
+    return code;
+}
+
+/* ---- which way --------------------------------------------------------------------------------- */
+
+static int choose_way(const cli_call *call, const lw_model *m, double start)
+{
+    const settings *s = call->settings;
+    const lw_linkage *k = &m->linkage;
+    lw_error e = { 0 };
+    unsigned tracers = 0;
+    double range[3];
+    bool moved = false;
+    if (choose_tracers(s, call->parsed.word[0], k, &tracers, &e) != LW_OK)
+        return cli_fail(call, &e);
+    for (int i = 0; i < k->n_input; i++)
+        moved = moved || m->motion[i];
+    if (s->range) {
+        if (read_range(s, range, &e) != LW_OK)
+            return cli_usage(call, "%s", e.text);
+        if (!moved)
+            return lw_error_at(&e, LW_E_ARG, call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing moves in "
+                               "time; give one, or leave --time-range out"), cli_fail(call, &e);
+        cli_note(call, "followed in time by Newton's method");
+        return run_curves(call, m, tracers, range, start);
+    }
+    if (k->n_input > 1)
+        cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions",
+                 k->n_input > 2 ? "s rest" : " rests");
+    if (s->cycle)
+        return run_curves(call, m, tracers, NULL, start);
+    cli_trace *t = calloc(1, sizeof *t);
+    if (!t)
+        return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
+    t->k = *k;
+    lw_status st = lw_plan_make(k, (lw_want){ .tracers = tracers, .all_joints = true }, &t->plan, &e);
+    int code;
+    if (st == LW_OK) {
+        cli_note(call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
+        code = run_plan(call, t, tracers, start);
+    } else if (st == LW_E_KIND) {
+        cli_note(call, "followed along its curve of postures, as it is not made of dyads (%s)", e.text);
+        code = run_curves(call, m, tracers, NULL, start);
+    } else
+        code = cli_fail(call, &e);
+    free(t);
+    return code;
 }
 
 static int run(const cli_call *call)
@@ -113,32 +358,18 @@ static int run(const cli_call *call)
     if (cli_given(&call->parsed, "from") && !(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
     double start = lw_clock_wall();
-    cli_trace *t = calloc(1, sizeof *t);
     lw_error e = { 0 };
-    lw_output o;
-    if (!t)
+    lw_model *m = calloc(1, sizeof *m);
+    if (!m)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!t || prepare(call, t, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK) {
-        free(t);
+    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
+        free(m);
         return cli_fail(call, &e);
     }
-    t->f = o.f;
-    t->line = call->line;
-    t->stop = cli_stop_flag();
-    t->until = call->common.time > 0 ? start + call->common.time : 0;
-    cli_progress progress = cli_progress_begin(call, "trace", "rows");
-    t->progress = &progress;
-    if (call->common.json)
-        cli_trace_json(t);
-    else
-        cli_trace_csv(t);
-    cli_progress_end(&progress);
-    int code = t->cut_short ? CLI_LIMIT : t->n_piece > 0 ? CLI_DONE : CLI_NOTHING;
-    if (code == CLI_NOTHING)
-        cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
-                                             : "the linkage closes nowhere");
-    free(t);
-    return cli_close(call, &o, code);
+    int code = choose_way(call, m, start);
+    lw_model_free(m);
+    free(m);
+    return code;
 }
 
 const cli_command cli_trace_command = {
@@ -149,8 +380,13 @@ const cli_command cli_trace_command = {
         "  linkwright trace examples/hoeken.json                    all arcs, as CSV\n"
         "  linkwright trace examples/slider-crank.json --speed 10   per second, at 10 rad/s\n"
         "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
-        "  linkwright trace model.json --from -90 --to 90 --json    part of the input, as JSON\n",
+        "  linkwright trace model.json --from -90 --to 90 --json    part of the input, as JSON\n"
+        "  linkwright trace examples/chebyshev.json --cycle         over both limits and back, one closed curve\n"
+        "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
     .about =
+        "Any linkage is traced: one of dyads in closed form, every other along its curve of postures, in\n"
+        "steps that provably stay on their branch (standard error tells which). Of the others only the circuit\n"
+        "of the posture is traced, with --all-assemblies all that are found.\n"
         "An arc is a range of the input in one assembly mode; its ends, where they are limits of\n"
         "the motion, are found to 1e-10 and are the first and last row. Lengths and angles are in\n"
         "the units of the file, derivatives (v, a, j) by the input in rad or in its length unit,\n"

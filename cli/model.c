@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/file.h"
+#include "grammar/model.h"
 
 /* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
 static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
@@ -58,6 +59,19 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
         s = unwrap(path, which, &text, &size, e);
     if (s == LW_OK)
         s = lw_linkage_read(text, size, path, k, e);
+    free(text);
+    return s;
+}
+
+lw_status cli_read_model(const char *path, int which, lw_model *m, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = unwrap(path, which, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_model_read(text, size, path, m, e);
     free(text);
     return s;
 }

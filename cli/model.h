@@ -10,6 +10,10 @@
  * (1 is the best) is taken.  which 0: the first, and files without results are fine. */
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
 
+/* The same with motions, masses and loads (grammar/model.h); lw_model_free it after LW_OK. */
+struct lw_model;
+lw_status cli_read_model(const char *path, int which, struct lw_model *m, lw_error *e);
+
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
 #endif

@@ -2,9 +2,6 @@
 
 #include <math.h>
 #include <string.h>
-#include "base/clock.h"
-#include "base/number.h"
-#include "cli/json.h"
 #include "mbs/turning.h"
 
 #define TURN_MAX 64
@@ -82,15 +79,6 @@ void cli_trace_pieces(cli_trace *t, bool only_file)
 
 /* ---- one row ----------------------------------------------------------------------------------- */
 
-#define N_VALUE 12                /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j */
-#define COLUMNS "x,y,vx,vy,ax,ay,jx,jy,angle,angle_v,angle_a,angle_j"
-
-typedef struct row {
-    double input;                 /* as shown                                                      */
-    bool   rates;                 /* the derivatives exist                                         */
-    double value[LW_TRACER_MAX][N_VALUE];
-} row;
-
 /* The direction of the tool, in whole turns near that of the row before. */
 static double tool_angle(const cli_trace *t, const lw_pose *pose, int tracer, const double *before)
 {
@@ -98,49 +86,44 @@ static double tool_angle(const cli_trace *t, const lw_pose *pose, int tracer, co
     return before ? *before + remainder(a - *before, 2*LW_PI) : remainder(a, 2*LW_PI);
 }
 
+/* By the input's own unit: rad, or the length unit of the file; by time with --speed. */
 static void row_values(const cli_trace *t, const lw_pose *pose, int tracer, double angle, double *v)
 {
-    const lw_vec2 *p = pose->tracer[tracer];
-    const double *a = pose->angle[t->k.tracer[tracer].link];
-    double length = t->k.units.metre;
-    /* by the input's own unit: rad, or the length unit of the file; by time with --speed */
-    double by = t->timed ? t->speed : t->plan.input_is_slider ? length : 1, scale = 1;
+    lw_vec2 p[LW_ORDER_MAX + 1];
+    double a[LW_ORDER_MAX + 1], scale = 1;
+    double by = t->timed ? t->speed : t->plan.input_is_slider ? t->k.units.metre : 1;
     for (int order = 0; order <= LW_ORDER_MAX; order++, scale *= by) {
-        v[2*order]     = p[order].x*scale/length;
-        v[2*order + 1] = p[order].y*scale/length;
-        v[8 + order]   = order ? a[order]*scale : angle/t->k.units.radian;
+        p[order] = lw_v2_scale(pose->tracer[tracer][order], scale);
+        a[order] = pose->angle[t->k.tracer[tracer].link][order]*scale;
     }
+    cli_row_values(&t->rows, p, a, angle, v);
 }
 
 /* Row `i` of `steps` of a piece.  angle[] carries the tool angles [rad] from row to row. */
-static void make_row(const cli_trace *t, const cli_piece *p, int i, double *angle, row *r)
+static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, double *angle)
 {
+    cli_row r = { .arc = p->arc + 1, .mode = mode, .n_lead = 1 };
     bool end0 = i == 0, end1 = i == t->steps;
     double input = end0 ? p->first : end1 ? p->last : p->first + (p->last - p->first)*i/t->steps;
     lw_pose pose;
     lw_status s = lw_pose_solve(&t->plan, t->dim, t->motion.arc[p->arc].mode, input, LW_ORDER_MAX, &pose);
-    r->input = shown_input(t, input);
-    r->rates = s == LW_OK && pose.margin > 0 && !(end0 && p->limit[0]) && !(end1 && p->limit[1]);
+    r.lead[0] = shown_input(t, input);
+    r.rates = s == LW_OK && pose.margin > 0 && !(end0 && p->limit[0]) && !(end1 && p->limit[1]);
     for (int k = 0; k < t->k.n_tracer; k++) {
-        if (!(t->tracers >> k & 1))
+        if (!(t->rows.tracers >> k & 1))
             continue;
         angle[k] = tool_angle(t, &pose, k, i ? &angle[k] : NULL);
-        row_values(t, &pose, k, angle[k], r->value[k]);
+        row_values(t, &pose, k, angle[k], r.value[k]);
     }
+    cli_rows_put(&t->rows, &r);
 }
 
-static bool is_rate(int value) { return value >= 2 && value != 8; }
-
-/* Asked after every row: shows how far it is, and tells whether to end here. */
-static bool stopped(cli_trace *t)
+static void put_rows(cli_trace *t, const cli_piece *p, const char *mode)
 {
-    cli_progress_show(t->progress, t->rows, (double)t->n_piece*(t->steps + 1), NULL);
-    if (*t->stop || (t->until > 0 && lw_clock_wall() > t->until))
-        t->cut_short = true;
-    return t->cut_short;
+    double angle[LW_TRACER_MAX];
+    for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++)
+        put_row(t, p, mode, i, angle);
 }
-
-static int wanted_tracers(const cli_trace *t) { return __builtin_popcount(t->tracers); }
 
 static const char *mode_text(const cli_trace *t, const lw_arc *a, char *text)
 {
@@ -153,32 +136,15 @@ static const char *mode_text(const cli_trace *t, const lw_arc *a, char *text)
 
 /* ---- CSV --------------------------------------------------------------------------------------- */
 
-static void csv_number(FILE *f, double v)
-{
-    char text[LW_NUMBER_SIZE];
-    lw_number_print(v, text);
-    fputs(text, f);
-}
-
-static void csv_units(const cli_trace *t)
-{
-    const char *length = t->k.units.length[0] ? t->k.units.length : "length";
-    const char *angle = t->k.units.angle;
-    const char *by = t->timed ? "s" : t->plan.input_is_slider ? length : "rad";
-    fprintf(t->f, "# units: input %s; x y %s; v a j %s/%s %s/%s^2 %s/%s^3; angle %s; angle_v _a _j "
-            "rad/%s rad/%s^2 rad/%s^3\n", t->plan.input_is_slider ? length : angle, length, length, by,
-            length, by, length, by, angle, by, by, by);
-}
-
 static void csv_arc(const cli_trace *t, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
     char mode[LW_DYAD_MAX + 1];
-    fprintf(t->f, "# arc %d: mode %s, circuit %d, input ", p->arc + 1, mode_text(t, a, mode), a->circuit + 1);
-    csv_number(t->f, shown_input(t, p->first));
-    fputs(p->limit[0] ? " (limit) to " : " to ", t->f);
-    csv_number(t->f, shown_input(t, p->last));
-    fprintf(t->f, "%s%s, transmission %.6g to %.6g deg%s\n", p->limit[1] ? " (limit)" : "",
+    fprintf(t->rows.f, "# arc %d: mode %s, circuit %d, input ", p->arc + 1, mode_text(t, a, mode), a->circuit + 1);
+    cli_row_number(t->rows.f, shown_input(t, p->first));
+    fputs(p->limit[0] ? " (limit) to " : " to ", t->rows.f);
+    cli_row_number(t->rows.f, shown_input(t, p->last));
+    fprintf(t->rows.f, "%s%s, transmission %.6g to %.6g deg%s\n", p->limit[1] ? " (limit)" : "",
             a->turns && t->whole ? ", turns fully" : "", a->transmission_min*180/LW_PI,
             a->transmission_max*180/LW_PI, t->whole ? "" : " over the whole arc");
 }
@@ -189,71 +155,38 @@ static void csv_turnings(const cli_trace *t, const cli_piece *p)
     const double *mode = t->motion.arc[p->arc].mode;
     int n = lw_turning_find(&t->plan, &t->k, t->dim, mode, p->first, p->last, turn, TURN_MAX);
     for (int i = 0; i < n; i++) {
-        fprintf(t->f, "# dead point of arc %d: %s turns back at input ", p->arc + 1,
+        fprintf(t->rows.f, "# dead point of arc %d: %s turns back at input ", p->arc + 1,
                 t->k.link_name[turn[i].link]);
-        csv_number(t->f, shown_input(t, turn[i].input));
-        fputc('\n', t->f);
-    }
-}
-
-static void csv_rows(cli_trace *t, const cli_piece *p)
-{
-    char mode[LW_DYAD_MAX + 1];
-    double angle[LW_TRACER_MAX];
-    row r;
-    mode_text(t, &t->motion.arc[p->arc], mode);
-    for (int i = 0; i <= t->steps && !stopped(t); i++, t->rows++) {
-        make_row(t, p, i, angle, &r);
-        for (int k = 0; k < t->k.n_tracer; k++) {
-            if (!(t->tracers >> k & 1))
-                continue;
-            fprintf(t->f, "%d,%s,", p->arc + 1, mode);
-            csv_number(t->f, r.input);
-            if (wanted_tracers(t) > 1)
-                fprintf(t->f, ",%s", t->k.tracer[k].name);
-            for (int v = 0; v < N_VALUE; v++) {
-                fputc(',', t->f);
-                if (r.rates || !is_rate(v))
-                    csv_number(t->f, r.value[k][v]);
-            }
-            fputc('\n', t->f);
-        }
+        cli_row_number(t->rows.f, shown_input(t, turn[i].input));
+        fputc('\n', t->rows.f);
     }
 }
 
 void cli_trace_csv(cli_trace *t)
 {
-    fprintf(t->f, "# %s\n", t->line);
-    csv_units(t);
+    fprintf(t->rows.f, "# %s\n", t->line);
+    const char *length = t->k.units.length[0] ? t->k.units.length : "length";
+    char lead[64];
+    snprintf(lead, sizeof lead, "input %s", t->plan.input_is_slider ? length : t->k.units.angle);
+    cli_rows_units(&t->rows, lead, t->timed ? "s" : t->plan.input_is_slider ? length : "rad");
     for (int i = 0; i < t->n_piece; i++) {
         csv_arc(t, &t->piece[i]);
         csv_turnings(t, &t->piece[i]);
     }
-    fprintf(t->f, "arc,mode,input,%s" COLUMNS "\n", wanted_tracers(t) > 1 ? "tracer," : "");
-    for (int i = 0; i < t->n_piece && !t->cut_short; i++)
-        csv_rows(t, &t->piece[i]);
+    cli_rows_head(&t->rows, "input");
+    for (int i = 0; i < t->n_piece && !t->rows.cut_short; i++) {
+        char mode[LW_DYAD_MAX + 1];
+        put_rows(t, &t->piece[i], mode_text(t, &t->motion.arc[t->piece[i].arc], mode));
+    }
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------- */
-
-static void json_row(const cli_trace *t, cli_json *j, const row *r)
-{
-    double flat[1 + LW_TRACER_MAX*N_VALUE];
-    size_t n = 0;
-    flat[n++] = r->input;
-    for (int k = 0; k < t->k.n_tracer; k++)
-        for (int v = 0; v < N_VALUE && (t->tracers >> k & 1); v++)
-            flat[n++] = r->rates || !is_rate(v) ? r->value[k][v] : NAN;
-    cli_json_reals(j, NULL, flat, n);
-}
 
 static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
     char mode[LW_DYAD_MAX + 1];
-    double angle[LW_TRACER_MAX];
     lw_turning turn[TURN_MAX];
-    row r;
     cli_json_object(j, NULL);
     cli_json_int(j, "arc", p->arc + 1);
     cli_json_text(j, "mode", mode_text(t, a, mode));
@@ -274,45 +207,28 @@ static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
     }
     cli_json_end(j);
     cli_json_array(j, "rows");
-    for (int i = 0; i <= t->steps && !stopped(t); i++, t->rows++) {
-        make_row(t, p, i, angle, &r);
-        json_row(t, j, &r);
-    }
+    put_rows(t, p, mode);
     cli_json_end(j);
-    cli_json_end(j);
-}
-
-static void json_columns(const cli_trace *t, cli_json *j)
-{
-    char name[LW_NAME_SIZE + 32];
-    cli_json_array(j, "columns");
-    cli_json_text(j, NULL, "input");
-    for (int k = 0; k < t->k.n_tracer; k++) {
-        if (!(t->tracers >> k & 1))
-            continue;
-        for (const char *c = COLUMNS; *c; c += strcspn(c, ","), c += *c == ',') {
-            snprintf(name, sizeof name, "%s.%.*s", t->k.tracer[k].name, (int)strcspn(c, ","), c);
-            cli_json_text(j, NULL, name);
-        }
-    }
     cli_json_end(j);
 }
 
 void cli_trace_json(cli_trace *t)
 {
-    cli_json j = cli_json_begin(t->f, 1);
+    cli_json j = cli_json_begin(t->rows.f, 1);
+    t->rows.json = &j;
     cli_json_object(&j, NULL);
     cli_json_text(&j, "version", LW_VERSION);
     cli_json_text(&j, "command", t->line);
     cli_json_text(&j, "name", t->k.name);
+    cli_json_text(&j, "way", "plan");
     cli_json_object(&j, "units");
     cli_json_text(&j, "length", t->k.units.length);
     cli_json_text(&j, "angle", t->k.units.angle);
     cli_json_text(&j, "rates_by", t->timed ? "s" : t->plan.input_is_slider ? "length" : "rad");
     cli_json_end(&j);
-    json_columns(t, &j);
+    cli_rows_head(&t->rows, "input");
     cli_json_array(&j, "arcs");
-    for (int i = 0; i < t->n_piece && !t->cut_short; i++)
+    for (int i = 0; i < t->n_piece && !t->rows.cut_short; i++)
         json_piece(t, &j, &t->piece[i]);
     cli_json_end(&j);
     cli_json_end(&j);

@@ -3,9 +3,7 @@
 #ifndef LW_CLI_TRACE_H
 #define LW_CLI_TRACE_H
 
-#include <signal.h>
-#include <stdio.h>
-#include "cli/progress.h"
+#include "cli/trace_rows.h"
 #include "mbs/motion.h"
 #include "mbs/pose.h"
 
@@ -25,7 +23,6 @@ typedef struct cli_trace {
     lw_motion  motion;
     double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;     /* of the posture of the file        */
     double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
-    unsigned   tracers;                 /* bit i: tracer i is wanted                               */
     bool       whole;                   /* all of the input, else from .. to                       */
     double     from, to;                /* as a person counts the input [rad] or [m]               */
     bool       timed;                   /* derivatives by time, input speed                        */
@@ -33,19 +30,14 @@ typedef struct cli_trace {
     int        steps;
     int        n_piece;
     cli_piece  piece[CLI_PIECE_MAX];
-    FILE      *f;
+    cli_rows   rows;
     const char *line;                   /* the command                                             */
-    const volatile sig_atomic_t *stop;
-    double      until;                  /* clock [s] at which to stop; 0: never                    */
-    bool        cut_short;              /* it did, after `rows`                                    */
-    double      rows;                   /* printed so far                                          */
-    cli_progress *progress;
 } cli_trace;
 
 /* Cut the arcs; only_file: only the arc that holds the posture of the file. */
 void cli_trace_pieces(cli_trace *t, bool only_file);
 
-/* Print every piece to t->f; stops after a row when *t->stop is set or the time is over. */
+/* Print every piece; stops after a row when t->rows says so. */
 void cli_trace_csv(cli_trace *t);
 void cli_trace_json(cli_trace *t);
 

@@ -1,0 +1,354 @@
+/* Rows along curves of postures. */
+#include "cli/trace_curve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- shared ------------------------------------------------------------------------------------ */
+
+static bool is_slider(const cli_curve_trace *t, int input)
+{
+    return t->k->joint[t->k->input[input].joint].kind == LW_JOINT_SLIDER;
+}
+
+double cli_curve_unit(const cli_curve_trace *t, int input)
+{
+    return is_slider(t, input) ? t->k->units.metre : t->k->units.radian;
+}
+
+const char *cli_curve_unit_name(const cli_curve_trace *t, int input)
+{
+    const char *length = t->k->units.length[0] ? t->k->units.length : "length";
+    return is_slider(t, input) ? length : t->k->units.angle;
+}
+
+void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row)
+{
+    static const double factorial[] = { 1, 1, 2, 6 };
+    for (int k = 0; k < t->k->n_tracer; k++) {
+        int body = t->s.tracer_body[k];
+        lw_vec2 p[CLI_ROW_ORDER + 1];
+        double a[CLI_ROW_ORDER + 1];
+        lw_system_point_series(&t->s, body, t->s.tracer_arm[k], CLI_ROW_ORDER, series, p);
+        for (int order = 0; order <= CLI_ROW_ORDER; order++) {
+            p[order] = lw_v2_scale(p[order], factorial[order]);
+            a[order] = body < 0 ? 0 : series[order*t->s.n_q + 3*body + 2]*factorial[order];
+        }
+        double angle = t->k->tracer[k].angle + a[0];
+        if (first)
+            t->shift[k] = angle - remainder(angle, 2*LW_PI);
+        cli_row_values(&t->rows, p, a, angle - t->shift[k], row->value[k]);
+    }
+}
+
+/* ---- stretches --------------------------------------------------------------------------------- */
+
+static double input_at(lw_branch *b, double station)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_branch_pose(b, station, q, NULL);
+    return lw_branch_input(b, q);
+}
+
+static void add_stretch(cli_curve_trace *t, cli_stretch s)
+{
+    if (t->n_stretch < CLI_STRETCH_MAX)
+        t->stretch[t->n_stretch++] = s;
+}
+
+/* The whole curve from one input to another, cut to the wanted range and moved by whole turns, or by all that it takes
+ * to close. */
+static void cut_stretch(cli_curve_trace *t, cli_stretch s)
+{
+    double low = fmin(s.first, s.last), high = fmax(s.first, s.last);
+    double turn = is_slider(t, 0) ? 0 : s.turns && high - low > LW_PI ? high - low : 2*LW_PI;
+    if (t->whole) {
+        add_stretch(t, s);
+        return;
+    }
+    double n0 = turn > 0 ? ceil((t->from - high)/turn) : 0, n1 = turn > 0 ? floor((t->to - low)/turn) : 0;
+    for (double n = n0; n <= n1; n++) {
+        cli_stretch c = s;
+        double lo = fmax(low + n*turn, t->from), hi = fmin(high + n*turn, t->to);
+        if (!(lo <= hi))
+            continue;
+        bool rises = s.last >= s.first;
+        c.first = rises ? lo : hi;
+        c.last = rises ? hi : lo;
+        for (int end = 0; end < 2; end++)
+            c.limit[end] = s.limit[end] && (end ? c.last : c.first) == (end ? s.last : s.first) + n*turn;
+        for (int p = 0; p < c.n_part; p++)
+            c.part[p].more += n*turn;
+        add_stretch(t, c);
+    }
+}
+
+static void stretch_from_to(cli_curve_trace *t, int curve, double from, double to, bool limit0, bool limit1)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double end = lw_branch_segments(b);
+    cli_stretch s = { .curve = curve, .limit = { limit0, limit1 }, .n_part = 1 };
+    s.part[0].from = from;
+    s.part[0].to = fmin(to, end);
+    s.first = input_at(b, from);
+    if (to > end) {                                       /* over the end of a closed curve */
+        s.n_part = 2;
+        s.part[1].to = to - end;
+        s.part[1].more = input_at(b, end) - input_at(b, 0);
+        s.last = input_at(b, to - end) + s.part[1].more;
+    } else
+        s.last = input_at(b, to);
+    s.turns = lw_branch_ended(b) == LW_BRANCH_CLOSED && !limit0 && !limit1;
+    cut_stretch(t, s);
+}
+
+static void cut_curve(cli_curve_trace *t, int curve)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double limit[CLI_STRETCH_MAX + 2], end = lw_branch_segments(b);
+    int n, found = 0;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
+    for (int i = 0; i < n && found < CLI_STRETCH_MAX; i++)
+        if (e[i].kind == LW_EVENT_LIMIT)
+            limit[found++] = e[i].station;
+    if (found == 0) {
+        stretch_from_to(t, curve, 0, end, false, false);
+        return;
+    }
+    if (!closed)
+        stretch_from_to(t, curve, 0, limit[0], false, true);
+    for (int i = 0; i + 1 < found; i++)
+        stretch_from_to(t, curve, limit[i], limit[i + 1], true, true);
+    if (closed)
+        stretch_from_to(t, curve, limit[found - 1], limit[0] + end, true, true);
+    else
+        stretch_from_to(t, curve, limit[found - 1], end, true, false);
+}
+
+void cli_curve_stretches(cli_curve_trace *t)
+{
+    t->n_stretch = 0;
+    for (int i = 0; i < t->curves.n; i++)
+        cut_curve(t, i);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------- */
+
+/* Station of the curve where the input is u, on a stretch that holds it. */
+static double station_at(lw_branch *b, const cli_stretch *s, double u)
+{
+    double seam = s->n_part > 1 ? input_at(b, s->part[0].to) + s->part[0].more : s->last;
+    bool first = s->n_part == 1 || (u - seam)*(s->last - s->first) <= 0;
+    double from = s->part[!first].from, to = s->part[!first].to;
+    return lw_branch_find(b, from, to, u - s->part[!first].more);
+}
+
+/* Derivatives by the free input in its own unit, or by time. */
+static bool fill_rates(cli_curve_trace *t, lw_branch *b, double *series)
+{
+    double motion[LW_INPUT_MAX*(CLI_ROW_ORDER + 1)] = { 0 };
+    motion[1] = t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
+    bool good = lw_branch_rates(b, CLI_ROW_ORDER, motion, series);
+    if (!good)
+        memset(series + t->s.n_q, 0, (size_t)(CLI_ROW_ORDER*t->s.n_q)*sizeof *series);
+    return good;
+}
+
+static void stretch_rows(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    lw_branch *b = t->curves.curve[s->curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
+    double middle = station_at(b, s, 0.5*(s->first + s->last));
+    int side = lw_branch_side(b, middle);
+    for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
+        bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
+        double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
+        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1 };
+        row.lead[0] = u/cli_curve_unit(t, 0);
+        lw_branch_pose(b, station_at(b, s, u), series, NULL);
+        row.rates = fill_rates(t, b, series) && !limit;
+        cli_curve_values(t, series, i == 0, &row);
+        cli_rows_put(&t->rows, &row);
+    }
+}
+
+static void cycle_rows(cli_curve_trace *t, int curve)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_branch_length(b);
+    for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
+        cli_row row = { .arc = curve + 1, .n_lead = 2 };
+        double arc = length*i/t->steps;
+        double station = i == t->steps ? lw_branch_segments(b) : lw_branch_station(b, arc);
+        int side = lw_branch_side(b, station);
+        row.mode = side > 0 ? "+" : side < 0 ? "-" : "0";
+        lw_branch_pose(b, station, series, NULL);
+        row.lead[0] = arc;
+        row.lead[1] = lw_branch_input(b, series)/cli_curve_unit(t, 0);
+        row.rates = fill_rates(t, b, series);
+        cli_curve_values(t, series, i == 0, &row);
+        cli_rows_put(&t->rows, &row);
+    }
+}
+
+/* ---- what is told of a curve ------------------------------------------------------------------- */
+
+static const char *end_text(const cli_curve_trace *t, const lw_branch *b, char text[128])
+{
+    int turns = lw_branch_turns(b, -1);
+    switch (lw_branch_ended(b)) {
+    case LW_BRANCH_CLOSED:
+        if (turns != 0)
+            snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
+        else
+            snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
+        return text;
+    case LW_BRANCH_FAR:
+        return "leaves for beyond 30 sizes of the linkage, where it is cut";
+    case LW_BRANCH_LOST:
+        return "ends at a singular posture that could not be passed";
+    case LW_BRANCH_STOPPED:
+        break;
+    }
+    return "is not at its end after the steps that are allowed";
+}
+
+static void event_text(const cli_curve_trace *t, const lw_branch_event *e, char text[128])
+{
+    const char *slides = e->joint >= 0 && t->k->joint[e->joint].kind == LW_JOINT_SLIDER ? "slider" : "pin";
+    if (e->kind == LW_EVENT_CROSSING)
+        snprintf(text, 128, "branch point, passed straight on");
+    else
+        snprintf(text, 128, e->kind == LW_EVENT_LIMIT ? "limit of the input: %s %s turns back" : "dead point: %s %s turns back",
+                 slides, t->k->joint[e->joint].name);
+}
+
+static void csv_curve(cli_curve_trace *t, int curve)
+{
+    const lw_branch *b = t->curves.curve[curve];
+    char text[128];
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, b, text),
+            lw_branch_length(b), lw_branch_worst(b)/t->k->units.metre);
+    for (int i = 0; i < n; i++) {
+        event_text(t, &e[i], text);
+        fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
+        cli_row_number(t->rows.f, e[i].input/cli_curve_unit(t, 0));
+        fprintf(t->rows.f, ", arc %.10g\n", lw_branch_arc(b, e[i].station));
+    }
+}
+
+static void csv_stretch(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    fprintf(t->rows.f, "# arc %d: circuit %d, input ", index + 1, s->curve + 1);
+    cli_row_number(t->rows.f, s->first/cli_curve_unit(t, 0));
+    fputs(s->limit[0] ? " (limit) to " : " to ", t->rows.f);
+    cli_row_number(t->rows.f, s->last/cli_curve_unit(t, 0));
+    fprintf(t->rows.f, "%s%s\n", s->limit[1] ? " (limit)" : "", s->turns && t->whole ? ", turns fully" : "");
+}
+
+static void json_events(cli_curve_trace *t, const lw_branch *b)
+{
+    static const char *const kind[] = { "limit", "dead_point", "branch_point" };
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    cli_json_array(t->rows.json, "events");
+    for (int i = 0; i < n; i++) {
+        cli_json_object(t->rows.json, NULL);
+        cli_json_text(t->rows.json, "kind", kind[e[i].kind]);
+        cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
+        cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
+        cli_json_real(t->rows.json, "along", lw_branch_arc(b, e[i].station));
+        cli_json_end(t->rows.json);
+    }
+    cli_json_end(t->rows.json);
+}
+
+static void json_circuit(cli_curve_trace *t, int curve)
+{
+    static const char *const end[] = { "closed", "far", "singular", "stopped" };
+    const lw_branch *b = t->curves.curve[curve];
+    cli_json *j = t->rows.json;
+    cli_json_object(j, NULL);
+    cli_json_int(j, "circuit", curve + 1);
+    cli_json_text(j, "ends", end[lw_branch_ended(b)]);
+    cli_json_int(j, "turns", lw_branch_turns(b, -1));
+    cli_json_real(j, "length", lw_branch_length(b));
+    cli_json_real(j, "residual", lw_branch_worst(b)/t->k->units.metre);
+    json_events(t, b);
+    cli_json_end(j);
+}
+
+static void json_stretch(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    cli_json *j = t->rows.json;
+    cli_json_object(j, NULL);
+    cli_json_int(j, "arc", index + 1);
+    cli_json_int(j, "circuit", s->curve + 1);
+    cli_json_reals(j, "range", (double[]){ s->first/cli_curve_unit(t, 0), s->last/cli_curve_unit(t, 0) }, 2);
+    cli_json_bool(j, "first_is_limit", s->limit[0]);
+    cli_json_bool(j, "last_is_limit", s->limit[1]);
+    cli_json_bool(j, "turns", s->turns);
+    cli_json_array(j, "rows");
+    stretch_rows(t, index);
+    cli_json_end(j);
+    cli_json_end(j);
+}
+
+/* ---- all of it --------------------------------------------------------------------------------- */
+
+static void print_csv(cli_curve_trace *t, bool cycle)
+{
+    char lead[128];
+    fprintf(t->rows.f, "# %s\n", t->line);
+    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", cli_curve_unit_name(t, 0));
+    cli_rows_units(&t->rows, lead, t->timed ? "s" : is_slider(t, 0) ? cli_curve_unit_name(t, 0) : "rad");
+    for (int i = 0; i < t->curves.n; i++)
+        csv_curve(t, i);
+    for (int i = 0; i < t->n_stretch && !cycle; i++)
+        csv_stretch(t, i);
+    cli_rows_head(&t->rows, cycle ? "along,input" : "input");
+    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++)
+        if (cycle)
+            cycle_rows(t, i);
+        else
+            stretch_rows(t, i);
+}
+
+static void print_json(cli_curve_trace *t, bool cycle)
+{
+    cli_json *j = t->rows.json;
+    cli_rows_head(&t->rows, cycle ? "along,input" : "input");
+    cli_json_array(j, "circuits");
+    for (int i = 0; i < t->curves.n; i++)
+        json_circuit(t, i);
+    cli_json_end(j);
+    cli_json_array(j, "arcs");
+    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++)
+        if (cycle) {
+            cli_json_object(j, NULL);
+            cli_json_int(j, "arc", i + 1);
+            cli_json_int(j, "circuit", i + 1);
+            cli_json_array(j, "rows");
+            cycle_rows(t, i);
+            cli_json_end(j);
+            cli_json_end(j);
+        } else
+            json_stretch(t, i);
+    cli_json_end(j);
+}
+
+void cli_curve_print(cli_curve_trace *t, bool cycle)
+{
+    t->rows.total = (double)(cycle ? t->curves.n : t->n_stretch)*(t->steps + 1);
+    if (t->rows.json)
+        print_json(t, cycle);
+    else
+        print_csv(t, cycle);
+}

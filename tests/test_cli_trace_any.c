@@ -1,0 +1,163 @@
+/* `linkwright trace` where there is no closed form: gears, several inputs, time, whole cycles. */
+#include "tests/cli_run.h"
+
+#include <jansson.h>
+
+/* Numbers of the last line of CSV text, from the third column on; n: how many lines of numbers there are. */
+static int last_row(const char *text, double v[20])
+{
+    int n = 0;
+    for (const char *line = text; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        if (*line < '0' || *line > '9')
+            continue;
+        n++;
+        const char *at = line + strcspn(line, ",") + 1;
+        at += strcspn(at, ",") + 1;
+        for (int c = 0; c < 20; c++) {
+            v[c] = *at == ',' ? NAN : strtod(at, NULL);
+            at += strcspn(at, ",\n");
+            if (*at != ',')
+                break;
+            at++;
+        }
+    }
+    return n;
+}
+
+static int trace(const char *arguments, double v[20])
+{
+    char line[512];
+    snprintf(line, sizeof line, "$P trace %s", arguments);
+    ran r = run(line);
+    if (r.code)
+        fprintf(stderr, "%s: %s", line, r.err);
+    CHECK_INT(r.code, 0);
+    int n = last_row(r.out, v);
+    ran_free(&r);
+    return n;
+}
+
+/* Chebyshev's double rocker as one closed curve: the end is the beginning, the coupler has turned once. */
+static void a_cycle_over_both_limits(void)
+{
+    double v[20];
+    CHECK_INT(trace("examples/chebyshev.json --cycle --steps 40", v), 41);
+    enum { ALONG, INPUT, X, Y, ANGLE = 10 };
+    CHECK_NEAR(v[INPUT], acos(0.6)*180/M_PI, 1e-9, 0);
+    CHECK_NEAR(v[X], 0, 1e-10, 0);
+    CHECK_NEAR(v[Y], 40, 1e-10, 0);
+    CHECK_NEAR(v[ANGLE], 360, 1e-9, 0);
+    expect("$P trace examples/chebyshev.json --cycle -n 4", 0,
+           "limit of the input: pin O turns back, at input 101.5369590328", NULL);
+    expect("$P trace examples/chebyshev.json --cycle -n 4", 0, "circuit 1: closes, the input swings", NULL);
+}
+
+/* Both ways give the same curve: every posture of the plan lies on the cycle, by its input. */
+static void two_ways_agree(void)
+{
+    ran r = run("$P trace examples/slider-crank.json -t piston --mode file --from 37 --to 37.5 -n 1");
+    double plan[20], curve[20];
+    last_row(r.out, plan);
+    ran_free(&r);
+    r = run("sed 's/\"input\": {\"joint\": \"O\"\\([^}]*\\)}/\"inputs\": [{\"joint\": \"O\"\\1}, {\"joint\": \"W\"}]/;"
+            "s/\"joints\": \\[/\"joints\": [{\"name\": \"W\", \"links\": [\"ground\", \"wheel\"], \"at\": [0, -90]},/;"
+            "s/\"rod\", \"slider\"\\],$/\"rod\", \"slider\", \"wheel\"],/' examples/slider-crank.json | "
+            "$P trace - -t piston --mode file --from 37 --to 37.5 -n 1");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.err, "input 1 moves, the other rests");
+    CHECK_INT(last_row(r.out, curve), 2);
+    for (int i = 0; i < 13; i++)
+        CHECK_NEAR(curve[i], plan[i], 1e-10, 1e-10);
+    ran_free(&r);
+}
+
+static void a_geared_five_bar_closes_after_two_turns(void)
+{
+    double v[20];
+    CHECK_INT(trace("examples/geared-five-bar.json -n 8", v), 9);
+    CHECK_NEAR(v[0], 45 + 720, 1e-9, 0);
+    CHECK_NEAR(v[1], 35, 1e-10, 0);
+    CHECK_NEAR(v[2], 75, 1e-10, 0);
+    CHECK_INT(trace("examples/geared-five-bar.json -n 10 --from 400 --to 410", v), 11);
+    CHECK_NEAR(v[0], 410, 1e-9, 0);
+    expect("$P trace examples/geared-five-bar.json -n 2", 0, "closes after 2 turns of the input", "curve of postures");
+    expect("$P trace examples/geared-five-bar.json -n 2 --all-assemblies", 0, "# circuit 2: closes after 2 turns",
+           "2 circuits found so far; the last 300 of");
+    expect("$P trace examples/geared-five-bar.json -n 2 --speed 2", 0, "v a j mm/s mm/s^2", NULL);
+}
+
+/* The loader's cylinders stop after 2 s, so it stands still. */
+static void inputs_move_in_time(void)
+{
+    double v[20], w[20];
+    CHECK_INT(trace("examples/loader.json --time-range 0:2.5:0.05", v), 51);
+    CHECK_NEAR(v[0], 2.5, 0, 0);
+    CHECK_NEAR(v[1], 0.55, 1e-15, 0);
+    CHECK_NEAR(v[2], -0.12, 1e-15, 0);
+    CHECK(v[5] == 0 && v[6] == 0 && v[7] == 0 && v[14] == 0);
+    trace("examples/loader.json --time-range 0:3:3", w);       /* in one step of output: the same place */
+    CHECK_NEAR(w[3], v[3], 1e-12, 0);
+    CHECK_NEAR(w[4], v[4], 1e-12, 0);
+    CHECK_INT(trace("examples/five-bar.json --time-range 0:1:0.1", v), 11);
+    CHECK_NEAR(v[3], 0, 1e-11, 0);
+    CHECK_NEAR(v[4], 100, 1e-11, 0);
+    expect("$P trace examples/five-bar.json --time-range 0:1:0.5", 0, "time,input,input_2,x,y", "in time by Newton");
+}
+
+static void json_can_be_read(void)
+{
+    static const char *const argument[] = { "examples/geared-five-bar.json -n 3", "examples/klann.json --cycle -n 3",
+                                            "examples/five-bar.json --time-range 0:1:0.5",
+                                            "examples/geared-five-bar.json -n 2 --all-assemblies" };
+    static const char *const way[] = { "curve", "cycle", "time", "curve" };
+    for (int i = 0; i < 4; i++) {
+        char line[256];
+        snprintf(line, sizeof line, "$P trace %s --json", argument[i]);
+        ran r = run(line);
+        json_t *root = json_loads(r.out, 0, NULL);
+        CHECK(root != NULL);
+        CHECK_TEXT(json_string_value(json_object_get(root, "way")), way[i]);
+        const json_t *arcs = json_object_get(root, "arcs"), *rows = json_object_get(json_array_get(arcs, 0), "rows");
+        CHECK_INT(json_array_size(arcs), i == 3 ? 2 : 1);
+        CHECK_INT(json_array_size(json_array_get(rows, 0)), json_array_size(json_object_get(root, "columns")));
+        json_decref(root);
+        ran_free(&r);
+    }
+}
+
+#define MODEL(joints, inputs) "printf '%s' '{\"linkwright\":1,\"ground\":\"g\",\"joints\":[" joints "]," \
+    inputs ",\"tracers\":[{\"name\":\"P\",\"link\":\"b\",\"at\":[1,2]}]}' | $P trace - "
+#define FIVE_BAR "{\"name\":\"A\",\"links\":[\"g\",\"a\"],\"at\":[0,0]},{\"name\":\"B\",\"links\":[\"a\",\"b\"],\"at\":[0,1]}," \
+    "{\"name\":\"C\",\"links\":[\"b\",\"c\"],\"at\":[1,2]},{\"name\":\"D\",\"links\":[\"c\",\"d\"],\"at\":[3,1]}," \
+    "{\"name\":\"E\",\"links\":[\"d\",\"g\"],\"at\":[3,0]}"
+#define FOUR_BAR "{\"name\":\"A\",\"links\":[\"g\",\"a\"],\"at\":[0,0]},{\"name\":\"B\",\"links\":[\"a\",\"b\"],\"at\":[0,3]}," \
+    "{\"name\":\"C\",\"links\":[\"b\",\"c\"],\"at\":[2,3]},{\"name\":\"E\",\"links\":[\"c\",\"g\"],\"at\":[4,0]}"
+#define MOTION(text) "\"input\":{\"joint\":\"A\",\"value\":1.5707963267948966,\"motion\":\"" text "\"}"
+
+static void faults_are_told(void)
+{
+    expect(MODEL(FIVE_BAR, "\"input\":{\"joint\":\"A\"}"), 3, NULL, "2 freedoms but 1 input; drive 1 more joint");
+    expect(MODEL(FIVE_BAR, "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"E\"},{\"joint\":\"C\"}]"), 4, NULL, "cannot move");
+    expect(MODEL(FOUR_BAR, MOTION("1.5+sin(t")) "--time-range 0:1:0.1", 3, NULL, "standard input:1:276: input.motion: ");
+    expect(MODEL(FOUR_BAR, "\"input\":{\"joint\":\"A\"}") "--time-range 0:1:0.1", 3, NULL, "no input has a \"motion\"");
+    expect("$P trace examples/five-bar.json --time-range 0:1", 2, NULL, "T0:T1:DT");
+    expect("$P trace examples/five-bar.json --time-range 0:1:-1", 2, NULL, "T0:T1:DT");
+    expect("$P trace examples/five-bar.json --time-range 0:x:1", 2, NULL, "time-range");
+    expect("$P trace examples/geared-five-bar.json --tracer Q", 3, NULL, "no tracer 'Q'");
+    expect("$P trace examples/chebyshev.json --cycle --from 1 --to 2", 2, NULL, "cycle");
+    /* the rocker's limit is passed at some time: the rows before are kept */
+    expect(MODEL(FOUR_BAR, MOTION("pi/2 - t")) "--time-range 0:3:0.1", 5, "1,.,0.1,", "beyond a limit of the linkage");
+    expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0*sqrt(1 - t)")) "--time-range 0:3:0.5", 4, NULL, "no number there");
+    expect(MODEL(FOUR_BAR, MOTION("3 + t")) "--time-range 0:3:0.1", 4, "", "cannot get to where the motions begin at t = 0");
+}
+
+int main(void)
+{
+    RUN(a_cycle_over_both_limits);
+    RUN(two_ways_agree);
+    RUN(a_geared_five_bar_closes_after_two_turns);
+    RUN(inputs_move_in_time);
+    RUN(json_can_be_read);
+    RUN(faults_are_told);
+    return check_end();
+}
