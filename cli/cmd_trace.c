@@ -160,8 +160,8 @@ static lw_status read_range(const settings *s, double range[3], lw_error *e)
             return st;
     }
     if (n < 3 || part || !(range[0] < range[1]) || !(range[2] > 0) || (range[1] - range[0])/range[2] > 1e7)
-        return lw_error_set(e, LW_E_ARG, "--time-range: three numbers are wanted, T0:T1:DT with T0 < T1 and at most 1e7 "
-                            "steps of DT > 0, as in 0:1:0.01");
+        return lw_error_set(e, LW_E_ARG, "--time-range: three numbers are wanted, T0:T1:DT with T0 < T1 and at most "
+                            "1e7 steps of DT > 0, as in 0:1:0.01");
     return LW_OK;
 }
 
@@ -324,8 +324,8 @@ static int choose_way(const cli_call *call, const lw_model *m, double start)
         if (read_range(s, range, &e) != LW_OK)
             return cli_usage(call, "%s", e.text);
         if (!moved)
-            return lw_error_at(&e, LW_E_ARG, call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing moves in "
-                               "time; give one, or leave --time-range out"), cli_fail(call, &e);
+            return lw_error_at(&e, LW_E_ARG, call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing "
+                               "moves in time; give one, or leave --time-range out"), cli_fail(call, &e);
         cli_note(call, "followed in time by Newton's method");
         return run_curves(call, m, tracers, range, start);
     }

@@ -222,7 +222,7 @@ static void event_text(const cli_curve_trace *t, const lw_branch_event *e, char 
     if (e->kind == LW_EVENT_CROSSING)
         snprintf(text, 128, "branch point, passed straight on");
     else
-        snprintf(text, 128, e->kind == LW_EVENT_LIMIT ? "limit of the input: %s %s turns back" : "dead point: %s %s turns back",
+        snprintf(text, 128, "%s: %s %s turns back", e->kind == LW_EVENT_LIMIT ? "limit of the input" : "dead point",
                  slides, t->k->joint[e->joint].name);
 }
 

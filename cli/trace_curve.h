@@ -42,8 +42,8 @@ void cli_curve_stretches(cli_curve_trace *t);
 /* All stretches; or with `cycle` every curve as a whole, evenly by its arc. */
 void cli_curve_print(cli_curve_trace *t, bool cycle);
 
-/* Inputs as functions of time from range[0] in steps of range[2] to range[1].  LW_OPEN, LW_E_NUMERIC: the rows end before,
- * e says why. */
+/* Inputs as functions of time from range[0] in steps of range[2] to range[1].  LW_OPEN, LW_E_NUMERIC: the rows end
+ * before, e says why. */
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
 
 /* Shared: values of all tracers from a series of postures (4 x n_q), into row. */

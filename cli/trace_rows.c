@@ -32,7 +32,8 @@ void cli_rows_units(const cli_rows *r, const char *lead, const char *by)
 {
     const char *length = r->k->units.length[0] ? r->k->units.length : "length";
     fprintf(r->f, "# units: %s; x y %s; v a j %s/%s %s/%s^2 %s/%s^3; angle %s; angle_v _a _j "
-            "rad/%s rad/%s^2 rad/%s^3\n", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by, by);
+            "rad/%s rad/%s^2 rad/%s^3\n", lead, length, length, by, length, by, length, by, r->k->units.angle, by, by,
+            by);
 }
 
 static void json_head(const cli_rows *r, const char *lead)

@@ -33,8 +33,8 @@ typedef struct cli_row {
     double      value[LW_TRACER_MAX][CLI_ROW_VALUES];
 } cli_row;
 
-/* Values of tracer k in the units of the file.  p, a: place [m] and direction of its link [rad] with derivatives; angle:
- * of the tool [rad]. */
+/* Values of a tracer in the units of the file.  p, a: place [m] and direction of its link [rad] with derivatives;
+ * angle: of the tool [rad]. */
 void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value);
 
 /* "# units: ..." with the texts of the input's unit and what derivatives are by. */

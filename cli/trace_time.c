@@ -27,7 +27,8 @@ static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t s
         char number[16] = "";
         if (i > 0)
             snprintf(number, sizeof number, "_%d", i + 1);
-        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number, cli_curve_unit_name(t, i));
+        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number,
+                              cli_curve_unit_name(t, i));
     }
 }
 
@@ -83,11 +84,11 @@ lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
             put_posture(t, d, i == 0);
     }
     if (s == LW_OPEN)
-        lw_error_set(e, s, "the motions lead beyond a limit of the linkage (a dead point of its inputs) at t = %.12g s; the rows "
-                     "end before it", lw_drive_time(d));
+        lw_error_set(e, s, "the motions lead beyond a limit of the linkage (a dead point of its inputs) at t = %.12g s; "
+                     "the rows end before it", lw_drive_time(d));
     else if (s != LW_OK)
-        lw_error_set(e, s, "the motion is lost at t = %.12g s: an input is no number there, or no step is short enough to stay "
-                     "on the branch; the rows end before it", lw_drive_time(d));
+        lw_error_set(e, s, "the motion is lost at t = %.12g s: an input is no number there, or no step is short enough "
+                     "to stay on the branch; the rows end before it", lw_drive_time(d));
     double last;
     int crossings = lw_drive_crossings(d, &last);
     if (crossings > 0 && !t->rows.json)

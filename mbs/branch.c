@@ -105,7 +105,7 @@ void lw_branch_free(lw_branch *b)
 /* Between here and a branch point there is no good Newton step; the series from the base holds. */
 static bool near_singular(const lw_branch_segment *s, double h)
 {
-    return s->singular >= 0.0 && fabs(h - s->singular) < 1e-4;
+    return s->singular >= 0.0 && fabs(h - s->singular) < 3e-3;
 }
 
 static bool settle(lw_branch *b, const lw_branch_segment *s, double h, double *q)

@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include "base/rank.h"
-#include "base/rng.h"
 
 static const double longest_step = 0.5;    /* so that what lies between is seen by the ends            */
 static const double closing = 1e-8;        /* of the start, which a closed curve comes back to          */
@@ -66,44 +64,15 @@ static bool look_around(lw_branch *b, int node, int way)
 
 /* ---- the start --------------------------------------------------------------------------------- */
 
-/* The direction of motion at the posture into f->row; freedoms other than 1 are told. */
-static int find_direction(lw_branch *b, const double *q, lw_status *status)
-{
-    int m = b->s->n_row + b->f.n_held, n = b->n, free_number = 0;
-    lw_rank r;
-    double *memory = malloc((lw_rank_doubles(m, n) + (size_t)n)*sizeof *memory);
-    int *ints = malloc(lw_rank_ints(m, n)*sizeof *ints);
-    *status = memory && ints ? LW_OK : LW_E_MEMORY;
-    if (*status == LW_OK) {
-        lw_rng rng;
-        lw_system_frames at;
-        lw_rank_place(&r, m, n, memory, ints);
-        lw_system_place(b->s, q, &at);
-        memset(r.a, 0, (size_t)m*(size_t)n*sizeof *r.a);
-        lw_system_fill(b->s, &at, NULL, r.a, 1, m);
-        for (int i = 0; i < b->f.n_held; i++)
-            lw_system_count(b->s, &at, b->s->input_joint[b->f.held[i]], r.a + b->s->n_row + i, m);
-        lw_rank_factor(&r, 1e-9);
-        free_number = n - r.rank;
-        lw_rng_seed(&rng, 1, 0);
-        for (int i = 0; i < n; i++)
-            b->f.row[i] = lw_rng_range(&rng, -1.0, 1.0);
-        lw_rank_null_part(&r, b->f.row);
-        double length = sqrt(dot(b, b->f.row, b->f.row));
-        for (int i = 0; i < n; i++)
-            b->f.row[i] /= length;
-    }
-    free(memory);
-    free(ints);
-    return free_number;
-}
-
 static lw_status begin(lw_branch *b, lw_error *e)
 {
-    lw_status status;
-    int freedoms = find_direction(b, b->node[0].q, &status);
-    if (status != LW_OK)
-        return lw_error_set(e, status, "out of memory");
+    int freedoms = lw_follow_freedoms(&b->f, b->node[0].q, b->f.row), inputs = b->s->n_input;
+    int counted = b->s->n_q - b->s->n_row;
+    if (freedoms < 0)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (freedoms == 0 && counted > 0 && inputs > counted)
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d inputs; leave out %d", counted,
+                            counted == 1 ? "" : "s", inputs, inputs - counted);
     if (freedoms == 0)
         return lw_error_set(e, LW_E_NUMERIC, "the linkage cannot move: in its posture every freedom is taken");
     if (freedoms > 1)

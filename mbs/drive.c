@@ -262,6 +262,21 @@ static void straight(void *context, double t, int order, double *u)
     }
 }
 
+/* More inputs than the rows leave freedoms cannot all move as they like. */
+static lw_status check_inputs(lw_drive *d, lw_error *e)
+{
+    lw_follow rows = d->f;
+    rows.n_held = 0;
+    lw_system_posture(d->s, d->q);
+    int freedoms = lw_follow_freedoms(&rows, d->q, d->next), inputs = d->s->n_input;
+    if (freedoms < 0)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (inputs > freedoms)
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedom%s but %d input%s; leave out %d", freedoms,
+                            freedoms == 1 ? "" : "s", inputs, inputs == 1 ? "" : "s", inputs - freedoms);
+    return LW_OK;
+}
+
 static lw_status begin(lw_drive *d, double t, lw_error *e)
 {
     lw_drive_motion *motion = d->motion;
@@ -275,12 +290,12 @@ static lw_status begin(lw_drive *d, double t, lw_error *e)
     lw_system_posture(d->s, d->q);
     hold(d, 0.0);
     if (!(lw_follow_factor(&d->f, d->q) > 1e-12))
-        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs, or the linkage cannot move: draw it "
-                            "in another posture");
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another "
+                            "posture");
     lw_status s = lw_drive_to(d, 1.0);
     if (s != LW_OK)
-        return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it comes "
-                            "%.6g %% of the way, straight in its inputs", t, 100.0*d->t);
+        return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it "
+                            "comes %.6g %% of the way, straight in its inputs", t, 100.0*d->t);
     d->motion = motion;
     d->context = context;
     d->t = t;
@@ -316,7 +331,9 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
     d->next = d->q + d->n;
     d->series = d->next + d->n;
     d->track = d->series + (ORDER + 2)*d->n;
-    lw_status status = begin(d, t, e);
+    lw_status status = check_inputs(d, e);
+    if (status == LW_OK)
+        status = begin(d, t, e);
     if (status != LW_OK) {
         lw_drive_free(d);
         return status;

@@ -15,13 +15,13 @@ typedef void lw_drive_motion(void *context, double t, int order, double *u);
 typedef struct lw_drive lw_drive;
 
 /* From the drawn posture the inputs are first taken straight to where they are at time t; s must outlive it.
- * LW_E_ARG: fewer inputs than freedoms; LW_E_NUMERIC: a rigid linkage, a posture that is a dead point of the inputs, or
+ * LW_E_ARG: fewer or more inputs than freedoms; LW_E_NUMERIC: a posture that is a dead point of the inputs, or
  * motions that are no number; LW_OPEN: the linkage cannot get to where the motion begins. */
 lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *context, double t, lw_drive **out,
                           lw_error *e);
 void      lw_drive_free(lw_drive *d);
 
-/* On to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of theirs), the time of which is
+/* On to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of theirs), whose time is
  * lw_drive_time then, to 1e-10 of the time the motion takes; LW_E_NUMERIC: the branch was lost, or a motion is no
  * number.  The posture is the last good one. */
 lw_status lw_drive_to(lw_drive *d, double t);

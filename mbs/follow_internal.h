@@ -75,6 +75,10 @@ void   lw_follow_series(lw_follow *f, int order, const double *value, double *q)
 /* Sum of q[k*n ..] h^k */
 void   lw_follow_sum(const lw_follow *f, int order, const double *q, double h, double *out);
 
+/* How many freedoms the rows and driven inputs leave at q, by their rank (diagonals below 1e-9 count as 0), and a unit
+ * vector (n) of the freedoms, if there are any.  -1: out of memory. */
+int    lw_follow_freedoms(const lw_follow *f, const double *q, double *direction);
+
 /* Where between two good postures the equations lose rank (follow_singular.c): `series` of the motion by x from a
  * posture before, guess: about where.  set(context, x) makes f's equations those at x.
  * Right to about 1e-11; the guess where nothing better is found. */

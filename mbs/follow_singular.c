@@ -1,8 +1,9 @@
-/* mbs/follow_singular.c - where on the way the equations lose rank. */
+/* mbs/follow_singular.c - the rank of the equations, and where on the way they lose it. */
 #include "mbs/follow_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include "base/rank.h"
 #include "base/rng.h"
 
 /* Solution of A x = right, in f->work */
@@ -63,4 +64,41 @@ double lw_follow_locate(lw_follow *f, int order, const double *series, double gu
     }
     free(right);
     return isfinite(at) && fabs(at - guess) < delta ? at : guess;
+}
+
+/* Rows and driven inputs at q, by columns */
+static void fill(const lw_follow *f, const double *q, int m, double *a)
+{
+    lw_system_frames at;
+    memset(a, 0, (size_t)m*(size_t)f->n*sizeof *a);
+    lw_system_place(f->s, q, &at);
+    lw_system_fill(f->s, &at, NULL, a, 1, m);
+    for (int i = 0; i < f->n_held; i++)
+        lw_system_count(f->s, &at, f->s->input_joint[f->held[i]], a + f->s->n_row + i, m);
+}
+
+int lw_follow_freedoms(const lw_follow *f, const double *q, double *direction)
+{
+    int m = f->s->n_row + f->n_held, n = f->n, freedoms = -1;
+    double *memory = malloc(lw_rank_doubles(m, n)*sizeof *memory), length = 0.0;
+    int *ints = malloc(lw_rank_ints(m, n)*sizeof *ints);
+    if (memory && ints) {
+        lw_rank r;
+        lw_rng rng;
+        lw_rank_place(&r, m, n, memory, ints);
+        fill(f, q, m, r.a);
+        lw_rank_factor(&r, 1e-9);
+        freedoms = n - r.rank;
+        lw_rng_seed(&rng, 1, 0);
+        for (int i = 0; i < n; i++)
+            direction[i] = lw_rng_range(&rng, -1.0, 1.0);
+        lw_rank_null_part(&r, direction);
+        for (int i = 0; i < n; i++)
+            length += direction[i]*direction[i];
+        for (int i = 0; i < n; i++)
+            direction[i] /= freedoms > 0 ? sqrt(length) : 1.0;
+    }
+    free(memory);
+    free(ints);
+    return freedoms;
 }
