@@ -78,10 +78,9 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
             fprintf(f, "  line along %.9g, %.9g", g->along.x, g->along.y);
         fputc('\n', f);
     }
-    if (x->n_triple > 0)
-        fprintf(f, "%ld Roberts triples found, %s; %ld of them real\n", x->n_triple,
-                x->complete ? "all there are over the complex numbers" : "1442 there are over the complex numbers",
-                x->n_real_triple);
+    if (x->n_general > 0)
+        fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general points "
+                "%ld of 1442 are known\n", x->n_triple, x->n_real_triple, x->n_general);
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
@@ -127,7 +126,8 @@ void cli_fit_exact_json(const cli_fit_set *s, cli_json *j)
     cli_json_int(j, "with_order_defect", x->n_order);
     cli_json_int(j, "with_branch_defect", x->n_branch);
     cli_json_int(j, "with_circuit_defect", x->n_circuit);
-    if (x->n_triple > 0) {
+    if (x->n_general > 0) {
+        cli_json_int(j, "general_roberts_triples", x->n_general);
         cli_json_int(j, "roberts_triples", x->n_triple);
         cli_json_int(j, "real_roberts_triples", x->n_real_triple);
     }

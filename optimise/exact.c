@@ -205,6 +205,8 @@ static lw_status run_motion(exact_run *x, lw_ranking *r, lw_exact *out, lw_error
 static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e)
 {
     long drawn = 0;
+    if (x->t->n == 9)
+        return lw_nine_solve(x->p, x->o, r, out);
     lw_status st = draw_rounds(x, r, &drawn, e);
     snprintf(out->choice, sizeof out->choice, "free: the coupler's angles at the points%s; %ld draws",
              x->t->n < 5 ? " and the pins of each guide as for a motion" : "", drawn);

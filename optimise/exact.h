@@ -67,15 +67,18 @@ typedef struct lw_exact {
     long      n_clean, n_order, n_branch, n_circuit;      /* of these: without and with defect (worst) */
     int       n_guide;             /* five poses: the guides found                                    */
     lw_guide  guide[4];
-    long      n_triple, n_real_triple;                    /* nine points: Roberts triples found       */
+    long      n_general;           /* nine points: Roberts triples found at general complex points, where
+                                    * 1442 are all there are ...                                    */
+    long      n_triple, n_real_triple;     /* ... and at those of the target, complex and real       */
     bool      complete;            /* all that exist were found, as far as theory knows their number   */
     char      choice[256];         /* which dimensions were free and how they were chosen; "" none     */
 } lw_exact;
 
 /* Find linkages that pass through all stations of t: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9
  * points of a path; o->spec.task says which; spec's bounds and conditions leave out what does not meet
- * them; types NULL: all for five poses, four-bars else.  Input angles of a path or motion and weights are passed
- * over.  The same for any number of threads; max_seconds and interrupt end it earlier and keep what was found.
+ * them; max_rounds limits the effort; types NULL: all for five poses, four-bars else.  Input angles of a path
+ * or motion and weights are passed over.  The same for any number of threads; max_seconds and interrupt end
+ * it earlier and keep what was found.
  * LW_OK, LW_NOTHING (no real solution), LW_STOPPED, failures < 0: LW_E_ARG too few or too many stations. */
 lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *out, lw_error *e);
 void      lw_exact_free(lw_exact *x);

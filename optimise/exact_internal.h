@@ -32,9 +32,14 @@ int lw_guide_rows_solve(const lw_guide_rows *r, lw_guide out[4]);
 enum { LW_GUIDE_DRAW = 5 };
 int lw_guide_rows_draw(const lw_guide_rows *r, const double *u, double reach, bool slides, lw_guide out[4]);
 
-/* ---- linkages of two guides, their defects and order (exact_rank.c) ---- */
+/* ---- nine points of a path (exact_nine.c) ---- */
 
 typedef struct lw_ranking lw_ranking;
+
+/* All four-bars through them are offered to r; counts in out. */
+lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking *r, lw_exact *out);
+
+/* ---- linkages of two guides, their defects and order (exact_rank.c) ---- */
 
 /* theta of t is the tool angle; for a path it may be NULL.  family: infinitely many are offered, and those that
  * are much alike are listed once. */
