@@ -79,14 +79,14 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
         fputc('\n', f);
     }
     if (x->n_general > 0)
-        fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general points "
-                "%ld of 1442 are known\n", x->n_triple, x->n_real_triple, x->n_general);
+        fprintf(f, "%ld Roberts triples through these points, %ld of them real (three four-bars each); of general "
+                "points %ld of 1442 are known\n", x->n_triple, x->n_real_triple, x->n_general);
     if (x->choice[0])
         fprintf(f, "%s\n", x->choice);
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
             "two circuits; %.3g s; stopped: %s\n\n", x->n_real, x->n_real == 1 ? "" : "s",
-            x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit, s->survey.fit.seconds,
-            s->survey.fit.stop == LW_STOP_F_TARGET ? "done" : lw_stop_text(s->survey.fit.stop));
+            x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit,
+            s->survey.fit.seconds, s->survey.fit.stop == LW_STOP_F_TARGET ? "done" : lw_stop_text(s->survey.fit.stop));
 }
 
 void cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j)

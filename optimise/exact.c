@@ -34,9 +34,9 @@ static lw_status check_count(const lw_target *t, lw_task task, lw_error *e)
     };
     for (int i = 0; i < 3; i++)
         if (range[i].task == task && (t->n < range[i].least || t->n > range[i].most))
-            return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the target "
-                                "has %zu; without --exact it is fitted as well as can be", range[i].least, range[i].most,
-                                range[i].what, t->n);
+            return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the "
+                                "target has %zu; without --exact it is fitted as well as can be", range[i].least,
+                                range[i].most, range[i].what, t->n);
     if (task == LW_TASK_MOTION && !(t->x && t->theta))
         return lw_error_set(e, LW_E_ARG, "a motion needs columns x,y,theta");
     if (task == LW_TASK_PATH && !t->x)

@@ -3,7 +3,8 @@
  *
  * The linkage is chosen first, at random in complex numbers, and nine points of its curve after it: one solution at
  * the points p.  Between p and other points q there are many ways: the equations keep their form when all plane
- * numbers are multiplied by s and their conjugates by s^, so each (s, s^) is a way from p to (s q, s^ q^) and with it to q.
+ * numbers are multiplied by s and their conjugates by s^, so each (s, s^) is a way from p to (s q, s^ q^) and with it
+ * to q.
  * Following all known solutions to and fro on four ways connects them, until all 1442 at p are known; from
  * there they are followed to the points that are asked for.  Of each triple (six solutions: three
  * cognates, each with its two guides in either order) one is followed. */
