@@ -92,6 +92,34 @@ typedef struct lw_store_chain {
 lw_status lw_store_put_structure(lw_store *s, const lw_store_structure *t, lw_error *e);
 lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e);
 
+/* ---- linkages that were found -------------------------------------------------------------------- */
+
+/* NULL texts and numbers that are not finite (or -1 for crank, circuits, closed) are unknown. */
+typedef struct lw_store_linkage {
+    const char *hash;                        /* of all that tells it from others: no linkage is there twice */
+    const char *json;                        /* docs/notation.md, "Linkage"                         */
+    const char *name, *kinds;                /* kinds: letters, joint by joint                      */
+    int         links, dof, joints, sliders;
+    const char *label;                       /* of its chain, as in lw_store_chain                  */
+    const char *type, *family, *four_bar;    /* "RRRR", "crank-rocker", "GCRR"                      */
+    const char *task, *timing, *target;      /* what it was fitted to                               */
+    const char *source;                      /* the file it came from                               */
+    double      objective, error;            /* error: mean distance over the length of the path [1] */
+    double      error_mean, error_rms, error_max, error_curve;                     /* [m]           */
+    double      angle_error;                 /* mean [rad]                                          */
+    double      transmission_min, transmission_max;                                /* [rad]         */
+    double      size;                        /* root mean square distance of its curve's points from their mean [m] */
+    int         crank, circuits, closed;
+    const float *curve;                      /* x, y one after the other [m]              (2*n_curve) */
+    size_t      n_curve;
+    const void *terms;                       /* the lw_packed of its curve; NULL: none              */
+    size_t      terms_size;
+} lw_store_linkage;
+
+lw_status lw_store_has_linkage(lw_store *s, const char *hash, bool *has, lw_error *e);
+/* Inside a transaction; one that is there already stays. */
+lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error *e);
+
 /* ---- asking -------------------------------------------------------------------------------------- */
 
 typedef enum lw_value_kind { LW_VALUE_NULL, LW_VALUE_INTEGER, LW_VALUE_REAL, LW_VALUE_TEXT, LW_VALUE_BLOB } lw_value_kind;

@@ -1,4 +1,5 @@
 /* catalogues/store_curves.c - segments of the atlas into the store, and blocks out of it. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "catalogues/atlas_internal.h"
@@ -55,6 +56,35 @@ lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t 
         status = lw_store_do(s, "UPDATE sweep SET samples = samples + ?1, segments = segments + 1 WHERE id = ?2", e, "ii",
                              (long long)n_sample, (long long)s->sweep);
     return status;
+}
+
+/* ---- linkages that were found ------------------------------------------------------------------------ */
+
+lw_status lw_store_has_linkage(lw_store *s, const char *hash, bool *has, lw_error *e)
+{
+    sqlite3_int64 id;
+    return lw_store_find(s, "SELECT id FROM linkage WHERE hash = ?1", &id, has, e, "t", hash);
+}
+
+/* -1: not known */
+static double known(int v)
+{
+    return v < 0 ? NAN : v;
+}
+
+lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error *e)
+{
+    return lw_store_do(s, "INSERT OR IGNORE INTO linkage(hash, name, links, dof, joints, sliders, kinds, label, type, family, "
+                       "class, task, timing, target, source, objective, error, error_mean, error_rms, error_max, "
+                       "error_curve, angle_error, crank, circuits, transmission_min, transmission_max, size, closed, curve, "
+                       "terms, json, run) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, "
+                       "?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32)", e,
+                       "ttiiiittttttttt" "ddddddd" "dd" "ddd" "d" "bbti", k->hash, k->name, (long long)k->links,
+                       (long long)k->dof, (long long)k->joints, (long long)k->sliders, k->kinds, k->label, k->type, k->family,
+                       k->four_bar, k->task, k->timing, k->target, k->source, k->objective, k->error, k->error_mean,
+                       k->error_rms, k->error_max, k->error_curve, k->angle_error, known(k->crank), known(k->circuits),
+                       k->transmission_min, k->transmission_max, k->size, known(k->closed), k->curve,
+                       2*k->n_curve*sizeof *k->curve, k->terms, k->terms_size, k->json, (long long)s->run);
 }
 
 /* ---- blocks out of the store ------------------------------------------------------------------------ */

@@ -8,15 +8,18 @@
 
 typedef struct cli_catalogue_settings {
     double      time, wait, commit;
-    bool        disagreeing, no_pictures;
-    int         links, dof, input, samples, curves, neighbours, shape;
-    const char *joints, *types;
+    bool        disagreeing, no_pictures, sql, fields;
+    int         links, dof, input, samples, curves, neighbours, shape, list, format, limit;
+    const char *joints, *types, *columns, *sort, *notation;
 } cli_catalogue_settings;
 
 /* Each gets the whole call; word[0] is its own name.  They return the exit code. */
 int cli_catalogue_build(const cli_call *call);
+int cli_catalogue_add(const cli_call *call);
 int cli_catalogue_curves(const cli_call *call);
 int cli_catalogue_nearest(const cli_call *call);
+int cli_catalogue_query(const cli_call *call);
+int cli_catalogue_export(const cli_call *call);
 int cli_catalogue_check(const cli_call *call);        /* of a table                                 */
 int cli_catalogue_check_file(const cli_call *call);   /* of a catalogue                             */
 int cli_catalogue_html(const cli_call *call);

@@ -26,6 +26,18 @@ static const cli_option options[] = {
       NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file", "nearest: take the target as closed or open", 0, 0,
       NULL, NULL },
+    { "list", 'l', CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
+      "query, export: what is listed; any: the first of them that has all fields asked for", 0, 0, NULL, NULL },
+    { "columns", 0, CLI_TEXT, PLACE(columns), "FIELDS", NULL, "query: fields that are shown, apart by commas", 0, 0, NULL,
+      NULL },
+    { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL, "query, export: by these fields; -FIELD: falling", 0, 0, NULL, NULL },
+    { "limit", 0, CLI_INT, PLACE(limit), "N", NULL, "query, export: at most so many rows", 1, 2e9, NULL, NULL },
+    { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv", "table", "query: how rows are written", 0, 0, NULL, NULL },
+    { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL, "query: the question is a SELECT of SQL, with the tables of docs/catalogue.md",
+      0, 0, NULL, NULL },
+    { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL, "query: list the fields instead", 0, 0, NULL, "sql" },
+    { "notation", 0, CLI_TEXT, PLACE(notation), "NAME", NULL,
+      "export: notation of chains and mechanisms, graph6, lam, sentence, ...", 0, 0, NULL, NULL },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5", "how long to wait for another program that writes to the file",
       0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
@@ -41,8 +53,11 @@ static const cli_option options[] = {
 
 static const struct { const char *name; int least, most; const char *words; int (*run)(const cli_call *call); } actions[] = {
     { "build", 2, 2, "build FILE --links P", cli_catalogue_build },
+    { "add", 3, 3, "add FILE RESULTS.json", cli_catalogue_add },
     { "curves", 2, 2, "curves FILE --links 4 --samples N", cli_catalogue_curves },
     { "nearest", 3, 3, "nearest FILE TARGET.csv", cli_catalogue_nearest },
+    { "query", 2, 3, "query FILE ['QUESTION']", cli_catalogue_query },
+    { "export", 2, 3, "export FILE ['QUESTION']", cli_catalogue_export },
     { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check_file },
     { "html", 2, 2, "html FILE -o FOLDER", cli_catalogue_html },
 };
@@ -92,18 +107,23 @@ static int run(const cli_call *call)
     const char *near = lw_suggest(word, names, N_ACTION);
     if (near)
         return cli_usage(call, "there is no action '%s'; did you mean '%s'?", word, near);
-    return cli_usage(call, "there is no action '%s'; there are build, curves, nearest, check and html", word);
+    return cli_usage(call, "there is no action '%s'; there are build, add, curves, nearest, query, export, check and html", word);
 }
 
 const cli_command cli_catalogue_command = {
     .name = "catalogue",
-    .words = "ACTION [FILE]",
+    .words = "ACTION [FILE [WORD]]",
     .title = "a database of mechanisms; published counts, counted again",
     .examples =
         "  linkwright catalogue build atlas.db --links 8        all chains, ground links, inputs of eight links\n"
         "  linkwright catalogue build atlas.db --links 6 --joints r,t\n"
+        "  linkwright catalogue add atlas.db results.jsonl      what fit --json printed, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue nearest atlas.db target.csv -k 20\n"
+        "  linkwright catalogue query atlas.db 'links=8 and planar and symmetry>1' --sort grounds\n"
+        "  linkwright catalogue query atlas.db 'class=GCRR and error<0.01 and error_max<2mm' --format csv\n"
+        "  linkwright catalogue query atlas.db 'SELECT links, count(*) FROM chain GROUP BY links' --sql\n"
+        "  linkwright catalogue export atlas.db 'links=10 and not planar' --notation lam\n"
         "  linkwright catalogue check atlas.db                  against the published counts, page by page\n"
         "  linkwright catalogue html atlas.db -o atlas          web pages: open atlas/index.html\n"
         "  linkwright catalogue check                    the table that comes with the program\n"
@@ -114,9 +134,14 @@ const cli_command cli_catalogue_command = {
         "its structure and derivation, canonical label, symmetry, planarity, notations, ground links up to symmetry,\n"
         "inputs and Assur groups. One file takes any number of builds. A build that was stopped, or killed,\n"
         "goes on where it was when the same command is given again; nothing is lost or there twice.\n"
+        "add takes linkages with their errors out of the output of fit --json (one after the other), or linkages by\n"
+        "themselves; - is standard input. What is there already is passed over.\n"
         "curves draws coupler curves of four-link chains, whole circuits and pieces of them, spread evenly over\n"
         "the shapes of linkages; nearest finds those most like a target, whatever its place, size, turn, direction and\n"
         "mirroring, and prints the linkages laid on it.\n"
+        "query asks: tests of fields with = != < <= > >= ~ (pattern) and in (a, b), ranges 4..8, and, or, not,\n"
+        "parentheses; query FILE --fields lists the fields. With --sql the question is one SELECT, which can only\n"
+        "read. export writes what a question finds in a notation, linkages as add reads them.\n"
         "check FILE examines a catalogue: every page and reference, every label, and all numbers that are\n"
         "published. check [TABLE.csv] counts each row of the table of published counts again, as far as it is\n"
         "feasible within --time: the number published, the number counted, whether they agree, what was\n"

@@ -33,7 +33,7 @@ while read -r header files; do
 done <<'TABLE'
 gsl/ cli/main.c optimise/solver_gsl.c optimise/lowdiscrepancy.c
 nlopt optimise/solver_nlopt.c
-jansson grammar/json.c cli/model.c
+jansson grammar/json.c cli/model.c cli/catalogue_add.c
 cairo catalogues/picture.c
 gif_lib catalogues/gif.c
 planarity grammar/planar.c

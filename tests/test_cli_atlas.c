@@ -1,0 +1,141 @@
+/* test_cli_atlas.c - curves, nearest, add, query and export from outside; kills while curves and linkages come in. */
+#include "tests/catalogue_file.h"
+#include "tests/cli_run.h"
+
+static void curves(void)
+{
+    expect("$P catalogue curves $D/c.db", 2, NULL, "--samples N");
+    expect("$P catalogue curves $D/c.db --links 6 --samples 10", 2, NULL, "four links so far");
+    expect("$P catalogue curves $D/c.db --samples 10 --types fourbra", 3, NULL, "no type 'fourbra'");
+    expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "4000 of 4000 samples");
+    expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "0 curves drawn");
+    expect("$P catalogue curves $D/c.db --samples 500 --types slidercrank --curves closed", 0, "", "500 of 500");
+    expect("$P catalogue check $D/c.db", 0, NULL, "whole");
+}
+
+static void nearest(void)
+{
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 3", 0, "  3 ", "blocks read");
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 5 --json -o $D/near.json; $P draw $D/near.json --result 2 "
+           "--target examples/ellipse.csv -o $D/near.svg && grep -c '</svg>' $D/near.svg", 0, "1\n", NULL);
+    expect("$P catalogue nearest $D/c.db examples/letter-s.csv --shape open -k 1", 0, "  1 ", NULL);
+    expect("$P catalogue nearest $D/c.db examples/function-log.csv", 3, NULL, "x and y");
+    expect("$P catalogue nearest $D/none.db examples/ellipse.csv", 3, NULL, "no such file");
+    expect("$P catalogue build $D/empty.db --links 4 && $P catalogue nearest $D/empty.db examples/ellipse.csv", 1, NULL,
+           "holds no closed curves");
+}
+
+static void add(void)
+{
+    expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0, "",
+           "1 added");
+    expect("$P catalogue add $D/l.db examples/jansen.json", 0, "", "1 linkages read, 0 added");
+    expect("$P fit examples/ellipse.csv --time 1 --quiet --results 2 --json > $D/fit.json; cat $D/fit.json $D/near.json "
+           "| $P catalogue add $D/l.db -", 0, "", " 7 added");
+    expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
+    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is no linkage");
+    expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:3:");
+    expect("printf '\\n{\"results\": [{\"linkage\": {\"joints\": 5}}]}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3,
+           NULL, "bad.json:2: ");
+    expect("$P catalogue check $D/l.db", 0, NULL, "whole");
+    expect("$P catalogue query $D/l.db 'name~Jansen' --columns links,dof,kinds,closed", 0, "8    1  rrrrrrrrrr       1", NULL);
+}
+
+static void query(void)
+{
+    expect("$P catalogue build $D/q.db --links 8 && $P catalogue query $D/q.db 'symmetry=12'", 0, "Gr`KAC", NULL);
+    expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n", NULL);
+    expect("$P catalogue query $D/q.db 'links=8 and assortment=\"4 4\"' --json | wc -l", 0, "9\n", NULL);
+    expect("$P catalogue query $D/q.db 'highest=3' --list mechanisms --sort modes --limit 1", 0, "III3:", NULL);
+    expect("$P catalogue query $D/q.db --list structures --format csv | wc -l", 0, "5\n", NULL);
+    expect("$P catalogue query $D/q.db 'links=9'", 1, NULL, NULL);
+    expect("$P catalogue query $D/q.db 'links=9 nad planar'", 3, NULL, "query:1:9:");
+    expect("$P catalogue query $D/q.db --fields", 0, "transmission_min", NULL);
+    expect("$P catalogue query $D/q.db 'SELECT count(*) AS n FROM ground' --sql --json", 0, "{\"n\":71}\n", NULL);
+    expect("$P catalogue query $D/q.db \"ATTACH '$D/x' AS x\" --sql", 3, NULL, "nothing else");
+    expect("$P catalogue query $D/q.db 'SELECT nothing FROM chain' --sql", 3, NULL, "SQL:1:8:");
+    expect("$P catalogue query $D/q.db 'SELECT 1; DELETE FROM chain' --sql; $P catalogue query $D/q.db 'SELECT count(*) FROM "
+           "chain' --sql", 0, "16", "one SELECT");
+    expect("$P catalogue query $D/q.db 'WITH RECURSIVE x(a) AS (SELECT 1 UNION ALL SELECT a+1 FROM x) SELECT count(*) FROM x' "
+           "--sql --time 0.2", 5, NULL, NULL);
+    /* a terminal is not told what to do by a row */
+    expect("sed 's/Jansen leg/J\\\\u001b[31mansen/' examples/jansen.json > $D/esc.json; $P catalogue add $D/l.db $D/esc.json; "
+           "$P catalogue query $D/l.db 'name~ansen and name~31' --columns name | tail -1", 0, "J?[31mansen", NULL);
+    expect("sed \"s/Jansen leg/x'); DROP TABLE chain; --/\" examples/jansen.json > $D/drop.json; $P catalogue add $D/l.db "
+           "$D/drop.json; $P catalogue query $D/l.db \"name=\\\"x'); DROP TABLE chain; --\\\"\" --columns id | wc -l", 0, "2\n",
+           NULL);
+}
+
+static void export(void)
+{
+    expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0, "same\n", NULL);
+    expect("$P catalogue export $D/q.db --list mechanisms | sort > $D/a; $P mechanisms --links 8 --input ground | sort "
+           "| cmp - $D/a && echo same", 0, "same\n", NULL);
+    expect("$P catalogue export $D/q.db --notation lem", 2, NULL, "no notation 'lem'");
+    expect("$P catalogue export $D/l.db > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && $P catalogue export $D/l2.db "
+           "| cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
+    expect("$P catalogue export $D/q.db 'loops=3' --list structures", 3, NULL, "listed by query");
+}
+
+static void remove_file(const char *path)
+{
+    char journal[320];
+    snprintf(journal, sizeof journal, "%s-journal", path);
+    remove(path);
+    remove(journal);
+}
+
+static void killed(const char *arguments, const char *file, int n)
+{
+    char folder[200], path[220];
+    snprintf(folder, sizeof folder, "%s/killed", getenv("D"));
+    snprintf(path, sizeof path, "%s/%s", folder, file);
+    double start = seconds_now();
+    CHECK_INT(start_and_kill(folder, arguments, -1), 0);
+    double seconds = seconds_now() - start;
+    char *want = dump_catalogue(path);
+    CHECK(strlen(want) > 1000 && strncmp(want, "damaged", 7) != 0);
+    kill_at_random(folder, file, arguments, seconds, n, want, remove_file);
+    free(want);
+}
+
+static void killed_adds(void)
+{
+    expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv -k 150 --json -o $D/killed/many.json", 0, NULL,
+           NULL);
+    killed("catalogue add x.db many.json --commit 0.005", "x.db", 25);
+}
+
+static void killed_curves(void)
+{
+    killed("catalogue curves y.db --links 4 --samples 100000", "y.db", 5);
+}
+
+/* The target of a curve that is in the file, on a full disk, in a damaged file. */
+static void damaged_atlases(void)
+{
+    expect("trap '' XFSZ; ulimit -f 300; $P catalogue curves $D/full.db --samples 20000", 3, NULL, "full.db: ");
+    expect("$P catalogue curves $D/full.db --samples 20000 && $P catalogue check $D/full.db", 0, NULL, "whole");
+    for (int at = 90000; at < 400000; at += 30011) {
+        char line[400];
+        snprintf(line, sizeof line, "cp $D/c.db $D/wild.db; printf '\\377\\001\\377\\377\\377' | dd of=$D/wild.db bs=1 seek=%d "
+                 "conv=notrunc 2>&-; $P catalogue nearest $D/wild.db examples/ellipse.csv > /dev/null; c=$?; [ $c = 0 ] || "
+                 "[ $c = 3 ]", at);
+        expect(line, 0, NULL, NULL);
+    }
+}
+
+int main(void)
+{
+    expect("true", 0, NULL, NULL);
+    RUN(curves);
+    RUN(nearest);
+    RUN(add);
+    RUN(query);
+    RUN(export);
+    RUN(killed_adds);
+    RUN(killed_curves);
+    RUN(damaged_atlases);
+    run_end();
+    return check_end();
+}
