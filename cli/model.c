@@ -56,9 +56,7 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
     size_t size = 0;
     lw_status s = lw_file_read(path, &text, &size, e);
     if (s == LW_OK)
-        s = unwrap(path, which, &text, &size, e);
-    if (s == LW_OK)
-        s = lw_linkage_read(text, size, path, k, e);
+        s = cli_linkage_text(path, which, &text, &size, k, e);
     free(text);
     return s;
 }
@@ -74,6 +72,12 @@ lw_status cli_read_model(const char *path, int which, lw_model *m, lw_error *e)
         s = lw_model_read(text, size, path, m, e);
     free(text);
     return s;
+}
+
+lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e)
+{
+    lw_status s = unwrap(path, which, text, size, e);
+    return s == LW_OK ? lw_linkage_read(*text, *size, path, k, e) : s;
 }
 
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)

@@ -14,6 +14,9 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
 struct lw_model;
 lw_status cli_read_model(const char *path, int which, struct lw_model *m, lw_error *e);
 
+/* The same from text that is there already (malloc), which may be replaced by that of the result. */
+lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
+
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
 #endif

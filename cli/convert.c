@@ -1,0 +1,75 @@
+/* cli/convert.c - the table of formats. */
+#include "cli/convert.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "cli/model.h"
+#include "grammar/pmks.h"
+#include "grammar/pyslvs.h"
+
+static bool begins_with(const cli_text *t, const char *word)
+{
+    size_t at = strspn(t->text, " \t\r\n");
+    return strncmp(t->text + at, word, strlen(word)) == 0;
+}
+
+static lw_status print(FILE *f, char *text)
+{
+    if (!text)
+        return LW_E_MEMORY;
+    fputs(text, f);
+    free(text);
+    return LW_OK;
+}
+
+/* ---- JSON ---------------------------------------------------------------------------------------- */
+
+static bool begins_json(const cli_text *t) { return begins_with(t, "{"); }
+
+static lw_status read_json(cli_text *t, lw_linkage *k, lw_error *e)
+{
+    return cli_linkage_text(t->path, t->result, &t->text, &t->size, k, e);
+}
+
+static lw_status write_json(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    lw_status s = print(f, lw_linkage_write(k, 2));
+    return s == LW_OK ? s : lw_error_set(e, s, "out of memory for a linkage");
+}
+
+/* ---- Pyslvs ---------------------------------------------------------------------------------------- */
+
+static bool begins_pyslvs(const cli_text *t) { return begins_with(t, "M[") || begins_with(t, "#"); }
+
+static lw_status read_pyslvs(cli_text *t, lw_linkage *k, lw_error *e)
+{
+    return lw_pyslvs_read(t->text, t->size, t->path, &t->units, k, e);
+}
+
+static lw_status write_pyslvs(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    char *text = lw_pyslvs_write(k, e);
+    return text ? print(f, text) : e->status;
+}
+
+/* ---- PMKS ------------------------------------------------------------------------------------------ */
+
+static bool begins_pmks(const cli_text *t) { return t->size > 0; }
+
+static lw_status read_pmks(cli_text *t, lw_linkage *k, lw_error *e)
+{
+    return lw_pmks_read(t->text, t->size, t->path, &t->units, k, e);
+}
+
+static lw_status write_pmks(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    char *text = lw_pmks_write(k, e);
+    return text ? print(f, text) : e->status;
+}
+
+const cli_format cli_formats[] = {
+    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json },
+    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, read_pyslvs, write_pyslvs },
+    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, read_pmks, write_pmks },
+    { .name = NULL }
+};

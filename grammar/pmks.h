@@ -1,0 +1,22 @@
+/* grammar/pmks.h - the joint table of PMKS, the Planar Mechanism Kinematic Simulator, as text
+ * (docs/notation.md, "PMKS"):
+ *
+ *     ground,crank,R,0,0,ffft
+ *     crank,rod,R,0,30,tfff
+ *     ground,rod,RP,80,0,15,ffff
+ *
+ * One joint a line (or between bars, as in its web addresses): links, kind, x, y, angle of a slide line in degrees,
+ * four letters t or f: position, velocity and acceleration are shown, the joint is driven. */
+#ifndef LW_GRAMMAR_PMKS_H
+#define LW_GRAMMAR_PMKS_H
+
+#include "grammar/linkage.h"
+
+/* As lw_pyslvs_read.  Without a driven joint the first between the ground and a link "input" is it. */
+lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units,
+                       lw_linkage *k, lw_error *e);
+
+/* As lw_pyslvs_write. */
+char *lw_pmks_write(const lw_linkage *k, lw_error *e);
+
+#endif

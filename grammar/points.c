@@ -1,0 +1,343 @@
+/* grammar/points.c - points with their links to joints and back. */
+#include "grammar/points_internal.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include "base/number.h"
+
+/* ---- reading ----------------------------------------------------------------------------------- */
+
+lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out)
+{
+    if (p->n_point == LW_POINT_MAX)
+        return lw_cursor_fail(where, "this is one point too many: at most %d", LW_POINT_MAX);
+    *out = &p->point[p->n_point++];
+    memset(*out, 0, sizeof **out);
+    (*out)->where = *where;
+    (*out)->driven_link = -1;
+    return LW_OK;
+}
+
+lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size_t n)
+{
+    char name[LW_NAME_SIZE];
+    int l = 0;
+    if (n == 0 || n >= sizeof name || memchr(where->text + where->at, '\0', n))
+        return lw_cursor_fail(where, "a link's name has 1 to %d bytes", LW_NAME_SIZE - 1);
+    memcpy(name, where->text + where->at, n);
+    name[n] = '\0';
+    while (l < p->n_link && strcmp(p->name[l], name) != 0)
+        l++;
+    for (int i = 0; i < q->n_link; i++)
+        if (q->link[i] == l)
+            return lw_cursor_fail(where, "link %s is named twice at one point", name);
+    if (l == LW_LINK_MAX)
+        return lw_cursor_fail(where, "link %s is one too many: at most %d", name, LW_LINK_MAX);
+    if (l == p->n_link) {
+        memcpy(p->name[p->n_link++], name, n + 1);
+        if (strcmp(name, "ground") == 0)
+            p->ground = l;
+    }
+    q->link[q->n_link++] = l;
+    return LW_OK;
+}
+
+lw_status lw_points_number(lw_cursor *c, const char *what, double *v)
+{
+    lw_cursor start = *c;
+    while (lw_cursor_peek(c) > 0 && strchr("0123456789+-.eE", lw_cursor_peek(c)))
+        lw_cursor_next(c);
+    lw_status s = lw_number_parse(c->text + start.at, c->at - start.at, v);
+    char buf[24];
+    if (s == LW_OK)
+        return LW_OK;
+    if (c->at == start.at)
+        return lw_cursor_fail(&start, "%s is wanted, not %s", what, lw_byte_name(lw_cursor_peek(c), buf));
+    return lw_cursor_fail(&start, "%s: %.*s is %s", what, c->at - start.at > 40 ? 40 : (int)(c->at - start.at),
+                          c->text + start.at, s == LW_E_NUMERIC ? "too large" : "no number");
+}
+
+/* ---- points to joints -------------------------------------------------------------------------- */
+
+static lw_status add_joint(lw_linkage *k, const lw_point *q, int point, int copy, lw_joint_kind kind, int a, int b)
+{
+    if (k->n_joint == LW_JOINT_MAX)
+        return lw_cursor_fail(&q->where, "this needs more than %d joints", LW_JOINT_MAX);
+    lw_joint *j = &k->joint[k->n_joint++];
+    *j = (lw_joint){ .kind = kind, .link = { a, b }, .at = q->at };
+    if (copy == 0)
+        snprintf(j->name, sizeof j->name, "P%d", point);
+    else
+        snprintf(j->name, sizeof j->name, "P%d_%d", point, copy);
+    if (kind == LW_JOINT_SLIDER || kind == LW_JOINT_SLOT)
+        j->along = lw_v2_polar(1, q->angle);
+    return LW_OK;
+}
+
+/* The link to which all others of a pin are joined: the ground, else the first. */
+static int centre_of(const lw_points *p, const lw_point *q, int first)
+{
+    for (int i = first; q->n_link - first > 2 && i < q->n_link; i++)
+        if (q->link[i] == p->ground)
+            return i;
+    return first;
+}
+
+static lw_status add_tracer(lw_linkage *k, const lw_point *q, int point)
+{
+    if (k->n_tracer == LW_TRACER_MAX)
+        return lw_cursor_fail(&q->where, "this is one tracer (a point of one link) too many: at most %d",
+                              LW_TRACER_MAX);
+    lw_tracer *t = &k->tracer[k->n_tracer++];
+    *t = (lw_tracer){ .link = q->link[0], .at = q->at };
+    snprintf(t->name, sizeof t->name, "P%d", point);
+    return LW_OK;
+}
+
+static lw_status add_point(const lw_points *p, int point, lw_linkage *k)
+{
+    const lw_point *q = &p->point[point];
+    lw_status s = LW_OK;
+    int first = q->type != LW_POINT_PIN, copy = 0;
+    if (q->n_link == 0)
+        return lw_cursor_fail(&q->where, "this point is on no link; name one, or leave the point out");
+    if (first && q->n_link < 2)
+        return lw_cursor_fail(&q->where, "a slider or a pin in a slot joins two links at least");
+    if (q->n_link == 1)
+        return add_tracer(k, q, point);
+    if (first)
+        s = add_joint(k, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_SLIDER : LW_JOINT_SLOT, q->link[0],
+                      q->link[1]);
+    int centre = q->type == LW_POINT_PIN ? centre_of(p, q, 0) : 1;
+    for (int i = first; s == LW_OK && i < q->n_link; i++)
+        if (i != centre)
+            s = add_joint(k, q, point, copy++, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE,
+                          q->link[centre], q->link[i]);
+    return s;
+}
+
+/* The joint of point q, whose joints begin at `first`, that its input drives. */
+static int driven_joint(const lw_linkage *k, const lw_point *q, int first)
+{
+    for (int j = first; q->driven_link >= 0 && j < k->n_joint; j++)
+        if (k->joint[j].link[0] == q->driven_link || k->joint[j].link[1] == q->driven_link)
+            return j;
+    return first;
+}
+
+static lw_status add_input(lw_linkage *k, const lw_point *q, int first)
+{
+    if (q->type == LW_POINT_SLOT || q->n_link < 2)
+        return lw_cursor_fail(&q->where, "only a pin of two links or a slider can be an input");
+    if (k->n_input == LW_INPUT_MAX)
+        return lw_cursor_fail(&q->where, "this is one input too many: at most %d", LW_INPUT_MAX);
+    k->input[k->n_input++] = (lw_input){ .joint = driven_joint(k, q, first) };
+    return LW_OK;
+}
+
+lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k)
+{
+    lw_error inner;
+    memset(k, 0, sizeof *k);
+    k->units = *units;
+    k->n_link = p->n_link;
+    memcpy(k->link_name, p->name, sizeof p->name);
+    k->ground = p->ground;
+    if (p->n_point == 0)
+        return lw_cursor_fail(end, "there is no joint");
+    for (int i = 0; i < p->n_point; i++) {
+        int first = k->n_joint;
+        lw_status s = add_point(p, i, k);
+        if (s == LW_OK && p->point[i].driven)
+            s = add_input(k, &p->point[i], first);
+        if (s != LW_OK)
+            return s;
+    }
+    if (p->ground < 0)
+        return lw_cursor_fail(end, "no link is called ground; the fixed link must be");
+    if (lw_linkage_check(k, &inner) != LW_OK)
+        return lw_cursor_fail(&p->point[0].where, "%s", inner.text);
+    for (int i = 0; i < k->n_input; i++)
+        k->input[i].value = lw_linkage_posture_input(k, k->input[i].joint);
+    return LW_OK;
+}
+
+/* ---- joints to points -------------------------------------------------------------------------- */
+
+typedef struct grouping {
+    const lw_linkage *k;
+    bool used[LW_JOINT_MAX];
+    int  lost;                         /* a driven joint between moving links among several; -1 */
+} grouping;
+
+static bool has_link(const lw_point *q, int first, int link)
+{
+    for (int i = first; i < q->n_link; i++)
+        if (q->link[i] == link)
+            return true;
+    return false;
+}
+
+static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
+
+static bool is_driven(const grouping *g, int joint)
+{
+    for (int i = 0; i < g->k->n_input; i++)
+        if (g->k->input[i].joint == joint)
+            return true;
+    return false;
+}
+
+static void note_input(const grouping *g, int joint, lw_point *q)
+{
+    const lw_joint *j = &g->k->joint[joint];
+    if (!is_driven(g, joint))
+        return;
+    q->driven = true;
+    q->driven_link = j->link[j->link[0] == g->k->ground || j->link[1] != g->k->ground];
+}
+
+/* Of several links on one driven pin the text says which one turns, against the ground if that is there. */
+static void check_input(grouping *g, const lw_point *q)
+{
+    for (int i = 0; q->n_link > 2 && i < g->k->n_input; i++) {
+        const lw_joint *j = &g->k->joint[g->k->input[i].joint];
+        if (q->type == LW_POINT_PIN && same_place(j->at, q->at) && j->link[0] != g->k->ground
+            && j->link[1] != g->k->ground && has_link(q, 0, j->link[0]) && has_link(q, 0, j->link[1]))
+            g->lost = g->k->input[i].joint;
+    }
+}
+
+/* Joints of this kind at the place of q that share a link with q (from `first` on) bring their other one.  A
+ * driven pin stays out of a slot, of which nothing can be driven, and of another driven pin. */
+static void gather(grouping *g, lw_joint_kind kind, int first, lw_point *q)
+{
+    const lw_linkage *k = g->k;
+    for (bool grew = true; grew;) {
+        grew = false;
+        for (int j = 0; j < k->n_joint; j++) {
+            const lw_joint *o = &k->joint[j];
+            if (g->used[j] || o->kind != kind || !same_place(o->at, q->at)
+                || ((q->type == LW_POINT_SLOT || q->driven) && is_driven(g, j)))
+                continue;
+            bool a = has_link(q, first, o->link[0]), b = has_link(q, first, o->link[1]);
+            if (a == b || has_link(q, 0, o->link[a ? 1 : 0]))
+                continue;
+            q->link[q->n_link++] = o->link[a ? 1 : 0];
+            g->used[j] = grew = true;
+            note_input(g, j, q);
+        }
+    }
+}
+
+/* The slot whose pin joint j is, or -1. */
+static int slot_at(const grouping *g, const lw_joint *j)
+{
+    for (int i = 0; i < g->k->n_joint; i++) {
+        const lw_joint *o = &g->k->joint[i];
+        if (!g->used[i] && o->kind == LW_JOINT_SLOT && same_place(o->at, j->at)
+            && (o->link[1] == j->link[0] || o->link[1] == j->link[1]) && o->link[0] != j->link[0]
+            && o->link[0] != j->link[1])
+            return i;
+    }
+    return -1;
+}
+
+/* The direction in degrees, round where it was written round: [deg]. */
+static double angle_of(lw_vec2 along)
+{
+    double angle = atan2(along.y, along.x)*180/LW_PI, plain = round(angle*1e9)/1e9;
+    return fabs(angle - plain) < 1e-13*(1 + fabs(angle)) ? plain : angle;
+}
+
+static void group_joint(grouping *g, int joint, lw_points *p)
+{
+    const lw_joint *j = &g->k->joint[joint];
+    if (j->kind == LW_JOINT_REVOLUTE && !is_driven(g, joint) && slot_at(g, j) >= 0) {
+        joint = slot_at(g, j);
+        j = &g->k->joint[joint];
+    }
+    lw_point *q = &p->point[p->n_point++];
+    *q = (lw_point){ .at = j->at, .angle = angle_of(j->along)*(LW_PI/180), .n_link = 2,
+                     .link = { j->link[0], j->link[1] }, .driven_link = -1 };
+    g->used[joint] = true;
+    note_input(g, joint, q);
+    q->type = j->kind == LW_JOINT_SLIDER ? LW_POINT_SLIDER : j->kind == LW_JOINT_SLOT ? LW_POINT_SLOT : LW_POINT_PIN;
+    gather(g, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE, q->type != LW_POINT_PIN, q);
+    check_input(g, q);
+    for (int i = 1; q->type == LW_POINT_PIN && q->n_link > 2 && i < q->n_link; i++)
+        if (q->link[i] == g->k->ground) {                  /* first, as it is when this is read again */
+            q->link[i] = q->link[0];
+            q->link[0] = g->k->ground;
+        }
+}
+
+/* A name that means something else: a kind, the ground, and where nothing is driven PMKS' driven link. */
+static bool is_word(const lw_linkage *k, const char *name)
+{
+    static const char *const words[] = { "r", "p", "rp", "g", "ground", "gnd", "grnd" };
+    for (size_t i = 0; i < sizeof words/sizeof *words; i++)
+        if (strcasecmp(name, words[i]) == 0)
+            return true;
+    return k->n_input == 0 && strcasecmp(name, "input") == 0;
+}
+
+static bool taken(const lw_points *p, int n, const char *name)
+{
+    for (int i = 0; i < n; i++)
+        if (strcasecmp(p->name[i], name) == 0)
+            return true;
+    return false;
+}
+
+static void name_links(const lw_linkage *k, lw_points *p)
+{
+    for (int l = 0; l < k->n_link; l++) {
+        char *name = p->name[l], plain[LW_NAME_SIZE - 4];
+        int n = 0;
+        if (l == k->ground) {
+            strcpy(name, "ground");
+            continue;
+        }
+        if (isdigit((unsigned char)k->link_name[l][0]))
+            plain[n++] = '_';
+        for (const char *c = k->link_name[l]; *c && n < (int)sizeof plain - 1; c++)
+            plain[n++] = isascii((unsigned char)*c) && isalnum((unsigned char)*c) ? *c : '_';
+        plain[n] = '\0';
+        snprintf(name, LW_NAME_SIZE, "%s", plain);
+        for (int i = 2; is_word(k, name) || taken(p, l, name); i++)
+            snprintf(name, LW_NAME_SIZE, "%s_%d", plain, i);
+    }
+}
+
+lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e)
+{
+    grouping g = { .k = k, .lost = -1 };
+    memset(p, 0, sizeof *p);
+    lw_status s = lw_linkage_check(k, e);
+    if (s != LW_OK)
+        return s;
+    p->n_link = k->n_link;
+    p->ground = k->ground;
+    name_links(k, p);
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_GEAR)
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
+                                k->joint[j].name);
+    for (int j = 0; j < k->n_joint; j++)
+        while (!g.used[j] && k->joint[j].kind != LW_JOINT_FIXED)
+            group_joint(&g, j, p);
+    for (int j = 0; j < k->n_joint; j++)
+        if (!g.used[j])
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a weld that is not at a slider, which has no form "
+                                "in this notation; make its two links one", k->joint[j].name);
+    if (g.lost >= 0)
+        return lw_error_set(e, LW_E_KIND, "input \"%s\" turns two moving links on a pin of several, which has no "
+                            "form in this notation", k->joint[g.lost].name);
+    for (int i = 0; i < k->n_tracer; i++)
+        p->point[p->n_point++] = (lw_point){ .at = k->tracer[i].at, .n_link = 1, .link = { k->tracer[i].link },
+                                             .driven_link = -1 };
+    return LW_OK;
+}

@@ -1,0 +1,50 @@
+/* grammar/points_internal.h - what Pyslvs and PMKS share: a linkage as a list of points, each with the
+ * links that meet there.
+ *
+ *     pin       1 link: a tracer; 2 or more: pinned to each other
+ *     slider    the first link carries the line, the second slides on it without turning; more are welded
+ *               to the second
+ *     slot      the first link carries the slot, the pin in it joins all others */
+#ifndef LW_GRAMMAR_POINTS_INTERNAL_H
+#define LW_GRAMMAR_POINTS_INTERNAL_H
+
+#include "grammar/linkage.h"
+#include "grammar/text_internal.h"
+
+#define LW_POINT_MAX (LW_JOINT_MAX + LW_TRACER_MAX)
+
+typedef enum lw_point_type { LW_POINT_PIN, LW_POINT_SLIDER, LW_POINT_SLOT } lw_point_type;
+
+typedef struct lw_point {
+    lw_point_type type;
+    lw_vec2   at;                      /* [m]                                                       */
+    double    angle;                   /* slider, slot: of the line [rad]                           */
+    int       n_link, link[LW_LINK_MAX];
+    bool      driven;
+    int       driven_link;             /* which link the input turns; -1: not said                  */
+    lw_cursor where;                   /* its text                                                  */
+} lw_point;
+
+typedef struct lw_points {
+    int      n_point, n_link, ground;  /* ground -1: not named yet                                  */
+    char     name[LW_LINK_MAX][LW_NAME_SIZE];
+    lw_point point[LW_POINT_MAX];
+} lw_points;
+
+/* The next point, zeroed but for `where`; a fault there when there are too many. */
+lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out);
+
+/* The link of this name (n bytes at `where`) joins point q; "ground" is the ground. */
+lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size_t n);
+
+/* Points to linkage; faults at the point.  Inputs have the value of the posture. */
+lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k);
+
+/* Linkage to points.  Names become letters, digits and underscores, different even without capitals,
+ * the ground "ground".  LW_E_KIND: gears, welds that are not at a slider. */
+lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e);
+
+/* A number in a text: bytes that may belong to one.  A fault at its place otherwise. */
+lw_status lw_points_number(lw_cursor *c, const char *what, double *v);
+
+#endif

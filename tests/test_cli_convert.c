@@ -1,0 +1,64 @@
+/* linkwright convert: examples there and back, guesses, units, refusals. */
+#include "tests/cli_run.h"
+
+static void examples_there_and_back(void)
+{
+    expect("for e in chebyshev inverted-slider-crank jansen scott-russell trammel; do for t in pyslvs pmks; do"
+           " f=examples/$e.json; $P convert $f --to $t > $D/a || exit 1;"
+           " $P convert $D/a -o $D/b.json || exit 1;"
+           " $P convert $D/b.json --to $t > $D/c || exit 1;"
+           " cmp $D/a $D/c || exit 1;"
+           " $P trace $D/b.json -m file -n 7 > $D/2 || exit 1; done; done", 0, NULL, NULL);
+}
+
+static void the_text_tells_its_format(void)
+{
+    expect("$P convert examples/jansen.json --to pyslvs > $D/j.pyslvs", 0, NULL, NULL);
+    expect("$P convert - < $D/j.pyslvs", 0, "\"name\": \"P3_1\"", NULL);
+    expect("$P convert < $D/j.pyslvs -o $D/j.txt; cat $D/j.txt", 0, "crank,j,k,R,", NULL);
+    expect("$P convert $D/j.txt --to pyslvs | diff - $D/j.pyslvs", 0, NULL, NULL);
+    expect("$P convert $D/j.txt -o $D/k.json && $P trace $D/k.json -n 4", 0, "7,--+", NULL);
+    expect("$P convert $D/j.txt --from pyslvs", 3, NULL, ":1:1: 'M[' is expected");
+}
+
+static void units(void)
+{
+    expect("echo 'ground,a,R,10,0,ffft|a,b,R,20,0|b,ground,R,20,10' > $D/u.txt", 0, NULL, NULL);
+    expect("$P convert $D/u.txt -u mm", 0, "\"length\": \"mm\"", NULL);
+    expect("$P convert $D/u.txt -u mm -o $D/u.json", 0, NULL, NULL);
+    expect("$P convert $D/u.json -u cm --to pmks", 0, "a,b,R,2,0,ffff", NULL);
+}
+
+static void an_input_is_chosen(void)
+{
+    expect("echo 'M[J[R, P[0, 0], L[ground, a]], J[R, P[0, 1], L[a, b]], J[P, A[0], P[1, 0], L[ground, b]]]' > $D/i",
+           0, NULL, NULL);
+    expect("$P convert $D/i", 0, NULL, NULL);
+    expect("$P convert $D/i --to pmks --input P2", 0, "ground,b,P,1,0,0,ffft", NULL);
+    expect("$P convert $D/i --to pyslvs --input P0", 0, "# input 0 1", NULL);
+    expect("$P convert $D/i --input P7", 3, NULL, "there is no joint 'P7'");
+}
+
+static void refusals(void)
+{
+    expect("$P convert examples/jansen.json --to pyslv", 2, NULL, "did you mean 'pyslvs'");
+    expect("$P convert examples/jansen.json -o $D/x.dat", 2, NULL, "add --to");
+    expect("$P convert examples/jansen.json --from qmks", 3, NULL, "did you mean 'pmks'");
+    expect("$P convert nowhere.txt", 3, NULL, "nowhere.txt");
+    expect("echo 'ground,a,R,0,x' | $P convert", 3, NULL, "1:14: y is wanted");
+    expect("$P convert examples/jansen.json -u ell", 3, NULL, "no length unit 'ell'");
+    expect("echo 'ground,a,R,0,x' | $P convert -o $D/never.json; test ! -e $D/never.json", 0, NULL, NULL);
+    expect("printf '' | $P convert", 3, NULL, "");
+    expect("$P help convert", 0, "the joint table of PMKS", NULL);
+}
+
+int main(void)
+{
+    RUN(examples_there_and_back);
+    RUN(the_text_tells_its_format);
+    RUN(units);
+    RUN(an_input_is_chosen);
+    RUN(refusals);
+    run_end();
+    return check_end();
+}
