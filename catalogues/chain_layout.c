@@ -82,7 +82,7 @@ static double stance(const lw_trial *t, lw_vec2 turn)
         double slant = 2*d.x*d.y/fmax(lw_v2_dot(d, d), 1e-12);
         cost += slant*slant/t->web.n_edge;
     }
-    double tall = (top - low)/fmax(right - left, 1e-9) - 0.8;
+    double tall = (top - low)/fmax(right - left, 1e-9) - 0.95;
     return cost + 1.5*fmax(0, tall) + 0.6*(mean - (top + low)/2)/fmax(top - low, 1e-9);
 }
 
@@ -105,7 +105,7 @@ void lw_trial_stand_up(lw_trial *t)
         if (t->web.mirror[k]) {
             double turn = LW_PI/2 - atan2(t->web.turn[k].y, t->web.turn[k].x)/2;
             for (int quarter = 0; quarter < 4; quarter++)
-                try_stance(t, lw_v2_polar(1, turn + quarter*LW_PI/2), quarter % 2 ? 0.3 : 0, &least, &best);
+                try_stance(t, lw_v2_polar(1, turn + quarter*LW_PI/2), quarter % 2 ? 0.6 : 0, &least, &best);
             axis = true;
         }
     int n = t->web.face_first[1];

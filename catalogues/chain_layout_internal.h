@@ -71,9 +71,10 @@ lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
 /* Shape of the web, worked out once: wanted distances. */
 typedef struct lw_spring { uint8_t a, b; double length, weight; } lw_spring;
 typedef struct lw_relax {
-    int        n_spring, n_pair;
+    int        n_spring, n_pair, n_corner;
     lw_spring *spring;
     uint8_t  (*pair)[2];                 /* vertex, edge that does not end in it */
+    uint8_t  (*corner)[3];               /* joint, and the other ends of two sides that meet in it */
     double    *number;                   /* room for the descent                 */
 } lw_relax;
 lw_status lw_relax_make(const lw_web *w, lw_relax *r);

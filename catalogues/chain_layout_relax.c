@@ -3,6 +3,7 @@
  * Energy, with a bar 1 long, r = distance / wanted distance and h = distance of a joint from a link:
  *     springs   w (r - 1/r)^2 / 4      inside a link: its regular shape; between others: their way apart
  *     barrier   b (room/h - 1)^2       for h < room; joints against links they are not of
+ *     corner    o (cos a - cos a0)^2   for angles a < a0 between sides that meet
  * Descent by L-BFGS (Nocedal 1980).  No joint moves half as far as the nearest link is in one step, so that
  * nothing passes through anything. */
 #include <stdlib.h>
@@ -10,8 +11,10 @@
 
 #include "catalogues/chain_layout_internal.h"
 
-#define ROOM      0.75     /* distance from which links push joints away                          */
-#define PUSH      0.35     /* weight of that                                                      */
+#define ROOM      0.9      /* distance from which links push joints away                          */
+#define PUSH      0.7      /* weight of that                                                      */
+#define SHARP     0.72     /* cosine of the angle from which a corner is opened: 44 degrees       */
+#define OPEN      30.0     /* weight of that                                                      */
 #define FAR       0.06     /* weight of springs between joints that share no link                 */
 #define SPAN      0.95     /* their wanted distance against the shortest way along links          */
 #define ABOVE     0.55     /* distance wanted above the line of the ground                        */
@@ -72,6 +75,22 @@ static void add_springs(const lw_web *w, const double *far, lw_relax *r)
             }
 }
 
+/* Pairs of sides that meet: the joint between them, then the two others. */
+static void add_corners(const lw_web *w, lw_relax *r)
+{
+    for (int i = 0; i < w->n_edge; i++)
+        for (int k = 0; k < i; k++)
+            for (int way = 0; way < 4; way++) {
+                const uint8_t *a = w->edge[i], *b = w->edge[k];
+                if (a[way & 1] != b[way >> 1])
+                    continue;
+                uint8_t *c = r->corner[r->n_corner++];
+                c[0] = a[way & 1];
+                c[1] = a[!(way & 1)];
+                c[2] = b[!(way >> 1)];
+            }
+}
+
 lw_status lw_relax_make(const lw_web *w, lw_relax *r)
 {
     size_t n = (size_t)w->n_vertex, e = (size_t)w->n_edge;
@@ -82,8 +101,9 @@ lw_status lw_relax_make(const lw_web *w, lw_relax *r)
     double *far = malloc(n*n*sizeof *far);
     r->spring = malloc((n*n/2 + inside)*sizeof *r->spring);
     r->pair = malloc((n*e + 1)*sizeof *r->pair);
+    r->corner = malloc((e*e/2 + 1)*sizeof *r->corner);
     r->number = malloc((2*n*(2*MEMORY + 5) + n)*sizeof *r->number);
-    if (!far || !r->spring || !r->pair || !r->number) {
+    if (!far || !r->spring || !r->pair || !r->corner || !r->number) {
         free(far);
         lw_relax_free(r);
         return LW_E_MEMORY;
@@ -91,6 +111,7 @@ lw_status lw_relax_make(const lw_web *w, lw_relax *r)
     fill_distances(w, far);
     add_springs(w, far, r);
     free(far);
+    add_corners(w, r);
     for (int k = 0; k < w->n_edge; k++)
         for (int v = 0; v < w->n_vertex; v++)
             if (w->edge[k][0] != v && w->edge[k][1] != v) {
@@ -104,6 +125,7 @@ void lw_relax_free(lw_relax *r)
 {
     free(r->spring);
     free(r->pair);
+    free(r->corner);
     free(r->number);
     *r = (lw_relax){ 0 };
 }
@@ -156,6 +178,28 @@ static double barrier(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_v
     return f;
 }
 
+/* Sides that meet: the sharper the angle, the more is to be gained by opening it. */
+static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
+{
+    double f = 0;
+    for (int i = 0; i < r->n_corner; i++) {
+        const uint8_t *v = r->corner[i];
+        lw_vec2 a = lw_v2_sub(p[v[1]], p[v[0]]), b = lw_v2_sub(p[v[2]], p[v[0]]);
+        double a2 = fmax(lw_v2_dot(a, a), 1e-18), b2 = fmax(lw_v2_dot(b, b), 1e-18), ab = sqrt(a2*b2);
+        double cosine = lw_v2_dot(a, b)/ab, over = cosine - SHARP;
+        if (over <= 0)
+            continue;
+        double slope = 2*OPEN*over;
+        lw_vec2 ga = lw_v2_scale(lw_v2_sub(lw_v2_scale(b, 1/ab), lw_v2_scale(a, cosine/a2)), slope);
+        lw_vec2 gb = lw_v2_scale(lw_v2_sub(lw_v2_scale(a, 1/ab), lw_v2_scale(b, cosine/b2)), slope);
+        f += OPEN*over*over;
+        g[v[1]] = lw_v2_add(g[v[1]], ga);
+        g[v[2]] = lw_v2_add(g[v[2]], gb);
+        g[v[0]] = lw_v2_sub(g[v[0]], lw_v2_add(ga, gb));
+    }
+    return f;
+}
+
 /* Everything that is not on the line of the ground stays above it. */
 static double above(const lw_web *w, const lw_vec2 *p, lw_vec2 *g, double *clear2)
 {
@@ -183,7 +227,7 @@ static double energy(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_ve
     memset(g, 0, (size_t)w->n_vertex*sizeof *g);
     for (int i = 0; i < w->n_vertex; i++)
         clear2[i] = 1e18;
-    double f = springs(r, p, g) + barrier(w, r, p, g, clear2);
+    double f = springs(r, p, g) + barrier(w, r, p, g, clear2) + corners(r, p, g);
     if (w->n_ground > 0)
         f += above(w, p, g, clear2);
     return f;

@@ -38,13 +38,27 @@ static bool in_shape(const shape *s, lw_vec2 q)                             /* w
     return s->n > 2 && fabs(turn) > LW_PI;
 }
 
+static bool far_apart(const shape *s, const shape *t)
+{
+    double s0 = 1e9, s1 = -1e9, t0 = 1e9, t1 = -1e9, u0 = 1e9, u1 = -1e9, v0 = 1e9, v1 = -1e9;
+    for (int i = 0; i < s->n; i++) {
+        s0 = fmin(s0, s->p[i].x), s1 = fmax(s1, s->p[i].x);
+        u0 = fmin(u0, s->p[i].y), u1 = fmax(u1, s->p[i].y);
+    }
+    for (int i = 0; i < t->n; i++) {
+        t0 = fmin(t0, t->p[i].x), t1 = fmax(t1, t->p[i].x);
+        v0 = fmin(v0, t->p[i].y), v1 = fmax(v1, t->p[i].y);
+    }
+    return s1 < t0 || t1 < s0 || u1 < v0 || v1 < u0;
+}
+
 /* Do two links cross?  Points along the outline of one that lie in the other, and sides that cut sides. */
 static bool overlap(const shape *s, const shape *t)
 {
-    for (int i = 0; i < (s->n > 2 ? s->n : 1); i++) {
+    for (int i = 0; i < (s->n > 2 ? s->n : 1) && !far_apart(s, t); i++) {
         lw_vec2 a = s->p[i], b = s->p[(i + 1) % s->n];
-        for (int k = 1; k < 40; k++)
-            if (in_shape(t, lw_v2_add(a, lw_v2_scale(lw_v2_sub(b, a), k/40.0))))
+        for (int k = 1; k < 20; k++)
+            if (in_shape(t, lw_v2_add(a, lw_v2_scale(lw_v2_sub(b, a), k/20.0))))
                 return true;
         for (int j = 0; j < (t->n > 2 ? t->n : 1); j++) {
             lw_vec2 c = t->p[j], d = t->p[(j + 1) % t->n];
@@ -126,11 +140,12 @@ static void look_at(const lw_mechanism *m, worst *w)
     w->gap = fmin(w->gap, l.least_gap);
 }
 
-static worst look_at_all(int n_link, int dof, bool grounded)
+/* Every `step`-th chain. */
+static worst look_at_all(int n_link, int dof, int step, bool grounded)
 {
     chain_list list = all_chains(n_link, dof);
     worst w = { .angle = 9, .gap = 9 };
-    for (int i = 0; i < list.n; i++)
+    for (int i = 0; i < list.n; i += step)
         for (int g = grounded ? 0 : LW_NONE; g < (grounded ? n_link : 0); g++) {
             lw_mechanism m;
             lw_mechanism_from_chain(&list.chain[i], &m);
@@ -145,15 +160,15 @@ static worst look_at_all(int n_link, int dof, bool grounded)
 
 /* Least angle [degrees] and gap are what the method reaches; a bar is 1 long. */
 static const struct { int n_link, dof, n_chain, n_planar, n_cross; double angle, gap; } known[] = {
-    {  4, 1,   1,   1,  0, 60, 0.90 }, {  6, 1,  2,  2,  0, 40, 0.50 }, { 8, 1, 16, 16, 0, 20, 0.30 },
-    { 10, 1, 230, 219, 11, 17, 0.30 }, {  5, 2,  1,  1,  0, 60, 0.90 }, { 7, 2,  3,  3, 0, 40, 0.50 },
-    {  9, 2,  35,  35,  0, 25, 0.30 }, {  8, 3,  5,  5,  0, 38, 0.45 },
+    {  4, 1,   1,   1,  0, 89, 0.99 }, {  6, 1,  2,  2,  0,  45, 0.55 }, { 8, 1, 16, 16, 0, 25, 0.35 },
+    { 10, 1, 230, 219, 11, 20, 0.32 }, {  5, 2,  1,  1,  0, 107, 0.99 }, { 7, 2,  3,  3, 0, 50, 0.65 },
+    {  9, 2,  35,  35,  0, 35, 0.37 }, {  8, 3,  5,  5,  0,  45, 0.55 },
 };
 
 static void all_chains_up_to_ten_links(void)
 {
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
-        worst w = look_at_all(known[i].n_link, known[i].dof, false);
+        worst w = look_at_all(known[i].n_link, known[i].dof, 1, false);
         CHECK_INT(w.n, known[i].n_chain);
         CHECK_INT(w.n_planar, known[i].n_planar);
         CHECK_INT(w.n_cross, known[i].n_cross);
@@ -164,13 +179,25 @@ static void all_chains_up_to_ten_links(void)
 
 static void frames_on_a_line(void)
 {
-    worst w = look_at_all(8, 1, true);
+    worst w = look_at_all(8, 1, 1, true);
     CHECK_INT(w.n, 16*8);
     CHECK_INT(w.n_cross, 0);
-    CHECK(w.angle*180/LW_PI > 12 && w.gap > 0.27);
-    w = look_at_all(9, 2, true);
+    CHECK(w.angle*180/LW_PI > 27 && w.gap > 0.31);
+    w = look_at_all(9, 2, 1, true);
     CHECK_INT(w.n_cross, 0);
-    CHECK(w.angle*180/LW_PI > 12 && w.gap > 0.27);
+    CHECK(w.angle*180/LW_PI > 26 && w.gap > 0.32);
+    w = look_at_all(10, 1, 1, true);
+    CHECK_INT(w.n_planar, 219*10);
+    CHECK_INT(w.n_cross, 11*10);                              /* one each, whatever the ground */
+    CHECK(w.angle*180/LW_PI > 14 && w.gap > 0.31);
+}
+
+static void some_of_twelve_links(void)
+{
+    worst w = look_at_all(12, 1, 17, false);
+    CHECK_INT(w.n, 6856/17 + 1);
+    CHECK(w.angle*180/LW_PI > 12 && w.gap > 0.28);
+    CHECK(w.n_cross < 2*(w.n - w.n_planar));
 }
 
 /* The image of the picture under its mirror line is the picture. */
@@ -265,6 +292,7 @@ int main(void)
 {
     RUN(all_chains_up_to_ten_links);
     RUN(frames_on_a_line);
+    RUN(some_of_twelve_links);
     RUN(symmetry_is_exact);
     RUN(same_chain_same_picture);
     RUN(anything_connected);
