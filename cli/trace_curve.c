@@ -216,10 +216,26 @@ static const char *end_text(const cli_curve_trace *t, const lw_branch *b, char t
     return "is not at its end after the steps that are allowed";
 }
 
-static void event_text(const cli_curve_trace *t, const lw_branch_event *e, char text[128])
+/* The circuit that crosses `curve` at an event, -1 when none that was found does. */
+static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_branch_event *e)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    if (e->kind != LW_EVENT_CROSSING)
+        return -1;
+    lw_branch_pose(t->curves.curve[curve], e->station, q, NULL);
+    for (int i = 0; i < t->curves.n; i++)
+        if (i != curve && lw_branch_holds(t->curves.curve[i], q))
+            return i;
+    return -1;
+}
+
+static void event_text(const cli_curve_trace *t, int curve, const lw_branch_event *e, char text[128])
 {
     const char *slides = e->joint >= 0 && t->k->joint[e->joint].kind == LW_JOINT_SLIDER ? "slider" : "pin";
-    if (e->kind == LW_EVENT_CROSSING)
+    int other = crossing_circuit(t, curve, e);
+    if (other >= 0)
+        snprintf(text, 128, "branch point, passed straight on; circuit %d crosses", other + 1);
+    else if (e->kind == LW_EVENT_CROSSING)
         snprintf(text, 128, "branch point, passed straight on");
     else
         snprintf(text, 128, "%s: %s %s turns back", e->kind == LW_EVENT_LIMIT ? "limit of the input" : "dead point",
@@ -235,7 +251,7 @@ static void csv_curve(cli_curve_trace *t, int curve)
     fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, b, text),
             lw_branch_length(b), lw_branch_worst(b)/t->k->units.metre);
     for (int i = 0; i < n; i++) {
-        event_text(t, &e[i], text);
+        event_text(t, curve, &e[i], text);
         fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
         cli_row_number(t->rows.f, e[i].input/cli_curve_unit(t, 0));
         fprintf(t->rows.f, ", arc %.10g\n", lw_branch_arc(b, e[i].station));
@@ -252,8 +268,9 @@ static void csv_stretch(cli_curve_trace *t, int index)
     fprintf(t->rows.f, "%s%s\n", s->limit[1] ? " (limit)" : "", s->turns && t->whole ? ", turns fully" : "");
 }
 
-static void json_events(cli_curve_trace *t, const lw_branch *b)
+static void json_events(cli_curve_trace *t, int curve)
 {
+    const lw_branch *b = t->curves.curve[curve];
     static const char *const kind[] = { "limit", "dead_point", "branch_point" };
     int n;
     const lw_branch_event *e = lw_branch_events(b, &n);
@@ -264,6 +281,9 @@ static void json_events(cli_curve_trace *t, const lw_branch *b)
         cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
         cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
         cli_json_real(t->rows.json, "along", lw_branch_arc(b, e[i].station));
+        int other = crossing_circuit(t, curve, &e[i]);
+        if (other >= 0)
+            cli_json_int(t->rows.json, "circuit", other + 1);
         cli_json_end(t->rows.json);
     }
     cli_json_end(t->rows.json);
@@ -280,7 +300,7 @@ static void json_circuit(cli_curve_trace *t, int curve)
     cli_json_int(j, "turns", lw_branch_turns(b, -1));
     cli_json_real(j, "length", lw_branch_length(b));
     cli_json_real(j, "residual", lw_branch_worst(b)/t->k->units.metre);
-    json_events(t, b);
+    json_events(t, curve);
     cli_json_end(j);
 }
 

@@ -82,8 +82,21 @@ static double dip(double r0, double r1, double d0, double d1)
     return best;
 }
 
+/* Does the joint stand still on the whole curve, but for rounding next to branch points? */
+static bool stands_still(const lw_branch *b, int joint)
+{
+    double most = 0.0, rate[2];
+    for (int i = 0; i < b->n_node; i++) {
+        rate_at(b, joint, b->node[i].q, rate);
+        most = fmax(most, fabs(rate[0]));
+    }
+    return most < 1e-8;
+}
+
 static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
 {
+    if (stands_still(b, joint))
+        return LW_OK;
     for (int i = 0; i < b->n_segment; i++) {
         const lw_branch_segment *s = &b->segment[i];
         double r0[2], r1[2];
@@ -92,7 +105,7 @@ static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
         rate_at(b, joint, b->node[s->far].q, r1);
         double L = s->way*s->arc, tiny = 1e-13;
         if (fabs(r0[0]) < tiny && fabs(r1[0]) < tiny)
-            continue;                                     /* a joint that stands still */
+            continue;
         if (fabs(r0[0]) < tiny && s->way > 0 && i == 0 && b->end == LW_BRANCH_CLOSED) {
             status = add_event(b, kind, joint, s, 0.0);   /* the drawn posture is one */
         } else if (r0[0]*r1[0] < 0.0) {

@@ -91,6 +91,38 @@ static bool known(const lw_circuits *c, const double *q)
     return false;
 }
 
+/* Another curve, unless there is no room. */
+static lw_status add_curve(const lw_system *s, const lw_branch_options *o, const double *q, lw_circuits *c)
+{
+    lw_branch *b;
+    lw_status status = lw_branch_create(s, q, o, &b, NULL);
+    if (status != LW_OK)
+        return status;
+    c->since = 0;
+    if (c->n < LW_CIRCUIT_MAX)
+        c->curve[c->n++] = b;
+    else {
+        lw_branch_free(b);
+        c->full = true;
+    }
+    return LW_OK;
+}
+
+/* The curves that cross those from `first` on, and so forth. */
+static lw_status add_crossing(const lw_system *s, const lw_branch_options *o, int first, lw_circuits *c)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_status status = LW_OK;
+    for (int i = first; i < c->n && status != LW_E_MEMORY; i++) {
+        int n;
+        lw_branch_events(c->curve[i], &n);
+        for (int event = 0; event < n && !c->full && status != LW_E_MEMORY; event++)
+            if (lw_branch_other(c->curve[i], event, q) && !known(c, q))
+                status = add_curve(s, o, q, c);
+    }
+    return status == LW_E_MEMORY ? status : LW_OK;
+}
+
 lw_status lw_circuits_find(const lw_system *s, const lw_branch_options *o, int patience, uint64_t seed,
                          const volatile sig_atomic_t *stop, lw_circuits *c, lw_error *e)
 {
@@ -105,8 +137,9 @@ lw_status lw_circuits_find(const lw_system *s, const lw_branch_options *o, int p
     if (!make_closer(s, o->input, &by))
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_rng_seed(&r, seed, 0);
-    while (status == LW_OK && c->since < patience && c->draws < 20*patience && !(stop && *stop)) {
-        lw_branch *b;
+    if (status == LW_OK)
+        status = add_crossing(s, o, 0, c);
+    while (status == LW_OK && !c->full && c->since < patience && c->draws < 20*patience && !(stop && *stop)) {
         draw(&r, s, q);
         c->draws++;
         if (!close_up(&by, q))
@@ -115,18 +148,9 @@ lw_status lw_circuits_find(const lw_system *s, const lw_branch_options *o, int p
         c->since++;
         if (known(c, q))
             continue;
-        lw_status made = lw_branch_create(s, q, o, &b, NULL);
-        if (made == LW_E_MEMORY)
-            status = lw_error_set(e, made, "out of memory");
-        if (made != LW_OK)
-            continue;
-        c->since = 0;
-        if (c->n == LW_CIRCUIT_MAX) {
-            lw_branch_free(b);
-            c->full = true;
-            break;
-        }
-        c->curve[c->n++] = b;
+        int first = c->n;
+        if (add_curve(s, o, q, c) == LW_E_MEMORY || add_crossing(s, o, first, c) != LW_OK)
+            status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     free_closer(&by);
     if (status != LW_OK)

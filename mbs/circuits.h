@@ -1,4 +1,5 @@
-/* mbs/circuits.h - every curve of postures of a linkage with one free input: all circuits, in all assembly modes.
+/* mbs/circuits.h - every curve of postures of a linkage with one free input: all circuits, in all assembly modes, and
+ * at branch points both branches.
  *
  * Postures are drawn by chance and brought to closing by Newton's method with steps of least length; one that is on
  * no curve found yet starts the next. A curve once found is known with every posture on it, so what is counted is

@@ -82,6 +82,8 @@ static double assemble(lw_follow *f, const double *q, bool derivatives)
     return most;
 }
 
+void lw_follow_assemble(lw_follow *f, const double *q) { assemble(f, q, true); }
+
 double lw_follow_factor(lw_follow *f, const double *q)
 {
     f->has_tangent = false;

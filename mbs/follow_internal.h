@@ -45,6 +45,9 @@ typedef struct lw_follow {
 bool   lw_follow_create(const lw_system *s, const int *held, int n_held, bool plane, lw_follow *f);
 void   lw_follow_free(lw_follow *f);
 
+/* Equations at q into f->rest, their derivatives into f->matrix (m x n, by columns). */
+void   lw_follow_assemble(lw_follow *f, const double *q);
+
 /* Factors at q (with f->row as plane).  Returns the quick condition of base/linalg.h. */
 double lw_follow_factor(lw_follow *f, const double *q);
 

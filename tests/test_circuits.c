@@ -66,9 +66,47 @@ static void six_links_as_the_plan_says(void)
     CHECK(most >= 3);
 }
 
+/* From the parallelogram the antiparallelogram is found at their crossings, and told apart from it. */
+static void both_branches_at_a_change_point(void)
+{
+    double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[LW_SYSTEM_Q_MAX];
+    lw_linkage l;
+    lw_system s;
+    lw_circuits c;
+    lw_error e = { 0 };
+    fourbar_linkage(&l, k, 1, 0.5);
+    CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_branch_options){ .input = 0 }, 30, 1, NULL, &c, &e), LW_OK);
+    CHECK_INT(c.n, 2);
+    for (int i = 0; i < c.n; i++) {
+        int n, crossings = 0;
+        const lw_branch_event *event = lw_branch_events(c.curve[i], &n);
+        for (int j = 0; j < n; j++)
+            if (event[j].kind == LW_EVENT_CROSSING) {
+                crossings++;
+                CHECK_NEAR(sin(event[j].input), 0, 1e-10, 0);
+                CHECK(lw_branch_other(c.curve[i], j, q) && lw_branch_holds(c.curve[1 - i], q));
+            } else
+                CHECK(!lw_branch_other(c.curve[i], j, q));
+        CHECK_INT(crossings, 2);
+        CHECK_INT(abs(lw_branch_turns(c.curve[i], -1)), 1);
+        for (int j = 0; j <= 200; j++) {
+            lw_branch_pose(c.curve[i], lw_branch_segments(c.curve[i])*j/200.0, q, NULL);
+            double angle = lw_branch_input(c.curve[i], q);
+            lw_vec2 at = lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q);
+            lw_vec2 a = lw_v2_sub(fourbar_at(k, 1, angle).p, at), b = lw_v2_sub(fourbar_at(k, -1, angle).p, at);
+            CHECK_NEAR(fmin(lw_v2_norm(a), lw_v2_norm(b)), 0, 2e-8, 0);      /* half the digits of the formula */
+            if (i == 0)
+                CHECK_NEAR(q[5], 0, 1e-12, 0);
+        }
+    }
+    lw_circuits_free(&c);
+}
+
 int main(void)
 {
     RUN(four_bars);
     RUN(six_links_as_the_plan_says);
+    RUN(both_branches_at_a_change_point);
     return check_end();
 }
