@@ -1,0 +1,124 @@
+/* mbs/clearance.c - scenes: which joints are opened, what is left. */
+#include "mbs/clearance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/clearance_internal.h"
+
+lw_clearance_options lw_clearance_options_default(void)
+{
+    return (lw_clearance_options){ .time = 1.25, .settle = 0.4, .tolerance = 1e-9, .speed = NAN,
+                                   .max_step = 10000000 };
+}
+
+/* ---- what is refused ----------------------------------------------------------------------------- */
+
+static lw_status check_journal(const lw_model *m, int j, lw_error *e)
+{
+    const lw_clearance *c = &m->clearance[j];
+    const char *name = m->linkage.joint[j].name;
+    if (m->linkage.joint[j].kind != LW_JOINT_REVOLUTE)
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\" is no pin: only pins (kind r) can have clearance", name);
+    if (!(c->gap > 0.0) || !isfinite(c->gap))
+        return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
+    bool stiff = c->model >= LW_CLEARANCE_MLSD;
+    if (stiff && (!(c->stiffness > 0.0) || !(c->exponent >= 1.0) || !(c->damping >= 0.0)))
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an exponent of "
+                            "1 or more and a damping of 0 or more", name);
+    return LW_OK;
+}
+
+static lw_status check_plain(const lw_model *m, int j, lw_error *e)
+{
+    const char *name = m->linkage.joint[j].name;
+    const lw_stop *p = &m->stop[j];
+    if (m->friction[j].coefficient > 0.0)
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, which is not part of the motion with clearance; "
+                            "leave it out, or give friction to the clearance itself", name);
+    if ((p->has_least || p->has_greatest) && !(p->stiffness > 0.0))
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a rigid stop, which is not part of the motion with clearance; "
+                            "give it a stiffness, or leave it out", name);
+    return LW_OK;
+}
+
+static lw_status check_masses(const lw_model *m, lw_error *e)
+{
+    for (int l = 0; l < m->linkage.n_link; l++)
+        if (l != m->linkage.ground && !m->body[l].given)
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass: motion with clearance needs mass, centre and inertia of "
+                                "every moving link", m->linkage.link_name[l]);
+    return LW_OK;
+}
+
+static lw_status find_journals(const lw_model *m, lw_clearance_scene *c, lw_error *e)
+{
+    for (int j = 0; j < m->linkage.n_joint; j++) {
+        bool open = m->clearance[j].model != LW_CLEARANCE_NONE;
+        lw_status s = open ? check_journal(m, j, e) : check_plain(m, j, e);
+        if (s != LW_OK)
+            return s;
+        if (!open)
+            continue;
+        if (c->n_journal == LW_CLEARANCE_JOINT_MAX)
+            return lw_error_set(e, LW_E_ARG, "more than %d joints with clearance", LW_CLEARANCE_JOINT_MAX);
+        c->journal[c->n_journal++] = (lw_journal){ .joint = j, .c = &m->clearance[j], .pin = m->friction[j].radius };
+    }
+    if (c->n_journal == 0)
+        return lw_error_set(e, LW_E_ARG, "no joint has clearance: give one pin of the model a \"clearance\"");
+    return LW_OK;
+}
+
+/* ---- making -------------------------------------------------------------------------------------- */
+
+/* Where a motion starts whole turns away from the posture. */
+static void count_turns(lw_clearance_scene *c)
+{
+    for (int i = 0; i < c->m->linkage.n_input; i++) {
+        const lw_expression *x = c->m->motion[i];
+        const int *which;
+        if (!x || c->s.joint[c->s.input_joint[i]].kind != LW_JOINT_REVOLUTE)
+            continue;
+        double t = 0.0, first = lw_expression_variables(x, &which) <= 1 ? lw_expression_value(x, &t) : NAN;
+        if (isfinite(first))
+            c->turns[i] = 2.0*LW_PI*round((first - c->s.input_value[i])/(2.0*LW_PI));
+    }
+}
+
+lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_error *e)
+{
+    *scene = NULL;
+    lw_clearance_scene *c = calloc(1, sizeof *c);
+    if (!c)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a scene with clearance");
+    c->m = m;
+    lw_status s = find_journals(m, c, e);
+    if (s == LW_OK)
+        s = check_masses(m, e);
+    if (s == LW_OK)
+        s = lw_forces_system(m, &c->s, e);
+    if (s != LW_OK) {
+        free(c);
+        return s;
+    }
+    lw_forces_make(m, &c->s, &c->f);
+    bool opened[LW_JOINT_MAX] = { false };
+    for (int i = 0; i < c->n_journal; i++) {
+        lw_journal *j = &c->journal[i];
+        const lw_system_joint *p = &c->s.joint[j->joint];
+        opened[j->joint] = true;
+        for (int end = 0; end < 2; end++) {
+            j->body[end] = p->body[end];
+            j->arm[end] = p->arm[end];
+        }
+    }
+    lw_tree_make(&c->s, opened, &c->tree);
+    count_turns(c);
+    *scene = c;
+    return LW_OK;
+}
+
+void lw_clearance_free(lw_clearance_scene *scene)
+{
+    free(scene);
+}

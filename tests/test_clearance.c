@@ -1,0 +1,337 @@
+/* tests/test_clearance.c - motion with clearance: paper C's threshold, exact bounces, energy, other formulations, bad
+ * input. */
+#include "mbs/clearance.h"
+#include "mbs/contact.h"
+#include "tests/check.h"
+#include "tests/clearance_models.h"
+
+static const double rpm = 2.0*LW_PI/60.0;
+
+static lw_clearance_result run(const lw_model *m, const lw_clearance_options *o, lw_status want)
+{
+    lw_clearance_scene *scene = NULL;
+    lw_clearance_result r = { 0 };
+    lw_error e = { 0 };
+    lw_status s = lw_clearance_make(m, &scene, &e);
+    if (s == LW_OK)
+        s = lw_clearance_run(scene, o, &r, &e);
+    if (s != want)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(s, want);
+    lw_clearance_free(scene);
+    return r;
+}
+
+/* ---- the paper ----------------------------------------------------------------------------------- */
+
+/* Makkonen 1999, paper C, section 4: contact is kept at 92 r/min and lost at 94 r/min; whatever the tolerance, the
+ * frame and the units. */
+static void threshold_of_paper_c(void)
+{
+    static const struct { const char *unit; double metre, turn; bool mirrored; double tolerance; } row[] = {
+        { "m", 1, 0, false, 1e-8 }, { "m", 1, 0, false, 1e-9 }, { "m", 1, 0, false, 1e-10 }, { "m", 1, 0, false, 1e-11 },
+        { "m", 1, 0, false, 1e-12 }, { "m", 1, 2.1, false, 1e-9 }, { "m", 1, 0, true, 1e-9 }, { "mm", 1e-3, 0, false, 1e-9 },
+        { "in", 0.0254, -0.7, true, 1e-9 } };
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
+        lw_model m;
+        lw_error e = { 0 };
+        CHECK_INT(paper_c(row[i].unit, row[i].metre, row[i].turn, row[i].mirrored, &m, &e), LW_OK);
+        for (int lost = 0; lost < 2; lost++) {
+            lw_clearance_options o = lw_clearance_options_default();
+            o.tolerance = row[i].tolerance;
+            o.speed = (lost ? 94.0 : 92.0)*rpm*(row[i].mirrored ? -1 : 1);
+            lw_clearance_result r = run(&m, &o, LW_OK);
+            CHECK_INT(r.joint[0].lost, lost);
+            CHECK(r.joint[0].force_most > 250 && r.joint[0].force_most < 350);
+            CHECK(r.joint[0].distance_most < 1.05e-4);
+            CHECK(lost ? r.joint[0].first > 0.6 && r.joint[0].first < 0.7 : isnan(r.joint[0].first));
+        }
+        lw_model_free(&m);
+    }
+}
+
+/* Further limits of what the models say here (docs/clearance.md): kept below, lost above */
+static void limits_of_the_models(void)
+{
+    static const struct { lw_clearance_model model; double stiffness, below, above; } row[] = {
+        { LW_CLEARANCE_IMPACT, 1e7, 94, 97 }, { LW_CLEARANCE_IMPACT, 1e6, 99, 102 }, { LW_CLEARANCE_MLSD, 1e8, 93, 97 },
+        { LW_CLEARANCE_MLSD, 1e7, 95, 98 }, { LW_CLEARANCE_LINK, 1e8, 90, 100 } };
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++)
+        for (int lost = 0; lost < 2; lost++) {
+            lw_clearance_options o = lw_clearance_options_default();
+            m.clearance[2].model = row[i].model;
+            m.clearance[2].stiffness = row[i].stiffness;
+            o.speed = (lost ? row[i].above : row[i].below)*rpm;
+            CHECK_INT(run(&m, &o, LW_OK).joint[0].lost, lost);
+        }
+    lw_model_free(&m);
+}
+
+/* ---- exact --------------------------------------------------------------------------------------- */
+
+/* A link that hangs by one pin with clearance at its centre of mass: it falls in the gap, R, hits, and bounces.  Without
+ * damping contact lasts 2 (pi - atan(v w/g))/w, w^2 = K/m, v^2 = 2 g R. */
+static void bounces(lw_model *m, double stiffness)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, "
+        "\"centre\": [1, 2], \"inertia\": 0.3}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], "
+        "\"at\": [1, 2], \"clearance\": {\"model\": \"impact\", \"gap\": 0.01, \"stiffness\": 1e5}}], "
+        "\"gravity\": [0, -9.81]}";
+    lw_error e = { 0 };
+    CHECK_INT(lw_model_read(text, sizeof text - 1, "disc", m, &e), LW_OK);
+    m->clearance[0].stiffness = stiffness;
+}
+
+static void exact_bounces(void)
+{
+    for (double k = 1e4; k < 1e9; k *= 10.0) {
+        lw_model m;
+        bounces(&m, k);
+        lw_clearance_options o = lw_clearance_options_default();
+        double g = 9.81, gap = 0.01, fall = sqrt(2*gap/g), w = sqrt(k/2), v = g*fall;
+        double contact = 2*(LW_PI - atan(v*w/g))/w, period = 2*fall + contact;
+        o.settle = fall + 0.5*contact;
+        o.time = o.settle + 2.5*period;
+        o.tolerance = 1e-12;
+        lw_clearance_result r = run(&m, &o, LW_OK);
+        CHECK(r.joint[0].lost);
+        CHECK_NEAR(r.joint[0].first, fall + contact, 2e-10, 0);
+        CHECK_INT(r.joint[0].losses, 3);
+        CHECK_NEAR(r.joint[0].apart*(o.time - o.settle), 5*fall, 2e-9, 0);
+        CHECK_NEAR(r.energy_last, r.energy_first, 1e-9, 0);
+        lw_model_free(&m);
+    }
+}
+
+/* ---- energy and formulations --------------------------------------------------------------------- */
+
+/* Linkages with loops of every dyad, one pin opened: energy is kept without damping */
+static void energy_is_kept(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 11);
+    int n_run = 0, n_touch = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        lw_linkage k;
+        lw_model m;
+        random_grown(&rng, 1 + trial%3, &k);
+        int pin = random_pin(&rng, &k);
+        give_masses(&rng, &k, pin, &m);
+        m.clearance[pin].model = trial%4 == 0 ? LW_CLEARANCE_LINK : trial%4 == 1 ? LW_CLEARANCE_MLSD : LW_CLEARANCE_IMPACT;
+        m.clearance[pin].exponent = trial%4 == 3 ? 1.5 : 1.0;
+        lw_clearance_scene *scene;
+        lw_clearance_result r;
+        lw_clearance_options o = lw_clearance_options_default();
+        o.time = 0.3, o.settle = 0.0, o.tolerance = 1e-11;
+        CHECK_INT(lw_clearance_make(&m, &scene, NULL), LW_OK);
+        lw_status s = lw_clearance_run(scene, &o, &r, NULL);
+        double size = fabs(r.energy_first) + 10.0;
+        if (s == LW_OK) {                    /* random linkages also run into singular postures */
+            n_run++;
+            n_touch += r.joint[0].distance_most > 0.01;
+            CHECK_NEAR(r.energy_last, r.energy_first, 1e-7*size, 0);
+            if (m.clearance[pin].model == LW_CLEARANCE_LINK)
+                CHECK_NEAR(r.joint[0].distance_most, 0.01, 1e-12, 0);
+        }
+        lw_clearance_free(scene);
+        lw_model_free(&m);
+    }
+    CHECK(n_run >= 30);
+    CHECK(n_touch >= 5);
+}
+
+typedef struct track { int n; lw_clearance_sample s[64]; } track;
+static lw_status keep(void *context, const lw_clearance_sample *s)
+{
+    track *t = context;
+    if (t->n < 64)
+        t->s[t->n++] = *s;
+    return LW_OK;
+}
+
+static void record(const lw_model *m, lw_clearance_options o, track *t)
+{
+    t->n = 0;
+    o.sink = keep, o.context = t;
+    run(m, &o, LW_OK);
+}
+
+/* The massless link is the limit of the spring-damper link for rising stiffness */
+static void link_is_a_stiff_spring(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    lw_clearance_options o = lw_clearance_options_default();
+    o.time = 0.2, o.settle = 0.1, o.every = 0.01, o.tolerance = 1e-11, o.speed = 85*rpm;
+    track link, spring;
+    m.clearance[2].model = LW_CLEARANCE_LINK;
+    record(&m, o, &link);
+    double before = INFINITY;
+    m.clearance[2].model = LW_CLEARANCE_MLSD;
+    for (double k = 1e8; k < 2e10; k *= 10) {
+        double worst = 0, force = 0;
+        m.clearance[2].stiffness = k;
+        m.clearance[2].damping = 0.1*sqrt(k);
+        record(&m, o, &spring);
+        CHECK_INT(spring.n, link.n);
+        for (int i = 0; i < link.n; i++) {
+            worst = fmax(worst, lw_v2_norm(lw_v2_sub(link.s[i].point[0].in_bush, spring.s[i].point[0].in_bush)));
+            force = fmax(force, fabs(link.s[i].point[0].force - spring.s[i].point[0].force));
+        }
+        CHECK(worst < 0.2*before);
+        before = worst;
+        if (k > 5e9) {
+            CHECK(worst < 2e-7);
+            CHECK(force < 2.0);
+        }
+    }
+    CHECK_INT(link.n, 21);
+    lw_model_free(&m);
+}
+
+/* The pin that is pressed against its bush all the time has the reaction of the joint without clearance */
+static void reaction_without_clearance(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    lw_clearance_options o = lw_clearance_options_default();
+    o.time = 0.5, o.settle = 0.05, o.every = 0.01, o.speed = 60*rpm, o.start = LW_CLEARANCE_SEATED;
+    track zero, impact;
+    m.clearance[2].model = LW_CLEARANCE_ZERO;
+    record(&m, o, &zero);
+    m.clearance[2].model = LW_CLEARANCE_IMPACT;
+    m.clearance[2].gap = 1e-7, m.clearance[2].depth = 1e-9, m.clearance[2].damping = 3e4;
+    record(&m, o, &impact);
+    CHECK_INT(zero.n, impact.n);
+    for (int i = 8; i < zero.n; i++) {
+        CHECK_NEAR(impact.s[i].point[0].force, zero.s[i].point[0].force, 0.2, 1e-3);
+        CHECK_NEAR(impact.s[i].input, zero.s[i].input, 1e-5, 0);
+        CHECK_NEAR(zero.s[i].energy, zero.s[0].energy, 1e-7, 0);
+        CHECK(zero.s[i].point[0].touching && lw_v2_norm(zero.s[i].point[0].pin) < 1e-14);
+    }
+    lw_model_free(&m);
+}
+
+/* A crank that is driven: the input follows its motion, the rest as before */
+static void driven_crank(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    char text[6000];
+    FILE *f = fopen("examples/clearance-four-bar.json", "rb");
+    size_t n = f ? fread(text, 1, 3000, f) : 0;
+    if (f)
+        fclose(f);
+    text[n] = 0;
+    char *speed = strstr(text, "\"speed\":");
+    CHECK(speed != NULL);
+    if (!speed)
+        return;
+    static const char motion[] = "\"motion\": \"pi/2 + 2*pi + 9*t + 0.2*sin(10*t)\"";
+    const char *rest = strchr(speed, '}');
+    memmove(speed + sizeof motion - 1, rest, strlen(rest) + 1);
+    memcpy(speed, motion, sizeof motion - 1);
+    CHECK_INT(lw_model_read(text, strlen(text), "driven", &m, &e), LW_OK);
+    lw_clearance_options o = lw_clearance_options_default();
+    o.time = 0.4, o.settle = 0.1, o.every = 0.01;
+    track t;
+    record(&m, o, &t);
+    CHECK_INT(t.n, 41);
+    for (int i = 0; i < t.n; i++) {
+        double at = t.s[i].t;
+        CHECK_NEAR(t.s[i].input, LW_PI/2 + 9*at + 0.2*sin(10*at), 1e-10, 0);
+        CHECK_NEAR(t.s[i].input_rate, 9 + 2*cos(10*at), 1e-6, 0);
+    }
+    lw_model_free(&m);
+}
+
+/* Restitution: a disc dropped on its bush comes back with about s v (the laws aim at it; Lankarani & Nikravesh's only for
+ * s near 1) */
+static void restitution(void)
+{
+    for (int law = 0; law < 2; law++) {
+        lw_model m;
+        bounces(&m, 1e8);
+        m.clearance[0].model = law ? LW_CLEARANCE_LANKARANI : LW_CLEARANCE_HUNT_CROSSLEY;
+        m.clearance[0].exponent = 1.5;
+        m.clearance[0].restitution = 0.9;
+        lw_clearance_options o = lw_clearance_options_default();
+        double fall = sqrt(2*0.01/9.81);
+        o.settle = 0.0, o.time = fall*2, o.every = 0.0005;
+        lw_clearance_result before = run(&m, &o, LW_OK);
+        double e0 = before.energy_first, e1 = before.energy_last, drop = 2*9.81*0.01;
+        double back = sqrt((e1 - e0 + drop)/drop);       /* speed after over speed before */
+        CHECK_NEAR(back, 0.9, law ? 0.02 : 0.02, 0);
+        lw_model_free(&m);
+    }
+}
+
+/* ---- limits and bad input ------------------------------------------------------------------------ */
+
+static void refused(lw_model *m, lw_status want, const char *text)
+{
+    lw_clearance_scene *scene;
+    lw_error e = { 0 };
+    CHECK_INT(lw_clearance_make(m, &scene, &e), want);
+    CHECK(scene == NULL);
+    CHECK_HAS(e.text, text);
+}
+
+static void bad_input(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    lw_clearance good = m.clearance[2];
+    m.clearance[2].model = LW_CLEARANCE_NONE;
+    refused(&m, LW_E_ARG, "no joint has clearance");
+    m.clearance[2] = good;
+    m.linkage.joint[2].kind = LW_JOINT_SLIDER;
+    refused(&m, LW_E_ARG, "\"B\" is no pin");
+    m.linkage.joint[2].kind = LW_JOINT_REVOLUTE;
+    m.clearance[2].gap = 0;
+    refused(&m, LW_E_ARG, "gap of joint \"B\"");
+    m.clearance[2].gap = 1e-4, m.clearance[2].stiffness = 0;
+    refused(&m, LW_E_ARG, "stiffness above 0");
+    m.clearance[2] = good;
+    m.body[2].given = false;
+    refused(&m, LW_E_ARG, "\"coupler\" has no mass");
+    m.body[2].given = true;
+    m.friction[0].coefficient = 0.1;
+    refused(&m, LW_E_KIND, "\"O\" has friction");
+    m.friction[0].coefficient = 0;
+    m.stop[3] = (lw_stop){ .has_least = true, .least = -1 };
+    refused(&m, LW_E_KIND, "rigid stop");
+    m.stop[3].has_least = false;
+    lw_clearance_options o = lw_clearance_options_default();
+    o.max_step = 100;
+    lw_clearance_result r = run(&m, &o, LW_STOPPED);
+    CHECK(r.t > 0.0 && r.t < 1.25 && r.steps + r.refused == 100);
+    o = lw_clearance_options_default();
+    o.tolerance = 0;
+    run(&m, &o, LW_E_ARG);
+    for (int l = 0; l < 4; l++)
+        m.body[l].mass = m.body[l].inertia = 0;
+    o = lw_clearance_options_default();
+    run(&m, &o, LW_E_NUMERIC);
+    lw_model_free(&m);
+}
+
+int main(void)
+{
+    RUN(threshold_of_paper_c);
+    RUN(limits_of_the_models);
+    RUN(exact_bounces);
+    RUN(energy_is_kept);
+    RUN(link_is_a_stiff_spring);
+    RUN(reaction_without_clearance);
+    RUN(driven_crank);
+    RUN(restitution);
+    RUN(bad_input);
+    return check_end();
+}
