@@ -194,11 +194,12 @@ static void draw_series(lw_chart *c, int series)
     const lw_series *s = &c->p->series[series];
     lw_vec2 run[RUN + 2];
     size_t n = 0;
-    for (size_t k = 0; k < s->n; k++) {
+    bool points = s->style == LW_SERIES_POINTS;
+    for (size_t k = 0; k < s->n && !points; k++) {
         if (!fits(&c->x, s->x[k]) || !fits(&c->y, s->y[k]))
             continue;
         lw_vec2 at = lw_v2(place(&c->x, s->x[k]), place(&c->y, s->y[k]));
-        if (n && s->steps) {
+        if (n && s->style == LW_SERIES_STEPS) {
             run[n] = lw_v2(at.x, run[n - 1].y);
             n++;
         }
@@ -211,7 +212,7 @@ static void draw_series(lw_chart *c, int series)
     }
     if (n > 1)
         line(c, LW_ROLE_SERIES, series, run, n);
-    for (size_t k = 0; k < s->n && s->n <= 80; k++)
+    for (size_t k = 0; k < s->n && (s->n <= 80 || points); k++)
         if (fits(&c->x, s->x[k]) && fits(&c->y, s->y[k]))
             marker(c, LW_ROLE_MARKER, series, k, lw_v2(place(&c->x, s->x[k]), place(&c->y, s->y[k])));
 }
@@ -245,7 +246,8 @@ static void draw_legend(lw_chart *c)
     for (int i = 0; i < c->p->n_series; i++) {
         double x = c->x.to + 14, y = c->y.to + 8 + ROW*i;
         lw_vec2 sample[2] = { { x, y }, { x + 22, y } };
-        line(c, LW_ROLE_LEGEND, i, sample, 2);
+        if (c->p->series[i].style != LW_SERIES_POINTS)
+            line(c, LW_ROLE_LEGEND, i, sample, 2);
         marker(c, LW_ROLE_LEGEND, i, 0, lw_v2(x + 11, y));
         text(c, LW_ROLE_LEGEND, c->p->series[i].name, x + 28, y + 4, 0);
     }
@@ -263,6 +265,18 @@ static double tick_width(const lw_axis *a)
     return w;
 }
 
+/* Widen the axis with the finer scale until both have the same; ticks follow the new range. */
+static void make_equal(lw_axis *x, lw_axis *y)
+{
+    double sx = fabs(x->to - x->from)/(x->hi - x->lo), sy = fabs(y->to - y->from)/(y->hi - y->lo);
+    lw_axis *a = sx > sy ? x : y;
+    double middle = (a->lo + a->hi)/2, half = 0.5*(a->hi - a->lo)*fmax(sx, sy)/fmin(sx, sy);
+    a->lo = middle - half;
+    a->hi = middle + half;
+    a->n_tick = 0;
+    even_ticks(a, fmax(fabs(a->to - a->from)/70, 1));
+}
+
 static void draw_chart(lw_chart *c)
 {
     const double apart = 70;                                    /* of ticks, about [px] */
@@ -272,6 +286,8 @@ static void draw_chart(lw_chart *c)
     c->x.from = (c->p->y_label ? 38 : 14) + tick_width(&c->y);
     c->x.to = c->d->width - 8 - fmin(legend_width(c->p), 0.4*c->d->width);
     settle(&c->x, fmax((c->x.to - c->x.from)/apart, 1));
+    if (c->p->equal)
+        make_equal(&c->x, &c->y);
     draw_axes(c);
     draw_levels(c);
     for (int i = 0; i < c->p->n_series; i++)

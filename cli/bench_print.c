@@ -287,7 +287,7 @@ static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, doubl
             continue;
         double *x = room, *y = room + c->n + 1;
         size_t n = thin(c, r, b->seconds, x, y);
-        series[plot.n_series++] = (lw_series){ c->solver, n, x, y, true };
+        series[plot.n_series++] = (lw_series){ c->solver, n, x, y, LW_SERIES_STEPS };
         room = y + c->n + 1;
     }
     add_levels(p->known, r, &l);

@@ -16,9 +16,10 @@ static void make(lines *l, bool log_x, bool log_y)
         l->x[i] = log_x ? pow(10, 0.25*i) : i;
         l->y[i] = log_y ? pow(10, 1 - 0.3*i) : 100 - 3*i;
     }
-    l->s = (lw_series){ "a series", N, l->x, l->y, false };
+    l->s = (lw_series){ "a series", N, l->x, l->y, LW_SERIES_LINE };
     l->level = (lw_level){ "published best", log_y ? 1e-3 : 50 };
-    l->p = (lw_plot){ "Title", "evaluations", "error", log_x, log_y, 0, 0, 1, 1, &l->s, &l->level };
+    l->p = (lw_plot){ .title = "Title", .x_label = "evaluations", .y_label = "error", .log_x = log_x, .log_y = log_y,
+                      .n_series = 1, .n_level = 1, .series = &l->s, .level = &l->level };
 }
 
 static int n_of(const lw_drawing *d, lw_role role)
@@ -210,6 +211,30 @@ static void files_by_their_kind(void)
     CHECK_INT(lw_draw_plot(&l.p, "/nowhere/x.gif", &e), LW_E_ARG);
 }
 
+/* A circle is as wide as high, whatever the page; points alone have no line */
+static void circles_stay_round(void)
+{
+    for (int wide = 0; wide < 2; wide++) {
+        double x[N], y[N];
+        for (int i = 0; i < N; i++) {
+            x[i] = 3 + 2*cos(2*LW_PI*i/N);
+            y[i] = 2*sin(2*LW_PI*i/N);
+        }
+        lw_series s = { "circle", N, x, y, wide ? LW_SERIES_POINTS : LW_SERIES_LINE };
+        lw_plot p = { .width = wide ? 1200 : 500, .height = 500, .n_series = 1, .series = &s, .equal = true };
+        lw_drawing d;
+        lw_error e;
+        CHECK_INT(lw_plot_draw(&p, &d, &e), LW_OK);
+        double width = fabs(marker_at(&d, 0).x - marker_at(&d, N/2).x);
+        double height = fabs(marker_at(&d, N/4).y - marker_at(&d, 3*N/4).y);
+        CHECK_NEAR(height, width, 1e-9, 0);
+        CHECK(width > 100);
+        CHECK_INT(n_of(&d, LW_ROLE_SERIES), !wide);
+        CHECK_INT(n_of(&d, LW_ROLE_MARKER), N);
+        lw_drawing_free(&d);
+    }
+}
+
 int main(void)
 {
     RUN(points_lie_where_their_numbers_say);
@@ -218,5 +243,6 @@ int main(void)
     RUN(unfit_points_are_left_out);
     RUN(long_series_are_unbroken);
     RUN(files_by_their_kind);
+    RUN(circles_stay_round);
     return check_end();
 }
