@@ -1,0 +1,97 @@
+/* `linkwright clearance` from outside: tables, limits, pictures, wrong use. */
+#include "tests/cli_run.h"
+
+#define MODEL "examples/clearance-four-bar.json"
+
+static int lines_with(const char *text, const char *part)
+{
+    int n = 0;
+    for (const char *p = text; (p = strstr(p, part)); p++)
+        n++;
+    return n;
+}
+
+static void table(void)
+{
+    ran r = run("$P clearance " MODEL " --speed 92,94 --model impact,mlsd");
+    CHECK_INT(r.code, 0);
+    CHECK_INT(lines_with(r.out, "\nB,"), 4);
+    CHECK_HAS(r.out, "\nB,impact,100000000,3000,92,kept,,0,0,");
+    CHECK_HAS(r.out, "\nB,impact,100000000,3000,94,lost,0.65");
+    CHECK_HAS(r.out, "\nB,mlsd,100000000,3000,92,kept,");
+    ran_free(&r);
+    r = run("$P clearance " MODEL);                          /* at the speed of the file, 92 r/min */
+    CHECK_HAS(r.out, ",92,kept,");
+    ran_free(&r);
+}
+
+/* The same bytes whatever the number of threads, the command line apart */
+static void threads(void)
+{
+    ran a = run("$P clearance " MODEL " --speed 90:110:5 --stiffness 1e6,1e7 -j 1 | grep -v '^#'");
+    ran b = run("$P clearance " MODEL " --speed 90:110:5 --stiffness 1e6,1e7 -j 3 | grep -v '^#'");
+    CHECK_INT(lines_with(a.out, "\n"), 11);
+    CHECK_TEXT(a.out, b.out);
+    ran_free(&a), ran_free(&b);
+}
+
+static void limits(void)
+{
+    ran r = run("$P clearance " MODEL " --speed 90:98:4 --limits --refine 1");
+    CHECK_INT(r.code, 0);
+    const char *row = strstr(r.out, "impact");
+    double k, c, kept = 0, lost = 0;
+    CHECK(row && sscanf(row, "impact %lf %lf %lf - %lf", &k, &c, &kept, &lost) == 4);
+    CHECK(k == 1e8 && c == 3000);
+    CHECK(kept >= 92 && lost <= 95 && lost - kept <= 1 && lost > kept);
+    CHECK_HAS(r.out, "2 of 3");
+    ran_free(&r);
+    r = run("$P clearance " MODEL " --speed 90:98:4 --json");
+    CHECK_HAS(r.out, "\"kept_lost\": [90, 94]");
+    CHECK_HAS(r.out, "\"lost_kept\": [null, null]");
+    CHECK_HAS(r.out, "\"speed_unit\": \"rpm\"");
+    ran_free(&r);
+}
+
+static void pictures(void)
+{
+    ran r = run("$P clearance " MODEL " --speed 94 --end 0.2 --settle 0.1 --every 0.001 --path $D/path.svg --force $D/f.pdf "
+                "--history $D/h.csv && $P clearance " MODEL " --speed 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
+                "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c 'class=\"marker' $D/map.svg");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.out, "%PDF");
+    CHECK_HAS(r.out, "204\n");                               /* two comments, head, 201 rows */
+    ran_free(&r);
+    expect("sed -n 3p $D/h.csv", 0, "t,input,input_rate,energy,x(B),y(B),force(B),touching(B)", NULL);
+}
+
+static void wrong_use(void)
+{
+    expect("$P clearance", 2, NULL, "MODEL.json");
+    expect("$P clearance " MODEL " --speed 80:400", 3, NULL, "lacks a step");
+    expect("$P clearance " MODEL " --speed 80:400:-1", 3, NULL, "no range");
+    expect("$P clearance " MODEL " --speed 80:400:1:2", 3, NULL, "too many colons");
+    expect("$P clearance " MODEL " --speed fast", 3, NULL, "speed");
+    expect("$P clearance " MODEL " --stiffness 0", 3, NULL, "above 0");
+    expect("$P clearance " MODEL " --damping=-1", 3, NULL, "0 or more");
+    expect("$P clearance " MODEL " --model imapct", 3, NULL, "did you mean impact");
+    expect("$P clearance " MODEL " --unit m/s", 3, NULL, "an input that turns");
+    expect("$P clearance " MODEL " --speed 90,92 --path $D/no.svg", 2, NULL, "one speed and one law");
+    expect("$P clearance examples/slider-crank.json", 3, NULL, "no joint has clearance");
+    expect("$P clearance $D/none.json", 3, NULL, "none.json");
+    expect("sed 's/\"name\": \"B\",/\"name\": \"B\", \"kind\": \"t\", \"along\": [1, 0],/' " MODEL " > $D/slide.json; "
+           "$P clearance $D/slide.json", 3, NULL, "slide.json:15:");
+    expect("sed 's/\"speed\": 9.6[0-9]*/\"motion\": \"3*t\"/' " MODEL " > $D/driven.json; "
+           "$P clearance $D/driven.json --speed 90", 3, NULL, "motion");
+    expect("sed 's/\"mass\": 2.41, //' " MODEL " > $D/light.json; $P clearance $D/light.json", 3, NULL, "coupler");
+}
+
+int main(void)
+{
+    RUN(table);
+    RUN(threads);
+    RUN(limits);
+    RUN(pictures);
+    RUN(wrong_use);
+    return check_end();
+}
