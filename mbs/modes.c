@@ -1,0 +1,212 @@
+/* mbs/modes.c - eigenvalues of the reduced equations, as modes. */
+#include "mbs/modes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/modes_internal.h"
+
+/* ---- shapes -------------------------------------------------------------------------------------- */
+
+/* Body coordinates of a reduced vector re + i im: amplitudes and phases, the greatest 1 with phase 0 */
+static void write_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
+{
+    int n = v->n_q, top = 0;
+    double a[LW_SYSTEM_Q_MAX] = { 0.0 }, b[LW_SYSTEM_Q_MAX] = { 0.0 };
+    for (int k = 0; k < v->n_free; k++)
+        for (int i = 0; i < n; i++) {
+            a[i] += re[k]*v->null[k*n + i];
+            b[i] += im ? im[k]*v->null[k*n + i] : 0.0;
+        }
+    for (int i = 0; i < n; i++) {
+        mode->shape[i] = hypot(a[i], b[i]);
+        top = mode->shape[i] > mode->shape[top]*(1.0 + 1e-9) ? i : top;
+    }
+    double greatest = mode->shape[top], phase = atan2(b[top], a[top]);
+    for (int i = 0; i < n && greatest > 0.0; i++) {
+        mode->shape[i] /= greatest;
+        mode->phase[i] = mode->shape[i] > 1e-13 ? remainder(atan2(b[i], a[i]) - phase, 2.0*LW_PI) : 0.0;
+        mode->shape[i] = mode->shape[i] > 1e-13 ? mode->shape[i] : 0.0;
+    }
+}
+
+static void finish_mode(lw_mode *m, double re, double im)
+{
+    double size = hypot(re, im);
+    m->re = re;
+    m->im = im;
+    m->frequency = im/(2.0*LW_PI);
+    m->natural = size/(2.0*LW_PI);
+    m->damping = size > 0.0 ? -re/size : 0.0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const lw_mode *x = a, *y = b;
+    return (x->natural > y->natural) - (x->natural < y->natural);
+}
+
+/* ---- eigenvalues --------------------------------------------------------------------------------- */
+
+/* Undamped: w = s^2 below 0 is a vibration; above, a pair of real values of which the growing one is told */
+static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out)
+{
+    int n = v->n_free;
+    size_t square = (size_t)(n*n);
+    double *k = room, *m = k + square, *x = m + square, *w = x + square, most = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            k[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]);
+    memcpy(m, v->mass, sizeof *m*square);
+    lw_status s = lw_eigen_symmetric(n, k, m, w, x);
+    for (int i = 0; s == LW_OK && i < n; i++)
+        most = fmax(most, fabs(w[i]));
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        lw_mode *mode = &out->mode[out->n_mode++];
+        double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* free motion, to rounding */
+        finish_mode(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
+        write_shape(v, x + i*n, NULL, mode);
+    }
+    return s;
+}
+
+/* inv(M) applied to the columns of a (n*n by rows) by Cholesky's method; false: not positive */
+static bool divide(int n, double *m, double *a)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = m[i*n + j];
+            for (int k = 0; k < j; k++)
+                sum -= m[i*n + k]*m[j*n + k];
+            if (i == j && !(sum > 0.0))
+                return false;
+            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
+        }
+    for (int c = 0; c < n; c++) {
+        for (int i = 0; i < n; i++) {
+            for (int k = 0; k < i; k++)
+                a[i*n + c] -= m[i*n + k]*a[k*n + c];
+            a[i*n + c] /= m[i*n + i];
+        }
+        for (int i = n - 1; i >= 0; i--) {
+            for (int k = i + 1; k < n; k++)
+                a[i*n + c] -= m[k*n + i]*a[k*n + c];
+            a[i*n + c] /= m[i*n + i];
+        }
+    }
+    return true;
+}
+
+/* Damped: first order in x and x'/tau, with time in units tau of the quickest rate so that both parts are of one
+ * size. */
+static lw_status damped(const lw_vibration *v, double *room, lw_modes *out)
+{
+    int n = v->n_free, two = 2*n;
+    size_t square = (size_t)(n*n);
+    double *m = room, *k = m + square, *c = k + square, *a = c + square, *re = a + 4*square, *im = re + two;
+    double *x_re = im + two, *x_im = x_re + 4*square, rate = 0.0;
+    memcpy(m, v->mass, sizeof *m*square);
+    memcpy(k, v->stiffness, sizeof *k*square);
+    if (!divide(n, m, k))
+        return LW_E_NUMERIC;
+    memcpy(m, v->mass, sizeof *m*square);
+    memcpy(c, v->damping, sizeof *c*square);
+    divide(n, m, c);
+    for (int i = 0; i < n*n; i++)
+        rate = fmax(rate, fmax(sqrt(fabs(k[i])), fabs(c[i])));
+    rate = rate > 0.0 ? rate : 1.0;
+    memset(a, 0, 4*square*sizeof *a);
+    for (int i = 0; i < n; i++) {
+        a[i*two + n + i] = 1.0;
+        for (int j = 0; j < n; j++) {
+            a[(n + i)*two + j] = -k[i*n + j]/(rate*rate);
+            a[(n + i)*two + n + j] = -c[i*n + j]/rate;
+        }
+    }
+    lw_status s = lw_eigen_general(two, a, re, im, x_re, x_im);
+    for (int i = 0; s == LW_OK && i < two; i++) {
+        if (im[i] < 0.0)
+            continue;                                        /* its partner stands for it */
+        lw_mode *mode = &out->mode[out->n_mode++];
+        finish_mode(mode, re[i]*rate, im[i]*rate);
+        write_shape(v, x_re + i*two, x_im + i*two, mode);
+    }
+    return s;
+}
+
+/* Is there no damping and does the stiffness come from a potential? */
+static bool is_conservative(const lw_vibration *v)
+{
+    int n = v->n_free;
+    double stiff = 0.0, skew = 0.0, damping = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            stiff = fmax(stiff, fabs(v->stiffness[i*n + j]));
+            skew = fmax(skew, fabs(v->stiffness[i*n + j] - v->stiffness[j*n + i]));
+            damping = fmax(damping, fabs(v->damping[i*n + j]));
+        }
+    return damping == 0.0 && skew <= 1e-11*stiff;
+}
+
+static double unbalanced(const lw_vibration *v)
+{
+    double rest = 0.0, most = 0.0;
+    for (int k = 0; k < v->n_free; k++)
+        rest = fmax(rest, fabs(v->load[k]));
+    for (int i = 0; i < v->n_q; i++)
+        most = fmax(most, fabs(v->force[i]));
+    return most > 0.0 ? rest/most : 0.0;
+}
+
+/* The link that moves most without mass: the diagonal of the reduced masses that is nearest to 0 */
+static const char *lightest(const lw_vibration *v)
+{
+    int n = v->n_free, worst = 0, top = 0;
+    for (int k = 1; k < n; k++)
+        worst = v->mass[k*n + k] < v->mass[worst*n + worst] ? k : worst;
+    for (int i = 1; i < v->n_q; i++)
+        top = fabs(v->null[worst*v->n_q + i]) > fabs(v->null[worst*v->n_q + top]) ? i : top;
+    return v->f->model->linkage.link_name[v->f->system->link[top/3]];
+}
+
+static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
+{
+    size_t n = (size_t)v->n_free;
+    double *room = calloc(15*n*n + 8*n + 1, sizeof *room);
+    if (!room)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
+    out->conservative = is_conservative(v);
+    lw_status s = out->conservative ? conservative(v, room, out) : damped(v, room, out);
+    free(room);
+    if (s == LW_E_NUMERIC)
+        return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "
+                            "inertia", lightest(v));
+    qsort(out->mode, (size_t)out->n_mode, sizeof *out->mode, by_size);
+    return s == LW_OK ? s : lw_error_set(e, s, "the eigenvalues cannot be found: %s", lw_status_text(s));
+}
+
+lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
+                        lw_error *e)
+{
+    lw_vibration v;
+    memset(modes, 0, sizeof *modes);
+    if (lw_vibration_make(f, o->hold_inputs, t, q, &v) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a linear analysis");
+    lw_status s = lw_vibration_project(&v, q);
+    if (s != LW_OK)
+        lw_error_set(e, s, "no posture near the given one fits the joints and inputs");
+    if (s == LW_OK && o->rest)
+        s = lw_vibration_rest(&v, t, q, e);
+    if (s == LW_OK && (s = lw_vibration_linearise(&v, t, q)) != LW_OK)
+        lw_error_set(e, s, "the loads are not finite in this posture");
+    modes->freedom = v.n_free;
+    modes->redundant = v.redundant;
+    if (s == LW_OK && v.n_free == 0)
+        s = lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
+    if (s == LW_OK) {
+        modes->unbalanced = unbalanced(&v);
+        s = solve(&v, modes, e);
+    }
+    lw_vibration_free(&v);
+    return s;
+}

@@ -1,0 +1,323 @@
+/* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
+#include "mbs/modes.h"
+#include <gsl/gsl_errno.h>
+#include <stdarg.h>
+#include "tests/check.h"
+#include "base/vec2.h"
+
+static const double g = 9.81;
+
+typedef struct scene { lw_model m; lw_system s; lw_forces f; double q[LW_SYSTEM_Q_MAX]; lw_modes modes; } scene;
+
+/* A model from text; NULL when it cannot be read */
+static scene *make(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static scene *make(const char *format, ...)
+{
+    static char text[1 << 16];
+    va_list arg;
+    va_start(arg, format);
+    int n = vsnprintf(text, sizeof text, format, arg);
+    va_end(arg);
+    scene *s = calloc(1, sizeof *s);
+    lw_error e = { 0 };
+    lw_status st = lw_model_read(text, (size_t)n, "test", &s->m, &e);
+    if (st == LW_OK)
+        st = lw_forces_system(&s->m, &s->s, &e);
+    if (st != LW_OK)
+        fprintf(stderr, "%ld:%ld %s\n", e.line, e.column, e.text);
+    CHECK_INT(st, LW_OK);
+    lw_forces_make(&s->m, &s->s, &s->f);
+    lw_system_posture(&s->s, s->q);
+    return s;
+}
+
+static lw_status find(scene *s, bool hold, bool rest)
+{
+    lw_modes_options o = { hold, rest };
+    lw_error e = { 0 };
+    lw_status st = lw_modes_find(&s->f, &o, 0.0, s->q, &s->modes, &e);
+    if (st != LW_OK)
+        CHECK(strlen(e.text) > 10);
+    return st;
+}
+
+static void drop(scene *s)
+{
+    lw_model_free(&s->m);
+    free(s);
+}
+
+#define HEAD "{\"linkwright\": 1, \"gravity\": [0, -9.81], \"links\": [\"ground\", "
+
+/* ---- pendula ------------------------------------------------------------------------------------- */
+
+/* w^2 = m g s/(I + m s^2), whatever the direction gravity is drawn in and the unit; upside down it falls with that rate */
+static void pendulum(void)
+{
+    for (int up = 0; up < 2; up++) {
+        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2.5, \"centre\": [%g, %g], \"inertia\": 0.3}], \"joints\": ["
+                        "{\"name\": \"A\", \"links\": [\"ground\", \"bob\"], \"at\": [1, 2]}], \"input\": {\"joint\": \"A\"}, "
+                        "\"tracers\": [{\"name\": \"P\", \"link\": \"bob\", \"at\": [1, 1]}]}", 1.0, up ? 2.7 : 1.3);
+        double w = sqrt(2.5*g*0.7/(0.3 + 2.5*0.49));
+        CHECK_INT(find(s, false, false), LW_OK);
+        CHECK_INT(s->modes.freedom, 1);
+        CHECK_INT(s->modes.n_mode, 1);
+        CHECK_NEAR(up ? s->modes.mode[0].re : s->modes.mode[0].im, w, 0, 1e-12);
+        CHECK_NEAR(up ? s->modes.mode[0].im : s->modes.mode[0].re, 0, 0, 0);
+        CHECK_NEAR(s->modes.mode[0].natural, w/(2*LW_PI), 0, 1e-12);
+        CHECK_NEAR(s->modes.mode[0].damping, up ? -1 : 0, 0, 0);
+        CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
+        CHECK(s->modes.conservative);
+        CHECK_INT(find(s, true, false), LW_NOTHING);             /* held at its pin it has no freedom */
+        drop(s);
+    }
+}
+
+/* Two equal rods of length l, mass m at their ends: w^2 = (2 -+ sqrt 2) g/l; shapes: the second link turns +-sqrt 2 as far */
+static void double_pendulum(void)
+{
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, \"centre\": "
+                    "[0, -0.8]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
+                    "\"B\", \"links\": [\"a\", \"b\"], \"at\": [0, -0.4]}]}");
+    CHECK_INT(find(s, false, false), LW_OK);
+    CHECK_INT(s->modes.n_mode, 2);
+    for (int i = 0; i < 2; i++) {
+        const lw_mode *m = &s->modes.mode[i];
+        CHECK_NEAR(m->im*m->im, (2 + (i ? 1 : -1)*sqrt(2))*g/0.4, 0, 1e-12);
+        CHECK_NEAR(m->shape[5]/m->shape[2], sqrt(2), 0, 1e-10);
+        CHECK_NEAR(fabs(m->phase[5] - m->phase[2]), i ? LW_PI : 0, 1e-10, 0);
+    }
+    drop(s);
+}
+
+/* Laguerre polynomial of degree n and its slope */
+static double laguerre(int n, double x, double *slope)
+{
+    double before = 1, now = 1 - x;
+    for (int k = 1; k < n; k++) {
+        double next = ((2*k + 1 - x)*now - k*before)/(k + 1);
+        before = now;
+        now = next;
+    }
+    *slope = n*(now - before)/x;
+    return now;
+}
+
+/* n masses on a massless string of rods of length l: w^2 = (g/l) x with L_n(x) = 0 (Bernoulli) */
+static void hanging_chains(void)
+{
+    for (int n = 2; n <= 20; n += 3) {
+        char links[4096] = "", joints[4096] = "";
+        for (int i = 1; i <= n; i++) {
+            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 0.7, \"centre\": [0, %g]}", i > 1 ? ", " : "",
+                     i, -0.25*i);
+            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"%s%.0d\", \"l%d\"], \"at\": [0, %g]}",
+                     i > 1 ? ", " : "", i, i > 1 ? "l" : "ground", i - 1, i, -0.25*(i - 1));
+        }
+        scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
+        CHECK_INT(find(s, false, false), LW_OK);
+        CHECK_INT(s->modes.n_mode, n);
+        for (int i = 0; i < n && i < s->modes.n_mode; i++) {
+            double w2 = pow(s->modes.mode[i].im, 2), x = w2*0.25/g, slope, left = laguerre(n, x, &slope);
+            CHECK_NEAR(left/slope/x, 0, 1e-10, 0);               /* distance to the nearest root, relative */
+            CHECK(i == 0 || w2 > 1.01*pow(s->modes.mode[i - 1].im, 2));
+        }
+        drop(s);
+    }
+}
+
+/* ---- springs ------------------------------------------------------------------------------------- */
+
+/* n masses between two walls: w_k = 2 sqrt(K/m) sin(k pi/(2(n + 1))); free at both ends there is a rigid motion */
+static void chains_of_springs(void)
+{
+    for (int free = 0; free < 2; free++) {
+        int n = 6;
+        char links[4096] = "", joints[4096] = "", springs[4096] = "";
+        for (int i = 1; i <= n; i++) {
+            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], \"inertia\": 1}",
+                     i > 1 ? ", " : "", i, i);
+            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", \"l%d\"], "
+                     "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
+        }
+        for (int i = free; i <= n - free; i++)
+            snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], [%d, 0]], "
+                     "\"stiffness\": 5000}", i > free ? ", " : "", i ? "l" : "ground", i, i < n ? "l" : "ground",
+                     i < n ? i + 1 : 0, i, i + 1);
+        scene *s = make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
+        CHECK_INT(find(s, false, false), LW_OK);
+        CHECK_INT(s->modes.n_mode, n);
+        for (int k = 0; k < n; k++) {
+            double w = 2*sqrt(2500)*sin(free ? k*LW_PI/(2*n) : (k + 1)*LW_PI/(2*(n + 1)));
+            CHECK_NEAR(s->modes.mode[k].im, w, free && k == 0 ? 1e-5 : 0, 1e-11);
+            CHECK_NEAR(s->modes.mode[k].re, 0, 0, 0);
+        }
+        drop(s);
+    }
+}
+
+/* m x'' + c x' + k x = 0 below, at and above critical damping */
+static void damping(void)
+{
+    const double m = 2, k = 800, w = 20;
+    for (int i = 0; i < 5; i++) {
+        double zeta = (double[]){ 0.01, 0.5, 0.999, 1.5, 20 }[i];
+        scene *s = make(HEAD "{\"name\": \"m\", \"mass\": %g, \"centre\": [0, 0]}], \"joints\": [{\"name\": \"A\", \"kind\": \"t\", "
+                        "\"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [0.6, 0.8]}], \"springs\": [{\"joint\": \"A\", "
+                        "\"stiffness\": %g, \"damping\": %.17g}]}", m, k, 2*zeta*m*w);
+        CHECK_INT(find(s, false, true), LW_OK);
+        CHECK(!s->modes.conservative);
+        CHECK_INT(s->modes.n_mode, zeta < 1 ? 1 : 2);
+        if (zeta < 1) {
+            CHECK_NEAR(s->modes.mode[0].re, -zeta*w, 0, 1e-11);
+            CHECK_NEAR(s->modes.mode[0].im, w*sqrt(1 - zeta*zeta), 0, 1e-10);
+            CHECK_NEAR(s->modes.mode[0].damping, zeta, 0, 1e-11);
+            CHECK_NEAR(s->modes.mode[0].natural, w/(2*LW_PI), 0, 1e-11);
+        } else {
+            double root = sqrt(zeta*zeta - 1);
+            CHECK_NEAR(s->modes.mode[0].re, -w/(zeta + root), 0, 1e-9);
+            CHECK_NEAR(s->modes.mode[1].re, -w*(zeta + root), 0, 1e-11);
+        }
+        /* it rests where weight and spring are in balance: 0.8 m g/k along the slide */
+        double unit = s->s.unit;
+        CHECK_NEAR(hypot(s->q[0], s->q[1])*unit, 0.8*m*g/k, 1e-13, 0);
+        CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
+        drop(s);
+    }
+}
+
+/* A damped double oscillator: shapes have phases; eigenvalues satisfy det(M s^2 + C s + K) = 0 */
+static void phases(void)
+{
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 3, \"centre\": [1, 0]}], "
+                    "\"joints\": [{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0], \"along\": [1, 0]}, "
+                    "{\"name\": \"B\", \"kind\": \"t\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"along\": [1, 0]}], \"springs\": ["
+                    "{\"joint\": \"A\", \"stiffness\": 100}, {\"joint\": \"B\", \"stiffness\": 60, \"damping\": 4}]}");
+    CHECK_INT(find(s, false, false), LW_OK);
+    CHECK_INT(s->modes.n_mode, 2);
+    for (int i = 0; i < s->modes.n_mode; i++) {
+        const lw_mode *m = &s->modes.mode[i];
+        double a = m->re, b = m->im, s2r = a*a - b*b, s2i = 2*a*b;
+        double p_re = 60 + 4*a, p_im = 4*b;                      /* spring and damper between the two */
+        double d1r = s2r + 100 + p_re, d1i = s2i + p_im, d2r = 3*s2r + p_re, d2i = 3*s2i + p_im;
+        double re = d1r*d2r - d1i*d2i - (p_re*p_re - p_im*p_im), im = d1r*d2i + d1i*d2r - 2*p_re*p_im;
+        CHECK_NEAR(hypot(re, im), 0, 1e-8, 0);
+        CHECK(m->re < 0);
+        CHECK(fabs(m->phase[0]) + fabs(m->phase[3]) > 0.01);
+        /* x_b/x_a = p/(3 s^2 + p) */
+        double size = hypot(p_re, p_im)/hypot(d2r, d2i);
+        CHECK_NEAR(m->shape[3]/m->shape[0], size, 0, 1e-9);
+        CHECK_NEAR(remainder(m->phase[3] - m->phase[0] - (atan2(p_im, p_re) - atan2(d2i, d2r)), 2*LW_PI), 0, 1e-9, 0);
+    }
+    drop(s);
+}
+
+/* ---- closed loops -------------------------------------------------------------------------------- */
+
+/* A platform on three parallel massless rods of length l, one of them redundant: w^2 = g/l */
+static void redundant_swing(void)
+{
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 0, \"centre\": [0, 0]}, "
+                    "{\"name\": \"c\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"d\", \"mass\": 4, \"centre\": [1.3, -2], \"inertia\": 2}], "
+                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", "
+                    "\"b\"], \"at\": [1, 0]}, {\"name\": \"C\", \"links\": [\"ground\", \"c\"], \"at\": [3, 0]}, {\"name\": \"D\", \"links\": [\"a\", "
+                    "\"d\"], \"at\": [0, -1.5]}, {\"name\": \"E\", \"links\": [\"b\", \"d\"], \"at\": [1, -1.5]}, {\"name\": \"F\", \"links\": [\"c\", "
+                    "\"d\"], \"at\": [3, -1.5]}], \"input\": {\"joint\": \"A\"}}");
+    CHECK_INT(find(s, false, false), LW_OK);
+    CHECK_INT(s->modes.redundant, 1);
+    CHECK_INT(s->modes.n_mode, 1);
+    CHECK_NEAR(pow(s->modes.mode[0].im, 2), g/1.5, 0, 1e-11);
+    drop(s);
+}
+
+/* A four-bar with a spring at its input goes to rest; its frequency there is that of V''/M along the input, by
+ * differences of the potential and of the places */
+static void four_bar_at_rest(void)
+{
+    scene *s = make(HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": \"coupler\", \"mass\": 2, "
+                    "\"centre\": [1.5, 1.4], \"inertia\": 0.5}, {\"name\": \"rocker\", \"mass\": 1.5, \"centre\": [3, 1], \"inertia\": 0.4}], "
+                    "\"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}, {\"name\": \"A\", \"links\": [\"crank\", "
+                    "\"coupler\"], \"at\": [0, 1]}, {\"name\": \"B\", \"links\": [\"coupler\", \"rocker\"], \"at\": [3, 2]}, {\"name\": \"C\", "
+                    "\"links\": [\"ground\", \"rocker\"], \"at\": [3, 0]}], \"input\": {\"joint\": \"O\"}, \"springs\": [{\"joint\": \"O\", "
+                    "\"stiffness\": 40}, {\"links\": [\"ground\", \"rocker\"], \"at\": [[4, 0], [3, 1.5]], \"stiffness\": 30, \"free\": 1}]}");
+    CHECK_INT(find(s, false, true), LW_OK);
+    CHECK_INT(s->modes.n_mode, 1);
+    CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
+    double rest[LW_SYSTEM_Q_MAX], q[3][LW_SYSTEM_Q_MAX], v[3], h = 1e-4, mass = 0;
+    memcpy(rest, s->q, sizeof rest);
+    lw_modes_options held = { true, false };
+    for (int i = 0; i < 3; i++) {
+        /* hold the input h further: turn the crank and let the rest close */
+        memcpy(s->q, rest, sizeof rest);
+        s->q[2] += (i - 1)*h;
+        double want = s->q[2];
+        for (int round = 0; round < 50; round++) {               /* the projection moves the crank too: push it back */
+            lw_modes_find(&s->f, &held, 0.0, s->q, &s->modes, NULL);
+            if (fabs(s->q[2] - want) < 1e-15)
+                break;
+            s->q[2] = want;
+        }
+        memcpy(q[i], s->q, sizeof rest);
+        v[i] = lw_forces_potential(&s->f, s->q);
+    }
+    for (int i = 0; i < s->s.n_q; i++)
+        mass += s->f.mass[i]*pow((q[2][i] - q[0][i])/(2*h), 2);
+    memcpy(s->q, rest, sizeof rest);
+    CHECK_INT(find(s, false, false), LW_OK);
+    CHECK_NEAR(pow(s->modes.mode[0].im, 2), (v[2] - 2*v[1] + v[0])/(h*h)/mass, 0, 1e-5);
+    CHECK_NEAR((v[2] - v[0])/(2*h), 0, 1e-5, 0);                 /* a rest indeed */
+    drop(s);
+}
+
+/* From the side, and from just beside the upper rest point, a pendulum goes down; springs hold it elsewhere */
+static void finds_rest(void)
+{
+    for (int i = 0; i < 4; i++) {
+        double angle = (double[]){ 1.2, 3.0, -2.0, LW_PI - 1e-6 }[i];
+        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2, \"centre\": [%.17g, %.17g], \"inertia\": 0.1}], \"joints\": [{\"name\": "
+                        "\"A\", \"links\": [\"ground\", \"bob\"], \"at\": [0, 0]}]}", sin(angle), -cos(angle));
+        CHECK_INT(find(s, false, false), LW_OK);
+        CHECK(s->modes.unbalanced > 1e-7);
+        CHECK_INT(find(s, false, true), LW_OK);
+        CHECK_NEAR(remainder(s->q[2] + angle, 2*LW_PI), 0, 1e-12, 0);
+        CHECK_NEAR(s->modes.mode[0].im, sqrt(2*g/2.1), 0, 1e-12);
+        CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
+        drop(s);
+    }
+    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 1, \"centre\": [0, 0]}], \"joints\": ["
+                    "{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [1, 0]}], \"forces\": ["
+                    "{\"link\": \"m\", \"at\": [0, 0], \"fx\": 5}]}");
+    CHECK_INT(find(s, false, true), LW_E_NUMERIC);               /* pushed away for ever */
+    drop(s);
+}
+
+static void refused(void)
+{
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, -1]}, {\"name\": \"feather\", \"mass\": 0, \"centre\": [0, 0]}], "
+                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"a\", "
+                    "\"feather\"], \"at\": [0, -1]}]}");
+    lw_modes_options o = { 0 };
+    lw_error e = { 0 };
+    CHECK_INT(lw_modes_find(&s->f, &o, 0, s->q, &s->modes, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "\"feather\"");
+    s->q[0] += 1e6;
+    s->q[4] = NAN;
+    CHECK(lw_modes_find(&s->f, &o, 0, s->q, &s->modes, &e) != LW_OK);
+    drop(s);
+}
+
+int main(void)
+{
+    gsl_set_error_handler_off();
+    RUN(pendulum);
+    RUN(double_pendulum);
+    RUN(hanging_chains);
+    RUN(chains_of_springs);
+    RUN(damping);
+    RUN(phases);
+    RUN(redundant_swing);
+    RUN(four_bar_at_rest);
+    RUN(finds_rest);
+    RUN(refused);
+    return check_end();
+}
