@@ -155,7 +155,8 @@ static lw_status positive(const double *v, int n, bool zero, const char *name, l
 {
     for (int i = 0; i < n; i++)
         if (!(v[i] > 0 || (zero && v[i] == 0)))
-            return lw_error_set(e, LW_E_ARG, "--%s: %g is out of range: %s", name, v[i], zero ? "0 or more" : "above 0");
+            return lw_error_set(e, LW_E_ARG, "--%s: %g is out of range: %s", name, v[i], zero ? "0 or "
+                                "more" : "above 0");
     return LW_OK;
 }
 

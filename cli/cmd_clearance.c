@@ -147,7 +147,8 @@ static int work(const cli_call *call, cli_clearance *c)
         return cli_fail(call, &e);
     bool detail = s->path || s->force || s->history;
     if (detail && c->n_row > 1)
-        return cli_usage(call, "--path, --force and --history show one run, but the lists make %d; give one speed and one "
+        return cli_usage(call, "--path, --force and --history show one run, but the lists make %d; give one "
+                         "speed and one "
                          "law", c->n_row);
     if (cli_clearance_run(c, &e) != LW_OK)
         return cli_fail(call, &e);

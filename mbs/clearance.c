@@ -24,7 +24,8 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
     bool stiff = c->model >= LW_CLEARANCE_MLSD;
     if (stiff && (!(c->stiffness > 0.0) || !(c->exponent >= 1.0) || !(c->damping >= 0.0)))
-        return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an exponent of "
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an "
+                            "exponent of "
                             "1 or more and a damping of 0 or more", name);
     return LW_OK;
 }
@@ -37,7 +38,8 @@ static lw_status check_plain(const lw_model *m, int j, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, which is not part of the motion with clearance; "
                             "leave it out, or give friction to the clearance itself", name);
     if ((p->has_least || p->has_greatest) && !(p->stiffness > 0.0))
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a rigid stop, which is not part of the motion with clearance; "
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a rigid stop, which is not part of the motion with "
+                            "clearance; "
                             "give it a stiffness, or leave it out", name);
     return LW_OK;
 }
@@ -46,7 +48,8 @@ static lw_status check_masses(const lw_model *m, lw_error *e)
 {
     for (int l = 0; l < m->linkage.n_link; l++)
         if (l != m->linkage.ground && !m->body[l].given)
-            return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass: motion with clearance needs mass, centre and inertia of "
+            return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass: motion with clearance needs mass, centre "
+                                "and inertia of "
                                 "every moving link", m->linkage.link_name[l]);
     return LW_OK;
 }

@@ -116,8 +116,8 @@ static void place_free(const lw_branch *b, const double *u, const double *du, in
     col[k + 2] = lw_v2(0.0, 0.0);
 }
 
-/* The place of a body is p + r_p [+ sign u w] - r_b with r_p, r_b the turned arms of the joint on parent and body and w the
- * turned slide line. */
+/* The place of a body is p + r_p [+ sign u w] - r_b with r_p, r_b the turned arms of the joint on parent and body
+ * and w the turned slide line. */
 static void place_one(const lw_tree *t, const double *u, const double *du, int body, lw_tree_state *s)
 {
     const lw_branch *b = &t->branch[body];

@@ -4,10 +4,11 @@
  * middle with F(depth, rate):
  *
  *   mlsd                  K depth + c rate, always (Seneviratne, Earles & Fenner 1996; Makkonen 1999, eq. 25)
- *   impact                K depth^e + S c rate while depth > 0, S = min(depth/d, 1)^3.  Makkonen 1999, paper C, eqs. 2-3;
- *                         the source prints the damping without rate, the thesis (eq. 28) with the wrong sign
- *   hunt-crossley         K depth^e (1 + 3/2 (1 - s) rate/v)           Hunt & Crossley 1975, s restitution, v the rate
- *   lankarani-nikravesh   K depth^e (1 + 3/4 (1 - s^2) rate/v)         Lankarani & Nikravesh 1990; with which it touched
+ *   impact                K depth^e + S c rate while depth > 0, S = min(depth/d, 1)^3.  Makkonen 1999, paper C,
+ *                         eqs. 2-3; the source prints the damping without rate, the thesis (eq. 28) with the wrong sign
+ *   hunt-crossley         K depth^e (1 + 3/2 (1 - s) rate/v)      Hunt & Crossley 1975
+ *   lankarani-nikravesh   K depth^e (1 + 3/4 (1 - s^2) rate/v)    Lankarani & Nikravesh 1990
+ *                         s restitution, v the rate with which it touched
  *
  * Each law is a few smooth pieces; what happens between them is an event, not a kink inside a step.  The source does
  * not cut off pulling forces (the damping of a pin that leaves fast), nor do we for `impact`. */

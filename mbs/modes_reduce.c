@@ -247,7 +247,8 @@ static bool solve_shifted(const lw_vibration *v, double shift, double little, do
     for (int i = 0; i < n; i++) {
         x[i] = v->load[i];
         for (int j = 0; j <= i; j++) {
-            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]) + shift*(v->mass[i*n + j] + (i == j)*little);
+            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i])
+                       + shift*(v->mass[i*n + j] + (i == j)*little);
             for (int k = 0; k < j; k++)
                 sum -= m[i*n + k]*m[j*n + k];
             if (i == j && !(sum > 1e-14*(fabs(v->stiffness[i*n + i]) + shift*(v->mass[i*n + i] + little))))
@@ -283,7 +284,8 @@ static bool find_step(const lw_vibration *v, double *x)
         mass = fmax(mass, v->mass[i*v->n_free + i]);
         stiff = fmax(stiff, fabs(v->stiffness[i*v->n_free + i]));
     }
-    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0, unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
+    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
+    double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
     for (int tries = 0; tries < 60; tries++) {
         if (solve_shifted(v, shift, little, x)) {
             double size = length(x, v->n_free);

@@ -6,8 +6,8 @@
 #include "grammar/model.h"
 #include "tests/mbs_random.h"
 
-/* Makkonen 1999, paper C, appendix 1, read with its errata; `unit` "m", "mm", "in" ..., metre its size; turned by `turn`,
- * mirrored at the y axis first.  The caller gives the speed when running: of opposite sign when mirrored. */
+/* Makkonen 1999, paper C, appendix 1, read with its errata; `unit` "m", "mm", "in" ..., metre its size; turned by
+ * `turn`, mirrored at the y axis first.  The caller gives the speed when running: of opposite sign when mirrored. */
 static inline lw_status paper_c(const char *unit, double metre, double turn, bool mirrored, lw_model *m, lw_error *e)
 {
     const double r2 = 0.1, r3 = 0.39, r4 = 0.58;
@@ -47,7 +47,8 @@ static inline void give_masses(lw_rng *r, const lw_linkage *k, int joint, lw_mod
     m->has_speed[0] = true;
     m->speed[0] = lw_rng_range(r, -2, 2);
     if (joint >= 0)
-        m->clearance[joint] = (lw_clearance){ .model = LW_CLEARANCE_IMPACT, .gap = 0.01, .stiffness = 1e4, .exponent = 1,
+        m->clearance[joint] = (lw_clearance){ .model = LW_CLEARANCE_IMPACT, .gap = 0.01, .stiffness = 1e4,
+                                             .exponent = 1,
                                               .restitution = 1, .friction_speed = 1e-3 };
 }
 

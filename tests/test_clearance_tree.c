@@ -71,7 +71,8 @@ static void rates_by_differences(void)
     lw_rng_seed(&rng, check_seed(), 3);
     for (int trial = 0; trial < 100; trial++) {
         scene *s = make(&rng, trial);
-        double q[3][LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], trash[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX], du[LW_SYSTEM_Q_MAX];
+        double q[3][LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], trash[LW_SYSTEM_Q_MAX], u[LW_SYSTEM_Q_MAX],
+        du[LW_SYSTEM_Q_MAX];
         const double h = 1e-4;
         for (int e = -1; e <= 1; e++) {
             for (int k = 0; k < s->n; k++)
@@ -132,7 +133,8 @@ static void push_bodies(scene *s, const double *q, const double *v, double *forc
         arm[end] = lw_v2_scale(lw_v2_turn(y->joint[s->pin].arm[end], lw_v2_polar(1, place[2])), unit);
         at[end] = lw_v2_add(lw_v2_scale(lw_v2(place[0], place[1]), unit), arm[end]);
         spin[end] = speed[2];
-        rate[end] = lw_v2_add(lw_v2_scale(lw_v2(speed[0], speed[1]), unit), lw_v2_scale(lw_v2_perp(arm[end]), spin[end]));
+        rate[end] = lw_v2_add(lw_v2_scale(lw_v2(speed[0], speed[1]), unit), lw_v2_scale(lw_v2_perp(arm[end]),
+                spin[end]));
     }
     lw_vec2 d = lw_v2_sub(at[1], at[0]), n = lw_v2_scale(d, 1/lw_v2_norm(d)), along = lw_v2_perp(n);
     lw_vec2 dv = lw_v2_sub(rate[1], rate[0]);
@@ -159,7 +161,8 @@ static void accelerate_bodies(scene *s, const double *q, const double *v, double
     const lw_system *y = &s->c->s;
     int n = y->n_q, rows = y->n_row, all = n + rows;
     double *jac = calloc((size_t)(rows*n), sizeof *jac), *phi = calloc(3*(size_t)rows, sizeof *phi);
-    double *series = calloc(3*(size_t)n, sizeof *series), *b = calloc((size_t)all, sizeof *b), *x = calloc((size_t)all, sizeof *x);
+    double *series = calloc(3*(size_t)n, sizeof *series), *b = calloc((size_t)all, sizeof *b),
+    *x = calloc((size_t)all, sizeof *x);
     double *memory = calloc(lw_rank_doubles(all, all), sizeof *memory), force[LW_SYSTEM_Q_MAX];
     int *ints = calloc(lw_rank_ints(all, all), sizeof *ints);
     lw_rank k;

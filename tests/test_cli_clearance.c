@@ -40,7 +40,7 @@ static void limits(void)
     ran r = run("$P clearance " MODEL " --speed 90:98:4 --limits --refine 1");
     CHECK_INT(r.code, 0);
     const char *row = strstr(r.out, "impact");
-    double k, c, kept = 0, lost = 0;
+    double k = 0, c = 0, kept = 0, lost = 0;
     CHECK(row && sscanf(row, "impact %lf %lf %lf - %lf", &k, &c, &kept, &lost) == 4);
     CHECK(k == 1e8 && c == 3000);
     CHECK(kept >= 92 && lost <= 95 && lost - kept <= 1 && lost > kept);
@@ -55,9 +55,11 @@ static void limits(void)
 
 static void pictures(void)
 {
-    ran r = run("$P clearance " MODEL " --speed 94 --end 0.2 --settle 0.1 --every 0.001 --path $D/path.svg --force $D/f.pdf "
+    ran r = run("$P clearance " MODEL " --speed 94 --end 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
+                "--force $D/f.pdf "
                 "--history $D/h.csv && $P clearance " MODEL " --speed 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
-                "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c 'class=\"marker' $D/map.svg");
+                "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c "
+                "'class=\"marker' $D/map.svg");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "%PDF");
     CHECK_HAS(r.out, "204\n");                               /* two comments, head, 201 rows */

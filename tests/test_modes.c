@@ -51,12 +51,14 @@ static void drop(scene *s)
 
 /* ---- pendula ------------------------------------------------------------------------------------- */
 
-/* w^2 = m g s/(I + m s^2), whatever the direction gravity is drawn in and the unit; upside down it falls with that rate */
+/* w^2 = m g s/(I + m s^2); upside down it falls with that rate */
 static void pendulum(void)
 {
     for (int up = 0; up < 2; up++) {
-        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2.5, \"centre\": [%g, %g], \"inertia\": 0.3}], \"joints\": ["
-                        "{\"name\": \"A\", \"links\": [\"ground\", \"bob\"], \"at\": [1, 2]}], \"input\": {\"joint\": \"A\"}, "
+        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2.5, \"centre\": [%g, %g], \"inertia\": 0.3}], "
+                        "\"joints\": ["
+                        "{\"name\": \"A\", \"links\": [\"ground\", \"bob\"], \"at\": [1, 2]}], \"input\": "
+                        "{\"joint\": \"A\"}, "
                         "\"tracers\": [{\"name\": \"P\", \"link\": \"bob\", \"at\": [1, 1]}]}", 1.0, up ? 2.7 : 1.3);
         double w = sqrt(2.5*g*0.7/(0.3 + 2.5*0.49));
         CHECK_INT(find(s, false, false), LW_OK);
@@ -73,11 +75,13 @@ static void pendulum(void)
     }
 }
 
-/* Two equal rods of length l, mass m at their ends: w^2 = (2 -+ sqrt 2) g/l; shapes: the second link turns +-sqrt 2 as far */
+/* Two equal rods of length l, mass m at their ends: w^2 = (2 -+ sqrt 2) g/l; the second link turns +-sqrt 2 as far */
 static void double_pendulum(void)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, \"centre\": "
-                    "[0, -0.8]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, "
+                    "\"centre\": "
+                    "[0, -0.8]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, "
+                    "0]}, {\"name\": "
                     "\"B\", \"links\": [\"a\", \"b\"], \"at\": [0, -0.4]}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 2);
@@ -109,9 +113,11 @@ static void hanging_chains(void)
     for (int n = 2; n <= 20; n += 3) {
         char links[4096] = "", joints[4096] = "";
         for (int i = 1; i <= n; i++) {
-            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 0.7, \"centre\": [0, %g]}", i > 1 ? ", " : "",
+            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 0.7, \"centre\": [0, %g]}",
+                     i > 1 ? ", " : "",
                      i, -0.25*i);
-            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"%s%.0d\", \"l%d\"], \"at\": [0, %g]}",
+            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"%s%.0d\", \"l%d\"], "
+                     "\"at\": [0, %g]}",
                      i > 1 ? ", " : "", i, i > 1 ? "l" : "ground", i - 1, i, -0.25*(i - 1));
         }
         scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
@@ -135,13 +141,16 @@ static void chains_of_springs(void)
         int n = 6;
         char links[4096] = "", joints[4096] = "", springs[4096] = "";
         for (int i = 1; i <= n; i++) {
-            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], \"inertia\": 1}",
+            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], "
+                     "\"inertia\": 1}",
                      i > 1 ? ", " : "", i, i);
-            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", \"l%d\"], "
+            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": "
+                     "[\"ground\", \"l%d\"], "
                      "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
         }
         for (int i = free; i <= n - free; i++)
-            snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], [%d, 0]], "
+            snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], "
+                     "[%d, 0]], "
                      "\"stiffness\": 5000}", i > free ? ", " : "", i ? "l" : "ground", i, i < n ? "l" : "ground",
                      i < n ? i + 1 : 0, i, i + 1);
         scene *s = make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
@@ -162,8 +171,10 @@ static void damping(void)
     const double m = 2, k = 800, w = 20;
     for (int i = 0; i < 5; i++) {
         double zeta = (double[]){ 0.01, 0.5, 0.999, 1.5, 20 }[i];
-        scene *s = make(HEAD "{\"name\": \"m\", \"mass\": %g, \"centre\": [0, 0]}], \"joints\": [{\"name\": \"A\", \"kind\": \"t\", "
-                        "\"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [0.6, 0.8]}], \"springs\": [{\"joint\": \"A\", "
+        scene *s = make(HEAD "{\"name\": \"m\", \"mass\": %g, \"centre\": [0, 0]}], \"joints\": [{\"name\": "
+                        "\"A\", \"kind\": \"t\", "
+                        "\"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [0.6, 0.8]}], \"springs\": "
+                        "[{\"joint\": \"A\", "
                         "\"stiffness\": %g, \"damping\": %.17g}]}", m, k, 2*zeta*m*w);
         CHECK_INT(find(s, false, true), LW_OK);
         CHECK(!s->modes.conservative);
@@ -189,9 +200,12 @@ static void damping(void)
 /* A damped double oscillator: shapes have phases; eigenvalues satisfy det(M s^2 + C s + K) = 0 */
 static void phases(void)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 3, \"centre\": [1, 0]}], "
-                    "\"joints\": [{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0], \"along\": [1, 0]}, "
-                    "{\"name\": \"B\", \"kind\": \"t\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"along\": [1, 0]}], \"springs\": ["
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 3, "
+                    "\"centre\": [1, 0]}], "
+                    "\"joints\": [{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"a\"], \"at\": [0, "
+                    "0], \"along\": [1, 0]}, "
+                    "{\"name\": \"B\", \"kind\": \"t\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"along\": "
+                    "[1, 0]}], \"springs\": ["
                     "{\"joint\": \"A\", \"stiffness\": 100}, {\"joint\": \"B\", \"stiffness\": 60, \"damping\": 4}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 2);
@@ -217,11 +231,16 @@ static void phases(void)
 /* A platform on three parallel massless rods of length l, one of them redundant: w^2 = g/l */
 static void redundant_swing(void)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 0, \"centre\": [0, 0]}, "
-                    "{\"name\": \"c\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"d\", \"mass\": 4, \"centre\": [1.3, -2], \"inertia\": 2}], "
-                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", "
-                    "\"b\"], \"at\": [1, 0]}, {\"name\": \"C\", \"links\": [\"ground\", \"c\"], \"at\": [3, 0]}, {\"name\": \"D\", \"links\": [\"a\", "
-                    "\"d\"], \"at\": [0, -1.5]}, {\"name\": \"E\", \"links\": [\"b\", \"d\"], \"at\": [1, -1.5]}, {\"name\": \"F\", \"links\": [\"c\", "
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"b\", \"mass\": 0, "
+                    "\"centre\": [0, 0]}, "
+                    "{\"name\": \"c\", \"mass\": 0, \"centre\": [0, 0]}, {\"name\": \"d\", \"mass\": 4, "
+                    "\"centre\": [1.3, -2], \"inertia\": 2}], "
+                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
+                    "\"B\", \"links\": [\"ground\", "
+                    "\"b\"], \"at\": [1, 0]}, {\"name\": \"C\", \"links\": [\"ground\", \"c\"], \"at\": [3, 0]}, "
+                    "{\"name\": \"D\", \"links\": [\"a\", "
+                    "\"d\"], \"at\": [0, -1.5]}, {\"name\": \"E\", \"links\": [\"b\", \"d\"], \"at\": [1, "
+                    "-1.5]}, {\"name\": \"F\", \"links\": [\"c\", "
                     "\"d\"], \"at\": [3, -1.5]}], \"input\": {\"joint\": \"A\"}}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.redundant, 1);
@@ -234,12 +253,18 @@ static void redundant_swing(void)
  * differences of the potential and of the places */
 static void four_bar_at_rest(void)
 {
-    scene *s = make(HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": \"coupler\", \"mass\": 2, "
-                    "\"centre\": [1.5, 1.4], \"inertia\": 0.5}, {\"name\": \"rocker\", \"mass\": 1.5, \"centre\": [3, 1], \"inertia\": 0.4}], "
-                    "\"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}, {\"name\": \"A\", \"links\": [\"crank\", "
-                    "\"coupler\"], \"at\": [0, 1]}, {\"name\": \"B\", \"links\": [\"coupler\", \"rocker\"], \"at\": [3, 2]}, {\"name\": \"C\", "
-                    "\"links\": [\"ground\", \"rocker\"], \"at\": [3, 0]}], \"input\": {\"joint\": \"O\"}, \"springs\": [{\"joint\": \"O\", "
-                    "\"stiffness\": 40}, {\"links\": [\"ground\", \"rocker\"], \"at\": [[4, 0], [3, 1.5]], \"stiffness\": 30, \"free\": 1}]}");
+    scene *s = make(HEAD "{\"name\": \"crank\", \"mass\": 1, \"centre\": [0, 0.5], \"inertia\": 0.1}, {\"name\": "
+                    "\"coupler\", \"mass\": 2, "
+                    "\"centre\": [1.5, 1.4], \"inertia\": 0.5}, {\"name\": \"rocker\", \"mass\": 1.5, "
+                    "\"centre\": [3, 1], \"inertia\": 0.4}], "
+                    "\"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]}, "
+                    "{\"name\": \"A\", \"links\": [\"crank\", "
+                    "\"coupler\"], \"at\": [0, 1]}, {\"name\": \"B\", \"links\": [\"coupler\", \"rocker\"], "
+                    "\"at\": [3, 2]}, {\"name\": \"C\", "
+                    "\"links\": [\"ground\", \"rocker\"], \"at\": [3, 0]}], \"input\": {\"joint\": \"O\"}, "
+                    "\"springs\": [{\"joint\": \"O\", "
+                    "\"stiffness\": 40}, {\"links\": [\"ground\", \"rocker\"], \"at\": [[4, 0], [3, 1.5]], "
+                    "\"stiffness\": 30, \"free\": 1}]}");
     CHECK_INT(find(s, false, true), LW_OK);
     CHECK_INT(s->modes.n_mode, 1);
     CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
@@ -274,7 +299,8 @@ static void finds_rest(void)
 {
     for (int i = 0; i < 4; i++) {
         double angle = (double[]){ 1.2, 3.0, -2.0, LW_PI - 1e-6 }[i];
-        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2, \"centre\": [%.17g, %.17g], \"inertia\": 0.1}], \"joints\": [{\"name\": "
+        scene *s = make(HEAD "{\"name\": \"bob\", \"mass\": 2, \"centre\": [%.17g, %.17g], \"inertia\": 0.1}], "
+                        "\"joints\": [{\"name\": "
                         "\"A\", \"links\": [\"ground\", \"bob\"], \"at\": [0, 0]}]}", sin(angle), -cos(angle));
         CHECK_INT(find(s, false, false), LW_OK);
         CHECK(s->modes.unbalanced > 1e-7);
@@ -284,8 +310,10 @@ static void finds_rest(void)
         CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
         drop(s);
     }
-    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 1, \"centre\": [0, 0]}], \"joints\": ["
-                    "{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], \"along\": [1, 0]}], \"forces\": ["
+    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"m\", \"mass\": 1, \"centre\": [0, "
+                    "0]}], \"joints\": ["
+                    "{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], "
+                    "\"along\": [1, 0]}], \"forces\": ["
                     "{\"link\": \"m\", \"at\": [0, 0], \"fx\": 5}]}");
     CHECK_INT(find(s, false, true), LW_E_NUMERIC);               /* pushed away for ever */
     drop(s);
@@ -293,8 +321,10 @@ static void finds_rest(void)
 
 static void refused(void)
 {
-    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, -1]}, {\"name\": \"feather\", \"mass\": 0, \"centre\": [0, 0]}], "
-                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"a\", "
+    scene *s = make(HEAD "{\"name\": \"a\", \"mass\": 1, \"centre\": [0, -1]}, {\"name\": \"feather\", \"mass\": "
+                    "0, \"centre\": [0, 0]}], "
+                    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": "
+                    "\"B\", \"links\": [\"a\", "
                     "\"feather\"], \"at\": [0, -1]}]}");
     lw_modes_options o = { 0 };
     lw_error e = { 0 };
