@@ -110,6 +110,59 @@ static void draw_path(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     *drawn += ANGLES;
 }
 
+/* Six to eight points: angles are drawn at five of them, which gives linkages; these are brought to the others. */
+typedef struct five { size_t at[5]; double angle[5], all[9]; lw_vec2 p[5], step[8]; } five;
+
+static void settle_pair(exact_run *x, const five *v, const lw_guide *g, const lw_guide *h, lw_ranking *r)
+{
+    size_t n = x->t->n;
+    double unit = x->t->size, angle[9];
+    lw_vec2 pin[4] = { g->point, lw_v2_sub(g->centre, x->p[0]), h->point, lw_v2_sub(h->centre, x->p[0]) };
+    if (g->kind != LW_GUIDE_RR || h->kind != LW_GUIDE_RR)
+        return;
+    for (int i = 0; i < 4; i++)
+        pin[i] = lw_v2_scale(pin[i], 1/unit);
+    memcpy(angle, v->all, sizeof angle);
+    if (!lw_path_settle(n, v->step, pin, angle))
+        return;
+    lw_guide a = { .kind = LW_GUIDE_RR, .point = lw_v2_scale(pin[0], unit),
+                   .centre = lw_v2_add(x->p[0], lw_v2_scale(pin[1], unit)) };
+    lw_guide b = { .kind = LW_GUIDE_RR, .point = lw_v2_scale(pin[2], unit),
+                   .centre = lw_v2_add(x->p[0], lw_v2_scale(pin[3], unit)) };
+    lw_ranking_offer(r, &a, &b, angle);
+}
+
+static void draw_many(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
+{
+    double u[ANGLES*4];
+    lw_guide g[4];
+    five v;
+    size_t n = x->t->n;
+    if (!lw_low_discrepancy(rng, ANGLES, 4, u))
+        return;
+    for (size_t j = 1; j < n; j++)
+        v.step[j - 1] = lw_v2_scale(lw_v2_sub(x->p[j], x->p[0]), 1/x->t->size);
+    for (size_t k = 0; k < 5; k++) {
+        v.at[k] = k*(n - 1)/4;
+        v.p[k] = x->p[v.at[k]];
+    }
+    for (int i = 0; i < ANGLES; i++) {
+        lw_guide_rows rows;
+        draw_angles(&u[i*4], 5, v.angle);
+        for (size_t k = 0, j = 0; j < n; j++) {                /* in between they are interpolated        */
+            k += k < 3 && j > v.at[k + 1];
+            double part = (double)(j - v.at[k])/(double)(v.at[k + 1] - v.at[k]);
+            v.all[j] = v.angle[k] + part*(v.angle[k + 1] - v.angle[k]);
+        }
+        lw_guide_rows_make(&(lw_poses){ 5, v.p, v.angle }, x->t->size, &rows);
+        int found = rows.n == 4 ? lw_guide_rows_solve(&rows, g) : 0;
+        for (int k = 0; k < found; k++)
+            for (int l = 0; l < k; l++)
+                settle_pair(x, &v, &g[k], &g[l], r);
+    }
+    *drawn += ANGLES;
+}
+
 static bool stopped(const exact_run *x)
 {
     return (x->o->interrupt && *x->o->interrupt)
@@ -126,6 +179,8 @@ static void run_job(void *context, size_t job, int thread)
     lw_rng_seed(&rng, x->o->seed, x->first_job + job);
     if (x->o->spec.task == LW_TASK_MOTION)
         draw_poses(x, &rng, x->of[job], &x->drawn[job]);
+    else if (x->t->n > 5)
+        draw_many(x, &rng, x->of[job], &x->drawn[job]);
     else
         draw_path(x, &rng, x->of[job], &x->drawn[job]);
 }
@@ -208,8 +263,12 @@ static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *
     if (x->t->n == 9)
         return lw_nine_solve(x->p, x->o, r, out);
     lw_status st = draw_rounds(x, r, &drawn, e);
-    snprintf(out->choice, sizeof out->choice, "free: the coupler's angles at the points%s; %ld draws",
-             x->t->n < 5 ? " and the pins of each guide as for a motion" : "", drawn);
+    if (x->t->n > 5)
+        snprintf(out->choice, sizeof out->choice, "free: %zu of the coupler's angles at four points, the others follow; "
+                 "%ld draws", 9 - x->t->n, drawn);
+    else
+        snprintf(out->choice, sizeof out->choice, "free: the coupler's angles at the points%s; %ld draws",
+                 x->t->n < 5 ? " and the pins of each guide as for a motion" : "", drawn);
     out->fit.starts = drawn;
     return st;
 }
@@ -249,7 +308,7 @@ lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *ou
     out->fit.stop = !early ? LW_STOP_F_TARGET : o->interrupt && *o->interrupt ? LW_STOP_USER : LW_STOP_TIME;
     if (st < 0)
         lw_exact_free(out);
-    return st == LW_OK && early ? LW_STOPPED : st;
+    return (st == LW_OK || st == LW_NOTHING) && early ? LW_STOPPED : st;
 }
 
 void lw_exact_free(lw_exact *x)

@@ -39,6 +39,12 @@ typedef struct lw_ranking lw_ranking;
 /* All four-bars through them are offered to r; counts in out. */
 lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking *r, lw_exact *out);
 
+/* ---- six to nine points (exact_path.c) ---- */
+
+/* Newton's method for pins x a y b (moving, fixed; from the first point) and the coupler's angles (n, the first 0) at
+ * points that are step[n - 1] from the first, of size about one.  false: it did not settle. */
+bool lw_path_settle(size_t n, const lw_vec2 *step, lw_vec2 pin[4], double *angle);
+
 /* ---- linkages of two guides, their defects and order (exact_rank.c) ---- */
 
 /* theta of t is the tool angle; for a path it may be NULL.  family: infinitely many are offered, and those that

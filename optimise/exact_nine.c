@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
-#include "base/linalg.h"
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "optimise/exact_track_internal.h"
@@ -38,7 +37,7 @@ typedef struct task {
 typedef struct nine {
     const lw_fit_options *o;
     double  started, unit;
-    lw_vec2 origin;
+    lw_vec2 origin, step[8];
     lw_nine at[2], wanted;
     lw_cx   by[WAYS_MOST][2];
     int     n[3], ways, n_task;
@@ -130,6 +129,7 @@ static void set_wanted(nine *s, const lw_vec2 *p)
     s->unit = sqrt(square/8);
     for (int j = 0; j < 8; j++) {
         lw_vec2 d = lw_v2_scale(lw_v2_sub(p[j + 1], p[0]), 1/s->unit);
+        s->step[j] = d;
         s->wanted.d[j] = (lw_cx){ d.x, d.y };
         s->wanted.dh[j] = (lw_cx){ d.x, -d.y };
     }
@@ -253,47 +253,6 @@ static void coupler_angles(const nine *s, const lw_cx *v, double *angle)
     }
 }
 
-/* A guide's rows: how far its pins are from keeping their distance at the points, over that distance. */
-static void guide_rows(const nine *s, const lw_vec2 *pin, const double *turn, int first, double *f, double *m)
-{
-    lw_vec2 x = pin[0], a = pin[1], link = lw_v2_sub(x, a);
-    double scale = 1/lw_v2_norm(link);
-    for (int j = 0; j < 8; j++) {
-        lw_vec2 e = lw_v2_polar(1, turn[j]), ex = lw_v2_turn(x, e), d = lw_v2_add(plane(s->wanted.d[j]), ex);
-        lw_vec2 q = lw_v2_sub(d, a), by_x = lw_v2_sub(lw_v2_unturn(q, e), link), by_a = lw_v2_sub(link, q);
-        int i = first + j, c = first/2;                     /* columns: x a y b, then the angles          */
-        f[i] = 0.5*scale*lw_v2_dot(lw_v2_sub(q, link), lw_v2_add(q, link));
-        m[i + 16*c] = scale*by_x.x;
-        m[i + 16*(c + 1)] = scale*by_x.y;
-        m[i + 16*(c + 2)] = scale*by_a.x;
-        m[i + 16*(c + 3)] = scale*by_a.y;
-        m[i + 16*(8 + j)] = scale*lw_v2_dot(q, lw_v2_perp(ex));
-    }
-}
-
-/* The last digits, with the coupler's angles as unknowns too: eliminating them has cost some. */
-static void polish(const nine *s, lw_vec2 pin[4], double *angle)
-{
-    double before = INFINITY;
-    for (int pass = 0; pass < 8; pass++) {
-        double m[16*16] = { 0 }, f[16], d[16], size = 0;
-        guide_rows(s, pin, angle + 1, 0, f, m);
-        guide_rows(s, pin + 2, angle + 1, 8, f, m);
-        if (!(lw_qr_factor(16, 16, m, d) > 0))
-            return;
-        lw_qr_solve(16, 16, m, d, f);
-        for (int i = 0; i < 16; i++)
-            size = fmax(size, fabs(f[i]));
-        if (!(size < 0.5*before) || !(size < 1e-2))
-            return;
-        for (int i = 0; i < 4; i++)
-            pin[i] = lw_v2_sub(pin[i], lw_v2(f[2*i], f[2*i + 1]));
-        for (int j = 0; j < 8; j++)
-            angle[j + 1] -= f[8 + j];
-        before = size;
-    }
-}
-
 /* Angles of the link from the fixed pin a to the moving pin x. */
 static void link_angles(const nine *s, lw_vec2 x, lw_vec2 a, const double *coupler, double *angle)
 {
@@ -318,7 +277,7 @@ static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
     double coupler[9], link[9];
     lw_vec2 pin[4] = { plane(v[0]), plane(v[2]), plane(v[4]), plane(v[6]) };
     coupler_angles(s, v, coupler);
-    polish(s, pin, coupler);
+    lw_path_settle(9, s->step, pin, coupler);       /* eliminating the angles has cost some digits */
     lw_vec2 x = pin[0], a = pin[1], y = pin[2], b = pin[3];
     offer(s, r, x, a, y, b, coupler);
     for (int side = 0; side < 2; side++) {
@@ -381,15 +340,15 @@ lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking 
             if (s->n_task == 0)
                 break;
             st = lw_parallel(o->jobs, (size_t)s->n_task, follow, s);
+            take_in(s, r, out);
             if (stopped(s))
                 break;
-            take_in(s, r, out);
             if (o->progress)
                 o->progress(o->context, share_done(s), lw_clock_wall() - s->started, 0);
         }
         out->n_triple = s->n[2];
         out->n_general = s->n[0];
-        out->complete = s->n[0] >= TRIPLES && s->n_task == 0;
+        out->complete = s->n[2] == TRIPLES;
         out->fit.starts = s->n[0];
     }
     free(room);

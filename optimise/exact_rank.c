@@ -12,6 +12,7 @@
 enum { KIND_MAX = 16, WAY = 24 };
 #define LONG_LINK 10.0         /* sizes of the target: from here on the length of links begins to count */
 #define SAME_LINKAGE 1e-7
+#define OFF          1e-9      /* sizes of the target, or rad, that a linkage may be off its stations      */
 #define ALIKE        0.1       /* members of a family nearer than this are listed once                   */
 
 /* A type of linkage with its plan, made once. */
@@ -414,6 +415,43 @@ static bool own_arrays(lw_ranking *r, entry *now)
     return true;
 }
 
+/* Eq. 17 where the plan puts the linkage at the stations. */
+static double objective(const lw_ranking *r, const kind *w, const lw_candidate *c)
+{
+    const lw_target *t = r->t;
+    const lw_fit_spec *s = &r->o->spec;
+    bool function = s->task == LW_TASK_FUNCTION;
+    double f = 0;
+    for (size_t i = 0; i < t->n; i++) {
+        double mode[LW_DYAD_MAX] = { c->mode_of[i] };
+        lw_pose pose;
+        lw_pose_solve(&w->plan, c->dim, mode, c->input[i], 0, &pose);
+        if (!function) {
+            double d = hypot(pose.tracer[0][0].x - t->x[i], pose.tracer[0][0].y - t->y[i]);
+            f += s->a*t->weight[i]*d*d;
+        }
+        if (s->task != LW_TASK_PATH) {
+            double d = remainder(pose.angle[function ? 3 : 2][0] + c->tool0 - t->theta[i], 2*LW_PI);
+            f += s->b*t->weight[i]*d*d;
+        }
+    }
+    return f;
+}
+
+/* Does the plan put it where it belongs?  At a singular posture rounding decides on the mode. */
+static bool reaches(lw_ranking *r, const kind *w, entry *now)
+{
+    const lw_fit_spec *s = &r->o->spec;
+    double near = OFF*r->size, weight = 0;
+    for (size_t i = 0; i < r->t->n; i++)
+        weight += r->t->weight[i];
+    now->c.objective = objective(r, w, &now->c);
+    if (now->c.objective <= weight*(s->a*near*near + s->b*OFF*OFF))
+        return true;
+    entry_free(now);
+    return false;
+}
+
 /* The linkage with `a` at the input; fills *now, with arrays of its own. */
 static bool build(lw_ranking *r, const lw_guide *a, const lw_guide *b, const double *angle, entry *now)
 {
@@ -436,7 +474,7 @@ static bool build(lw_ranking *r, const lw_guide *a, const lw_guide *b, const dou
     lw_pose pose;
     if (r->o->spec.task == LW_TASK_MOTION && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
         now->c.tool0 = remainder(angle[0] - pose.angle[2][0], 2*LW_PI);
-    return own_arrays(r, now);
+    return own_arrays(r, now) && reaches(r, w, now);
 }
 
 static void count(lw_ranking *r, entry *now)
@@ -484,7 +522,7 @@ static bool build_function(lw_ranking *r, const lw_function_bar *bar, entry *now
     lw_pose pose;
     if (lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
         now->c.tool0 = remainder(r->t->theta[0] - pose.angle[3][0], 2*LW_PI);
-    return own_arrays(r, now);
+    return own_arrays(r, now) && reaches(r, w, now);
 }
 
 void lw_ranking_offer_function(lw_ranking *r, const lw_function_bar *bar)
@@ -553,29 +591,6 @@ void lw_ranking_close(lw_ranking *r)
     free(r);
 }
 
-/* Eq. 17 where the plan puts the linkage at the stations. */
-static double objective(const lw_ranking *r, const kind *w, const lw_candidate *c)
-{
-    const lw_target *t = r->t;
-    const lw_fit_spec *s = &r->o->spec;
-    bool function = s->task == LW_TASK_FUNCTION;
-    double f = 0;
-    for (size_t i = 0; i < t->n; i++) {
-        double mode[LW_DYAD_MAX] = { c->mode_of[i] };
-        lw_pose pose;
-        lw_pose_solve(&w->plan, c->dim, mode, c->input[i], 0, &pose);
-        if (!function) {
-            double d = hypot(pose.tracer[0][0].x - t->x[i], pose.tracer[0][0].y - t->y[i]);
-            f += s->a*t->weight[i]*d*d;
-        }
-        if (s->task != LW_TASK_PATH) {
-            double d = remainder(pose.angle[function ? 3 : 2][0] + c->tool0 - t->theta[i], 2*LW_PI);
-            f += s->b*t->weight[i]*d*d;
-        }
-    }
-    return f;
-}
-
 lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out)
 {
     size_t n = (size_t)r->n;
@@ -590,9 +605,7 @@ lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out)
     if (!out->fit.candidate || !out->defect || !out->quality)
         return LW_E_MEMORY;
     for (size_t i = 0; i < n; i++) {
-        lw_candidate *c = &r->item[i].c;
-        c->objective = objective(r, kind_of(r, c->family->type), c);
-        out->fit.candidate[i] = *c;
+        out->fit.candidate[i] = r->item[i].c;
         out->defect[i] = r->item[i].defect;
         out->quality[i] = r->item[i].quality;
     }

@@ -268,9 +268,10 @@ static void check_results(const lw_target *t, lw_task task, const lw_exact *x)
 
 static void linkages_move_through_all_stations(void)
 {
-    for (int trial = 0; trial < 12; trial++) {
+    for (int trial = 0; trial < 21; trial++) {
         lw_task task = (lw_task)(trial % 3);
-        size_t n = task == LW_TASK_FUNCTION ? 3 + (size_t)trial/3 % 3 : 2 + (size_t)trial/3 % 4;
+        size_t n = task == LW_TASK_FUNCTION ? 3 + (size_t)trial/3 % 3
+                 : 2 + (size_t)trial/3 % (task == LW_TASK_PATH ? 7 : 4);
         sample s = draw_good(n);
         lw_target t;
         bool function = task == LW_TASK_FUNCTION;
