@@ -138,6 +138,25 @@ static void set_distance(void *context, double h)
     b->f.distance = h;
 }
 
+/* q less the start with whole turns taken out, into out; how far that is along the tangent of the start. */
+static double from_start(const lw_branch *b, const double *q, double *out)
+{
+    for (int i = 0; i < b->n; i++) {
+        out[i] = q[i] - b->node[0].q[i];
+        if (i % 3 == 2)
+            out[i] -= 2.0*LW_PI*round(out[i]/(2.0*LW_PI));
+    }
+    return dot(b, out, lw_node_tangent(b, 0));
+}
+
+/* How far ahead of node `base`, along f->row, the start lies, if it does within reach of a leap. */
+static double start_ahead(lw_branch *b, int base, double distance)
+{
+    from_start(b, b->node[base].q, b->a);
+    double h = -dot(b, b->f.row, b->a), size = sqrt(dot(b, b->a, b->a));
+    return h > 1.000001*distance && h <= 4.0*distance && size < 2.0*h ? h : HUGE_VAL;
+}
+
 /* No step is short enough at node `here`: leap over the branch point ahead, from a node far enough before it for
  * good derivatives, along the series there.  The far side must agree with it far better than its reach. */
 static lw_status leap(lw_branch *b, int first_segment, int way, int here, double ahead, int *far)
@@ -158,8 +177,9 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
     if (!look_around(b, base, way))
         return LW_E_NUMERIC;
     lw_follow_series(&b->f, LW_BRANCH_ORDER, NULL, b->series);
+    double stop = way > 0 ? start_ahead(b, base, distance) : HUGE_VAL;
     for (double share = 2.0; share <= 4.0; share += 0.5) {
-        double h = share*distance, *q = b->b, *p = b->c;
+        double h = fmin(share*distance, stop), *q = b->b, *p = b->c;
         lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, h, p);
         memcpy(q, p, (size_t)b->n*sizeof *q);
         b->f.distance = h;
@@ -181,17 +201,6 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
 
 /* ---- the way ----------------------------------------------------------------------------------- */
 
-/* q less the start with whole turns taken out, into out; how far that is along the tangent of the start. */
-static double from_start(const lw_branch *b, const double *q, double *out)
-{
-    for (int i = 0; i < b->n; i++) {
-        out[i] = q[i] - b->node[0].q[i];
-        if (i % 3 == 2)
-            out[i] -= 2.0*LW_PI*round(out[i]/(2.0*LW_PI));
-    }
-    return dot(b, out, lw_node_tangent(b, 0));
-}
-
 /* The last segment went from `before` (along the start's tangent) to node `far`: did it pass the start?  Then it ends
  * there. */
 static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
@@ -199,7 +208,8 @@ static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
     lw_branch_segment *s = &b->segment[b->n_segment - 1];
     double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
     *closed = false;
-    if (!(before < 0.0 && after >= 0.0) || s->singular >= 0.0 || size > 4.0*s->length
+    bool there = size < closing;                          /* as where a leap ended at the start */
+    if (!(before < 0.0 && (after >= 0.0 || there)) || (s->singular >= 0.0 && !there) || size > 4.0*s->length
         || dot(b, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
         return LW_OK;
     memcpy(b->c, b->node[far].q, (size_t)b->n*sizeof *b->c);

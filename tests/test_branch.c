@@ -193,6 +193,26 @@ static void straight_on_through_change_points(void)
     drop(v);
 }
 
+/* Drawn next to a change point, before or behind it: the last leap ends where the curve began. */
+static void starts_next_to_change_points(void)
+{
+    for (int i = 0; i < 40; i++) {
+        double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9];
+        double angle = (i%2 ? -1 : 1)*pow(10, -1 - 0.1*i) + (i%4 < 2 ? 0 : LW_PI);
+        lw_linkage l;
+        fourbar_linkage(&l, k, sin(angle) > 0 ? 1 : -1, angle);
+        curve *v = follow(&l);
+        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+        CHECK_INT(lw_branch_turns(v->b, -1), 1);
+        CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
+        for (int n = 0; n <= 40; n++) {
+            lw_branch_pose(v->b, lw_branch_segments(v->b)*n/40.0, q, NULL);
+            CHECK_NEAR(q[5], 0, 1e-9, 0);                  /* the posture itself holds the angle to 1e-16/angle */
+        }
+        drop(v);
+    }
+}
+
 /* Equal crank and rod: the slider goes straight on through the bifurcation, x = 2 cos. */
 static void equal_slider_crank(void)
 {
@@ -428,6 +448,7 @@ int main(void)
     RUN(arcs_and_stations_agree);
     RUN(near_change_points);
     RUN(straight_on_through_change_points);
+    RUN(starts_next_to_change_points);
     RUN(equal_slider_crank);
     RUN(gears_close_after_several_turns);
     RUN(six_bars_agree_with_newton);
