@@ -12,7 +12,7 @@ typedef struct settings {
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
-    double      length_range[2], position_range[2];
+    double      length_range[2], position_range[2], length_ratio;
     bool        crank_only, full_turn, closed, open, exact;
 } settings;
 
@@ -51,6 +51,8 @@ static const cli_option options[] = {
       "bounds of the link lengths; without it 1/1000 to 10 diagonals of the target", 0, 1e300, NULL, NULL },
     { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
       "bounds of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
+    { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", NULL,
+      "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
       "bounds of single dimensions, r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
     { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
@@ -145,25 +147,51 @@ static lw_timing timing_of(const settings *s, const lw_target *t)
     return s->timing == AUTO && t->angle ? LW_TIMING_PRESCRIBED : chosen[s->timing];
 }
 
+/* Was this said on the command line, or is there nobody else to say it? */
+static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
+{
+    return !set->has_brief || cli_given(&call->parsed, option);
+}
+
 /* Weights and ranges are in the user's unit, everything behind in SI. */
-static lw_status make_spec(const cli_call *call, const lw_target *t, lw_fit_spec *spec, lw_error *e)
+static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec)
 {
     const settings *s = call->settings;
-    double m = t->units.metre;
-    *spec = lw_fit_spec_default();
-    spec->task = task_of(s, t);
-    spec->timing = timing_of(s, t);
-    spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
-    spec->a = s->weight_path/(m*m);
-    spec->b = s->weight_angle;
-    spec->crank_only = s->crank_only || s->full_turn;
+    double m = set->target.units.metre;
+    if (mine(call, set, "weight-path"))
+        spec->a = s->weight_path/(m*m);
+    if (mine(call, set, "weight-angle"))
+        spec->b = s->weight_angle;
+    if (s->crank_only || s->full_turn)
+        spec->crank_only = true;
     spec->exclude_drag_link = s->crank_only;
-    spec->min_transmission = s->min_transmission*LW_PI/180;
-    spec->max_acceleration = s->max_acceleration*m;
-    spec->length_lo = s->length_range[0]*m;
-    spec->length_hi = s->length_range[1]*m;
-    spec->position_lo = s->position_range[0]*m;
-    spec->position_hi = s->position_range[1]*m;
+    if (mine(call, set, "min-transmission-angle"))
+        spec->min_transmission = s->min_transmission*LW_PI/180;
+    if (mine(call, set, "max-acceleration"))
+        spec->max_acceleration = s->max_acceleration*m;
+    if (mine(call, set, "length-range")) {
+        spec->length_lo = s->length_range[0]*m;
+        spec->length_hi = s->length_range[1]*m;
+    }
+    if (mine(call, set, "length-ratio"))
+        spec->length_ratio = s->length_ratio;
+    if (mine(call, set, "position-range")) {
+        spec->position_lo = s->position_range[0]*m;
+        spec->position_hi = s->position_range[1]*m;
+    }
+}
+
+static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e)
+{
+    const settings *s = call->settings;
+    const lw_target *t = &set->target;
+    *spec = set->has_brief ? set->brief.spec : lw_fit_spec_default();
+    if (mine(call, set, "task") || !set->brief.has_task)
+        spec->task = task_of(s, t);
+    if (mine(call, set, "timing") || !set->brief.has_timing)
+        spec->timing = timing_of(s, t);
+    spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
+    conditions(call, set, spec);
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
                             "the target has no column angle");
@@ -269,14 +297,18 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
 static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
+    const lw_brief *b = &set->brief;
     char kinds[8] = "";
-    for (const char *at = s->joints; *at; at++)
+    int links = b->links > 0 && !cli_given(&call->parsed, "links") ? b->links : s->links;
+    bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
+    for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
         if ((*at == 'r' || *at == 't') && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
-    cli_topology_wish w = { .links = s->links, .kinds = kinds, .only = s->topology, .task = set->spec.task,
+    cli_topology_wish w = { .links = links, .kinds = kinds, .only = named ? b->topology : s->topology,
+                            .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = s->links > 4 ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
+    lw_status st = links > 4 ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
@@ -342,15 +374,24 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  set->target.units.length[0] ? set->target.units.length : "units");
 }
 
+/* A target, or a task file that brings or names one. */
+static lw_status read_wish(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
+{
+    size_t n = strlen(path);
+    set->has_brief = n > 5 && strcmp(path + n - 5, ".json") == 0;
+    return set->has_brief ? cli_read_brief(path, o, &set->brief, &set->target, e)
+                          : cli_read_target(path, o, &set->target, e);
+}
+
 static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
     lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
     set->path = path;
     name_of(path, set->name, sizeof set->name);
-    lw_status st = cli_read_target(path, &o, &set->target, e), why;
+    lw_status st = read_wish(path, &o, set, e), why;
     if (st == LW_OK)
-        st = make_spec(call, &set->target, &set->spec, e);
+        st = make_spec(call, set, &set->spec, e);
     if (st != LW_OK)
         return st;
     if ((st = make_topologies(call, set, e)) != LW_OK)
@@ -378,6 +419,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
 static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
+    lw_brief_free(&set->brief);
     lw_survey_free(&set->survey);
     cli_fit_stages_free(&set->stages);
     cli_fit_known_free(&set->known);
@@ -509,8 +551,8 @@ const cli_command cli_fit_command = {
         "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
         "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
     .about =
-        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function\n"
-        "(docs/notation.md); - is standard input. Minimises, over dimensions,\n"
+        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; - is standard\n"
+        "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\"). Minimises, over dimensions,\n"
         "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
         "Every result is simulated a second time from its file by independent code. -o FILE gets\n"
         "the results as JSON while the table goes to standard output; --json prints the JSON.\n"

@@ -4,8 +4,8 @@
 
 #include "cli/fit_stages.h"
 #include "cli/json.h"
-#include "cli/json.h"
 #include "cli/output.h"
+#include "optimise/brief.h"
 #include "optimise/exact.h"
 #include "optimise/survey.h"
 
@@ -15,6 +15,8 @@ typedef struct cli_fit_set {
     char        name[64];         /* its last part without ".csv"                                  */
     lw_target   target;
     lw_fit_spec spec;
+    bool        has_brief;        /* the target is a task file                                     */
+    lw_brief    brief;
     lw_survey   survey;           /* what was found, by number of links                            */
     cli_topologies topologies;    /* what was looked through beyond four links                     */
     cli_fit_known  known;         /* linkages to start from                                        */

@@ -2,6 +2,7 @@
 #include "cli/model.h"
 
 #include <jansson.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/file.h"
@@ -88,5 +89,49 @@ lw_status cli_read_target(const char *path, const lw_target_options *o, lw_targe
     if (s == LW_OK)
         s = lw_target_read(text, size, path, o, t, e);
     free(text);
+    return s;
+}
+
+/* The file named in a task lies beside it, unless its name begins at the root. */
+static void beside(const char *path, const char *name, char *out, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
+    snprintf(out, size, "%.*s%s", folder, path, name);
+}
+
+static lw_status read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+{
+    char file[1024];
+    lw_target own;
+    lw_target_options mine = o ? *o : (lw_target_options){ .closed = -1 };
+    if (!b->target[0])
+        return lw_brief_target(b, &b->stations, t, e);
+    beside(path, b->target, file, sizeof file);
+    if (mine.closed < 0)
+        mine.closed = b->closed;
+    lw_status s = cli_read_target(file, &mine, &own, e);
+    if (s == LW_OK) {
+        s = lw_brief_target(b, &own, t, e);
+        lw_target_free(&own);
+    }
+    return s;
+}
+
+lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_brief_read(text, size, path, b, e);
+    free(text);
+    if (s != LW_OK)
+        return s;
+    s = read_brief(path, o, b, t, e);
+    if (s != LW_OK && !e->file[0])
+        snprintf(e->file, sizeof e->file, "%s", path);
+    if (s != LW_OK)
+        lw_brief_free(b);
     return s;
 }

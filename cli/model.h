@@ -3,7 +3,7 @@
 #define LW_CLI_MODEL_H
 
 #include "grammar/linkage.h"
-#include "optimise/target.h"
+#include "optimise/brief.h"
 
 /* A linkage from a file ("-" is standard input): one linkage as in docs/notation.md, or an object
  * with `results` as `linkwright fit --json` prints it, of which `linkage` of result number `which`
@@ -18,5 +18,8 @@ lw_status cli_read_model(const char *path, int which, struct lw_model *m, lw_err
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
 
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
+
+/* A task file, and its target: stations of its own, or the CSV file it names, beside it; with its dwells. */
+lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e);
 
 #endif

@@ -80,6 +80,11 @@ lw_json_kind lw_json_kind_of(const lw_json_node *n)
     }
 }
 
+int lw_json_truth(const lw_json_node *n)
+{
+    return json_is_true((json_t *)n->value) ? 1 : json_is_false((json_t *)n->value) ? 0 : -1;
+}
+
 size_t lw_json_count(const lw_json_node *n)
 {
     return json_is_object((json_t *)n->value) ? json_object_size(n->value) : json_array_size(n->value);

@@ -57,6 +57,9 @@ lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e);
 lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *e);
 const char *lw_json_text(const lw_json_node *n);     /* NULL when it is no text */
 
+/* 1 true, 0 false, -1: neither. */
+int lw_json_truth(const lw_json_node *n);
+
 /* Fault at the first key of an object that is none of the known ones, with a suggestion.  Keys that
  * begin with "x-" are everybody's own and pass. */
 lw_status lw_json_known_keys(const lw_json_node *object, const char *const *known, int n_known, lw_error *e);

@@ -51,7 +51,7 @@ static lw_status read_unit(const lw_json_node *units, const char *key, const cha
     return s;
 }
 
-static lw_status read_units(const lw_json_node *root, lw_linkage *k, lw_error *e)
+lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
 {
     static const char *const known[] = { "length", "angle" };
     lw_json_node n;
@@ -61,9 +61,9 @@ static lw_status read_units(const lw_json_node *root, lw_linkage *k, lw_error *e
     if (s == LW_OK)
         s = lw_json_known_keys(&n, known, COUNT(known), e);
     if (s == LW_OK)
-        s = read_unit(&n, "length", "m, mm, cm, km, um, in, ft", lw_units_set_length, &k->units, e);
+        s = read_unit(&n, "length", "m, mm, cm, km, um, in, ft", lw_units_set_length, u, e);
     if (s == LW_OK)
-        s = read_unit(&n, "angle", "rad, deg, turn", lw_units_set_angle, &k->units, e);
+        s = read_unit(&n, "angle", "rad, deg, turn", lw_units_set_angle, u, e);
     return s;
 }
 
@@ -152,7 +152,7 @@ static lw_status read_head(const lw_json_node *root, lw_linkage *k, lw_error *e)
             s = lw_json_name(&n, k->name, sizeof k->name, e);
     }
     if (s == LW_OK)
-        s = read_units(root, k, e);
+        s = lw_read_units(root, &k->units, e);
     return s == LW_OK ? read_links(root, k, e) : s;
 }
 

@@ -27,6 +27,9 @@ lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *c
 lw_status lw_read_link(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e);
 lw_status lw_read_joint(const lw_json_node *n, const lw_linkage *k, int *out, lw_error *e);
 
+/* "units" of a root; u stays as it is where nothing is said. */
+lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e);
+
 /* A linkage from the root of a JSON text; what a model adds is passed over. */
 lw_status lw_linkage_read_root(const lw_json_node *root, lw_linkage *k, lw_error *e);
 

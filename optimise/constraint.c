@@ -18,14 +18,20 @@ static bool must_stay_closed(const lw_problem *p)
 
 bool lw_problem_is_nonlinear(const lw_problem *p)
 {
-    return must_stay_closed(p) || p->min_transmission > 0 || p->max_acceleration > 0;
+    return must_stay_closed(p) || p->min_transmission > 0 || p->max_acceleration > 0 || p->n_zone > 0;
 }
 
 size_t lw_problem_constraint_count(const lw_problem *p)
 {
     return (size_t)p->n_linear + (must_stay_closed(p) ? p->n : 0)
          + (p->min_transmission > 0 ? pose_count(p) : 0)
-         + (p->max_acceleration > 0 ? pose_count(p) : 0);
+         + (p->max_acceleration > 0 ? pose_count(p) : 0) + lw_zone_count(p);
+}
+
+size_t lw_problem_constraint_most(const lw_problem *p)
+{
+    size_t poses = p->n > LW_CURVE_SAMPLES ? p->n : LW_CURVE_SAMPLES;
+    return (size_t)p->n_linear + 3*poses + lw_zone_count(p);
 }
 
 static void linear(const lw_problem *p, const double *x, double *g)
@@ -122,8 +128,11 @@ static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
             g[k] -= sine*sine;
         g += pose_count(p);
     }
-    if (p->max_acceleration > 0)
+    if (p->max_acceleration > 0) {
         accelerations(p, x, w, g);
+        g += pose_count(p);
+    }
+    lw_zone_conditions(p, x, w, g);
 }
 
 /* Central differences for the conditions on the motion, exact rows for the linear ones. */

@@ -16,6 +16,7 @@ enum {
     IMPROVE = 12,           /* starts of a job that are improved, at most                          */
     FIRST_STEPS = 40,       /* of each of these                                                   */
     FULL_STEPS = 120,       /* of the LW_KEEP that are handed on                                  */
+    DEAR = 2,               /* that go on where conditions on the motion cost most                */
     POLISH = 8              /* of a round's finds, polished                                       */
 };
 
@@ -109,8 +110,9 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
     c->stop = r.stop;
 }
 
-/* Improve c: least squares by default, a solver with conditions where these are violated. */
-static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options *o, void *work,
+/* Improve c: least squares by default, a solver with conditions where these are violated (if they are looked
+ * at already). */
+static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work,
                     lw_found *c)
 {
     const lw_solver *mine = s->o->solver;
@@ -118,7 +120,8 @@ static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options
         run_solver(s, mine, p, 10L*o->max_steps, c);
         return;
     }
-    c->f = lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop);
+    c->f = conditions ? lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop)
+                      : lw_lm_improve(p, o, c->x, false, work, &c->evals, &c->stop);
 }
 
 /* Least squares from each of n starts, at most so many steps; then in order of f. */
@@ -134,7 +137,7 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     for (int i = 0; i < n && !lw_search_stopped(s); i++) {
         p->branch = best[i].branch;
         lw_problem_work_branch(p, work);
-        improve(s, p, &o, work, &best[i]);
+        improve(s, p, &o, !p->family->linkage || steps > FIRST_STEPS, work, &best[i]);
     }
     for (int i = 1; i < n; i++) {
         lw_found c = best[i];
@@ -198,6 +201,9 @@ static void search_job(void *context, size_t job, int thread)
         best[i].hits = 1;
     }
     improve_all(s, p, FIRST_STEPS, n, work, best);
+    bool dear = p->family->linkage && lw_problem_is_nonlinear(p);
+    if (dear && n > DEAR)
+        n = DEAR;
     improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
     for (int i = 0; i < n; i++) {
         best[i].seconds = lw_clock_wall() - s->started;
@@ -226,7 +232,7 @@ static void polish_one(void *context, size_t job, int thread)
     o.f_tol = 1e-12;
     lw_problem_work_init(p, s->work[thread]);
     list->spent[job] = -c->evals;
-    improve(s, p, &o, s->work[thread], c);
+    improve(s, p, &o, true, s->work[thread], c);
     list->spent[job] += c->evals;
     if (p->timing != LW_TIMING_PRESCRIBED)               /* what x is worth with no more known     */
         c->f = lw_problem_value(p, c->x, NULL, s->work[thread]);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "optimise/family.h"
 #include "optimise/problem_internal.h"
 #include "optimise/qp.h"
 
@@ -245,8 +246,13 @@ static bool reassigned(run *r, const double *x)
 double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
                      void *work, long *evals, lw_stop *stop)
 {
-    run r = { .p = p, .o = o, .w = work, .evals = 1 };
+    run r;                                               /* its model is too large to be cleared    */
     bool closes = true;
+    r.p = p;
+    r.o = o;
+    r.w = work;
+    r.evals = 1;
+    r.steps = r.idle = 0;
     choose_variables(p, &r.q);
     if (!keep_inputs && p->timing != LW_TIMING_PRESCRIBED)
         closes = lw_problem_settle(p, x, r.w);
@@ -267,7 +273,7 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
     model q;
     choose_variables(p, &q);
     clip(p, x);
-    double l[LW_QP_MAX*LW_QP_MAX] = { 0 };
+    double l[LW_QP_MAX*LW_QP_MAX];
     for (int j = 0, bad = 0; j < p->n_linear; j++) {
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
@@ -276,6 +282,7 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
         if (j + 1 == p->n_linear && !bad)
             return true;
     }
+    memset(l, 0, sizeof *l*(size_t)(q.n*q.n));
     for (int i = 0; i < q.n; i++) {
         l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
         q.g[i] = 0;
@@ -307,7 +314,7 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
         return f;
     lw_solver_options so = lw_solver_options_default();
     lw_solver_result r;
-    so.max_evals = 4L*o->max_steps;
+    so.max_evals = p->family->linkage || p->n_zone > 0 ? fmin(o->max_steps, 200) : 4L*o->max_steps;
     so.interrupt = o->interrupt;
     so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
     lw_status st = lw_solver_find("slsqp")->run(p, &so, x, &r);

@@ -20,7 +20,8 @@
 #include "optimise/target.h"
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2)
-#define LW_LINEAR_MAX  8
+#define LW_LINEAR_MAX 128
+#define LW_ZONE_MAX    8
 /* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
  * branches cross and nobody can say which one a linkage follows. */
 #define LW_LINEAR_LEAST 1e-6
@@ -37,6 +38,21 @@ typedef enum lw_datum {
 
 typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
 
+/* Where something must or must not be: boxes, circles, lines. */
+typedef enum lw_zone_kind {
+    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
+    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
+    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
+    LW_ZONE_NO_CIRCLE
+} lw_zone_kind;
+
+typedef struct lw_zone {
+    lw_zone_kind kind;
+    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
+    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
+    double  reach;        /* circle: radius; line: how far off [m]                                  */
+} lw_zone;
+
 /* What a person asks for; in SI. */
 typedef struct lw_fit_spec {
     lw_task   task;
@@ -49,6 +65,9 @@ typedef struct lw_fit_spec {
     double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], 0: not asked */
     double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
     double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
+    double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
+    int       n_zone;
+    lw_zone   zone[LW_ZONE_MAX];
     int       n_bound;
     lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
 } lw_fit_spec;
@@ -94,6 +113,8 @@ typedef struct lw_problem {
     int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
     double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
     double       min_transmission, max_acceleration;       /* scaled; 0: not asked                 */
+    int          n_zone;
+    lw_zone      zone[LW_ZONE_MAX];                         /* scaled                               */
 } lw_problem;
 
 const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */

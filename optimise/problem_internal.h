@@ -53,6 +53,9 @@ int lw_problem_first_length(const lw_problem *p);
 /* After p->branch was changed: what work keeps of it. */
 void lw_problem_work_branch(const lw_problem *p, lw_work *w);
 
+/* Constraints at most, whichever branch is chosen. */
+size_t lw_problem_constraint_most(const lw_problem *p);
+
 int lw_problem_component_count(const lw_problem *p);
 
 /* Lanes: stations, and curve samples where both ways count. */
@@ -63,6 +66,10 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
 /* Of any linkage: does it stay clear of dead points between the stations of w->input, looked at closely? */
 bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w);
+
+/* Conditions of zones (zone.c): how many, and their values g >= 0 at the inputs that x's stations have. */
+size_t lw_zone_count(const lw_problem *p);
+void   lw_zone_conditions(const lw_problem *p, const double *x, lw_work *w, double *g);
 
 /* The circuit of the linkage x: its input turns, or goes from limit to limit in one assembly mode
  * and back in the other,  input = mid - half cos(phase).  false when it closes nowhere. */

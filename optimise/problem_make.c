@@ -201,6 +201,34 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
+/* Every length at most `ratio` times every other. */
+static lw_status ratio_rows(double ratio, lw_problem *p, lw_error *e)
+{
+    for (int i = 0; i < p->n_dim && ratio > 0; i++)
+        for (int j = 0; j < p->n_dim; j++) {
+            if (i == j || p->plan.dim[i].kind != LW_DIM_LENGTH || p->plan.dim[j].kind != LW_DIM_LENGTH)
+                continue;
+            if (p->n_linear == LW_LINEAR_MAX)
+                return lw_error_set(e, LW_E_KIND, "it has too many lengths for a bound on their ratio");
+            p->linear[p->n_linear][i] = ratio;
+            p->linear[p->n_linear++][j] = -1;
+        }
+    return LW_OK;
+}
+
+static void scale_zones(const lw_fit_spec *s, lw_problem *p)
+{
+    p->n_zone = s->n_zone;
+    for (int i = 0; i < s->n_zone; i++) {
+        lw_zone *z = &p->zone[i];
+        *z = s->zone[i];
+        z->at = lw_v2_scale(lw_v2_sub(z->at, p->origin), 1/p->unit);
+        if (z->kind == LW_ZONE_PIVOTS_BOX || z->kind == LW_ZONE_NO_BOX)
+            z->to = lw_v2_scale(lw_v2_sub(z->to, p->origin), 1/p->unit);
+        z->reach /= p->unit;
+    }
+}
+
 lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_family *family,
                           double mode, int sense, lw_problem *p, lw_error *e)
 {
@@ -242,7 +270,10 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
                                                 : s->max_acceleration/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);
-    return LW_OK;
+    scale_zones(s, p);
+    if ((st = ratio_rows(s->length_ratio, p, e)) != LW_OK)
+        lw_problem_free(p);
+    return st;
 }
 
 void lw_problem_free(lw_problem *p)

@@ -55,7 +55,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
                          &w->foot_x, &w->foot_y, &w->turn, &w->turn_mode };
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
-    size_t poses = ld > m ? ld : m, g = lw_problem_constraint_count(p) + 1;
+    size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
     double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v,
                         &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
     for (size_t i = 0; i < sizeof pose/sizeof *pose; i++)

@@ -73,7 +73,7 @@ static void draw_starts(bench *b)
     static double u[DRAWS*LW_START_DRAWS];
     static start s[DRAWS];
     for (int block = 0; block < ARMS*BLOCKS; block++) {
-        const lw_problem *p = &b->problem[block % ARMS];
+        lw_problem *p = &b->problem[block % ARMS];
         int d = lw_start_draws(p);
         lw_rng rng;
         lw_rng_seed(&rng, 1, (uint64_t)block);

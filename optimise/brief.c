@@ -1,0 +1,474 @@
+#include "optimise/brief.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/read_internal.h"
+
+/* ---- pieces --------------------------------------------------------------------------------------------- */
+
+/* One of some words; *out is left alone when the key is not there. */
+static lw_status read_word(const lw_json_node *o, const char *key, const char *const *words, int n, int *out, bool *given,
+                           lw_error *e)
+{
+    lw_json_node node;
+    if (given)
+        *given = false;
+    if (!lw_json_member(o, key, &node))
+        return LW_OK;
+    if (given)
+        *given = true;
+    return lw_read_look_up(&node, key, words, n, out, e);
+}
+
+static lw_status read_text(const lw_json_node *o, const char *key, char *out, size_t size, lw_error *e)
+{
+    lw_json_node node;
+    return lw_json_member(o, key, &node) ? lw_json_name(&node, out, size, e) : LW_OK;
+}
+
+/* true, false; -1 when it is not there. */
+static lw_status read_yes(const lw_json_node *o, const char *key, int *out, lw_error *e)
+{
+    lw_json_node node;
+    if (!lw_json_member(o, key, &node))
+        return LW_OK;
+    *out = lw_json_truth(&node);
+    return *out >= 0 ? LW_OK : lw_json_fault(&node, e, "true or false is expected here");
+}
+
+/* A number in least .. most, in a unit; left alone when it is not there. */
+static lw_status read_bounded(const lw_json_node *o, const char *key, double unit, double least, double most, double *out,
+                              lw_error *e)
+{
+    bool given;
+    lw_json_node node;
+    lw_status s = lw_read_optional(o, key, unit, out, &given, e);
+    if (s != LW_OK || !given || (*out >= least*unit && *out <= most*unit))
+        return s;
+    lw_json_member(o, key, &node);
+    return lw_json_fault(&node, e, "this must lie between %g and %g", least, most);
+}
+
+/* ---- conditions --------------------------------------------------------------------------------------------- */
+
+static lw_status read_lengths(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "least", "most", "ratio" };
+    lw_json_node o;
+    if (!lw_json_member(root, "lengths", &o))
+        return LW_OK;
+    lw_fit_spec *f = &b->spec;
+    double m = b->units.metre;
+    lw_status s = lw_json_want(&o, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
+        && (s = read_bounded(&o, "least", m, 0, 1e90, &f->length_lo, e)) == LW_OK
+        && (s = read_bounded(&o, "most", m, 1e-90, 1e90, &f->length_hi, e)) == LW_OK)
+        s = read_bounded(&o, "ratio", 1, 1, 1e9, &f->length_ratio, e);
+    if (s == LW_OK && f->length_hi > 0 && f->length_lo > f->length_hi)
+        s = lw_json_fault(&o, e, "the least length %g is above the greatest %g: no linkage can do both",
+                          f->length_lo/m, f->length_hi/m);
+    return s;
+}
+
+static lw_status read_positions(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "least", "most" };
+    lw_json_node o, part;
+    double m = b->units.metre, *lo = &b->spec.position_lo, *hi = &b->spec.position_hi;
+    if (!lw_json_member(root, "positions", &o))
+        return LW_OK;
+    lw_status s = lw_json_want(&o, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
+        && (s = lw_read_need(&o, "least", &part, e)) == LW_OK && (s = lw_json_number(&part, lo, e)) == LW_OK
+        && (s = lw_read_need(&o, "most", &part, e)) == LW_OK)
+        s = lw_json_number(&part, hi, e);
+    if (s == LW_OK && !(*lo < *hi))
+        s = lw_json_fault(&o, e, "\"least\" must be below \"most\"");
+    *lo *= m;
+    *hi *= m;
+    return s;
+}
+
+/* [[x, y], [x, y]] with the lower left corner first. */
+static lw_status read_box(const lw_json_node *n, double metre, lw_zone *z, lw_error *e)
+{
+    lw_status s = lw_read_list(n, 2, 2, e);
+    for (size_t i = 0; i < 2 && s == LW_OK; i++) {
+        lw_json_node corner = lw_json_element(n, i);
+        s = lw_read_pair(&corner, metre, i ? &z->to : &z->at, e);
+    }
+    if (s == LW_OK && !(z->at.x < z->to.x && z->at.y < z->to.y))
+        s = lw_json_fault(n, e, "the first corner must lie below and to the left of the second: this box holds nothing");
+    return s;
+}
+
+static lw_status read_line(const lw_json_node *o, const lw_json_node *n, double metre, lw_zone *z, lw_error *e)
+{
+    lw_vec2 to;
+    lw_status s = lw_read_list(n, 2, 2, e);
+    for (size_t i = 0; i < 2 && s == LW_OK; i++) {
+        lw_json_node point = lw_json_element(n, i);
+        s = lw_read_pair(&point, metre, i ? &to : &z->at, e);
+    }
+    if (s != LW_OK)
+        return s;
+    double length = lw_v2_norm(lw_v2_sub(to, z->at));
+    if (!(length > 0))
+        return lw_json_fault(n, e, "a line goes through two different points");
+    z->to = lw_v2_scale(lw_v2_sub(to, z->at), 1/length);
+    z->reach = 1e-6*length;
+    return read_bounded(o, "within", metre, 0, 1e90, &z->reach, e);
+}
+
+static lw_status read_circle(const lw_json_node *n, double metre, lw_zone *z, lw_error *e)
+{
+    lw_status s = lw_read_list(n, 2, 2, e);
+    if (s != LW_OK)
+        return s;
+    lw_json_node centre = lw_json_element(n, 0), radius = lw_json_element(n, 1);
+    s = lw_read_pair(&centre, metre, &z->at, e);
+    if (s == LW_OK)
+        s = lw_json_number(&radius, &z->reach, e);
+    z->reach *= metre;
+    return s == LW_OK && !(z->reach > 0) ? lw_json_fault(&radius, e, "a radius is greater than 0") : s;
+}
+
+static lw_status add_zone(const lw_json_node *n, lw_brief *b, lw_zone z, lw_error *e)
+{
+    if (b->spec.n_zone == LW_ZONE_MAX)
+        return lw_json_fault(n, e, "more than %d zones", LW_ZONE_MAX);
+    b->spec.zone[b->spec.n_zone++] = z;
+    return LW_OK;
+}
+
+/* {"box": ...} or, forbidden, {"circle": ...}, for pivots {"line": ..., "within": ...}. */
+static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "box", "circle", "line", "within" };
+    lw_zone z = { .kind = forbidden ? LW_ZONE_NO_BOX : LW_ZONE_PIVOTS_BOX };
+    lw_json_node shape;
+    double m = b->units.metre;
+    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    if (s != LW_OK || (s = lw_json_known_keys(o, known, COUNT(known), e)) != LW_OK)
+        return s;
+    if (lw_json_member(o, "box", &shape))
+        s = read_box(&shape, m, &z, e);
+    else if (forbidden && lw_json_member(o, "circle", &shape)) {
+        z.kind = LW_ZONE_NO_CIRCLE;
+        s = read_circle(&shape, m, &z, e);
+    } else if (!forbidden && lw_json_member(o, "line", &shape)) {
+        z.kind = LW_ZONE_PIVOTS_LINE;
+        s = read_line(o, &shape, m, &z, e);
+    } else
+        s = lw_json_fault(o, e, forbidden ? "a forbidden zone is a \"box\" or a \"circle\""
+                                          : "pivots lie in a \"box\" or on a \"line\"");
+    return s == LW_OK ? add_zone(o, b, z, e) : s;
+}
+
+/* Does a forbidden zone hold the whole of a box where the pivots have to be? */
+static bool swallows(const lw_zone *no, const lw_zone *box)
+{
+    if (no->kind == LW_ZONE_NO_BOX)
+        return no->at.x <= box->at.x && no->at.y <= box->at.y && no->to.x >= box->to.x && no->to.y >= box->to.y;
+    lw_vec2 far = lw_v2(fmax(fabs(box->at.x - no->at.x), fabs(box->to.x - no->at.x)),
+                        fmax(fabs(box->at.y - no->at.y), fabs(box->to.y - no->at.y)));
+    return lw_v2_norm(far) <= no->reach;
+}
+
+static lw_status check_zones(const lw_json_node *forbidden, const lw_brief *b, lw_error *e)
+{
+    for (int i = 0; i < b->spec.n_zone; i++)
+        for (int k = 0; k < b->spec.n_zone; k++) {
+            const lw_zone *no = &b->spec.zone[i], *box = &b->spec.zone[k];
+            if ((no->kind == LW_ZONE_NO_BOX || no->kind == LW_ZONE_NO_CIRCLE) && box->kind == LW_ZONE_PIVOTS_BOX
+                && swallows(no, box))
+                return lw_json_fault(forbidden, e, "a forbidden zone holds the whole box in which the pivots have to be: "
+                                     "no linkage can do both");
+        }
+    return LW_OK;
+}
+
+static lw_status read_zones(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    lw_json_node pivots, list;
+    lw_status s = LW_OK;
+    if (lw_json_member(root, "pivots", &pivots))
+        s = read_zone(&pivots, false, b, e);
+    if (s != LW_OK || !lw_json_member(root, "forbidden", &list))
+        return s;
+    s = lw_read_list(&list, 1, LW_ZONE_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&list); i++) {
+        lw_json_node zone = lw_json_element(&list, i);
+        s = read_zone(&zone, true, b, e);
+    }
+    return s == LW_OK ? check_zones(&list, b, e) : s;
+}
+
+/* ---- what has to be done ------------------------------------------------------------------------------------ */
+
+static lw_status read_dwell(const lw_json_node *o, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "from", "to", "theta", "at", "points", "weight" };
+    lw_dwell *d = &b->dwell[b->n_dwell];
+    lw_json_node n;
+    double angle = b->units.radian, points = 8;
+    *d = (lw_dwell){ .weight = 1, .theta = NAN, .at = { NAN, NAN } };
+    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(o, known, COUNT(known), e)) == LW_OK
+        && (s = lw_read_need(o, "from", &n, e)) == LW_OK && (s = lw_json_number(&n, &d->from, e)) == LW_OK
+        && (s = lw_read_need(o, "to", &n, e)) == LW_OK && (s = lw_json_number(&n, &d->to, e)) == LW_OK
+        && (s = read_bounded(o, "theta", angle, -1e6, 1e6, &d->theta, e)) == LW_OK
+        && (s = read_bounded(o, "points", 1, 2, 1000, &points, e)) == LW_OK
+        && (s = read_bounded(o, "weight", 1, 1e-9, 1e9, &d->weight, e)) == LW_OK && lw_json_member(o, "at", &n))
+        s = lw_read_pair(&n, b->units.metre, &d->at, e);
+    if (s == LW_OK && !(d->from < d->to))
+        s = lw_json_fault(o, e, "a dwell goes from a smaller to a greater input; from %g to %g holds nothing", d->from, d->to);
+    d->from *= angle;
+    d->to *= angle;
+    d->points = (int)points;
+    for (int i = 0; s == LW_OK && i < b->n_dwell; i++)
+        if (d->from <= b->dwell[i].to && b->dwell[i].from <= d->to)
+            s = lw_json_fault(o, e, "two dwells share inputs: the output cannot rest at two places at a time");
+    b->n_dwell++;
+    return s;
+}
+
+static lw_status read_dwells(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    lw_json_node list;
+    if (!lw_json_member(root, "dwell", &list))
+        return LW_OK;
+    lw_status s = lw_read_list(&list, 1, LW_DWELL_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&list); i++) {
+        lw_json_node d = lw_json_element(&list, i);
+        s = read_dwell(&d, b, e);
+    }
+    return s;
+}
+
+enum { X, Y, THETA, ANGLE, WEIGHT, COLUMNS };
+static const char *const column_names[COLUMNS] = { "x", "y", "theta", "angle", "weight" };
+
+/* {"x": 1, "y": 2, ...}; every station has the same keys as the first. */
+static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool first, bool has[COLUMNS], double v[COLUMNS],
+                              lw_error *e)
+{
+    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    if (s == LW_OK)
+        s = lw_json_known_keys(o, column_names, COLUMNS, e);
+    for (int c = 0; c < COLUMNS && s == LW_OK; c++) {
+        lw_json_node n;
+        double unit = c <= Y ? b->units.metre : c <= ANGLE ? b->units.radian : 1;
+        bool given = lw_json_member(o, column_names[c], &n);
+        if (first)
+            has[c] = given;
+        if (given != has[c])
+            s = lw_json_fault(o, e, "every station has the same numbers as the first one: \"%s\" is %s", column_names[c],
+                              given ? "new here" : "missing");
+        else if (given && (s = lw_json_number(&n, &v[c], e)) == LW_OK)
+            v[c] *= unit;
+    }
+    return s;
+}
+
+static lw_status read_stations(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    lw_json_node list;
+    bool has[COLUMNS] = { false };
+    if (!lw_json_member(root, "stations", &list))
+        return LW_OK;
+    lw_status s = lw_read_list(&list, 1, LW_STATION_MAX, e);
+    size_t n = s == LW_OK ? lw_json_count(&list) : 0;
+    double *v = calloc(COLUMNS*n + 1, sizeof *v), one[COLUMNS];
+    if (!v)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
+    for (size_t i = 0; i < n && s == LW_OK; i++) {
+        lw_json_node o = lw_json_element(&list, i);
+        s = read_station(&o, b, i == 0, has, one, e);
+        for (int c = 0; c < COLUMNS && s == LW_OK; c++)
+            v[(size_t)c*n + i] = one[c];
+    }
+    lw_error why = { .text = "" };
+    double *column[COLUMNS];
+    for (int c = 0; c < COLUMNS; c++)
+        column[c] = has[c] ? v + (size_t)c*n : NULL;
+    if (s == LW_OK && lw_target_make(n, column[X], column[Y], column[THETA], column[ANGLE], column[WEIGHT], b->closed,
+                                     &b->stations, &why) != LW_OK)
+        s = lw_json_fault(&list, e, "%.300s", why.text);
+    b->stations.units = b->units;
+    free(v);
+    return s;
+}
+
+static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const tasks[] = { "path", "function", "motion" };
+    static const char *const timings[] = { "prescribed", "free", "none" };
+    int task = 0, timing = 0;
+    lw_status s = read_word(root, "task", tasks, 3, &task, &b->has_task, e);
+    if (s == LW_OK)
+        s = read_word(root, "timing", timings, 3, &timing, &b->has_timing, e);
+    if (b->has_task)
+        b->spec.task = (lw_task)task;
+    if (b->has_timing)
+        b->spec.timing = (lw_timing)timing;
+    if (s == LW_OK && (s = read_text(root, "target", b->target, sizeof b->target, e)) == LW_OK
+        && (s = read_yes(root, "closed", &b->closed, e)) == LW_OK && (s = read_stations(root, b, e)) == LW_OK)
+        s = read_dwells(root, b, e);
+    if (s == LW_OK && !b->target[0] == (b->stations.n == 0))
+        s = lw_json_fault(root, e, b->target[0] ? "either \"target\" or \"stations\", not both"
+                                                : "\"target\" (a CSV file) or \"stations\" is missing");
+    return s;
+}
+
+static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "path", "angle" };
+    lw_fit_spec *f = &b->spec;
+    lw_json_node o;
+    int crank = -1;
+    double m = b->units.metre, links = 0;
+    lw_status s = read_yes(root, "crank", &crank, e);
+    f->crank_only = crank == 1;
+    f->a /= m*m;
+    if (s == LW_OK && lw_json_member(root, "weights", &o)
+        && (s = lw_json_want(&o, LW_JSON_OBJECT, e)) == LW_OK && (s = lw_json_known_keys(&o, known, 2, e)) == LW_OK
+        && (s = read_bounded(&o, "path", 1/(m*m), 0, 1e300, &f->a, e)) == LW_OK)
+        s = read_bounded(&o, "angle", 1, 0, 1e300, &f->b, e);
+    if (s == LW_OK && (s = read_bounded(root, "transmission", b->units.radian, 0, 1.55/b->units.radian,
+                                        &f->min_transmission, e)) == LW_OK
+        && (s = read_bounded(root, "acceleration", m, 0, 1e90, &f->max_acceleration, e)) == LW_OK
+        && (s = read_bounded(root, "links", 1, 4, 10, &links, e)) == LW_OK
+        && (s = read_text(root, "joints", b->joints, sizeof b->joints, e)) == LW_OK
+        && (s = read_text(root, "topology", b->topology, sizeof b->topology, e)) == LW_OK
+        && (s = read_lengths(root, b, e)) == LW_OK && (s = read_positions(root, b, e)) == LW_OK)
+        s = read_zones(root, b, e);
+    b->links = (int)links;
+    if (s == LW_OK && (links != b->links || b->links % 2)) {
+        lw_json_member(root, "links", &o);
+        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links");
+    }
+    return s;
+}
+
+static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = {
+        "linkwright-task", "$schema", "name", "units", "target", "stations", "closed", "task", "timing", "links", "joints",
+        "topology", "crank", "weights", "transmission", "acceleration", "lengths", "positions", "pivots", "forbidden", "dwell"
+    };
+    lw_json_node version;
+    double number;
+    lw_status s = lw_json_want(root, LW_JSON_OBJECT, e);
+    if (s == LW_OK && (s = lw_json_known_keys(root, known, COUNT(known), e)) == LW_OK
+        && (s = lw_read_need(root, "linkwright-task", &version, e)) == LW_OK
+        && (s = lw_json_number(&version, &number, e)) == LW_OK && number != 1)
+        s = lw_json_fault(&version, e, "version %g of the task notation is not known; this program knows 1", number);
+    if (s == LW_OK && (s = read_text(root, "name", b->name, sizeof b->name, e)) == LW_OK
+        && (s = lw_read_units(root, &b->units, e)) == LW_OK && (s = read_wanted(root, b, e)) == LW_OK)
+        s = read_conditions(root, b, e);
+    return s;
+}
+
+lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brief *b, lw_error *e)
+{
+    lw_json json;
+    *b = (lw_brief){ .closed = -1, .spec = lw_fit_spec_default(), .units = lw_units_si() };
+    lw_status s = lw_json_open(text, size, file, &json, e);
+    if (s != LW_OK)
+        return s;
+    lw_json_node root = lw_json_root(&json);
+    s = read_root(&root, b, e);
+    lw_json_close(&json);
+    if (s != LW_OK)
+        lw_brief_free(b);
+    return s;
+}
+
+void lw_brief_free(lw_brief *b)
+{
+    lw_target_free(&b->stations);
+    memset(&b->stations, 0, sizeof b->stations);
+}
+
+/* ---- the target ------------------------------------------------------------------------------------------------- */
+
+static bool inside(const lw_zone *z, lw_vec2 p)
+{
+    if (z->kind == LW_ZONE_NO_BOX)
+        return p.x > z->at.x && p.x < z->to.x && p.y > z->at.y && p.y < z->to.y;
+    return z->kind == LW_ZONE_NO_CIRCLE && lw_v2_norm(lw_v2_sub(p, z->at)) < z->reach;
+}
+
+static lw_status check_stations(const lw_brief *b, const lw_target *t, lw_error *e)
+{
+    for (int i = 0; i < b->spec.n_zone; i++)
+        for (size_t k = 0; t->x && k < t->n; k++)
+            if (inside(&b->spec.zone[i], lw_v2(t->x[k], t->y[k])))
+                return lw_error_set(e, LW_E_ARG, "station %zu lies inside a forbidden zone: no linkage can do both", k + 1);
+    return LW_OK;
+}
+
+typedef struct station { double v[COLUMNS]; } station;
+
+static int by_angle(const void *a, const void *b)
+{
+    const station *p = a, *q = b;
+    return p->v[ANGLE] < q->v[ANGLE] ? -1 : p->v[ANGLE] > q->v[ANGLE];
+}
+
+static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s, size_t *n, lw_error *e)
+{
+    if (from->theta && isnan(d->theta))
+        return lw_error_set(e, LW_E_ARG, "a dwell of this task needs \"theta\", where the output rests");
+    if (from->x && isnan(d->at.x))
+        return lw_error_set(e, LW_E_ARG, "a dwell of this task needs \"at\", where the point rests");
+    for (size_t k = 0; k < *n; k++)
+        if (s[k].v[ANGLE] >= d->from && s[k].v[ANGLE] <= d->to)
+            return lw_error_set(e, LW_E_ARG, "station %zu has an input within a dwell: leave it out", k + 1);
+    for (int i = 0; i < d->points; i++)
+        s[(*n)++] = (station){ { d->at.x, d->at.y, d->theta, d->from + (d->to - d->from)*i/(d->points - 1),
+                                 d->weight } };
+    return LW_OK;
+}
+
+lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
+{
+    size_t n = from->n, room = n;
+    lw_status st = LW_OK;
+    memset(t, 0, sizeof *t);
+    if (b->n_dwell > 0 && !from->angle)
+        return lw_error_set(e, LW_E_ARG, "a dwell needs the input angles of the stations (angle)");
+    for (int i = 0; i < b->n_dwell; i++)
+        room += (size_t)b->dwell[i].points;
+    station *s = malloc(sizeof *s*(room + 1));
+    double *v = malloc(sizeof *v*(COLUMNS*room + 1)), *column[COLUMNS];
+    if (!s || !v)
+        st = lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", room);
+    const double *have[COLUMNS] = { from->x, from->y, from->theta, from->angle, from->weight };
+    for (size_t k = 0; k < n && st == LW_OK; k++)
+        for (int c = 0; c < COLUMNS; c++)
+            s[k].v[c] = have[c] ? have[c][k] : c == WEIGHT ? 1 : 0;
+    for (int i = 0; i < b->n_dwell && st == LW_OK; i++)
+        st = add_dwell(&b->dwell[i], from, s, &n, e);
+    if (st == LW_OK && b->n_dwell > 0)
+        qsort(s, n, sizeof *s, by_angle);
+    for (int c = 0; c < COLUMNS && st == LW_OK; c++) {
+        column[c] = have[c] || c == WEIGHT ? v + (size_t)c*n : NULL;
+        for (size_t k = 0; k < n && column[c]; k++)
+            column[c][k] = s[k].v[c];
+    }
+    if (st == LW_OK)
+        st = lw_target_make(n, column[X], column[Y], column[THETA], column[ANGLE], column[WEIGHT], from->closed, t, e);
+    if (st == LW_OK) {
+        t->units = from->units;
+        if ((st = check_stations(b, t, e)) != LW_OK)
+            lw_target_free(t);
+    }
+    free(s);
+    free(v);
+    return st;
+}

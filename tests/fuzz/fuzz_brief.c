@@ -1,0 +1,39 @@
+/* Any bytes as a task: what is read is sane and gives a target or a reason; what is not has a place. */
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/brief.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void demand(int condition)
+{
+    if (!condition)
+        abort();
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static lw_brief b;
+    lw_error e = { .text = "" };
+    lw_target t;
+    lw_status s = lw_brief_read((const char *)data, size, "f", &b, &e);
+    if (s != LW_OK) {
+        demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
+        demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
+        return 0;
+    }
+    demand(b.target[0] != 0 || b.stations.n > 0);
+    demand(b.spec.n_zone <= LW_ZONE_MAX && b.n_dwell <= LW_DWELL_MAX);
+    demand(b.links == 0 || (b.links >= 4 && b.links % 2 == 0));
+    for (int i = 0; i < b.n_dwell; i++)
+        demand(b.dwell[i].from < b.dwell[i].to && b.dwell[i].points >= 2);
+    if (b.stations.n > 0 && lw_brief_target(&b, &b.stations, &t, &e) == LW_OK) {
+        demand(t.n >= b.stations.n);
+        lw_target_free(&t);
+    }
+    lw_brief_free(&b);
+    return 0;
+}

@@ -1,0 +1,119 @@
+/* Tasks: what they say, what is refused and where, dwells as stations. */
+#include "optimise/brief.h"
+#include "tests/check.h"
+
+static lw_status read(const char *text, lw_brief *b, lw_error *e)
+{
+    *e = (lw_error){ .text = "" };
+    return lw_brief_read(text, strlen(text), "t.json", b, e);
+}
+
+static void everything_is_read(void)
+{
+    static const char text[] =
+        "{\"linkwright-task\":1,\"name\":\"n\",\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"target\":\"p.csv\","
+        "\"closed\":true,\"task\":\"motion\",\"timing\":\"free\",\"links\":6,\"joints\":\"r,t\",\"topology\":\"watt1\","
+        "\"crank\":true,\"weights\":{\"path\":2,\"angle\":3},\"transmission\":30,\"acceleration\":4,"
+        "\"lengths\":{\"least\":5,\"most\":50,\"ratio\":6},\"positions\":{\"least\":-7,\"most\":8},"
+        "\"pivots\":{\"line\":[[1,1],[1,3]],\"within\":0.5},"
+        "\"forbidden\":[{\"circle\":[[9,8],2]},{\"box\":[[20,30],[40,50]]}]}";
+    lw_brief b;
+    lw_error e;
+    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_TEXT(b.name, "n");
+    CHECK_TEXT(b.target, "p.csv");
+    CHECK_TEXT(b.topology, "watt1");
+    CHECK(b.closed == 1 && b.links == 6 && b.has_task && b.has_timing && b.spec.crank_only);
+    CHECK_INT(b.spec.task, LW_TASK_MOTION);
+    CHECK_INT(b.spec.timing, LW_TIMING_FREE);
+    CHECK_NEAR(b.spec.a, 2e6, 0, 1e-14);
+    CHECK_NEAR(b.spec.b, 3, 0, 0);
+    CHECK_NEAR(b.spec.min_transmission, LW_PI/6, 0, 1e-15);
+    CHECK_NEAR(b.spec.max_acceleration, 4e-3, 0, 1e-15);
+    CHECK_NEAR(b.spec.length_lo, 5e-3, 0, 1e-15);
+    CHECK_NEAR(b.spec.length_hi, 5e-2, 0, 1e-15);
+    CHECK_NEAR(b.spec.length_ratio, 6, 0, 0);
+    CHECK_NEAR(b.spec.position_lo, -7e-3, 0, 1e-15);
+    CHECK_INT(b.spec.n_zone, 3);
+    CHECK_INT(b.spec.zone[0].kind, LW_ZONE_PIVOTS_LINE);
+    CHECK_NEAR(b.spec.zone[0].to.y, 1, 1e-15, 0);
+    CHECK_NEAR(b.spec.zone[0].reach, 5e-4, 0, 1e-14);
+    CHECK_INT(b.spec.zone[1].kind, LW_ZONE_NO_CIRCLE);
+    CHECK_NEAR(b.spec.zone[1].reach, 2e-3, 0, 1e-15);
+    CHECK_NEAR(b.spec.zone[2].to.x, 0.04, 0, 1e-15);
+    lw_brief_free(&b);
+}
+
+static void faults_have_a_place(void)
+{
+    static const struct { const char *text; long line, column; const char *says; } bad[] = {
+        { "{\"linkwright-task\":2,\"target\":\"a\"}", 1, 20, "version 2" },
+        { "{\"linkwright-task\":1}", 1, 1, "is missing" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\n\"timming\":\"free\"}", 2, 1, "timing" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"timing\":\"fre\"}", 1, 44, "free" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"lengths\":{\"least\":5,\"most\":4}}", 1, 45, "no linkage can do both" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"links\":5}", 1, 43, "4, 6, 8 or 10" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"transmission\":2}", 1, 50, "between" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
+          "[{\"circle\":[[0,0],2]}]}", 1, 78, "no linkage can do both" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":2,\"to\":1}]}", 1, 44, "smaller to a greater" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":1,\"to\":2},{\"from\":2,\"to\":3}]}", 1, 62,
+          "rest at two places" },
+        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1},{\"x\":1}]}", 1, 48, "missing" },
+        { "{\"linkwright-task\":1,\"crank\":1,\"target\":\"a\"}", 1, 30, "true or false" },
+    };
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
+        lw_brief b;
+        lw_error e;
+        CHECK_INT(read(bad[i].text, &b, &e), LW_E_NOTATION);
+        CHECK_INT(e.line, bad[i].line);
+        CHECK_INT(e.column, bad[i].column);
+        CHECK_HAS(e.text, bad[i].says);
+    }
+}
+
+static void dwells_become_stations(void)
+{
+    static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"angle\":0,\"theta\":1},{\"angle\":3,\"theta\":2}],"
+                               "\"dwell\":[{\"from\":1,\"to\":2,\"theta\":5,\"points\":3,\"weight\":4}]}";
+    static const double angle[] = { 0, 1, 1.5, 2, 3 }, theta[] = { 1, 5, 5, 5, 2 }, weight[] = { 1, 4, 4, 4, 1 };
+    lw_brief b;
+    lw_error e;
+    lw_target t;
+    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK_INT(t.n, 5);
+    for (size_t i = 0; i < 5 && i < t.n; i++) {
+        CHECK_NEAR(t.angle[i], angle[i], 1e-15, 0);
+        CHECK_NEAR(t.theta[i], theta[i], 1e-15, 0);
+        CHECK_NEAR(t.weight[i], weight[i], 1e-15, 0);
+    }
+    lw_target_free(&t);
+    b.dwell[0].from = -1;                                /* the first station is inside now        */
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "station 1");
+    lw_brief_free(&b);
+}
+
+static void a_station_in_a_forbidden_zone(void)
+{
+    static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}],"
+                               "\"forbidden\":[{\"circle\":[[3,1.5],1]}]}";
+    lw_brief b;
+    lw_error e;
+    lw_target t;
+    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "station 2 lies inside a forbidden zone");
+    lw_brief_free(&b);
+}
+
+int main(void)
+{
+    RUN(everything_is_read);
+    RUN(faults_have_a_place);
+    RUN(dwells_become_stations);
+    RUN(a_station_in_a_forbidden_zone);
+    return check_end();
+}
