@@ -9,6 +9,10 @@
 
 #define CHUNK 512                      /* samples of one job */
 
+/* As they lie in the file, docs/catalogue.md. */
+_Static_assert(sizeof(lw_packed) == 64 && sizeof(lw_curve_row) == 36 && sizeof(lw_curve_box) == 68, "layout of the file");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little-endian; swap bytes in store_curves.c");
+
 typedef struct job {
     const lw_curve_maker *maker;
     lw_atlas_kinds        kinds;
@@ -80,7 +84,13 @@ static void select_first(uint64_t *key, size_t n, size_t m)
     }
 }
 
-typedef struct sorting { const sizes *size; uint64_t *key; uint32_t *order; lw_curve_box *box; size_t n_block; } sorting;
+typedef struct sorting {
+    const sizes  *size;
+    uint64_t     *key;
+    uint32_t     *order;
+    lw_curve_box *box;
+    size_t        n_block;
+} sorting;
 
 static lw_curve_box box_of(const sorting *s, const uint32_t *order, size_t n)
 {

@@ -37,7 +37,11 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
 void      lw_atlas_tree_free(lw_atlas_tree *t);
 
 /* A sequence in a catalogue: samples drawn so far, and segments.  Inside a transaction. */
-typedef struct lw_atlas_sweep { const char *families; lw_atlas_kinds kinds; uint64_t seed; uint64_t samples, segments; } lw_atlas_sweep;
+typedef struct lw_atlas_sweep {
+    const char    *families;               /* of lw_curve_maker_families                              */
+    lw_atlas_kinds kinds;
+    uint64_t       seed, samples, segments;
+} lw_atlas_sweep;
 lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e);      /* fills samples, segments */
 lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t n_sample, lw_error *e);
 

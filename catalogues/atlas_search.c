@@ -38,7 +38,8 @@ static float bound_of(const float size[LW_TERMS], const lw_curve_box *b)
     float sum = 0;
     for (int k = 0; k < LW_TERMS; k++) {
         /* half a unit for the rounding of the sizes */
-        float least = ((float)b->least[k] - 1)*(float)(1/LW_TERM_ONE), most = ((float)b->most[k] + 1)*(float)(1/LW_TERM_ONE);
+        float least = ((float)b->least[k] - 1)*(float)(1/LW_TERM_ONE);
+        float most = ((float)b->most[k] + 1)*(float)(1/LW_TERM_ONE);
         float off = size[k] < least ? least - size[k] : size[k] > most ? size[k] - most : 0;
         sum += off*off;
     }
@@ -162,8 +163,9 @@ static lw_status find_all(search *s)
 {
     lw_value closed = { .kind = LW_VALUE_INTEGER, .integer = s->closed };
     lw_store_query segments = {
-        .sql = "SELECT first_block, boxes, sweep, families FROM curve_segment JOIN sweep ON sweep.id = curve_segment.sweep "
-               "WHERE closed = ?1", .value = &closed, .n_value = 1, .row = take_segment, .context = s };
+        .sql = "SELECT first_block, boxes, sweep, families FROM curve_segment JOIN sweep ON sweep.id = "
+               "curve_segment.sweep WHERE closed = ?1",
+        .value = &closed, .n_value = 1, .row = take_segment, .context = s };
     lw_store_query linkages = { .sql = "SELECT id, terms FROM linkage WHERE closed = ?1 AND terms IS NOT NULL",
                                 .value = &closed, .n_value = 1, .row = take_linkage, .context = s };
     lw_status status = lw_store_ask(s->store, &linkages, s->e);
@@ -283,8 +285,8 @@ static lw_status describe_target(search *s, const lw_vec2 *p, size_t n)
     return LW_OK;
 }
 
-lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool closed, int k, lw_atlas_hit *hit, int *n_hit,
-                           lw_atlas_search *count, lw_error *e)
+lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool closed, int k, lw_atlas_hit *hit,
+                           int *n_hit, lw_atlas_search *count, lw_error *e)
 {
     lw_error ignored;
     search *s = calloc(1, sizeof *s);
@@ -305,8 +307,8 @@ lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool clo
     if (status == LW_OK)
         status = fetch_all(s, hit, n_hit);
     if (status == LW_OK && *n_hit == 0)
-        status = lw_error_set(s->e, LW_NOTHING, "the catalogue holds no %s curves; 'linkwright catalogue curves' draws some",
-                              closed ? "closed" : "open");
+        status = lw_error_set(s->e, LW_NOTHING, "the catalogue holds no %s curves; 'linkwright catalogue curves' draws "
+                                                "some", closed ? "closed" : "open");
     if (status == LW_E_MEMORY)
         lw_error_set(s->e, status, "out of memory");
     if (count)

@@ -97,8 +97,8 @@ lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_er
     else
         while (status == LW_OK && next_word(&types, word)) {
             const lw_type *t = lw_type_find(word);
-            status = t ? add_type(*maker, t, e) : lw_error_set(e, LW_E_ARG, "there is no type '%s'; 'linkwright help fit' "
-                                                               "lists them", word);
+            status = t ? add_type(*maker, t, e)
+                   : lw_error_set(e, LW_E_ARG, "there is no type '%s'; 'linkwright help fit' lists them", word);
         }
     if (status == LW_OK && (*maker)->n == 0)
         status = lw_error_set(e, LW_E_ARG, "no type of linkage is named");

@@ -167,16 +167,30 @@ static void series(const lw_vec2 *w, double tau, lw_vec2 f[3])
     }
 }
 
-/* The tau of the largest |F|: the best of some starts, and Newton from there. */
+/* |F(tau)|^2 for the unit vector e^{i tau}. */
+static double square_at(const lw_vec2 *w, lw_vec2 one)
+{
+    lw_vec2 turn = one, f = lw_v2(0, 0);
+    for (int k = 0; k < LW_TERMS; k += 2, turn = lw_v2_turn(turn, one))
+        f = lw_v2_add(f, lw_v2_add(lw_v2_turn(w[k], turn), lw_v2_unturn(w[k + 1], turn)));
+    return lw_v2_dot(f, f);
+}
+
+/* F of the largest |F|: the starts that are higher than their neighbours, and Newton from there. */
 static lw_vec2 largest(const lw_vec2 *w)
 {
-    lw_vec2 f[3], best = lw_v2(0, 0);
+    double at[2*STARTS], limit = LW_PI/STARTS, highest = 0;
+    lw_vec2 f[3], best = lw_v2(0, 0), step = lw_v2_polar(1, limit), one = lw_v2(1, 0);
+    for (int i = 0; i < 2*STARTS; i++, one = lw_v2_turn(one, step)) {
+        at[i] = square_at(w, one);
+        highest = fmax(highest, at[i]);
+    }
     for (int i = 0; i < 2*STARTS; i++) {
-        double tau = 2*LW_PI*i/(2*STARTS), limit = 2*LW_PI/(2*STARTS);
+        double before = at[(i + 2*STARTS - 1)%(2*STARTS)], after = at[(i + 1)%(2*STARTS)], tau = i*limit;
+        if (at[i] < before || at[i] < after || at[i] < 0.8*highest)    /* it grows by less than that in between */
+            continue;
         series(w, tau, f);
-        if (lw_v2_dot(f[0], f[0]) < 0.8*lw_v2_dot(best, best))
-            continue;                              /* between two starts it grows by less than that */
-        for (int step = 0; step < 8; step++) {
+        for (int n = 0; n < 8; n++) {
             double slope = lw_v2_dot(f[0], f[1]), bend = lw_v2_dot(f[1], f[1]) + lw_v2_dot(f[0], f[2]);
             double move = bend < 0 ? -slope/bend : copysign(limit, slope);
             tau += fmin(fmax(move, -limit), limit);
@@ -260,7 +274,8 @@ float lw_matcher_square(const lw_matcher *m, const lw_packed *curve)
         int swap = m->closed && (v & 2) ? 1 : 0;               /* closed: c_-k; open: every other sign */
         float conj = v & 1 ? -1.0f : 1.0f, value = 0, sr = 0, si = 0;
         for (int k = 0; k < LW_TERMS; k++) {
-            float sign = !m->closed && (v & 2) && k%2 == 0 ? -1.0f : 1.0f, r = br[k ^ swap]*sign, i = bi[k ^ swap]*conj*sign;
+            float sign = !m->closed && (v & 2) && k%2 == 0 ? -1.0f : 1.0f;
+            float r = br[k ^ swap]*sign, i = bi[k ^ swap]*conj*sign;
             wr[k] = m->re[k]*r + m->im[k]*i;
             wi[k] = m->im[k]*r - m->re[k]*i;
             sr += wr[k];
@@ -312,6 +327,7 @@ void lw_curve_smooth(const lw_vec2 *p, size_t n, bool closed, lw_vec2 *out, size
             out[j] = p[i];
             continue;
         }
-        out[j] = spline(beside(p, n, closed, i, -1, p[k]), p[i], p[k], beside(p, n, closed, k, 1, p[i]), at - (double)i);
+        out[j] = spline(beside(p, n, closed, i, -1, p[k]), p[i], p[k], beside(p, n, closed, k, 1, p[i]),
+                        at - (double)i);
     }
 }

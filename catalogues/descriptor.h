@@ -57,7 +57,8 @@ void lw_packed_size(const lw_packed *p, float size[LW_TERMS]);
 void lw_descriptor_sizes(const lw_descriptor *d, float forth[LW_TERMS], float back[LW_TERMS]);
 
 /* How `curve` is laid on `target`, both of one kind:
- *     target's point ~ centre_t + size_t e^{i turn} (point - centre_c)/size_c,  the point mirrored in x before, if so. */
+ *     target's point ~ centre_t + size_t e^{i turn} (point - centre_c)/size_c,
+ * the point mirrored in the x axis before, if so. */
 typedef struct lw_match { double distance, turn; bool mirrored; } lw_match;
 void lw_descriptor_match(const lw_descriptor *target, const lw_descriptor *curve, lw_match *m);
 

@@ -76,7 +76,8 @@ static size_t word_length(const char *at)
     size_t n = 0;
     while (in_word(at[n]) && !(at[n] == '.' && at[n + 1] == '.'))
         n++;
-    if (n > 0 && (at[n] == '+' || at[n] == '-') && tolower((unsigned char)at[n - 1]) == 'e' && isdigit((unsigned char)*at))
+    bool exponent = n > 0 && tolower((unsigned char)at[n - 1]) == 'e' && isdigit((unsigned char)*at);
+    if (exponent && (at[n] == '+' || at[n] == '-'))
         n += 1 + word_length(at + n + 1);
     return n;
 }
@@ -148,7 +149,8 @@ static void use(reader *r, const lw_field *f)
 /* The list with all fields that are used, unless one is wanted. */
 static lw_status choose_list(reader *r)
 {
-    int first = r->o->list == LW_LIST_ANY ? 0 : (int)r->o->list, last = r->o->list == LW_LIST_ANY ? LW_LIST_ANY - 1 : first;
+    bool free = r->o->list == LW_LIST_ANY;
+    int first = free ? 0 : (int)r->o->list, last = free ? LW_LIST_ANY - 1 : first;
     const lw_field *missing = NULL;
     for (int l = first; l <= last; l++) {
         missing = NULL;
@@ -159,8 +161,8 @@ static lw_status choose_list(reader *r)
             return LW_OK;
     }
     if (first == last)
-        return lw_error_set(r->e, LW_E_ARG, "%s have no field '%s'; --fields lists what they have", lw_list_names[first],
-                            missing->name);
+        return lw_error_set(r->e, LW_E_ARG, "%s have no field '%s'; --fields lists what they have",
+                            lw_list_names[first], missing->name);
     return lw_error_set(r->e, LW_E_ARG, "no list has all these fields, '%s' and others; --fields lists which has what",
                         missing->name);
 }
@@ -234,7 +236,8 @@ static lw_status read_value(reader *r, const lw_field *f, bool pattern)
     const token t = r->next;
     lw_status s;
     if (t.kind == END || t.kind == SIGN)
-        return fault(r, t.at, t.kind == END ? "a value is wanted here%.*s" : "a value is wanted, not '%.*s'", t.at, t.n);
+        return fault(r, t.at, t.kind == END ? "a value is wanted here%.*s" : "a value is wanted, not '%.*s'", t.at,
+                     t.n);
     if (f->kind == LW_FIELD_TEXT) {
         bool part = pattern && !memchr(t.at, '*', t.n) && !memchr(t.at, '?', t.n);
         s = add_text(r, t.at, t.n, part);
@@ -491,8 +494,8 @@ static lw_status compile(reader *r, const char *text)
         lw_bytes_text(&r->q->sql, " WHERE ");
         s = read_or(r);
         if (s == LW_OK && r->next.kind != END)
-            s = fault(r, r->next.at, r->next.sign == ')' ? "this '%.*s' closes nothing" : "and, or, or the end is wanted, not '%.*s'",
-                      r->next.at, r->next.n);
+            s = fault(r, r->next.at, r->next.sign == ')' ? "this '%.*s' closes nothing" : "and, or, or the end is "
+                      "wanted, not '%.*s'", r->next.at, r->next.n);
     }
     if (s == LW_OK && r->o->columns)
         s = each_field(r, r->o->columns, false);

@@ -21,10 +21,13 @@
 
 /* What is listed. */
 typedef enum lw_query_list {
-    LW_LIST_CHAINS, LW_LIST_MECHANISMS, LW_LIST_LINKAGES, LW_LIST_STRUCTURES, LW_LIST_ANY     /* the first with all fields */
+    LW_LIST_CHAINS, LW_LIST_MECHANISMS, LW_LIST_LINKAGES, LW_LIST_STRUCTURES,
+    LW_LIST_ANY                                  /* the first with all fields                         */
 } lw_query_list;
 
-typedef enum lw_field_kind { LW_FIELD_INTEGER, LW_FIELD_REAL, LW_FIELD_LENGTH, LW_FIELD_ANGLE, LW_FIELD_TEXT, LW_FIELD_FLAG } lw_field_kind;
+typedef enum lw_field_kind {
+    LW_FIELD_INTEGER, LW_FIELD_REAL, LW_FIELD_LENGTH, LW_FIELD_ANGLE, LW_FIELD_TEXT, LW_FIELD_FLAG
+} lw_field_kind;
 
 typedef struct lw_field {
     const char   *name, *about;

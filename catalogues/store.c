@@ -33,8 +33,8 @@ lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e)
     case SQLITE_NOTADB:
         return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is no SQLite file");
     case SQLITE_CORRUPT:
-        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "the file is damaged (%s); take a copy of before, or build it "
-                           "again", sqlite3_errmsg(s->db));
+        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "the file is damaged (%s); take a copy of before, or build "
+                           "it again", sqlite3_errmsg(s->db));
     case SQLITE_READONLY:
     case SQLITE_PERM:
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the file or its folder is read-only");
@@ -147,8 +147,8 @@ static lw_status say_who(const lw_store *s, lw_error *e)
     ssize_t n = pread(s->lock, who, sizeof who - 1, 0);
     who[n > 0 ? n : 0] = 0;
     who[strcspn(who, "\n")] = 0;
-    return lw_error_at(e, LW_E_IO, s->path, 0, 0, "%s writes to it; wait until it is through, or give it longer with --wait",
-                       *who ? who : "another program");
+    return lw_error_at(e, LW_E_IO, s->path, 0, 0, "%s writes to it; wait until it is through, or give it longer with "
+                                                  "--wait", *who ? who : "another program");
 }
 
 /* True when the file that is open still stands under its name: the last holder may have removed it. */
@@ -219,8 +219,8 @@ static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error 
     if (there && !S_ISREG(st.st_mode))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "this is no plain file");
     if ((!there || st.st_size == 0) && !o->create)
-        return lw_error_at(e, LW_E_IO, s->path, 0, 0, there ? "the file is empty; 'linkwright catalogue build' fills one"
-                           : "there is no such file; 'linkwright catalogue build' makes one");
+        return lw_error_at(e, LW_E_IO, s->path, 0, 0, there ? "the file is empty; 'linkwright catalogue build' fills "
+                           "one" : "there is no such file; 'linkwright catalogue build' makes one");
     if (there && o->write && ((st.st_mode & 0222) == 0 || access(s->path, W_OK) != 0))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the file is read-only");
     return LW_OK;
@@ -270,10 +270,12 @@ static lw_status identify(lw_store *s, lw_error *e)
         return LW_OK;
     if (application != LW_STORE_APPLICATION)
         return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is a database of another program (application_id "
-                           "0x%08X, not 0x%08X); it stays as it is", (unsigned)application, (unsigned)LW_STORE_APPLICATION);
+                           "0x%08X, not 0x%08X); it stays as it is", (unsigned)application,
+                           (unsigned)LW_STORE_APPLICATION);
     if (s->found_version > lw_store_step_count)
-        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "the file has schema version %d and comes from a newer program; "
-                           "this one, " LW_VERSION ", knows versions 1 to %d", s->found_version, lw_store_step_count);
+        return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "the file has schema version %d and comes from a newer "
+                           "program; this one, " LW_VERSION ", knows versions 1 to %d", s->found_version,
+                           lw_store_step_count);
     if (s->found_version < 1)
         return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "the file has no schema version");
     return LW_OK;
@@ -399,9 +401,9 @@ lw_status lw_store_run_begin(lw_store *s, const lw_store_run *r, lw_error *e)
     char now[32], seed[24];
     bool any;
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)r->seed);
-    lw_status status = lw_store_find(s, "SELECT id FROM run WHERE action = ?1 AND what = ?2 AND command = ?3 AND seed = ?4 "
-                                     "AND program = ?5 AND ended IS NULL", &s->run, &any, e, "ttttt", r->action, r->what,
-                                     r->command, seed, LW_VERSION);
+    lw_status status = lw_store_find(s, "SELECT id FROM run WHERE action = ?1 AND what = ?2 AND command = ?3 AND seed "
+                                        "= ?4 AND program = ?5 AND ended IS NULL", &s->run, &any, e, "ttttt", r->action,
+                                     r->what, r->command, seed, LW_VERSION);
     if (status != LW_OK || any)
         return status;
     time_now(now);

@@ -122,7 +122,9 @@ lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error 
 
 /* ---- asking -------------------------------------------------------------------------------------- */
 
-typedef enum lw_value_kind { LW_VALUE_NULL, LW_VALUE_INTEGER, LW_VALUE_REAL, LW_VALUE_TEXT, LW_VALUE_BLOB } lw_value_kind;
+typedef enum lw_value_kind {
+    LW_VALUE_NULL, LW_VALUE_INTEGER, LW_VALUE_REAL, LW_VALUE_TEXT, LW_VALUE_BLOB
+} lw_value_kind;
 
 typedef struct lw_value {
     lw_value_kind kind;

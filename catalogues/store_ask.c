@@ -17,7 +17,7 @@ static int allow(void *context, int action, const char *first, const char *secon
     case SQLITE_FUNCTION:
         return second && strcmp(second, "load_extension") == 0 ? SQLITE_DENY : SQLITE_OK;
     case SQLITE_PRAGMA:
-        return first && (strcmp(first, "table_info") == 0 || strcmp(first, "table_list") == 0) ? SQLITE_OK : SQLITE_DENY;
+        return first && (!strcmp(first, "table_info") || !strcmp(first, "table_list")) ? SQLITE_OK : SQLITE_DENY;
     default:
         return SQLITE_DENY;
     }

@@ -14,12 +14,14 @@ lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
     lw_status status = lw_store_do(s, "INSERT OR IGNORE INTO sweep(families, kinds, seed) VALUES(?1, ?2, ?3)", e, "tit",
                                    sweep->families, (long long)sweep->kinds, seed);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT id FROM sweep WHERE families = ?1 AND kinds = ?2 AND seed = ?3", &s->sweep, &any, e,
-                               "tit", sweep->families, (long long)sweep->kinds, seed);
+        status = lw_store_find(s, "SELECT id FROM sweep WHERE families = ?1 AND kinds = ?2 AND seed = ?3", &s->sweep,
+                               &any, e, "tit", sweep->families, (long long)sweep->kinds, seed);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT samples FROM sweep WHERE id = ?1", &samples, &any, e, "i", (long long)s->sweep);
+        status = lw_store_find(s, "SELECT samples FROM sweep WHERE id = ?1", &samples, &any, e, "i",
+                               (long long)s->sweep);
     if (status == LW_OK)
-        status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i", (long long)s->sweep);
+        status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i",
+                               (long long)s->sweep);
     sweep->samples = (uint64_t)samples;
     sweep->segments = (uint64_t)segments;
     return status;
@@ -53,8 +55,8 @@ lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t 
         if (tree[i].n > 0)
             status = put_tree(s, &tree[i], e);
     if (status == LW_OK)
-        status = lw_store_do(s, "UPDATE sweep SET samples = samples + ?1, segments = segments + 1 WHERE id = ?2", e, "ii",
-                             (long long)n_sample, (long long)s->sweep);
+        status = lw_store_do(s, "UPDATE sweep SET samples = samples + ?1, segments = segments + 1 WHERE id = ?2", e,
+                             "ii", (long long)n_sample, (long long)s->sweep);
     return status;
 }
 
@@ -74,17 +76,18 @@ static double known(int v)
 
 lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error *e)
 {
-    return lw_store_do(s, "INSERT OR IGNORE INTO linkage(hash, name, links, dof, joints, sliders, kinds, label, type, family, "
-                       "class, task, timing, target, source, objective, error, error_mean, error_rms, error_max, "
-                       "error_curve, angle_error, crank, circuits, transmission_min, transmission_max, size, closed, curve, "
-                       "terms, json, run) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, "
-                       "?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32)", e,
-                       "ttiiiittttttttt" "ddddddd" "dd" "ddd" "d" "bbti", k->hash, k->name, (long long)k->links,
-                       (long long)k->dof, (long long)k->joints, (long long)k->sliders, k->kinds, k->label, k->type, k->family,
-                       k->four_bar, k->task, k->timing, k->target, k->source, k->objective, k->error, k->error_mean,
-                       k->error_rms, k->error_max, k->error_curve, k->angle_error, known(k->crank), known(k->circuits),
-                       k->transmission_min, k->transmission_max, k->size, known(k->closed), k->curve,
-                       2*k->n_curve*sizeof *k->curve, k->terms, k->terms_size, k->json, (long long)s->run);
+    return lw_store_do(s, "INSERT OR IGNORE INTO linkage(hash, name, links, dof, joints, sliders, kinds, label, type, "
+                          "family, class, task, timing, target, source, objective, error, error_mean, error_rms, "
+                          "error_max, error_curve, angle_error, crank, circuits, transmission_min, transmission_max, "
+                          "size, closed, curve, terms, json, run) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+                          "?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, "
+                          "?30, ?31, ?32)", e, "ttiiiittttttttt" "ddddddd" "dd" "ddd" "d" "bbti", k->hash, k->name,
+                       (long long)k->links, (long long)k->dof, (long long)k->joints, (long long)k->sliders, k->kinds,
+                       k->label, k->type, k->family, k->four_bar, k->task, k->timing, k->target, k->source,
+                       k->objective, k->error, k->error_mean, k->error_rms, k->error_max, k->error_curve,
+                       k->angle_error, known(k->crank), known(k->circuits), k->transmission_min, k->transmission_max,
+                       k->size, known(k->closed), k->curve, 2*k->n_curve*sizeof *k->curve, k->terms, k->terms_size,
+                       k->json, (long long)s->run);
 }
 
 /* ---- blocks out of the store ------------------------------------------------------------------------ */

@@ -74,7 +74,8 @@ static void set_type(const lw_linkage *k, char type[8])
     for (int i = 0; i < 4; i++) {
         const lw_joint *j = &k->joint[joint];
         int next = -1;
-        if ((j->link[0] != link && j->link[1] != link) || (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER)) {
+        bool known = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_SLIDER;
+        if (!known || (j->link[0] != link && j->link[1] != link)) {
             type[0] = 0;
             return;
         }
@@ -307,8 +308,8 @@ static lw_status add_value(job *j, const json_t *v)
     if (json_is_object(v) && json_object_get(v, "joints"))
         return add_one(j, v, NULL, NULL);
     if (!json_is_array(results))
-        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is no linkage and no result of a fit: an object with "
-                           "'results', 'linkage' or 'joints' is wanted");
+        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is no linkage and no result of a fit: an "
+                           "object with 'results', 'linkage' or 'joints' is wanted");
     for (size_t i = 0; i < json_array_size(results) && s == LW_OK; i++) {
         const json_t *r = json_array_get(results, i);
         linkage = json_object_get(r, "linkage");
@@ -388,8 +389,8 @@ int cli_catalogue_add(const cli_call *call)
     lw_status s = add_file(j);
     int code = cli_catalogue_watch_end(&j->watch, s < 0 ? cli_fail(call, &j->e) : CLI_DONE);
     if (s >= 0)
-        cli_note(call, "%llu linkages read, %llu added%s", (unsigned long long)j->n_read, (unsigned long long)j->n_added,
-                 s == LW_OK ? "" : "; the same command goes on from here");
+        cli_note(call, "%llu linkages read, %llu added%s", (unsigned long long)j->n_read,
+                 (unsigned long long)j->n_added, s == LW_OK ? "" : "; the same command goes on from here");
     lw_store_close(j->store);
     free(j);
     return code;

@@ -80,8 +80,8 @@ static void print_groups(const lw_assur *a, char text[GROUPS_SIZE])
     text[0] = 0;
     for (int k = 0; k < a->n_group; k++) {
         const lw_assur_group *g = &a->group[k];
-        n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%s%d:", k ? " " : "", g->n_class <= 10 ? roman[g->n_class] : "?",
-                              g->order);
+        n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%s%d:", k ? " " : "",
+                              g->n_class <= 10 ? roman[g->n_class] : "?", g->order);
         for (uint32_t l = g->links; l; l &= l - 1)
             n += (size_t)snprintf(text + n, GROUPS_SIZE - n, "%s%d", l == g->links ? "" : ",", __builtin_ctz(l) + 1);
     }
@@ -435,7 +435,9 @@ static void free_job(job *j)
 /* "r", "rt", "t"; NULL for anything else. */
 static const char *read_kinds(const char *text)
 {
-    static const char *const known[][2] = { { "r", "r" }, { "r,t", "rt" }, { "rt", "rt" }, { "t,r", "rt" }, { "t", "t" } };
+    static const char *const known[][2] = {
+        { "r", "r" }, { "r,t", "rt" }, { "rt", "rt" }, { "t,r", "rt" }, { "t", "t" }
+    };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++)
         if (strcmp(text, known[i][0]) == 0)
             return known[i][1];

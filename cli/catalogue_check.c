@@ -48,8 +48,8 @@ static lw_status check_chains(check *c)
     lw_store_query q = { .sql = "SELECT label, graph6, dof, links FROM chain", .row = check_chain, .context = c };
     lw_status s = lw_store_ask(c->store, &q, &c->e);
     if (s == LW_OK && c->n_wrong > 0)
-        s = lw_error_at(&c->e, LW_E_NOTATION, c->call->parsed.word[1], 0, 0, "%llu of %llu chains are not what their label "
-                        "says, the first is %s", c->n_wrong, c->n_chain, c->wrong);
+        s = lw_error_at(&c->e, LW_E_NOTATION, c->call->parsed.word[1], 0, 0, "%llu of %llu chains are not what their "
+                        "label says, the first is %s", c->n_wrong, c->n_chain, c->wrong);
     return s;
 }
 
@@ -126,12 +126,12 @@ static lw_status check_row(check *c, const lw_published *row)
     char links[64];
     const char *sql = strcmp(row->family, "simple-joint") == 0 ? sql_of(row) : NULL;
     long long n = 0;
-    lw_value v[3] = { { .kind = LW_VALUE_INTEGER, .integer = row->links }, { .kind = LW_VALUE_INTEGER, .integer = row->dof },
-                      { .kind = LW_VALUE_TEXT, .text = links } };
+    lw_value v[3] = { { .kind = LW_VALUE_INTEGER, .integer = row->links },
+                      { .kind = LW_VALUE_INTEGER, .integer = row->dof }, { .kind = LW_VALUE_TEXT, .text = links } };
     if (!sql)
         return LW_OK;
-    lw_status s = lw_store_number(c->store, "SELECT count(*) FROM build WHERE links = ?1 AND dof = ?2 AND complete", v, 2, &n,
-                                  &c->e);
+    lw_status s = lw_store_number(c->store, "SELECT count(*) FROM build WHERE links = ?1 AND dof = ?2 AND complete", v,
+                                  2, &n, &c->e);
     if (s != LW_OK || n == 0)
         return s;
     read_assortment(row->what, links);
@@ -167,14 +167,27 @@ static lw_status check_published(check *c)
 static lw_status check_sums(check *c)
 {
     static const struct { const char *what, *sql; } sums[] = {
-        { "chains of a finished build are missing", "SELECT count(*) FROM build b WHERE complete AND done != (SELECT count(*) "
-          "FROM chain c WHERE c.links = b.links AND c.dof = b.dof)" },
-        { "chains have not all their ground links", "SELECT count(*) FROM chain c WHERE grounds != (SELECT count(*) FROM "
-          "ground g WHERE g.chain = c.id) OR links != (SELECT sum(alike) FROM ground g WHERE g.chain = c.id)" },
-        { "ground links have no input", "SELECT count(*) FROM ground g WHERE NOT EXISTS (SELECT 1 FROM mechanism m WHERE "
-          "m.chain = g.chain AND m.ground = g.link)" },
-        { "chains stand at the wrong structure", "SELECT count(*) FROM chain c JOIN structure s ON s.id = c.structure WHERE "
-          "s.loops != c.loops OR s.circles != c.links - c.binary OR s.planar != c.planar" },
+        { "chains of a finished build are missing",
+          "SELECT count(*) FROM build b WHERE complete AND done != "
+          "(SELECT count(*) FROM chain c WHERE c.links = b.links AND c.dof = b.dof)" },
+        { "chains have not all their ground links",
+          "SELECT count(*) FROM chain c WHERE grounds != (SELECT count(*) FROM ground g WHERE g.chain = c.id) "
+          "OR links != (SELECT sum(alike) FROM ground g WHERE g.chain = c.id)" },
+        { "ground links have no input",
+          "SELECT count(*) FROM ground g WHERE NOT EXISTS "
+          "(SELECT 1 FROM mechanism m WHERE m.chain = g.chain AND m.ground = g.link)" },
+        { "chains stand at the wrong structure",
+          "SELECT count(*) FROM chain c JOIN structure s ON s.id = c.structure "
+          "WHERE s.loops != c.loops OR s.circles != c.links - c.binary OR s.planar != c.planar" },
+        { "segments of curves lack blocks or have too many",
+          "SELECT count(*) FROM curve_segment s WHERE n != "
+          "(SELECT coalesce(sum(length(terms)), 0)/64 FROM curve_block b "
+          "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68) "
+          "OR n != (SELECT coalesce(sum(length(linkages)), 0)/36 FROM curve_block b "
+          "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68)" },
+        { "sequences of curves lack segments",
+          "SELECT count(*) FROM sweep w WHERE segments != "
+          "(SELECT count(DISTINCT number) FROM curve_segment s WHERE s.sweep = w.id)" },
     };
     for (size_t i = 0; i < sizeof sums/sizeof *sums; i++) {
         long long n;

@@ -26,7 +26,8 @@ static lw_status draw_segment(job *j)
     lw_atlas_tree tree[2];
     uint64_t left = j->wanted - j->sweep.samples;
     size_t n = left < LW_SEGMENT_MAX ? (size_t)left : LW_SEGMENT_MAX;
-    lw_status s = lw_atlas_segment(j->maker, j->sweep.seed, j->sweep.segments, n, j->sweep.kinds, j->call->common.jobs, tree);
+    lw_status s = lw_atlas_segment(j->maker, j->sweep.seed, j->sweep.segments, n, j->sweep.kinds, j->call->common.jobs,
+                                   tree);
     if (s != LW_OK)
         return lw_error_set(&j->e, s, "%s", lw_status_text(s));
     s = lw_store_begin(j->store, &j->e);
@@ -88,7 +89,8 @@ int cli_catalogue_curves(const cli_call *call)
         return cli_usage(call, "curves are drawn of four links so far: --links 4, not %d", s->links);
     if (s->samples == 0)
         return cli_usage(call, "how many curves? give --samples N");
-    job j = { .call = call, .wanted = (uint64_t)s->samples, .watch = cli_catalogue_watch_begin(call, "curves", "samples") };
+    job j = { .call = call, .wanted = (uint64_t)s->samples };
+    j.watch = cli_catalogue_watch_begin(call, "curves", "samples");
     j.watch.total = (double)j.wanted;
     double start = lw_clock_wall();
     lw_status status = draw_all(&j);
@@ -96,8 +98,8 @@ int cli_catalogue_curves(const cli_call *call)
     double seconds = lw_clock_wall() - start;
     if (status >= 0)
         cli_note(call, "%llu curves drawn in %.2f s; %llu of %llu samples are in the catalogue%s",
-                 (unsigned long long)j.n_curve, seconds, (unsigned long long)j.sweep.samples, (unsigned long long)j.wanted,
-                 status == LW_OK ? "" : "; the same command goes on from here");
+                 (unsigned long long)j.n_curve, seconds, (unsigned long long)j.sweep.samples,
+                 (unsigned long long)j.wanted, status == LW_OK ? "" : "; the same command goes on from here");
     lw_curve_maker_free(j.maker);
     lw_store_close(j.store);
     return code;
@@ -177,9 +179,9 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
     if (status == LW_OK)
         status = lw_store_nearest(store, p, t->n, t->closed, s->neighbours, hit, n, &count, e);
     if (status >= 0)
-        cli_note(call, "%llu curves, %llu of %llu blocks read, %llu compared, %.1f ms", (unsigned long long)count.n_curve,
-                 (unsigned long long)count.n_read, (unsigned long long)count.n_block, (unsigned long long)count.n_compared,
-                 1e3*(lw_clock_wall() - start));
+        cli_note(call, "%llu curves, %llu of %llu blocks read, %llu compared, %.1f ms",
+                 (unsigned long long)count.n_curve, (unsigned long long)count.n_read, (unsigned long long)count.n_block,
+                 (unsigned long long)count.n_compared, 1e3*(lw_clock_wall() - start));
     lw_store_close(store);
     free(p);
     return status;

@@ -39,7 +39,8 @@ static bool set_inputs(lw_mechanism *m, const char *text)
     while (text && *text) {
         char *end;
         long a = strtol(text, &end, 10), b = *end == '-' ? strtol(end + 1, &end, 10) : 0;
-        int joint = a > 0 && b > 0 && a <= m->n_link && b <= m->n_link ? lw_mechanism_joint(m, (int)a - 1, (int)b - 1) : LW_NONE;
+        bool links = a > 0 && b > 0 && a <= m->n_link && b <= m->n_link;
+        int joint = links ? lw_mechanism_joint(m, (int)a - 1, (int)b - 1) : LW_NONE;
         if (joint == LW_NONE || m->n_input == LW_INPUT_MAX)
             return false;
         m->input[m->n_input++] = (uint8_t)joint;
@@ -54,7 +55,8 @@ static lw_status write_topology(job *j, int n_column, const lw_value *v)
     lw_mechanism m;
     char text[LW_NOTATION_SIZE];
     size_t length;
-    if (!v[0].text || lw_graph6_read(v[0].text, v[0].size, NULL, &c, NULL) != LW_OK || lw_mechanism_from_chain(&c, &m) != LW_OK)
+    if (!v[0].text || lw_graph6_read(v[0].text, v[0].size, NULL, &c, NULL) != LW_OK
+        || lw_mechanism_from_chain(&c, &m) != LW_OK)
         return damaged(j, "a chain that is none");
     if (n_column > 1) {
         m.ground = (int)v[1].integer - 1;
@@ -142,8 +144,8 @@ static int write_all(job *j, const lw_query *q)
 {
     const cli_call *call = j->call;
     lw_store *store;
-    lw_store_query sql = { .sql = q->sql.data, .value = q->value, .n_value = q->n_value, .row = take_row, .goes_on = goes_on,
-                           .context = j };
+    lw_store_query sql = { .sql = q->sql.data, .value = q->value, .n_value = q->n_value, .row = take_row,
+                           .goes_on = goes_on, .context = j };
     if (cli_open(call, &j->out, &j->e) != LW_OK)
         return cli_fail(call, &j->e);
     lw_status s = cli_catalogue_open(call, false, &store, &j->e);
@@ -162,14 +164,18 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
     const char *text = call->parsed.n_word > 2 ? call->parsed.word[2] : "";
-    lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .sort = s->sort, .limit = s->limit };
+    lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .sort = s->sort,
+                           .limit = s->limit };
     lw_status status = lw_query_compile(text, &o, q, e);
     if (status != LW_OK)
         return status;
     o.list = q->list;
     if (o.list == LW_LIST_STRUCTURES)
-        return lw_error_set(e, LW_E_ARG, "structures are listed by query; chains, mechanisms and linkages are exported");
-    o.columns = o.list == LW_LIST_CHAINS ? "graph6" : o.list == LW_LIST_MECHANISMS ? mechanism_columns : linkage_columns;
+        return lw_error_set(e, LW_E_ARG, "structures are listed by query; chains, mechanisms and linkages are "
+                                         "exported");
+    o.columns = o.list == LW_LIST_CHAINS ? "graph6" : linkage_columns;
+    if (o.list == LW_LIST_MECHANISMS)
+        o.columns = mechanism_columns;
     lw_query_free(q);
     return lw_query_compile(text, &o, q, e);
 }

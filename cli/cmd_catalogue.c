@@ -15,34 +15,36 @@ static const cli_option options[] = {
       "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground", "build: drive joints at the ground, or any", 0, 0,
       NULL, NULL },
-    { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL, "build: leave out where the joints of a chain are drawn",
-      0, 0, NULL, NULL },
+    { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL,
+      "build: leave out where the joints of a chain are drawn", 0, 0, NULL, NULL },
     { "samples", 'n', CLI_INT, PLACE(samples), "N", NULL, "curves: how many are drawn", 1, 2e9, NULL, NULL },
-    { "types", 0, CLI_TEXT, PLACE(types), "LIST", "fourbar", "curves: types of linkages, as of fit, apart by commas, or all",
-      0, 0, NULL, NULL },
+    { "types", 0, CLI_TEXT, PLACE(types), "LIST", "fourbar",
+      "curves: types of linkages, as of fit, apart by commas, or all", 0, 0, NULL, NULL },
     { "curves", 0, CLI_CHOICE, PLACE(curves), "both|closed|open", "both",
       "curves: whole circuits, or pieces of them, or in turn", 0, 0, NULL, NULL },
     { "neighbours", 'k', CLI_INT, PLACE(neighbours), "K", "20", "nearest: how many curves are wanted", 1, 100000, NULL,
       NULL },
-    { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file", "nearest: take the target as closed or open", 0, 0,
-      NULL, NULL },
+    { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
+      "nearest: take the target as closed or open", 0, 0, NULL, NULL },
     { "list", 'l', CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
       "query, export: what is listed; any: the first of them that has all fields asked for", 0, 0, NULL, NULL },
-    { "columns", 0, CLI_TEXT, PLACE(columns), "FIELDS", NULL, "query: fields that are shown, apart by commas", 0, 0, NULL,
-      NULL },
-    { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL, "query, export: by these fields; -FIELD: falling", 0, 0, NULL, NULL },
+    { "columns", 0, CLI_TEXT, PLACE(columns), "FIELDS", NULL,
+      "query: fields that are shown, apart by commas", 0, 0, NULL, NULL },
+    { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
+      "query, export: by these fields; -FIELD: falling", 0, 0, NULL, NULL },
     { "limit", 0, CLI_INT, PLACE(limit), "N", NULL, "query, export: at most so many rows", 1, 2e9, NULL, NULL },
-    { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv", "table", "query: how rows are written", 0, 0, NULL, NULL },
-    { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL, "query: the question is a SELECT of SQL, with the tables of docs/catalogue.md",
-      0, 0, NULL, NULL },
+    { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv", "table",
+      "query: how rows are written", 0, 0, NULL, NULL },
+    { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
+      "query: the question is a SELECT of SQL, with the tables of docs/catalogue.md", 0, 0, NULL, NULL },
     { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL, "query: list the fields instead", 0, 0, NULL, "sql" },
     { "notation", 0, CLI_TEXT, PLACE(notation), "NAME", NULL,
       "export: notation of chains and mechanisms, graph6, lam, sentence, ...", 0, 0, NULL, NULL },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5", "how long to wait for another program that writes to the file",
       0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
-      "how often what is done is written down for good: so much work is lost at most when the program is killed", 0, 1e6,
-      NULL, NULL },
+      "how often what is done is written down for good: so much work is lost at most when the program is killed",
+      0, 1e6, NULL, NULL },
     { "time", 0, CLI_REAL, PLACE(time), "SECONDS", "60",
       "check of a table: rows that would not be through by then are left out; others, when given: stop then", 0, 1e9,
       NULL, NULL },
@@ -51,7 +53,12 @@ static const cli_option options[] = {
     { .name = NULL }
 };
 
-static const struct { const char *name; int least, most; const char *words; int (*run)(const cli_call *call); } actions[] = {
+static const struct {
+    const char *name;
+    int         least, most;                   /* words */
+    const char *words;
+    int       (*run)(const cli_call *call);
+} actions[] = {
     { "build", 2, 2, "build FILE --links P", cli_catalogue_build },
     { "add", 3, 3, "add FILE RESULTS.json", cli_catalogue_add },
     { "curves", 2, 2, "curves FILE --links 4 --samples N", cli_catalogue_curves },
@@ -75,8 +82,8 @@ cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *
 {
     const cli_catalogue_settings *s = call->settings;
     cli_watch_interrupt();
-    return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit), .start = lw_clock_wall(),
-                                  .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
+    return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit),
+                                  .start = lw_clock_wall(), .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
 }
 
 bool cli_catalogue_goes_on(cli_catalogue_watch *w, double done)
@@ -107,7 +114,8 @@ static int run(const cli_call *call)
     const char *near = lw_suggest(word, names, N_ACTION);
     if (near)
         return cli_usage(call, "there is no action '%s'; did you mean '%s'?", word, near);
-    return cli_usage(call, "there is no action '%s'; there are build, add, curves, nearest, query, export, check and html", word);
+    return cli_usage(call, "there is no action '%s'; there are build, add, curves, nearest, query, export, check and "
+                           "html", word);
 }
 
 const cli_command cli_catalogue_command = {
@@ -137,8 +145,8 @@ const cli_command cli_catalogue_command = {
         "add takes linkages with their errors out of the output of fit --json (one after the other), or linkages by\n"
         "themselves; - is standard input. What is there already is passed over.\n"
         "curves draws coupler curves of four-link chains, whole circuits and pieces of them, spread evenly over\n"
-        "the shapes of linkages; nearest finds those most like a target, whatever its place, size, turn, direction and\n"
-        "mirroring, and prints the linkages laid on it.\n"
+        "the shapes of linkages; nearest finds those most like a target, whatever its place, size, turn, direction\n"
+        "and mirroring, and prints the linkages laid on it.\n"
         "query asks: tests of fields with = != < <= > >= ~ (pattern) and in (a, b), ranges 4..8, and, or, not,\n"
         "parentheses; query FILE --fields lists the fields. With --sql the question is one SELECT, which can only\n"
         "read. export writes what a question finds in a notation, linkages as add reads them.\n"

@@ -95,8 +95,7 @@ static inline int start_and_kill(const char *folder, const char *arguments, doub
     }
     free(whole);
     if (seconds >= 0) {
-        nanosleep(&(struct timespec){ .tv_sec = (time_t)seconds, .tv_nsec = (long)(1e9*(seconds - (double)(time_t)seconds)) },
-                  NULL);
+        nanosleep(&(struct timespec){ (time_t)seconds, (long)(1e9*(seconds - (double)(time_t)seconds)) }, NULL);
         kill(pid, SIGKILL);
     }
     waitpid(pid, &status, 0);

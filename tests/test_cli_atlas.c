@@ -16,8 +16,8 @@ static void curves(void)
 static void nearest(void)
 {
     expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 3", 0, "  3 ", "blocks read");
-    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 5 --json -o $D/near.json; $P draw $D/near.json --result 2 "
-           "--target examples/ellipse.csv -o $D/near.svg && grep -c '</svg>' $D/near.svg", 0, "1\n", NULL);
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 5 --json -o $D/near.json; $P draw $D/near.json "
+           "--result 2 --target examples/ellipse.csv -o $D/near.svg && grep -c '</svg>' $D/near.svg", 0, "1\n", NULL);
     expect("$P catalogue nearest $D/c.db examples/letter-s.csv --shape open -k 1", 0, "  1 ", NULL);
     expect("$P catalogue nearest $D/c.db examples/function-log.csv", 3, NULL, "x and y");
     expect("$P catalogue nearest $D/none.db examples/ellipse.csv", 3, NULL, "no such file");
@@ -27,24 +27,28 @@ static void nearest(void)
 
 static void add(void)
 {
-    expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0, "",
-           "1 added");
+    expect("$P catalogue add $D/l.db examples/jansen.json && $P catalogue add $D/l.db examples/slider-crank.json", 0,
+           "", "1 added");
     expect("$P catalogue add $D/l.db examples/jansen.json", 0, "", "1 linkages read, 0 added");
-    expect("$P fit examples/ellipse.csv --time 1 --quiet --results 2 --json > $D/fit.json; cat $D/fit.json $D/near.json "
-           "| $P catalogue add $D/l.db -", 0, "", " 7 added");
+    expect("$P fit examples/ellipse.csv --time 1 --quiet --results 2 --json > $D/fit.json; cat $D/fit.json "
+           "$D/near.json | $P catalogue add $D/l.db -", 0, "", " 7 added");
     expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
-    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is no linkage");
-    expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:3:");
-    expect("printf '\\n{\"results\": [{\"linkage\": {\"joints\": 5}}]}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3,
-           NULL, "bad.json:2: ");
+    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is no "
+           "linkage");
+    expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
+           "bad.json:3:");
+    expect("printf '\\n{\"results\": [{\"linkage\": {\"joints\": 5}}]}' > $D/bad.json; $P catalogue add $D/l.db "
+           "$D/bad.json", 3, NULL, "bad.json:2: ");
     expect("$P catalogue check $D/l.db", 0, NULL, "whole");
-    expect("$P catalogue query $D/l.db 'name~Jansen' --columns links,dof,kinds,closed", 0, "8    1  rrrrrrrrrr       1", NULL);
+    expect("$P catalogue query $D/l.db 'name~Jansen' --columns links,dof,kinds,closed", 0, "8    1  rrrrrrrrrr       1",
+           NULL);
 }
 
 static void query(void)
 {
     expect("$P catalogue build $D/q.db --links 8 && $P catalogue query $D/q.db 'symmetry=12'", 0, "Gr`KAC", NULL);
-    expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n", NULL);
+    expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n",
+           NULL);
     expect("$P catalogue query $D/q.db 'links=8 and assortment=\"4 4\"' --json | wc -l", 0, "9\n", NULL);
     expect("$P catalogue query $D/q.db 'highest=3' --list mechanisms --sort modes --limit 1", 0, "III3:", NULL);
     expect("$P catalogue query $D/q.db --list structures --format csv | wc -l", 0, "5\n", NULL);
@@ -54,26 +58,28 @@ static void query(void)
     expect("$P catalogue query $D/q.db 'SELECT count(*) AS n FROM ground' --sql --json", 0, "{\"n\":71}\n", NULL);
     expect("$P catalogue query $D/q.db \"ATTACH '$D/x' AS x\" --sql", 3, NULL, "nothing else");
     expect("$P catalogue query $D/q.db 'SELECT nothing FROM chain' --sql", 3, NULL, "SQL:1:8:");
-    expect("$P catalogue query $D/q.db 'SELECT 1; DELETE FROM chain' --sql; $P catalogue query $D/q.db 'SELECT count(*) FROM "
-           "chain' --sql", 0, "16", "one SELECT");
-    expect("$P catalogue query $D/q.db 'WITH RECURSIVE x(a) AS (SELECT 1 UNION ALL SELECT a+1 FROM x) SELECT count(*) FROM x' "
-           "--sql --time 0.2", 5, NULL, NULL);
+    expect("$P catalogue query $D/q.db 'SELECT 1; DELETE FROM chain' --sql; $P catalogue query $D/q.db 'SELECT "
+           "count(*) FROM chain' --sql", 0, "16", "one SELECT");
+    expect("$P catalogue query $D/q.db 'WITH RECURSIVE x(a) AS (SELECT 1 UNION ALL SELECT a+1 FROM x) SELECT count(*) "
+           "FROM x' --sql --time 0.2", 5, NULL, NULL);
     /* a terminal is not told what to do by a row */
-    expect("sed 's/Jansen leg/J\\\\u001b[31mansen/' examples/jansen.json > $D/esc.json; $P catalogue add $D/l.db $D/esc.json; "
-           "$P catalogue query $D/l.db 'name~ansen and name~31' --columns name | tail -1", 0, "J?[31mansen", NULL);
-    expect("sed \"s/Jansen leg/x'); DROP TABLE chain; --/\" examples/jansen.json > $D/drop.json; $P catalogue add $D/l.db "
-           "$D/drop.json; $P catalogue query $D/l.db \"name=\\\"x'); DROP TABLE chain; --\\\"\" --columns id | wc -l", 0, "2\n",
-           NULL);
+    expect("sed 's/Jansen leg/J\\\\u001b[31mansen/' examples/jansen.json > $D/esc.json; $P catalogue add $D/l.db "
+           "$D/esc.json; $P catalogue query $D/l.db 'name~ansen and name~31' --columns name | tail -1", 0,
+           "J?[31mansen", NULL);
+    expect("sed \"s/Jansen leg/x'); DROP TABLE chain; --/\" examples/jansen.json > $D/drop.json; $P catalogue add "
+           "$D/l.db $D/drop.json; $P catalogue query $D/l.db \"name=\\\"x'); DROP TABLE chain; --\\\"\" --columns id | "
+           "wc -l", 0, "2\n", NULL);
 }
 
 static void export(void)
 {
-    expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0, "same\n", NULL);
+    expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0,
+           "same\n", NULL);
     expect("$P catalogue export $D/q.db --list mechanisms | sort > $D/a; $P mechanisms --links 8 --input ground | sort "
            "| cmp - $D/a && echo same", 0, "same\n", NULL);
     expect("$P catalogue export $D/q.db --notation lem", 2, NULL, "no notation 'lem'");
-    expect("$P catalogue export $D/l.db > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && $P catalogue export $D/l2.db "
-           "| cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
+    expect("$P catalogue export $D/l.db > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && $P catalogue export "
+           "$D/l2.db | cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
     expect("$P catalogue export $D/q.db 'loops=3' --list structures", 3, NULL, "listed by query");
 }
 
@@ -101,8 +107,8 @@ static void killed(const char *arguments, const char *file, int n)
 
 static void killed_adds(void)
 {
-    expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv -k 150 --json -o $D/killed/many.json", 0, NULL,
-           NULL);
+    expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv -k 150 --json -o $D/killed/many.json",
+           0, NULL, NULL);
     killed("catalogue add x.db many.json --commit 0.005", "x.db", 25);
 }
 
@@ -118,11 +124,60 @@ static void damaged_atlases(void)
     expect("$P catalogue curves $D/full.db --samples 20000 && $P catalogue check $D/full.db", 0, NULL, "whole");
     for (int at = 90000; at < 400000; at += 30011) {
         char line[400];
-        snprintf(line, sizeof line, "cp $D/c.db $D/wild.db; printf '\\377\\001\\377\\377\\377' | dd of=$D/wild.db bs=1 seek=%d "
-                 "conv=notrunc 2>&-; $P catalogue nearest $D/wild.db examples/ellipse.csv > /dev/null; c=$?; [ $c = 0 ] || "
-                 "[ $c = 3 ]", at);
+        snprintf(line, sizeof line, "cp $D/c.db $D/wild.db; printf '\\377\\001\\377\\377\\377' | dd of=$D/wild.db bs=1 "
+                                    "seek=%d conv=notrunc 2>&-; $P catalogue nearest $D/wild.db examples/ellipse.csv > "
+                                    "/dev/null; c=$?; [ $c = 0 ] || [ $c = 3 ]", at);
         expect(line, 0, NULL, NULL);
     }
+}
+
+static void execute(const char *file, const char *sql)
+{
+    char path[200];
+    sqlite3 *db;
+    snprintf(path, sizeof path, "%s/%s", getenv("D"), file);
+    CHECK_INT(sqlite3_open(path, &db), SQLITE_OK);
+    CHECK_INT(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(db);
+}
+
+/* What is whole for SQLite and yet wrong is found by check; commands that meet it say so. */
+static void lies(void)
+{
+    static const struct { const char *sql, *says; } lie[] = {
+        { "UPDATE chain SET graph6 = 'G]`H?c' WHERE id = 3", "1 of 16 chains are not what their label says" },
+        { "UPDATE chain SET links = 7 WHERE id = 3", "1 of 16 chains" },
+        { "PRAGMA foreign_keys=OFF; DELETE FROM ground WHERE chain = 5", "have not all their ground links" },
+        { "DELETE FROM mechanism WHERE chain = 5", "have no input" },
+        { "UPDATE chain SET structure = 2 WHERE structure = 3", "wrong structure" },
+        { "PRAGMA foreign_keys=OFF; DELETE FROM run", "points to a row that is not there" },
+        { "PRAGMA foreign_keys=OFF; DELETE FROM mechanism WHERE chain = 9; DELETE FROM ground WHERE chain = 9; "
+          "DELETE FROM chain WHERE id = 9", "of a finished build are missing" },
+    };
+    for (size_t i = 0; i < sizeof lie/sizeof *lie; i++) {
+        expect("cp $D/q.db $D/lie.db", 0, NULL, NULL);
+        execute("lie.db", lie[i].sql);
+        expect("$P catalogue check $D/lie.db", 3, NULL, lie[i].says);
+    }
+    expect("cp $D/c.db $D/lie.db", 0, NULL, NULL);
+    execute("lie.db", "DELETE FROM curve_block WHERE id = 3");
+    expect("$P catalogue check $D/lie.db", 3, NULL, "segments of curves lack blocks");
+    execute("lie.db", "DELETE FROM curve_block");
+    expect("$P catalogue nearest $D/lie.db examples/ellipse.csv", 3, NULL, "is not what its box says");
+    execute("lie.db", "UPDATE sweep SET families = 'flying carpet'");
+    expect("$P catalogue nearest $D/lie.db examples/ellipse.csv", 3, NULL, "no family 'flying carpet'");
+    execute("lie.db", "UPDATE curve_segment SET boxes = zeroblob(1000)");
+    expect("$P catalogue nearest $D/lie.db examples/ellipse.csv; c=$?; [ $c = 3 ] || [ $c = 1 ]", 0, NULL, NULL);
+    expect("cp $D/l.db $D/lie.db", 0, NULL, NULL);
+    execute("lie.db", "UPDATE linkage SET json = '{}', curve = zeroblob(7)");
+    expect("$P catalogue export $D/lie.db --list linkages", 3, NULL, "a linkage that is none");
+    expect("$P catalogue nearest $D/lie.db examples/ellipse.csv; c=$?; [ $c = 3 ] || [ $c = 1 ]", 0, NULL, NULL);
+    expect("cp $D/q.db $D/lie.db", 0, NULL, NULL);
+    execute("lie.db", "UPDATE mechanism SET kinds = 'zzz' WHERE id = 2");
+    expect("$P catalogue export $D/lie.db --list mechanisms", 3, NULL, "row 2 has joints");
+    /* a trigger or a view that somebody planted runs no function of its own */
+    execute("lie.db", "CREATE TRIGGER planted AFTER INSERT ON run BEGIN SELECT load_extension('/tmp/x'); END");
+    expect("$P catalogue build $D/lie.db --links 4", 3, NULL, "lie.db: ");
 }
 
 int main(void)
@@ -136,6 +191,7 @@ int main(void)
     RUN(killed_adds);
     RUN(killed_curves);
     RUN(damaged_atlases);
+    RUN(lies);
     run_end();
     return check_end();
 }

@@ -22,8 +22,8 @@ static void build(void)
     expect("$P catalogue check $D/a.db", 0, "71           71  agrees         P=8 F=1 inversions of nonfractionated",
            "18 chains are what their labels say");
     expect("$P catalogue check $D/a.db --json | grep -c '\"verdict\":\"agrees\"'", 0, "", NULL);
-    expect("$P catalogue build $D/sliders.db --links 6 && $P catalogue build $D/sliders.db --links 6 --joints r,t", 0, "",
-           NULL);
+    expect("$P catalogue build $D/sliders.db --links 6 && $P catalogue build $D/sliders.db --links 6 --joints r,t", 0,
+           "", NULL);
     expect("$P catalogue check $D/sliders.db", 0, NULL, "2 chains");
     expect("$P catalogue build $D/b.db --links 8 --jobs 1 --command x", 2, NULL, "no option");
     expect("ls $D/*-lock $D/*-journal", 2, "", NULL);
@@ -52,8 +52,8 @@ static void mechanisms_as_counted(void)
 static void threads(void)
 {
     char path[200];
-    expect("mkdir $D/one $D/three; cd $D/one; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build x.db --links 10 --jobs 1; "
-           "cd $D/three; $Q catalogue build x.db --links 10 --jobs 3", 0, NULL, NULL);
+    expect("mkdir $D/one $D/three; cd $D/one; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build x.db --links 10 "
+           "--jobs 1; cd $D/three; $Q catalogue build x.db --links 10 --jobs 3", 0, NULL, NULL);
     snprintf(path, sizeof path, "%s/one/x.db", getenv("D"));
     char *one = dump_catalogue(path);
     snprintf(path, sizeof path, "%s/three/x.db", getenv("D"));
@@ -96,7 +96,8 @@ static void killed_builds(void)
 /* --time ends a build in good order. */
 static void stopped_builds(void)
 {
-    expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "the same command goes on");
+    expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "the same command "
+           "goes on");
     expect("$P catalogue check $D/t.db", 0, NULL, "1 build is not finished");
     expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "goes on behind");
 }
@@ -105,7 +106,8 @@ static void full_disk(void)
 {
     expect("trap '' XFSZ; ulimit -f 400; $P catalogue build $D/full.db --links 10 --commit 0", 3, NULL, "full.db: ");
     expect("$P catalogue check $D/full.db", 0, NULL, "1 build is not finished");
-    expect("$P catalogue build $D/full.db --links 10 && $P catalogue check $D/full.db", 0, "230          230  agrees", NULL);
+    expect("$P catalogue build $D/full.db --links 10 && $P catalogue check $D/full.db", 0, "230          230  agrees",
+           NULL);
     expect("trap '' XFSZ; ulimit -f 1; $P catalogue build $D/tiny.db --links 10", 3, NULL, "tiny.db: ");
     expect("$P catalogue build $D/tiny.db --links 6", 0, NULL, "2 of 2");
     expect("$P catalogue build /dev/full --links 6", 3, NULL, "no plain file");
@@ -113,7 +115,8 @@ static void full_disk(void)
 
 static void files_that_are_none(void)
 {
-    expect("chmod 444 $D/a.db; $P catalogue build $D/a.db --links 6; c=$?; chmod 644 $D/a.db; exit $c", 3, NULL, "read-only");
+    expect("chmod 444 $D/a.db; $P catalogue build $D/a.db --links 6; c=$?; chmod 644 $D/a.db; exit $c", 3, NULL,
+           "read-only");
     expect("chmod 444 $D/a.db; $P catalogue check $D/a.db; c=$?; chmod 644 $D/a.db; exit $c", 0, NULL, "whole");
     expect("$P catalogue build $D --links 6", 3, NULL, "a folder");
     expect("$P catalogue build $D/no/such.db --links 6", 3, NULL, "No such file");
@@ -140,8 +143,9 @@ static void damaged_files(void)
     /* a wild byte anywhere: found, or harmless; never a crash */
     for (int at = 60; at < 70000; at += 4211) {
         char line[300];
-        snprintf(line, sizeof line, "cp $D/a.db $D/wild.db; printf '\\377\\001\\377' | dd of=$D/wild.db bs=1 seek=%d conv=notrunc "
-                 "2>&-; $P catalogue check $D/wild.db > /dev/null; c=$?; [ $c = 0 ] || [ $c = 3 ] || [ $c = 4 ]", at);
+        snprintf(line, sizeof line, "cp $D/a.db $D/wild.db; printf '\\377\\001\\377' | dd of=$D/wild.db bs=1 seek=%d "
+                                    "conv=notrunc 2>&-; $P catalogue check $D/wild.db > /dev/null; c=$?; [ $c = 0 ] || "
+                                    "[ $c = 3 ] || [ $c = 4 ]", at);
         expect(line, 0, NULL, NULL);
     }
 }

@@ -87,8 +87,8 @@ static void laid_elsewhere(void)
         lw_linkage_lay(&laid, mirrored, turn, size, shift);
         CHECK_INT(lw_linkage_check(&laid, &e), LW_OK);
         if (laid.joint[laid.input[0].joint].kind == LW_JOINT_REVOLUTE)
-            CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI), 0,
-                       1e-12, 0);
+            CHECK_NEAR(remainder(laid.input[0].value - lw_linkage_posture_input(&laid, laid.input[0].joint), 2*LW_PI),
+                       0, 1e-12, 0);
         CHECK_INT(lw_scene_make(&k, NULL, NULL, &a, &e), LW_OK);
         CHECK_INT(lw_scene_make(&laid, NULL, NULL, &b, &e), LW_OK);
         CHECK(a.n_curve > 0 && b.n_curve > 0);

@@ -46,8 +46,10 @@ static void questions(void)
             "k.links = ?1 AND k.sliders >= ?2 AND k.class = ?3 AND k.error < ?4");
     becomes("links = 8..10 and not planar", LW_LIST_CHAINS, "c.links BETWEEN ?1 AND ?2 AND NOT c.planar");
     becomes("links=8..10 or symmetry>1", LW_LIST_CHAINS, "c.links BETWEEN ?1 AND ?2 OR c.symmetry > ?3");
-    becomes("(links==6 or links <> 8) and inputs='1-2'", LW_LIST_MECHANISMS, "(c.links = ?1 OR c.links != ?2) AND m.inputs = ?3");
-    becomes("class in (GCRR, \"GCCC\") AND name != none", LW_LIST_LINKAGES, "k.class IN (?1, ?2) AND k.name IS NOT NULL");
+    becomes("(links==6 or links <> 8) and inputs='1-2'", LW_LIST_MECHANISMS, "(c.links = ?1 OR c.links != ?2) AND "
+            "m.inputs = ?3");
+    becomes("class in (GCRR, \"GCCC\") AND name != none", LW_LIST_LINKAGES, "k.class IN (?1, ?2) AND k.name IS NOT "
+            "NULL");
     becomes("name~Jan or name~\"J*n\"", LW_LIST_LINKAGES, "k.name GLOB ?1 OR k.name GLOB ?2");
     becomes("planar = yes and planar=0", LW_LIST_CHAINS, "c.planar = ?1 AND c.planar = ?2");
     becomes("not not (planar)", LW_LIST_CHAINS, "NOT NOT (c.planar)");
@@ -59,7 +61,8 @@ static void values(void)
 {
     lw_query q;
     lw_error e;
-    CHECK_INT(lw_query_compile("error_max<2mm and transmission_min>=30deg and error < 1e-3 and objective>-2.5", &any, &q, &e), LW_OK);
+    CHECK_INT(lw_query_compile("error_max<2mm and transmission_min>=30deg and error < 1e-3 and objective>-2.5", &any,
+                               &q, &e), LW_OK);
     CHECK_INT(q.n_value, 4);
     CHECK_NEAR(q.value[0].real, 0.002, 1e-18, 0);
     CHECK_NEAR(q.value[1].real, 0.523598775598298873, 1e-15, 0);
@@ -81,8 +84,8 @@ static void lists_columns_order(void)
     lw_error e;
     lw_query_options o = { .list = LW_LIST_CHAINS, .columns = "graph6,links", .sort = "-links,symmetry", .limit = 7 };
     CHECK_INT(lw_query_compile("", &o, &q, &e), LW_OK);
-    CHECK_TEXT(q.sql.data, "SELECT c.graph6 AS \"graph6\", c.links AS \"links\" FROM chain c LEFT JOIN structure s ON s.id = "
-               "c.structure ORDER BY c.links DESC, c.symmetry LIMIT 7");
+    CHECK_TEXT(q.sql.data, "SELECT c.graph6 AS \"graph6\", c.links AS \"links\" FROM chain c LEFT JOIN structure s ON "
+                           "s.id = c.structure ORDER BY c.links DESC, c.symmetry LIMIT 7");
     lw_query_free(&q);
     CHECK_INT(lw_query_compile("class=GCRR", &o, &q, &e), LW_E_ARG);
     CHECK_HAS(e.text, "chains have no field 'class'");
@@ -138,8 +141,10 @@ static void faults(void)
 /* Whatever is typed, nothing that was not in the tables comes into the SQL. */
 static void wild_text(void)
 {
-    static const char *const word[] = { "links", "planar", "name", "and", "or", "not", "(", ")", "=", "..", "<", ">=", "~", "4", "4..8",
-                                        "'x'", "in", ",", "none", "-1e5", "2mm", "error", "\"", ";", "--", "class", "%", "?1" };
+    static const char *const word[] = {
+        "links", "planar", "name", "and", "or", "not", "(", ")", "=", "..", "<", ">=", "~", "4", "4..8", "'x'", "in",
+        ",", "none", "-1e5", "2mm", "error", "\"", ";", "--", "class", "%", "?1"
+    };
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 8);
     int n_good = 0;

@@ -43,8 +43,8 @@ static lw_store_chain four_bar(void)
     static const int n_with[5] = { 4 };
     static const uint8_t ground[] = { 1 }, alike[] = { 4 };
     static const lw_store_mechanism m = { 1, "rrrr", "1-2", "I1:2 II2:3,4", 0, 2, 2, 2 };
-    return (lw_store_chain){ "C]", "Cl", "() :4", "((1 r 2 r 4 r 3 r) (1 r 3 r 4 r 2 r))", "0 1 2 0\n", 4, 1, 4, 1, 0, n_with,
-                             "4", 8, true, 1, ground, alike, 1, &m, NULL, 0 };
+    return (lw_store_chain){ "C]", "Cl", "() :4", "((1 r 2 r 4 r 3 r) (1 r 3 r 4 r 2 r))", "0 1 2 0\n", 4, 1, 4, 1, 0,
+                             n_with, "4", 8, true, 1, ground, alike, 1, &m, NULL, 0 };
 }
 
 static long long count(lw_store *s, const char *table)
@@ -115,7 +115,8 @@ static void knows_whose_file_it_is(void)
     open_store("none.db", true, LW_E_NOTATION, &e);
     /* says it is ours, but its tables are not: told when they are used */
     char sql[100];
-    snprintf(sql, sizeof sql, "PRAGMA application_id=0x6C776361; PRAGMA user_version=%d; CREATE TABLE t(a)", lw_store_version());
+    snprintf(sql, sizeof sql, "PRAGMA application_id=0x6C776361; PRAGMA user_version=%d; CREATE TABLE t(a)",
+             lw_store_version());
     execute("hollow.db", sql);
     lw_store *s = open_store("hollow.db", true, LW_OK, &e);
     CHECK_INT(lw_store_begin(s, &e), LW_OK);
