@@ -1,8 +1,8 @@
 /* mbs/branch_cross.c - the other branch at a branch point.
  *
  * At a simple one the equations F lose one rank: two directions t, n span what they leave free, and psi F' = 0 for one
- * psi.  Branches leave along v = a t + b n with psi F''[v, v] = 0 (Keller 1977; Allgower & Georg 1990, section 8.1).  As
- * t is a branch itself, the other is v = -(psi F''[n, n]/(2 psi F''[t, n])) t + n. */
+ * psi.  Branches leave along v = a t + b n with psi F''[v, v] = 0 (Keller 1977; Allgower & Georg 1990, section
+ * 8.1).  As t is a branch itself, the other is v = -(psi F''[n, n]/(2 psi F''[t, n])) t + n. */
 #include "mbs/branch_internal.h"
 
 #include <stdlib.h>
