@@ -8,10 +8,13 @@
 #include <sys/stat.h>
 
 #include "base/file.h"
+#include "base/parallel.h"
 #include "catalogues/atlas_html_internal.h"
 #include "catalogues/page_files.h"             /* made from *.css and *.js by the Makefile */
 #include "catalogues/page_internal.h"
 #include "grammar/notation.h"
+
+#define BLOCK 64               /* chains whose pictures are worked out together, by all threads */
 
 lw_atlas_html_options lw_atlas_html_options_default(void)
 {
@@ -167,9 +170,9 @@ static lw_status write_chain(lw_atlas_html *a, size_t i, lw_error *e)
     char file[LW_LEAF_FILE];
     lw_bytes b = { 0 };
     lw_leaf *l = &a->leaf[i];
-    lw_status s = lw_chain_layout_make(&l->chain, &l->layout, e);
-    if (s == LW_OK)
-        s = write_linkages(a, l, e);
+    if (l->status != LW_OK)
+        return lw_error_set(e, l->status, "chain %s cannot be drawn", l->text[LW_LEAF_GRAPH6]);
+    lw_status s = write_linkages(a, l, e);
     if (s == LW_OK)
         s = lw_atlas_chain_page(a, i, &b, e);
     if (s != LW_OK) {
@@ -180,18 +183,70 @@ static lw_status write_chain(lw_atlas_html *a, size_t i, lw_error *e)
     return write_page(a, file, &b, e);
 }
 
-static lw_status write_all(lw_atlas_html *a, lw_error *e)
+/* ---- pictures ----------------------------------------------------------------------------------- */
+
+static lw_status add_ground(void *context, int n, const char *const *name, const lw_value *v)
+{
+    (void)n, (void)name;
+    lw_leaf *l = context;
+    if (l->n_ground < LW_LINK_MAX && v[0].integer >= 1 && v[0].integer <= l->chain.n_link) {
+        l->ground[l->n_ground] = (int)v[0].integer;
+        l->alike[l->n_ground++] = (int)v[1].integer;
+    }
+    return LW_OK;
+}
+
+static void place_joints(void *context, size_t job, int thread)
+{
+    (void)thread;
+    lw_leaf *l = (lw_leaf *)context + job;
+    lw_mechanism m = l->chain;
+    l->status = lw_chain_layout_make(&m, &l->layout, NULL);
+    for (int i = 0; l->status == LW_OK && i < l->n_ground; i++) {
+        m.ground = l->ground[i] - 1;
+        l->status = lw_chain_layout_make(&m, &l->grounded[i], NULL);
+    }
+}
+
+/* Ground links and places of joints of n chains from `first` on. */
+static lw_status prepare_block(lw_atlas_html *a, size_t first, size_t n, lw_error *e)
+{
+    lw_status s = LW_OK;
+    for (size_t i = first; s == LW_OK && i < first + n; i++) {
+        lw_leaf *l = &a->leaf[i];
+        const lw_value chain = lw_value_of_integer(l->id);
+        s = lw_atlas_ask(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, add_ground, l, e);
+        l->grounded = malloc((size_t)(l->n_ground + 1)*sizeof *l->grounded);
+        if (s == LW_OK && !l->grounded)
+            s = lw_error_set(e, LW_E_MEMORY, "out of memory for pictures");
+    }
+    return s == LW_OK ? lw_parallel(a->options->jobs, n, place_joints, a->leaf + first) : s;
+}
+
+static lw_status write_block(lw_atlas_html *a, size_t first, size_t n, lw_error *e)
 {
     const lw_atlas_html_options *o = a->options;
-    lw_status s = LW_OK;
-    lw_bytes b = { 0 };
-    if (mkdir(a->dir, 0777) != 0 && errno != EEXIST)
-        return lw_error_at(e, LW_E_IO, a->dir, 0, 0, "the folder cannot be made: %s", strerror(errno));
-    for (size_t i = 0; s == LW_OK && i < a->n; i++) {
+    lw_status s = prepare_block(a, first, n, e);
+    for (size_t i = first; s == LW_OK && i < first + n; i++) {
         s = write_chain(a, i, e);
         if (s == LW_OK && o->goes_on && !o->goes_on(o->context, (double)(i + 1), (double)a->n))
             s = lw_error_set(e, LW_STOPPED, "stopped before the overview was written");
     }
+    for (size_t i = first; i < first + n; i++) {
+        free(a->leaf[i].grounded);
+        a->leaf[i].grounded = NULL;
+    }
+    return s;
+}
+
+static lw_status write_all(lw_atlas_html *a, lw_error *e)
+{
+    lw_status s = LW_OK;
+    lw_bytes b = { 0 };
+    if (mkdir(a->dir, 0777) != 0 && errno != EEXIST)
+        return lw_error_at(e, LW_E_IO, a->dir, 0, 0, "the folder cannot be made: %s", strerror(errno));
+    for (size_t i = 0; s == LW_OK && i < a->n; i += BLOCK)
+        s = write_block(a, i, a->n - i < BLOCK ? a->n - i : BLOCK, e);
     if (s == LW_OK)
         s = write_linkages(a, NULL, e);
     if (s != LW_OK)

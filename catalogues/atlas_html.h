@@ -14,6 +14,7 @@
 typedef struct lw_atlas_html_options {
     const char *title;             /* of the overview                                  ("Atlas of mechanisms") */
     int         links;             /* only chains with so many; 0: all                                     (0) */
+    int         jobs;              /* threads; 0: one a core                                               (0) */
     int         n_linkage;         /* moving linkages shown for a chain, the best first                   (12) */
     bool      (*goes_on)(void *context, double done, double total);   /* after each chain; NULL         (NULL) */
     void       *context;

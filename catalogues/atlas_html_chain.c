@@ -16,20 +16,13 @@
 
 /* ---- pictures ----------------------------------------------------------------------------------- */
 
-/* The chain with a ground link (LW_NONE: without) as an <svg>. */
-static lw_status picture(const lw_leaf *l, int ground, double width, double height, bool numbers, const char *title,
-                         lw_bytes *out, lw_error *e)
+/* The chain with its n-th ground link (LW_NONE: without) as an <svg>. */
+static lw_status picture(const lw_leaf *l, int n, lw_chain_style style, const char *title, lw_bytes *out, lw_error *e)
 {
     lw_mechanism m = l->chain;
-    lw_chain_layout placed;
     lw_drawing d;
-    lw_chain_style style = { .width = width, .height = height, .numbers = numbers };
-    lw_status s = LW_OK;
-    m.ground = ground;
-    if (ground != LW_NONE)
-        s = lw_chain_layout_make(&m, &placed, e);
-    if (s == LW_OK)
-        s = lw_chain_draw(&m, ground == LW_NONE ? &l->layout : &placed, &style, &d, e);
+    m.ground = n == LW_NONE ? LW_NONE : l->ground[n] - 1;
+    lw_status s = lw_chain_draw(&m, n == LW_NONE ? &l->layout : &l->grounded[n], &style, &d, e);
     if (s != LW_OK)
         return s;
     lw_text_clean(d.title, sizeof d.title, title);
@@ -133,78 +126,58 @@ static void notations(lw_bytes *b, const lw_leaf *l)
 
 /* ---- ground links ------------------------------------------------------------------------------- */
 
-typedef struct grounds {
-    const lw_leaf *l;
-    lw_bytes *out;
-    int       n, link[LW_LINK_MAX], alike[LW_LINK_MAX];
-    int       n_row;                            /* mechanisms with the ground at hand */
-    lw_error *e;
-} grounds;
-
-static lw_status read_ground(void *context, int n, const char *const *name, const lw_value *v)
-{
-    (void)n, (void)name;
-    grounds *g = context;
-    if (g->n < LW_LINK_MAX && v[0].integer >= 1 && v[0].integer <= g->l->links) {
-        g->link[g->n] = (int)v[0].integer;
-        g->alike[g->n++] = (int)v[1].integer;
-    }
-    return LW_OK;
-}
+typedef struct rows { lw_bytes *out; int n; } rows;
 
 static lw_status write_mechanism(void *context, int n, const char *const *name, const lw_value *v)
 {
     (void)n, (void)name;
-    grounds *g = context;
+    rows *r = context;
     char text[96];
     bool known = v[3].kind == LW_VALUE_INTEGER && v[3].integer > 0;
-    if (g->n_row++ == 0)
-        lw_bytes_text(g->out, "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">Joints</th>"
+    if (r->n++ == 0)
+        lw_bytes_text(r->out, "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">Joints</th>"
                       "<th scope=\"col\">Input</th><th scope=\"col\">Assur groups</th><th scope=\"col\">Modes</th></tr>"
                       "</thead>\n<tbody>\n");
-    if (g->n_row > ROWS_MAX)
+    if (r->n > ROWS_MAX)
         return LW_OK;
     snprintf(text, sizeof text, "%lld", v[3].integer);
-    lw_page_text(g->out, "<tr><td data-label=\"Joints\">", lw_value_text(&v[0]), "</td>");
-    lw_page_text(g->out, "<td data-label=\"Input\">", lw_value_text(&v[1]), "</td>");
-    lw_page_text(g->out, "<td data-label=\"Assur groups\">", lw_value_text(&v[2]), "</td>");
-    lw_page_text(g->out, "<td data-label=\"Modes\">", known ? text : "", "</td></tr>\n");
+    lw_page_text(r->out, "<tr><td data-label=\"Joints\">", lw_value_text(&v[0]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Input\">", lw_value_text(&v[1]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Assur groups\">", lw_value_text(&v[2]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Modes\">", known ? text : "", "</td></tr>\n");
     return LW_OK;
 }
 
-static lw_status mechanisms(lw_atlas_html *a, grounds *g, int link)
+static lw_status mechanisms(lw_atlas_html *a, const lw_leaf *l, int link, lw_bytes *b, lw_error *e)
 {
     char sql[256], text[96];
-    const lw_value chain = lw_value_of_integer(g->l->id);
-    snprintf(sql, sizeof sql, "SELECT kinds, inputs, assur, modes FROM mechanism WHERE chain = ?1 AND "
-             "ground = %d ORDER BY sliders, kinds, id", link);
-    g->n_row = 0;
-    lw_status s = lw_atlas_ask(a, sql, &chain, write_mechanism, g, g->e);
-    if (g->n_row > 0)
-        lw_bytes_text(g->out, "</tbody></table></div>\n");
-    if (g->n_row > ROWS_MAX) {
-        snprintf(text, sizeof text, "and %d more in the catalogue", g->n_row - ROWS_MAX);
-        lw_page_text(g->out, "<p class=\"hint\">", text, "</p>\n");
+    rows r = { .out = b };
+    const lw_value chain = lw_value_of_integer(l->id);
+    snprintf(sql, sizeof sql, "SELECT kinds, inputs, assur, modes FROM mechanism WHERE chain = ?1 AND ground = %d "
+             "ORDER BY sliders, kinds, id", link);
+    lw_status s = lw_atlas_ask(a, sql, &chain, write_mechanism, &r, e);
+    if (r.n > 0)
+        lw_bytes_text(b, "</tbody></table></div>\n");
+    if (r.n > ROWS_MAX) {
+        snprintf(text, sizeof text, "and %d more in the catalogue", r.n - ROWS_MAX);
+        lw_page_text(b, "<p class=\"hint\">", text, "</p>\n");
     }
     return s;
 }
 
 static lw_status inversions(lw_atlas_html *a, const lw_leaf *l, lw_bytes *b, lw_error *e)
 {
-    grounds g = { .l = l, .out = b, .e = e };
-    const lw_value chain = lw_value_of_integer(l->id);
     char text[96];
-    lw_status s = lw_atlas_ask(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, read_ground,
-                               &g, e);
+    lw_status s = LW_OK;
     lw_bytes_text(b, "<h2 id=\"inversions\">Ground links</h2>\n<div class=\"inversions\">\n");
-    for (int i = 0; s == LW_OK && i < g.n; i++) {
-        snprintf(text, sizeof text, g.alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d", g.link[i],
-                 g.alike[i]);
+    for (int i = 0; s == LW_OK && i < l->n_ground; i++) {
+        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d", l->ground[i],
+                 l->alike[i]);
         lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
-        s = picture(l, g.link[i] - 1, 240, 180, false, text, b, e);
+        s = picture(l, i, (lw_chain_style){ .width = 240, .height = 180 }, text, b, e);
         lw_bytes_text(b, "</figure>\n");
         if (s == LW_OK)
-            s = mechanisms(a, &g, g.link[i]);
+            s = mechanisms(a, l, l->ground[i], b, e);
         lw_bytes_text(b, "</article>\n");
     }
     lw_bytes_text(b, "</div>\n");
@@ -217,7 +190,8 @@ lw_status lw_atlas_chain_page(lw_atlas_html *a, size_t i, lw_bytes *b, lw_error 
     char file[LW_LEAF_FILE], text[96];
     head(b, a, i);
     lw_bytes_text(b, "<main>\n<div class=\"first\">\n<figure>");
-    lw_status s = picture(l, LW_NONE, 480, 360, true, "The chain, its links numbered", b, e);
+    const lw_chain_style large = { .width = 480, .height = 360, .numbers = true };
+    lw_status s = picture(l, LW_NONE, large, "The chain, its links numbered", b, e);
     if (s != LW_OK)
         return s;
     lw_bytes_text(b, "</figure>\n");

@@ -19,6 +19,9 @@ typedef struct lw_leaf {                       /* of the atlas: a chain */
     char           *text[LW_LEAF_TEXTS];       /* "" when there is none                                     */
     lw_mechanism    chain;
     lw_chain_layout layout;
+    int             n_ground, ground[LW_LINK_MAX], alike[LW_LINK_MAX];   /* links, from 1                   */
+    lw_chain_layout *grounded;                 /* with each of them as the frame (n_ground); while the page is made */
+    lw_status       status;                    /* of the layouts                                            */
 } lw_leaf;
 
 typedef struct lw_atlas_html {

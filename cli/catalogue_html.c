@@ -24,6 +24,7 @@ int cli_catalogue_html(const cli_call *call)
         return cli_fail(call, &e);
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "html", "chains");
     o.links = cli_given(&call->parsed, "links") ? s->links : 0;
+    o.jobs = call->common.jobs;
     o.goes_on = goes_on;
     o.context = &w;
     st = lw_atlas_html_write(store, dir, &o, &n_page, &n_byte, &e);
