@@ -65,7 +65,7 @@ static const cli_option options[] = {
       "greatest acceleration of the point by the input [unit/rad^2]", 0, 1e300, NULL, NULL },
     { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
       "linkages through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points; sorted by "
-      "defects (circuit, branch, order)", 0, 0, NULL, "solver" },
+      "defects (circuit, branch, order)", 0, 0, NULL, "links" },
     { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
       "local solver behind the starts; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
     { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",

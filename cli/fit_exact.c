@@ -46,8 +46,8 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
         cli_note(call, "%s: a %s is left out: %s", s->path, s->survey.fit.candidate[i].family->name, r->fault);
     }
     if (n > 0 && s->exact.n_clean == 0)
-        cli_note(call, "%s: %s runs through all stations without a defect; without --exact one is fitted as well as can "
-                 "be", s->path, s->exact.complete ? "no linkage there is" : "no linkage found");
+        cli_note(call, "%s: %s runs through all stations without a defect; without --exact one is fitted as well as "
+                 "can be", s->path, s->exact.complete ? "no linkage there is" : "no linkage found");
     return LW_OK;
 }
 

@@ -264,8 +264,8 @@ static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *
         return lw_nine_solve(x->p, x->o, r, out);
     lw_status st = draw_rounds(x, r, &drawn, e);
     if (x->t->n > 5)
-        snprintf(out->choice, sizeof out->choice, "free: %zu of the coupler's angles at four points, the others follow; "
-                 "%ld draws", 9 - x->t->n, drawn);
+        snprintf(out->choice, sizeof out->choice, "free: %zu of the coupler's angles at four points, the others "
+                 "follow; %ld draws", 9 - x->t->n, drawn);
     else
         snprintf(out->choice, sizeof out->choice, "free: the coupler's angles at the points%s; %ld draws",
                  x->t->n < 5 ? " and the pins of each guide as for a motion" : "", drawn);

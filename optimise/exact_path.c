@@ -1,8 +1,8 @@
 /* optimise/exact_path.c - a four-bar through six to nine points of a path, from one near it.
  *
  * Unknown are the pins and the coupler's angles at the points; each guide keeps its length at each of them:
- * 2 (n - 1) equations for 8 + n - 1 unknowns, square for nine points.  With fewer Newton's method takes the shortest step
- * that meets them (Ben-Israel 1966), so that what is free stays where it was put. */
+ * 2 (n - 1) equations for 8 + n - 1 unknowns, square for nine points.  With fewer Newton's method takes the shortest
+ * step that meets them (Ben-Israel 1966), so that what is free stays where it was put. */
 #include "optimise/exact_internal.h"
 
 #include <string.h>
