@@ -250,11 +250,12 @@ static void run_job(void *context, size_t job, int thread)
 
 static bool is_lost(const cli_clearance_row *r, int joint) { return r->r.joint[joint].lost; }
 
-/* Rows of one law that ran, in the order of speed */
+/* Rows of one law that ran, slow ones first, whichever way they turn */
 static int by_speed(const void *a, const void *b)
 {
     const cli_clearance_row *const *x = a, *const *y = b;
-    return ((*x)->speed > (*y)->speed) - ((*x)->speed < (*y)->speed);
+    double u = fabs((*x)->speed), v = fabs((*y)->speed);
+    return (u > v) - (u < v);
 }
 
 static void find_limit(const cli_clearance *c, int law, int joint, cli_clearance_row **sorted,

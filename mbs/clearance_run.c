@@ -270,16 +270,19 @@ static lw_status sample_step(lw_clearance_work *w, lw_integrator *in, double *ne
     return s;
 }
 
-/* The integrator has just ended a step at an event: laws change, and with them the equations. */
+/* The integrator has just ended a step at an event: laws change, and with them the equations.  It is asked first on
+ * which side things go on: a pin that only grazes its bush has no contact, and no law of contact may stay. */
 static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *e)
 {
+    unsigned long long events = in->events;
+    in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
+    lw_status s = lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
-        if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (in->events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
+        if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
             w->r->events++;
         }
-    in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
-    return lw_integrate_restart(in, NULL, e);
+    return s == LW_OK ? rate_of(w, in->t, in->y, in->dy) : s;
 }
 
 static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end, double *next, lw_error *e)

@@ -32,7 +32,7 @@ double lw_contact_force(const lw_clearance *c, lw_contact_phase phase, double de
     case LW_CLEARANCE_MLSD:
         return c->stiffness*depth + c->damping*rate;
     case LW_CLEARANCE_IMPACT: {
-        double x = phase == LW_CONTACT_RISING ? depth/c->depth : 1.0;
+        double x = phase == LW_CONTACT_RISING ? fmax(depth, 0.0)/c->depth : 1.0;
         return c->stiffness*power(depth, c->exponent) + x*x*x*c->damping*rate;
     }
     case LW_CLEARANCE_HUNT_CROSSLEY:

@@ -353,20 +353,30 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
     memcpy(w->y_step, w->low, bytes);
     w->t_step = w->t_low;
     bool last = false, found = false;
+    signed char side[LW_EVENT_MAX];
+    memcpy(side, w->side, sizeof side);
     lw_status s = accept_step(w, t_end, &last, e);
+    for (; s == LW_OK; s = accept_step(w, t_end, &last, e)) {
+        if (last)
+            w->t = t_end, w->t_low = 0.0;                /* not t_old + h, which may miss it by a bit */
+        lw_status look = w->ode->n_event > 0 ? lw_rk_events(w, &found) : LW_OK;
+        if (look == LW_OK)
+            break;
+        if (look != LW_OPEN || w->o.fixed > 0.0) {
+            s = lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
+            break;
+        }
+        /* the step ran into where f has no meaning, though its end has: again, shorter */
+        memcpy(w->side, side, sizeof side);
+        w->h = 0.25*fabs(w->h_done);
+        w->n_refused++;
+    }
     if (s != LW_OK) {
         w->t = w->t_old, w->t_low = w->t_step;
         memcpy(w->y, w->y_old, bytes);
         memcpy(w->dy, w->k[0], bytes);
         memcpy(w->low, w->y_step, bytes);
         return s;
-    }
-    if (last)
-        w->t = t_end, w->t_low = 0.0;                    /* not t_old + h, which may miss it by a bit */
-    if (w->ode->n_event > 0) {
-        s = lw_rk_events(w, &found);
-        if (s != LW_OK)
-            return lw_error_set(e, s, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(s));
     }
     *stop = found ? LW_ODE_EVENT : last ? LW_ODE_END : LW_ODE_STEP;
     return LW_OK;

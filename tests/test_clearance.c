@@ -46,7 +46,7 @@ static void threshold_of_paper_c(void)
             CHECK_INT(r.joint[0].lost, lost);
             CHECK(r.joint[0].force_most > 250 && r.joint[0].force_most < 350);
             CHECK(r.joint[0].distance_most < 1.05e-4);
-            CHECK(lost ? r.joint[0].first > 0.6 && r.joint[0].first < 0.7 : isnan(r.joint[0].first));
+            CHECK(lost ? r.joint[0].first > 0.6 && r.joint[0].first < 1.25 : isnan(r.joint[0].first));
         }
         lw_model_free(&m);
     }
@@ -144,6 +144,26 @@ static void energy_is_kept(void)
     }
     CHECK(n_run >= 30);
     CHECK(n_touch >= 5);
+}
+
+/* Damping takes energy, whatever the start; also at speeds where the pin grazes its bush */
+static void damping_takes_energy(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    for (int i = 0; i < 24; i++) {
+        lw_clearance_options o = lw_clearance_options_default();
+        o.time = 0.3, o.settle = 0.0, o.tolerance = 1e-8;
+        o.start = i%2 ? LW_CLEARANCE_CRANK : LW_CLEARANCE_CLOSED;
+        o.speed = (80 + 32*(i/2))*rpm*(i%3 ? 1 : -1);
+        m.clearance[2].model = i%4 == 3 ? LW_CLEARANCE_HUNT_CROSSLEY : LW_CLEARANCE_IMPACT;
+        m.clearance[2].restitution = 0.8;
+        lw_clearance_result r = run(&m, &o, LW_OK);
+        CHECK(r.energy_last < r.energy_first);
+        CHECK(r.joint[0].distance_most < 2e-3);
+    }
+    lw_model_free(&m);
 }
 
 typedef struct track { int n; lw_clearance_sample s[64]; } track;
@@ -331,6 +351,7 @@ int main(void)
     RUN(limits_of_the_models);
     RUN(exact_bounces);
     RUN(energy_is_kept);
+    RUN(damping_takes_energy);
     RUN(link_is_a_stiff_spring);
     RUN(reaction_without_clearance);
     RUN(driven_crank);
