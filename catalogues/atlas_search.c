@@ -131,7 +131,8 @@ static void compare(search *s, const lw_packed *p, found f)
 static lw_status look_into_blocks(search *s)
 {
     lw_packed terms[LW_BLOCK_MAX];
-    qsort(s->block, s->n_block, sizeof *s->block, by_bound);
+    if (s->n_block > 0)
+        qsort(s->block, s->n_block, sizeof *s->block, by_bound);
     s->count.n_block = s->n_block;
     for (size_t i = 0; i < s->n_block && s->block[i].bound < worst(s); i++) {
         const block *b = &s->block[i];
