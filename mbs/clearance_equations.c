@@ -171,6 +171,10 @@ static lw_status motion_series(const lw_clearance_work *w, int i, double t, doub
     const lw_expression *x = c->m->motion[i];
     double at[3] = { t, 1.0, 0.0 };
     bool pin = c->s.joint[c->s.input_joint[i]].kind == LW_JOINT_REVOLUTE;
+    if (w->held) {                       /* where it is told to stay                                    */
+        m[0] = w->held[i], m[1] = m[2] = 0.0;
+        return LW_OK;
+    }
     if (!x) {                            /* starts only: where the posture has it, at its speed          */
         m[0] = 0.0;
         m[1] = i == 0 && !isnan(w->o.speed) ? w->o.speed : c->m->has_speed[i] ? c->m->speed[i] : 0.0;

@@ -104,6 +104,7 @@ typedef struct lw_clearance_work {
     lw_rank  kkt, fit;
     lw_clearance_result *r;
     double   quickest;                   /* rate of the scene [1/s]                                    */
+    const double *held;                  /* NULL, or what the rows of inputs keep for ever, as they count, scaled */
     bool     settled;
     bool     touching[LW_CLEARANCE_JOINT_MAX];
     double   since[LW_CLEARANCE_JOINT_MAX];              /* when contact was lost                       */
@@ -113,6 +114,9 @@ typedef struct lw_clearance_work {
 
 lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance_options *o, lw_clearance_work *w);
 void      lw_clearance_work_free(lw_clearance_work *w);
+
+/* A scene without journals: the plain linkage in tree coordinates.  Not for lw_clearance_run. */
+void lw_clearance_plain(const lw_forces *f, lw_clearance_scene *c);
 
 /* Number of rows of a choice. */
 int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *choice);

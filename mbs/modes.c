@@ -185,6 +185,33 @@ static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
     return s == LW_OK ? s : lw_error_set(e, s, "the eigenvalues cannot be found: %s", lw_status_text(s));
 }
 
+lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, double *q, lw_error *e)
+{
+    const lw_system *s = f->system;
+    int joint = s->input_joint[input];
+    double scale = s->joint[joint].kind == LW_JOINT_REVOLUTE ? 1.0 : s->unit, next[LW_SYSTEM_Q_MAX];
+    double from = lw_system_measure(s, joint, q, NULL), to = (value - s->input_value[input])/scale;
+    int n = (int)fmin(1e6, ceil(fabs(to - from)/0.05));
+    lw_vibration v;
+    if (lw_vibration_make(f, true, t, q, &v) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "no memory to drive the linkage");
+    lw_status status = LW_OK;
+    for (int k = 1; status == LW_OK && k <= n; k++) {
+        memcpy(next, q, sizeof *q*(size_t)s->n_q);
+        v.want[input] = from + (to - from)*k/n;
+        status = lw_vibration_project(&v, next);
+        double moved = 0.0;
+        for (int i = 0; i < s->n_q; i++)
+            moved = fmax(moved, fabs(next[i] - q[i]));
+        if (status == LW_OK && moved > 1.0)
+            status = LW_OPEN;                                /* a jump to another branch */
+        if (status == LW_OK)
+            memcpy(q, next, sizeof *q*(size_t)s->n_q);
+    }
+    lw_vibration_free(&v);
+    return status == LW_OK ? LW_OK : lw_error_set(e, LW_OPEN, "the linkage does not reach the input %.9g", value);
+}
+
 lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
                         lw_error *e)
 {
