@@ -14,7 +14,7 @@ typedef struct lw_work {
     lw_scene  *s;
     lw_linkage linkage;                    /* with a tracer more for every link without a pin      */
     lw_plan    plan;
-    double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - its tracer              */
     lw_pose    start, pose;                /* of the posture, and the one at work                  */
     lw_motion  motion;

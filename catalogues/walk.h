@@ -12,7 +12,7 @@
 typedef struct lw_stage {
     int    arc;                         /* in lw_motion                                             */
     double from, to;                    /* input [rad] or [m]                                       */
-    double mode[LW_DYAD_MAX];
+    double mode[LW_MODE_MAX];
 } lw_stage;
 
 typedef struct lw_walk {

@@ -139,7 +139,7 @@ static const char *mode_text(const cli_trace *t, const lw_arc *a, char *text)
 static void csv_arc(const cli_trace *t, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
-    char mode[LW_DYAD_MAX + 1];
+    char mode[LW_MODE_MAX + 1];
     fprintf(t->rows.f, "# arc %d: mode %s, circuit %d, input ", p->arc + 1, mode_text(t, a, mode), a->circuit + 1);
     cli_row_number(t->rows.f, shown_input(t, p->first));
     fputs(p->limit[0] ? " (limit) to " : " to ", t->rows.f);
@@ -175,7 +175,7 @@ void cli_trace_csv(cli_trace *t)
     }
     cli_rows_head(&t->rows, "input");
     for (int i = 0; i < t->n_piece && !t->rows.cut_short; i++) {
-        char mode[LW_DYAD_MAX + 1];
+        char mode[LW_MODE_MAX + 1];
         put_rows(t, &t->piece[i], mode_text(t, &t->motion.arc[t->piece[i].arc], mode));
     }
 }
@@ -185,7 +185,7 @@ void cli_trace_csv(cli_trace *t)
 static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
-    char mode[LW_DYAD_MAX + 1];
+    char mode[LW_MODE_MAX + 1];
     lw_turning turn[TURN_MAX];
     cli_json_object(j, NULL);
     cli_json_int(j, "arc", p->arc + 1);

@@ -21,7 +21,7 @@ typedef struct cli_trace {
     lw_linkage k;
     lw_plan    plan;
     lw_motion  motion;
-    double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;     /* of the posture of the file        */
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the posture of the file        */
     double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
     bool       whole;                   /* all of the input, else from .. to                       */
     double     from, to;                /* as a person counts the input [rad] or [m]               */

@@ -36,12 +36,37 @@ const lw_kernels *lw_kernels_supported(int rank) { return rank == 0 ? &lw_kernel
 
 /* Registers and their adjoints (two numbers each), margin, zeros and a row to throw away; a root's
  * reciprocal a dyad; cosine and sine an angle; dimensions and modes spread over the lanes, derivatives by
- * the dimensions; the padded last group of inputs and outputs; eight accumulators a sum. */
+ * the dimensions. */
+size_t lw_lane_rows(const lw_plan *p)
+{
+    return 4*(size_t)p->n_reg + 4 + (size_t)p->n_dyad + (size_t)p->n_mode + 2*(size_t)p->n_angle + 2*(size_t)p->n_dim;
+}
+
+/* The padded last group of inputs and outputs; eight accumulators a sum. */
+static size_t group_rows(const lw_plan *p) { return 16 + 4*(size_t)p->n_dim + (size_t)p->n_mode; }
+
+size_t lw_inverse_rows(const lw_plan *p)
+{
+    size_t rows = 0;
+    for (int i = 0; i < p->n_higher; i++)
+        rows += (size_t)(4*p->higher[i].n_loop*p->higher[i].n_loop);
+    return rows;
+}
+
+/* Registers and inverses of eight lanes. */
+size_t lw_follow_size(const lw_plan *p)
+{
+    return (lw_lane_rows(p) + group_rows(p) + lw_inverse_rows(p))*LW_GROUP;
+}
+
+/* Beside the lanes' own: for higher groups their inverses, where they are in a chunk of lanes, and what it
+ * takes to follow them. */
 size_t lw_batch_work_size(const lw_plan *p)
 {
-    size_t rows = 4*(size_t)p->n_reg + 4 + 2*(size_t)p->n_dyad + 2*(size_t)p->n_angle + 2*(size_t)p->n_dim;
-    size_t group = 16 + 4*(size_t)p->n_dim + (size_t)p->n_dyad;
-    return sizeof(double)*(rows*LW_BLOCK + group*LW_GROUP);
+    size_t n = lw_lane_rows(p)*LW_BLOCK + group_rows(p)*LW_GROUP;
+    if (p->n_higher)
+        n += lw_inverse_rows(p)*LW_BLOCK + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP) + lw_follow_size(p);
+    return sizeof(double)*n;
 }
 
 void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,

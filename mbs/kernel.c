@@ -20,25 +20,30 @@ static run start(const lw_plan *plan, size_t n, void *work)
     k.margin = w;      w += nb;
     k.spare = w;       w += 3*nb;
     k.aux = w;         w += (size_t)plan->n_dyad*nb;
-    k.spread_mode = w; w += (size_t)plan->n_dyad*nb;
+    k.spread_mode = w; w += (size_t)plan->n_mode*nb;
     k.turn = w;        w += 2*(size_t)plan->n_angle*nb;
     k.spread_dim = w;  w += (size_t)plan->n_dim*nb;
     k.row = w;         w += (size_t)plan->n_dim*nb;
     k.row_row = nb;
-    k.tail = w;
+    k.tail = w;        w += (16 + 4*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
+    k.inverse = w;
     return k;
 }
 
 /* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
-static void set_ground(const run *k, int which)
+static void ground_rows(const run *k, size_t n)
 {
-    size_t n = k->plan->output_short[which].is_short ? 0 : k->nb;
     double *ox = reg_x(k, 0), *oy = reg_y(k, 0), *ux = reg_x(k, 1), *uy = reg_y(k, 1);
     for (size_t i = 0; i < n; i++) {
         ox[i] = oy[i] = uy[i] = 0;
         ux[i] = 1;
     }
     memset(k->spare, 0, 3*n*sizeof(double));
+}
+
+static void set_ground(const run *k, int which)
+{
+    ground_rows(k, k->plan->output_short[which].is_short ? 0 : k->nb);
 }
 
 /* Points of a short plan with one set of dimensions need no rows of their own: all lanes are one block.
@@ -77,11 +82,20 @@ static int set_numbers(run *k, const lw_lanes *in, size_t first)
     }
     if (per_lane && !in->mode_stride) {
         if (first == 0)
-            spread(k->spread_mode, in->mode, k->plan->n_dyad, k->nb);
+            spread(k->spread_mode, in->mode, k->plan->n_mode, k->nb);
         k->mode = k->spread_mode;
         k->mode_row = k->nb;
     }
     return per_lane;
+}
+
+/* Inputs, and seats of higher groups, from lane `first` on. */
+static void at_lanes(run *k, const lw_lanes *in, size_t first)
+{
+    k->c = in->c + first;
+    k->s = in->s ? in->s + first : NULL;
+    k->seat = k->seats ? k->seats + first : NULL;
+    k->seat_row = LW_CHUNK + LW_GROUP;
 }
 
 /* Cosine and sine of n angles; those far beyond a turn by the library. */
@@ -123,11 +137,13 @@ static void set_turns(run *k, int n_angle, int per_lane, size_t n)
     }
 }
 
+#include "mbs/kernel_follow_internal.h"
+
 /* The lanes from `first` on, fewer than a group, as a full group: the last one repeated. */
 static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
 {
     const lw_plan *p = k->plan;
-    double *c = k->tail, *s = c + LW_GROUP, *mode = s + LW_GROUP, *dim = mode + (size_t)p->n_dyad*LW_GROUP;
+    double *c = k->tail, *s = c + LW_GROUP, *mode = s + LW_GROUP, *dim = mode + (size_t)p->n_mode*LW_GROUP;
     lw_lanes out = { LW_GROUP, c, s, in->dim_stride ? dim : in->dim, in->dim_stride ? LW_GROUP : 0,
                      in->mode_stride ? mode : in->mode, in->mode_stride ? LW_GROUP : 0 };
     for (size_t i = 0; i < LW_GROUP; i++) {
@@ -136,7 +152,7 @@ static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
         s[i] = p->input_is_slider ? 0 : in->s[from];
         for (int d = 0; in->dim_stride && d < p->n_dim; d++)
             dim[(size_t)d*LW_GROUP + i] = in->dim[(size_t)d*in->dim_stride + from];
-        for (int d = 0; in->mode_stride && d < p->n_dyad; d++)
+        for (int d = 0; in->mode_stride && d < p->n_mode; d++)
             mode[(size_t)d*LW_GROUP + i] = in->mode[(size_t)d*in->mode_stride + from];
     }
     return out;
@@ -145,7 +161,7 @@ static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
 /* Where a padded group puts its outputs, after its inputs: row i. */
 static double *tail_row(const run *k, size_t i)
 {
-    return k->tail + (2 + (size_t)k->plan->n_dyad + (size_t)k->plan->n_dim + i)*LW_GROUP;
+    return k->tail + (2 + (size_t)k->plan->n_mode + (size_t)k->plan->n_dim + i)*LW_GROUP;
 }
 
 static rows tail_places(const run *k)
@@ -194,8 +210,7 @@ static void block_point(run *k, const lw_lanes *in, int which, size_t first, siz
 {
     const lw_plan *p = k->plan;
     int per_lane = set_numbers(k, in, first), want = out->margin ? WITH_MARGIN : POSE_ONLY;
-    k->c = in->c + first;
-    k->s = in->s ? in->s + first : NULL;
+    at_lanes(k, in, first);
     if (per_lane || first == 0)
         set_turns(k, p->n_angle - frame, per_lane, n);
     if (p->output_short[which].is_short) {
@@ -235,9 +250,11 @@ static void few_points(run *k, const lw_lanes *in, int which, const rows *out, i
 }
 
 /* Whole groups in blocks; what is left over as one more group that reaches back into the last one. */
-static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
+static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats, const rows *out,
+                   int frame)
 {
     run k = start(plan, in->n, work);
+    k.seats = seats;
     size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
     set_ground(&k, which);
     if (in->n > 0 && in->n < LW_GROUP)
@@ -252,16 +269,68 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
     }
 }
 
+/* The lanes of a plan with higher groups in chunks, each with its groups followed first. */
+typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
+
+static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
+{
+    lw_lanes p = *in;
+    p.n = n;
+    p.c = in->c + first;
+    p.s = in->s ? in->s + first : NULL;
+    p.dim = in->dim_stride ? in->dim + first : in->dim;
+    p.mode = in->mode_stride ? in->mode + first : in->mode;
+    return p;
+}
+
+static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
+{
+    c->q.seat = work;
+    c->q.row = LW_CHUNK + LW_GROUP;
+    double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
+    c->lane_work = follow + lw_follow_size(plan);
+    c->next = 0;
+    if (!in->dim_stride && !in->mode_stride)
+        follow_from_seed(&c->f, plan, in->dim, in->mode, follow);
+}
+
+/* No chunk of fewer lanes than a group after others. */
+static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
+{
+    size_t rest = in->n - c->next, n = rest < LW_CHUNK + LW_GROUP ? rest : LW_CHUNK;
+    if (rest == 0)
+        return false;
+    c->first = c->next;
+    c->next += n;
+    c->part = part_of(in, c->first, n);
+    seat_chunk(&c->f, plan, &c->part, c->lane_work - lw_follow_size(plan), &c->q);
+    return true;
+}
+
+static void all_points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
+{
+    chunks c;
+    if (!plan->n_higher) {
+        points(plan, in, which, work, NULL, out, frame);
+        return;
+    }
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        rows to = shift_rows(out, c.first);
+        points(plan, &c.part, which, c.lane_work, c.q.seat, &to, frame);
+    }
+}
+
 static void kernel_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                          double *x, double *y, double *u, double *v, double *margin)
 {
-    points(plan, in, which, work, &(rows){ x, y, u, v, margin }, 0);
+    all_points(plan, in, which, work, &(rows){ x, y, u, v, margin }, 0);
 }
 
 static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                          double *ox, double *oy, double *dx, double *dy, double *margin)
 {
-    points(plan, in, which, work, &(rows){ ox, oy, dx, dy, margin }, 1);
+    all_points(plan, in, which, work, &(rows){ ox, oy, dx, dy, margin }, 1);
 }
 
 /* ---- Jacobian --------------------------------------------------------------------------------------------- */
@@ -289,8 +358,7 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
 {
     const lw_plan *p = k->plan;
     set_numbers(k, in, first);
-    k->c = in->c + first;
-    k->s = in->s ? in->s + first : NULL;
+    at_lanes(k, in, first);
     if (first == 0)
         set_turns(k, p->n_angle, 0, n);
     if (p->output_short[which].is_short) {
@@ -350,9 +418,11 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
 
-static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
+static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+                      const lw_jacobian *out)
 {
     run k = start(plan, in->n, work);
+    k.seats = seats;
     size_t full = in->n/LW_GROUP*LW_GROUP;
     set_ground(&k, which);
     if (in->n > 0 && in->n < LW_GROUP)
@@ -364,6 +434,20 @@ static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, 
     if (full && full < in->n) {
         lw_jacobian to = shift_jacobian(out, in->n - LW_GROUP);
         block_jacobian(&k, in, which, in->n - LW_GROUP, LW_GROUP, &to);
+    }
+}
+
+static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
+{
+    chunks c;
+    if (!plan->n_higher) {
+        jacobians(plan, in, which, work, NULL, out);
+        return;
+    }
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        lw_jacobian to = shift_jacobian(out, c.first);
+        jacobians(plan, &c.part, which, c.lane_work, c.q.seat, &to);
     }
 }
 
@@ -417,8 +501,7 @@ static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_
     const lw_plan *p = k->plan;
     double *scrap = k->spare + k->nb, *f = scrap + k->nb;
     set_numbers(k, in, first);
-    k->c = in->c + first;
-    k->s = in->s ? in->s + first : NULL;
+    at_lanes(k, in, first);
     forward(k, which, n, 0, WITH_ROOTS);
     memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
     memset(k->row, 0, (size_t)p->n_dim*k->nb*sizeof(double));
@@ -496,10 +579,11 @@ static double short_kernel_sum(run *k, const lw_lanes *in, int which, const targ
     return total(a.f);
 }
 
-static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
-                         const double *tx, const double *ty, const double *w, double *grad, double *margin)
+static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+                       const double *tx, const double *ty, const double *w, double *grad, double *margin)
 {
     run k = start(plan, in->n, work);
+    k.seats = seats;
     target t = { tx, ty, w };
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
     double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
@@ -518,6 +602,7 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
     if (rest) {
         lw_lanes last = pad(&k, in, full);
         target here = pad_target(&k, &t, full, rest);
+        k.seats = seats ? seats + full : NULL;
         block_sum(&k, &last, which, 0, LW_GROUP, &here, acc);
         keep_least(smallest, k.margin, LW_GROUP);
     }
@@ -528,7 +613,31 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
     return total(acc + plan->n_dim*LW_GROUP);
 }
 
+static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                         const double *tx, const double *ty, const double *w, double *grad, double *margin)
+{
+    chunks c;
+    double f = 0, part[LW_DIM_MAX], least;
+    if (!plan->n_higher)
+        return lane_sum(plan, in, which, work, NULL, tx, ty, w, grad, margin);
+    if (margin)
+        *margin = 1;
+    for (int d = 0; grad && d < plan->n_dim; d++)
+        grad[d] = 0;
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        f += lane_sum(plan, &c.part, which, c.lane_work, c.q.seat, tx + c.first, ty + c.first, w ? w + c.first : NULL, part,
+                      &least);
+        for (int d = 0; grad && d < plan->n_dim; d++)
+            grad[d] += part[d];
+        if (margin)
+            *margin = lw_at_most(least, *margin);
+    }
+    return f;
+}
+
 #define LW_TABLE_OF(isa) lw_kernels_##isa
 #define LW_TABLE(isa)    LW_TABLE_OF(isa)
 extern const lw_kernels LW_TABLE(LW_ISA);
-const lw_kernels LW_TABLE(LW_ISA) = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum };
+const lw_kernels LW_TABLE(LW_ISA) = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
+                                         kernel_seat };

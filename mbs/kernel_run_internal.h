@@ -33,6 +33,10 @@ typedef struct run {
     size_t row_row;
     double *spread_dim, *spread_mode;        /* one set copied to every lane                */
     double *tail;                            /* the padded last group                       */
+    double *inverse;                         /* of the higher groups' Jacobians             */
+    const double *seats;                     /* the same of the chunk's first lane          */
+    const double *seat;                      /* where the higher groups are in these lanes: n_row rows, then by */
+    size_t seat_row;                         /* how much the input is out of reach, 0: not at all */
 } run;
 
 LW_INLINE double *reg_x(const run *k, int r) { return k->reg + 2*(size_t)r*k->nb; }

@@ -319,6 +319,25 @@ static void short_block_sum(const run *k, int which, size_t n, const target *t, 
         LW_EACH_SHORT(f, short_sum, k, &r, n, t, a, 0);
 }
 
+/* Dimensions the output does not depend on: derivative 0. */
+static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobian *out)
+{
+    const lw_short *f = &p->output_short[which];
+    const int used[] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2, p->i_cx[which],
+                         p->i_cy[which], p->i_x0, p->i_y0, p->i_theta0 };
+    for (int d = 0; d < p->n_dim; d++) {
+        bool any = false;
+        for (size_t i = 0; i < sizeof used/sizeof *used; i++)
+            any |= used[i] == d;
+        if (any)
+            continue;
+        fill(out->jx + (size_t)d*out->ld, 0, n);
+        fill(out->jy + (size_t)d*out->ld, 0, n);
+        if (out->jt)
+            fill(out->jt + (size_t)d*out->ld, 0, n);
+    }
+}
+
 static void short_block_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
 {
     const lw_plan *p = k->plan;
@@ -326,6 +345,8 @@ static void short_block_jacobian(const run *k, int which, size_t n, const lw_jac
     const number_rows r = short_rows(k, which);
     rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
                 out->margin ? out->margin : k->margin };
+    if (p->n_output > 1 || p->n_link > 4)                  /* else there are none */
+        clear_others(p, which, n, out);
     bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx), short_bars(k, which, out->jy, out->ld, out->ty) };
     if (out->jt) {
         bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);

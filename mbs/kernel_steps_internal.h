@@ -3,7 +3,7 @@
 #ifndef LW_MBS_KERNEL_STEPS_INTERNAL_H
 #define LW_MBS_KERNEL_STEPS_INTERNAL_H
 
-#include "mbs/kernel_run_internal.h"
+#include "mbs/kernel_higher_internal.h"
 
 /* ---- steps forwards ----------------------------------------------------------------------------------
  * per_lane: dimensions and modes differ from lane to lane; a constant wherever these are inlined. */
@@ -135,6 +135,9 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int 
     case LW_STEP_RPR:         rpr(k, s, n, per_lane, want); break;
     case LW_STEP_PRP:
     case LW_STEP_PPR:         prp(k, s, n, want); break;
+    case LW_STEP_HIGHER:      break;                       /* see forward */
+    case LW_STEP_TURN:        turn_step(k, s, n); break;
+    case LW_STEP_SLIDE:       slide_step(k, s, n); break;
     }
 }
 
@@ -157,8 +160,13 @@ static void forward(const run *k, int which, size_t n, int per_lane, int want)
     double *margin = k->margin;
     for (size_t i = 0; want && i < n; i++)
         margin[i] = 1;
-    for (int i = 0; i < p->n_output_step[which]; i++)
-        step[per_lane][want](k, &p->step[p->output_step[which][i]], n);
+    for (int i = 0; i < p->n_output_step[which]; i++) {
+        const lw_step *s = &p->step[p->output_step[which][i]];
+        if (s->kind == LW_STEP_HIGHER)
+            higher(k, s, n, per_lane, want);
+        else
+            step[per_lane][want](k, s, n);
+    }
 }
 
 /* ---- steps backwards: see mbs/dyad_internal.h -------------------------------------------------------------------
@@ -308,6 +316,9 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
         case LW_STEP_RPR:         back_rpr(k, s, n); break;
         case LW_STEP_PRP:
         case LW_STEP_PPR:         back_prp(k, s, n); break;
+        case LW_STEP_HIGHER:      back_higher(k, s, n); break;
+        case LW_STEP_TURN:        back_turn(k, s, n); break;
+        case LW_STEP_SLIDE:       back_slide(k, s, n); break;
         }
     }
 }

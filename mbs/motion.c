@@ -263,8 +263,10 @@ lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m)
     for (int d = 0; d < plan->n_dim; d++)
         if (!isfinite(dim[d]))
             return LW_E_ARG;
+    if (plan->n_higher)
+        return LW_E_KIND;
     set_walk(&w, plan, dim, m);
-    for (int i = 0; i < LW_DYAD_MAX; i++)
+    for (int i = 0; i < LW_MODE_MAX; i++)
         all.mode[i] = 1.0;
     all.end[0] = (lw_mark){ plan->input_is_slider ? -w.reach : 0.0, -1 };
     all.end[1] = (lw_mark){ plan->input_is_slider ? w.reach : 2.0*LW_PI, -1 };

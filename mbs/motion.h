@@ -13,7 +13,7 @@
 typedef struct lw_arc {
     double first, last;             /* input [rad] or [m]; last - first = 2 pi: a full turn       */
     bool   turns;                   /* the input turns fully in this arc                          */
-    double mode[LW_DYAD_MAX];
+    double mode[LW_MODE_MAX];
     int    circuit;                 /* arcs with the same number can be reached from each other   */
     double transmission_min;        /* least and greatest transmission angle over the arc [rad],  */
     double transmission_max;        /* in [0, pi]: the angle whose squared sine is the margin of  */

@@ -45,7 +45,7 @@ typedef struct lw_mark { double at; int dyad; } lw_mark;     /* dyad -1: nobody'
 typedef struct lw_piece {
     lw_mark end[2];
     bool    turns;                /* a full turn; the ends are one place                             */
-    double  mode[LW_DYAD_MAX];
+    double  mode[LW_MODE_MAX];
     int     n_touch;
     lw_mark touch[LW_MARK_MAX];   /* where a margin touches 0                                        */
 } lw_piece;

@@ -59,7 +59,7 @@ typedef struct scene {
 
 static void set_scene(scene *c, const lw_plan *plan, const double *dim, const lw_step *step)
 {
-    static const double any_mode[LW_DYAD_MAX];
+    static const double any_mode[LW_MODE_MAX];
     c->plan = plan;
     c->step = step;
     find_moves(plan, c->reg_moves);

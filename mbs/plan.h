@@ -1,12 +1,22 @@
 /* mbs/plan.h - how the pose of a linkage is worked out: a plan made once from its topology, then
  * evaluated many times with the caller's memory.
  *
- * A plan is a list of closed-form steps: the input link, then one Assur dyad after the other (RRR,
- * RRP, RPR, PRP, PPR), then the tracer points; only what the wanted outputs depend on is in it.
- * It knows no numbers.  The numbers are
+ * A plan is a list of steps: the input link, then one Assur group after the other, then the tracer
+ * points; only what the wanted outputs depend on is in it.  Dyads (RRR, RRP, RPR, PRP, PPR) are steps in
+ * closed form; higher groups (triads, tetrads, ..., and groups the input itself is a joint of) are solved by
+ * Newton's method on the loops of the group alone, followed from a seed posture.  A pin in a slot counts as
+ * a pin and a slider with a die between them.  The plan knows no numbers.  The numbers are
  *     dim[n_dim]    dimensions, read off a posture by lw_plan_read or chosen by an optimiser,
- *     mode[n_dyad]  +1 or -1 per dyad, which of its two assemblies; ignored for PRP and PPR,
+ *     mode[n_mode]  for each of the n_dyad dyads +1 or -1, which of its two assemblies (ignored for PRP and
+ *                   PPR); then, when there are higher groups, a seed for each: a posture near which the
+ *                   solution is, as the turns of its links against the ground frame [rad] and its
+ *                   displacements over lw_plan_size; and last the input of that posture.  n_mode is n_dyad
+ *                   for linkages made of dyads.
  *     the input     as a unit vector (cos, sin) for a pin, as (displacement, 0) for a slider.
+ *
+ * Higher groups.  Unknown are one turn a link (links that slide on each other share one) and one
+ * displacement a slider; the equations are the group's independent loops, two rows each.  From the seed
+ * a posture is followed to the input asked for, see mbs/batch.h on how it is kept from jumping.
  *
  * Frames.  Everything is worked out in the ground frame of the linkage (origin: first ground pin;
  * x axis: towards the second ground pin, else along the first ground slide; see lw_plan_make), where
@@ -22,6 +32,11 @@
  * The driven link's x axis runs from the input pin to its next joint in the order of the linkage
  * (lw_linkage_posture_input).  Only the sum of the offsets of two links that slide on each other matters:
  * it is one dimension, of the link that was known first (of the first link, for the inner slider of RPR).
+ * Links of a higher group have their origin at the pin by which they were reached and their x axis towards
+ * their next pin, else along their slide; those reached by a slide their origin at their first pin and their
+ * x axis along the slide.  An input between two moving links counts, for a pin, the direction of the x axis of
+ * link[1] less that of link[0], for a slider the place of the later link's origin along the line from the foot
+ * of the other's: the linkage's value but for a constant.
  *
  * Names of dimensions follow the links, numbered in the order in which the plan meets them, ground 1,
  * input link 2 ("r1 r2 r3 r4 cx cy x0 y0 theta0" for a four-bar with its tracer on the coupler):
@@ -49,6 +64,9 @@
 #define LW_DIM_MAX   64
 #define LW_DYAD_MAX  16
 #define LW_MODE_MAX  64
+#define LW_HIGHER_MAX  4       /* higher groups of a plan                                         */
+#define LW_PLAN_LOOP_MAX 10    /* loops of a higher group                                         */
+#define LW_UNKNOWN_MAX (2*LW_PLAN_LOOP_MAX)
 #define LW_STEP_MAX  96
 #define LW_REG_MAX  128
 
@@ -94,7 +112,10 @@ typedef enum lw_step_kind {
     LW_STEP_INPUT_SLIDE,      /* origin of the input link from the input                         */
     LW_STEP_POINT,            /* point on a link                                                 */
     LW_STEP_LINE,             /* slide line on a link: a point of it and its direction           */
-    LW_STEP_RRR, LW_STEP_RRP, LW_STEP_RPR, LW_STEP_PRP, LW_STEP_PPR
+    LW_STEP_RRR, LW_STEP_RRP, LW_STEP_RPR, LW_STEP_PRP, LW_STEP_PPR,
+    LW_STEP_HIGHER,           /* a higher group: its directions and displacements                */
+    LW_STEP_TURN,             /* direction turned by another                                     */
+    LW_STEP_SLIDE             /* point along a line, by a displacement                           */
 } lw_step_kind;
 
 /* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused.  A register is a point
@@ -109,11 +130,51 @@ typedef enum lw_step_kind {
  *     RRP           a, q, w                 u, c            r         c = a + r u = q + t w
  *     RPR           a, b                    u               e         b = a + (t + ie) u
  *     PRP, PPR      q1, w1, q2, w2          c                         c = q1 + t1 w1 = q2 + t2 w2
+ *     TURN          u, v                    u v                       dim[0]: +1, or -1 for u conj(v)
+ *     SLIDE         q, w, (d, 0)            q + d w
+ *     HIGHER        see lw_higher                                     dim[0]: number in plan.higher
  * out u2 of RRR is -1 when nobody needs it.  PPR is handed the line of its inner slider as second. */
 typedef struct lw_step {
     lw_step_kind kind;
     int in[4], out[4], dim[3], dyad;
 } lw_step;
+
+/* A higher group: loops of vectors that close,
+ *     sum of  sign (x + iy) u  +  sign d u  +  sign P  = 0,
+ * u a direction of the list `dir`, x, y dimensions, d a displacement, P a known point.  A direction is unknown
+ * (root: its number among the turns, base -1), known (root -1), or turned from an earlier one of the list
+ * by a dimension (an angle) or by the input. */
+typedef struct lw_higher_dir {
+    short root, base;         /* unknown turn that moves it, -1; direction it is turned from, -1  */
+    short reg;                /* register: its own, or that of the input it is turned by          */
+    short dim, angle;         /* angle it is turned by: dimension, number in plan.angle; or -1    */
+    short input;              /* turned by the input: +1, -1; else 0                              */
+} lw_higher_dir;
+typedef struct lw_higher_vector { short loop, sign, dir, x, y, entry; } lw_higher_vector;
+typedef struct lw_higher_slide { short loop, sign, dir, disp; } lw_higher_slide;
+typedef struct lw_higher_point { short loop, sign, reg; } lw_higher_point;
+typedef struct lw_higher_entry { short loop, dir; } lw_higher_entry;    /* vectors of one direction in a loop */
+
+#define LW_HIGHER_DIR_MAX  48
+#define LW_HIGHER_TERM_MAX 160
+
+typedef struct lw_higher {
+    int              n_link, link[LW_LINK_MAX];       /* in the order in which they are reached   */
+    int              n_loop, n_turn, n_disp;          /* n_turn + n_disp = 2 n_loop               */
+    int              turn_reg[LW_UNKNOWN_MAX];        /* register each unknown turn's direction goes to */
+    int              turn_link[LW_UNKNOWN_MAX];       /* the link whose direction it is           */
+    int              disp_reg[LW_UNKNOWN_MAX + 1];    /* (d, 0); the one after the unknown ones is the input */
+    int              disp_joint[LW_UNKNOWN_MAX];      /* the slider                               */
+    bool             disp_input;                      /* is there that one after the unknown ones */
+    int              n_dir, n_vector, n_slide, n_point, n_entry;
+    lw_higher_dir    dir[LW_HIGHER_DIR_MAX];
+    lw_higher_vector vector[LW_HIGHER_TERM_MAX];
+    lw_higher_slide  slide[LW_HIGHER_TERM_MAX];
+    lw_higher_point  point[LW_HIGHER_TERM_MAX];
+    lw_higher_entry  entry[LW_HIGHER_TERM_MAX];
+    int              first_mode;                      /* of its seed in mode[]                    */
+    int              first_row;                       /* of its unknowns among those of the plan: x, y a turn, d a disp */
+} lw_higher;
 
 /* The commonest plans, recognised so that one loop does all steps: a point A driven by the input (a pin
  * of the crank, or of a slider) and one dyad from A to ground, its tracer on the link at A.  Numbers
@@ -128,14 +189,18 @@ typedef struct lw_short {
 
 typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
+    int         n_mode, n_higher, n_row;          /* rows: numbers that say where the higher groups are */
     bool        input_is_slider;
     lw_dim_info dim[LW_DIM_MAX];
     lw_step     step[LW_STEP_MAX];
     lw_dyad     dyad[LW_DYAD_MAX];
     int         n_link;                           /* links worked out                             */
-    int         link[LW_LINK_MAX];                /* their indices; link[0] ground, link[1] input */
+    int         link[LW_LINK_MAX];                /* their indices; link[0] ground, link[1] the   */
+                                                  /* driven link, when it is joined to the ground */
     lw_frame    frame[LW_LINK_MAX];               /* by index in the linkage                      */
     int         input_joint;
+    int         input_link[2];                    /* it counts the second against the first        */
+    lw_higher   higher[LW_HIGHER_MAX];
     int         joint_pin[LW_JOINT_MAX];          /* of pins: the first joint of the same pin     */
     int         slider_base[LW_JOINT_MAX];        /* the link the slide line is a line of         */
     int         slider_ref[LW_JOINT_MAX];         /* the pin whose path a slide line is, or -1    */
@@ -163,9 +228,14 @@ typedef struct lw_want {
     bool     all_joints;      /* every joint and link too (for drawings and traces)               */
 } lw_want;
 
-/* Make the plan.  LW_E_KIND, with a text saying which links are left over, when the linkage is not
- * a chain of one input at the ground and dyads of pins and sliders; other failures as
+/* Make the plan.  LW_E_KIND, with a text, when the linkage is not one of F = 1 with one input, has joints
+ * other than pins, sliders and pins in slots, sliders that form a closed chain, parts that hold each other
+ * twice and others not at all, or higher groups beyond the limits above; other failures as
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
+lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
+
+/* The same for linkages made of dyads with the input at the ground, whose plans are closed forms throughout;
+ * others are LW_E_KIND, with a text saying which links are left over. */
 lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
 /* Read dimensions, modes and input value [rad] or [m] off the posture of k (the linkage the plan was
@@ -179,6 +249,13 @@ lw_status lw_plan_read(const lw_plan *plan, const lw_linkage *k, double *dim, do
  * input's value moves by as much as the input. */
 lw_status lw_plan_write(const lw_plan *plan, const double *dim, const double *mode, double input,
                         lw_linkage *k);
+
+/* The length displacements of a seed are counted in: the mean size of the lengths and coordinates [m]. */
+double lw_plan_size(const lw_plan *plan, const double *dim);
+
+/* Put a new seed into mode: the posture at this input, reached from the old seed.  LW_OPEN, mode untouched,
+ * when it cannot be reached.  Nothing to do for plans without higher groups. */
+lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode);
 
 /* Index of a dimension by name, -1 if there is none. */
 int lw_plan_dim(const lw_plan *plan, const char *name);

@@ -7,12 +7,27 @@
 #define LW_ORIGIN_REG 0          /* origin of the ground frame */
 #define LW_AXIS_REG   1          /* its x axis                 */
 
-/* A dyad as found in the topology. base[]: the known links its outer joints hang on. */
+/* A group as found in the topology.  Of a dyad: base[]: the known links its outer joints hang on.  Of a
+ * higher group (LW_STEP_HIGHER) only `cluster` counts, its number. */
 typedef struct lw_group {
     lw_step_kind kind;
     int  link[2], joint[3], base[2];
     bool need[2];                /* is the frame of this link wanted */
+    int  cluster;
 } lw_group;
+
+/* The joint `joint` between link a (of the group, or known) and link b of the group. */
+typedef struct lw_tie { int a, b, joint; } lw_tie;
+
+/* A higher group: its links in the order in which they are reached, each by its tie from an earlier one or a
+ * known one; the pins that close loops; the links solved before that it hangs on. */
+typedef struct lw_cluster {
+    int      n_link, n_loop;
+    lw_tie   reach[LW_LINK_MAX];           /* b: the link                                           */
+    lw_tie   loop[LW_JOINT_MAX];
+    uint32_t links, bases;
+    bool     need;
+} lw_cluster;
 
 /* What was found out about a linkage before anything is numbered.  Pins are multiple joints: `pin` is the
  * first joint of the same pin, `on_pin` the links that carry it. */
@@ -22,9 +37,24 @@ typedef struct lw_topology {
     uint32_t on_pin[LW_JOINT_MAX];
     int      driven, input_joint;
     int      rank[LW_LINK_MAX];           /* order in which links become known, -1: not yet */
-    int      n_group;
-    lw_group group[LW_DYAD_MAX];
+    int      slot[LW_JOINT_MAX];          /* of a pin in a slot: the slider put behind it, else -1 */
+    int      n_group, n_cluster;
+    lw_group group[LW_DYAD_MAX + LW_HIGHER_MAX];
+    lw_cluster cluster[LW_HIGHER_MAX];
 } lw_topology;
+
+/* A copy of the linkage with a die between pin and slot of every joint of kind p: the joint is the pin of
+ * link[1] in the die, and the slide of the die on link[0] a further joint.  slot (n_joint of the copy) may be NULL. */
+lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_error *e);
+
+/* Find the smallest group that known links determine (mbs/plan_assur.c). */
+lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e);
+
+/* The names of the links not known, "A", "B". */
+void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);
+
+/* The link that has been known longest of those that carry this joint, -1 when none is. */
+int lw_known_link(const lw_topology *t, int joint);
 
 /* Frames, dimensions, registers and steps of what is needed (mbs/plan_steps.c). */
 lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_error *e);

@@ -1,8 +1,9 @@
-/* The topology of a plan: which pins are one pin, which links move as dyads, in which order.
+/* The topology of a plan: which pins are one pin, which links move together, in which order.
  *
- * Any linkage of one freedom whose Assur groups are dyads is taken apart by looking, again and again,
- * for two links not yet known that are joined to each other and, one joint each, to known ones
- * (Assur 1914; every such linkage is found, in whatever order, since a dyad once found stays one). */
+ * A linkage of one freedom is taken apart by looking, again and again, for two links not yet known that
+ * are joined to each other and, one joint each, to known ones: a dyad (Assur 1914; all are found, in
+ * whatever order, since a dyad once found stays one).  Where there is none the smallest group that known
+ * links determine is next (mbs/plan_assur.c). */
 #include "mbs/plan_internal.h"
 
 #include <stdio.h>
@@ -43,8 +44,7 @@ static void join_pins(lw_topology *t)
 
 static bool is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
 
-/* The link that has been known longest of those that carry this joint, -1 when none is. */
-static int known_link(const lw_topology *t, int joint)
+int lw_known_link(const lw_topology *t, int joint)
 {
     uint32_t on = is_pin(t, joint) ? t->on_pin[t->pin[joint]]
                                    : 1u << t->k->joint[joint].link[0] | 1u << t->k->joint[joint].link[1];
@@ -60,7 +60,7 @@ static int outer_joint(const lw_topology *t, int link)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
         bool carries = is_pin(t, j) ? t->on_pin[t->pin[j]] >> link & 1 : lw_joint_has(&t->k->joint[j], link);
-        if (carries && known_link(t, j) >= 0)
+        if (carries && lw_known_link(t, j) >= 0)
             return j;
     }
     return -1;
@@ -70,7 +70,7 @@ static int inner_joint(const lw_topology *t, int a, int b)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (known_link(t, j) >= 0)
+        if (lw_known_link(t, j) >= 0)
             continue;
         if (is_pin(t, j) ? (t->on_pin[t->pin[j]] >> a & 1 && t->on_pin[t->pin[j]] >> b & 1)
                          : lw_joint_has(q, a) && lw_joint_has(q, b))
@@ -95,11 +95,14 @@ static bool try_dyad(const lw_topology *t, int a, int b, lw_group *g)
     *g = (lw_group){ .link = { a, b }, .joint = { outer_joint(t, a), inner_joint(t, a, b), outer_joint(t, b) } };
     if (g->joint[0] < 0 || g->joint[1] < 0 || g->joint[2] < 0 || !dyad_kind(t, g))
         return false;
-    g->base[0] = known_link(t, g->joint[0]);
-    g->base[1] = known_link(t, g->joint[2]);
+    for (int h = 0; h < 3; h++)
+        if (t->pin[g->joint[h]] == t->pin[t->input_joint] && t->driven < 0)
+            return false;                                /* the input holds its links as well */
+    g->base[0] = lw_known_link(t, g->joint[0]);
+    g->base[1] = lw_known_link(t, g->joint[2]);
     if (t->rank[g->base[0]] < t->rank[g->base[1]])
         *g = (lw_group){ g->kind, { b, a }, { g->joint[2], g->joint[1], g->joint[0] },
-                         { g->base[1], g->base[0] }, { false, false } };
+                         { g->base[1], g->base[0] }, { false, false }, 0 };
     return true;
 }
 
@@ -129,54 +132,83 @@ static int mobility(const lw_topology *t)
 static lw_status check_joints(const lw_linkage *k, lw_error *e)
 {
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER)
-            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; closed-form plans know pins ('r') "
-                                "and sliders ('t')", k->joint[j].name, (char)k->joint[j].kind);
+        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER &&
+            k->joint[j].kind != LW_JOINT_SLOT)
+            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; plans know pins ('r'), sliders ('t') and pins "
+                                "in slots ('p')", k->joint[j].name, (char)k->joint[j].kind);
     if (k->n_input != 1)
-        return lw_error_set(e, LW_E_KIND, "a closed-form plan needs one input, this linkage has %d", k->n_input);
+        return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", k->n_input);
     return LW_OK;
 }
 
-static lw_status find_input(lw_topology *t, lw_error *e)
+/* An input at the ground drives its link; one between two moving links is left to their group. */
+static void find_input(lw_topology *t)
 {
     const lw_linkage *k = t->k;
     t->input_joint = k->input[0].joint;
     const lw_joint *j = &k->joint[t->input_joint];
-    if (!lw_joint_has(j, k->ground))
-        return lw_error_set(e, LW_E_KIND, "the input joint \"%s\" does not touch the ground link \"%s\"; closed-form "
-                            "plans start from a driven link at the ground", j->name, k->link_name[k->ground]);
-    t->driven = lw_joint_other(j, k->ground);
     t->rank[k->ground] = 0;
+    t->driven = -1;
+    if (!lw_joint_has(j, k->ground))
+        return;
+    t->driven = lw_joint_other(j, k->ground);
     t->rank[t->driven] = 1;
+}
+
+static lw_status add_cluster(lw_topology *t, int *known, lw_error *e)
+{
+    if (t->n_cluster == LW_HIGHER_MAX)
+        return lw_error_set(e, LW_E_KIND, "more than %d higher Assur groups", LW_HIGHER_MAX);
+    lw_cluster *c = &t->cluster[t->n_cluster];
+    lw_status s = lw_plan_find_cluster(t, c, e);
+    if (s != LW_OK)
+        return s;
+    t->group[t->n_group++] = (lw_group){ .kind = LW_STEP_HIGHER, .cluster = t->n_cluster++ };
+    for (int i = 0; i < c->n_link; i++)
+        t->rank[c->reach[i].b] = (*known)++;
     return LW_OK;
 }
 
 static lw_status left_over(const lw_topology *t, lw_error *e)
 {
     char list[400] = "";
-    for (int i = 0; i < t->k->n_link; i++)
-        if (t->rank[i] < 0) {
-            size_t n = strlen(list);
-            snprintf(list + n, sizeof list - n, "%s\"%s\"", n ? ", " : "", t->k->link_name[i]);
-        }
+    const lw_joint *j = &t->k->joint[t->input_joint];
+    if (t->driven < 0)
+        return lw_error_set(e, LW_E_KIND, "the input joint \"%s\" does not touch the ground link \"%s\"; closed-form "
+                            "plans start from a driven link at the ground", j->name, t->k->link_name[t->k->ground]);
+    lw_plan_list_unknown(t, list, sizeof list);
     return lw_error_set(e, LW_E_KIND, "not a chain of dyads (pairs of links joined to what is known already): %s left "
                         "over", list);
 }
 
-static lw_status find_groups(lw_topology *t, lw_error *e)
+void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
 {
-    int known = 2;
-    for (lw_group g; find_dyad(t, &g); known += 2) {
-        if (t->n_group == LW_DYAD_MAX)
+    list[0] = 0;
+    for (int i = 0; i < t->k->n_link; i++)
+        if (t->rank[i] < 0) {
+            size_t n = strlen(list);
+            snprintf(list + n, size - n, "%s\"%s\"", n ? ", " : "", t->k->link_name[i]);
+        }
+}
+
+/* Dyads as long as there are any; then the smallest group that is left. */
+static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
+{
+    int known = t->driven < 0 ? 1 : 2;
+    while (known < t->k->n_link) {
+        lw_group g;
+        if (!find_dyad(t, &g)) {
+            lw_status s = higher ? add_cluster(t, &known, e) : left_over(t, e);
+            if (s != LW_OK)
+                return s;
+            continue;
+        }
+        if (t->n_group - t->n_cluster == LW_DYAD_MAX)
             return lw_error_set(e, LW_E_KIND, "more than %d dyads", LW_DYAD_MAX);
         t->group[t->n_group++] = g;
-        t->rank[g.link[0]] = known;
-        t->rank[g.link[1]] = known + 1;
+        t->rank[g.link[0]] = known++;
+        t->rank[g.link[1]] = known++;
     }
-    if (known != t->k->n_link)
-        return left_over(t, e);
-    if (mobility(t) != 1)
-        return lw_error_set(e, LW_E_KIND, "the linkage has freedom F = %d; one input needs F = 1", mobility(t));
     return LW_OK;
 }
 
@@ -192,6 +224,14 @@ static void slice(lw_topology *t, lw_want want)
             need[t->k->tracer[i].link] = true;
     for (int i = t->n_group - 1; i >= 0; i--) {
         lw_group *g = &t->group[i];
+        if (g->kind == LW_STEP_HIGHER) {
+            lw_cluster *c = &t->cluster[g->cluster];
+            for (int l = 0; l < t->k->n_link; l++)
+                c->need |= need[l] && c->links >> l & 1;
+            for (int l = 0; c->need && l < t->k->n_link; l++)
+                need[l] |= c->bases >> l & 1;
+            continue;
+        }
         g->need[0] = need[g->link[0]];
         g->need[1] = need[g->link[1]];
         if (g->need[0] || g->need[1])
@@ -199,7 +239,60 @@ static void slice(lw_topology *t, lw_want want)
     }
 }
 
-lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_error *e)
+{
+    *wide = *k;
+    for (int j = 0; slot && j < LW_JOINT_MAX; j++)
+        slot[j] = -1;
+    for (int j = 0; j < k->n_joint; j++) {
+        if (k->joint[j].kind != LW_JOINT_SLOT)
+            continue;
+        if (wide->n_link == LW_LINK_MAX || wide->n_joint == LW_JOINT_MAX)
+            return lw_error_set(e, LW_E_KIND, "pins in slots count as links and joints of their own; with them there are more "
+                                "than %d links or %d joints", LW_LINK_MAX, LW_JOINT_MAX);
+        int die = wide->n_link++;
+        lw_joint *pin = &wide->joint[j], *slide = &wide->joint[wide->n_joint++];
+        snprintf(wide->link_name[die], LW_NAME_SIZE, "die of %.20s", pin->name);
+        *slide = *pin;
+        slide->kind = LW_JOINT_SLIDER;
+        slide->link[1] = die;
+        snprintf(slide->name, LW_NAME_SIZE, "slot of %.20s", pin->name);
+        pin->kind = LW_JOINT_REVOLUTE;
+        pin->link[0] = die;
+        pin->along = lw_v2(0, 0);
+        if (slot)
+            slot[j] = wide->n_joint - 1;
+    }
+    return LW_OK;
+}
+
+static lw_status no_freedom(const lw_topology *t, lw_error *e)
+{
+    return lw_error_set(e, LW_E_KIND, "the linkage has freedom F = %d; one input needs F = 1", mobility(t));
+}
+
+static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool higher, lw_plan *plan, lw_error *e)
+{
+    lw_linkage wide;
+    lw_status s = lw_plan_expand(k, &wide, t->slot, e);
+    if (s != LW_OK)
+        return s;
+    t->k = &wide;
+    find_input(t);
+    join_pins(t);
+    if (higher && mobility(t) != 1)                 /* else dyads show what is wrong more plainly */
+        return no_freedom(t, e);
+    if ((s = find_groups(t, higher, e)) != LW_OK)
+        return s;
+    if (mobility(t) != 1)
+        return no_freedom(t, e);
+    slice(t, want);
+    memset(plan, 0, sizeof *plan);
+    plan->kernels = lw_kernels_supported(0);
+    return lw_plan_emit(t, want, plan, e);
+}
+
+static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, lw_plan *plan, lw_error *e)
 {
     lw_topology t = { .k = k };
     for (int i = 0; i < LW_LINK_MAX; i++)
@@ -211,15 +304,18 @@ lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_erro
         return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
     if (!want.tracers && !want.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
-    if ((s = check_joints(k, e)) != LW_OK || (s = find_input(&t, e)) != LW_OK)
-        return s;
-    join_pins(&t);
-    if ((s = find_groups(&t, e)) != LW_OK)
-        return s;
-    slice(&t, want);
-    memset(plan, 0, sizeof *plan);
-    plan->kernels = lw_kernels_supported(0);
-    return lw_plan_emit(&t, want, plan, e);
+    s = check_joints(k, e);
+    return s == LW_OK ? make(&t, k, want, higher, plan, e) : s;
+}
+
+lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+{
+    return check_and_make(k, want, false, plan, e);
+}
+
+lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+{
+    return check_and_make(k, want, true, plan, e);
 }
 
 int lw_plan_dim(const lw_plan *plan, const char *name)

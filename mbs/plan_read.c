@@ -1,6 +1,8 @@
 /* Numbers from a posture and a posture from numbers. */
 #include "mbs/plan_internal.h"
 
+#include <string.h>
+
 /* ---- frames in a posture ------------------------------------------------------------------------ */
 
 static lw_vec2 slide_direction(const lw_plan *p, const lw_linkage *k, int j)
@@ -78,7 +80,8 @@ static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
+/* Of a linkage with dies in its slots. */
+static lw_status frames_of(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
 {
     lw_status s = check_same(p, k, e);
     for (int i = 0; s == LW_OK && i < p->n_link; i++) {
@@ -86,6 +89,13 @@ lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw
         s = frame_axis(p, k, p->link[i], f, e);
     }
     return s;
+}
+
+lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
+{
+    lw_linkage wide;
+    lw_status s = lw_plan_expand(k, &wide, NULL, e);
+    return s == LW_OK ? frames_of(p, &wide, f, e) : s;
 }
 
 /* ---- reading ------------------------------------------------------------------------------------ */
@@ -131,16 +141,46 @@ static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
 
 static double read_input(const lw_plan *p, const lw_linkage *k, const lw_frames *f)
 {
-    int driven = p->link[1];
+    int from = p->input_link[0], to = p->input_link[1];
     if (!p->input_is_slider)
-        return angle_of(lw_v2_unturn(f->d[driven], f->d[k->ground]));
-    return lw_v2_dot(lw_v2_sub(f->o[driven], f->o[k->ground]), slide_direction(p, k, p->input_joint));
+        return angle_of(lw_v2_unturn(f->d[to], f->d[from]));
+    return lw_v2_dot(lw_v2_sub(f->o[to], f->o[from]), slide_direction(p, k, p->input_joint));
 }
 
-lw_status lw_plan_read(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
+double lw_plan_size(const lw_plan *p, const double *dim)
+{
+    double sum = 0;
+    int n = 0;
+    for (int d = 0; d < p->n_dim; d++)
+        if (p->dim[d].kind != LW_DIM_ANGLE && d != p->i_x0 && d != p->i_y0) {
+            sum += fabs(dim[d]);
+            n++;
+        }
+    return sum > 0 ? sum/n : 1;
+}
+
+/* The seeds of the higher groups: where their links are in this posture. */
+static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input, double *mode)
+{
+    double size = lw_plan_size(p, dim);
+    for (int i = 0; i < p->n_higher; i++) {
+        const lw_higher *g = &p->higher[i];
+        double *to = mode + g->first_mode;
+        for (int a = 0; a < g->n_turn; a++)
+            *to++ = angle_of(lw_v2_unturn(f->d[g->turn_link[a]], f->d[k->ground]));
+        for (int d = 0; d < g->n_disp; d++) {
+            int j = g->disp_joint[d], base = p->slider_base[j], rider = lw_joint_other(&k->joint[j], base);
+            *to++ = lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), slide_direction(p, k, j))/size;
+        }
+    }
+    if (p->n_higher)
+        mode[p->n_mode - 1] = input;
+}
+
+static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
 {
     lw_frames f;
-    lw_status s = lw_plan_frames(p, k, &f, e);
+    lw_status s = frames_of(p, k, &f, e);
     if (s != LW_OK)
         return s;
     for (int i = 0; i < p->n_dim; i++) {
@@ -153,7 +193,15 @@ lw_status lw_plan_read(const lw_plan *p, const lw_linkage *k, double *dim, doubl
         if (p->step[i].dyad >= 0)
             mode[p->step[i].dyad] = read_mode(p, k, &p->step[i]);
     *input = read_input(p, k, &f);
+    read_seeds(p, k, &f, dim, *input, mode);
     return LW_OK;
+}
+
+lw_status lw_plan_read(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
+{
+    lw_linkage wide;
+    lw_status s = lw_plan_expand(k, &wide, NULL, e);
+    return s == LW_OK ? read_wide(p, &wide, dim, mode, input, e) : s;
 }
 
 /* ---- writing ------------------------------------------------------------------------------------ */
@@ -221,11 +269,11 @@ static void move_tracers(const lw_frames *f, const placed *q, const double *dim,
         k->tracer[p->output_tracer[o]].at = in_plane(q, dim, p->output_point[o]);
 }
 
-lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
+static lw_status write_wide(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
 {
     lw_frames f;
     placed q;
-    lw_status s = lw_plan_frames(p, k, &f, NULL);
+    lw_status s = frames_of(p, k, &f, NULL);
     if (s != LW_OK)
         return s;
     for (int j = 0; j < k->n_joint; j++)
@@ -235,8 +283,28 @@ lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode,
         return LW_OPEN;
     place(p, dim, &q);
     double before = read_input(p, k, &f), turned = dim[p->i_theta0] - angle_of(f.d[k->ground]);
+    if (p->input_link[0] != k->ground)
+        turned = 0;
     move_joints(&f, &q, dim, k);
     move_tracers(&f, &q, dim, k);
     k->input[0].value += p->input_is_slider ? input - before : remainder(input - before + turned, 2*LW_PI);
+    return LW_OK;
+}
+
+lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
+{
+    lw_linkage wide;
+    int slot[LW_JOINT_MAX];
+    lw_status s = lw_plan_expand(k, &wide, slot, NULL);
+    if (s == LW_OK)
+        s = write_wide(p, dim, mode, input, &wide);
+    if (s != LW_OK)
+        return s;
+    for (int j = 0; j < k->n_joint; j++) {
+        k->joint[j].at = wide.joint[j].at;
+        k->joint[j].along = wide.joint[slot[j] >= 0 ? slot[j] : j].along;
+    }
+    memcpy(k->tracer, wide.tracer, sizeof k->tracer);
+    k->input[0].value = wide.input[0].value;
     return LW_OK;
 }

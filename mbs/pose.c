@@ -3,6 +3,7 @@
  * (Griewank & Walther 2008, ch. 13), so that the derivatives are exact to rounding. */
 #include "mbs/pose.h"
 #include "mbs/dyad_internal.h"
+#include "mbs/kernels_internal.h"
 #include "mbs/plan_internal.h"
 
 #include <string.h>
@@ -54,6 +55,12 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
         reg[out[0]] = z.u;
         return lw_rpr_margin(&z);
     }
+    case LW_STEP_TURN:
+        reg[out[0]] = lw_v2_turn(reg[in[0]], lw_v2(reg[in[1]].x, s->dim[0]*reg[in[1]].y));
+        return 1;
+    case LW_STEP_SLIDE:
+        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
+        return 1;
     default: {
         lw_prp z = lw_prp_solve(reg[in[0]], reg[in[1]], reg[in[2]], reg[in[3]]);
         reg[out[0]] = z.c;
@@ -62,15 +69,67 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     }
 }
 
-double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                         lw_vec2 reg[LW_REG_MAX])
+/* Directions and displacements of a higher group from its seat. */
+static void take_seat(const lw_higher *g, const lw_seat *seat, lw_vec2 *reg)
+{
+    const double *row = seat->row + g->first_row;
+    for (int a = 0; a < g->n_turn; a++, row += 2)
+        reg[g->turn_reg[a]] = lw_v2(row[0], row[1]);
+    for (int d = 0; d < g->n_disp; d++)
+        reg[g->disp_reg[d]] = lw_v2(*row++, 0);
+}
+
+static double find_seat(const lw_plan *plan, const double *dim, const double *mode, double input, lw_seat *seat)
+{
+    double work[LW_FOLLOW_MAX];
+    plan->kernels->seat(plan, dim, mode, input, work, seat);
+    return seat->margin;
+}
+
+/* seat: where the higher groups are, for plans that have some. */
+static double registers(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_seat *seat,
+                        lw_vec2 *reg)
 {
     double margin = 1;
     reg[LW_ORIGIN_REG] = lw_v2(0, 0);
     reg[LW_AXIS_REG] = lw_v2(1, 0);
     for (int i = 0; i < plan->n_step; i++)
-        margin = fmin(margin, solve_step(&plan->step[i], dim, mode, input, reg));
+        if (plan->step[i].kind == LW_STEP_HIGHER)
+            take_seat(&plan->higher[plan->step[i].dim[0]], seat, reg);
+        else
+            margin = fmin(margin, solve_step(&plan->step[i], dim, mode, input, reg));
     return margin;
+}
+
+double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                         lw_vec2 reg[LW_REG_MAX])
+{
+    if (!plan->n_higher)
+        return registers(plan, dim, mode, input, NULL, reg);
+    lw_seat seat;
+    double margin = find_seat(plan, dim, mode, input, &seat);
+    return fmin(margin, registers(plan, dim, mode, input, &seat, reg));
+}
+
+lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode)
+{
+    lw_seat seat;
+    if (!plan->n_higher)
+        return LW_OK;
+    if (!(find_seat(plan, dim, mode, input, &seat) > 0))
+        return LW_OPEN;
+    double size = lw_plan_size(plan, dim);
+    for (int i = 0; i < plan->n_higher; i++) {
+        const lw_higher *g = &plan->higher[i];
+        const double *row = seat.row + g->first_row;
+        double *to = mode + g->first_mode;
+        for (int a = 0; a < g->n_turn; a++, row += 2)
+            *to++ = atan2(row[1], row[0]);
+        for (int d = 0; d < g->n_disp; d++)
+            *to++ = *row++/size;
+    }
+    mode[plan->n_mode - 1] = input;
+    return LW_OK;
 }
 
 /* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
@@ -210,9 +269,116 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
         reg[out[0]] = point2(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
         break;
     case LW_STEP_RRR: jet_rrr(s, dim, mode[s->dyad], reg); break;
+    case LW_STEP_TURN:
+        reg[out[0]] = turn2(reg[in[0]], s->dim[0] < 0 ? conjugate(reg[in[1]]) : reg[in[1]]);
+        break;
+    case LW_STEP_SLIDE: reg[out[0]] = add2(reg[in[0]], scale2(reg[in[1]], reg[in[2]].x)); break;
     case LW_STEP_RRP: jet_rrp(s, dim, mode[s->dyad], reg); break;
     case LW_STEP_RPR: jet_rpr(s, dim, mode[s->dyad], reg); break;
     default:          jet_prp(s, reg);
+    }
+}
+
+/* ---- a higher group: order after order, with the one inverse Jacobian ------------------------------------- */
+
+typedef struct closing { const lw_higher *g; jet2 dir[LW_HIGHER_DIR_MAX]; jet turn[LW_UNKNOWN_MAX]; } closing;
+
+/* Directions turned from others. */
+static void jet_turned(closing *q, const double *dim, const jet2 *reg)
+{
+    for (int a = 0; a < q->g->n_dir; a++) {
+        const lw_higher_dir *d = &q->g->dir[a];
+        if (d->base < 0 && d->root < 0)
+            q->dir[a] = reg[d->reg];
+        if (d->base < 0)
+            continue;
+        jet2 by = d->dim >= 0 ? constant2(cos(dim[d->dim]), sin(dim[d->dim])) : reg[d->reg];
+        q->dir[a] = turn2(q->dir[d->base], d->input < 0 ? conjugate(by) : by);
+    }
+}
+
+/* Coefficient m of the loops. */
+static void jet_loops(const closing *q, const double *dim, const jet2 *reg, int m, double *f)
+{
+    const lw_higher *g = q->g;
+    for (int r = 0; r < 2*g->n_loop; r++)
+        f[r] = 0;
+    for (int i = 0; i < g->n_point; i++) {
+        f[2*g->point[i].loop] += g->point[i].sign*reg[g->point[i].reg].x.c[m];
+        f[2*g->point[i].loop + 1] += g->point[i].sign*reg[g->point[i].reg].y.c[m];
+    }
+    for (int i = 0; i < g->n_vector; i++) {
+        const lw_higher_vector *v = &g->vector[i];
+        lw_vec2 u = lw_v2(q->dir[v->dir].x.c[m], q->dir[v->dir].y.c[m]);
+        u = lw_v2_turn(lw_v2(value(dim, v->x), value(dim, v->y)), u);
+        f[2*v->loop] += v->sign*u.x;
+        f[2*v->loop + 1] += v->sign*u.y;
+    }
+    for (int i = 0; i < g->n_slide; i++) {
+        const lw_higher_slide *v = &g->slide[i];
+        jet2 u = scale2(q->dir[v->dir], reg[g->disp_reg[v->disp]].x);
+        f[2*v->loop] += v->sign*u.x.c[m];
+        f[2*v->loop + 1] += v->sign*u.y.c[m];
+    }
+}
+
+/* Coefficient m of direction a from its turn's coefficients: u' = i turn' u. */
+static void jet_direction(closing *q, int a, int m)
+{
+    jet2 *u = &q->dir[a];
+    const double *turn = q->turn[q->g->dir[a].root].c;
+    u->x.c[m] = u->y.c[m] = 0;
+    for (int l = 1; l <= m; l++) {
+        u->x.c[m] -= l*turn[l]*u->y.c[m - l]/m;
+        u->y.c[m] += l*turn[l]*u->x.c[m - l]/m;
+    }
+}
+
+static void jet_higher(const lw_higher *g, const double *inverse, const double *dim, jet2 *reg)
+{
+    closing q = { .g = g };
+    int n = 2*g->n_loop;
+    double f[LW_UNKNOWN_MAX];
+    for (int a = 0; a < g->n_dir; a++)
+        if (g->dir[a].base < 0 && g->dir[a].root >= 0)
+            q.dir[a] = reg[g->turn_reg[g->dir[a].root]];
+    for (int m = 1; m < N; m++) {
+        for (int a = 0; a < g->n_dir; a++)
+            if (g->dir[a].base < 0 && g->dir[a].root >= 0)
+                jet_direction(&q, a, m);
+        jet_turned(&q, dim, reg);
+        jet_loops(&q, dim, reg, m, f);
+        for (int c = 0; c < n; c++) {
+            double x = 0;
+            for (int r = 0; r < n; r++)
+                x -= inverse[c*n + r]*f[r];
+            if (c < g->n_turn)
+                q.turn[c].c[m] = x;
+            else
+                reg[g->disp_reg[c - g->n_turn]].x.c[m] = x;
+        }
+        for (int a = 0; a < g->n_dir; a++)
+            if (g->dir[a].base < 0 && g->dir[a].root >= 0)
+                jet_direction(&q, a, m);
+    }
+    for (int a = 0; a < g->n_dir; a++)
+        if (g->dir[a].base < 0 && g->dir[a].root >= 0)
+            reg[g->turn_reg[g->dir[a].root]] = q.dir[a];
+}
+
+/* All steps, from a pose without derivatives. */
+static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_seat *seat, jet2 *reg)
+{
+    const double *inverse = seat->inverse;
+    for (int i = 0; i < plan->n_step; i++) {
+        const lw_step *s = &plan->step[i];
+        if (s->kind != LW_STEP_HIGHER) {
+            jet_step(s, dim, mode, input, reg);
+            continue;
+        }
+        const lw_higher *g = &plan->higher[s->dim[0]];
+        jet_higher(g, inverse, dim, reg);
+        inverse += 4*g->n_loop*g->n_loop;
     }
 }
 
@@ -277,12 +443,13 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
         return LW_E_ARG;
     memset(pose, 0, sizeof *pose);
     pose->input = input;
-    pose->margin = lw_pose_registers(plan, dim, mode, input, flat);
+    lw_seat seat;
+    double least = plan->n_higher ? find_seat(plan, dim, mode, input, &seat) : 1;
+    pose->margin = fmin(least, registers(plan, dim, mode, input, &seat, flat));
     for (int r = 0; r < plan->n_reg; r++)
         reg[r] = constant2(flat[r].x, flat[r].y);
     if (order > 0 && pose->margin > LW_MARGIN_FLAT)
-        for (int i = 0; i < plan->n_step; i++)
-            jet_step(&plan->step[i], dim, mode, input, reg);
+        jet_steps(plan, dim, mode, input, &seat, reg);
     /* a dyad that closes by rounding in one of the two ways of reckoning and not in the other */
     if (!all_finite(reg, plan->n_reg))
         for (int r = 0; r < plan->n_reg; r++)

@@ -80,7 +80,7 @@ static void name_links(lw_linkage *k, const lw_type *t)
 static void set_input(lw_linkage *k)
 {
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     if (lw_plan_make(k, (lw_want){ 1, true }, &plan, NULL) == LW_OK)
         lw_plan_read(&plan, k, dim, mode, &k->input[0].value, NULL);
 }

@@ -10,7 +10,7 @@
 
 #define J _Complex_I
 
-typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input; } subject;
+typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } subject;
 
 static _Alignas(64) double work[1 << 17];
 
@@ -46,7 +46,7 @@ static double point_at(const subject *q, const double *dim, double input, lw_vec
 
 enum { MAX = 307 };
 
-typedef struct lanes { double c[MAX], s[MAX], dim[LW_DIM_MAX*MAX], mode[LW_DYAD_MAX*MAX]; } lanes;
+typedef struct lanes { double c[MAX], s[MAX], dim[LW_DIM_MAX*MAX], mode[LW_MODE_MAX*MAX]; } lanes;
 
 static void draw_lanes(lw_rng *r, const subject *q, lanes *l)
 {

@@ -8,7 +8,7 @@ enum { LOOKS = 720 };
 static double least_margin(const lw_plan *plan, const double *dim, double mode)
 {
     double c[LOOKS], s[LOOKS], o[LOOKS], u[LOOKS], d[LOOKS], v[LOOKS], margin[LOOKS], least = INFINITY;
-    double modes[LW_DYAD_MAX] = { mode };
+    double modes[LW_MODE_MAX] = { mode };
     void *work = aligned_alloc(64, (lw_batch_work_size(plan) + 63)/64*64 + 64);
     for (int k = 0; k < LOOKS; k++) {
         c[k] = cos(2*LW_PI*k/LOOKS);

@@ -262,7 +262,7 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
 {
     lw_linkage l;
     lw_plan plan;
-    double dim[LW_DIM_MAX], modes[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], modes[LW_MODE_MAX], input;
     fourbar_linkage(&l, k, mode, start);
     CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, modes, &input, NULL), LW_OK);
@@ -413,7 +413,7 @@ static void equal_crank_and_rod(void)
 {
     lw_linkage l;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     scott_russell(&l, 0.7);
     lw_newton *s = newton_of(&l);
     for (int i = 1; s && i <= 25; i++) {
@@ -459,7 +459,7 @@ static void rocking_slider_crank(void)
 
     lw_plan plan;
     lw_motion m;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
@@ -494,7 +494,7 @@ static void peaucellier_is_straight(void)
     const double limit = 96.37937020844280386828*LW_PI/180.0;       /* cos(t/2) = 2/3 */
     lw_linkage l;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input, reached;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, reached;
     peaucellier(&l, 1.5, 0.3);
     lw_newton *s = newton_of(&l);
     CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);

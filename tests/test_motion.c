@@ -205,7 +205,7 @@ static bool closes_at(const lw_plan *plan, const double *dim, const double *mode
 static void check_samples(const lw_plan *plan, const double *dim, const lw_motion *m, double size, int n)
 {
     for (int i = 0; i < n; i++) {
-        double mode[LW_DYAD_MAX], t = plan->input_is_slider ? (8.0*i/n - 4.0)*size : 2.0*LW_PI*i/n;
+        double mode[LW_MODE_MAX], t = plan->input_is_slider ? (8.0*i/n - 4.0)*size : 2.0*LW_PI*i/n;
         for (int bits = 0; bits < 1 << plan->n_dyad; bits++) {
             for (int d = 0; d < plan->n_dyad; d++)
                 mode[d] = bits >> d & 1 ? -1.0 : 1.0;
@@ -227,7 +227,7 @@ static void every_type_by_samples_and_newton(void)
     lw_rng_seed(&rng, check_seed(), 2);
     for (const lw_type *t = lw_type_table; t->letters; t++) {
         lw_linkage k;
-        double from[LW_DIM_MAX], dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        double from[LW_DIM_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         int n_closed = 0;
         lw_plan plan = plan_of_type(t->name, &k);
         CHECK_INT(lw_plan_read(&plan, &k, from, mode, &input, NULL), LW_OK);
@@ -254,7 +254,7 @@ static void slider_crank_by_textbook(void)
 {
     lw_linkage k;
     lw_plan plan = plan_of_type("slidercrank", &k);
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
     int r2 = lw_plan_dim(&plan, "r2"), r3 = lw_plan_dim(&plan, "r3"), e1 = lw_plan_dim(&plan, "e1");
     CHECK(r2 >= 0 && r3 >= 0 && e1 >= 0);
@@ -291,7 +291,7 @@ static void six_bars_by_newton(void)
     int n_arc = 0, n_inner = 0;
     for (int trial = 0; trial < 90; trial++) {
         lw_linkage k;
-        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         static lw_motion m;
         blank_linkage(&k, 6);
         for (int j = 0; j < 7; j++)
@@ -344,7 +344,7 @@ static void jansens_leg(void)
     };
     lw_linkage k;
     lw_newton *s;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     jansen(&k, 0.2);
     lw_plan plan = plan_of(&k);
     CHECK_INT(plan.n_dyad, 3);

@@ -4,7 +4,7 @@
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
-typedef struct planned { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input; } planned;
+typedef struct planned { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } planned;
 
 static bool plan_all(planned *q)
 {
@@ -110,7 +110,7 @@ static void dimensions_do_not_move(void)
     lw_rng_seed(&r, check_seed(), 4);
     for (const lw_type *t = lw_type_table; t->letters; t++)
         for (int trial = 0; trial < 200; trial++) {
-            double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input, step = lw_rng_range(&r, -0.2, 0.2);
+            double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, step = lw_rng_range(&r, -0.2, 0.2);
             lw_pose pose;
             random_type(&r, t, &q.k);
             lw_linkage moved = q.k;
@@ -220,7 +220,7 @@ static void plans_hold_what_is_wanted(void)
     CHECK_INT(q.p.output_tracer[0], 1);
 }
 
-/* Six bars that are no chain of dyads: a triad (three links on three links). */
+/* Six bars that are no chain of dyads: three links on three links. */
 static void triad_linkage(lw_linkage *k)
 {
     blank_linkage(k, 6);
@@ -243,12 +243,19 @@ static void says_what_cannot_be_planned(void)
     triad_linkage(&q.k);
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
     CHECK_HAS(e.text, "\"L3\", \"L4\", \"L5\", \"L6\"");
+    CHECK_INT(lw_plan_make_any(&q.k, want, &q.p, &e), LW_OK);
+    CHECK_INT(q.p.n_higher, 1);
+    CHECK_INT(q.p.higher[0].n_link, 4);
+    CHECK_INT(q.p.n_mode, 5);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
     CHECK_INT(lw_plan_make(&q.k, (lw_want){ 0, false }, &q.p, &e), LW_E_ARG);
     CHECK_INT(lw_plan_make(&q.k, (lw_want){ 2, false }, &q.p, &e), LW_E_ARG);
     q.k.input[0].joint = 1;
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
     CHECK_HAS(e.text, "does not touch the ground");
+    CHECK_INT(lw_plan_make_any(&q.k, want, &q.p, &e), LW_OK);
+    CHECK_INT(q.p.n_higher, 1);
+    CHECK_INT(q.p.n_dyad, 0);
     q.k.n_input = 0;
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);

@@ -5,7 +5,7 @@
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
-typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input; } subject;
+typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } subject;
 
 static bool plan_of(subject *q)
 {

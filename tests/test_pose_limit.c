@@ -18,7 +18,7 @@ static void finite_around_every_limit(void)
     static lw_linkage k;
     static lw_plan plan;
     static lw_pose pose;
-    double dim[LW_DIM_MAX], file_mode[LW_DYAD_MAX], file_input;
+    double dim[LW_DIM_MAX], file_mode[LW_MODE_MAX], file_input;
     char *text;
     size_t size;
     lw_error e;
@@ -29,7 +29,7 @@ static void finite_around_every_limit(void)
     CHECK_INT(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &e), LW_OK);
     int n_limit = 0;
     for (int set = 0; set < 1 << plan.n_dyad; set++) {
-        double mode[LW_DYAD_MAX];
+        double mode[LW_MODE_MAX];
         for (int d = 0; d < plan.n_dyad; d++)
             mode[d] = set >> d & 1 ? -1 : 1;
         for (int i = 0; i < 720; i++) {

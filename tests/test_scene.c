@@ -109,7 +109,7 @@ static void walks_end_at_the_limits_of_the_four_bar(void)
             continue;
         lw_linkage k = model_four_bar(d, t, trial & 1 ? 1 : -1);
         lw_plan plan;
-        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_motion m;
         lw_walk w;
         CHECK_INT(lw_plan_make(&k, (lw_want){ 1, true }, &plan, &e), LW_OK);

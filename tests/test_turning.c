@@ -29,7 +29,7 @@ static void rocker_turns_back_at_dead_points(void)
 {
     lw_linkage k;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
     setup("RRRR", &k, &plan, dim, mode);
@@ -59,7 +59,7 @@ static void slider_turns_at_stroke_ends(void)
 {
     lw_linkage k;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     setup("RRRP", &k, &plan, dim, mode);
     lw_turning t[8];
     int n = lw_turning_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
@@ -78,7 +78,7 @@ static void none_and_too_many(void)
 {
     lw_linkage k;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     lw_turning t[2] = { { -7, -7, -7 }, { -7, -7, -7 } };
     setup("RRRR", &k, &plan, dim, mode);
     static const double drag[4] = { 1, 4, 4.5, 4 }, rocker[4] = { 5, 2, 4, 4 };
@@ -97,7 +97,7 @@ static void standing_still_is_no_turning(void)
 {
     lw_linkage k;
     lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     lw_turning t[8];
     setup("RRRP", &k, &plan, dim, mode);
     set(&plan, dim, "r2", 0.05);

@@ -63,7 +63,7 @@ static void postures_are_sound(void)
         lw_plan p;
         lw_pose pose;
         lw_error e;
-        double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+        double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_type_linkage(t, &k);
         CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
         CHECK_INT(lw_linkage_mobility(&k), 1);

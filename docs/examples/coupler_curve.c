@@ -23,7 +23,7 @@ int main(int argc, char **argv)
     static lw_linkage linkage;                    /* plain data, some kilobytes */
     static lw_plan plan;
     static lw_pose pose;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     lw_error e;
     char *text;
     size_t size;

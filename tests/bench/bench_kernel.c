@@ -47,7 +47,7 @@ typedef struct bench {
     lw_lanes in;
     size_t n;
     double *work, *c, *s, *dim, *mode, *x, *y, *u, *v, *margin, *tx, *ty, *jac;
-    double one[LW_DIM_MAX], sign[LW_DYAD_MAX], bar[13];
+    double one[LW_DIM_MAX], sign[LW_MODE_MAX], bar[13];
     double sink;
 } bench;
 

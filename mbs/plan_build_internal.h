@@ -1,0 +1,48 @@
+/* mbs/plan_build_internal.h - a plan while it is being made (mbs/plan_steps.c, mbs/plan_higher.c).  Not for users of
+ * the library. */
+#ifndef LW_MBS_PLAN_BUILD_INTERNAL_H
+#define LW_MBS_PLAN_BUILD_INTERNAL_H
+
+#include "mbs/plan_internal.h"
+
+typedef struct lw_builder {
+    const lw_topology *t;
+    lw_plan *p;
+    int      number[LW_LINK_MAX];          /* in the names of dimensions: ground 1, input 2, ...    */
+    int      pin_reg[LW_JOINT_MAX];        /* register of each pin (first joint), -1: not yet        */
+    int      place[LW_DIM_MAX];            /* sort key of each dimension                             */
+    int      n_line[LW_LINK_MAX][2];       /* offsets and angles named so far                        */
+    int      input_reg;                    /* of an input between moving links                       */
+    bool     full;                         /* a table of the plan overflowed                         */
+} lw_builder;
+
+static inline bool lw_build_is_slider(const lw_builder *b, int j)
+{
+    return b->t->k->joint[j].kind == LW_JOINT_SLIDER;
+}
+
+/* New registers, steps and dimensions; the same dimension asked for again is not new. */
+int      lw_build_reg(lw_builder *b);
+lw_step *lw_build_step(lw_builder *b, lw_step_kind kind);
+int      lw_build_dim(lw_builder *b, lw_dim_role role, int link, int joint, int count);
+
+/* Where a pin (first joint) sits on a link, and a slide line: dimensions, -1 for 0. */
+void lw_build_pin_dims(lw_builder *b, int link, int pin, int *x, int *y);
+void lw_build_line_dims(lw_builder *b, int j, int base, int *e, int *beta);
+
+/* Registers of points and lines of links that are known; steps are added where needed. */
+int  lw_build_point(lw_builder *b, int link, int dim_x, int dim_y);
+int  lw_build_pin(lw_builder *b, int joint, int base);
+void lw_build_line(lw_builder *b, int j, int base, int *q, int *w);
+
+void lw_build_link(lw_builder *b, int link, int origin, int dir);
+void lw_build_slider(lw_builder *b, int j, int base, int ref);
+
+/* Frames of a higher group's links; then its step and those that follow from it. */
+void lw_build_higher_frames(lw_builder *b, const lw_cluster *c);
+void lw_build_higher(lw_builder *b, const lw_cluster *c);
+void lw_build_higher_renumber(lw_higher *g, const int *to);
+/* Is one of the registers the group puts out needed?  Then so are those it takes. */
+bool lw_build_higher_needs(const lw_higher *g, bool *need);
+
+#endif

@@ -1,0 +1,217 @@
+/* Higher groups in a plan: all eight-link chains with every ground and input, sliders and slots among them, against
+ * the loops' own lengths, Newton's method on all links, and differences. */
+#include "mbs/batch.h"
+#include "mbs/newton.h"
+#include "mbs/pose.h"
+#include "tests/all_chains.h"
+#include "tests/check.h"
+#include "tests/mbs_random.h"
+
+typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } subject;
+
+/* A linkage of this chain with pins by chance, `kinds` of them turned into sliders or slots. */
+static void draw(lw_rng *r, const lw_chain *c, int ground, int input, int sliders, lw_linkage *k)
+{
+    blank_linkage(k, c->n_link);
+    for (int i = 0; i < c->n_link; i++)
+        for (int j = i + 1; j < c->n_link; j++)
+            if (c->one[i] >> j & 1) {
+                bool slide = sliders > 0 && lw_rng_uniform(r) < 0.2;
+                sliders -= slide;
+                add_joint(k, slide ? LW_JOINT_SLIDER : LW_JOINT_REVOLUTE, i, j, random_place(r), lw_rng_range(r, -LW_PI, LW_PI));
+            }
+    k->ground = ground;
+    add_input(k, input, lw_linkage_posture_input(k, input));
+    for (int i = 0; i < c->n_link; i++)
+        add_tracer(k, i, random_place(r));
+}
+
+static bool read(subject *q, lw_want want)
+{
+    lw_error e = { .text = "" };
+    if (lw_plan_make_any(&q->k, want, &q->p, &e) != LW_OK) {
+        if (!strstr(e.text, "slide"))
+            CHECK_TEXT(e.text, "");
+        return false;
+    }
+    return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, &e) == LW_OK;
+}
+
+static int sliders_of(const lw_linkage *k)
+{
+    int n = 0;
+    for (int j = 0; j < k->n_joint; j++)
+        n += k->joint[j].kind != LW_JOINT_REVOLUTE;
+    return n;
+}
+
+/* How much lengths on links differ between two postures. */
+static double strain(const lw_linkage *a, const lw_linkage *b)
+{
+    double most = 0;
+    for (int i = 0; i < a->n_joint; i++)
+        for (int j = 0; j < i; j++) {
+            const lw_joint *p = &a->joint[i], *q = &a->joint[j];
+            bool same = p->link[0] == q->link[0] || p->link[0] == q->link[1] || p->link[1] == q->link[0] || p->link[1] == q->link[1];
+            if (!same || p->kind != LW_JOINT_REVOLUTE || q->kind != LW_JOINT_REVOLUTE)
+                continue;
+            double before = lw_v2_norm(lw_v2_sub(p->at, q->at));
+            most = fmax(most, fabs(before - lw_v2_norm(lw_v2_sub(b->joint[i].at, b->joint[j].at))));
+        }
+    return most;
+}
+
+static int n_moved, n_open;
+
+/* The posture itself, and one a little way on, are those of all links' equations. */
+static void check_motion(subject *q, double step)
+{
+    lw_pose pose;
+    lw_linkage moved = q->k;
+    lw_newton *s;
+    double far = fmax(1, fabs(q->p.input_is_slider ? q->input : 0)), reached;
+    for (int d = 0; d < q->p.n_dim; d++)
+        far = fmax(far, fabs(q->dim[d]));
+    lw_status at_seed = lw_pose_solve(&q->p, q->dim, q->mode, q->input, 0, &pose);
+    if (sliders_of(&q->k) == 0)                       /* with them, whole loops may be kept from turning */
+        CHECK_INT(at_seed, LW_OK);
+    if (pose.margin < 1e-4 || far > 100)
+        return;
+    for (int o = 0; o < q->p.n_output; o++)
+        CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[o][0], q->k.tracer[q->p.output_tracer[o]].at)), 0, 1e-13*far/pose.margin, 0);
+    if (sliders_of(&q->k) > 0) {
+        if (lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved) == LW_OK) {
+            CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
+            n_moved++;
+        }
+        return;
+    }
+    if (lw_newton_create(&q->k, &s, NULL) != LW_OK)
+        return;
+    double to = q->k.input[0].value + step;
+    lw_status by_all = lw_newton_move(s, to, &reached);
+    lw_status st = lw_plan_write(&q->p, q->dim, q->mode, q->input + step, &moved);
+    n_open += st == LW_OPEN;
+    if (by_all == LW_OK && lw_newton_crossings(s) == 0) {
+        lw_pose_solve(&q->p, q->dim, q->mode, q->input + step, 0, &pose);
+        if (pose.margin > 1e-4) {
+            n_moved++;
+            CHECK_INT(st, LW_OK);
+            CHECK_NEAR(strain(&q->k, &moved), 0, 1e-12*far, 0);
+            for (int o = 0; o < q->p.n_output; o++)
+                CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[o][0], lw_newton_tracer(s, q->p.output_tracer[o]))), 0,
+                           1e-9*far/pose.margin, 0);
+        }
+    } else if (st == LW_OK && by_all == LW_OPEN) {             /* a dyad's gap, narrower than the step */
+        lw_pose_solve(&q->p, q->dim, q->mode, q->input + reached - q->k.input[0].value, 0, &pose);
+        CHECK_NEAR(pose.margin, 0, 1e-9, 0);
+    }
+    lw_newton_free(s);
+}
+
+static void eight_bars(void (*check)(subject *, lw_rng *), int sliders, double share)
+{
+    static subject q;
+    lw_rng r;
+    chain_list all = all_chains(8, 1);
+    CHECK_INT(all.n, 16);
+    lw_rng_seed(&r, check_seed(), 1 + (unsigned)sliders);
+    for (int c = 0; c < all.n; c++)
+        for (int ground = 0; ground < 8; ground++)
+            for (int input = 0; input < 10; input++) {
+                if (lw_rng_uniform(&r) >= share)
+                    continue;
+                draw(&r, &all.chain[c], ground, input, sliders, &q.k);
+                if (read(&q, (lw_want){ 255, true }))
+                    check(&q, &r);
+            }
+    free(all.chain);
+}
+
+static void moves(subject *q, lw_rng *r) { check_motion(q, lw_rng_range(r, -0.3, 0.3)); }
+
+static void every_eight_bar_moves(void)
+{
+    eight_bars(moves, 0, 1);
+    CHECK(n_moved > 400);
+    n_moved = 0;
+    eight_bars(moves, 3, 1);
+    CHECK(n_moved > 200);
+}
+
+/* ---- derivatives ---------------------------------------------------------------------------------------- */
+
+#define LANES 3
+static double work[1 << 18];
+
+static void points_at(const subject *q, const double *dim, const double *t, int which, double *x, double *y, double *m)
+{
+    double c[LANES], s[LANES], u[LANES], v[LANES];
+    for (int i = 0; i < LANES; i++) {
+        c[i] = q->p.input_is_slider ? t[i] : cos(t[i]);
+        s[i] = sin(t[i]);
+    }
+    CHECK(lw_batch_work_size(&q->p) <= sizeof work);
+    lw_batch_point(&q->p, &(lw_lanes){ LANES, c, s, dim, 0, q->mode, 0 }, which, work, x, y, u, v, m);
+}
+
+/* Central differences of two widths, extrapolated. */
+static void differences(const subject *q, const double *t, int which, int d, double h, double *gx, double *gy)
+{
+    double x[4][LANES], y[4][LANES], m[LANES], dim[LW_DIM_MAX];
+    memcpy(dim, q->dim, sizeof dim);
+    for (int i = 0; i < 4; i++) {
+        double shift[LANES], e = (i & 1 ? -h : h)*(i & 2 ? 2 : 1);
+        for (int l = 0; l < LANES; l++)
+            shift[l] = t[l] + (d < 0 ? e : 0);
+        if (d >= 0)
+            dim[d] = q->dim[d] + e;
+        points_at(q, dim, shift, which, x[i], y[i], m);
+    }
+    for (int l = 0; l < LANES; l++) {
+        gx[l] = (8*(x[0][l] - x[1][l]) - (x[2][l] - x[3][l]))/(12*h);
+        gy[l] = (8*(y[0][l] - y[1][l]) - (y[2][l] - y[3][l]))/(12*h);
+    }
+}
+
+static int n_compared;
+
+static void gradients(subject *q, lw_rng *r)
+{
+    static double jx[LW_DIM_MAX*LANES], jy[LW_DIM_MAX*LANES], jt[LW_DIM_MAX*LANES];
+    double t[LANES], c[LANES], s[LANES], x[LANES], y[LANES], m[LANES], tx[LANES], ty[LANES], gx[LANES], gy[LANES];
+    int which = (int)(lw_rng_bits(r)%8);
+    for (int i = 0; i < LANES; i++) {
+        t[i] = q->input + 0.02*i;
+        c[i] = q->p.input_is_slider ? t[i] : cos(t[i]);
+        s[i] = sin(t[i]);
+    }
+    lw_jacobian out = { x, y, NULL, NULL, m, jx, jy, jt, tx, ty, NULL, LANES };
+    lw_batch_jacobian(&q->p, &(lw_lanes){ LANES, c, s, q->dim, 0, q->mode, 0 }, which, work, &out);
+    for (int l = 0; l < LANES; l++)
+        if (!(m[l] > 0.05) || fabs(x[l]) + fabs(y[l]) > 100)
+            return;
+    n_compared++;
+    for (int d = -1; d < q->p.n_dim; d++) {
+        differences(q, t, which, d, 2e-5, gx, gy);
+        for (int l = 0; l < LANES; l++) {
+            double wantx = d < 0 ? tx[l] : jx[d*LANES + l], wanty = d < 0 ? ty[l] : jy[d*LANES + l];
+            CHECK_NEAR(gx[l], wantx, 1e-8/(m[l]*m[l]), 1e-7);
+            CHECK_NEAR(gy[l], wanty, 1e-8/(m[l]*m[l]), 1e-7);
+        }
+    }
+}
+
+static void gradients_are_differences(void)
+{
+    eight_bars(gradients, 0, 0.15);
+    eight_bars(gradients, 3, 0.15);
+    CHECK(n_compared > 60);
+}
+
+int main(void)
+{
+    RUN(every_eight_bar_moves);
+    RUN(gradients_are_differences);
+    return check_end();
+}
