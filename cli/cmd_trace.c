@@ -14,7 +14,7 @@ typedef struct settings {
     int         steps, mode;
     const char *tracer, *range;
     double      from, to, speed;
-    bool        cycle, all;
+    bool        cycle, all, explain;
 } settings;
 
 enum { MODE_BOTH, MODE_FILE };
@@ -38,6 +38,8 @@ static const cli_option options[] = {
       0, 0, NULL, "from" },
     { "all-assemblies", 'a', CLI_FLAG, offsetof(settings, all), NULL, NULL,
       "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
+    { "explain", 0, CLI_FLAG, offsetof(settings, explain), NULL, NULL,
+      "say how the linkage would be solved for its tracers - group by group, what is left out - and end", 0, 0, NULL, NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
       "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "from" },
     { .name = NULL }
@@ -306,6 +308,22 @@ static int run_curves(const cli_call *call, const lw_model *m, unsigned tracers,
     return code;
 }
 
+/* ---- the plan as text --------------------------------------------------------------------------- */
+
+static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
+{
+    static lw_plan plan;
+    char text[8192];
+    lw_error e = { 0 };
+    lw_output o;
+    lw_status st = lw_plan_make_any(k, (lw_want){ .tracers = tracers }, &plan, &e);
+    if (st != LW_OK || (st = cli_open(call, &o, &e)) != LW_OK)
+        return cli_fail(call, &e);
+    lw_plan_explain(&plan, k, text, sizeof text);
+    fputs(text, o.f);
+    return cli_close(call, &o, CLI_DONE);
+}
+
 /* ---- which way --------------------------------------------------------------------------------- */
 
 static int choose_way(const cli_call *call, const lw_model *m, double start)
@@ -318,6 +336,8 @@ static int choose_way(const cli_call *call, const lw_model *m, double start)
     bool moved = false;
     if (choose_tracers(s, call->parsed.word[0], k, &tracers, &e) != LW_OK)
         return cli_fail(call, &e);
+    if (s->explain)
+        return explain(call, k, tracers);
     for (int i = 0; i < k->n_input; i++)
         moved = moved || m->motion[i];
     if (s->range) {
@@ -382,6 +402,7 @@ const cli_command cli_trace_command = {
         "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
         "  linkwright trace model.json --from -90 --to 90 --json    part of the input, as JSON\n"
         "  linkwright trace examples/chebyshev.json --cycle         over both limits and back, one closed curve\n"
+        "  linkwright trace model.json --tracer foot --explain      the groups it is solved by\n"
         "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
     .about =
         "Any linkage is traced: one of dyads in closed form, every other along its curve of postures, in\n"

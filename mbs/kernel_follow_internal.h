@@ -213,9 +213,10 @@ static void trial(follower *f, const lanes8 t)
 /* Lane j of the last trial becomes the present. */
 static void accept(follower *f, double t, int j)
 {
-    if (f->n_past < PAST)
+    bool same = f->n_past > 0 && f->past[0].t == t;
+    if (!same && f->n_past < PAST)
         f->n_past++;
-    for (int a = f->n_past - 1; a > 0; a--)
+    for (int a = f->n_past - 1; !same && a > 0; a--)
         f->past[a] = f->past[a - 1];
     f->past[0].t = t;
     for (int r = 0; r < f->plan->n_row; r++)
@@ -307,6 +308,14 @@ typedef struct chunk {
     bool    ordered, falls;                /* the lanes were in order, from the greatest down         */
 } chunk;
 
+/* Lane j of the last trial, as a lane that is reached. */
+static void put_trial(const follower *f, const chunk *q, size_t at, int j)
+{
+    for (int r = 0; r < f->plan->n_row; r++)
+        q->seat[(size_t)r*q->row + at] = f->row[r][j];
+    q->seat[(size_t)f->plan->n_row*q->row + at] = 0;
+}
+
 static void put_seat(const follower *f, const chunk *q, size_t at, double out_of_reach)
 {
     for (int r = 0; r < f->plan->n_row; r++)
@@ -364,14 +373,36 @@ static void turn_round(chunk *q)
     }
 }
 
-/* The lanes from `first` on, one after the other in this direction, until the way ends. */
-static void go_along(follower *f, chunk *q, size_t first, int step)
+/* Up to eight lanes from i on in one trial; how many of them were sure. */
+static size_t leap(follower *f, chunk *q, size_t i, size_t step)
+{
+    lanes8 t;
+    size_t n = 0, last = i, sure = 0;
+    for (; n < LW_GROUP; n++) {
+        t[n] = q->t[last];
+        last = last + step < q->n ? last + step : last;
+    }
+    trial(f, t);
+    for (size_t at = i; sure < n && at < q->n && f->sure[sure]; at += step)
+        put_trial(f, q, q->lane[at], (int)sure++);
+    if (sure > 0)
+        accept(f, t[sure - 1], (int)sure - 1);
+    return sure;
+}
+
+/* The lanes from `first` on, in this direction (1 or -1), until the way ends. */
+static void go_along(follower *f, chunk *q, size_t first, size_t step)
 {
     double unit = f->plan->input_is_slider ? f->size : 1;
     bool open = false;
-    for (size_t i = first; i < q->n; i += (size_t)step) {
-        open = open || !advance(f, q->t[i]);
-        put_seat(f, q, q->lane[i], open ? fmax(fabs(q->t[i] - f->past[0].t)/unit, 1e-12) : 0);
+    for (size_t i = first; i < q->n; ) {
+        size_t n = open ? 0 : leap(f, q, i, step);
+        if (n == 0) {
+            open = open || !advance(f, q->t[i]);
+            put_seat(f, q, q->lane[i], open ? fmax(fabs(q->t[i] - f->past[0].t)/unit, 1e-12) : 0);
+            n = 1;
+        }
+        i += n*step;
     }
 }
 
@@ -396,11 +427,11 @@ static void follow_chunk(follower *f, const lw_lanes *in, chunk *q)
     if (q->falls || !q->ordered) {
         go_along(f, q, first, 1);
         *f = here;
-        go_along(f, q, first - 1, -1);
+        go_along(f, q, first - 1, (size_t)-1);
         if (q->ordered && first == 0)
             advance(f, q->t[0]);
     } else {
-        go_along(f, q, first - 1, -1);
+        go_along(f, q, first - 1, (size_t)-1);
         *f = here;
         go_along(f, q, first, 1);
         if (first == q->n)

@@ -39,7 +39,7 @@ LW_INLINE void load_lane_row(lanes8 to, const double *from, size_t i, const int 
     LW_EIGHT to[j] = per_lane ? from[i + (size_t)j] : one;
 }
 
-LW_INLINE void load_vectors(const run *k, eight *w, const lw_higher *g, size_t i, const int per_lane)
+static void load_vectors(const run *k, eight *w, const lw_higher *g, size_t i, const int per_lane)
 {
     w->g = g;
     w->n = 2*g->n_loop;
@@ -60,7 +60,7 @@ LW_INLINE void load_vectors(const run *k, eight *w, const lw_higher *g, size_t i
     }
 }
 
-LW_INLINE void load_known(const run *k, eight *w, size_t i, const int per_lane)
+static void load_known(const run *k, eight *w, size_t i, const int per_lane)
 {
     const lw_higher *g = w->g;
     for (int r = 0; r < w->n; r++)
@@ -93,7 +93,7 @@ LW_INLINE void load_known(const run *k, eight *w, size_t i, const int per_lane)
     }
 }
 
-LW_INLINE void turn_directions(eight *w)
+static void turn_directions(eight *w)
 {
     const lw_higher *g = w->g;
     for (int a = 0; a < g->n_dir; a++) {
@@ -107,7 +107,7 @@ LW_INLINE void turn_directions(eight *w)
 }
 
 /* Number of the direction of unknown turn a: the only one without a base and with this root. */
-LW_INLINE int direction_of(const lw_higher *g, int a)
+static int direction_of(const lw_higher *g, int a)
 {
     int d = 0;
     while (g->dir[d].root != a || g->dir[d].base >= 0)
@@ -117,7 +117,7 @@ LW_INLINE int direction_of(const lw_higher *g, int a)
 
 /* ---- equations ---------------------------------------------------------------------------------------- */
 
-LW_INLINE void residual(eight *w)
+static void residual(eight *w)
 {
     const lw_higher *g = w->g;
     for (int r = 0; r < w->n; r++)
@@ -151,7 +151,7 @@ LW_INLINE void add_turned(eight *w, int loop, int column, const double *vx, cons
 }
 
 /* Into w->inv, which the inverse replaces. */
-LW_INLINE void jacobian(eight *w)
+static void jacobian(eight *w)
 {
     const lw_higher *g = w->g;
     lanes8 vx, vy;
@@ -190,7 +190,7 @@ LW_INLINE void jacobian(eight *w)
 }
 
 /* Exchange rows where the later one has the greater pivot, in every lane for itself. */
-LW_INLINE void exchange(eight *w, int row, int other, int column, lanes8 mask)
+static void exchange(eight *w, int row, int other, int column, lanes8 mask)
 {
     const double *a = w->inv[row][column], *b = w->inv[other][column];
     LW_EIGHT mask[j] = fabs(b[j]) > fabs(a[j]) ? 1 : 0;
@@ -208,7 +208,7 @@ typedef struct swap { int row, other; lanes8 mask; } swap;
 
 /* Rows are exchanged only where a pivot is less than a tenth of what there is: growth stays bounded, and in most
  * postures nothing moves. */
-LW_INLINE int pivot(eight *w, int column, swap *list, int n_swap)
+static int pivot(eight *w, int column, swap *list, int n_swap)
 {
     lanes8 most = { 0 };
     const double *own = w->inv[column][column];
@@ -229,7 +229,7 @@ LW_INLINE int pivot(eight *w, int column, swap *list, int n_swap)
 #define LW_SWAP_MAX (LW_UNKNOWN_MAX*(LW_UNKNOWN_MAX - 1)/2)
 
 /* Gauss and Jordan in place; with a pivot of 0 the inverse is 0. */
-LW_INLINE void invert(eight *w)
+static void invert(eight *w)
 {
     swap list[LW_SWAP_MAX];
     int n = w->n, n_swap = 0;
@@ -274,7 +274,7 @@ LW_INLINE void invert(eight *w)
 }
 
 /* Inverse and margin at the directions and displacements of w. */
-LW_INLINE void factor(eight *w)
+static void factor(eight *w)
 {
     int n = w->n;
     lanes8 sum = { 0 };
@@ -299,7 +299,7 @@ LW_INLINE void factor(eight *w)
 
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
 
-LW_INLINE void newton_step(eight *w)
+static void newton_step(eight *w)
 {
     residual(w);
     for (int r = 0; r < w->n; r++) {
@@ -313,7 +313,7 @@ LW_INLINE void newton_step(eight *w)
 LW_INLINE double within(double a, double most) { return a > most ? most : a < -most ? -most : a; }
 
 /* Go the step, at most half a radian or half the size; the square of its length. */
-LW_INLINE void go(eight *w, lanes8 length)
+static void go(eight *w, lanes8 length)
 {
     const lw_higher *g = w->g;
     double most = 0.5*w->size, by_size = 1/w->size;

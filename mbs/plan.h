@@ -234,7 +234,7 @@ typedef struct lw_want {
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
 lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
-/* The same for linkages made of dyads with the input at the ground, whose plans are closed forms throughout;
+/* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;
  * others are LW_E_KIND, with a text saying which links are left over. */
 lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
@@ -256,6 +256,11 @@ double lw_plan_size(const lw_plan *plan, const double *dim);
 /* Put a new seed into mode: the posture at this input, reached from the old seed.  LW_OPEN, mode untouched,
  * when it cannot be reached.  Nothing to do for plans without higher groups. */
 lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode);
+
+/* What the plan does, as text, a line a group in the order of solution: class and order after Artobolevsky, links,
+ * joints, closed form or Newton's method with how many unknowns; then what was left out because no output needs it.
+ * k: the linkage it was made from.  Returns the length, as snprintf does. */
+size_t lw_plan_explain(const lw_plan *plan, const lw_linkage *k, char *buf, size_t size);
 
 /* Index of a dimension by name, -1 if there is none. */
 int lw_plan_dim(const lw_plan *plan, const char *name);

@@ -129,13 +129,16 @@ static int mobility(const lw_topology *t)
     return f;
 }
 
-static lw_status check_joints(const lw_linkage *k, lw_error *e)
+static lw_status check_joints(const lw_linkage *k, bool higher, lw_error *e)
 {
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER &&
-            k->joint[j].kind != LW_JOINT_SLOT)
-            return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; plans know pins ('r'), sliders ('t') and pins "
-                                "in slots ('p')", k->joint[j].name, (char)k->joint[j].kind);
+    for (int j = 0; j < k->n_joint; j++) {
+        lw_joint_kind kind = k->joint[j].kind;
+        if (kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER || (higher && kind == LW_JOINT_SLOT))
+            continue;
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; %s plans know pins ('r')%s sliders ('t')%s",
+                            k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",
+                            higher ? " and pins in slots ('p')" : "");
+    }
     if (k->n_input != 1)
         return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", k->n_input);
     return LW_OK;
@@ -304,7 +307,7 @@ static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, 
         return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
     if (!want.tracers && !want.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
-    s = check_joints(k, e);
+    s = check_joints(k, higher, e);
     return s == LW_OK ? make(&t, k, want, higher, plan, e) : s;
 }
 

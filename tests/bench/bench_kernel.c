@@ -5,6 +5,7 @@
  * ratio, instruction set.  Each figure is the median of RUNS batches of about two milliseconds of
  * processor time. */
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -227,6 +228,43 @@ static void set_jansen(bench *b)
     }
 }
 
+/* Eight bars twice: a crank, a triad and a dyad on it; or a crank and three dyads.  The tracer is on a link of the last
+ * dyad of both. */
+static void set_eightbar(bench *b, bool triad)
+{
+    static lw_linkage k;
+    const lw_kernels *kernels = b->plan.kernels;
+    double input;
+    lw_error e;
+    memset(&k, 0, sizeof k);
+    k.n_link = 8;
+    k.n_input = k.n_tracer = 1;
+    k.units = lw_units_si();
+    for (int i = 0; i < 8; i++)
+        snprintf(k.link_name[i], LW_NAME_SIZE, "link%d", i);
+    pin(&k, 0, 1, 0, 0);
+    pin(&k, 1, 2, 0.3, 0);
+    if (triad) {
+        pin(&k, 2, 5, 1.5, 2); pin(&k, 0, 3, 3, 0); pin(&k, 3, 5, 3.2, 2.2); pin(&k, 0, 4, 5, 1); pin(&k, 4, 5, 3, 3.2);
+        pin(&k, 5, 6, 4, 3.5);
+    } else {
+        pin(&k, 2, 3, 1.5, 2); pin(&k, 3, 0, 3, 0); pin(&k, 2, 4, 2, 2.5); pin(&k, 4, 5, 4, 3); pin(&k, 5, 0, 5, 1);
+        pin(&k, 4, 6, 4, 3.5);
+    }
+    pin(&k, 6, 7, 6, 3);
+    pin(&k, 7, 0, 6, 0.5);
+    strcpy(k.tracer[0].name, "tracer");
+    k.tracer[0].link = 6;
+    k.tracer[0].at = lw_v2(5, 4);
+    if (lw_plan_make_any(&k, (lw_want){ 1, false }, &b->plan, &e) != LW_OK ||
+        lw_plan_read(&b->plan, &k, b->one, b->sign, &input, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        exit(1);
+    }
+    b->plan.kernels = kernels;
+    fill_lanes(b);
+}
+
 /* ---- the runs ---------------------------------------------------------------------------------------------- */
 
 static void over_angles(bench *b, size_t n)
@@ -254,6 +292,21 @@ static void few_lanes(bench *b, const char *type)
         report(b, what, ours_jacobian_angle, NULL);
         snprintf(what, sizeof what, "%s sum+gradient", type);
         report(b, what, ours_sum, NULL);
+    }
+}
+
+static void run_higher(bench *b)
+{
+    for (int triad = 0; triad < 2; triad++) {
+        const char *name = triad ? "eightbar with a triad" : "eightbar of dyads";
+        char what[64];
+        set_eightbar(b, triad);
+        over_angles(b, LANES);
+        snprintf(what, sizeof what, "%s over angles", name);
+        report(b, what, ours_point, NULL);
+        snprintf(what, sizeof what, "%s sum+gradient by %d", name, b->plan.n_dim);
+        report(b, what, ours_sum, NULL);
+        few_lanes(b, name);
     }
 }
 
@@ -286,8 +339,8 @@ static void run_all(bench *b)
     report(b, "jansen foot over angles", ours_point, hand_jansen);
     report(b, "jansen sum+gradient by seventeen", ours_sum, NULL);
     few_lanes(b, "jansen");
+    run_higher(b);
 }
-
 int main(int argc, char **argv)
 {
     static bench b;
@@ -302,7 +355,10 @@ int main(int argc, char **argv)
         if (i > 0 && !(argc > 1 && strcmp(argv[1], "all") == 0))
             break;                                             /* "all": the lesser instruction sets too */
         b.plan.kernels = lw_kernels_supported(i);
-        run_all(&b);
+        if (argc > 1 && strcmp(argv[1], "higher") == 0)
+            run_higher(&b);
+        else
+            run_all(&b);
     }
     return b.sink == 0.12345;
 }
