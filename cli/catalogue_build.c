@@ -18,7 +18,6 @@
 #include "grammar/franke.h"
 #include "grammar/graph6.h"
 #include "grammar/notation.h"
-#include "grammar/planar.h"
 
 #define BLOCK 32
 
@@ -42,6 +41,7 @@ typedef struct job {
     const cli_call    *call;
     const char        *kinds;
     bool               any_input, no_pictures;
+    const lw_filter   *planar;
     lw_store          *store;
     lw_chains         *chains;
     cli_catalogue_watch watch;
@@ -195,14 +195,6 @@ static lw_status print_chain(const lw_chain *c, const lw_mechanism *m, entry *x,
     return s;
 }
 
-static lw_status is_planar(const lw_chain *c, bool *planar)
-{
-    uint32_t row[LW_LINK_MAX];
-    for (int i = 0; i < c->n_link; i++)
-        row[i] = lw_chain_neighbours(c, i);
-    return lw_planar_test(c->n_link, row, planar);
-}
-
 static void set_texts(entry *x, const size_t place[N_TEXT])
 {
     const char *t = x->text.data;
@@ -254,8 +246,7 @@ static lw_status describe(const job *j, entry *x)
     lw_status s = lw_mechanism_from_chain(c, &m);
     if (s == LW_OK)
         s = count_symmetry(c, x);
-    if (s == LW_OK)
-        s = is_planar(c, &r->planar);
+    r->planar = j->planar->chain(c);
     if (s == LW_OK)
         s = print_chain(c, &m, x, place);
     if (s == LW_OK && !j->no_pictures)
@@ -341,18 +332,14 @@ static lw_status write_structures(job *j)
     for (size_t i = 0; i < lw_structures_count(set, loops) && s == LW_OK; i++) {
         lw_structure one;
         lw_derivation d;
-        uint32_t row[LW_CIRCLE_MAX];
         char form[LW_STRUCTURE_SIZE], derivation[LW_DERIVATION_SIZE];
-        bool planar = true;
         lw_structures_get(set, loops, i, &one);
         lw_structures_derive(set, loops, i, &d);
         lw_structure_print(&one, form, sizeof form);
         lw_derivation_print(&d, derivation, sizeof derivation);
-        lw_structure_rows(&one, row);
-        s = lw_planar_test(one.n_circle, row, &planar);
-        lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, planar, form, derivation };
-        if (s == LW_OK)
-            s = lw_store_put_structure(j->store, &t, &j->e);
+        lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, j->planar->structure(&one), form,
+                                 derivation };
+        s = lw_store_put_structure(j->store, &t, &j->e);
     }
     return s;
 }
@@ -462,6 +449,7 @@ int cli_catalogue_build(const cli_call *call)
     j->kinds = read_kinds(s->joints);
     j->any_input = s->input == 1;
     j->no_pictures = s->no_pictures;
+    j->planar = lw_filter_find("planar");
     j->watch = cli_catalogue_watch_begin(call, "build", "chains");
     double start = lw_clock_wall();
     lw_status status = build(j, &was_complete);
