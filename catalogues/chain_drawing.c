@@ -287,9 +287,11 @@ static lw_vec2 beside_bar(const sketch *k, lw_vec2 a, lw_vec2 b)
 {
     lw_vec2 d = lw_v2_sub(b, a), best = a;
     double length = lw_v2_norm(d), most = -1;
+    int ground = k->m->ground;
+    bool on_line = ground != LW_NONE && a.y >= pixel(k, k->l->at[k->l->ring[k->l->first[ground]]]).y - 1e-6;
     for (int i = 0; length <= 1e-6 && i < 8; i++) {                                       /* a block */
         lw_vec2 at = lw_v2_add(a, lw_v2_polar(25*k->u, (2*i + 3)*LW_PI/8));
-        if (clearance(k, at) > most + 0.1*k->u) {
+        if (clearance(k, at) > most + 0.1*k->u && !(on_line && at.y > a.y - 5*k->u)) {
             most = clearance(k, at);
             best = at;
         }
