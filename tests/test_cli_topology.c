@@ -109,7 +109,7 @@ static void catalogue_check(void)
            "\"counted\":16,\"verdict\":\"DISAGREES\"", NULL);
     expect("$P catalogue check --time 1 --disagreeing", 0, NULL, " 0 disagree, ");
     expect("echo a,b > $D/t.csv; $P catalogue check $D/t.csv", 3, NULL, "t.csv:1:1: the header must be");
-    expect("$P catalogue count", 2, NULL, "there is check");
+    expect("$P catalogue count", 2, NULL, "there are build");
 }
 
 int main(void)
