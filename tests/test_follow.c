@@ -1,4 +1,4 @@
-/* tests/test_follow.c - the bound that keeps steps on their branch, looked at pair by pair; series; freedoms by rank. */
+/* tests/test_follow.c - the bound that keeps steps on their branch, pair by pair; series; freedoms by rank. */
 #include "mbs/follow_internal.h"
 #include "base/rng.h"
 #include "tests/check.h"

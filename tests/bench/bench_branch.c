@@ -1,5 +1,5 @@
 /* bench_branch.c - following a linkage: the whole curve of postures by steps that provably stay on it, a posture
- * anywhere on it with rates, and the verifier over the first arc.  Processor seconds of one thread, the best of five. */
+ * anywhere on it with rates, and the verifier over the first arc.  Processor seconds of a thread, best of five. */
 #include <stdio.h>
 #include <stdlib.h>
 #include "base/clock.h"
