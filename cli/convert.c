@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "catalogues/export.h"
 #include "cli/model.h"
 #include "grammar/pmks.h"
 #include "grammar/pyslvs.h"
@@ -67,9 +68,25 @@ static lw_status write_pmks(const lw_linkage *k, FILE *f, lw_error *e)
     return text ? print(f, text) : e->status;
 }
 
+/* ---- files for other programs ------------------------------------------------------------------------ */
+
+static lw_status write_bytes(lw_status (*export)(const lw_linkage *k, lw_bytes *out, lw_error *e), const lw_linkage *k,
+                             FILE *f, lw_error *e)
+{
+    lw_bytes b = { 0 };
+    lw_status s = export(k, &b, e);
+    if (s == LW_OK)
+        fwrite(b.data, 1, b.size, f);
+    lw_bytes_free(&b);
+    return s;
+}
+
+static lw_status write_mjcf(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_mjcf, k, f, e); }
+
 const cli_format cli_formats[] = {
     { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json },
     { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, read_pyslvs, write_pyslvs },
     { "pmks", "the joint table of PMKS", ".txt", begins_pmks, read_pmks, write_pmks },
+    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, write_mjcf },
     { .name = NULL }
 };

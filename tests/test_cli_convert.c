@@ -52,6 +52,12 @@ static void refusals(void)
     expect("$P help convert", 0, "the joint table of PMKS", NULL);
 }
 
+static void files_for_other_programs(void)
+{
+    expect("$P convert examples/hoeken.json -o $D/h.xml && cat $D/h.xml", 0, "<mujoco model=", NULL);
+    expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
+}
+
 int main(void)
 {
     RUN(examples_there_and_back);
@@ -59,6 +65,7 @@ int main(void)
     RUN(units);
     RUN(an_input_is_chosen);
     RUN(refusals);
+    RUN(files_for_other_programs);
     run_end();
     return check_end();
 }

@@ -1,0 +1,28 @@
+/* catalogues/export.h - a linkage as a file that another program runs.
+ *
+ * Every writer adds text to out in SI (metres, radians), numbers with 15 digits; after a failure out is
+ * freed.  LW_E_KIND: the linkage has something the format cannot say; LW_E_MEMORY. */
+#ifndef LW_CATALOGUES_EXPORT_H
+#define LW_CATALOGUES_EXPORT_H
+
+#include "catalogues/bytes.h"
+#include "grammar/linkage.h"
+
+/* MuJoCo's MJCF.  Bodies are the moving links, nested along a spanning tree of the joints, all parallel to
+ * the world in the posture; pins are hinges about z, sliders slides, slots both; what the tree leaves out is
+ * closed by equality constraints: connect for pins, weld for sliders and welds, joint for gears.  The
+ * coordinate of a joint counts as an lw_input does, from the same value in the posture.  Tracers are sites with
+ * a sensor of their place; inputs have position actuators; links are steel rods that do not collide; no
+ * gravity. */
+lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
+ * joint's count enters the movement of side i against the carrier, so that
+ *     sign[1] count(joint[1]) = ratio sign[0] count(joint[0]).
+ * LW_E_KIND: a side is not itself joined to the carrier; failures of lw_linkage_gear. */
+lw_status lw_export_gear(const lw_linkage *k, int gear, int joint[2], double sign[2], lw_error *e);
+
+/* The size of the posture: the greatest distance of a joint or tracer from the first joint [m]. */
+double lw_export_size(const lw_linkage *k);
+
+#endif

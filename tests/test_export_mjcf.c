@@ -1,0 +1,299 @@
+/* MJCF: the text, and the model run by MuJoCo itself.  Without libmujoco (Debian: libmujoco-dev) the second half
+ * is skipped with a message. */
+#include "catalogues/export.h"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "mbs/newton.h"
+#include "tests/check.h"
+#include "tests/mbs_linkage.h"
+
+static lw_linkage example(const char *name)
+{
+    static lw_linkage k;
+    char path[128], *text = NULL;
+    size_t size = 0;
+    lw_error e = { 0 };
+    snprintf(path, sizeof path, "examples/%s.json", name);
+    CHECK_INT(lw_file_read(path, &text, &size, &e), LW_OK);
+    CHECK_INT(lw_linkage_read(text, size, path, &k, &e), LW_OK);
+    free(text);
+    return k;
+}
+
+static lw_bytes mjcf(const lw_linkage *k)
+{
+    lw_bytes b = { 0 };
+    lw_error e = { 0 };
+    lw_status s = lw_export_mjcf(k, &b, &e);
+    if (s != LW_OK)
+        fprintf(stderr, "    %s: %s\n", k->name, e.text);
+    CHECK_INT(s, LW_OK);
+    return b;
+}
+
+/* ---- text ------------------------------------------------------------------------------------------ */
+
+static void a_four_bar_closes_by_one_connect(void)
+{
+    lw_linkage k = example("hoeken");
+    lw_bytes b = mjcf(&k);
+    CHECK_HAS(b.data, "<mujoco model=\"Hoeken straight-line linkage\">");
+    CHECK_HAS(b.data, "<body name=\"crank\" pos=\"0 0 0\">");
+    CHECK_HAS(b.data, "<body name=\"coupler\" pos=\"0 0.02 0\">");
+    CHECK_HAS(b.data, "<joint type=\"hinge\" name=\"O\" axis=\"0 0 1\" ref=\"1.5707963267949\"/>");
+    CHECK_HAS(b.data, "<site name=\"P\" pos=\"0.08 0.06 0\"");
+    CHECK_HAS(b.data, "<connect body1=\"rocker\" anchor=\"0 -0.05 0\"/>");
+    CHECK_HAS(b.data, "<framepos objtype=\"site\" objname=\"P\"/>");
+    CHECK(strstr(strstr(b.data, "<connect") + 1, "<connect") == NULL);
+    lw_bytes_free(&b);
+}
+
+static void names_are_escaped(void)
+{
+    lw_linkage k = example("hoeken");
+    snprintf(k.link_name[1], LW_NAME_SIZE, "<&\">");
+    snprintf(k.link_name[2], LW_NAME_SIZE, "world");
+    lw_bytes b = mjcf(&k);
+    CHECK_HAS(b.data, "<body name=\"&lt;&amp;&quot;&gt;\"");
+    CHECK_HAS(b.data, "<body name=\"world link\"");
+    lw_bytes_free(&b);
+}
+
+/* A cam has no carrier. */
+static void refusals(void)
+{
+    lw_linkage k;
+    lw_bytes b = { 0 };
+    lw_error e = { 0 };
+    blank_linkage(&k, 3);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_slide(&k, 0, 2, lw_v2(1, 1), 1);
+    k.joint[1].kind = LW_JOINT_SLOT;
+    add_gear(&k, 1, 2, lw_v2(0.5, 0.5), 2);
+    add_input(&k, 0, 0);
+    CHECK_INT(lw_export_mjcf(&k, &b, &e), LW_E_KIND);
+    CHECK(e.text[0] != 0);
+    CHECK(b.data == NULL);
+}
+
+/* ---- by MuJoCo ------------------------------------------------------------------------------------- */
+
+#if __has_include(<mujoco/mujoco.h>)
+#include <mujoco/mujoco.h>
+
+#define DOF_MAX 64
+
+static struct {
+    __typeof__(mj_version)     *version;
+    __typeof__(mj_loadXML)     *load;
+    __typeof__(mj_makeData)    *make;
+    __typeof__(mj_fwdPosition) *position;
+    __typeof__(mj_name2id)     *find;
+    __typeof__(mj_deleteModel) *free_model;
+    __typeof__(mj_deleteData)  *free_data;
+} mj;
+
+static bool have_mujoco(void)
+{
+    void *lib = dlopen("libmujoco.so", RTLD_NOW | RTLD_LOCAL);
+    if (!lib)
+        return false;
+    *(void **)&mj.version = dlsym(lib, "mj_version");
+    *(void **)&mj.load = dlsym(lib, "mj_loadXML");
+    *(void **)&mj.make = dlsym(lib, "mj_makeData");
+    *(void **)&mj.position = dlsym(lib, "mj_fwdPosition");
+    *(void **)&mj.find = dlsym(lib, "mj_name2id");
+    *(void **)&mj.free_model = dlsym(lib, "mj_deleteModel");
+    *(void **)&mj.free_data = dlsym(lib, "mj_deleteData");
+    return mj.version && mj.version() == mjVERSION_HEADER && mj.load && mj.make && mj.position && mj.find
+        && mj.free_model && mj.free_data;
+}
+
+typedef struct run { const mjModel *m; mjData *d; bool held[DOF_MAX]; } run;
+
+/* x of (A + tiny) x = b for a symmetric A (n x n), which is overwritten: Cholesky. */
+static bool solve(double *a, double *x, int n)
+{
+    for (int i = 0; i < n; i++) {
+        for (int l = 0; l < i; l++) {
+            for (int c = 0; c < l; c++)
+                a[i*n + l] -= a[i*n + c]*a[l*n + c];
+            a[i*n + l] /= a[l*n + l];
+            a[i*n + i] -= a[i*n + l]*a[i*n + l];
+        }
+        if (!(a[i*n + i] > 0))
+            return false;
+        a[i*n + i] = sqrt(a[i*n + i]);
+        for (int c = 0; c < i; c++)
+            x[i] -= a[i*n + c]*x[c];
+        x[i] /= a[i*n + i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int c = i + 1; c < n; c++)
+            x[i] -= a[c*n + i]*x[c];
+        x[i] /= a[i*n + i];
+    }
+    return true;
+}
+
+/* Newton on MuJoCo's own equality constraints, the inputs held; the largest violation left. */
+static double close_loops(run *r)
+{
+    int n = r->m->nv;
+    double worst = 0;
+    for (int step = 0; step < 30; step++) {
+        static double a[DOF_MAX*DOF_MAX], x[DOF_MAX];
+        mj.position(r->m, r->d);
+        worst = 0;
+        memset(a, 0, sizeof a);
+        memset(x, 0, sizeof x);
+        for (int c = 0; c < r->d->ne; c++) {
+            const double *row = r->d->efc_J + c*n;
+            worst = fmax(worst, fabs(r->d->efc_pos[c]));
+            for (int i = 0; i < n; i++)
+                for (int l = 0; !r->held[i] && l < n; l++)
+                    a[i*n + l] += r->held[l] ? 0 : row[i]*row[l];
+            for (int i = 0; i < n; i++)
+                x[i] -= r->held[i] ? 0 : row[i]*r->d->efc_pos[c];
+        }
+        for (int i = 0; i < n; i++)
+            a[i*n + i] += 1e-13*(a[i*n + i] + 1e-10) + (r->held[i] ? 1 : 0);
+        if (worst < 1e-13 || !solve(a, x, n))
+            break;
+        for (int i = 0; i < n; i++)
+            r->d->qpos[i] += x[i];
+    }
+    return worst;
+}
+
+static mjModel *load(const lw_linkage *k)
+{
+    char path[] = "/tmp/lw-mjcf-XXXXXX.xml", why[1000] = "";
+    lw_bytes b = mjcf(k);
+    int fd = mkstemps(path, 4);
+    CHECK(fd >= 0 && write(fd, b.data, b.size) == (ssize_t)b.size);
+    close(fd);
+    mjModel *m = mj.load(path, NULL, why, sizeof why);
+    if (!m)
+        fprintf(stderr, "    %s: %s\n%s", k->name, why, b.data);
+    CHECK(m != NULL);
+    unlink(path);
+    lw_bytes_free(&b);
+    return m;
+}
+
+/* Both driven from the posture by `way` in n steps: the tracers stay together within 1e-4 of the size (and far
+ * nearer: both are solved to rounding).  Returns the worst distance over the size. */
+static double apart(const lw_linkage *k, double way, int n)
+{
+    lw_newton *s = NULL;
+    lw_error e = { 0 };
+    mjModel *m = load(k);
+    double worst = 0, start = k->input[0].value;
+    if (!m || lw_newton_create(k, &s, &e) != LW_OK) {
+        CHECK_TEXT(e.text, "");
+        return INFINITY;
+    }
+    m->opt.jacobian = mjJAC_DENSE;
+    run r = { .m = m, .d = mj.make(m) };
+    CHECK(m->nv <= DOF_MAX && m->nq == m->nv);
+    for (int i = 0; i < k->n_input; i++)
+        r.held[m->jnt_qposadr[mj.find(m, mjOBJ_JOINT, k->joint[k->input[i].joint].name)]] = true;
+    int drive = m->jnt_qposadr[mj.find(m, mjOBJ_JOINT, k->joint[k->input[0].joint].name)];
+    CHECK_NEAR(r.d->qpos[drive], start, 1e-12, 1e-12);             /* counts as ours does */
+    int moved = -1;
+    for (int i = 0; i <= n; i++, moved++) {
+        double at = start + way*i/n;
+        if (lw_newton_move(s, at, NULL) != LW_OK)
+            break;
+        r.d->qpos[drive] = at;
+        CHECK(close_loops(&r) < 1e-9*fmax(lw_export_size(k), 1e-3));
+        for (int t = 0; t < k->n_tracer; t++) {
+            const double *p = r.d->site_xpos + 3*mj.find(m, mjOBJ_SITE, k->tracer[t].name);
+            worst = fmax(worst, lw_v2_norm(lw_v2_sub(lw_v2(p[0], p[1]), lw_newton_tracer(s, t))));
+            CHECK_NEAR(p[2], 0, 1e-12, 0);
+        }
+    }
+    CHECK(moved >= n/4);
+    lw_newton_free(s);
+    mj.free_data(r.d);
+    mj.free_model(m);
+    return worst/lw_export_size(k);
+}
+
+static void examples_move_alike(void)
+{
+    static const struct { const char *name; double way; } rows[] = {
+        { "hoeken", 2*LW_PI }, { "chebyshev", 0.4 }, { "inverted-slider-crank", 2*LW_PI }, { "jansen", -2*LW_PI },
+        { "klann", 2*LW_PI }, { "scott-russell", 0.5 }, { "slider-crank", 2*LW_PI }, { "trammel", 0.03 },
+        { "geared-five-bar", 4*LW_PI }, { "five-bar", 0.3 }, { "loader", 0.4 }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_linkage k = example(rows[i].name);
+        CHECK_NEAR(apart(&k, rows[i].way, 120), 0, 1e-8, 0);
+    }
+}
+
+/* Loops that sliders and slots close: wedges; a Scotch yoke with its joints in both orders. */
+static void loops_closed_by_sliders(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 3);
+    add_slide(&k, 0, 1, lw_v2(0, 0), 0);
+    add_slide(&k, 1, 2, lw_v2(1, 1), 0.5);
+    add_slide(&k, 2, 0, lw_v2(2, 1), 1.4);
+    add_input(&k, 0, 0.25);
+    add_tracer(&k, 2, lw_v2(2, 3));
+    CHECK_NEAR(apart(&k, 2, 20), 0, 1e-8, 0);
+    for (int order = 0; order < 4; order++) {
+        blank_linkage(&k, 3);
+        add_pin(&k, 0, 1, lw_v2(0, 0));
+        for (int i = 0; i < 2; i++)
+            if ((order & 1) == i)
+                add_slide(&k, order & 2 ? 2 : 0, order & 2 ? 0 : 2, lw_v2(0.3, 0.4), 0.2);
+            else
+                k.joint[add_slide(&k, 2, 1, lw_v2(0.3, 0.4), 1.5)].kind = LW_JOINT_SLOT;
+        add_input(&k, 0, lw_linkage_posture_input(&k, 0));
+        add_tracer(&k, 2, lw_v2(2, 3));
+        CHECK_NEAR(apart(&k, 2*LW_PI, 90), 0, 1e-8, 0);
+    }
+}
+
+/* A link welded on, and one more weld that closes a loop. */
+static void welds(void)
+{
+    lw_linkage k = example("hoeken");
+    int link = k.n_link++;
+    snprintf(k.link_name[link], LW_NAME_SIZE, "plate");
+    for (int i = 0; i < 2; i++) {
+        int j = add_joint(&k, LW_JOINT_FIXED, 2, link, lw_v2(0.06, 0.06 + 0.01*i), 0);
+        k.joint[j].along = lw_v2(0, 0);
+        snprintf(k.joint[j].name, LW_NAME_SIZE, "W%d", i);
+    }
+    k.tracer[0].link = link;
+    CHECK_NEAR(apart(&k, 2*LW_PI, 60), 0, 1e-8, 0);
+}
+#else
+static bool have_mujoco(void) { return false; }
+static void examples_move_alike(void) { }
+static void loops_closed_by_sliders(void) { }
+static void welds(void) { }
+#endif
+
+int main(void)
+{
+    RUN(a_four_bar_closes_by_one_connect);
+    RUN(names_are_escaped);
+    RUN(refusals);
+    if (have_mujoco()) {
+        RUN(examples_move_alike);
+        RUN(loops_closed_by_sliders);
+        RUN(welds);
+    } else {
+        puts("skipped: MuJoCo is not installed (libmujoco-dev)");
+    }
+    return check_end();
+}
