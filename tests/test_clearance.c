@@ -115,7 +115,7 @@ static void energy_is_kept(void)
 {
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 11);
-    int n_run = 0, n_touch = 0;
+    int n_run = 0, n_touch = 0, n_two = 0;
     for (int trial = 0; trial < 40; trial++) {
         lw_linkage k;
         lw_model m;
@@ -125,6 +125,10 @@ static void energy_is_kept(void)
         m.clearance[pin].model = trial%4 == 0 ? LW_CLEARANCE_LINK : trial%4 == 1 ? LW_CLEARANCE_MLSD
                                : LW_CLEARANCE_IMPACT;
         m.clearance[pin].exponent = trial%4 == 3 ? 1.5 : 1.0;
+        int other = random_pin(&rng, &k);                    /* often a second one, of another law */
+        if (other != pin && trial%2)
+            m.clearance[other] = (lw_clearance){ .model = LW_CLEARANCE_IMPACT, .gap = 0.02, .stiffness = 3e4,
+                                                 .exponent = 1, .restitution = 1, .friction_speed = 1e-3 };
         lw_clearance_scene *scene;
         lw_clearance_result r;
         lw_clearance_options o = lw_clearance_options_default();
@@ -135,15 +139,17 @@ static void energy_is_kept(void)
         if (s == LW_OK) {                    /* random linkages also run into singular postures */
             n_run++;
             n_touch += r.joint[0].distance_most > 0.01;
+            n_two += r.n_joint == 2;
             CHECK_NEAR(r.energy_last, r.energy_first, 1e-7*size, 0);
             if (m.clearance[pin].model == LW_CLEARANCE_LINK)
-                CHECK_NEAR(r.joint[0].distance_most, 0.01, 1e-12, 0);
+                CHECK_NEAR(r.joint[r.joint[0].joint != pin].distance_most, 0.01, 1e-12, 0);
         }
         lw_clearance_free(scene);
         lw_model_free(&m);
     }
     CHECK(n_run >= 30);
     CHECK(n_touch >= 5);
+    CHECK(n_two >= 8);
 }
 
 /* Damping takes energy, whatever the start; also at speeds where the pin grazes its bush */
