@@ -11,8 +11,10 @@
 #include "mbs/kernel_higher_internal.h"
 #include "mbs/kernel_steps_internal.h"
 
-#define PAST 4                             /* postures a predictor looks back on                      */
+#define PAST 6                             /* postures a predictor looks back on                      */
 #define STRIDE_MAX 0.35                    /* longest step: [rad], or times the size                  */
+#define COARSE 1e-17                       /* where a full step of Newton's method follows            */
+#define FINE 1e-24                         /* where none does                                         */
 #define SURE 0.25                          /* a half, squared                                         */
 
 /* A posture of the higher groups. */
@@ -26,6 +28,7 @@ typedef struct follower {
     place   past[PAST];                    /* the present one first                                   */
     int     n_past;
     bool    lost;                          /* no posture near the seed                                */
+    double  fine;                          /* squared length of a last step: the next is shorter by far */
     double  allowed[LW_HIGHER_MAX];        /* squared movement within which the present is alone      */
     lanes8  c, s;
     lanes8  row[LW_ROW_MAX];               /* of the last trial                                       */
@@ -50,7 +53,7 @@ static void set_input(follower *f, const lanes8 t)
 /* Weights of the past in the polynomial through it, of as high an order as the step is not long for. */
 static int weights(const follower *f, const lanes8 t, lanes8 *weight)
 {
-    static const double reach[PAST] = { 0, 0.25, 0.5, 0.6 };
+    static const double reach[PAST] = { 0, 0.25, 0.5, 0.6, 0.8, 1 };
     double longest = 0;
     int n = 1;
     for (int j = 0; j < LW_GROUP; j++)
@@ -102,7 +105,7 @@ static void predict(const follower *f, eight *w, int n, lanes8 *weight)
 
 /* Newton's method, with the inverse at hand as long as it gains two digits a step.  Lanes that go further in one
  * step than `allowed` (squared) are given up: they will not be sure.  Squared length of the last step. */
-static void arrive(eight *w, lanes8 last, bool have_inverse, double allowed, int most)
+static void arrive(eight *w, lanes8 last, bool have_inverse, double allowed, double fine, int most)
 {
     double before = INFINITY;
     lanes8 alive;
@@ -116,9 +119,9 @@ static void arrive(eight *w, lanes8 last, bool have_inverse, double allowed, int
         LW_EIGHT alive[j] = last[j] <= allowed ? alive[j] : 0;
         for (int j = 0; j < LW_GROUP; j++)
             now = alive[j] > 0 && last[j] > now ? last[j] : now;
-        if (!(now > 1e-24))
+        if (!(now > fine))
             break;
-        have_inverse = have_inverse && i < 6 && now < 1e-4*before && now < 1e-2;
+        have_inverse = have_inverse && i < 6 && now < 0.05*before && now < 1e-2;
         before = now;
     }
     LW_EIGHT last[j] = alive[j] > 0 ? last[j] : INFINITY;
@@ -174,7 +177,7 @@ static void solve_group(follower *f, eight *w, const lw_higher *g, const lanes8 
         for (int c = 0; c < w->n; c++)
             LW_EIGHT w->inv[r][c][j] = from[r*w->n + c];
     bool on_way = f->allowed[number] > 0;
-    arrive(w, last, on_way, on_way ? SURE*f->allowed[number] : INFINITY, on_way ? 8 : 40);
+    arrive(w, last, on_way, on_way ? SURE*f->allowed[number] : INFINITY, f->fine, on_way ? 8 : 40);
     factor(w);
     put_group(&f->k, w, 0);
     keep_rows(f, w);
@@ -186,7 +189,7 @@ static void solve_group(follower *f, eight *w, const lw_higher *g, const lanes8 
     for (int j = 0; j < LW_GROUP; j++) {
         double here = w->margin[j]/w->n;
         f->margin[number][j] = w->margin[j];
-        f->sure[j] = f->sure[j] && last[j] < 1e-20 && here > 0;
+        f->sure[j] = f->sure[j] && last[j] <= fmax(f->fine, 1e-20) && here > 0;
         if (f->allowed[number] > 0)
             f->sure[j] = f->sure[j] && moved[j] <= SURE*f->allowed[number] && moved[j] <= SURE*here;
     }
@@ -231,12 +234,14 @@ static void accept(follower *f, double t, int j)
 /* ---- the way -------------------------------------------------------------------------------------------- */
 
 /* work: lw_follow_size doubles. */
-static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, double *work)
+static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, double fine,
+                             double *work)
 {
     lanes8 t;
     double input = mode[plan->n_mode - 1];
     size_t n = lw_inverse_rows(plan);
     f->plan = plan;
+    f->fine = fine;
     f->dim = dim;
     f->mode = mode;
     f->size = lw_plan_size(plan, dim);
@@ -333,7 +338,7 @@ static void unroll(const follower *f, const lw_lanes *in, chunk *q)
         if (i == 0)
             continue;
         double step = q->t[i] - q->t[i - 1];
-        if (!f->plan->input_is_slider)
+        if (!f->plan->input_is_slider && fabs(step) > LW_PI)
             q->t[i] = q->t[i - 1] + (step = remainder(step, 2*LW_PI));
         up += step > 0;
         down += step < 0;
@@ -449,7 +454,7 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
         dim[d] = in->dim_stride ? in->dim[(size_t)d*in->dim_stride + at] : in->dim[d];
     for (int m = 0; m < plan->n_mode; m++)
         mode[m] = in->mode_stride ? in->mode[(size_t)m*in->mode_stride + at] : in->mode[m];
-    follow_from_seed(f, plan, dim, mode, work);
+    follow_from_seed(f, plan, dim, mode, COARSE, work);
     double to = plan->input_is_slider ? in->c[at] : atan2(in->s[at], in->c[at]), now = f->past[0].t, out = 1;
     if (!plan->input_is_slider)
         to = now + remainder(to - now, 2*LW_PI);
@@ -479,7 +484,7 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, dou
 static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_seat *seat)
 {
     follower f;
-    follow_from_seed(&f, plan, dim, mode, work);
+    follow_from_seed(&f, plan, dim, mode, FINE, work);
     double to = input;
     if (!plan->input_is_slider)
         to = f.past[0].t + remainder(input - f.past[0].t, 2*LW_PI);

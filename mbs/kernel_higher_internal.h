@@ -190,11 +190,11 @@ static void jacobian(eight *w)
 }
 
 /* Exchange rows where the later one has the greater pivot, in every lane for itself. */
-static void exchange(eight *w, int row, int other, int column, lanes8 mask)
+LW_INLINE void exchange(eight *w, const int n, int row, int other, int column, lanes8 mask)
 {
     const double *a = w->inv[row][column], *b = w->inv[other][column];
     LW_EIGHT mask[j] = fabs(b[j]) > fabs(a[j]) ? 1 : 0;
-    for (int c = 0; c < w->n; c++) {
+    for (int c = 0; c < n; c++) {
         double *x = w->inv[row][c], *y = w->inv[other][c];
         LW_EIGHT {
             double from = x[j], to = y[j];
@@ -208,19 +208,19 @@ typedef struct swap { int row, other; lanes8 mask; } swap;
 
 /* Rows are exchanged only where a pivot is less than a tenth of what there is: growth stays bounded, and in most
  * postures nothing moves. */
-static int pivot(eight *w, int column, swap *list, int n_swap)
+LW_INLINE int pivot(eight *w, const int n, int column, swap *list, int n_swap)
 {
     lanes8 most = { 0 };
     const double *own = w->inv[column][column];
     int weak = 0;
-    for (int r = column + 1; r < w->n; r++)
+    for (int r = column + 1; r < n; r++)
         LW_EIGHT most[j] = fabs(w->inv[r][column][j]) > most[j] ? fabs(w->inv[r][column][j]) : most[j];
     for (int j = 0; j < LW_GROUP; j++)
         weak |= fabs(own[j]) < 0.1*most[j];
-    for (int r = column + 1; weak && r < w->n; r++) {
+    for (int r = column + 1; weak && r < n; r++) {
         list[n_swap].row = column;
         list[n_swap].other = r;
-        exchange(w, column, r, column, list[n_swap].mask);
+        exchange(w, n, column, r, column, list[n_swap].mask);
         n_swap++;
     }
     return n_swap;
@@ -229,14 +229,14 @@ static int pivot(eight *w, int column, swap *list, int n_swap)
 #define LW_SWAP_MAX (LW_UNKNOWN_MAX*(LW_UNKNOWN_MAX - 1)/2)
 
 /* Gauss and Jordan in place; with a pivot of 0 the inverse is 0. */
-static void invert(eight *w)
+LW_INLINE void invert(eight *w, const int n)
 {
     swap list[LW_SWAP_MAX];
-    int n = w->n, n_swap = 0;
+    int n_swap = 0;
     lanes8 sound, inv;
     LW_EIGHT sound[j] = 1;
     for (int p = 0; p < n; p++) {
-        n_swap = pivot(w, p, list, n_swap);
+        n_swap = pivot(w, n, p, list, n_swap);
         double *d = w->inv[p][p];
         LW_EIGHT {
             int zero = !(fabs(d[j]) > LW_TINY);
@@ -274,9 +274,8 @@ static void invert(eight *w)
 }
 
 /* Inverse and margin at the directions and displacements of w. */
-static void factor(eight *w)
+LW_INLINE void factor_of(eight *w, const int n)
 {
-    int n = w->n;
     lanes8 sum = { 0 };
     jacobian(w);
     for (int c = 0; c < n; c++) {
@@ -284,7 +283,7 @@ static void factor(eight *w)
         for (int r = 0; r < n; r++)
             LW_EIGHT w->scale[c][j] += w->inv[r][c][j]*w->inv[r][c][j];
     }
-    invert(w);
+    invert(w, n);
     for (int r = 0; r < n; r++) {
         lanes8 row = { 0 };
         for (int c = 0; c < n; c++)
@@ -297,16 +296,37 @@ static void factor(eight *w)
     }
 }
 
+/* The commonest sizes as code of their own. */
+static void factor(eight *w)
+{
+    switch (w->n) {
+    case 2:  factor_of(w, 2); break;
+    case 4:  factor_of(w, 4); break;
+    case 6:  factor_of(w, 6); break;
+    default: factor_of(w, w->n);
+    }
+}
+
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
+
+LW_INLINE void step_of(eight *w, const int n)
+{
+    for (int r = 0; r < n; r++) {
+        lanes8 s = { 0 };
+        for (int c = 0; c < n; c++)
+            LW_EIGHT s[j] -= w->inv[r][c][j]*w->f[c][j];
+        LW_EIGHT w->step[r][j] = s[j];
+    }
+}
 
 static void newton_step(eight *w)
 {
     residual(w);
-    for (int r = 0; r < w->n; r++) {
-        double *s = w->step[r];
-        LW_EIGHT s[j] = 0;
-        for (int c = 0; c < w->n; c++)
-            LW_EIGHT s[j] -= w->inv[r][c][j]*w->f[c][j];
+    switch (w->n) {
+    case 2:  step_of(w, 2); break;
+    case 4:  step_of(w, 4); break;
+    case 6:  step_of(w, 6); break;
+    default: step_of(w, w->n);
     }
 }
 
