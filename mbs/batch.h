@@ -11,7 +11,15 @@
  * below 1e70 (their fourth power must be a number); below 1e-70 they count as 0.
  *     margin = least over the dyads of  the squared sine of the angle at which its two circles or
  *              lines meet at the solution, negative when they do not meet [1]
- * so sqrt(margin) is the sine of the transmission angle of an RRR dyad, 0 at a dead point. */
+ * so sqrt(margin) is the sine of the transmission angle of an RRR dyad, 0 at a dead point.
+ *
+ * Higher groups (mbs/plan.h).  Their margin is n over the squared Frobenius norm of the inverse Jacobian with
+ * unit columns, n unknowns: of a dyad it is the same number.  With mode_stride 0 the lanes are followed from
+ * the seed, in their order when their inputs rise or fall (then also over more than a turn), else in the order
+ * of the input; steps in between are as short as it takes for the Jacobian to stay regular over each.  With
+ * dim_stride or mode_stride each lane is followed from its own seed.  A lane that is not reached has the last
+ * posture on the way and the margin minus how far its input lies beyond [rad, or over lw_plan_size]; -1 when
+ * there is no posture near the seed.  The way ends at limits and at branch points of a group. */
 #ifndef LW_MBS_BATCH_H
 #define LW_MBS_BATCH_H
 
@@ -22,7 +30,7 @@ typedef struct lw_lanes {
     const double *c, *s;        /* input: cos, sin in the ground frame; or displacement [m], unused */
     const double *dim;          /* (n_dim) or (n_dim * dim_stride)                                */
     size_t        dim_stride;
-    const double *mode;         /* (n_dyad), or (n_dyad * mode_stride), +1 or -1                  */
+    const double *mode;         /* (n_mode), or (n_mode * mode_stride), see mbs/plan.h            */
     size_t        mode_stride;
 } lw_lanes;
 
