@@ -128,8 +128,8 @@ static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k,
     driven.n_input = 1;
     driven.input[0] = (uint8_t)joint;
     if (plan && lw_linkage_sketch(&driven, &mk->rng, k) == LW_OK
-        && lw_plan_make(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
-        way = 2;
+        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
+        way = plan->n_higher > 0 ? 1 : 2;
         *links = plan->n_link;
     }
     free(plan);

@@ -138,6 +138,8 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
         p->branch = best[i].branch;
         lw_problem_work_branch(p, work);
         improve(s, p, &o, !p->family->linkage || steps > FIRST_STEPS, work, &best[i]);
+        if (p->plan.n_higher > 0 && isfinite(best[i].f))             /* the seeds move with the linkage */
+            lw_plan_seed(&p->plan, best[i].x, p->branch.mode[p->plan.n_mode - 1], best[i].branch.mode);
     }
     for (int i = 1; i < n; i++) {
         lw_found c = best[i];

@@ -20,9 +20,12 @@ typedef struct drawing {
     double complex reg[LW_REG_MAX][M];
 } drawing;
 
-int lw_member_draws(const lw_plan *plan)
+int lw_member_draws(const lw_problem *p)
 {
-    int n = plan->n_dim + plan->n_dyad + 2;
+    const lw_linkage *k = p->family->linkage;
+    int n = p->plan.n_dim + p->plan.n_dyad + 2;
+    if (p->plan.n_higher > 0)
+        n = 2 + 3*k->n_joint;
     return n < LW_MEMBER_DRAW_MAX ? n : LW_MEMBER_DRAW_MAX;
 }
 
@@ -276,6 +279,54 @@ bool lw_member_posture(lw_problem *p, double *x, void *work)
     return p->branch.turns || find_range(p, x, p->plan.input_is_slider ? 8 : LW_PI, work);
 }
 
+/* ---- postures ------------------------------------------------------------------------------------------ */
+
+/* Joints anywhere in a square of four cranks to each side, those of the driven link at about one crank. */
+static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
+{
+    *k = *p->family->linkage;
+    int input = k->input[0].joint, driven = k->joint[input].link[k->joint[input].link[0] == k->ground];
+    for (int j = 0; j < k->n_joint; j++) {
+        lw_joint *i = &k->joint[j];
+        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        bool on_crank = i->link[0] == driven || i->link[1] == driven;
+        i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
+        if (on_crank && i->kind == LW_JOINT_REVOLUTE)
+            i->at = lw_v2_polar(j == input ? 0 : ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]);
+        if (i->kind != LW_JOINT_REVOLUTE)
+            i->along = lw_v2_polar(1, LW_PI*v[2]);
+    }
+    k->tracer[0].at = lw_v2(1, 1);
+}
+
+/* The driven link made smaller, about its pin at the ground. */
+static void shorten_crank(lw_linkage *k, double by)
+{
+    int input = k->input[0].joint, driven = k->joint[input].link[k->joint[input].link[0] == k->ground];
+    for (int j = 0; j < k->n_joint; j++)
+        if (j != input && (k->joint[j].link[0] == driven || k->joint[j].link[1] == driven))
+            k->joint[j].at = lw_v2_scale(k->joint[j].at, by);
+}
+
+/* A posture's dimensions; its crank turns fully, or it goes to and fro about the posture. */
+static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work *w)
+{
+    lw_linkage k;
+    double input;
+    scatter(p, u, &k);
+    for (int i = 0; i < 5; i++, shorten_crank(&k, 0.5)) {
+        if (lw_plan_read(&p->plan, &k, shape, p->branch.mode, &input, NULL) != LW_OK)
+            return false;
+        if (!p->branch.turns) {
+            p->branch.mid = input;
+            return find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
+        }
+        if (closes_all_round(p, shape, w))
+            return true;
+    }
+    return false;
+}
+
 bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
     drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
@@ -286,6 +337,10 @@ bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, v
     for (int k = 0; k < d.n; k++)
         d.input[k] = p->branch.turns ? 2*LW_PI*k/M : p->branch.mid;
     memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
+    if (p->plan.n_higher > 0) {
+        lw_problem_work_branch(p, work);
+        return draw_posture(p, u + 2, shape, work);
+    }
     for (int i = 0; i < LW_MODE_MAX; i++)
         p->branch.mode[i] = 1;
     if (!run_steps(&d))

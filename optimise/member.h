@@ -2,8 +2,9 @@
  *
  * The dimensions are chosen step by step along the plan, in a linkage whose crank has length one: where a
  * dyad is to hang on two points, their distance is known by then for every input of the motion, and
- * its lengths are drawn from those that reach the farthest and fold to the nearest.  Nothing is drawn and
- * thrown away because it does not close. */
+ * its lengths are drawn from those that reach the farthest and fold to the nearest.  A linkage with higher
+ * groups is drawn as a posture, joints anywhere, and its crank made shorter until it turns.  Nothing is
+ * drawn and thrown away because it does not close. */
 #ifndef LW_OPTIMISE_MEMBER_H
 #define LW_OPTIMISE_MEMBER_H
 
@@ -12,7 +13,7 @@
 #define LW_MEMBER_DRAW_MAX 36
 
 /* How many numbers in [0, 1) a draw takes. */
-int lw_member_draws(const lw_plan *plan);
+int lw_member_draws(const lw_problem *p);
 
 /* shape (n_dim) and p->branch of the member that belongs to u: its assembly, and either an input that turns
  * fully or, unless `turns` is asked for, a range of the input in which it closes.  false: a

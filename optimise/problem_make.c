@@ -58,7 +58,7 @@ static lw_status make_plan(lw_problem *p, lw_error *e)
 {
     lw_linkage k;
     lw_family_linkage(p->family, p->task, &k);
-    lw_status s = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &p->plan, e);
+    lw_status s = lw_plan_make_any(&k, (lw_want){ .tracers = 1, .all_joints = true }, &p->plan, e);
     if (s != LW_OK)
         return s;
     p->n_dim = p->n_var = p->plan.n_dim;

@@ -15,7 +15,7 @@ static lw_status full_plan(const lw_fit_spec *s, const lw_candidate *c, lw_linka
 {
     lw_family_linkage(c->family, s->task, k);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return lw_plan_make(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, e);
+    return lw_plan_make_any(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, e);
 }
 
 void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)

@@ -9,7 +9,7 @@
 
 static int shape_draws(const lw_problem *p)
 {
-    return p->family->linkage ? lw_member_draws(&p->plan) : p->family->n_draw;
+    return p->family->linkage ? lw_member_draws(p) : p->family->n_draw;
 }
 
 int lw_start_draws(const lw_problem *p)
