@@ -37,7 +37,7 @@ lw_fit_options lw_fit_options_default(void);
 /* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame. */
 typedef struct lw_candidate {
     const lw_family *family;
-    lw_branch branch;            /* assembly, sense of the run                                      */
+    lw_course branch;            /* assembly, sense of the run                                      */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */

@@ -10,7 +10,7 @@ typedef struct lw_found {
     double  f;                   /* scaled                                                         */
     double  x[LW_VAR_MAX];
     int     arm;                 /* which problem it belongs to                                    */
-    lw_branch branch;
+    lw_course branch;
     bool    polished;
     long    evals;
     double  seconds;

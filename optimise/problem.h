@@ -79,18 +79,18 @@ lw_fit_spec lw_fit_spec_default(void);
 struct lw_family;
 
 /* Which of its motions a linkage is meant to make. */
-typedef struct lw_branch {
+typedef struct lw_course {
     double mode[LW_MODE_MAX];            /* assembly, see mbs/plan.h                               */
     int    sense;                        /* +1: stations follow a rising input, -1: a falling one  */
     bool   turns;                        /* the input must turn fully                              */
     double mid, half;                    /* of any linkage whose input does not: its way, mid +- half, in
                                           * which it must close, [rad] or scaled                   */
-} lw_branch;
+} lw_course;
 
 typedef struct lw_problem {
     const struct lw_family *family;
     lw_plan      plan;
-    lw_branch    branch;                 /* of this run                                            */
+    lw_course    branch;                 /* of this run                                            */
     bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
     lw_task      task;
     lw_timing    timing;
