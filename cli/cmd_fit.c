@@ -8,7 +8,7 @@
 #include "cli/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume;
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
@@ -34,6 +34,8 @@ static const cli_option options[] = {
       "evaluations for each number of links above four", 1e3, 1e12, NULL, NULL },
     { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
       "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
+    { "atlas", 0, CLI_TEXT, offsetof(settings, atlas), "FILE", NULL,
+      "start from the nearest curves of a catalogue too ('linkwright catalogue curves')", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
       "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
       0, 0, NULL, NULL },
@@ -311,6 +313,8 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     lw_status st = links > 4 ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
+    if (st == LW_OK && s->atlas)
+        st = cli_fit_known_atlas(s->atlas, &set->target, &set->known, e);
     if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     return st;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "catalogues/atlas.h"
 #include "cli/model.h"
 
 enum { KNOWN_MAX = 256 };
@@ -26,9 +27,24 @@ static lw_status check_known(const lw_linkage *k, const char *path, lw_error *e)
                        "inputs and %d tracers", k->name, k->n_input, k->n_tracer);
 }
 
+/* Families of all that is known, each with its posture as a start. */
+static lw_status name_families(cli_fit_known *k)
+{
+    lw_family *f = realloc(k->family, sizeof *f*(size_t)(k->n + 1));
+    if (!f)
+        return LW_E_MEMORY;
+    k->family = f;
+    for (int i = 0; i < k->n; i++) {
+        lw_linkage *l = &k->linkage[i];
+        if (!l->name[0])
+            memcpy(l->name, "linkage", sizeof "linkage");
+        f[i] = (lw_family){ .name = l->name, .linkage = l, .posture = true, .links = l->n_link };
+    }
+    return LW_OK;
+}
+
 lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e)
 {
-    memset(k, 0, sizeof *k);
     for (int which = 0; which < KNOWN_MAX; which++) {
         lw_linkage linkage;
         lw_error why = { .text = "" };
@@ -45,16 +61,34 @@ lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e)
         if (add_known(k, &linkage) != LW_OK)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
-    k->family = calloc((size_t)k->n + 1, sizeof *k->family);
-    if (!k->family)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; i < k->n; i++) {
-        lw_linkage *l = &k->linkage[i];
-        if (!l->name[0])
-            memcpy(l->name, "linkage", sizeof "linkage");
-        k->family[i] = (lw_family){ .name = l->name, .linkage = l, .posture = true, .links = l->n_link };
+    return name_families(k) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+lw_status cli_fit_known_atlas(const char *path, const lw_target *t, cli_fit_known *k, lw_error *e)
+{
+    enum { NEAREST = 24 };
+    lw_store *store;
+    lw_atlas_hit *hit = calloc(NEAREST, sizeof *hit);
+    lw_vec2 *p = malloc(sizeof *p*(t->n + 1));
+    int n = 0;
+    lw_status st = hit && p ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK && !t->x)
+        st = lw_error_set(e, LW_E_ARG, "--atlas starts from curves, and the target has no points");
+    for (size_t i = 0; st == LW_OK && i < t->n; i++)
+        p[i] = lw_v2(t->x[i], t->y[i]);
+    if (st == LW_OK && (st = lw_store_open(path, &(lw_store_options){ .write = false }, &store, e)) == LW_OK) {
+        st = lw_store_nearest(store, p, t->n, t->closed, NEAREST, hit, &n, NULL, e);
+        lw_store_close(store);
+        st = st == LW_NOTHING ? LW_OK : st;
     }
-    return LW_OK;
+    for (int i = 0; i < n && st == LW_OK; i++)
+        if (check_known(&hit[i].linkage, path, NULL) == LW_OK && add_known(k, &hit[i].linkage) != LW_OK)
+            st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK && name_families(k) != LW_OK)
+        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    free(hit);
+    free(p);
+    return st;
 }
 
 void cli_fit_known_free(cli_fit_known *k)

@@ -31,13 +31,18 @@ static int rounds_of(const lw_search *s)
     return s->o->family ? 100000 : rounds < 5 ? 5 : rounds;
 }
 
-/* Families of any linkage have more variables and dearer starts, and there are more of them. */
+/* Families of any linkage have more variables and dearer starts, and there are more of them; higher groups are
+ * dearer still. */
 static void size_jobs(lw_search *s)
 {
-    bool any = s->o->family != NULL;
-    s->block = any ? 96 : LW_BLOCK;
-    s->settle = any ? 24 : 100;
-    s->improve = any ? 6 : 12;
+    for (int i = 0; i < s->n_arm; i++) {
+        lw_arm *a = &s->arm[i];
+        bool any = s->o->family != NULL, higher = a->fine.plan.n_higher > 0;
+        a->block = higher ? 40 : any ? 96 : LW_BLOCK;
+        a->settle = higher ? 10 : any ? 24 : 100;
+        a->improve = higher ? 3 : any ? 6 : 12;
+        a->cost = higher ? LW_HIGHER_COST : 1;
+    }
 }
 
 static lw_status make_room(lw_search *s)

@@ -10,6 +10,8 @@
 #include "optimise/family.h"
 #include "optimise/solver.h"
 
+#define LW_HIGHER_COST 20
+
 typedef struct lw_fit_options {
     lw_fit_spec spec;
     const char *types;           /* names or letters of mbs/types.h, comma separated, or "all"
@@ -17,7 +19,8 @@ typedef struct lw_fit_options {
     const lw_family *family;     /* look in these instead, of any linkage, by successive halving; NULL:
                                   * by types                                                 (n_family) */
     int         n_family;
-    long        budget;          /* evaluations of f after which no further round begins, with `family`; 0: by
+    long        budget;          /* evaluations of f after which no further round begins, with `family`; one
+                                  * of a linkage with higher groups counts LW_HIGHER_COST of them; 0: by
                                   * default                                                          */
     const lw_solver *solver;     /* local solver of the improvement; NULL: lm                       */
     uint64_t    seed;            /* 1                                                               */

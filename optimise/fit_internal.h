@@ -20,6 +20,8 @@ typedef struct lw_arm {
     lw_problem fine, coarse;
     bool       has_coarse;
     int        family;                       /* number in lw_fit_options.family                  */
+    int        block, settle, improve;       /* of a job: draws, those settled, those improved   */
+    int        cost;                         /* of one evaluation, in those of dyads             */
     lw_pool   *best;                         /* of its search, with families; else NULL          */
     long       starts, improved;
 } lw_arm;
@@ -32,7 +34,6 @@ typedef struct lw_search {
     const lw_fit_options *o;
     lw_target  thin;                         /* fewer stations                                   */
     int        n_arm, n_thread, n_job, round;
-    int        block, settle, improve;       /* of a job: draws, those settled, those improved   */
     lw_arm    *arm;
     lw_search_job job[LW_JOB_MAX];
     lw_problem *local;                       /* of each thread: the problem in one branch        */

@@ -35,16 +35,16 @@ static int by_rest(const void *a, const void *b)
 }
 
 /* Which draws of a block are worth settling: all where that is cheap, else the best by a first look. */
-static int choose_draws(const lw_search *s, lw_problem *p, const double *u, int d, void *work, glance *g)
+static int choose_draws(const lw_arm *a, lw_problem *p, const double *u, int d, void *work, glance *g)
 {
-    for (int i = 0; i < s->block; i++) {
+    for (int i = 0; i < a->block; i++) {
         g[i].which = i;
         g[i].rest = p->timing == LW_TIMING_PRESCRIBED ? 0 : lw_start_glance(p, u + i*d, work);
     }
     if (p->timing == LW_TIMING_PRESCRIBED)
-        return s->block;
-    qsort(g, (size_t)s->block, sizeof *g, by_rest);
-    return s->settle;
+        return a->block;
+    qsort(g, (size_t)a->block, sizeof *g, by_rest);
+    return a->settle;
 }
 
 /* Put c among the n best; returns how many there are now. */
@@ -60,28 +60,28 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 }
 
 /* The best starts of a block, in order. */
-static int screen(const lw_search *s, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int screen(const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     double u[LW_BLOCK*LW_START_DRAWS];
     glance g[LW_BLOCK];
     int n = 0, d = lw_start_draws(p);
-    if (!lw_low_discrepancy(rng, (size_t)s->block, d, u))
+    if (!lw_low_discrepancy(rng, (size_t)a->block, d, u))
         return 0;
-    int chosen = choose_draws(s, p, u, d, work, g);
+    int chosen = choose_draws(a, p, u, d, work, g);
     for (int i = 0; i < chosen && isfinite(g[i].rest); i++) {
         lw_found c;
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
         c.branch = p->branch;
-        n = put_in_order(best, n, s->improve, &c);
+        n = put_in_order(best, n, a->improve, &c);
     }
     return n;
 }
 
 /* Starts around what the arm found: all variables moved a little, or some of them farther. */
-static int look_around(const lw_search *s, const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int look_around(const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     int n = 0, known = a->best->n < LW_ARM_BEST ? a->best->n : LW_ARM_BEST;
-    for (int i = 0; known > 0 && i < s->settle; i++) {
+    for (int i = 0; known > 0 && i < a->settle; i++) {
         lw_found c = a->best->item[(int)(lw_rng_uniform(rng)*known)];
         double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
         p->branch = c.branch;
@@ -90,7 +90,7 @@ static int look_around(const lw_search *s, const lw_arm *a, lw_problem *p, lw_rn
             if (lw_rng_uniform(rng) < part)
                 c.x[v] += far*fmax(0.1, fabs(c.x[v]))*lw_rng_normal(rng);
         c.f = lw_lm_feasible(p, c.x) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
-        n = put_in_order(best, n, s->improve, &c);
+        n = put_in_order(best, n, a->improve, &c);
     }
     return n;
 }
@@ -167,13 +167,13 @@ static int starts_of(lw_search *s, size_t job, lw_problem *p, void *work, lw_fou
     uint64_t round = (uint64_t)s->round*(s->o->family ? LW_JOB_MAX : LW_ARM_MAX*8);
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
-        return look_around(s, a, p, &rng, work, best);
-    int n = screen(s, p, &rng, work, best);
+        return look_around(a, p, &rng, work, best);
+    int n = screen(a, p, &rng, work, best);
     if (p->family->posture && s->round == 0) {
         lw_found c;
         c.f = lw_member_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.branch = p->branch;
-        n = put_in_order(best, n, s->improve, &c);
+        n = put_in_order(best, n, a->improve, &c);
     }
     return n;
 }
@@ -194,7 +194,7 @@ static void search_job(void *context, size_t job, int thread)
     *p = a->has_coarse ? a->coarse : a->fine;
     lw_problem_work_init(p, work);
     int n = starts_of(s, job, p, work, best);
-    s->evals[job] += s->block;
+    s->evals[job] += a->cost*a->block;
     s->improved[job] += n;
     for (int i = 0; i < n; i++) {
         best[i].arm = s->job[job].arm;
@@ -209,7 +209,7 @@ static void search_job(void *context, size_t job, int thread)
     improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
     for (int i = 0; i < n; i++) {
         best[i].seconds = lw_clock_wall() - s->started;
-        s->evals[job] += best[i].evals;
+        s->evals[job] += a->cost*best[i].evals;
         if (i < LW_KEEP)
             keep[i] = best[i];
     }
@@ -328,7 +328,7 @@ static void keep_of_arms(lw_search *s)
 {
     for (int j = 0; j < s->n_job; j++) {
         lw_arm *a = &s->arm[s->job[j].arm];
-        a->starts += s->block;
+        a->starts += a->block;
         for (int i = 0; i < LW_KEEP && a->best; i++)
             lw_pool_put(a->best, &s->found[j*LW_KEEP + i], a->has_coarse ? &a->coarse : &a->fine);
     }
@@ -343,6 +343,6 @@ void lw_search_round(lw_search *s)
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
     for (int i = 0; i < list.n; i++) {
         lw_pool_put(&s->pool, &list.item[i], &s->arm[list.item[i].arm].fine);
-        s->evals[0] += list.spent[i];
+        s->evals[0] += s->arm[list.item[i].arm].cost*list.spent[i];
     }
 }

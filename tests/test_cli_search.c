@@ -12,15 +12,17 @@ static ran with_target(const char *command)
     return run(line);
 }
 
-static json_t *json_of(const char *command)
+static json_t *json_ending(const char *command, int code)
 {
     ran r = with_target(command);
-    CHECK_INT(r.code, 0);
+    CHECK_INT(r.code, code);
     json_t *root = json_loads(r.out, 0, NULL);
     CHECK(root != NULL);
     ran_free(&r);
     return root;
 }
+
+static json_t *json_of(const char *command) { return json_ending(command, 0); }
 
 static long integer(const json_t *o, const char *key) { return (long)json_integer_value(json_object_get(o, key)); }
 static double real(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
@@ -28,7 +30,7 @@ static double real(const json_t *o, const char *key) { return json_number_value(
 static void every_topology_is_accounted_for(void)
 {
     static const long known[2][3] = { { 6, 2, 5 }, { 8, 16, 71 } };        /* links, chains, ground choices   */
-    json_t *root = json_of("$P fit $D/t.csv --links 8 --budget 3000 --rounds 1 --json --seed 3");
+    json_t *root = json_ending("$P fit $D/t.csv --links 8 --time 1 --json", 5);
     json_t *list = json_object_get(root, "topologies");
     CHECK_INT(json_array_size(list), 2);
     for (size_t i = 0; i < json_array_size(list) && i < 2; i++) {
@@ -44,11 +46,17 @@ static void every_topology_is_accounted_for(void)
         CHECK(integer(t, "with_input") > integer(t, "with_tracer_link"));
         CHECK(integer(t, "searched") >= integer(t, "fitted"));
     }
+    json_decref(root);
+}
+
+static void more_links_are_never_worse(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 6 --budget 5000 --rounds 1 --json --seed 3");
     const json_t *stages = json_object_get(root, "by_links");
-    CHECK_INT(json_array_size(stages), 3);
+    CHECK_INT(json_array_size(stages), 2);
     for (size_t i = 1; i < json_array_size(stages); i++)
         CHECK(real(json_array_get(stages, i), "objective")
-              <= real(json_array_get(stages, i - 1), "objective")*(1 + 1e-9));
+              <= real(json_array_get(stages, i - 1), "objective")*(1 + 1e-9) + 1e-26);
     json_decref(root);
 }
 
@@ -72,11 +80,11 @@ static void only_the_topologies_asked_for(void)
 
 static void results_are_gone_on_from(void)
 {
-    json_t *first = json_of("$P fit $D/t.csv --links 6 --budget 5000 -o $D/r.json -q; cat $D/r.json");
-    json_t *then = json_of("$P fit $D/t.csv --links 6 --budget 3000 --seed 9 --resume $D/r.json --json");
+    json_t *first = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 5000 -o $D/r.json -q; cat $D/r.json");
+    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --resume $D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
-    CHECK(after <= before*(1 + 1e-6));
+    CHECK(after <= before*(1 + 1e-6) + 1e-26);
     json_decref(first);
     json_decref(then);
     expect("$P fit $D/t.csv --resume $D/none.json", 3, NULL, "none.json");
@@ -96,6 +104,7 @@ static void error_against_links(void)
 int main(void)
 {
     RUN(every_topology_is_accounted_for);
+    RUN(more_links_are_never_worse);
     RUN(only_the_topologies_asked_for);
     RUN(results_are_gone_on_from);
     RUN(error_against_links);
