@@ -16,6 +16,15 @@
  * gravity. */
 lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
+/* A dataset of ADAMS/Solver (.adm; catalogues/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
+ * REQUEST.  A MOTION turns its joint once in a second, or takes it there and back over the way that the linkage
+ * has.  Without masses: for kinematics.  _commands: the command file (.acf) that runs <name>.adm for a second. */
+lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
+void lw_export_file_name(const lw_linkage *k, char *name, size_t size);
+
 /* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
  * joint's count enters the movement of side i against the carrier, so that
  *     sign[1] count(joint[1]) = ratio sign[0] count(joint[0]).

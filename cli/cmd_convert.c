@@ -12,10 +12,10 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "from", 'f', CLI_TEXT, offsetof(settings, from), "FORMAT", NULL,
-      "format of what is read: json, pyslvs, pmks; without it the text itself tells", 0, 0, NULL, NULL },
+      "format of what is read: json, pyslvs, pmks, adams; without it the text itself tells", 0, 0, NULL, NULL },
     { "to", 't', CLI_TEXT, offsetof(settings, to), "FORMAT", NULL,
-      "format of what is written; without it the end of the output's name tells (.json, .pyslvs, .txt, .xml), and it is "
-      "json on standard output", 0, 0, NULL, NULL },
+      "format of what is written; without it the end of the output's name tells (.json, .pyslvs, .txt, .adm, .xml, "
+      "...), and it is json on standard output", 0, 0, NULL, NULL },
     { "unit", 'u', CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
       "length unit: m mm cm km um in ft; of numbers that are read without one (metre), else of what is written", 0, 0,
       NULL, NULL },
@@ -137,7 +137,7 @@ static int run(const cli_call *call)
 const cli_command cli_convert_command = {
     .name = "convert",
     .words = "[FILE]",
-    .title = "linkages from one format to another: JSON, Pyslvs, PMKS, MuJoCo",
+    .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo",
     .examples =
         "  linkwright convert jansen.json --to pyslvs                 an expression for Pyslvs\n"
         "  linkwright convert table.txt -u mm -o walker.json          what PMKS wrote, in millimetres\n"
@@ -147,7 +147,9 @@ const cli_command cli_convert_command = {
         "  json     linkages as in docs/notation.md, and the results of fit\n"
         "  pyslvs   the mechanism expression of Pyslvs, M[J[R, P[0, 0], L[ground, crank]], ...]\n"
         "  pmks     the joint table of PMKS: crank,rod,R,0,30,tfff\n"
+        "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
         "Written only:\n"
+        "  acf      the commands that run NAME.adm in ADAMS/Solver, NAME being the linkage's\n"
         "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site a tracer\n"
         "Points of one link become tracers and back. Gears, welds that are not at a slider, names of joints,\n"
         "ranges of inputs and directions of tools have no form in pyslvs and pmks; the first two are refused\n"

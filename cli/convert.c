@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "catalogues/adams.h"
 #include "catalogues/export.h"
 #include "cli/model.h"
 #include "grammar/pmks.h"
@@ -83,10 +84,30 @@ static lw_status write_bytes(lw_status (*export)(const lw_linkage *k, lw_bytes *
 
 static lw_status write_mjcf(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_mjcf, k, f, e); }
 
+static lw_status write_adams(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_adams, k, f, e); }
+
+static lw_status write_acf(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_adams_commands, k, f, e);
+}
+
+/* A title may say anything; a line with a statement decides. */
+static bool begins_adams(const cli_text *t)
+{
+    return strncmp(t->text, "ADAMS/", 6) == 0 || strstr(t->text, "\nPART/") || strstr(t->text, "\nUNITS/");
+}
+
+static lw_status read_adams(cli_text *t, lw_linkage *k, lw_error *e)
+{
+    return lw_adams_read(t->text, t->size, t->path, k, e);
+}
+
 const cli_format cli_formats[] = {
     { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json },
     { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, read_pyslvs, write_pyslvs },
+    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, write_adams },
     { "pmks", "the joint table of PMKS", ".txt", begins_pmks, read_pmks, write_pmks },
     { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, write_mjcf },
+    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, write_acf },
     { .name = NULL }
 };

@@ -55,6 +55,10 @@ static void refusals(void)
 static void files_for_other_programs(void)
 {
     expect("$P convert examples/hoeken.json -o $D/h.xml && cat $D/h.xml", 0, "<mujoco model=", NULL);
+    expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --to adams | diff - $D/s.adm", 0,
+           NULL, NULL);
+    expect("$P convert $D/s.adm | $P trace - -n 3", 0, NULL, NULL);
+    expect("$P convert examples/hoeken.json --to acf", 0, "SIMULATE/KINEMATICS", NULL);
     expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 

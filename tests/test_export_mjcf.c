@@ -5,23 +5,8 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include "base/file.h"
 #include "mbs/newton.h"
-#include "tests/check.h"
-#include "tests/mbs_linkage.h"
-
-static lw_linkage example(const char *name)
-{
-    static lw_linkage k;
-    char path[128], *text = NULL;
-    size_t size = 0;
-    lw_error e = { 0 };
-    snprintf(path, sizeof path, "examples/%s.json", name);
-    CHECK_INT(lw_file_read(path, &text, &size, &e), LW_OK);
-    CHECK_INT(lw_linkage_read(text, size, path, &k, &e), LW_OK);
-    free(text);
-    return k;
-}
+#include "tests/example_linkage.h"
 
 static lw_bytes mjcf(const lw_linkage *k)
 {
@@ -249,15 +234,7 @@ static void loops_closed_by_sliders(void)
     add_tracer(&k, 2, lw_v2(2, 3));
     CHECK_NEAR(apart(&k, 2, 20), 0, 1e-8, 0);
     for (int order = 0; order < 4; order++) {
-        blank_linkage(&k, 3);
-        add_pin(&k, 0, 1, lw_v2(0, 0));
-        for (int i = 0; i < 2; i++)
-            if ((order & 1) == i)
-                add_slide(&k, order & 2 ? 2 : 0, order & 2 ? 0 : 2, lw_v2(0.3, 0.4), 0.2);
-            else
-                k.joint[add_slide(&k, 2, 1, lw_v2(0.3, 0.4), 1.5)].kind = LW_JOINT_SLOT;
-        add_input(&k, 0, lw_linkage_posture_input(&k, 0));
-        add_tracer(&k, 2, lw_v2(2, 3));
+        k = scotch_yoke(order);
         CHECK_NEAR(apart(&k, 2*LW_PI, 90), 0, 1e-8, 0);
     }
 }

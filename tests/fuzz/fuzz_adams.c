@@ -1,0 +1,26 @@
+/* A dataset that is read can be written, and is the same linkage when it is read again. */
+#include <stdlib.h>
+#include "catalogues/adams.h"
+#include "catalogues/export.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static lw_linkage k, back;
+    lw_bytes b = { 0 };
+    lw_error e = { 0 };
+    if (lw_adams_read((const char *)data, size, "fuzz", &k, &e) != LW_OK) {
+        if (e.line < 1 || e.column < 1 || !e.text[0])
+            abort();
+        return 0;
+    }
+    k.n_input = 0;                         /* its way would be looked for */
+    if (lw_export_adams(&k, &b, &e) != LW_OK)
+        abort();
+    if (lw_adams_read(b.data, b.size, "again", &back, &e) != LW_OK || back.n_joint != k.n_joint
+        || back.n_link != k.n_link || back.n_tracer != k.n_tracer)
+        abort();
+    lw_bytes_free(&b);
+    return 0;
+}
