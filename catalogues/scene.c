@@ -7,7 +7,9 @@
 #include <string.h>
 
 #include "catalogues/bytes.h"
+#include "catalogues/course.h"
 #include "catalogues/walk.h"
+#include "grammar/model.h"
 
 /* What the stages of lw_scene_make share. */
 typedef struct lw_work {
@@ -19,7 +21,15 @@ typedef struct lw_work {
     lw_pose    start, pose;                /* of the posture, and the one at work                  */
     lw_motion  motion;
     lw_walk    walk;                       /* of the circuit that holds the posture                */
+    bool       by_course;                  /* no closed form: then the motion is the course, not the walk */
+    lw_course  course;
+    double     q[LW_SYSTEM_Q_MAX];         /* the posture at work                                   */
 } lw_work;
+
+/* The motion runs over t = 0 .. its length. */
+static double motion_length(const lw_work *w) { return w->by_course ? 1 : w->walk.n_stage; }
+
+static bool motion_loops(const lw_work *w) { return w->by_course ? w->course.loops : w->walk.loops; }
 
 lw_scene_options lw_scene_options_default(void)
 {
@@ -121,22 +131,17 @@ static void keep_dimensions(lw_work *w)
     }
 }
 
-/* Plan, dimensions and starting pose; failing that, says why in the note. */
+/* Plan, dimensions and starting pose.  False: there is no plan in closed form, or its posture does not close;
+ * dimensions are told all the same where there is any plan. */
 static bool prepare(lw_work *w)
 {
-    lw_error why = { 0 };
     const lw_want want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
-    lw_status st = lw_plan_make(&w->linkage, want, &w->plan, &why);
-    if (st == LW_OK)
-        st = lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, &why);
-    if (st == LW_OK)
+    bool any = choose_references(w) && lw_plan_make_any(&w->linkage, want, &w->plan, NULL) == LW_OK
+               && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
+    if (any)
         keep_dimensions(w);
-    if (st == LW_OK)
-        st = lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start);
-    if (st != LW_OK)
-        snprintf(w->s->note, sizeof w->s->note, "Shown without motion: %.200s",
-                 why.text[0] ? why.text : lw_status_text(st));
-    return st == LW_OK;
+    return any && w->plan.n_higher == 0
+           && lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start) == LW_OK;
 }
 
 /* The size of the linkage: what its joints span, in the posture. */
@@ -158,29 +163,42 @@ double lw_scene_dimension(const lw_scene *s, int i)
     return fabs(s->dim[i]) < noise ? 0 : s->dim[i]/(angle ? u->radian : u->metre);
 }
 
-/* The frames of the walk, as places of the links relative to the posture. */
+/* Go to t of the motion; returns the input there. */
+static double move_to(lw_work *w, double t)
+{
+    if (w->by_course)
+        return lw_course_at(&w->course, t, w->q);
+    lw_walk_pose(&w->walk, t, &w->pose);
+    return w->pose.input;
+}
+
+static lw_place place_now(const lw_work *w, int link)
+{
+    if (!w->by_course)
+        return (lw_place){ reference(w, &w->pose, link),
+                           lw_v2_polar(1, w->pose.angle[link][0] - w->start.angle[link][0]) };
+    const lw_system *s = &w->course.s;
+    int body = s->body[link];
+    return (lw_place){ lw_system_point(s, body, lw_system_arm(s, body, w->s->origin[link]), w->q),
+                       lw_v2_polar(1, w->q[3*body + 2]) };
+}
+
+/* The frames of the motion, as places of the links relative to the posture. */
 static bool take_frames(lw_work *w, size_t n)
 {
     lw_scene *s = w->s;
-    const lw_walk *walk = &w->walk;
     size_t n_link = (size_t)s->linkage.n_link;
     if (!make_frames(s, n))
         return false;
-    double per = walk->n_stage/(walk->loops ? (double)n : (double)(n - 1));
-    double start = walk->turns ? 0 : lw_walk_time(walk, w->input);
-    s->loops = walk->loops;
+    s->loops = motion_loops(w);
+    double per = motion_length(w)/(s->loops ? (double)n : (double)(n - 1));
+    double start = w->by_course ? w->course.start : w->walk.turns ? 0 : lw_walk_time(&w->walk, w->input);
     s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
     for (size_t f = 0; f < n; f++) {
-        double t = f == s->first_frame ? start : per*(double)f;
-        lw_walk_pose(walk, t, &w->pose);
-        s->input[f] = w->pose.input;
-        for (size_t link = 0; link < n_link; link++) {
-            int i = (int)link;
-            double turn = w->pose.angle[i][0] - w->start.angle[i][0];
-            if (i != s->linkage.ground)
-                s->place[f*n_link + link] = (lw_place){ reference(w, &w->pose, i),
-                                                        lw_v2_polar(1, turn) };
-        }
+        s->input[f] = move_to(w, f == s->first_frame ? start : per*(double)f);
+        for (size_t link = 0; link < n_link; link++)
+            if ((int)link != s->linkage.ground)
+                s->place[f*n_link + link] = place_now(w, (int)link);
     }
     return true;
 }
@@ -203,8 +221,11 @@ static void grow(lw_growing *g, lw_vec2 p)
 
 static lw_vec2 trace(lw_work *w, int tracer, double t)
 {
-    lw_walk_pose(&w->walk, t, &w->pose);
-    return w->pose.tracer[tracer][0];
+    move_to(w, t);
+    if (!w->by_course)
+        return w->pose.tracer[tracer][0];
+    const lw_system *s = &w->course.s;
+    return lw_system_point(s, s->tracer_body[tracer], s->tracer_arm[tracer], w->q);
 }
 
 /* Points between t0 and t1 (a excluded, b included), halved until a step is as good as straight.  What
@@ -229,21 +250,22 @@ static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
 {
     lw_scene *s = w->s;
     lw_growing g = { 0 };
-    double size = 0, per = w->walk.n_stage/(double)n;
+    bool loops = motion_loops(w);
+    double size = 0, per = motion_length(w)/(double)n;
     lw_vec2 first = trace(w, tracer, 0), a = first;
     for (size_t i = 1; i < n; i++)
         size = fmax(size, lw_v2_norm(lw_v2_sub(trace(w, tracer, per*(double)i), first)));
     grow(&g, first);
     for (size_t i = 1; i <= n; i++) {
-        double t = i == n ? w->walk.n_stage : per*(double)i;
+        double t = i == n ? motion_length(w) : per*(double)i;
         lw_vec2 b = trace(w, tracer, t);
         refine(w, tracer, per*(double)(i - 1), a, t, b, size, 14, &g);
         a = b;
     }
-    if (w->walk.loops && g.n > 1)
+    if (loops && g.n > 1)
         g.n--;                                         /* the last is the first again */
     s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = shown,
-                                         .closed = w->walk.loops, .n = g.n, .p = g.p };
+                                         .closed = loops, .n = g.n, .p = g.p };
     return !g.failed;
 }
 
@@ -253,7 +275,7 @@ static bool is_restricted(const lw_work *w)
     const lw_input *in = &w->linkage.input[0];
     double first = fmin(in->first, in->last), last = fmax(in->first, in->last);
     double tolerance = 1e-9*(last - first);
-    bool full = !w->plan.input_is_slider && last - first >= 2*LW_PI*(1 - 1e-12);
+    bool full = w->linkage.joint[in->joint].kind != LW_JOINT_SLIDER && last - first >= 2*LW_PI*(1 - 1e-12);
     return first < last && !full && in->value >= first - tolerance && in->value <= last + tolerance;
 }
 
@@ -297,18 +319,10 @@ static bool find_walk(lw_work *w)
     return true;
 }
 
-/* Curves and frames; false when memory ran out. */
-static bool show_motion(lw_work *w, const lw_scene_options *o)
+/* Curves and frames by the plan; false when memory ran out. */
+static bool show_walk(lw_work *w, const lw_scene_options *o)
 {
-    lw_scene *s = w->s;
     const lw_input *in = &w->linkage.input[0];
-    for (int i = 0; i < s->linkage.n_link; i++)
-        if (i != s->linkage.ground)
-            s->origin[i] = reference(w, &w->start, i);
-    if (!find_walk(w)) {
-        snprintf(s->note, sizeof s->note, "Shown without motion: the posture is on none of its arcs");
-        return make_frames(s, 1);
-    }
     if (o->other_branches && !take_others(w, o->n_curve_point))
         return false;
     if (is_restricted(w)) {
@@ -319,6 +333,108 @@ static bool show_motion(lw_work *w, const lw_scene_options *o)
     }
     return take_curves(w, true, o->n_curve_point)
         && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+}
+
+/* ---- motions without a plan --------------------------------------------------------------------- */
+
+/* All inputs go evenly from the first to the last of what the linkage asks for, in the time 0 .. 1; those that ask for
+ * nothing rest. */
+static void sweep(void *linkage, double t, int order, double *u)
+{
+    const lw_linkage *k = linkage;
+    for (int i = 0; i < k->n_input; i++) {
+        const lw_input *in = &k->input[i];
+        double *out = u + i*(order + 1), way = in->last - in->first;
+        memset(out, 0, (size_t)(order + 1)*sizeof *out);
+        out[0] = way != 0 ? in->first + t*way : in->value;
+        if (order > 0)
+            out[1] = way;
+    }
+}
+
+static bool inputs_are_alike(const lw_model *m, double a, double b)
+{
+    double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
+    lw_drive_of_model((void *)m, a, 1, u);
+    lw_drive_of_model((void *)m, b, 1, v);
+    for (int i = 0; i < 2*m->linkage.n_input; i++)
+        if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
+            return false;
+    return true;
+}
+
+/* How long a motion in time is shown: to where the inputs begin again or come to rest, else a second [s]. */
+static double duration(const lw_model *m)
+{
+    static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
+    for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
+        double t = span[i];
+        bool again = inputs_are_alike(m, 0, t) && inputs_are_alike(m, 0.3*t, 1.3*t) && inputs_are_alike(m, 0.6*t, 1.6*t);
+        bool rest = inputs_are_alike(m, t, 1.3*t) && inputs_are_alike(m, t, 2*t);
+        if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t))
+            return t;
+    }
+    return 1;
+}
+
+/* Several inputs that say how they move are moved at once; otherwise the first one is. */
+static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *why)
+{
+    const lw_linkage *k = &w->linkage;
+    bool motions = false, ranges = false;
+    for (int i = 0; i < k->n_input && k->n_input > 1; i++) {
+        motions = motions || (o->model && o->model->motion[i]);
+        ranges = ranges || k->input[i].first != k->input[i].last;
+    }
+    if (motions)
+        return lw_course_in_time(k, lw_drive_of_model, (void *)o->model, 0,
+                                 o->until > 0 ? o->until : duration(o->model), &w->course, why);
+    if (ranges)
+        return lw_course_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
+    return lw_course_along(k, o->other_branches, &w->course, why);
+}
+
+static bool show_course(lw_work *w, const lw_scene_options *o)
+{
+    lw_error why = { 0 };
+    lw_scene *s = w->s;
+    size_t n = o->n_curve_point;
+    const lw_input *in = &w->linkage.input[0];
+    w->linkage = s->linkage;                                      /* without added tracers */
+    w->by_course = true;
+    lw_status st = start_course(w, o, &why);
+    if (st == LW_OPEN && w->course.drive)
+        snprintf(s->note, sizeof s->note, "Shown in part: %.200s", why.text);
+    else if (st != LW_OK) {
+        snprintf(s->note, sizeof s->note, "Shown without motion: %.200s",
+                 why.text[0] ? why.text : lw_status_text(st));
+        return make_frames(s, 1);
+    }
+    for (int i = 1; i < w->course.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
+        lw_course_choose(&w->course, i);
+        if (!take_curves(w, false, n))
+            return false;
+    }
+    if (!w->course.drive)
+        lw_course_choose(&w->course, 0);
+    n *= (size_t)fmin(fmax(w->course.turns, 1), 20);
+    if (!w->course.drive && is_restricted(w)) {
+        if (!take_curves(w, false, n))
+            return false;
+        lw_course_restrict(&w->course, fmin(in->first, in->last), fmax(in->first, in->last));
+    }
+    return take_curves(w, true, n) && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+}
+
+/* ---- all of it ---------------------------------------------------------------------------------- */
+
+static bool show_motion(lw_work *w, const lw_scene_options *o)
+{
+    bool walks = prepare(w) && find_walk(w);
+    for (int i = 0; i < w->s->linkage.n_link && walks; i++)
+        if (i != w->s->linkage.ground)
+            w->s->origin[i] = reference(w, &w->start, i);
+    return walks ? show_walk(w, o) : show_course(w, o);
 }
 
 lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
@@ -341,7 +457,8 @@ lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_
     if (ok) {
         w->s = s;
         w->linkage = *k;
-        ok = choose_references(w) && prepare(w) ? show_motion(w, o) : make_frames(s, 1);
+        ok = show_motion(w, o);
+        lw_course_free(&w->course);
     }
     free(w);
     if (ok)

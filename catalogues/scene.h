@@ -3,7 +3,10 @@
  *
  * The motion is that of the branch which holds the posture of the file: a full turn of the input when
  * it can turn, otherwise from limit to limit and, through the limits, back on the other side; only the
- * range of the input that the linkage asks for (lw_input.first, last) when it asks for one. */
+ * range of the input that the linkage asks for (lw_input.first, last) when it asks for one.  Linkages of dyads move by
+ * their plan, all others - higher groups, gears, welds, inputs between moving links - along their curve of postures
+ * (catalogues/course.h): through all turns until it closes.  Several inputs move together, by their motions in time or
+ * else through their ranges; without either the first moves and the others rest. */
 #ifndef LW_CATALOGUES_SCENE_H
 #define LW_CATALOGUES_SCENE_H
 
@@ -14,6 +17,8 @@
 #include "optimise/target.h"
 
 #define LW_CURVE_MAX 64
+
+struct lw_model;                  /* grammar/model.h */
 
 /* Where a link is: its reference point (lw_scene.origin of the posture) now, and the turn since the
  * posture as unit vector, so that a point p of the link is now at  at + turn * (p - origin). */
@@ -56,13 +61,16 @@ typedef struct lw_scene_options {
     size_t      n_frame;          /* of the motion                                            (120)  */
     size_t      n_curve_point;    /* of each curve, at least                                  (360)  */
     bool        other_branches;   /* curves of the other assembly modes and circuits too     (false) */
+    const struct lw_model *model; /* how several inputs move in time; NULL: not said                 */
+    double      until;            /* that motion is shown from 0 to here [s]; 0: to where it begins
+                                   * again or comes to rest, else 1 s                                */
 } lw_scene_options;
 
 lw_scene_options lw_scene_options_default(void);
 
-/* Work out the scene of k.  t (may be NULL) gives the target points.  o NULL: defaults.  A linkage that
- * mbs/plan.h cannot solve, or whose posture does not close, still gives a scene, of one frame and with
- * a note.  LW_E_ARG as lw_linkage_check; LW_E_MEMORY.  Free with lw_scene_free, also after a failure. */
+/* Work out the scene of k.  t (may be NULL) gives the target points.  o NULL: defaults.  A linkage
+ * without input or that cannot move, or whose posture does not close, still gives a scene, of one frame and with
+ * a note; so does one whose motions end at a dead point, as far as they go.  LW_E_ARG as lw_linkage_check; LW_E_MEMORY.  Free with lw_scene_free, also after a failure. */
 lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
                         lw_scene *s, lw_error *e);
 void      lw_scene_free(lw_scene *s);

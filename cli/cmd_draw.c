@@ -4,6 +4,7 @@
 
 #include "cli/draw.h"
 #include "cli/model.h"
+#include "grammar/model.h"
 #include "grammar/notation.h"
 
 typedef cli_draw_settings settings;
@@ -29,6 +30,9 @@ static const cli_option options[] = {
       "title; without it the name of the linkage", 0, 0, NULL, NULL },
     { "all-modes", 'a', CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
       "linkage: the curves of the other assembly modes too, dashed", 0, 0, NULL, NULL },
+    { "until", 'u', CLI_REAL, offsetof(settings, until), "SECONDS", "0",
+      "linkage whose several inputs have motions: show them from 0 to here; 0: to where they begin again or come to "
+      "rest", 0, 1e6, NULL, NULL },
     { "grid", 'g', CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: pictures on a page", 1, 64,
       NULL, NULL },
     { "each", 'e', CLI_FLAG, offsetof(settings, each), NULL, NULL,
@@ -53,7 +57,7 @@ static lw_status choose_kind(const cli_call *call, lw_draw_kind *kind, lw_error 
     return LW_OK;
 }
 
-static lw_status make_picture(const cli_call *call, const lw_linkage *k, const lw_target *t,
+static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_target *t,
                               lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
 {
     const settings *s = call->settings;
@@ -61,10 +65,12 @@ static lw_status make_picture(const cli_call *call, const lw_linkage *k, const l
     o.title = s->title;
     o.n_frame = (size_t)s->steps;
     o.other_branches = s->all_modes;
+    o.model = m;
+    o.until = s->until;
     lw_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = lw_scene_make(k, t, &o, scene, e);
+    lw_status st = lw_scene_make(&m->linkage, t, &o, scene, e);
     if (st == LW_OK && scene->note[0])
         cli_note(call, "%s", scene->note);
     if (st == LW_OK)
@@ -78,16 +84,19 @@ static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, 
 {
     static const lw_target_options by_file = { -1, NULL, NULL };
     const settings *s = call->settings;
-    lw_linkage *k = calloc(1, sizeof *k);
+    lw_model *m = calloc(1, sizeof *m);
     lw_target t = { 0 };
-    lw_status st = k ? cli_read_linkage(call->parsed.word[0], s->result, k, e)
+    lw_status st = m ? cli_read_model(call->parsed.word[0], s->result, m, e)
                      : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    bool read = st == LW_OK;
     if (st == LW_OK && s->target)
         st = cli_read_target(s->target, &by_file, &t, e);
     if (st == LW_OK)
-        st = make_picture(call, k, s->target ? &t : NULL, kind, bytes, e);
+        st = make_picture(call, m, s->target ? &t : NULL, kind, bytes, e);
     lw_target_free(&t);
-    free(k);
+    if (read)
+        lw_model_free(m);
+    free(m);
     return st;
 }
 
@@ -124,7 +133,7 @@ static bool holds_topologies(const char *path)
 /* NULL, or the option that has no meaning for what is drawn. */
 static const char *misplaced(const cli_call *call, bool chains)
 {
-    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", NULL };
+    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "until", NULL };
     static const char *const of_chains[] = { "grid", "each", "caption", "numbers", "keep-going", NULL };
     for (const char *const *name = chains ? of_linkage : of_chains; *name; name++)
         if (cli_given(&call->parsed, *name))
@@ -157,6 +166,7 @@ const cli_command cli_draw_command = {
     .examples =
         "  linkwright draw examples/hoeken.json -o hoeken.svg             a picture\n"
         "  linkwright draw examples/jansen.json -o leg.gif --size 400x300 an animation\n"
+        "  linkwright draw examples/loader.json -o loader.html            several inputs, by their motions\n"
         "  linkwright draw best.json -t examples/ellipse.csv -o best.png  with the points it was made for\n"
         "  linkwright draw fits.json --result 2 -o second.pdf             the second best of a fit\n"
         "  linkwright chains --links 10 | linkwright draw -o ten.pdf      230 chains on five pages\n"
@@ -165,7 +175,8 @@ const cli_command cli_draw_command = {
         "  linkwright chains --links 8 | linkwright draw --each -o eight.svg   eight-001.svg and so on\n",
     .about =
         "FILE is a linkage (docs/notation.md) or what 'linkwright fit --json' printed; - is standard input. It is\n"
-        "drawn in the posture of its file, with the curves of its tracers, joints and lengths labelled.\n"
+        "drawn in the posture of its file, with the curves of its tracers, joints and lengths labelled. Any linkage\n"
+        "moves: by its first input until its motion closes; several inputs together where they have motions or ranges.\n"
         "Or FILE, or standard input without FILE, holds chains or mechanisms in any notation, drawn as in\n"
         "textbooks: bars, polygons, pins. No two links cross when the graph of the chain is planar, else few do.\n"
         "The joints of a ground link stand on a line. More pages than one make numbered files, or one PDF.\n",

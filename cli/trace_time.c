@@ -4,22 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Inputs without a motion rest where they are drawn. */
-static void motion_of(void *context, double t, int order, double *u)
-{
-    const lw_model *m = context;
-    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
-    for (int i = 0; i < m->linkage.n_input; i++) {
-        double *out = u + i*(order + 1);
-        if (m->motion[i]) {
-            lw_expression_series(m->motion[i], order, at, out);
-            continue;
-        }
-        memset(out, 0, (size_t)(order + 1)*sizeof *out);
-        out[0] = m->linkage.input[i].value;
-    }
-}
-
 static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t size)
 {
     size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
@@ -62,7 +46,7 @@ static void put_posture(cli_curve_trace *t, lw_drive *d, bool first)
     row.rates = lw_drive_rates(d, CLI_ROW_ORDER, series);
     memcpy(series, lw_drive_pose(d), (size_t)t->s.n_q*sizeof *series);
     row.lead[0] = lw_drive_time(d);
-    motion_of((void *)t->model, lw_drive_time(d), 0, u);
+    lw_drive_of_model((void *)t->model, lw_drive_time(d), 0, u);
     for (int i = 0; i < t->k->n_input; i++)
         row.lead[1 + i] = u[i]/cli_curve_unit(t, i);
     cli_curve_values(t, series, first, &row);
@@ -72,7 +56,7 @@ static void put_posture(cli_curve_trace *t, lw_drive *d, bool first)
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
 {
     lw_drive *d;
-    lw_status s = lw_drive_create(&t->s, motion_of, (void *)t->model, range[0], &d, e);
+    lw_status s = lw_drive_create(&t->s, lw_drive_of_model, (void *)t->model, range[0], &d, e);
     if (s != LW_OK)
         return s;
     double n = floor((range[1] - range[0])/range[2]*(1 + 1e-12));

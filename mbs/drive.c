@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "grammar/model.h"
 #include "mbs/follow_internal.h"
 
 #define TRACK 64                            /* places kept, to leap over branch points from            */
@@ -340,6 +341,21 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
     }
     *out = d;
     return LW_OK;
+}
+
+void lw_drive_of_model(void *context, double t, int order, double *u)
+{
+    const lw_model *m = context;
+    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
+    for (int i = 0; i < m->linkage.n_input; i++) {
+        double *out = u + i*(order + 1);
+        if (m->motion[i]) {
+            lw_expression_series(m->motion[i], order, at, out);
+            continue;
+        }
+        memset(out, 0, (size_t)(order + 1)*sizeof *out);
+        out[0] = m->linkage.input[i].value;
+    }
 }
 
 void lw_drive_free(lw_drive *d)

@@ -12,6 +12,9 @@
  * counts.  order <= LW_SERIES_ORDER_MAX. */
 typedef void lw_drive_motion(void *context, double t, int order, double *u);
 
+/* That of a model (grammar/model.h), the context: inputs without a motion rest where they are drawn. */
+lw_drive_motion lw_drive_of_model;
+
 typedef struct lw_drive lw_drive;
 
 /* From the drawn posture the inputs are first taken straight to where they are at time t; s must outlive it.

@@ -35,10 +35,23 @@ static void results_of_a_fit(void)
     expect("$P draw examples/hoeken.json --result 1", 3, NULL, "leave --result out");
 }
 
+/* Gears, inputs between moving links, several inputs, bars more than needed: all move. */
+static void any_linkage(void)
+{
+    expect("for f in geared-five-bar five-bar loader mobility/focal mobility/parallelogram; do "
+           "$P draw examples/$f.json -n 6 -o $D/x.html || exit 1; grep -q '\"links\":\\[' $D/x.html || exit 1; "
+           "$P draw examples/$f.json -n 3 -s 200x150 -o $D/x.gif || exit 1; done", 0, NULL, NULL);
+    expect("$P draw examples/loader.json -n 4 --until 0.5 -o $D/x.gif", 0, NULL, NULL);
+    expect("$P draw examples/geared-five-bar.json --all-modes", 0, "other-curve", NULL);
+    expect("$P draw examples/mobility/shaky.json", 0, "Shown without motion", "no input");
+    expect("$P draw examples/loader.json --until -1", 2, NULL, "out of range");
+}
+
 int main(void)
 {
     RUN(pictures);
     RUN(results_of_a_fit);
+    RUN(any_linkage);
     run_end();
     return check_end();
 }

@@ -3,6 +3,7 @@
 #include "base/rng.h"
 #include "catalogues/scene.h"
 #include "catalogues/walk.h"
+#include "grammar/model.h"
 #include "mbs/fourbar.h"
 #include "mbs/types.h"
 #include "tests/check.h"
@@ -18,9 +19,9 @@ static void check_joined(const lw_scene *s, double size)
         for (int i = 0; i < k->n_joint; i++) {
             const lw_joint *j = &k->joint[i];
             lw_vec2 d = lw_v2_sub(lw_scene_at(s, f, j->link[0], j->at), lw_scene_at(s, f, j->link[1], j->at));
-            if (j->kind == LW_JOINT_REVOLUTE)
+            if (j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED)
                 CHECK_NEAR(lw_v2_norm(d), 0, 1e-9*size, 0);
-            else {
+            else if (j->kind != LW_JOINT_GEAR) {
                 lw_vec2 turn = s->place[f*(size_t)k->n_link + (size_t)j->link[0]].turn;
                 CHECK_NEAR(lw_v2_cross(d, lw_v2_turn(j->along, turn)), 0, 1e-9*size, 0);
             }
@@ -72,6 +73,157 @@ static void examples_move_as_one(void)
         check_first_frame(&s, 0.2);
         lw_scene_free(&s);
     }
+}
+
+/* Gears, inputs between moving links, more bars than needed: along their curves of postures. */
+static void what_is_not_made_of_dyads_moves(void)
+{
+    static const struct { const char *name; bool loops; double size; int turns; } known[] = {
+        { "geared-five-bar", true, 0.1, 2 }, { "five-bar", true, 0.2, 1 }, { "loader", true, 3, 0 },
+        { "mobility/parallelogram", true, 5, 1 }, { "mobility/focal", true, 3, 0 },
+    };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_linkage k;
+        lw_scene s;
+        lw_error e;
+        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_TEXT(s.note, "");
+        CHECK_INT(s.n_frame, 120);
+        CHECK_INT(s.loops, known[i].loops);
+        CHECK_INT(s.first_frame, 0);
+        CHECK_INT(s.n_curve, k.n_tracer);
+        check_joined(&s, known[i].size);
+        check_on_curve(&s, known[i].size);
+        check_first_frame(&s, known[i].size);
+        if (known[i].turns)
+            CHECK_NEAR(s.input[119] - s.input[0], 2*LW_PI*known[i].turns*119/120, 1e-6, 0);
+        lw_scene_free(&s);
+    }
+}
+
+/* Wheel and pinion of the geared five-bar turn against each other as the teeth tell. */
+static void gears_turn_against_each_other(void)
+{
+    lw_linkage k;
+    lw_scene s;
+    lw_error e;
+    CHECK_INT(model_read("geared-five-bar", &k), LW_OK);
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    double before[2] = { 0, 0 }, sum[2] = { 0, 0 };
+    for (size_t f = 1; f < s.n_frame; f++) {
+        for (int i = 0; i < 2; i++) {
+            lw_vec2 turn = s.place[f*(size_t)k.n_link + (size_t)k.joint[5].link[i]].turn;
+            double angle = atan2(turn.y, turn.x);
+            sum[i] += remainder(angle - before[i], 2*LW_PI);
+            before[i] = angle;
+        }
+        CHECK_NEAR(sum[1], k.joint[5].ratio*sum[0], 1e-9, 0);
+    }
+    CHECK_NEAR(fabs(sum[0]), 4*LW_PI*119/120, 1e-6, 0);
+    lw_scene_free(&s);
+}
+
+/* Part of the input's range, on a curve that turns and on one that swings: there and back. */
+static void wanted_range_of_a_curve(void)
+{
+    static const struct { const char *name; double first, last; } known[] = {
+        { "geared-five-bar", -0.5, 4.5 }, { "loader", -0.1, 0.5 }, { "mobility/parallelogram", -1, 0.5 } };
+    for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
+        lw_linkage k;
+        lw_scene s;
+        lw_error e;
+        CHECK_INT(model_read(known[i].name, &k), LW_OK);
+        k.n_input = 1;
+        if (i == 1) {                                               /* the other cylinder is shut */
+            k.joint[6].kind = LW_JOINT_FIXED;
+            k.joint[6].along = lw_v2(0, 0);
+        }
+        double now = k.input[0].value;
+        k.input[0].first = now + known[i].first;
+        k.input[0].last = now + known[i].last;
+        CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+        CHECK_TEXT(s.note, "");
+        CHECK(!s.loops);
+        CHECK_NEAR(s.input[0], now + known[i].first, 1e-9, 0);
+        CHECK_NEAR(s.input[s.n_frame - 1], now + known[i].last, 1e-9, 0);
+        CHECK_INT(s.n_curve, 2*k.n_tracer);
+        CHECK(!s.curve[0].shown_branch && s.curve[1].shown_branch && !s.curve[1].closed);
+        check_joined(&s, 3);
+        check_first_frame(&s, 3);
+        lw_scene_free(&s);
+    }
+}
+
+static lw_status timed_scene(const char *path, double until, lw_model *m, lw_scene *s)
+{
+    char *text = NULL;
+    size_t size;
+    lw_error e;
+    lw_scene_options o = lw_scene_options_default();
+    lw_status st = lw_file_read(path, &text, &size, &e);
+    if (st == LW_OK)
+        st = lw_model_read(text, size, path, m, &e);
+    free(text);
+    if (st != LW_OK)
+        return st;
+    o.model = m;
+    o.until = until;
+    return lw_scene_make(&m->linkage, NULL, &o, s, &e);
+}
+
+/* Both cylinders of the loader run out together and rest after 2 s; both motors of the five-bar begin again after 1 s. */
+static void several_inputs_move_together(void)
+{
+    lw_model m;
+    lw_scene s;
+    CHECK_INT(timed_scene("examples/loader.json", 0, &m, &s), LW_OK);
+    CHECK_TEXT(s.note, "");
+    CHECK(!s.loops);
+    CHECK_NEAR(s.input[0], 0, 1e-12, 0);
+    CHECK_NEAR(s.input[s.n_frame - 1], 0.55, 1e-12, 0);
+    check_joined(&s, 3);
+    check_on_curve(&s, 3);
+    check_first_frame(&s, 3);
+    lw_scene_free(&s);
+    lw_model_free(&m);
+    CHECK_INT(timed_scene("examples/five-bar.json", 0, &m, &s), LW_OK);
+    CHECK(s.loops && s.curve[0].closed);
+    check_joined(&s, 0.2);
+    check_on_curve(&s, 0.2);
+    lw_scene_free(&s);
+    lw_model_free(&m);
+    CHECK_INT(timed_scene("examples/five-bar.json", 0.25, &m, &s), LW_OK);
+    CHECK(!s.loops);
+    CHECK_NEAR(s.input[s.n_frame - 1], s.input[0] + 0.3, 1e-6, 0);
+    lw_scene_free(&s);
+    lw_model_free(&m);
+}
+
+/* Ranges of two inputs: both go from end to end at once; beyond reach the motion ends before, and says so. */
+static void ranges_of_several_inputs(void)
+{
+    lw_linkage k;
+    lw_scene s;
+    lw_error e;
+    CHECK_INT(model_read("five-bar", &k), LW_OK);
+    for (int i = 0; i < 2; i++) {
+        k.input[i].first = k.input[i].value;
+        k.input[i].last = k.input[i].value + (i ? -0.2 : 0.3);
+    }
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_TEXT(s.note, "");
+    CHECK_NEAR(s.input[s.n_frame - 1] - s.input[0], 0.3, 1e-12, 0);
+    check_joined(&s, 0.2);
+    lw_scene_free(&s);
+    k.joint[1].at.x += 0.03;                                /* stretched, the cranks pull the rods straight */
+    k.input[0].last = k.input[0].value + 0.9273;
+    k.input[1].last = k.input[1].value - 1.5708;
+    CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
+    CHECK_HAS(s.note, "Shown in part");
+    CHECK(s.n_frame == 120 && s.input[119] - s.input[0] < 0.92);
+    check_joined(&s, 0.2);
+    lw_scene_free(&s);
 }
 
 static void crank_turns_once(void)
@@ -299,6 +451,11 @@ static void rounding_noise_reads_as_nothing(void)
 int main(void)
 {
     RUN(examples_move_as_one);
+    RUN(what_is_not_made_of_dyads_moves);
+    RUN(gears_turn_against_each_other);
+    RUN(wanted_range_of_a_curve);
+    RUN(several_inputs_move_together);
+    RUN(ranges_of_several_inputs);
     RUN(crank_turns_once);
     RUN(walks_end_at_the_limits_of_the_four_bar);
     RUN(motion_through_limits_is_smooth);
