@@ -22,6 +22,12 @@ lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
+/* Plates in millimetres, in layers so that they pass each other over the whole motion (catalogues/layers.h; its
+ * failures).  DXF R12 for a cutter: outlines of lines and arcs, holes, slots, one DXF layer a link, named by its
+ * layer, laid side by side.  OpenSCAD: the plates in their layers, on pins, moving with $t. */
+lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
 /* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
 void lw_export_file_name(const lw_linkage *k, char *name, size_t size);
 

@@ -137,7 +137,7 @@ static int run(const cli_call *call)
 const cli_command cli_convert_command = {
     .name = "convert",
     .words = "[FILE]",
-    .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo",
+    .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo, DXF, ...",
     .examples =
         "  linkwright convert jansen.json --to pyslvs                 an expression for Pyslvs\n"
         "  linkwright convert table.txt -u mm -o walker.json          what PMKS wrote, in millimetres\n"
@@ -151,6 +151,9 @@ const cli_command cli_convert_command = {
         "Written only:\n"
         "  acf      the commands that run NAME.adm in ADAMS/Solver, NAME being the linkage's\n"
         "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site a tracer\n"
+        "  dxf      plates to cut, with holes and slots, in millimetres; the layer's name L2_ROD says in which layer\n"
+        "           the link passes all others over the whole motion (exit code 1: there are no such layers)\n"
+        "  scad     these plates on pins in OpenSCAD, moving with $t\n"
         "Points of one link become tracers and back. Gears, welds that are not at a slider, names of joints,\n"
         "ranges of inputs and directions of tools have no form in pyslvs and pmks; the first two are refused\n"
         "(exit code 3).\n",

@@ -91,6 +91,13 @@ static lw_status write_acf(const lw_linkage *k, FILE *f, lw_error *e)
     return write_bytes(lw_export_adams_commands, k, f, e);
 }
 
+static lw_status write_dxf(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_dxf, k, f, e); }
+
+static lw_status write_scad(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_openscad, k, f, e);
+}
+
 /* A title may say anything; a line with a statement decides. */
 static bool begins_adams(const cli_text *t)
 {
@@ -109,5 +116,7 @@ const cli_format cli_formats[] = {
     { "pmks", "the joint table of PMKS", ".txt", begins_pmks, read_pmks, write_pmks },
     { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, write_mjcf },
     { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, write_acf },
+    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, write_dxf },
+    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, write_scad },
     { .name = NULL }
 };

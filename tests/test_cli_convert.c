@@ -59,6 +59,9 @@ static void files_for_other_programs(void)
            NULL, NULL);
     expect("$P convert $D/s.adm | $P trace - -n 3", 0, NULL, NULL);
     expect("$P convert examples/hoeken.json --to acf", 0, "SIMULATE/KINEMATICS", NULL);
+    expect("$P convert examples/klann.json -o $D/k.dxf && cat $D/k.dxf", 0, "_CRANK\n", NULL);
+    expect("$P convert examples/klann.json -o $D/k.scad && cat $D/k.scad", 0, "module link5()", NULL);
+    expect("$P convert examples/geared-five-bar.json --to dxf", 3, NULL, "gears and welds are not cut");
     expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 

@@ -1,0 +1,237 @@
+/* Layers: nothing touches in twice as many postures, by shapes of another making; no fewer layers would do. */
+#include "catalogues/layers.h"
+
+#include "base/rng.h"
+#include "catalogues/export.h"
+#include "tests/example_linkage.h"
+
+static lw_scene scene_of(const lw_linkage *k, size_t n)
+{
+    lw_scene s;
+    CHECK_INT(lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = n, .n_curve_point = 8 }, &s, NULL), LW_OK);
+    return s;
+}
+
+/* ---- convex shapes ---------------------------------------------------------------------------------------- */
+
+/* Least distance of points sown over the edges, or 0 when a corner of one lies in the other. */
+static double sown_distance(const lw_vec2 *a, int n, const lw_vec2 *b, int m)
+{
+    double least = INFINITY;
+    for (int i = 0; i < n; i++)
+        for (int u = 0; u < 40; u++) {
+            lw_vec2 p = lw_v2_add(a[i], lw_v2_scale(lw_v2_sub(a[(i + 1) % n], a[i]), u/40.0));
+            bool inside = m > 2;
+            for (int j = 0; j < m; j++) {
+                lw_vec2 c = b[j], d = b[(j + 1) % m];
+                least = fmin(least, lw_v2_segment_distance(p, c, d));
+                inside = inside && lw_v2_cross(lw_v2_sub(d, c), lw_v2_sub(p, c)) > 0;
+            }
+            if (inside)
+                return 0;
+        }
+    return least;
+}
+
+static void distances(void)
+{
+    const lw_vec2 square[] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } }, far[] = { { 3, 0.5 } };
+    const lw_vec2 bar[] = { { -1, 0.5 }, { 2, 0.5 } }, over[] = { { 0, 2 }, { 1, 3 } };
+    CHECK_NEAR(lw_hull_distance(square, 4, far, 1), 2, 1e-15, 0);
+    CHECK_NEAR(lw_hull_distance(far, 1, square, 4), 2, 1e-15, 0);
+    CHECK_NEAR(lw_hull_distance(square, 4, bar, 2), 0, 0, 0);           /* through it, no corner inside */
+    CHECK_NEAR(lw_hull_distance(square, 4, over, 2), 1, 1e-15, 0);
+    CHECK_NEAR(lw_hull_distance(bar, 2, over, 2), 1.5, 1e-15, 0);
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 0);
+    for (int i = 0; i < 400; i++) {
+        lw_vec2 a[3], b[3];
+        for (int c = 0; c < 3; c++) {
+            a[c] = lw_v2_polar(1 + lw_rng_uniform(&rng), 2.1*c);
+            b[c] = lw_v2_add(lw_v2_polar(0.5 + lw_rng_uniform(&rng), 2.1*c + 0.3), lw_v2(0.01*i, 0.5));
+        }
+        double d = lw_hull_distance(a, 3, b, 3), want = fmin(sown_distance(a, 3, b, 3), sown_distance(b, 3, a, 3));
+        CHECK_NEAR(d, want, 0.02, 0);
+        CHECK(d <= want + 1e-12 || want == 0);
+    }
+}
+
+/* ---- layers ------------------------------------------------------------------------------------------------- */
+
+static int place_all(const lw_scene *s, int link, size_t f, const lw_layers *l, lw_vec2 *p)
+{
+    for (int c = 0; c < l->plate[link].n_corner; c++)
+        p[c] = lw_scene_at(s, f, link, l->plate[link].corner[c]);
+    return l->plate[link].n_corner;
+}
+
+static bool clear_in_layer(const lw_scene *s, const lw_layers *l)
+{
+    lw_vec2 p[LW_CORNER_MAX], q[LW_CORNER_MAX];
+    int n = s->linkage.n_link;
+    for (size_t f = 0; f < s->n_frame; f++)
+        for (int a = 0; a < n; a++)
+            for (int b = 0; b < a; b++)
+                if (l->layer[a] == l->layer[b]) {
+                    int i = place_all(s, a, f, l, p), j = place_all(s, b, f, l, q);
+                    if (sown_distance(p, i, q, j) <= 2*l->radius || sown_distance(q, j, p, i) <= 2*l->radius)
+                        return false;
+                }
+    return true;
+}
+
+static bool pins_clear(const lw_scene *s, const lw_layers *l)
+{
+    lw_vec2 q[LW_CORNER_MAX];
+    for (size_t f = 0; f < s->n_frame; f++)
+        for (int p = 0; p < l->n_pin; p++)
+            for (int a = 0; a < s->linkage.n_link; a++)
+                if (!(l->pin[p].links >> a & 1) && l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high) {
+                    lw_vec2 at = lw_scene_at(s, f, l->pin[p].owner, l->pin[p].at);
+                    if (sown_distance(&at, 1, q, place_all(s, a, f, l, q)) <= l->radius + l->bore)
+                        return false;
+                }
+    return true;
+}
+
+static void check_layers(const lw_linkage *k, int most)
+{
+    lw_scene s = scene_of(k, 240), fine = scene_of(k, 487);
+    static lw_layers l;
+    lw_error e = { 0 };
+    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK(l.n_layer >= 2 && l.n_layer <= most);
+    CHECK_INT(l.layer[k->ground], 0);
+    for (int j = 0; j < k->n_joint; j++)
+        CHECK(l.layer[k->joint[j].link[0]] != l.layer[k->joint[j].link[1]]);
+    for (int p = 0; p < l.n_pin; p++)
+        for (int i = 0; i < k->n_link; i++)
+            if (l.pin[p].links >> i & 1)
+                CHECK(l.layer[i] >= l.pin[p].low && l.layer[i] <= l.pin[p].high);
+    CHECK(clear_in_layer(&fine, &l));
+    CHECK(pins_clear(&fine, &l));
+    lw_scene_free(&s);
+    lw_scene_free(&fine);
+}
+
+static void examples_pass_themselves(void)
+{
+    static const struct { const char *name; int most; } rows[] = {
+        { "hoeken", 4 }, { "chebyshev", 4 }, { "klann", 6 }, { "jansen", 8 }, { "slider-crank", 4 },
+        { "scott-russell", 4 }, { "inverted-slider-crank", 4 }, { "trammel", 4 }
+    };
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
+        lw_linkage k = example(rows[i].name);
+        check_layers(&k, rows[i].most);
+    }
+}
+
+static void refusals(void)
+{
+    static lw_layers l;
+    lw_error e = { 0 };
+    lw_linkage k = example("geared-five-bar");
+    lw_scene s = scene_of(&k, 12);
+    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "gears");
+    lw_scene_free(&s);
+    k = example("five-bar");
+    s = scene_of(&k, 12);
+    CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "need the motion");
+    lw_scene_free(&s);
+}
+
+/* ---- plates in files ------------------------------------------------------------------------------------------ */
+
+typedef struct ends { int n; lw_vec2 p[400]; int circles; } ends;
+
+static void add_end(ends *w, double x, double y)
+{
+    if (w->n < 400)
+        w->p[w->n++] = lw_v2(x, y);
+}
+
+/* Entities of a DXF: ends of lines and arcs. */
+static ends read_ends(const char *text)
+{
+    ends w = { 0 };
+    char kind[32] = "", value[64];
+    double v[100] = { 0 };
+    int code, skip;
+    bool entities = false;
+    while (sscanf(text, "%d\n%63[^\n]\n%n", &code, value, &skip) == 2) {
+        text += skip;
+        if (code == 0) {
+            if (strcmp(kind, "LINE") == 0) {
+                add_end(&w, v[10], v[20]);
+                add_end(&w, v[11], v[21]);
+            } else if (strcmp(kind, "ARC") == 0) {
+                add_end(&w, v[10] + v[40]*cos(v[50]*LW_PI/180), v[20] + v[40]*sin(v[50]*LW_PI/180));
+                add_end(&w, v[10] + v[40]*cos(v[51]*LW_PI/180), v[20] + v[40]*sin(v[51]*LW_PI/180));
+            }
+            w.circles += strcmp(kind, "CIRCLE") == 0;
+            snprintf(kind, sizeof kind, "%.31s", value);
+        }
+        entities = entities || strcmp(value, "ENTITIES") == 0;
+        if (code >= 10 && code < 60)
+            v[code] = atof(value);
+    }
+    CHECK_TEXT(kind, "EOF");
+    CHECK(entities);
+    return w;
+}
+
+/* Every end of a line meets exactly one of an arc: the outlines are closed. */
+static void outlines_are_closed(void)
+{
+    static const char *const names[] = { "hoeken", "klann", "slider-crank", "trammel" };
+    for (size_t i = 0; i < sizeof names/sizeof *names; i++) {
+        lw_linkage k = example(names[i]);
+        lw_bytes b = { 0 };
+        CHECK_INT(lw_export_dxf(&k, &b, NULL), LW_OK);
+        ends w = read_ends(b.data);
+        CHECK(w.n >= 4*k.n_link - 4 && w.circles >= k.n_joint);
+        for (int a = 0; a < w.n; a++) {
+            int met = 0;
+            for (int c = 0; c < w.n; c++)
+                met += c != a && lw_v2_norm(lw_v2_sub(w.p[a], w.p[c])) < 1e-6;
+            CHECK_INT(met, 1);
+        }
+        CHECK_HAS(b.data, "AC1009");
+        lw_bytes_free(&b);
+    }
+}
+
+static void openscad_is_balanced(void)
+{
+    lw_linkage k = example("klann");
+    lw_bytes b = { 0 };
+    static const char brackets[] = "()[]{}";
+    int depth[3] = { 0 };
+    snprintf(k.link_name[1], LW_NAME_SIZE, "x\ncube(9);");
+    CHECK_INT(lw_export_openscad(&k, &b, NULL), LW_OK);
+    for (const char *c = b.data; *c; c++) {
+        const char *in = strchr(brackets, *c);
+        if (in)
+            depth[(in - brackets)/2] += (in - brackets) % 2 ? -1 : 1;
+    }
+    CHECK_INT(depth[0], 0);
+    CHECK_INT(depth[1], 0);
+    CHECK_INT(depth[2], 0);
+    CHECK_HAS(b.data, "module link5()");
+    CHECK_HAS(b.data, "// x cube(9);");
+    CHECK_HAS(b.data, "cylinder(r = 0.95*bore, h = ");
+    lw_bytes_free(&b);
+}
+
+int main(void)
+{
+    RUN(distances);
+    RUN(examples_pass_themselves);
+    RUN(refusals);
+    RUN(outlines_are_closed);
+    RUN(openscad_is_balanced);
+    return check_end();
+}
