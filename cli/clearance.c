@@ -234,7 +234,7 @@ static void run_row(const cli_clearance *c, cli_clearance_row *row)
     o.speed = c->model->motion[0] ? NAN : row->speed*c->unit_size;
     row->status = lw_clearance_run(c->law[row->law].scene, &o, &row->r, &e);
     snprintf(row->why, sizeof row->why, "%.255s", row->status == LW_OK ? "" : e.text);
-    row->done = true;
+    row->done = row->status != LW_STOPPED || !out_of_time(c);    /* a run cut short is no result */
 }
 
 typedef struct work { cli_clearance *c; cli_progress progress; int n_done; } work;

@@ -95,8 +95,9 @@ static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
     c->o.start = (lw_clearance_start)s->start;
     c->o.every = s->every;
     c->refine = s->refine;
+    c->o.stop = cli_stop_flag();
     if (call->common.time > 0)
-        c->until = lw_clock_wall() + call->common.time;
+        c->until = c->o.until = lw_clock_wall() + call->common.time;
     return cli_clearance_make(c, s->model, s->stiffness, s->damping, s->speed, e);
 }
 

@@ -9,6 +9,7 @@
 #ifndef LW_MBS_CLEARANCE_H
 #define LW_MBS_CLEARANCE_H
 
+#include <signal.h>
 #include "grammar/model.h"
 
 #define LW_CLEARANCE_JOINT_MAX 8
@@ -55,6 +56,8 @@ typedef struct lw_clearance_options {
     double speed;                    /* of input 0 at the start [rad/s] or [m/s]; NAN: the model's      */
     lw_clearance_start start;
     long   max_step;                 /* 0: no limit                                                   */
+    double until;                    /* of lw_clock_wall; 0: no limit                                 */
+    const volatile sig_atomic_t *stop;   /* not 0: end here; may be NULL                              */
     double every;                    /* time between samples [s]; 0: none                              */
     lw_clearance_sink *sink;
     void  *context;
@@ -84,7 +87,7 @@ typedef struct lw_clearance_result {
     long   steps, refused, rates, events;
 } lw_clearance_result;
 
-/* LW_OK, LW_STOPPED (max_step), what the sink said; LW_E_NUMERIC, LW_OPEN: where it broke is in e, what was found
+/* LW_OK, LW_STOPPED (max_step, until, stop), what the sink said; LW_E_NUMERIC, LW_OPEN: where it broke is in e, what was found
  * till then in r. */
 lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r,
                            lw_error *e);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/clock.h"
 #include "mbs/clearance_internal.h"
 #include "mbs/integrate.h"
 
@@ -285,10 +286,18 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
     return s == LW_OK ? rate_of(w, in->t, in->y, in->dy) : s;
 }
 
+/* Told to stop, or out of time; the clock is looked at now and then only */
+static bool is_over(const lw_clearance_work *w, const lw_integrator *in)
+{
+    return (w->o.stop && *w->o.stop) || (w->o.until > 0.0 && in->n_step%256 == 0 && lw_clock_wall() > w->o.until);
+}
+
 static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end, double *next, lw_error *e)
 {
     while (in->t < t_end) {
         lw_ode_stop stop;
+        if (is_over(w, in))
+            return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s", in->t);
         lw_status s = lw_integrate_step(in, t_end, &stop, e);
         if (s != LW_OK)
             return s;

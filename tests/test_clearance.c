@@ -342,6 +342,13 @@ static void bad_input(void)
     lw_clearance_result r = run(&m, &o, LW_STOPPED);
     CHECK(r.t > 0.0 && r.t < 1.25 && r.steps + r.refused == 100);
     o = lw_clearance_options_default();
+    volatile sig_atomic_t now = 1;
+    o.stop = &now;
+    CHECK(run(&m, &o, LW_STOPPED).t == 0.0);
+    o = lw_clearance_options_default();
+    o.until = 1e-3;                                              /* long ago */
+    CHECK(run(&m, &o, LW_STOPPED).t < 1.25);
+    o = lw_clearance_options_default();
     o.tolerance = 0;
     run(&m, &o, LW_E_ARG);
     for (int l = 0; l < 4; l++)

@@ -69,6 +69,7 @@ static void pictures(void)
 
 static void wrong_use(void)
 {
+    expect("$P clearance " MODEL " --end 1e5 --time 0.2 --speed 92,94", 5, "joint,model", "2 of 2 runs were not made");
     expect("$P clearance", 2, NULL, "MODEL.json");
     expect("$P clearance " MODEL " --speed 80:400", 3, NULL, "lacks a step");
     expect("$P clearance " MODEL " --speed 80:400:-1", 3, NULL, "no range");
