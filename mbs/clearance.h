@@ -87,8 +87,8 @@ typedef struct lw_clearance_result {
     long   steps, refused, rates, events;
 } lw_clearance_result;
 
-/* LW_OK, LW_STOPPED (max_step, until, stop), what the sink said; LW_E_NUMERIC, LW_OPEN: where it broke is in e, what was found
- * till then in r. */
+/* LW_OK, LW_STOPPED (max_step, until, stop), what the sink said; LW_E_NUMERIC, LW_OPEN: where it broke is in e, what
+ * was found till then in r. */
 lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_options *o, lw_clearance_result *r,
                            lw_error *e);
 

@@ -43,14 +43,14 @@ typedef struct lw_modes_options {
 lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
                         lw_error *e);
 
-/* Move q to where input `input` counts `value` [rad] or [m], the others held where they are: in steps of a twentieth of
- * the linkage's size or rad, so that the branch is kept.  LW_OPEN: it does not get there; q is as far as it came. */
+/* Move q to where input `input` counts `value` [rad] or [m], the others held where they are: in steps of a twentieth
+ * of the linkage's size or rad, so that the branch is kept.  LW_OPEN: it does not get there; q is as far as it came. */
 lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, double *q, lw_error *e);
 
 /* Check by ear: let the model go from q, its modes pushed a little, and look where the spectra of its motion have
  * their peaks.  The full equations are integrated, none of the matrices above is used.  peak (n_mode) [Hz]; NAN: the
- * mode does not vibrate, dies out too fast (damping above 0.1) or has no peak of its own near.  The loads are taken at t, and
- * motions of inputs held.  LW_NOTHING: no mode vibrates; LW_E_NUMERIC: the run breaks off. */
+ * mode does not vibrate, dies out too fast (damping above 0.1) or has no peak of its own near.  Loads are taken at t,
+ * and motions of inputs held.  LW_NOTHING: no mode vibrates; LW_E_NUMERIC: the run breaks off. */
 lw_status lw_modes_listen(const lw_forces *f, const lw_modes_options *o, double t, const double *q,
                           const lw_modes *modes, double *peak, lw_error *e);
 
