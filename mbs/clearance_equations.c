@@ -423,6 +423,21 @@ double lw_clearance_compliance(lw_clearance_work *w, int i, const double *u, con
     return most;
 }
 
+int lw_clearance_lightest(lw_clearance_work *w, const double *u)
+{
+    const lw_tree *t = &w->c->tree;
+    int least = 0, body = 0;
+    lw_tree_place(t, u, NULL, &w->state);
+    fill_mass(w);
+    for (int k = 1; k < w->n_u; k++)
+        least = w->mass[k*w->n_u + k] < w->mass[least*w->n_u + least] ? k : least;
+    for (int b = 0; b < t->n_body; b++) {
+        int first = t->branch[b].coordinate, n = t->branch[b].kind == LW_BRANCH_FREE ? 3 : 1;
+        body = first >= 0 && least >= first && least < first + n ? b : body;
+    }
+    return body;
+}
+
 /* ---- projection ---------------------------------------------------------------------------------- */
 
 /* x (n_u) least of A x = b (n_c, overwritten) */

@@ -129,6 +129,9 @@ lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *
  * without mass does not let one say. */
 double lw_clearance_compliance(lw_clearance_work *w, int i, const double *u, const double *du);
 
+/* The body whose coordinate moves least mass, for a message. */
+int lw_clearance_lightest(lw_clearance_work *w, const double *u);
+
 /* Put u, then du on the rows of a choice by the least change. LW_OPEN: not near. */
 lw_status lw_clearance_project(lw_clearance_work *w, const lw_row_choice *choice, double t, double *u, double *du);
 

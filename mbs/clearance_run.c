@@ -334,12 +334,15 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     lw_status s = lw_clearance_begin(w, u, du, e);
     if (s != LW_OK)
         return s;
+    memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
+    if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC)
+        return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: give "
+                            "it mass and inertia", w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
     double rate = w->quickest = quickest(w, u, du);
     for (int k = 0; k < w->n_u; k++) {
         each[k] = w->o.tolerance;
         each[w->n_u + k] = w->o.tolerance*rate;
     }
-    memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
     w->r->energy_first = energy(w, w->y);
     for (int i = 0; i < w->c->n_journal; i++)
         w->touching[i] = w->rows.hold[i] || w->rows.link[i] || w->c->journal[i].c->model == LW_CLEARANCE_MLSD
