@@ -18,7 +18,7 @@ typedef struct linear {
     double    q[LW_SYSTEM_Q_MAX], peak[2*LW_SYSTEM_Q_MAX];
     FILE     *out;
     cli_json  j;
-    int       n_posture;
+    int       n_posture, n_heard;
     double    worst;                     /* greatest difference of a peak from its eigenfrequency, relative */
 } linear;
 
@@ -120,8 +120,18 @@ static void write_posture(linear *l)
 static void compare(linear *l)
 {
     for (int k = 0; k < l->modes.n_mode; k++)
-        if (isfinite(l->peak[k]))
+        if (isfinite(l->peak[k])) {
+            l->n_heard++;
             l->worst = fmax(l->worst, fabs(l->peak[k]/l->modes.mode[k].frequency - 1.0));
+        }
+}
+
+static bool is_unstable(const lw_modes *m)
+{
+    bool any = false;
+    for (int k = 0; k < m->n_mode; k++)
+        any = any || m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural));
+    return any;
 }
 
 static lw_status one(linear *l, bool rest, lw_error *e)
@@ -187,8 +197,13 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
                  l->modes.unbalanced);
-    if (s == LW_OK && o->fft)
-        cli_note(call, "peaks of the free vibration are within %.2g %% of the eigenfrequencies", 100*l->worst);
+    if (s == LW_OK && o->rest && !o->along && is_unstable(&l->modes))
+        cli_note(call, "the equilibrium is not stable: modes with re above 0 grow");
+    if (s == LW_OK && o->fft && l->n_heard == 0)
+        cli_note(call, "no mode vibrates long enough to be heard");
+    else if (s == LW_OK && o->fft)
+        cli_note(call, "%d peak%s of the free vibration: within %.2g %% of the eigenfrequencies", l->n_heard,
+                 l->n_heard == 1 ? "" : "s", 100*l->worst);
     int code = s == LW_OK ? CLI_DONE : cli_fail(call, &e);
     free(l);
     return cli_close(call, &out, code);

@@ -37,7 +37,7 @@ static void finish_mode(lw_mode *m, double re, double im)
     m->im = im;
     m->frequency = im/(2.0*LW_PI);
     m->natural = size/(2.0*LW_PI);
-    m->damping = size > 0.0 ? -re/size : 0.0;
+    m->damping = re != 0.0 ? -re/size : 0.0;
 }
 
 static int by_size(const void *a, const void *b)
