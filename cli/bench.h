@@ -93,6 +93,7 @@ typedef struct cli_bench_links {
     long        budget;                  /* evaluations a number of links                           */
     uint64_t    seed;
     const char *folder;                  /* NULL: none                                              */
+    bool        both_ways;               /* untimed paths: target to curve and curve to target      */
 } cli_bench_links;
 lw_status cli_bench_links_run(const cli_call *call, const cli_bench *b, const cli_bench_links *o, lw_error *e);
 

@@ -54,7 +54,7 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
     w->stop |= cli_interrupted();
 }
 
-static void pick_best(const cli_bench_problem *p, const lw_survey *s, outcome *out)
+static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const lw_survey *s, outcome *out)
 {
     double seconds = 0;
     lw_report *r = malloc(sizeof *r);
@@ -67,7 +67,7 @@ static void pick_best(const cli_bench_problem *p, const lw_survey *s, outcome *o
         for (int i = 0; i < s->fit.n; i++) {
             const lw_candidate *c = &s->fit.candidate[i];
             if (lw_candidate_links(c) > b->links || c->objective >= b->objective
-                || lw_report_make(&p->target, &p->spec, c, r, NULL) != LW_OK || !r->verified)
+                || lw_report_make(&p->target, spec, c, r, NULL) != LW_OK || !r->verified)
                 continue;
             b->objective = c->objective;
             b->percent = r->error_percent;
@@ -93,6 +93,8 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     st = cli_fit_stages_make(&topologies, &none, &stages);
     lw_fit_options f = lw_fit_options_default();
     f.spec = p->spec;
+    if (o->both_ways && f.spec.timing == LW_TIMING_FREE)
+        f.spec.timing = LW_TIMING_NONE;
     f.seed = o->seed;
     f.jobs = o->jobs;
     f.budget = o->budget;
@@ -105,7 +107,7 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     if (st == LW_OK)
         st = lw_survey_run(&p->target, &f, stages.stage, stages.n, &survey, e);
     if (st >= 0 && st != LW_NOTHING)
-        pick_best(p, &survey, out);
+        pick_best(p, &f.spec, &survey, out);
     if (st >= 0)
         lw_survey_free(&survey);
     cli_fit_stages_free(&stages);
@@ -119,9 +121,8 @@ static void print_rows(const cli_bench_problem *p, const outcome *out, FILE *f)
 {
     for (int k = 0; k < out->n; k++) {
         const best *b = &out->best[k];
-        double m2 = p->target.x ? p->target.units.metre*p->target.units.metre : 1;
         fprintf(f, "| %-18s | %2d | %.4g | %.3g | %.3g | %.3g | %6.1f | %s |\n", p->name, b->links,
-                b->percent, b->objective/m2*(p->target.x ? p->spec.a*m2 : 1), b->likeness.chamfer, b->likeness.ordered,
+                b->percent, b->objective, b->likeness.chamfer, b->likeness.ordered,
                 b->seconds, b->name[0] ? b->name : "none");
     }
 }

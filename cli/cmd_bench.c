@@ -13,6 +13,7 @@ typedef struct settings {
     double      time, limit, budget;
     int         seeds;
     const char *links;
+    bool        both_ways;
 } settings;
 
 static const cli_option options[] = {
@@ -32,6 +33,8 @@ static const cli_option options[] = {
       "instead: error against number of links, 6 or 6,8: searches over all mechanisms with so many", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
       "with --links: evaluations for each number of links", 1e3, 1e12, NULL, NULL },
+    { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
+      "with --links: paths without input angles are scored from target to curve and from curve to target", 0, 0, NULL, NULL },
     { "limit", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
     { .name = NULL }
 };
@@ -187,7 +190,7 @@ static int run_links(const cli_call *call, cli_bench *b)
     const settings *s = call->settings;
     lw_error e = { 0 };
     cli_bench_links o = { .links = most_links(s->links), .jobs = b->jobs, .budget = (long)s->budget,
-                          .seed = call->common.seed, .folder = s->output };
+                          .seed = call->common.seed, .folder = s->output, .both_ways = s->both_ways };
     if (o.links == 0)
         return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
     lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, &e);

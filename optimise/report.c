@@ -179,26 +179,64 @@ static double turn_up(double angle)
     return a < 0 ? a + 2*LW_PI : a;
 }
 
-/* The curve from station to station, in their order: the way the point goes where the timing has an order. */
-static void compare_curves(const lw_target *t, const lw_candidate *c, const lw_plan *plan, lw_report *r)
+/* Stations without an order: the piece of the motion from the first station to the last that more of the others
+ * lie on; all of it for closed targets. */
+static double covered_way(const lw_target *t, const lw_candidate *c, bool turns)
 {
-    enum { STEPS = 12 };
-    size_t spans = t->closed ? t->n : t->n - 1, n = 0;
-    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + 1));
-    for (size_t i = 0; curve && i <= spans; i++) {
-        size_t a = i % t->n, b = (i + 1) % t->n;
-        double modes[LW_MODE_MAX], next[LW_MODE_MAX], way = c->input[b] - c->input[a];
-        lw_candidate_modes(c, plan, a, modes);
-        lw_candidate_modes(c, plan, b, next);
-        if (b == 0 && r->turns)
-            way = c->branch.sense*turn_up(c->branch.sense*way);
-        int steps = i == spans || modes[0] != next[0] ? 1 : STEPS;
-        for (int k = 0; k < steps && !(i == spans && t->closed); k++) {
-            lw_pose pose;
-            if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/STEPS, 0, &pose) == LW_OK)
-                curve[n++] = pose.tracer[0][0];
-        }
+    double way = c->input[t->n - 1] - c->input[0];
+    size_t inside = 0;
+    if (!turns)
+        return way;
+    if (t->closed)
+        return 2*LW_PI;
+    way = turn_up(way);
+    for (size_t i = 1; i + 1 < t->n; i++)
+        inside += turn_up(c->input[i] - c->input[0]) <= way;
+    return 2*inside + 2 >= t->n ? way : way - 2*LW_PI;
+}
+
+/* The way from station a to the next. */
+static double way_on(const lw_target *t, const lw_candidate *c, bool turns, size_t a)
+{
+    size_t b = (a + 1) % t->n;
+    double way = c->input[b] - c->input[a];
+    return b == 0 && turns ? c->branch.sense*turn_up(c->branch.sense*way) : way;
+}
+
+/* A stretch of the curve from station a on, steps points at equal inputs. */
+static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, double way, int steps, lw_vec2 *curve)
+{
+    double modes[LW_MODE_MAX];
+    size_t n = 0;
+    lw_candidate_modes(c, plan, a, modes);
+    for (int k = 0; k < steps; k++) {
+        lw_pose pose;
+        if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/steps, 0, &pose) == LW_OK)
+            curve[n++] = pose.tracer[0][0];
     }
+    return n;
+}
+
+/* The curve as it is run through: from station to station where they have an order. */
+static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+                           lw_report *r)
+{
+    enum { STEPS = 12, WHOLE = 400 };
+    size_t spans = t->closed ? t->n : t->n - 1, n = 0;
+    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
+    if (!curve)
+        return;
+    bool piece = s->timing == LW_TIMING_NONE && !c->mode_of;
+    if (piece)
+        n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
+    for (size_t i = 0; i < spans && !piece; i++) {
+        double here[LW_MODE_MAX], next[LW_MODE_MAX];
+        lw_candidate_modes(c, plan, i, here);
+        lw_candidate_modes(c, plan, (i + 1) % t->n, next);
+        n += stretch(c, plan, i, way_on(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
+    }
+    if (!t->closed && !piece)
+        n += stretch(c, plan, t->n - 1, 0, 1, curve + n);
     if (n >= 2)
         lw_likeness_measure(t, curve, n, &r->likeness);
     free(curve);
@@ -245,7 +283,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         r->linkage.units = t->units;
         describe_motion(t, s, c, &plan, r);
         if (s->task != LW_TASK_FUNCTION)
-            compare_curves(t, c, &plan, r);
+            compare_curves(t, s, c, &plan, r);
         classify(s, c, r);
         lw_verify(t, s, c, &plan, at, r);
     }
