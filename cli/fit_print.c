@@ -184,7 +184,8 @@ static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
-    cli_json_int(j, "circuits", r->circuits);
+    if (r->circuits)
+        cli_json_int(j, "circuits", r->circuits);
     cli_json_int(j, "branch", c->branch.mode[0] > 0 ? 1 : -1);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);

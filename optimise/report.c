@@ -154,7 +154,9 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     lw_motion m;
     double from, to;
     covered(t, c, &from, &to);
-    if (lw_motion_find(plan, c->dim, &m) == LW_OK)
+    if (plan->n_higher)
+        lw_report_curve(plan, c, from, to, r);
+    else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
         describe_circuit(t, plan, c, &m, r);
     if (s->task == LW_TASK_FUNCTION) {
         r->curve_max = NAN;

@@ -20,8 +20,10 @@ typedef struct lw_report {
                                     * last station, from the target polygon [m]                     */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
-    int      circuits;             /* of the linkage with these lengths                            */
-    double   transmission_min, transmission_max;    /* over the motion of this branch [rad]        */
+    int      circuits;             /* of the linkage with these lengths; 0: not counted (higher groups) */
+    double   transmission_min, transmission_max;    /* over the motion of this branch [rad]; of plans with higher
+                                    * groups the angle in [0, pi/2] whose squared sine is the margin of mbs/batch.h,
+                                    * over the whole turn, or between the stations where it does not turn */
     double   acceleration_max;     /* of the tracer by the input, over the motion [m/rad^2]         */
     bool     has_class;            /* a four-bar that could be classified                           */
     lw_fourbar_class barker;

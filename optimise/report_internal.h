@@ -7,6 +7,10 @@
 /* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
 void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes);
 
+/* Turns, transmission and acceleration of a result with higher groups, whose posture is r->linkage: over the whole
+ * curve when the input turns, else from input `from` to `to`. */
+void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r);
+
 /* Write the posture as a file would hold it, read it back, move it from station to station by
  * Newton's method on the loop equations, and compare with `at`, the plan's positions.  Fills
  * verified ... fault of the report. */

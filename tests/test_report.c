@@ -456,6 +456,83 @@ static void sliding_inputs_pass_their_limits(void)
     lw_target_free(&t);
 }
 
+/* ---- higher groups ------------------------------------------------------------------------------- */
+
+/* Stephenson III driven where its dyad stands on the ground: a triad.  crank: length of the driven link. */
+static lw_linkage triad_linkage(double crank)
+{
+    static const char form[] =
+        "{\"linkwright\":1,\"name\":\"triad\",\"links\":[\"ground\",\"bar\",\"coupler\",\"rocker\",\"arm\",\"crank\"],"
+        "\"joints\":[{\"name\":\"A\",\"links\":[\"ground\",\"bar\"],\"at\":[0,0]},"
+        "{\"name\":\"B\",\"links\":[\"bar\",\"coupler\"],\"at\":[0.5,0.8]},"
+        "{\"name\":\"C\",\"links\":[\"coupler\",\"rocker\"],\"at\":[2.6,2.1]},"
+        "{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]},"
+        "{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},"
+        "{\"name\":\"F\",\"links\":[\"arm\",\"crank\"],\"at\":[%.17g,3]},"
+        "{\"name\":\"G\",\"links\":[\"ground\",\"crank\"],\"at\":[-1.5,3]}],"
+        "\"input\":{\"joint\":\"G\"},\"tracers\":[{\"name\":\"P\",\"link\":\"arm\",\"at\":[0.2,2.9]}]}";
+    char text[2048];
+    lw_linkage k;
+    lw_error e = { .text = "" };
+    int n = snprintf(text, sizeof text, form, -1.5 + crank);
+    CHECK_INT(lw_linkage_read(text, (size_t)n, "triad", &k, &e), LW_OK);
+    return k;
+}
+
+/* Turns and swings of triads: against postures followed densely and differences of them. */
+static void motion_of_higher_groups(void)
+{
+    enum { N = 2000, STATIONS = 12 };
+    static const struct { double crank, way; bool turns; } known[] = { { 0.2, 2*LW_PI, true }, { 1.2, 0.4, false } };
+    for (size_t i = 0; i < 2; i++) {
+        lw_linkage k = triad_linkage(known[i].crank);
+        const lw_family family = { .name = "triad", .linkage = &k, .links = 6 };
+        lw_plan plan;
+        double dim[LW_DIM_MAX], mode[LW_MODE_MAX], first, least = 9, most = 0, fastest = 0;
+        lw_error e = { .text = "" };
+        made m = { .spec = lw_fit_spec_default() };
+        CHECK_INT(lw_plan_make_any(&k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+        CHECK_INT(plan.n_higher, 1);
+        CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &first, &e), LW_OK);
+        static lw_vec2 around[N + 3], *p = around + 1;
+        for (int q = -1; q <= N + 1; q++) {
+            lw_pose pose;
+            CHECK_INT(lw_pose_solve(&plan, dim, mode, first + known[i].way*q/N, 0, &pose), LW_OK);
+            p[q] = pose.tracer[0][0];
+            if (q < 0 || q > N)
+                continue;
+            least = fmin(least, asin(sqrt(pose.margin)));
+            most = fmax(most, asin(sqrt(pose.margin)));
+        }
+        for (int q = 0; q <= N; q++) {
+            lw_vec2 bend = lw_v2_sub(lw_v2_add(p[q - 1], p[q + 1]), lw_v2_scale(p[q], 2));
+            fastest = fmax(fastest, lw_v2_norm(bend)*N*N/(known[i].way*known[i].way));
+        }
+        m.c = (lw_candidate){ .family = &family, .branch = { .sense = 1 }, .n_dim = plan.n_dim, .input = m.input };
+        memcpy(m.c.dim, dim, sizeof dim);
+        memcpy(m.c.branch.mode, mode, sizeof mode);
+        m.st.n = STATIONS;
+        m.st.closed = known[i].turns;
+        for (int q = 0; q < STATIONS; q++) {
+            int at = known[i].turns ? q*N/STATIONS : q*N/(STATIONS - 1);
+            m.input[q] = first + known[i].way*at/N;
+            m.st.x[q] = p[at].x;
+            m.st.y[q] = p[at].y;
+        }
+        target_of(&m.st, &m.spec, &m.t);
+        lw_report r = report_of(&m);
+        CHECK_INT(r.turns, known[i].turns);
+        CHECK_INT(r.circuits, 0);
+        CHECK_NEAR(r.transmission_min, least, 1e-4, 0);
+        CHECK_NEAR(r.transmission_max, most, 1e-4, 0);
+        CHECK_NEAR(r.acceleration_max, fastest, 0, 2e-3);
+        CHECK(most > least + 0.01 && r.error_max < 1e-9);
+        CHECK_TEXT(r.fault, "");
+        CHECK(r.verified);
+        lw_target_free(&m.t);
+    }
+}
+
 int main(void)
 {
     RUN(every_honest_candidate_is_verified);
@@ -472,5 +549,6 @@ int main(void)
     RUN(what_does_not_close_says_so);
     RUN(far_small_and_large_results_are_verified);
     RUN(sliding_inputs_pass_their_limits);
+    RUN(motion_of_higher_groups);
     return check_end();
 }
