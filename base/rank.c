@@ -186,6 +186,14 @@ void lw_rank_solve_transposed(const lw_rank *r, const double *b, double *x)
         reflect(column(r, k) + k, r->left[k], x + k, r->m - k);
 }
 
+void lw_rank_left_null(const lw_rank *r, int k, double *x)
+{
+    memset(x, 0, (size_t)r->m*sizeof *x);
+    x[r->rank + k] = 1;
+    for (int i = r->rank - 1; i >= 0; i--)
+        reflect(column(r, i) + i, r->left[i], x + i, r->m - i);
+}
+
 void lw_rank_null_part(const lw_rank *r, double *x)
 {
     double *z = r->work;

@@ -34,6 +34,9 @@ void lw_rank_solve(const lw_rank *r, double *b, double *x);
 /* x (m) of A^T x = b (n). */
 void lw_rank_solve_transposed(const lw_rank *r, const double *b, double *x);
 
+/* x (m): vector k, from 0, of an orthonormal basis of the null space of A^T; k < m - rank. */
+void lw_rank_left_null(const lw_rank *r, int k, double *x);
+
 /* x (n) less its part in the row space of A: what is left is in the null space. */
 void lw_rank_null_part(const lw_rank *r, double *x);
 

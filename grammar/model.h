@@ -116,6 +116,9 @@ static inline int lw_variable(lw_quantity q, int index) { return 64*(int)q + ind
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
 
+/* Give input i a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
+lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
+
 /* A model of a linkage alone: no masses, no loads. */
 void      lw_model_from_linkage(const lw_linkage *k, lw_model *m);
 

@@ -78,6 +78,16 @@ static void random_matrices(void)
         check_solution(m, n, a, 0, x, keep, &r);
         lw_rank_solve_transposed(&r, keep, x);
         check_solution(m, n, a, 1, x, keep, &r);
+        for (int k = 0; k < m - r.rank; k++) {
+            double length = 0;
+            lw_rank_left_null(&r, k, x);
+            apply(m, n, a, 1, x, ax);
+            for (int i = 0; i < n; i++)
+                CHECK_NEAR(ax[i], 0, 1e-11, 0);
+            for (int i = 0; i < m; i++)
+                length += x[i]*x[i];
+            CHECK_NEAR(length, 1, 1e-13, 0);
+        }
         memcpy(x, keep, sizeof x);
         lw_rank_null_part(&r, x);
         apply(m, n, a, 0, x, ax);

@@ -1,0 +1,120 @@
+/* mbs/dynamics_choose.c - which equations a scene needs. */
+#include "mbs/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "mbs/reduced.h"
+
+static const double stiff = 2e4;             /* fastest decay times length of the run                     */
+
+/* The mobility along a measure: speed for an impulse of 1 [1/kg] or [1/(kg m^2)]. */
+static double mobility(lw_dynamics *d, const lw_measure *m)
+{
+    double g[LW_SYSTEM_Q_MAX] = { 0 }, change[LW_SYSTEM_Q_MAX];
+    for (int i = 0; i < 6; i++)
+        if (m->body[i/3] >= 0)
+            g[3*m->body[i/3] + i%3] += m->g[i];
+    return lw_mbs_impulse(d, g, change);
+}
+
+/* The fastest decay that dampers cause at the start [1/s]. */
+static double fastest_decay(lw_dynamics *d)
+{
+    const lw_model *k = d->model;
+    double most = 0;
+    lw_measure m;
+    if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+        return 0;
+    for (int i = 0; i < k->n_spring; i++) {
+        int body[2] = { d->s.body[k->spring[i].link[0]], d->s.body[k->spring[i].link[1]] };
+        lw_measure_length(&d->s, body, d->f.spring_arm[i], d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->spring[i].damping*mobility(d, &m));
+    }
+    for (int i = 0; i < k->n_joint_spring; i++) {
+        lw_measure_joint(&d->s, k->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->joint_spring[i].damping*mobility(d, &m));
+    }
+    for (int i = 0; i < k->n_motor; i++) {
+        lw_measure_joint(&d->s, k->motor[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->motor[i].stall/k->motor[i].free_speed*mobility(d, &m));
+    }
+    return most;
+}
+
+static lw_status say(lw_report *r, lw_formulation f, int unknowns, const char *why)
+{
+    r->formulation = f;
+    r->unknowns = unknowns;
+    snprintf(r->why, sizeof r->why, "%s", why);
+    return LW_OK;
+}
+
+/* A mass where forward dynamics needs one: an error that names the link otherwise. */
+static lw_status check_masses(lw_dynamics *d)
+{
+    lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, true);
+    return s == LW_OK ? lw_mbs_solve(d, d->o.from, d->start_q, d->start_v, d->a, d->l, NULL) : s;
+}
+
+static bool driven_wanted(const lw_dynamics *d, lw_error *e, lw_status *s)
+{
+    lw_analysis a = d->o.analysis;
+    bool driven = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->o.formulation == LW_FORMULATION_DRIVEN ||
+                  (a == LW_ANALYSIS_TRANSIENT && d->freedom == 0) || d->freedom == 0;
+    *s = LW_OK;
+    if (driven && d->freedom > 0)
+        *s = lw_error_set(e, LW_E_ARG, "%d more freedom%s would have to be driven for this analysis: give every input a "
+                          "\"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
+    return driven;
+}
+
+static lw_status forced(lw_dynamics *d, lw_report *r, lw_error *e)
+{
+    int n = 2*d->n_q;
+    char text[160];
+    lw_status s;
+    switch (d->o.formulation) {
+    case LW_FORMULATION_REDUCED:
+        s = lw_reduced_able(d, text, sizeof text);
+        if (s != LW_OK)
+            return lw_error_set(e, LW_E_KIND, "the reduced formulation cannot do this model: %s", text);
+        return say(r, LW_FORMULATION_REDUCED, 2, "asked for");
+    case LW_FORMULATION_GGL:
+        if (d->n_contact)
+            return lw_error_set(e, LW_E_KIND, "the ggl formulation knows no rigid stops; give them a \"stiffness\"");
+        return say(r, LW_FORMULATION_GGL, n + 2*d->n_kept, "asked for");
+    default:
+        return say(r, d->o.formulation, n, "asked for");
+    }
+}
+
+lw_status lw_dynamics_choose(lw_dynamics *d, lw_report *r, lw_error *e)
+{
+    char text[160];
+    lw_status s;
+    r->freedom = d->freedom + d->n_driven;
+    r->redundant = d->n_c - d->rank;
+    r->moved = d->moved;
+    r->moved_rate = d->moved_rate;
+    r->t = d->o.from;
+    if (d->o.analysis == LW_ANALYSIS_STATIC)
+        return say(r, LW_FORMULATION_AUTO, d->freedom, "at rest");
+    if (driven_wanted(d, e, &s))
+        return s != LW_OK ? s : say(r, LW_FORMULATION_DRIVEN, d->n_q, "every freedom is driven: kinematics, then forces");
+    if ((s = check_masses(d)) != LW_OK)
+        return s;
+    if (d->o.formulation != LW_FORMULATION_AUTO)
+        return forced(d, r, e);
+    if (d->n_friction)
+        return say(r, LW_FORMULATION_CVODE, 2*d->n_q, "friction makes the equations stiff: an implicit method");
+    if (fastest_decay(d)*(d->o.to - d->o.from) > stiff)
+        return say(r, LW_FORMULATION_CVODE, 2*d->n_q, "dampers make the equations stiff: an implicit method");
+    if (lw_reduced_able(d, text, sizeof text) == LW_OK)
+        return say(r, LW_FORMULATION_REDUCED, 2, "one freedom, rigid, solved in closed form by dyads: one coordinate");
+    char why[200];
+    snprintf(why, sizeof why, "bodies' coordinates: %s", text);
+    return say(r, LW_FORMULATION_INDEX1, 2*d->n_q, why);
+}

@@ -1,0 +1,168 @@
+/* mbs/dynamics_ggl.c - stabilised index 2 (Gear, Gupta & Leimkuhler 1985), by IDA:
+ *
+ *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (rate of what is prescribed)
+ *
+ * W = 1/M keeps the two equations in one metric, J runs over the kept rows.  Friction uses the multipliers
+ * of the state.  y = (q, v, l, m, work). */
+#include "mbs/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct ggl { lw_run *run; int q, c; double least_mass; } ggl;
+
+static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
+
+/* J^T l of the kept rows. */
+static void push(const lw_dynamics *d, const double *l, double *out)
+{
+    memset(out, 0, (size_t)d->n_q*sizeof *out);
+    for (int k = 0; k < d->n_kept; k++)
+        for (int b = 0; b < 3 && d->row_body[d->kept[k]][b] >= 0; b++)
+            for (int i = 3*d->row_body[d->kept[k]][b], n = i + 3; i < n; i++)
+                out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
+}
+
+/* Friction for multipliers that are given: it is part of the forces. */
+static double add_friction(lw_dynamics *d, const double *q, const double *v, const double *l)
+{
+    double power = 0;
+    for (int f = 0; f < d->n_friction; f++) {
+        double force[LW_SYSTEM_Q_MAX], unit = lw_mbs_friction_direction(d, d->friction[f], q, v, force);
+        const lw_system_joint *j = &d->s.joint[d->friction[f]];
+        int x = d->place[j->row], y = j->kind == LW_JOINT_REVOLUTE ? d->place[j->row + 1] : -1;
+        double n = hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit;
+        for (int i = 0; i < d->n_q; i++)
+            d->force[i] += n*force[i];
+        power += n*unit;
+    }
+    return power;
+}
+
+static lw_status residual(void *context, double t, const double *y, const double *dy, double *r)
+{
+    ggl *g = context;
+    lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c;
+    const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
+    double power = 0, other = 0;
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    if (s != LW_OK)
+        return s;
+    lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, &power);
+    if (d->o.extra.apply)
+        d->o.extra.apply(d->o.extra.context, t, q, v, d->force, NULL, NULL, &other);
+    power += other + add_friction(d, q, v, l);
+    push(d, m, d->bias);
+    for (int i = 0; i < n; i++)
+        r[i] = dy[i] - v[i] + d->bias[i]/mass_of(g, i);
+    push(d, l, d->bias);
+    for (int i = 0; i < n; i++)
+        r[n + i] = d->f.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
+    for (int k = 0; k < c; k++) {
+        int row = d->kept[k];
+        double rate = -d->rhs[row];
+        for (int b = 0; b < 3 && d->row_body[row][b] >= 0; b++)
+            for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++)
+                rate += d->jac[row*n + i]*v[i];
+        r[2*n + k] = d->phi[row];
+        r[2*n + c + k] = rate;
+        if (row >= d->n_row)
+            power -= l[k]*d->rhs[row];
+    }
+    if (g->run->has_work)
+        r[2*n + 2*c] = dy[2*n + 2*c] - power;
+    return LW_OK;
+}
+
+/* The state as the others of this folder have it: q, v, work. */
+static void unpack(const ggl *g, const double *y, double *out)
+{
+    memcpy(out, y, 2*(size_t)g->q*sizeof *out);
+    if (g->run->has_work)
+        out[2*g->q] = y[2*(g->q + g->c)];
+}
+
+static lw_status show_samples(ggl *g, lw_ida *w, double *y)
+{
+    lw_run *run = g->run;
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > w->t)
+            break;
+        s = lw_ida_dense(w, t, y);
+        if (s != LW_OK)
+            break;
+        unpack(g, y, run->y);
+        s = lw_run_project(run, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+    }
+    return s;
+}
+
+static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    int n = g->q, c = g->c;
+    lw_status s = LW_OK;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_dynamics_start(d, y, y + n);
+    memcpy(dy, y + n, (size_t)n*sizeof *dy);
+    s = lw_mbs_accelerate(d, d->o.from, y, y + n, dy + n, d->l, NULL);
+    for (int k = 0; k < c; k++)
+        y[2*n + k] = d->l[d->kept[k]];
+    unpack(g, y, run->y);
+    if (s == LW_OK)
+        s = lw_run_begin(run, run->y);
+    unsigned char algebraic[2*LW_SYSTEM_Q_MAX + 2*LW_MBS_ROW_MAX + 1] = { 0 };
+    memset(algebraic + 2*n, 1, 2*(size_t)c);
+    lw_dae dae = { .n = 2*n + 2*c + run->has_work, .context = g, .residual = residual, .algebraic = algebraic };
+    lw_ode_options o = lw_ode_options_default();
+    o.relative = d->o.relative;
+    o.absolute = d->o.absolute;
+    o.max_step = d->o.max_step;
+    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
+    if (s == LW_OK)
+        s = lw_ida_make(w, &dae, &o, d->o.from, y, dy, run->e);
+    if (s != LW_OK)
+        return s;
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        s = lw_ida_step(w, d->o.to, &stop, run->e);
+        run->r->t = w->t;
+        if (s != LW_OK)
+            break;
+        unpack(g, w->y, run->y);
+        lw_run_watch(run, run->y);
+        s = show_samples(g, w, y);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+    }
+    run->r->steps = w->n_step;
+    run->r->refused = w->n_refused;
+    run->r->rates = w->n_residual;
+    lw_ida_free(w);
+    return s;
+}
+
+lw_status lw_run_ggl(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    ggl g = { run, d->n_q, d->n_kept, 0 };
+    lw_ida w;
+    for (int i = 0; i < d->n_q; i++)
+        g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
+    size_t n = 2*(size_t)(g.q + g.c) + 1;
+    double *y = calloc(2*n + (size_t)run->n, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 2*n;
+    lw_status s = run_ida(&g, &w, y, y + n);
+    free(y);
+    return s;
+}

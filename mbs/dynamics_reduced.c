@@ -1,0 +1,176 @@
+/* mbs/dynamics_reduced.c - a run in one coordinate; where the coordinate turns back (a dead point of the input) it is
+ * gone on with in the bodies' coordinates. */
+#include "mbs/dynamics_run_internal.h"
+#include "mbs/reduced.h"
+#include "mbs/reduced_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
+{
+    char why[128] = "";
+    lw_reduced *r = d->reduced ? d->reduced : malloc(sizeof *r);
+    if (!r)
+        return LW_E_MEMORY;
+    d->reduced = r;
+    lw_status s = lw_reduced_make(d, r, why);
+    snprintf(text, size, "%s", why);
+    return s;
+}
+
+static const int turns_every = 4;
+
+typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential; } motion;
+
+static lw_status rate(void *context, double t, const double *y, double *dy)
+{
+    const motion *m = context;
+    double power, scale = m->r->scale;
+    lw_status s = lw_reduced_rate(m->r, t, y[0]*scale, y[1], &dy[0], &dy[1], &power);
+    dy[0] /= scale;
+    if (m->run->has_work)
+        dy[2] = power;
+    return s;
+}
+
+/* (s, p) as bodies' coordinates; turns near those in y. */
+static lw_status spread(const motion *m, const double *s, double *y)
+{
+    const lw_dynamics *d = m->run->d;
+    double mass;
+    lw_status st = lw_reduced_mass(m->r, s[0]*m->r->scale, &mass);
+    if (st == LW_OK)
+        lw_reduced_state(m->r, d, s[1]/sqrt(mass), y, y + d->n_q);
+    if (m->run->has_work)
+        y[2*d->n_q] = s[2];
+    return st;
+}
+
+/* Turns of the links after h, with the rates of before and those that the registers have. */
+static void foresee(const motion *m, const double *from, double h, double ds, double *to)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int b = 0; b < d->s.n_body; b++) {
+        double before = from[d->n_q + 3*b + 2], after = ds*m->r->reg[m->r->centre[b].dir].d.x;
+        to[3*b + 2] = from[3*b + 2] + 0.5*h*(before + after);
+        to[d->n_q + 3*b + 2] = after;
+    }
+}
+
+static lw_status show_samples(motion *m, lw_integrator *w, const double *from)
+{
+    lw_run *run = m->run;
+    double s3[3], mass;
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > w->t)
+            break;
+        memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
+        s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+        if (s != LW_OK)
+            break;
+        lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
+        foresee(m, from, t - w->t_old, s3[1]/sqrt(mass), run->y);
+        s = spread(m, s3, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        s = s == LW_OPEN ? LW_OK : s;             /* reactions do not exist in a singular posture           */
+    }
+    return s;
+}
+
+/* Energies from the registers, so that a step costs little more than its evaluations; the links' turns are looked at
+ * every few steps only, which is often enough to count them. */
+static lw_status watch(motion *m, const lw_integrator *w, double *y)
+{
+    lw_run *run = m->run;
+    lw_status s = lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    double potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale), kinetic = 0.5*w->y[1]*w->y[1];
+    double change = potential - m->potential, mass;
+    run->r->energy_error = fmax(run->r->energy_error, fabs(kinetic - m->kinetic + change - (run->has_work ? w->y[2] : 0)));
+    run->r->energy_scale = fmax(run->r->energy_scale, fmax(kinetic, fabs(change)));
+    if (s != LW_OK)
+        return s;
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    foresee(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
+    return w->n_step % turns_every ? LW_OK : spread(m, w->y, y);
+}
+
+static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    m->kinetic = 0.5*w->y[1]*w->y[1];
+    lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        s = lw_integrate_step(w, d->o.to, &stop, run->e);
+        if (s != LW_OK)
+            break;
+        run->r->t = w->t;
+        memcpy(before, y, (size_t)run->n*sizeof *y);
+        s = watch(m, w, y);
+        if (s == LW_OK)
+            s = show_samples(m, w, before);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+    }
+    if (s == LW_E_NUMERIC || s == LW_OPEN)           /* to go on from there */
+        spread(m, w->y, y);
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_rate;
+    return s;
+}
+
+static lw_status run_one(motion *m, double *y)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    double s[3] = { 0 }, room[512], *before = y + run->n;
+    lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    o.relative = d->o.relative;
+    o.absolute = d->o.absolute;
+    o.max_step = d->o.max_step;
+    lw_dynamics_start(d, y, y + d->n_q);
+    /* the coordinate's rate from the velocities, in the metric of the masses: p = sqrt(M) s' */
+    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
+    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
+    lw_status st = lw_reduced_registers(m->r, m->r->first);
+    if (st != LW_OK)
+        return st;
+    lw_reduced_state(m->r, d, 1, q, q + d->n_q);
+    for (int i = 0; i < d->n_q; i++) {
+        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
+        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
+    }
+    s[0] = m->r->first/m->r->scale;
+    s[1] = top/sqrt(bottom);
+    st = lw_run_begin(run, y);
+    if (st == LW_OK)
+        st = lw_integrate_work(ode.n, 0) > sizeof room/sizeof *room ? LW_E_ARG
+           : lw_integrate_start(&w, &ode, &o, room, d->o.from, s, run->e);
+    return st == LW_OK ? go(m, &w, y, before) : st;
+}
+
+lw_status lw_run_reduced(lw_run *run)
+{
+    motion m = { .run = run, .r = run->d->reduced };
+    double *y = calloc(3*(size_t)run->n, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 2*run->n;
+    lw_status s = run_one(&m, y);
+    if (s == LW_E_NUMERIC || s == LW_OPEN)
+        s = lw_run_go_on(run, y);
+    free(y);
+    return s;
+}

@@ -1,0 +1,21 @@
+/* mbs/reactions.h - what joints carry and what a machine shakes its frame with, from the multipliers of a moment
+ * (mbs/dynamics.h). */
+#ifndef LW_MBS_REACTIONS_H
+#define LW_MBS_REACTIONS_H
+
+#include "mbs/dynamics.h"
+
+/* What joint does to link[1], about the joint's point on link[1] (of a gear: on the carrier).  In the plane. */
+typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
+
+/* out (n_joint). */
+void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out);
+
+/* Torque [N m] or force [N] of the drives, out (n_input), 0 for inputs without a motion: positive drives its input up. */
+void lw_reactions_drives(const lw_dynamics *d, const lw_moment *m, double *out);
+
+/* Force on the frame and moment about the origin of the plane that masses in motion cause: -d/dt of momentum and
+ * angular momentum, weight left out. */
+lw_reaction lw_reactions_shaking(const lw_dynamics *d, const lw_moment *m);
+
+#endif

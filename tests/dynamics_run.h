@@ -1,0 +1,87 @@
+/* tests/dynamics_run.h - models from text or examples/, run to their end. */
+#ifndef LW_TESTS_DYNAMICS_RUN_H
+#define LW_TESTS_DYNAMICS_RUN_H
+
+#include "base/file.h"
+#include "mbs/dynamics.h"
+#include "tests/check.h"
+
+typedef struct drun {
+    lw_model    model;
+    lw_system   system;
+    lw_report   report;
+    lw_error    e;
+    lw_status   status;
+    int         n_moment;
+    double      t[1100], q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX], a[LW_SYSTEM_Q_MAX];
+    double      l[64], first_l[64], energy[1100];
+    bool        unique;
+    lw_vec2     tracer[1100];              /* the first tracer [m]                                        */
+    lw_dynamics_options o;
+} drun;
+
+static inline lw_status drun_keep(void *context, const lw_moment *m)
+{
+    drun *d = context;
+    int n = d->system.n_q, k = d->n_moment < 1100 ? d->n_moment++ : 1099;
+    d->t[k] = m->t;
+    d->energy[k] = m->kinetic + m->potential;
+    d->unique = m->unique;
+    memcpy(d->q, m->q, (size_t)n*sizeof *d->q);
+    memcpy(d->v, m->v, (size_t)n*sizeof *d->v);
+    memcpy(d->a, m->a, (size_t)n*sizeof *d->a);
+    memcpy(d->l, m->l, (size_t)(d->system.n_row < 64 ? d->system.n_row : 64)*sizeof *d->l);
+    if (k == 0)
+        memcpy(d->first_l, d->l, sizeof d->l);
+    if (d->system.n_tracer)
+        d->tracer[k] = lw_system_point(&d->system, d->system.tracer_body[0], d->system.tracer_arm[0], m->q);
+    return LW_OK;
+}
+
+static inline void drun_read_text(drun *d, const char *text)
+{
+    d->e = (lw_error){ 0 };
+    d->status = lw_model_read(text, strlen(text), "text", &d->model, &d->e);
+    if (d->status != LW_OK)
+        fprintf(stderr, "model: %s (line %ld column %ld)\n", d->e.text, d->e.line, d->e.column);
+    CHECK_INT(d->status, LW_OK);
+    d->o = lw_dynamics_options_default();
+}
+
+static inline void drun_read(drun *d, const char *file)
+{
+    char *text = NULL;
+    size_t size;
+    lw_error e = { 0 };
+    CHECK_INT(lw_file_read(file, &text, &size, &e), LW_OK);
+    if (text)
+        drun_read_text(d, text);
+    free(text);
+}
+
+/* Make and run with d->o; the model stays. */
+static inline lw_status drun_go(drun *d)
+{
+    lw_dynamics *m;
+    d->e = (lw_error){ 0 };
+    d->n_moment = 0;
+    memset(&d->report, 0, sizeof d->report);
+    d->status = lw_dynamics_make(&d->model, &d->o, &m, &d->e);
+    if (d->status != LW_OK)
+        return d->status;
+    d->system = *lw_dynamics_system(m);
+    d->status = lw_dynamics_run(m, drun_keep, d, &d->report, &d->e);
+    lw_dynamics_free(m);
+    return d->status;
+}
+
+static inline lw_status drun_to(drun *d, lw_formulation f, double tolerance, double to, int intervals)
+{
+    d->o.formulation = f;
+    d->o.relative = d->o.absolute = tolerance;
+    d->o.to = to;
+    d->o.intervals = intervals;
+    return drun_go(d);
+}
+
+#endif

@@ -1,0 +1,77 @@
+/* Forward dynamics against published and exact solutions, all formulations against each other. */
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static const lw_formulation every[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                        LW_FORMULATION_GGL };
+
+/* Exact: sin(phi/2) = k sn(...), 30 digits by elliptic functions; IFToMM benchmark A01 at 10 s. */
+static void simple_pendulum(void)
+{
+    static const double allowed[] = { 2e-12, 2e-12, 3e-6, 3e-6 };
+    drun_read(&d, "examples/pendulum.json");
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, every[f], f < 2 ? 1e-13 : 1e-9, 10, 1), LW_OK);
+        CHECK_INT(d.report.formulation, every[f]);
+        CHECK_NEAR(d.tracer[1].x, -0.2750874625761168600544, allowed[f], 0);
+        CHECK_NEAR(d.tracer[1].y, -0.9614192050991250642651, allowed[f], 0);
+    }
+    lw_model_free(&d.model);
+}
+
+/* Andrews' squeezer at 0.03 s, quad precision: angles of crank, of link K3 (gamma), K5 (delta), K7 (epsilon), with rates;
+ * multipliers by their virtual power are in test_reactions. */
+static void andrews(void)
+{
+    static const double allowed[] = { 1e-10, 1e-10, 2e-5, 2e-4 };
+    static const struct { int body; double angle0, angle, rate; } want[] = {
+        { 0, -0.06171389001427644963589484580010, 15.81077119515370709711938730, 1139.920302259106064198096847 },
+        { 2, 0.4552798191630703802559123824491, 0.04082224011964580485828231960, 11.03291191061859374532731137 },
+        { 4, 0.4873649795438425502255989535298, 0.5244099658799540693716557999, 0.5735699148295024538176878654 },
+        { 6, 1.230547444549821192497350155678, 1.048080741041937873068515472, 0.3231791492491308749907483932 },
+    };
+    drun_read(&d, "examples/andrews.json");
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, every[f], f == 0 ? 1e-11 : f == 1 ? 1e-10 : f == 2 ? 1e-8 : 1e-7, 0.03, 3), LW_OK);
+        for (int i = 0; i < 4; i++) {
+            CHECK_NEAR(d.q[3*want[i].body + 2] + want[i].angle0, want[i].angle, allowed[f], 0);
+            CHECK_NEAR(d.v[3*want[i].body + 2], want[i].rate, 1000*allowed[f], 0);
+        }
+        CHECK(d.report.worst_off < 1e-12);
+        if (f < 2)
+            CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+    }
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.001, 1), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+    CHECK_INT(d.report.freedom, 1);
+    CHECK_INT(d.report.redundant, 0);
+    lw_model_free(&d.model);
+}
+
+/* N-four-bar, N = 2 (A02): through five singular positions, by position and branch, for every tolerance. */
+static void two_four_bars(void)
+{
+    drun_read(&d, "examples/two-four-bars.json");
+    for (int f = 0; f < 2; f++)
+        for (int k = 6; k <= 12; k += f == 0 ? 1 : 2) {
+            double tolerance = pow(10, -k);
+            CHECK_INT(drun_to(&d, every[f], tolerance, 10, 100), LW_OK);
+            double allowed = fmax(f == 0 ? 3e-10 : 2e-6, 3000*tolerance);
+            CHECK_NEAR(d.tracer[100].x, 0.32845811154081537865, allowed, 0);
+            CHECK_NEAR(d.tracer[100].y, 0.94451853817860096216, allowed, 0);
+            for (int bar = 0; bar < 2; bar++)                  /* the bars never turn */
+                CHECK_NEAR(d.q[3*(3 + bar) + 2], 0, 1e-9, 0);
+        }
+    CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-11, 10, 100), LW_OK);
+    CHECK_NEAR(d.tracer[100].x, 0.32845811154081537865, 1e-8, 0);
+    lw_model_free(&d.model);
+}
+
+int main(void)
+{
+    RUN(simple_pendulum);
+    RUN(andrews);
+    RUN(two_four_bars);
+    return check_end();
+}
