@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "cli/clearance.h"
+#include "cli/model.h"
 
 typedef struct settings {
     const char *speed, *stiffness, *damping, *model, *plot, *path, *force, *history;
@@ -48,17 +49,6 @@ static const cli_option options[] = {
       "time between rows and points of these; without it a ten thousandth of the run [s]", 1e-12, 1e9, NULL, NULL },
     { .name = NULL }
 };
-
-static lw_status read_model(const char *path, lw_model *m, lw_error *e)
-{
-    char *text = NULL;
-    size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
-    if (s == LW_OK)
-        s = lw_model_read(text, size, path, m, e);
-    free(text);
-    return s;
-}
 
 static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
 {
@@ -164,7 +154,7 @@ static int run(const cli_call *call)
     lw_model *m = calloc(1, sizeof *m);
     if (!m)
         lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!m || read_model(call->parsed.word[0], m, &e) != LW_OK) {
+    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
         free(m);
         return cli_fail(call, &e);
     }

@@ -7,6 +7,7 @@
 #include "cli/model.h"
 #include "cli/output.h"
 #include "cli/simulate.h"
+#include "cli/simulate_linear.h"
 #include "mbs/statics.h"
 
 typedef struct settings {
@@ -14,11 +15,14 @@ typedef struct settings {
     double      from, to, speed, tolerance;
     bool        explain, balance;
     const char *plot, *columns, *gif;
+    cli_linear  linear;
 } settings;
 
+#define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* the last of the choices below */
+
 static const cli_option options[] = {
-    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic",
-      "transient", "transient is kinematic when every freedom is driven, else dynamic", 0, 0, NULL, NULL },
+    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear",
+      "transient", "transient is kinematic when every freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
     { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto|driven|reduced|index1|cvode|ggl", "auto",
       "equations and method; see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
@@ -42,6 +46,14 @@ static const cli_option options[] = {
       NULL },
     { "gif", 'g', CLI_TEXT, offsetof(settings, gif), "FILE", NULL, "the motion as an animation, a frame a row", 0, 0, NULL,
       NULL },
+    { "rest", 'r', CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
+      "linear: about the static equilibrium near the posture", 0, 0, NULL, NULL },
+    { "hold", 0, CLI_FLAG, offsetof(settings, linear.hold), NULL, NULL,
+      "linear: inputs held; those with a motion always are", 0, 0, NULL, NULL },
+    { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
+      "linear: in N + 1 postures from the first to the last value of the input, or over a turn", 1, 1000000, NULL, NULL },
+    { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
+      "linear: compare with the peaks in the spectra of a small free vibration", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -135,9 +147,33 @@ static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
     return st;
 }
 
+static int linear(const cli_call *call)
+{
+    cli_linear o = ((const settings *)call->settings)->linear;
+    lw_error e = { 0 };
+    lw_model *m = calloc(1, sizeof *m);
+    int code;
+    o.t = ((const settings *)call->settings)->from;
+    if (!m)
+        lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
+        free(m);
+        return cli_fail(call, &e);
+    }
+    code = cli_simulate_linear(call, m, &o);
+    lw_model_free(m);
+    free(m);
+    return code;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
+    const cli_linear *l = &s->linear;
+    if (s->analysis == ANALYSIS_LINEAR)
+        return linear(call);
+    if (l->rest || l->hold || l->fft || l->along)
+        return cli_usage(call, "--rest, --hold, --along and --fft go with --analysis linear");
     cli_simulate *c = calloc(1, sizeof *c);
     lw_error e = { 0 };
     lw_output o;
@@ -175,7 +211,8 @@ const cli_command cli_simulate_command = {
         "  linkwright simulate examples/pendulum.json --to 10 -n 1000 --json\n"
         "  linkwright simulate model.json --speed 10 --plot torque.svg      drive its input, plot the torque\n"
         "  linkwright simulate model.json --analysis static                 where it rests\n"
-        "  linkwright simulate model.json --speed 6.283185307179586 --balance\n",
+        "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
+        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, and heard\n",
     .about =
         "The model is a linkage with masses, gravity, springs, dampers, forces, motors, friction and\n"
         "stops (docs/notation.md, \"Model\"). Columns: t; for each input its value, rate and what\n"
@@ -183,7 +220,10 @@ const cli_command cli_simulate_command = {
         "reactions at joints, on the second link, about the joint; shaking force and moment on the\n"
         "frame; energies; residuals of the constraints over the size of the linkage. Errors of\n"
         "energy, momentum and constraints are told on standard error. A run that fails (exit 4) or\n"
-        "is stopped by a limit (exit 5) keeps its rows and says where it ended.\n",
+        "is stopped by a limit (exit 5) keeps its rows and says where it ended.\n\n"
+        "With --analysis linear a row is one mode of small vibrations: frequency and natural frequency\n"
+        "[Hz], damping ratio, eigenvalue [1/s]; shapes with --json. It is taken about the posture of the\n"
+        "file at time --from, as if at rest; 'unbalanced' says how far from equilibrium that is.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -49,7 +49,8 @@ static void one_model(const lw_clearance_scene *scene, const char *name, double 
         fast.speed = 250*rpm, o.tolerance = fast.tolerance = tolerance;
         run(scene, o, 1, &l, &r);
         double seconds = run(scene, fast, 3, NULL, &r);
-        printf("%-7s %8.0e %9.0e %9.2f %8ld %8ld %11.2e %11.2e\n", name, stiffness, tolerance, 1e3*seconds, r.steps, r.events,
+        printf("%-7s %8.0e %9.0e %9.2f %8ld %8ld %11.2e %11.2e\n", name, stiffness, tolerance, 1e3*seconds,
+               r.steps, r.events,
                lw_v2_norm(lw_v2_sub(l.pin, exact.pin)), fabs(l.force - exact.force));
     }
 }

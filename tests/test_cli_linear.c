@@ -1,0 +1,77 @@
+/* `linkwright simulate --analysis linear` from outside: modes as tables and JSON, rest, along the motion, by ear. */
+#include "tests/cli_run.h"
+
+/* A double pendulum of two rods of 0.4 m, drawn hanging and drawn to the side */
+static const char models[] =
+    "printf '%s' '{\"linkwright\": 1, \"units\": {\"length\": \"mm\"}, \"gravity\": [0, -9.81], "
+    "\"links\": [\"ground\", "
+    "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -400]}, {\"name\": \"b\", \"mass\": 3, \"centre\": [0, -800]}], "
+    "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", "
+    "\"links\": [\"a\", \"b\"], \"at\": [0, -400]}], \"input\": {\"joint\": \"A\"}, "
+    "\"tracers\": [{\"name\": \"P\", \"link\": \"b\", "
+    "\"at\": [0, -800]}]}' > $D/hang.json; "
+    "sed 's/\\[0, -400\\]/[400, 0]/g; s/\\[0, -800\\]/[600, 300]/g' $D/hang.json > $D/side.json; "
+    "sed 's/\"mass\": 3/\"mass\": 0/g' $D/hang.json > $D/light.json; "
+    "sed 's/\"input\".*\"A\"}, //' $D/hang.json > $D/free.json; ";
+
+static double field(const char *row, int n)
+{
+    for (; row && n > 0; n--)
+        row = (row = strchr(row, ',')) ? row + 1 : NULL;
+    return row ? strtod(row, NULL) : NAN;
+}
+
+static void table(void)
+{
+    expect(models, 0, NULL, NULL);
+    ran r = run("$P simulate $D/hang.json --analysis linear --fft");
+    CHECK_INT(r.code, 0);
+    const char *row = strstr(r.out, "\n1,");
+    for (int k = 0; k < 2; k++, row = row ? strchr(row + 1, '\n') : NULL) {
+        double want = sqrt((2 + (k ? 1 : -1)*sqrt(2))*9.81/0.4)/(2*3.14159265358979323846);
+        CHECK_INT(field(row + 1, 2), k + 1);
+        CHECK_NEAR(field(row + 1, 3), want, 0, 1e-10);
+        CHECK_NEAR(field(row + 1, 9), want, 0, 5e-3);
+    }
+    CHECK_HAS(r.err, "2 peaks of the free vibration: within");
+    ran_free(&r);
+    r = run("$P simulate $D/hang.json --analysis linear --hold");
+    row = strstr(r.out, "\n1,");
+    CHECK_NEAR(field(row ? row + 1 : "", 3), sqrt(9.81/0.4)/(2*3.14159265358979323846), 0, 1e-10);
+    CHECK(row && !strchr(row + 1, '\n')[1]);                     /* the input held: one mode */
+    ran_free(&r);
+}
+
+static void rest_and_motion(void)
+{
+    expect("$P simulate $D/side.json --analysis linear", 0, NULL, "no equilibrium");
+    ran r = run("$P simulate $D/side.json --analysis linear --rest --json");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.out, "\"redundant\": 0");
+    CHECK_HAS(r.out, "\"link\": \"b\"");
+    const char *unbalanced = strstr(r.out, "\"unbalanced\": ");
+    CHECK(unbalanced && strtod(unbalanced + 14, NULL) < 1e-9);
+    ran_free(&r);
+    r = run("$P simulate $D/hang.json --analysis linear --along 8 --hold");
+    CHECK_INT(r.code, 0);
+    int n = 0;
+    for (const char *p = r.out; (p = strchr(p, '\n')); p++)
+        n++;
+    CHECK_INT(n, 3 + 9);                                         /* comments, head, a mode in each of 9 postures */
+    ran_free(&r);
+}
+
+static void wrong_use(void)
+{
+    expect("$P simulate $D/free.json --analysis linear --along 4", 3, NULL, "has none");
+    expect("$P simulate $D/light.json --analysis linear", 3, NULL, "no mass");
+    expect("$P simulate $D/hang.json --along 4", 2, NULL, "--along");
+}
+
+int main(void)
+{
+    RUN(table);
+    RUN(rest_and_motion);
+    RUN(wrong_use);
+    return check_end();
+}
