@@ -28,6 +28,15 @@ lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error 
 lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
+/* The motion in LW_EXPORT_FRAMES postures.  CSV: frame, input, link, place x, y of the link's reference point and
+ * its turn, a row a link and posture, in the linkage's units.  SVG: the tracers' curves as paths in millimetres, y
+ * turned down.  JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator,
+ * tracers with their curves.  LW_E_KIND: no motion is known. */
+#define LW_EXPORT_FRAMES 180
+lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
 /* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
 void lw_export_file_name(const lw_linkage *k, char *name, size_t size);
 

@@ -5,8 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include "base/file.h"
 #include "grammar/model.h"
+#include "optimise/target_outline.h"
 
 /* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
 static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
@@ -86,8 +88,10 @@ lw_status cli_read_target(const char *path, const lw_target_options *o, lw_targe
     char *text = NULL;
     size_t size = 0;
     lw_status s = lw_file_read(path, &text, &size, e);
+    const char *end = strrchr(path, '.');
     if (s == LW_OK)
-        s = lw_target_read(text, size, path, o, t, e);
+        s = (end && strcasecmp(end, ".svg") == 0 ? lw_target_read_svg
+             : end && strcasecmp(end, ".dxf") == 0 ? lw_target_read_dxf : lw_target_read)(text, size, path, o, t, e);
     free(text);
     return s;
 }

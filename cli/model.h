@@ -17,6 +17,7 @@ lw_status cli_read_model(const char *path, int which, struct lw_model *m, lw_err
 /* The same from text that is there already (malloc), which may be replaced by that of the result. */
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
 
+/* CSV, or the curve of a drawing when the name ends in .svg or .dxf. */
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
 /* A task file, and its target: stations of its own, or the CSV file it names, beside it; with its dwells. */

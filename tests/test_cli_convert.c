@@ -62,6 +62,12 @@ static void files_for_other_programs(void)
     expect("$P convert examples/klann.json -o $D/k.dxf && cat $D/k.dxf", 0, "_CRANK\n", NULL);
     expect("$P convert examples/klann.json -o $D/k.scad && cat $D/k.scad", 0, "module link5()", NULL);
     expect("$P convert examples/geared-five-bar.json --to dxf", 3, NULL, "gears and welds are not cut");
+    expect("$P convert examples/hoeken.json -o $D/c.svg && cat $D/c.svg", 0, "<path data-tracer=\"P\" d=\"M", NULL);
+    expect("printf '<svg><path d=\"M40 0A40 15 0 0 1-40 0A40 15 0 0 1 40 0Z\"/></svg>' > $D/e.svg;"
+           "$P fit $D/e.svg --type trammel --rounds 1 --results 1", 0, "60 points, closed", NULL);
+    expect("$P fit examples/README.md.dxf", 3, NULL, "README.md.dxf");
+    expect("$P convert examples/klann.json -o $D/k.csv && head -2 $D/k.csv", 0, "frame,input,link,x,y,turn", NULL);
+    expect("$P convert examples/klann.json --to motiongen", 0, "\"couplerPoints\"", NULL);
     expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 

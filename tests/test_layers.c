@@ -136,7 +136,8 @@ static void refusals(void)
     CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "gears");
     lw_scene_free(&s);
-    k = example("five-bar");
+    k = example("hoeken");
+    k.n_input = 0;
     s = scene_of(&k, 12);
     CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_E_KIND);
     CHECK_HAS(e.text, "need the motion");
