@@ -20,9 +20,38 @@ typedef struct lw_slide {
  * else the block is the link whose pin lies nearer to the line, then the one without a tracer. */
 lw_slide lw_anatomy_slide(const lw_scene *s, int j);
 
+/* A cylinder: an input between two moving links whose pins both lie on its line. */
+typedef struct lw_cylinder {
+    int     tube, rod;         /* links                                                            */
+    lw_vec2 pin[2];            /* of the tube, of the rod                                          */
+    lw_vec2 along;             /* unit, from the first to the second                               */
+    double  tube_length;       /* from the tube's pin: it never reaches the rod's                  */
+    double  rod_length;        /* from the rod's pin back to the piston, which stays in the tube   */
+} lw_cylinder;
+
+/* False where joint j is none, or its stroke is too long for one (more than 0.9 of its least length). */
+bool lw_anatomy_cylinder(const lw_scene *s, int j, lw_cylinder *c);
+
+/* One side of a gear pair: a wheel, or a rack. */
+typedef struct lw_wheel {
+    int     link;
+    bool    rack, ring;        /* ring: the teeth stand inwards                                     */
+    lw_vec2 centre;            /* rack: the pitch point                                             */
+    double  radius;            /* of the pitch circle [m]                                           */
+    lw_vec2 along;             /* to the pitch point; rack: unit direction of its line              */
+    double  lo, hi;            /* rack: what its line must cover, from the pitch point              */
+    int     teeth;             /* of the whole circle; rack: per 2 pi pitch                         */
+    double  pitch;             /* along the pitch line [m]                                          */
+    bool    gap;               /* at the pitch point stands a gap, not a tooth                      */
+} lw_wheel;
+
+/* Both sides of gear joint j; the numbers of teeth are chosen to fit the radii.  False: no gear pair that turns on a
+ * carrier (a cam, say), or wheels without size. */
+bool lw_anatomy_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
+
 typedef struct lw_node { lw_vec2 at; int joint, tracer; } lw_node;   /* -1: not that */
 
-/* The points that hold a link together: its pins (several on one place count once), its tracers, its
+/* The points that hold a link together: its pins and welds (several on one place count once), its tracers, its
  * blocks, and for a guide the feet of its pins on the line.  Returns their number. */
 int lw_anatomy_nodes(const lw_scene *s, int link, lw_node node[LW_NODE_MAX]);
 

@@ -39,9 +39,16 @@ static lw_bearer bearer(const lw_linkage *k, int item, int link)
 }
 
 /* A guide, drawn below everything else: hatched on the ground, a bar on a moving link. */
+static void draw_cylinder(lw_sketch *k, const lw_cylinder *c, int joint);
+
 static void draw_guide(lw_sketch *k, int joint)
 {
     const lw_linkage *l = linkage(k);
+    lw_cylinder c;
+    if (lw_anatomy_cylinder(k->s, joint, &c)) {
+        draw_cylinder(k, &c, joint);
+        return;
+    }
     lw_slide w = lw_anatomy_slide(k->s, joint);
     double end = 30*k->u/k->d->view[0].scale, u = k->u;
     lw_vec2 a = lw_sketch_pixel(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.lo - end)));
@@ -78,6 +85,9 @@ static void draw_guide(lw_sketch *k, int joint)
 
 static void draw_block(lw_sketch *k, int joint)
 {
+    lw_cylinder c;
+    if (lw_anatomy_cylinder(k->s, joint, &c))
+        return;
     lw_slide w = lw_anatomy_slide(k->s, joint);
     lw_vec2 at = lw_sketch_pixel(k, 0, w.at);
     lw_symbol_block(k->d, bearer(linkage(k), joint, w.block), at, lw_v2(w.along.x, -w.along.y),
@@ -85,27 +95,84 @@ static void draw_block(lw_sketch *k, int joint)
     lw_label_map_disc(&k->map, at, 15*k->u, 2);
 }
 
-/* Both pitch circles, dashed, when the gears turn about pins. */
-static void draw_gear(lw_sketch *k, int joint)
+/* Rectangle and piston, below everything else. */
+static void draw_cylinder(lw_sketch *k, const lw_cylinder *c, int joint)
 {
     const lw_linkage *l = linkage(k);
-    const lw_joint *g = &l->joint[joint];
+    double scale = k->d->view[0].scale;
+    lw_vec2 pin[2] = { lw_sketch_pixel(k, 0, c->pin[0]), lw_sketch_pixel(k, 0, c->pin[1]) };
+    lw_vec2 along = lw_v2(c->along.x, -c->along.y);
+    lw_symbol_tube(k->d, bearer(l, joint, c->tube), pin[0], along, scale*c->tube_length, link_ink(l, c->tube), k->u);
+    lw_symbol_rod(k->d, bearer(l, c->rod, c->rod), pin[1], along, scale*c->rod_length, link_ink(l, c->rod), k->u);
+    lw_label_map_line(&k->map, pin[0], pin[1], 2);
+}
+
+/* Does an earlier gear joint show this wheel already? */
+static bool is_drawn(const lw_sketch *k, int joint, const lw_wheel *w)
+{
+    for (int i = 0; i < joint; i++) {
+        lw_wheel other[2];
+        if (linkage(k)->joint[i].kind != LW_JOINT_GEAR || !lw_anatomy_gear(k->s, i, other))
+            continue;
+        for (int side = 0; side < 2; side++)
+            if (other[side].link == w->link && other[side].rack == w->rack
+                && lw_v2_norm(lw_v2_sub(other[side].centre, w->centre)) < 1e-6*w->pitch
+                && fabs(other[side].radius - w->radius) < 1e-6*w->pitch)
+                return true;
+    }
+    return false;
+}
+
+/* `away`: where a rack's teeth point, towards its pinion. */
+static void draw_wheel(lw_sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
+{
+    const lw_linkage *l = linkage(k);
+    double scale = k->d->view[0].scale, u = k->u;
+    lw_vec2 at = lw_sketch_pixel(k, 0, w->centre), along = lw_v2(w->along.x, -w->along.y);
+    lw_bearer carrier = bearer(l, joint, w->link);
+    lw_ink ink = link_ink(l, w->link);
+    if (w->rack) {
+        double body = 14*u, end = 1.5*w->pitch;
+        if (lw_v2_dot(lw_v2_perp(along), lw_v2(away.x, -away.y)) > 0)
+            body = -body;
+        lw_symbol_rack(k->d, carrier, at, along, scale*(w->lo - end), scale*(w->hi + end), scale*w->pitch, w->gap,
+                       body, ink, u);
+        return;
+    }
+    double size = 4*hypot(k->d->width, k->d->height);
+    if (scale*w->radius < size)                             /* else it is as good as a line far off */
+        lw_symbol_wheel(k->d, carrier, at, scale*w->radius, w->teeth, atan2(along.y, along.x), w->gap, w->ring, ink, u);
+}
+
+static void draw_gear(lw_sketch *k, int joint)
+{
+    lw_wheel w[2];
+    if (!lw_anatomy_gear(k->s, joint, w))
+        return;
     for (int side = 0; side < 2; side++)
-        for (int i = 0; i < l->n_joint; i++) {
-            const lw_joint *j = &l->joint[i];
-            bool shared = j->link[0] == g->link[side] || j->link[1] == g->link[side];
-            if (j->kind != LW_JOINT_REVOLUTE || !shared || g->link[side] == l->ground)
-                continue;
-            lw_vec2 c = lw_sketch_pixel(k, 0, j->at), p = lw_sketch_pixel(k, 0, g->at);
-            lw_shape *s = lw_drawing_circle(k->d, LW_ROLE_GUIDE, c, lw_v2_norm(lw_v2_sub(p, c)));
-            s->item = joint;
-            s->panel = 0;
-            s->link = g->link[side];
-            s->stroke = link_ink(l, g->link[side]);
-            s->width = 1.5*k->u;
-            s->dashed = true;
-            break;
-        }
+        if (!is_drawn(k, joint, &w[side]))
+            draw_wheel(k, joint, &w[side], lw_v2_sub(w[1 - side].centre, w[side].centre));
+}
+
+/* Direction on the page from a point of a link to the middle of its other nodes; (0, 0) when there are none. */
+static lw_vec2 inwards(const lw_sketch *k, int link, lw_vec2 from)
+{
+    lw_node node[LW_NODE_MAX];
+    lw_vec2 sum = { 0, 0 };
+    int n = lw_anatomy_nodes(k->s, link, node);
+    for (int i = 0; i < n; i++)
+        sum = lw_v2_add(sum, lw_v2_sub(node[i].at, from));
+    double length = lw_v2_norm(sum);
+    return length > 0 ? lw_v2(sum.x/length, -sum.y/length) : lw_v2(0, 0);
+}
+
+static void draw_weld(lw_sketch *k, int joint)
+{
+    const lw_joint *j = &linkage(k)->joint[joint];
+    lw_vec2 at = lw_sketch_pixel(k, 0, j->at);
+    lw_symbol_weld(k->d, bearer(linkage(k), joint, j->link[1]), at, inwards(k, j->link[0], j->at),
+                   inwards(k, j->link[1], j->at), link_ink(linkage(k), j->link[1]), k->u);
+    lw_label_map_disc(&k->map, at, 8*k->u, 3);
 }
 
 static void draw_link(lw_sketch *k, int link)
@@ -231,6 +298,8 @@ void lw_sketch_linkage(lw_sketch *k)
     for (int i = 0; i < l->n_joint; i++)
         if (l->joint[i].kind == LW_JOINT_SLIDER)
             draw_block(k, i);
+        else if (l->joint[i].kind == LW_JOINT_FIXED)
+            draw_weld(k, i);
     for (int i = 0; i < l->n_input; i++)
         draw_input(k, i);
     draw_pins(k);
@@ -266,6 +335,11 @@ static void label_points(lw_sketch *k)
         const lw_joint *j = &l->joint[i];
         bool slides = j->kind == LW_JOINT_SLIDER;
         lw_slide w = slides ? lw_anatomy_slide(k->s, i) : (lw_slide){ .at = j->at };
+        lw_cylinder c;
+        if (slides && lw_anatomy_cylinder(k->s, i, &c)) {
+            w.at = lw_v2_add(c.pin[0], lw_v2_scale(c.along, 0.5*c.tube_length));
+            w.block = c.tube;
+        }
         lw_vec2 at = lw_sketch_pixel(k, 0, w.at);
         int link = slides ? w.block : on_ground(l, j) ? l->ground : j->link[1];
         label(k, LW_ROLE_JOINT_LABEL, i, link, j->name, LABEL_SIZE*u, at, at, (slides ? 17 : 10)*u,

@@ -133,6 +133,76 @@ void lw_symbol_station(lw_drawing *d, lw_role role, lw_bearer b, lw_vec2 at, dou
     s->fill = LW_INK_RED;
 }
 
+void lw_symbol_tube(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 along, double length, lw_ink ink, double u)
+{
+    lw_vec2 side = lw_v2_scale(lw_v2_perp(along), 8*u), z = lw_v2_add(a, lw_v2_scale(along, length));
+    lw_vec2 corner[4] = { lw_v2_add(a, side), lw_v2_add(z, side), lw_v2_sub(z, side), lw_v2_sub(a, side) };
+    stroke(lw_drawing_path(d, LW_ROLE_SLIDER, corner, 4, true), b, ink, 2.2*u)->fill = LW_INK_PAPER;
+}
+
+void lw_symbol_rod(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double length, lw_ink ink, double u)
+{
+    lw_vec2 piston = lw_v2_sub(p, lw_v2_scale(along, length)), side = lw_v2_scale(lw_v2_perp(along), 7*u);
+    stroke(lw_drawing_line(d, LW_ROLE_LINK, p, piston), b, ink, 5*u);
+    b.item = -1;
+    stroke(lw_drawing_line(d, LW_ROLE_SLIDER, lw_v2_add(piston, side), lw_v2_sub(piston, side)), b, ink, 5*u);
+}
+
+/* Height of the flank at x pitches from a tooth's middle, 4 corners a tooth: half out, half in. */
+static const double corner_at[4] = { -0.36, -0.14, 0.14, 0.36 }, corner_out[4] = { -1, 1, 1, -1 };
+
+void lw_symbol_wheel(lw_drawing *d, lw_bearer b, lw_vec2 centre, double radius, int teeth, double at, bool gap,
+                     bool ring, lw_ink ink, double u)
+{
+    enum { MOST = 400 };
+    lw_vec2 outline[4*MOST];
+    double pitch = 2*LW_PI*radius/fmax(teeth, 1), height = 0.27*pitch;
+    if (teeth < 3 || teeth > MOST || pitch < 2.5*u) {
+        stroke(lw_drawing_circle(d, LW_ROLE_GUIDE, centre, radius), b, ink, 1.5*u)->dashed = true;
+        return;
+    }
+    for (int i = 0; i < 4*teeth; i++) {
+        double turn = at + 2*LW_PI*(i/4 + (gap ? 0.5 : 0) + corner_at[i % 4])/teeth;
+        outline[i] = lw_v2_add(centre, lw_v2_polar(radius + height*corner_out[i % 4], turn));
+    }
+    lw_shape *s = stroke(lw_drawing_path(d, LW_ROLE_GUIDE, outline, (size_t)(4*teeth), true), b, ink, 1.6*u);
+    if (!ring) {
+        s->fill = ink;
+        s->alpha = 0.07;
+    }
+}
+
+void lw_symbol_rack(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double lo, double hi, double pitch,
+                    bool gap, double body, lw_ink ink, double u)
+{
+    enum { MOST = 400 };
+    lw_vec2 outline[4*MOST + 2], left = lw_v2_perp(along);
+    double shift = gap ? 0.5 : 0;
+    int first = (int)fmax(floor(lo/pitch - shift), -MOST/2), last = (int)fmin(ceil(hi/pitch - shift), MOST/2 - 1), n = 0;
+    for (int i = first; i <= last; i++)
+        for (int c = 0; c < 4; c++) {
+            lw_vec2 foot = lw_v2_add(p, lw_v2_scale(along, (i + shift + corner_at[c])*pitch));
+            outline[n++] = lw_v2_sub(foot, lw_v2_scale(left, 0.27*pitch*corner_out[c]*(body < 0 ? -1 : 1)));
+        }
+    outline[n] = lw_v2_add(outline[n - 1], lw_v2_scale(left, body));
+    n++;
+    outline[n] = lw_v2_add(outline[0], lw_v2_scale(left, body));
+    n++;
+    lw_shape *s = stroke(lw_drawing_path(d, LW_ROLE_GUIDE, outline, (size_t)n, true), b, ink, 1.6*u);
+    s->fill = ink;
+    s->alpha = 0.07;
+}
+
+void lw_symbol_weld(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 one, lw_vec2 other, lw_ink ink, double u)
+{
+    if (fabs(lw_v2_cross(one, other)) < 0.2) {
+        bear(lw_drawing_circle(d, LW_ROLE_JOINT, at, 5.5*u), b)->fill = ink;
+        return;
+    }
+    lw_vec2 corner[3] = { at, lw_v2_add(at, lw_v2_scale(one, 18*u)), lw_v2_add(at, lw_v2_scale(other, 18*u)) };
+    stroke(lw_drawing_path(d, LW_ROLE_JOINT, corner, 3, true), b, ink, 2*u)->fill = ink;
+}
+
 static int left_to_right(const void *a, const void *b)
 {
     const lw_vec2 *p = a, *q = b;

@@ -21,6 +21,18 @@ void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, doub
 void lw_symbol_arrow(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u);
 void lw_symbol_tracer(lw_drawing *d, lw_bearer b, lw_vec2 at, double u);
 void lw_symbol_station(lw_drawing *d, lw_role role, lw_bearer b, lw_vec2 at, double u);
+/* Tube from a along the unit vector, as a box that a rod runs in. */
+void lw_symbol_tube(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 along, double length, lw_ink ink, double u);
+/* Rod from its pin p back along the unit vector to its piston. */
+void lw_symbol_rod(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double length, lw_ink ink, double u);
+/* Toothed wheel: a tooth, or a gap, at angle `at` on the page; ring: only its outline. */
+void lw_symbol_wheel(lw_drawing *d, lw_bearer b, lw_vec2 centre, double radius, int teeth, double at, bool gap,
+                     bool ring, lw_ink ink, double u);
+/* Toothed line from lo to hi along the unit vector, `body` px thick on its left side, seen on the page. */
+void lw_symbol_rack(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double lo, double hi, double pitch,
+                    bool gap, double body, lw_ink ink, double u);
+/* Filled corner between two unit vectors; a dot where there is no corner. */
+void lw_symbol_weld(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 one, lw_vec2 other, lw_ink ink, double u);
 /* Bar for two points, shaded polygon for more (their convex hull); nothing for fewer. */
 void lw_symbol_link(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink ink, double u);
 

@@ -66,7 +66,26 @@ lw_box lw_scene_path_box(const lw_scene *s)
     return b;
 }
 
-/* Pins, blocks and tracers; with the guides' travel where `guides`. */
+/* Both sides of a gear pair. */
+static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
+{
+    lw_wheel w[2];
+    if (!lw_anatomy_gear(s, joint, w))
+        return;
+    for (int side = 0; side < 2; side++) {
+        double r = w[side].radius + 0.3*w[side].pitch;
+        lw_vec2 c = lw_scene_at(s, frame, w[side].link, w[side].centre);
+        lw_box_add(b, lw_v2_sub(c, lw_v2(r, r)));
+        lw_box_add(b, lw_v2_add(c, lw_v2(r, r)));
+        for (int end = 0; end < 2 && w[side].rack; end++) {
+            double t = end ? w[side].hi + 1.5*w[side].pitch : w[side].lo - 1.5*w[side].pitch;
+            lw_box_add(b, lw_scene_at(s, frame, w[side].link,
+                                      lw_v2_add(w[side].centre, lw_v2_scale(w[side].along, t))));
+        }
+    }
+}
+
+/* Pins, blocks and tracers; with the guides' travel and gears where `guides`. */
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
     const lw_linkage *k = &s->linkage;
@@ -74,6 +93,8 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
         const lw_joint *j = &k->joint[i];
         if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT) {
             lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
+            if (guides && j->kind == LW_JOINT_GEAR)
+                add_gear(b, s, frame, i);
             continue;
         }
         lw_slide w = lw_anatomy_slide(s, i);
