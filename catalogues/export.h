@@ -22,6 +22,12 @@ lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
+/* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
+ * way; from the posture, where time and displacement u are 0.
+ *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
+typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
+lw_export_law lw_export_law_of(const lw_linkage *k, int input);
+
 /* Plates in millimetres, in layers so that they pass each other over the whole motion (catalogues/layers.h; its
  * failures).  DXF R12 for a cutter: outlines of lines and arcs, holes, slots, one DXF layer a link, named by its
  * layer, laid side by side.  OpenSCAD: the plates in their layers, on pins, moving with $t. */

@@ -17,6 +17,7 @@ typedef struct writer {
     int               n_marker[LW_LINK_MAX];
     int               at[LW_JOINT_MAX][2];     /* markers of a joint on its two links                    */
     int               tracer[LW_TRACER_MAX];
+    int               origin;                  /* of the ground                                          */
 } writer;
 
 static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
@@ -90,8 +91,6 @@ static void put_parts(writer *w)
         put_name(w, k->link_name[link], "");
         put_id(w, "PART/", link + 1, 2);
         put(w, link == k->ground ? ", GROUND\n" : "\n");
-        if (link == k->ground)
-            put_marker(w, link, lw_v2(0, 0), NULL, 0, "origin");
         for (int j = 0; j < k->n_joint; j++)
             for (int side = 0; side < 2; side++)
                 if (k->joint[j].link[side] == link && k->joint[j].kind != LW_JOINT_GEAR)
@@ -99,6 +98,8 @@ static void put_parts(writer *w)
         for (int t = 0; t < k->n_tracer; t++)
             if (k->tracer[t].link == link)
                 w->tracer[t] = put_marker(w, link, k->tracer[t].at, NULL, k->tracer[t].angle, k->tracer[t].name);
+        if (link == k->ground)
+            w->origin = put_marker(w, link, lw_v2(0, 0), NULL, 0, "origin");
     }
 }
 
@@ -180,29 +181,34 @@ static bool input_way(const lw_linkage *k, int input, double *down, double *up)
     return !turns;
 }
 
-/* One turn, or once there and back within 0.99 of the way, in a second; 0 at time 0. */
+lw_export_law lw_export_law_of(const lw_linkage *k, int input)
+{
+    double down, up;
+    if (!input_way(k, input, &down, &up))
+        return (lw_export_law){ .turns = true };
+    double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
+    return (lw_export_law){ .half = half, .phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0 };
+}
+
 static void put_motion(writer *w, int input)
 {
     const lw_input *in = &w->k->input[input];
-    double down, up;
     bool slider = w->k->joint[in->joint].kind == LW_JOINT_SLIDER;
-    bool ends = input_way(w->k, input, &down, &up);
+    lw_export_law law = lw_export_law_of(w->k, input);
     put_name(w, w->k->joint[in->joint].name, " motion");
     put_id(w, "MOTION/", input + 1, 2);
     put_id(w, ", JOINT = ", in->joint + 1, 2);
     put(w, slider ? ", TRANSLATION\n, FUNCTION = " : ", ROTATION\n, FUNCTION = ");
-    if (ends) {
-        double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
-        double phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0;
-        put_number(w, -half*sin(phase));
-        put(w, " + ");
-        put_number(w, half);
-        put(w, "*SIN(2*PI*TIME + ");
-        put_number(w, phase);
-        put(w, ")\n");
-    } else {
+    if (law.turns) {
         put(w, "2*PI*TIME\n");
+        return;
     }
+    put_number(w, -law.half*sin(law.phase));
+    put(w, " + ");
+    put_number(w, law.half);
+    put(w, "*SIN(2*PI*TIME + ");
+    put_number(w, law.phase);
+    put(w, ")\n");
 }
 
 static void put_requests(writer *w)
@@ -216,7 +222,7 @@ static void put_requests(writer *w)
             put(w, ", ");
             put(w, kind[i]);
             put_id(w, ", I = ", w->tracer[t], 4);
-            put_id(w, ", J = ", 100*(w->k->ground + 1) + 1, 4);
+            put_id(w, ", J = ", w->origin, 4);
             put(w, "\n");
         }
 }
