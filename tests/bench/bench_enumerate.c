@@ -167,7 +167,8 @@ static int plot(const char *path)
     lw_series series[] = { { "chains, F = 1", N_LOOPS, loops, chains, false },
                            { "structures", N_LOOPS, loops, structures, false },
                            { "us to count them, one core", N_LOOPS, loops, micro, false } };
-    lw_plot p = { "Chains with L loops", "loops L", "number, microseconds", false, true, 0, 0, 3, 0, series, NULL };
+    lw_plot p = { .title = "Chains with L loops", .x_label = "loops L", .y_label = "number, microseconds", .log_y = true,
+                  .n_series = 3, .series = series };
     lw_drawing drawing = { 0 };
     lw_bytes bytes = { 0 };
     lw_error e = { 0 };
