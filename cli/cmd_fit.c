@@ -275,7 +275,8 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_fit_options o = lw_fit_options_default();
     o.spec = set->spec;
-    o.types = s->type;
+    bool sliders = s->links > 4 && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    o.types = sliders ? "all" : s->type;
     o.solver = lw_solver_find(s->solver);
     o.seed = set->seed = call->common.seed;
     o.jobs = call->common.jobs;
@@ -476,6 +477,12 @@ static int check(const cli_call *call)
     lw_error e = { 0 };
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
+    for (const char *at = s->joints; *at; at++)
+        if (*at == 'p' || *at == 'g')
+            return cli_usage(call, "--joints: a search fits pins and sliders, r and t; chains with slots and gears are listed by "
+                             "'linkwright mechanisms --n2 K --joints r,p,g', and one of them is a start by --resume");
+        else if (*at != 'r' && *at != 't' && *at != ',')
+            return cli_usage(call, "--joints takes r or r,t, not '%s'", s->joints);
     if (check_types(s->type, &e) != LW_OK
         || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
         return cli_usage(call, "%s", e.text);

@@ -75,6 +75,8 @@ static void only_the_topologies_asked_for(void)
     }
     CHECK(six > 0);
     json_decref(root);
+    expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r or r,t");
+    expect("$P fit $D/t.csv --links 6 --joints r,g", 2, NULL, "a search fits pins and sliders");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
 }
 
