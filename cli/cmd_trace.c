@@ -297,6 +297,7 @@ static int run_curves(const cli_call *call, const lw_model *m, unsigned tracers,
         st = range ? LW_OK : find_curves(call, t, &e);
     }
     if (st == LW_OK && !range) {
+        t->groups = s->cycle ? NULL : cli_groups_make(t->k, tracers);
         cli_curve_stretches(t);
         if (s->mode == MODE_FILE)
             keep_posture(t);
@@ -304,6 +305,7 @@ static int run_curves(const cli_call *call, const lw_model *m, unsigned tracers,
     int code = st == LW_OK && (st = cli_open(call, &o, &e)) == LW_OK ? print_curves(call, t, range, &o)
                                                                      : fail_in(call, &e);
     lw_circuits_free(&t->curves);
+    free(t->groups);
     free(t);
     return code;
 }
@@ -316,11 +318,17 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
     char text[8192];
     lw_error e = { 0 };
     lw_output o;
+    bool dyads = lw_plan_make(k, (lw_want){ .tracers = tracers }, &plan, &e) == LW_OK;
     lw_status st = lw_plan_make_any(k, (lw_want){ .tracers = tracers }, &plan, &e);
-    if (st != LW_OK || (st = cli_open(call, &o, &e)) != LW_OK)
+    if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
-    lw_plan_explain(&plan, k, text, sizeof text);
-    fputs(text, o.f);
+    if (st == LW_E_KIND)
+        fprintf(o.f, "traced along its curve of postures, all links at once: %s\n", e.text);
+    else {
+        lw_plan_explain(&plan, k, text, sizeof text);
+        fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs"
+                : "along its curve of postures, which leads over limits; between its postures by these groups");
+    }
     return cli_close(call, &o, CLI_DONE);
 }
 
@@ -406,7 +414,8 @@ const cli_command cli_trace_command = {
         "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
     .about =
         "Any linkage is traced: one of dyads in closed form, every other along its curve of postures, in\n"
-        "steps that provably stay on their branch (standard error tells which). Of the others only the circuit\n"
+        "steps that provably stay on their branch, and between these by its Assur groups where it has any\n"
+        "(standard error and --explain tell which). Of the others only the circuit\n"
         "of the posture is traced, with --all-assemblies all that are found.\n"
         "An arc is a range of the input in one assembly mode; its ends, where they are limits of\n"
         "the motion, are found to 1e-10 and are the first and last row. Lengths and angles are in\n"

@@ -136,13 +136,25 @@ void cli_curve_stretches(cli_curve_trace *t)
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
+/* Which part of a stretch holds the input u. */
+static int part_at(lw_branch *b, const cli_stretch *s, double u)
+{
+    double seam = s->n_part > 1 ? input_at(b, s->part[0].to) + s->part[0].more : s->last;
+    return s->n_part > 1 && (u - seam)*(s->last - s->first) > 0;
+}
+
 /* Station of the curve where the input is u, on a stretch that holds it. */
 static double station_at(lw_branch *b, const cli_stretch *s, double u)
 {
-    double seam = s->n_part > 1 ? input_at(b, s->part[0].to) + s->part[0].more : s->last;
-    bool first = s->n_part == 1 || (u - seam)*(s->last - s->first) <= 0;
-    double from = s->part[!first].from, to = s->part[!first].to;
-    return lw_branch_find(b, from, to, u - s->part[!first].more);
+    int part = part_at(b, s, u);
+    return lw_branch_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more);
+}
+
+/* Beyond the end of a closed curve's stations links have turned as often as they do until it closes. */
+static void count_turns(const cli_curve_trace *t, const lw_branch *b, double *q)
+{
+    for (int body = 0; body < t->s.n_body; body++)
+        q[3*body + 2] += 2*LW_PI*lw_branch_turns(b, t->s.link[body]);
 }
 
 /* Derivatives by the free input in its own unit, or by time. */
@@ -156,21 +168,36 @@ static bool fill_rates(cli_curve_trace *t, lw_branch *b, double *series)
     return good;
 }
 
+/* Row `i` of a stretch, where the input is u: on the curve. */
+static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
+{
+    lw_branch *b = t->curves.curve[s->curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
+    bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
+    lw_branch_pose(b, station_at(b, s, u), series, NULL);
+    if (part_at(b, s, u))
+        count_turns(t, b, series);
+    row->rates = fill_rates(t, b, series) && !limit;
+    cli_curve_values(t, series, i == 0, row);
+    if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
+        t->groups->seeded = false;                            /* both sides of a limit are near it */
+    else if (t->groups)
+        cli_groups_seed(t->groups, &t->s, series, u, &t->rows, row);
+}
+
 static void stretch_rows(cli_curve_trace *t, int index)
 {
     const cli_stretch *s = &t->stretch[index];
     lw_branch *b = t->curves.curve[s->curve];
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
-    double middle = station_at(b, s, 0.5*(s->first + s->last));
-    int side = lw_branch_side(b, middle);
+    double by = t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
+    int side = lw_branch_side(b, station_at(b, s, 0.5*(s->first + s->last)));
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
-        bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
+        bool between = t->groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
         double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
         cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1 };
         row.lead[0] = u/cli_curve_unit(t, 0);
-        lw_branch_pose(b, station_at(b, s, u), series, NULL);
-        row.rates = fill_rates(t, b, series) && !limit;
-        cli_curve_values(t, series, i == 0, &row);
+        if (!between || !cli_groups_row(t->groups, u, by, &t->rows, &row))
+            curve_row(t, s, i, u, &row);
         cli_rows_put(&t->rows, &row);
     }
 }

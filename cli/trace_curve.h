@@ -2,7 +2,7 @@
 #ifndef LW_CLI_TRACE_CURVE_H
 #define LW_CLI_TRACE_CURVE_H
 
-#include "cli/trace_rows.h"
+#include "cli/trace_groups.h"
 #include "grammar/model.h"
 #include "mbs/circuits.h"
 #include "mbs/drive.h"
@@ -25,6 +25,7 @@ typedef struct cli_curve_trace {
     lw_system   s;
     lw_circuits   curves;
     cli_rows    rows;
+    cli_groups *groups;               /* of linkages that have a plan, else NULL                   */
     const char *line;
     bool        whole;                /* all of the input, else from .. to [rad] or [m]            */
     double      from, to;

@@ -155,6 +155,88 @@ static void faults_are_told(void)
     expect(MODEL(FOUR_BAR, MOTION("3 + t")) "--time-range 0:3:0.1", 4, "", "cannot get to where the motions begin");
 }
 
+/* Stephenson III driven where its dyad stands on the ground, a triad; and the boom of a loader on
+ * its cylinder, an input between moving links. */
+#define TRIAD "'{\"linkwright\":1,\"links\":[\"ground\",\"bar\",\"coupler\",\"rocker\",\"arm\",\"crank\"],\"joints\":[" \
+    "{\"name\":\"A\",\"links\":[\"ground\",\"bar\"],\"at\":[0,0]},{\"name\":\"B\",\"links\":[\"bar\",\"coupler\"],\"at\":[0.5,0.8]}," \
+    "{\"name\":\"C\",\"links\":[\"coupler\",\"rocker\"],\"at\":[2.6,2.1]},{\"name\":\"D\",\"links\":[\"ground\",\"rocker\"],\"at\":[3,0]}," \
+    "{\"name\":\"E\",\"links\":[\"coupler\",\"arm\"],\"at\":[1.1,2.4]},{\"name\":\"F\",\"links\":[\"arm\",\"crank\"],\"at\":[-0.3,3]}," \
+    "{\"name\":\"G\",\"links\":[\"ground\",\"crank\"],\"at\":[-1.5,3]}],\"input\":{\"joint\":\"G\"}," \
+    "\"tracers\":[{\"name\":\"P\",\"link\":\"arm\",\"at\":[0.2,2.9]}]}'"
+#define BOOM "'{\"linkwright\":1,\"units\":{\"length\":\"m\",\"angle\":\"deg\"},\"links\":[\"ground\",\"boom\",\"tube\",\"rod\"]," \
+    "\"joints\":[{\"name\":\"O\",\"links\":[\"ground\",\"boom\"],\"at\":[0,1.5]},{\"name\":\"L\",\"links\":[\"ground\",\"tube\"],\"at\":[0.3,0.6]}," \
+    "{\"name\":\"lift\",\"kind\":\"t\",\"links\":[\"tube\",\"rod\"],\"at\":[0.3,0.6],\"along\":[1.1,0.4]}," \
+    "{\"name\":\"R\",\"links\":[\"rod\",\"boom\"],\"at\":[1.4,1]}],\"input\":{\"joint\":\"lift\"}," \
+    "\"tracers\":[{\"name\":\"edge\",\"link\":\"boom\",\"at\":[2.4,0.3]}]}'"
+
+/* Rows of CSV, 13 columns from the third on; returns how many. */
+static int all_rows(const char *text, double (*v)[13], int room)
+{
+    int n = 0;
+    for (const char *line = text; *line && n < room; line += strcspn(line, "\n"), line += *line == '\n') {
+        if (*line < '0' || *line > '9')
+            continue;
+        const char *at = line;
+        for (int skip = 0; skip < 2; skip++)
+            at += strcspn(at, ",") + 1;
+        for (int c = 0; c < 13; c++, at += strcspn(at, ",\n"), at += *at == ',')
+            v[n][c] = *at == ',' || *at == '\n' ? NAN : strtod(at, NULL);
+        n++;
+    }
+    return n;
+}
+
+static int rows_of(const char *line, double (*v)[13], int room)
+{
+    ran r = run(line);
+    CHECK_INT(r.code, 0);
+    int n = all_rows(r.out, v, room);
+    ran_free(&r);
+    return n;
+}
+
+/* Between postures of the curve rows come from the groups: every 16th row is on the curve, and with 16 times fewer rows all
+ * are, so that both ways are compared - and each with the differences of its neighbours. */
+static void groups_and_curve_agree(void)
+{
+    enum { FINE = 1008, COARSE = 63, ROOM = 4*(FINE + 1) };
+    static const char *const model[] = { TRIAD, BOOM };
+    static double fine[ROOM][13], coarse[ROOM][13];
+    char line[4096];
+    for (int i = 0; i < 2; i++) {
+        snprintf(line, sizeof line, "echo %s | $P trace - -n %d", model[i], FINE);
+        int n = rows_of(line, fine, ROOM), arcs = n/(FINE + 1), worse = 0;
+        CHECK(arcs >= 2 && n == arcs*(FINE + 1));
+        snprintf(line, sizeof line, "echo %s | $P trace - -n %d", model[i], COARSE);
+        CHECK_INT(rows_of(line, coarse, ROOM), arcs*(COARSE + 1));
+        for (int arc = 0; arc < arcs; arc++)
+            for (int r = 0; r <= COARSE; r++) {
+                const double *a = fine[arc*(FINE + 1) + FINE/COARSE*r], *b = coarse[arc*(COARSE + 1) + r];
+                for (int c = 0; c < 13; c++)
+                    if (!(isnan(a[c]) && isnan(b[c])))
+                        CHECK_NEAR(a[c], b[c], 1e-9, 1e-8);
+            }
+        for (int r = 1; r + 1 < n; r++) {                       /* velocity and turn against differences */
+            const double *a = fine[r - 1], *b = fine[r], *c = fine[r + 1];
+            int at = r % (FINE + 1);
+            if (at < 40 || at > FINE - 40)                       /* steep at limits */
+                continue;
+            double by = c[0] - a[0], tolerance = 1e-2*(1 + fabs(b[3]) + fabs(b[5])/10);
+            worse += !(fabs((c[1] - a[1])/by - b[3]) < tolerance) + !(fabs(c[9] - a[9]) < 20);
+        }
+        CHECK_INT(worse, 0);
+    }
+}
+
+static void the_way_is_told(void)
+{
+    expect("echo " TRIAD " | $P trace - --explain", 0, "between its postures by these groups", NULL);
+    expect("echo " TRIAD " | $P trace - --explain", 0, "class III", NULL);
+    expect("echo " BOOM " | $P trace - --explain", 0, "inside a group", NULL);
+    expect("$P trace examples/jansen.json --explain", 0, "traced in closed form over all arcs", NULL);
+    expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'", NULL);
+}
+
 int main(void)
 {
     RUN(a_cycle_over_both_limits);
@@ -163,5 +245,7 @@ int main(void)
     RUN(inputs_move_in_time);
     RUN(json_can_be_read);
     RUN(faults_are_told);
+    RUN(groups_and_curve_agree);
+    RUN(the_way_is_told);
     return check_end();
 }
