@@ -16,7 +16,7 @@
 #define LW_STOP_ROW_MAX 16               /* stops that can be touched at one time                     */
 #define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)
 
-typedef struct lw_pair { short row, other, body; } lw_pair;       /* rows that share a body            */
+typedef struct lw_pair { int row, other, body, to; } lw_pair;     /* rows that share a body, and where in schur  */
 
 typedef struct lw_contact { int joint; bool greatest, touching; } lw_contact;    /* a rigid stop      */
 
@@ -36,10 +36,13 @@ struct lw_dynamics {
     int     n_pair, most_pair;
     lw_pair *pair;
     int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows of the fast way; -1: left out */
+    int     *after, after_at[LW_MBS_ROW_MAX + 1];    /* pattern of U, S = U^T U: columns right of the diagonal */
+    unsigned char *near;                      /* (n_c*n_c) while that is found                         */
     int     row_body[LW_MBS_ROW_MAX][3];
     /* at the posture last factored */
     lw_system_frames frames;
     double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c)                 */
+    double *by_mass;                          /* (n_q) 1/mass                                          */
     bool    sure, null_ready;                 /* which way holds; mass_null is made                    */
     double  weak;                             /* least pivot over its row, of the fast way             */
     lw_rank rank_of;                          /* of J^T                                                */

@@ -39,7 +39,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
     size_t q = (size_t)d->n_q, c = (size_t)(d->n_row + d->n_driven + (d->n_contact ? LW_STOP_ROW_MAX : 0));
     size_t all = 0, speeds = c + LW_INPUT_MAX;
     const piece pieces[] = {
-        { &d->phi, c }, { &d->jac, c*q }, { &d->rhs, speeds }, { &d->schur, c*c }, { &d->diag, c },
+        { &d->phi, c }, { &d->jac, c*q }, { &d->rhs, speeds }, { &d->schur, c*c }, { &d->diag, c }, { &d->by_mass, q },
         { &d->rank_work, lw_rank_doubles((int)q, (int)speeds) }, { &d->null, q*q }, { &d->mass_null, q*q },
         { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
         { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q },
@@ -51,13 +51,17 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
     d->work = calloc(all, sizeof *d->work);
     d->rank_ints = calloc(lw_rank_ints((int)q, (int)speeds), sizeof *d->rank_ints);
     d->pair = calloc((size_t)d->most_pair*3, sizeof *d->pair);
-    if (!d->work || !d->rank_ints || !d->pair)
+    d->after = calloc(c*c + 1, sizeof *d->after);
+    d->near = calloc(c*c + 1, 1);
+    if (!d->work || !d->rank_ints || !d->pair || !d->after || !d->near)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     all = 0;
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++) {
         *pieces[i].to = d->work + all;
         all += pieces[i].n;
     }
+    for (size_t i = 0; i < q; i++)
+        d->by_mass[i] = 1/d->f.mass[i];
     return LW_OK;
 }
 
@@ -68,6 +72,8 @@ void lw_dynamics_free(lw_dynamics *d)
     free(d->work);
     free(d->rank_ints);
     free(d->pair);
+    free(d->after);
+    free(d->near);
     free(d->reduced);
     free(d);
 }
@@ -96,20 +102,78 @@ static void find_row_bodies(lw_dynamics *d)
         bodies_of_joint(d, d->contact[d->touching[i]].joint, d->row_body[row++]);
 }
 
-/* Pairs of kept rows that share a body, the later one first: the lower triangle of J M^-1 J^T. */
-static void find_pairs(lw_dynamics *d)
+/* Do two rows share body k%3 of the second, k/3 of the first? */
+static int shared_body(const lw_dynamics *d, int row, int other, int k)
 {
-    d->n_pair = 0;
-    for (int i = 0; i < d->n_kept; i++)
-        for (int j = 0; j <= i; j++)
-            for (int k = 0; k < 9; k++) {
-                int b = d->row_body[d->kept[i]][k/3];
-                if (b >= 0 && b == d->row_body[d->kept[j]][k%3])
-                    d->pair[d->n_pair++] = (lw_pair){ (short)d->kept[i], (short)d->kept[j], (short)b };
+    int b = d->row_body[row][k/3];
+    return b >= 0 && b == d->row_body[other][k%3] ? b : -1;
+}
+
+/* Who meets whom in J M^-1 J^T: near[i*n + j], i, j places among the kept rows. */
+static void find_meetings(const lw_dynamics *d, unsigned char *near)
+{
+    int n = d->n_kept;
+    memset(near, 0, (size_t)n*(size_t)n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            for (int k = 0; i != j && k < 9; k++)
+                near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
+}
+
+/* Order of elimination: always a row that meets fewest of those left (Tinney & Walker 1967, scheme 2); with it
+ * the pattern of U. */
+static void order_rows(lw_dynamics *d)
+{
+    int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
+    unsigned char *near = d->near;
+    bool done[LW_MBS_ROW_MAX] = { false };
+    find_meetings(d, near);
+    for (int i = 0; i < n; i++) {
+        int best = -1, least = n + 1;
+        for (int r = 0; r < n; r++) {
+            int met = 0;
+            for (int c = 0; !done[r] && c < n; c++)
+                met += !done[c] && near[r*n + c];
+            if (!done[r] && met < least)
+                best = r, least = met;
+        }
+        order[i] = best;
+        done[best] = true;
+        d->after_at[i] = used;
+        for (int c = 0; c < n; c++)
+            if (!done[c] && near[best*n + c]) {
+                d->after[used++] = c;
+                for (int k = 0; k < n; k++)                 /* those it met now meet each other */
+                    near[c*n + k] |= !done[k] && k != c && near[best*n + k];
             }
+    }
+    d->after_at[n] = used;
+    memcpy(kept, d->kept, (size_t)n*sizeof *kept);
+    for (int i = 0; i < n; i++) {
+        d->kept[i] = kept[order[i]];
+        d->place[d->kept[i]] = i;
+    }
+    for (int k = 0; k < used; k++)
+        d->after[k] = d->place[kept[d->after[k]]];
 }
 
 static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+/* Pairs of kept rows that share a body, the later one first: the upper triangle of J M^-1 J^T. */
+static void find_pairs(lw_dynamics *d)
+{
+    int n = d->n_kept;
+    d->n_pair = 0;
+    for (int i = 0; i < n; i++)
+        qsort(d->after + d->after_at[i], (size_t)(d->after_at[i + 1] - d->after_at[i]), sizeof *d->after, compare);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            for (int k = 0; k < 9; k++) {
+                int b = shared_body(d, d->kept[i], d->kept[j], k);
+                if (b >= 0)
+                    d->pair[d->n_pair++] = (lw_pair){ d->kept[i], d->kept[j], b, j*n + i };
+            }
+}
 
 /* Keep the rows that the factorisation found to be a basis. */
 static void keep_basis(lw_dynamics *d)
@@ -119,8 +183,7 @@ static void keep_basis(lw_dynamics *d)
         d->place[r] = -1;
     memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
     qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    for (int i = 0; i < d->n_kept; i++)
-        d->place[d->kept[i]] = i;
+    order_rows(d);
     find_pairs(d);
 }
 
@@ -134,6 +197,7 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
     d->n_c = d->n_row + d->n_driven + d->n_touching;
     find_row_bodies(d);
+    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
     lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
     lw_status s = lw_mbs_rows(d, t, q);
     if (s != LW_OK)

@@ -38,7 +38,9 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
     const lw_system *s = &d->s;
     int row = s->n_row;
     lw_system_place(s, q, &d->frames);
-    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
+    for (int r = 0; r < d->n_c; r++)                 /* elsewhere it is 0 since the rows were arranged */
+        for (int k = 0; k < 3 && d->row_body[r][k] >= 0; k++)
+            memset(d->jac + r*d->n_q + 3*d->row_body[r][k], 0, 3*sizeof *d->jac);
     lw_system_fill(s, &d->frames, d->phi, d->jac, d->n_q, 1);
     for (int i = 0; i < d->n_driven; i++, row++) {
         double motion[3];
@@ -141,42 +143,49 @@ lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v)
 
 /* ---- the fast way ------------------------------------------------------------------------------ */
 
+/* S = J M^-1 J^T over the kept rows, upper triangle: entry (i, j) at schur[i*n + j], only those of the pattern. */
 static void form_schur(lw_dynamics *d)
 {
-    int n = d->n_kept;
-    const double *mass = d->f.mass;
-    memset(d->schur, 0, (size_t)n*(size_t)n*sizeof *d->schur);
+    int n = d->n_kept, q = d->n_q;
+    const double *by_mass = d->by_mass;
+    for (int i = 0; i < n; i++) {
+        double *row = d->schur + i*n;
+        row[i] = 0;
+        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
+            row[d->after[k]] = 0;
+    }
     for (int p = 0; p < d->n_pair; p++) {
         const lw_pair *pair = &d->pair[p];
-        const double *a = d->jac + pair->row*d->n_q + 3*pair->body, *b = d->jac + pair->other*d->n_q + 3*pair->body;
-        const double *m = mass + 3*pair->body;
-        d->schur[d->place[pair->row]*n + d->place[pair->other]] += (a[0]*b[0] + a[1]*b[1])/m[0] + a[2]*b[2]/m[2];
+        int at = 3*pair->body;
+        const double *a = d->jac + pair->row*q + at, *b = d->jac + pair->other*q + at, *m = by_mass + at;
+        d->schur[pair->to] += (a[0]*b[0] + a[1]*b[1])*m[0] + a[2]*b[2]*m[2];
     }
 }
 
-/* Lower triangle L of S = L L^T by rows; d->weak: least pivot over its diagonal. */
+/* S = U^T U by rows, over the pattern; d->weak: least pivot over its diagonal. */
 static void cholesky(lw_dynamics *d)
 {
     int n = d->n_kept;
+    for (int i = 0; i < n; i++)
+        d->diag[i] = d->schur[i*n + i];
     d->weak = 1;
     for (int i = 0; i < n; i++) {
-        double *row = d->schur + i*n, whole = row[i];
-        for (int j = 0; j < i; j++) {
-            const double *other = d->schur + j*n;
-            double sum = row[j];
-            for (int k = 0; k < j; k++)
-                sum -= row[k]*other[k];
-            row[j] = sum*d->diag[j];
-        }
-        double pivot = whole;
-        for (int k = 0; k < i; k++)
-            pivot -= row[k]*row[k];
-        d->weak = fmin(d->weak, pivot/whole);
+        double *row = d->schur + i*n, pivot = row[i];
+        const int *after = d->after + d->after_at[i];
+        int m = d->after_at[i + 1] - d->after_at[i];
+        d->weak = fmin(d->weak, pivot/d->diag[i]);
         if (!(pivot > 0)) {
             d->weak = 0;
             return;
         }
-        d->diag[i] = 1/sqrt(pivot);
+        double factor = d->diag[i] = 1/sqrt(pivot);
+        for (int k = 0; k < m; k++)
+            row[after[k]] *= factor;
+        for (int k = 0; k < m; k++) {
+            double *below = d->schur + after[k]*n, x = row[after[k]];
+            for (int j = k; j < m; j++)
+                below[after[j]] -= x*row[after[j]];
+        }
     }
 }
 
@@ -186,15 +195,16 @@ static void schur_solve(const lw_dynamics *d, double *b)
     int n = d->n_kept;
     for (int i = 0; i < n; i++) {
         const double *row = d->schur + i*n;
-        double sum = b[i];
-        for (int k = 0; k < i; k++)
-            sum -= row[k]*b[k];
-        b[i] = sum*d->diag[i];
+        double x = b[i] *= d->diag[i];
+        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
+            b[d->after[k]] -= row[d->after[k]]*x;
     }
     for (int i = n - 1; i >= 0; i--) {
-        b[i] *= d->diag[i];
-        for (int k = 0; k < i; k++)
-            b[k] -= d->schur[i*n + k]*b[i];
+        const double *row = d->schur + i*n;
+        double sum = b[i];
+        for (int k = d->after_at[i]; k < d->after_at[i + 1]; k++)
+            sum -= row[d->after[k]]*b[d->after[k]];
+        b[i] = sum*d->diag[i];
     }
 }
 
@@ -227,7 +237,7 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
 {
     double *b = d->small;
     for (int i = 0; i < d->n_q; i++)
-        x[i] = force ? force[i]/d->f.mass[i] : 0;
+        x[i] = force ? force[i]*d->by_mass[i] : 0;
     for (int i = 0; i < d->n_kept; i++)
         b[i] = row_dot(d, d->kept[i], x) - rhs[d->kept[i]];
     schur_solve(d, b);
@@ -238,7 +248,7 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
     memset(push, 0, (size_t)d->n_q*sizeof *push);
     add_rows(d, -1, l, push);
     for (int i = 0; i < d->n_q; i++)
-        x[i] += push[i]/d->f.mass[i];
+        x[i] += push[i]*d->by_mass[i];
 }
 
 /* ---- the sure way ------------------------------------------------------------------------------ */
