@@ -250,6 +250,8 @@ int lw_anatomy_nodes(const lw_scene *s, int link, lw_node node[LW_NODE_MAX])
         else
             for (int i = 0; i < n_pin; i++)
                 n = add_node(node, n, foot(line, node[i].at), -1, -1);
+        if (w.guide == link && n_pin == 0 && link != k->ground)       /* a yoke: held by its slides alone */
+            n = add_node(node, n, w.at, -1, -1);
     }
     for (int i = 0; i < k->n_tracer; i++)
         if (k->tracer[i].link == link)

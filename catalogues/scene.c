@@ -10,6 +10,7 @@
 #include "catalogues/course.h"
 #include "catalogues/walk.h"
 #include "grammar/model.h"
+#include "mbs/mobility.h"
 
 /* What the stages of lw_scene_make share. */
 typedef struct lw_work {
@@ -377,6 +378,26 @@ static double duration(const lw_model *m)
     return 1;
 }
 
+/* Links that spin where nobody notices, a roller on its pin: made fast.  False when there is none. */
+static bool fasten_idle_links(lw_linkage *k)
+{
+    lw_mobility *m = malloc(sizeof *m);
+    const lw_mobility_options o = lw_mobility_options_default();
+    uint32_t idle = m && lw_mobility_find(k, &o, m, NULL) == LW_OK ? m->idle_links : 0;
+    bool any = false;
+    free(m);
+    for (int link = 0; link < k->n_link; link++)
+        for (int i = 0; i < k->n_joint && idle >> link & 1; i++) {
+            lw_joint *j = &k->joint[i];
+            if (j->kind != LW_JOINT_REVOLUTE || (j->link[0] != link && j->link[1] != link))
+                continue;
+            j->kind = LW_JOINT_FIXED;
+            any = true;
+            break;
+        }
+    return any;
+}
+
 /* Several inputs that say how they move are moved at once; otherwise the first one is. */
 static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *why)
 {
@@ -391,7 +412,10 @@ static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *w
                                  o->until > 0 ? o->until : duration(o->model), &w->course, why);
     if (ranges)
         return lw_course_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
-    return lw_course_along(k, o->other_branches, &w->course, why);
+    lw_status st = lw_course_along(k, o->other_branches, &w->course, why);
+    if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(&w->linkage))
+        st = lw_course_along(k, o->other_branches, &w->course, why);
+    return st;
 }
 
 static bool show_course(lw_work *w, const lw_scene_options *o)

@@ -81,6 +81,7 @@ static void what_is_not_made_of_dyads_moves(void)
     static const struct { const char *name; bool loops; double size; int turns; } known[] = {
         { "geared-five-bar", true, 0.1, 2 }, { "five-bar", true, 0.2, 1 }, { "loader", true, 3, 0 },
         { "mobility/parallelogram", true, 5, 1 }, { "mobility/focal", true, 3, 0 },
+        { "mobility/roller", true, 3, 1 },                                 /* the roller is made fast */
     };
     for (size_t i = 0; i < sizeof known/sizeof *known; i++) {
         lw_linkage k;
