@@ -291,7 +291,7 @@ static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, voi
     c->lane_work = follow + lw_follow_size(plan);
     c->next = 0;
     if (!in->dim_stride && !in->mode_stride)
-        follow_from_seed(&c->f, plan, in->dim, in->mode, COARSE, follow);
+        follow_from_seed(&c->f, plan, in->dim, in->mode, false, follow);
 }
 
 /* No chunk of fewer lanes than a group after others. */

@@ -1,240 +1,26 @@
-/* mbs/kernel_follow_internal.h - following the higher groups of a plan from their seed along the input.  Included by
- * mbs/kernel.c alone.
+/* mbs/kernel_follow_internal.h - following the higher groups of a plan from their seed along the input, lane by lane.
+ * Included by mbs/kernel.c alone.
  *
- * A step is tried in eight lengths at once, each half the one before; the longest that is sure is taken.  Sure
- * is a step when Newton's method arrives and the directions have moved by no more than half of what the margin
- * allows at its start and at its end (kernel_higher_internal.h).  At a limit of motion the margin falls to 0 and
- * the steps with it, until they are too short to matter: there the way ends. */
+ * Those of eight postures tried that are sure one after the other are taken (kernel_trial_internal.h).  Lanes that lie
+ * closer than a step are put between.  At a limit of motion the steps shrink until they are too short to matter: there
+ * the way ends. */
 #ifndef LW_MBS_KERNEL_FOLLOW_INTERNAL_H
 #define LW_MBS_KERNEL_FOLLOW_INTERNAL_H
 
-#include "mbs/kernel_higher_internal.h"
-#include "mbs/kernel_steps_internal.h"
+#include "mbs/kernel_trial_internal.h"
 
-#define PAST 6                             /* postures a predictor looks back on                      */
-#define STRIDE_MAX 0.35                    /* longest step: [rad], or times the size                  */
-#define COARSE 1e-17                       /* where a full step of Newton's method follows            */
-#define FINE 1e-24                         /* where none does                                         */
-#define SURE 0.25                          /* a half, squared                                         */
-
-/* A posture of the higher groups. */
-typedef struct place { double t, row[LW_ROW_MAX]; } place;
-
-typedef struct follower {
-    run     k;                             /* eight lanes                                             */
-    const lw_plan *plan;
-    const double  *dim, *mode;
-    double  size;
-    place   past[PAST];                    /* the present one first                                   */
-    int     n_past;
-    bool    lost;                          /* no posture near the seed                                */
-    double  fine;                          /* squared length of a last step: the next is shorter by far */
-    double  allowed[LW_HIGHER_MAX];        /* squared movement within which the present is alone      */
-    lanes8  c, s;
-    lanes8  row[LW_ROW_MAX];               /* of the last trial                                       */
-    lanes8  margin[LW_HIGHER_MAX];
-    bool    sure[LW_GROUP];
-    double  inverse[LW_INVERSE_MAX];       /* of the present                                          */
-    double *trial_inverse;                 /* of the last trial, by lanes                             */
-} follower;
-
-/* ---- one trial in eight lanes ---------------------------------------------------------------------------- */
-
-static void set_input(follower *f, const lanes8 t)
-{
-    for (int j = 0; j < LW_GROUP; j++) {
-        lw_vec2 u = f->plan->input_is_slider ? lw_v2(t[j], 0)
-                  : fabs(t[j]) < LW_SINCOS_MAX ? lw_sincos(t[j]) : lw_v2(cos(t[j]), sin(t[j]));
-        f->c[j] = u.x;
-        f->s[j] = u.y;
-    }
-}
-
-/* Weights of the past in the polynomial through it, of as high an order as the step is not long for. */
-static int weights(const follower *f, const lanes8 t, lanes8 *weight)
-{
-    static const double reach[PAST] = { 0, 0.25, 0.5, 0.6, 0.8, 1 };
-    double longest = 0;
-    int n = 1;
-    for (int j = 0; j < LW_GROUP; j++)
-        longest = fmax(longest, fabs(t[j] - f->past[0].t));
-    while (n < f->n_past && fabs(f->past[n].t - f->past[0].t) >= reach[n]*longest)
-        n++;
-    for (int a = 0; a < n; a++) {
-        double bottom = 1;
-        LW_EIGHT weight[a][j] = 1;
-        for (int b = 0; b < n; b++) {
-            double at = f->past[b].t;
-            if (b == a)
-                continue;
-            bottom *= f->past[a].t - at;
-            LW_EIGHT weight[a][j] *= t[j] - at;
-        }
-        double by = 1/bottom;
-        LW_EIGHT weight[a][j] *= by;
-    }
-    return n;
-}
-
-static void predict(const follower *f, eight *w, int n, lanes8 *weight)
-{
-    const lw_higher *g = w->g;
-    int row = g->first_row;
-    for (int a = 0; a < g->n_turn; a++, row += 2) {
-        int at = direction_of(g, a);
-        double *ux = w->ux[at], *uy = w->uy[at];
-        LW_EIGHT ux[j] = uy[j] = 0;
-        for (int p = 0; p < n; p++)
-            LW_EIGHT {
-                ux[j] += weight[p][j]*f->past[p].row[row];
-                uy[j] += weight[p][j]*f->past[p].row[row + 1];
-            }
-        LW_EIGHT {
-            double m = 1/sqrt(ux[j]*ux[j] + uy[j]*uy[j] + LW_TINY2);
-            ux[j] *= m;
-            uy[j] *= m;
-        }
-    }
-    for (int d = 0; d < g->n_disp; d++, row++) {
-        LW_EIGHT w->d[d][j] = 0;
-        for (int p = 0; p < n; p++)
-            LW_EIGHT w->d[d][j] += weight[p][j]*f->past[p].row[row];
-    }
-    turn_directions(w);
-}
-
-/* Newton's method, with the inverse at hand as long as it gains two digits a step.  Lanes that go further in one
- * step than `allowed` (squared) are given up: they will not be sure.  Squared length of the last step. */
-static void arrive(eight *w, lanes8 last, bool have_inverse, double allowed, double fine, int most)
-{
-    double before = INFINITY;
-    lanes8 alive;
-    LW_EIGHT alive[j] = 1;
-    for (int i = 0; i < most; i++) {
-        double now = 0;
-        if (!have_inverse)
-            factor(w);
-        newton_step(w);
-        go(w, last);
-        LW_EIGHT alive[j] = last[j] <= allowed ? alive[j] : 0;
-        for (int j = 0; j < LW_GROUP; j++)
-            now = alive[j] > 0 && last[j] > now ? last[j] : now;
-        if (!(now > fine))
-            break;
-        have_inverse = have_inverse && i < 6 && now < 0.05*before && now < 1e-2;
-        before = now;
-    }
-    LW_EIGHT last[j] = alive[j] > 0 ? last[j] : INFINITY;
-}
-
-/* Where the inverse of a group begins. */
-static size_t inverse_at(const follower *f, const lw_higher *g)
-{
-    size_t at = 0;
-    for (const lw_higher *h = f->plan->higher; h < g; h++)
-        at += (size_t)(4*h->n_loop*h->n_loop);
-    return at;
-}
-
-static void keep_rows(follower *f, const eight *w)
-{
-    const lw_higher *g = w->g;
-    int row = g->first_row;
-    for (int a = 0; a < g->n_turn; a++, row += 2) {
-        memcpy(f->row[row], w->ux[direction_of(g, a)], sizeof(lanes8));
-        memcpy(f->row[row + 1], w->uy[direction_of(g, a)], sizeof(lanes8));
-    }
-    for (int d = 0; d < g->n_disp; d++)
-        memcpy(f->row[row + d], w->d[d], sizeof(lanes8));
-}
-
-/* Squared movement since the present posture. */
-static void movement(const follower *f, const lw_higher *g, lanes8 moved)
-{
-    int row = g->first_row;
-    LW_EIGHT moved[j] = 0;
-    for (int a = 0; a < 2*g->n_turn; a++, row++)
-        LW_EIGHT moved[j] += (f->row[row][j] - f->past[0].row[row])*(f->row[row][j] - f->past[0].row[row]);
-    for (int d = 0; d < g->n_disp; d++, row++)
-        LW_EIGHT {
-            double m = (f->row[row][j] - f->past[0].row[row])/f->size;
-            moved[j] += m*m;
-        }
-}
-
-/* Group g in the eight lanes; from the seed when there is no past. */
-static void solve_group(follower *f, eight *w, const lw_higher *g, const lanes8 t)
-{
-    int number = (int)(g - f->plan->higher);
-    lanes8 weight[PAST], last, moved;
-    load_vectors(&f->k, w, g, 0, 0);
-    load_known(&f->k, w, 0, 0);
-    w->size = f->size;
-    int n = weights(f, t, weight);
-    predict(f, w, n, weight);
-    const double *from = f->inverse + inverse_at(f, g);
-    for (int r = 0; f->allowed[number] > 0 && r < w->n; r++)
-        for (int c = 0; c < w->n; c++)
-            LW_EIGHT w->inv[r][c][j] = from[r*w->n + c];
-    bool on_way = f->allowed[number] > 0;
-    arrive(w, last, on_way, on_way ? SURE*f->allowed[number] : INFINITY, f->fine, on_way ? 8 : 40);
-    factor(w);
-    put_group(&f->k, w, 0);
-    keep_rows(f, w);
-    movement(f, g, moved);
-    double *to = f->trial_inverse + inverse_at(f, g)*LW_GROUP;
-    for (int r = 0; r < w->n; r++)
-        for (int c = 0; c < w->n; c++, to += LW_GROUP)
-            memcpy(to, w->inv[r][c], sizeof(lanes8));
-    for (int j = 0; j < LW_GROUP; j++) {
-        double here = w->margin[j]/w->n;
-        f->margin[number][j] = w->margin[j];
-        f->sure[j] = f->sure[j] && last[j] <= fmax(f->fine, 1e-20) && here > 0;
-        if (f->allowed[number] > 0)
-            f->sure[j] = f->sure[j] && moved[j] <= SURE*f->allowed[number] && moved[j] <= SURE*here;
-    }
-}
-
-static void trial(follower *f, const lanes8 t)
-{
-    eight w;
-    const lw_plan *p = f->plan;
-    set_input(f, t);
-    for (int j = 0; j < LW_GROUP; j++)
-        f->sure[j] = true;
-    for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
-        const lw_step *s = &p->step[i];
-        if (s->kind != LW_STEP_HIGHER) {
-            forward_shared_pose(&f->k, s, LW_GROUP);
-            continue;
-        }
-        solve_group(f, &w, &p->higher[s->dim[0]], t);
-        left--;
-    }
-}
-
-/* Lane j of the last trial becomes the present. */
-static void accept(follower *f, double t, int j)
-{
-    bool same = f->n_past > 0 && f->past[0].t == t;
-    if (!same && f->n_past < PAST)
-        f->n_past++;
-    for (int a = f->n_past - 1; !same && a > 0; a--)
-        f->past[a] = f->past[a - 1];
-    f->past[0].t = t;
-    for (int r = 0; r < f->plan->n_row; r++)
-        f->past[0].row[r] = f->row[r][j];
-    size_t n = lw_inverse_rows(f->plan);
-    for (size_t i = 0; i < n; i++)
-        f->inverse[i] = f->trial_inverse[i*LW_GROUP + (size_t)j];
-    for (int g = 0; g < f->plan->n_higher; g++)
-        f->allowed[g] = f->margin[g][j]/(2*f->plan->higher[g].n_loop);
-}
+#define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
+#define STRIDE_MAX 0.35                    /* longest step                                            */
+#define STRIDE_BETWEEN 0.06                /* lanes nearer to each other are put in between           */
+#define END 1e-5                           /* a step as short as this ends the way                    */
+#define END_FINE 1e-12
 
 /* ---- the way -------------------------------------------------------------------------------------------- */
 
+static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1; }
+
 /* work: lw_follow_size doubles. */
-static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, double fine,
+static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
                              double *work)
 {
     lanes8 t;
@@ -242,8 +28,6 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
     size_t n = lw_inverse_rows(plan);
     f->plan = plan;
     f->fine = fine;
-    f->dim = dim;
-    f->mode = mode;
     f->size = lw_plan_size(plan, dim);
     f->trial_inverse = work;
     f->k = start(plan, LW_GROUP, work + n*LW_GROUP);
@@ -254,13 +38,15 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
     f->k.dim_row = f->k.mode_row = 1;
     ground_rows(&f->k, LW_GROUP);
     set_turns(&f->k, plan->n_angle, 0, 1);
-    f->n_past = 1;
-    f->past[0].t = input;
+    f->on_way = false;
+    f->at.head = 0;
+    f->at.n_past = 1;
+    f->at.stride = STRIDE_FIRST*unit_of(f);
+    f->at.past[0].t = input;
     for (int g = 0; g < plan->n_higher; g++) {
         const lw_higher *h = &plan->higher[g];
         const double *from = mode + h->first_mode;
-        double *row = f->past[0].row + h->first_row;
-        f->allowed[g] = 0;
+        double *row = f->at.past[0].row + h->first_row;
         for (int a = 0; a < h->n_turn; a++, from++) {
             *row++ = cos(*from);
             *row++ = sin(*from);
@@ -271,47 +57,80 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
     LW_EIGHT t[j] = input;
     trial(f, t);
     f->lost = !f->sure[0];
-    f->n_past = f->lost;
+    f->on_way = true;
     if (!f->lost)
-        accept(f, input, 0);
+        accept(f, t, 1);
+}
+
+/* Inputs to go through: from t[first] on, `count` of them, up or down the array. */
+typedef struct way { const double *t; size_t first, step, count; } way;
+
+static double way_at(const way *y, size_t i) { return y->t[y->first + i*y->step]; }
+
+/* Eight inputs along the way, and how many of the way's own are behind each. */
+typedef struct route { lanes8 t; size_t passed[LW_GROUP]; int n; } route;
+
+static void lay_route(const follower *f, const way *y, size_t i, route *r)
+{
+    double at = back(&f->at, 0)->t, unit = unit_of(f), stride = f->at.stride, skip = fmin(stride, STRIDE_BETWEEN*unit);
+    for (r->n = 0; r->n < LW_GROUP && i < y->count; r->n++) {
+        double gap = way_at(y, i) - at;
+        if (fabs(gap) <= 1.3*stride) {
+            for (i++; i < y->count && fabs(way_at(y, i) - at) <= skip; )
+                i++;
+            at = way_at(y, i - 1);
+        } else
+            at += gap/ceil(fabs(gap)/stride);
+        r->t[r->n] = at;
+        r->passed[r->n] = i;
+    }
+    for (int j = r->n; j < LW_GROUP; j++)
+        r->t[j] = at;
+}
+
+typedef struct chunk chunk;
+static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count);
+
+/* Along the way, what is passed put into the chunk (q NULL: nothing); how many of its inputs are reached. */
+static size_t go_way(follower *f, const way *y, const chunk *q)
+{
+    double unit = unit_of(f);
+    size_t i = 0;
+    for (size_t tries = 0; i < y->count && tries < 4000 + y->count; tries++) {
+        route r;
+        int n = 0;
+        lay_route(f, y, i, &r);
+        double gap = fabs(r.t[0] - back(&f->at, 0)->t);
+        trial(f, r.t);
+        while (n < r.n && f->sure[n])
+            n++;
+        if (n == 0) {
+            f->at.stride = gap/8;
+            if (!(f->at.stride >= (f->fine ? END_FINE : END)*unit))
+                break;
+            continue;
+        }
+        if (q)
+            put_passed(f, q, y, &r, i, n);
+        i = r.passed[n - 1];
+        accept(f, r.t, n);
+        f->at.stride = n == r.n ? fmin(STRIDE_MAX*unit, 2*f->at.stride) : n < 3 ? 0.5*f->at.stride : f->at.stride;
+    }
+    return i;
 }
 
 /* To the input t; false when it ends before, at a limit. */
-static bool advance(follower *f, double to)
-{
-    double unit = f->plan->input_is_slider ? f->size : 1, cap = STRIDE_MAX*unit;
-    for (int i = 0; i < 4000 && f->past[0].t != to; i++) {
-        double left = to - f->past[0].t, first = fabs(left) < cap ? left : copysign(cap, left);
-        lanes8 t;
-        int j = 0;
-        for (int h = 0; h < LW_GROUP; h++)
-            t[h] = f->past[0].t + ldexp(first, -h);
-        if (first == left)
-            t[0] = to;
-        trial(f, t);
-        while (j < LW_GROUP && !f->sure[j])
-            j++;
-        if (j < LW_GROUP && t[j] != f->past[0].t) {
-            accept(f, t[j], j);
-            cap = fmin(STRIDE_MAX*unit, 8*fabs(ldexp(first, -j)));
-            continue;
-        }
-        cap = fabs(ldexp(first, -LW_GROUP));
-        if (cap < 1e-12*unit)
-            return false;
-    }
-    return f->past[0].t == to;
-}
+static bool advance(follower *f, double to) { return go_way(f, &(way){ &to, 0, 1, 1 }, NULL) == 1; }
 
 /* ---- a chunk of lanes ------------------------------------------------------------------------------------ */
 
-typedef struct chunk {
+struct chunk {
     size_t  n, row;                        /* lanes, doubles from row to row of the seats             */
     double *seat;
     double  t[LW_CHUNK + LW_GROUP];        /* input, in the order gone                                */
     unsigned short lane[LW_CHUNK + LW_GROUP];
     bool    ordered, falls;                /* the lanes were in order, from the greatest down         */
-} chunk;
+};
 
 /* Lane j of the last trial, as a lane that is reached. */
 static void put_trial(const follower *f, const chunk *q, size_t at, int j)
@@ -324,7 +143,7 @@ static void put_trial(const follower *f, const chunk *q, size_t at, int j)
 static void put_seat(const follower *f, const chunk *q, size_t at, double out_of_reach)
 {
     for (int r = 0; r < f->plan->n_row; r++)
-        q->seat[(size_t)r*q->row + at] = f->past[0].row[r];
+        q->seat[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
     q->seat[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
 }
 
@@ -350,7 +169,7 @@ static void unroll(const follower *f, const lw_lanes *in, chunk *q)
 /* Lanes in no order: by their input within a turn of the present. */
 static void sort_lanes(const follower *f, chunk *q)
 {
-    double now = f->past[0].t;
+    double now = back(&f->at, 0)->t;
     for (size_t i = 0; i < q->n; i++) {
         if (!f->plan->input_is_slider)
             q->t[i] = now + remainder(q->t[i] - now, 2*LW_PI);
@@ -378,36 +197,51 @@ static void turn_round(chunk *q)
     }
 }
 
-/* Up to eight lanes from i on in one trial; how many of them were sure. */
-static size_t leap(follower *f, chunk *q, size_t i, size_t step)
+/* Lanes i .. end-1 of the way, between nodes of which they are not far. */
+static void put_between(const follower *f, const chunk *q, const way *y, const node *near, int n, size_t i, size_t end)
 {
-    lanes8 t;
-    size_t n = 0, last = i, sure = 0;
-    for (; n < LW_GROUP; n++) {
-        t[n] = q->t[last];
-        last = last + step < q->n ? last + step : last;
+    lanes8 t, weight[NODES], row[LW_ROW_MAX];
+    for (; i < end; i += LW_GROUP) {
+        size_t count = end - i < LW_GROUP ? end - i : LW_GROUP;
+        for (size_t j = 0; j < LW_GROUP; j++)
+            t[j] = way_at(y, i + (j < count ? j : count - 1));
+        weights(near, n, t, weight);
+        for (int h = 0; h < f->plan->n_higher; h++)
+            blend(&f->plan->higher[h], near, n, weight, row);
+        for (int r = 0; r <= f->plan->n_row; r++)
+            for (size_t j = 0; j < count; j++)
+                q->seat[(size_t)r*q->row + q->lane[y->first + (i + j)*y->step]] = r < f->plan->n_row ? row[r][j] : 0;
     }
-    trial(f, t);
-    for (size_t at = i; sure < n && at < q->n && f->sure[sure]; at += step)
-        put_trial(f, q, q->lane[at], (int)sure++);
-    if (sure > 0)
-        accept(f, t[sure - 1], (int)sure - 1);
-    return sure;
+}
+
+/* Lanes from i on that the first `count` inputs of a trial have passed. */
+static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count)
+{
+    node all[3 + LW_GROUP];
+    int n = 0;
+    for (int a = f->at.n_past < 3 ? f->at.n_past - 1 : 2; a >= 0; a--)
+        all[n++] = (node){ back(&f->at, a)->t, back(&f->at, a)->row, 1 };
+    if (all[n - 1].t == r->t[0])
+        n--;
+    for (int s = 0, first = n; s < count; i = r->passed[s++]) {
+        for (; n < first + count && n < first + s + 3; n++)
+            all[n] = (node){ r->t[n - first], f->row[0] + (n - first), LW_GROUP };
+        if (r->passed[s] == i)
+            continue;
+        int from = n > NODES ? n - NODES : 0;
+        put_between(f, q, y, all + from, n - from, i, r->passed[s] - 1);
+        size_t at = r->passed[s] - 1;
+        put_trial(f, q, q->lane[y->first + at*y->step], s);
+    }
 }
 
 /* The lanes from `first` on, in this direction (1 or -1), until the way ends. */
 static void go_along(follower *f, chunk *q, size_t first, size_t step)
 {
-    double unit = f->plan->input_is_slider ? f->size : 1;
-    bool open = false;
-    for (size_t i = first; i < q->n; ) {
-        size_t n = open ? 0 : leap(f, q, i, step);
-        if (n == 0) {
-            open = open || !advance(f, q->t[i]);
-            put_seat(f, q, q->lane[i], open ? fmax(fabs(q->t[i] - f->past[0].t)/unit, 1e-12) : 0);
-            n = 1;
-        }
-        i += n*step;
+    const way y = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
+    for (size_t i = go_way(f, &y, q); i < y.count; i++) {
+        double beyond = fabs(way_at(&y, i) - back(&f->at, 0)->t)/unit_of(f);
+        put_seat(f, q, q->lane[first + i*step], fmax(beyond, 1e-12));
     }
 }
 
@@ -415,7 +249,7 @@ static void go_along(follower *f, chunk *q, size_t first, size_t step)
  * when the lanes are in order, else where it was. */
 static void follow_chunk(follower *f, const lw_lanes *in, chunk *q)
 {
-    const follower here = *f;
+    const stand here = f->at;
     size_t first = 0;
     unroll(f, in, q);
     if (!q->ordered)
@@ -423,27 +257,27 @@ static void follow_chunk(follower *f, const lw_lanes *in, chunk *q)
     else if (q->falls)
         turn_round(q);
     if (q->ordered && !f->plan->input_is_slider) {
-        double shift = 2*LW_PI*nearbyint((f->past[0].t - 0.5*(q->t[0] + q->t[q->n - 1]))/(2*LW_PI));
+        double shift = 2*LW_PI*nearbyint((back(&f->at, 0)->t - 0.5*(q->t[0] + q->t[q->n - 1]))/(2*LW_PI));
         for (size_t i = 0; i < q->n; i++)
             q->t[i] += shift;
     }
-    while (first < q->n && q->t[first] < f->past[0].t)
+    while (first < q->n && q->t[first] < back(&f->at, 0)->t)
         first++;
     if (q->falls || !q->ordered) {
         go_along(f, q, first, 1);
-        *f = here;
+        f->at = here;
         go_along(f, q, first - 1, (size_t)-1);
         if (q->ordered && first == 0)
             advance(f, q->t[0]);
     } else {
         go_along(f, q, first - 1, (size_t)-1);
-        *f = here;
+        f->at = here;
         go_along(f, q, first, 1);
         if (first == q->n)
             advance(f, q->t[q->n - 1]);
     }
     if (!q->ordered)
-        *f = here;
+        f->at = here;
 }
 
 /* Lanes with dimensions or seeds of their own, each for itself. */
@@ -454,12 +288,12 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
         dim[d] = in->dim_stride ? in->dim[(size_t)d*in->dim_stride + at] : in->dim[d];
     for (int m = 0; m < plan->n_mode; m++)
         mode[m] = in->mode_stride ? in->mode[(size_t)m*in->mode_stride + at] : in->mode[m];
-    follow_from_seed(f, plan, dim, mode, COARSE, work);
-    double to = plan->input_is_slider ? in->c[at] : atan2(in->s[at], in->c[at]), now = f->past[0].t, out = 1;
+    follow_from_seed(f, plan, dim, mode, false, work);
+    double to = plan->input_is_slider ? in->c[at] : atan2(in->s[at], in->c[at]), now = back(&f->at, 0)->t, out = 1;
     if (!plan->input_is_slider)
         to = now + remainder(to - now, 2*LW_PI);
     if (!f->lost)
-        out = advance(f, to) ? 0 : fmax(fabs(to - f->past[0].t)/(plan->input_is_slider ? f->size : 1), 1e-12);
+        out = advance(f, to) ? 0 : fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
     put_seat(f, q, at, out);
 }
 
@@ -481,22 +315,24 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, dou
 }
 
 /* One posture for mbs/pose.c. */
-static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_seat *seat)
+static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                        lw_seat *seat)
 {
     follower f;
-    follow_from_seed(&f, plan, dim, mode, FINE, work);
+    follow_from_seed(&f, plan, dim, mode, true, work);
     double to = input;
     if (!plan->input_is_slider)
-        to = f.past[0].t + remainder(input - f.past[0].t, 2*LW_PI);
+        to = back(&f.at, 0)->t + remainder(input - back(&f.at, 0)->t, 2*LW_PI);
     bool there = !f.lost && advance(&f, to);
     memset(seat, 0, sizeof *seat);
-    memcpy(seat->row, f.past[0].row, (size_t)plan->n_row*sizeof(double));
+    memcpy(seat->row, back(&f.at, 0)->row, (size_t)plan->n_row*sizeof(double));
     seat->margin = 1;
     if (!there)
-        seat->margin = f.lost ? -1 : -fmax(fabs(to - f.past[0].t)/(plan->input_is_slider ? f.size : 1), 1e-12);
+        seat->margin = f.lost ? -1 : -fmax(fabs(to - back(&f.at, 0)->t)/unit_of(&f), 1e-12);
     else
-        memcpy(seat->inverse, f.inverse, lw_inverse_rows(plan)*sizeof(double));
+        for (size_t i = 0; i < lw_inverse_rows(plan); i++)
+            seat->inverse[i] = f.trial_inverse[i*LW_GROUP + (size_t)f.at_lane];
     for (int g = 0; there && g < plan->n_higher; g++)
-        seat->margin = fmin(seat->margin, f.allowed[g]*(2*plan->higher[g].n_loop));
+        seat->margin = fmin(seat->margin, f.margin[g][f.at_lane]);
 }
 #endif

@@ -26,7 +26,8 @@ typedef struct eight {
     lanes8 d[LW_UNKNOWN_MAX + 1];
     lanes8 cx[LW_HIGHER_TERM_MAX], cy[LW_HIGHER_TERM_MAX];           /* sums of vectors, by entry     */
     lanes8 k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];
-    lanes8 inv[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX];
+    lanes8 inv[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX], jac[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX];
+    bool   keep;                                                     /* the Jacobian too, in jac      */
     lanes8 scale[LW_UNKNOWN_MAX];                                    /* squared lengths of columns    */
     lanes8 margin;
 } eight;
@@ -283,6 +284,8 @@ LW_INLINE void factor_of(eight *w, const int n)
         for (int r = 0; r < n; r++)
             LW_EIGHT w->scale[c][j] += w->inv[r][c][j]*w->inv[r][c][j];
     }
+    for (int r = 0; w->keep && r < n; r++)
+        memcpy(w->jac[r], w->inv[r], (size_t)n*sizeof(lanes8));
     invert(w, n);
     for (int r = 0; r < n; r++) {
         lanes8 row = { 0 };
@@ -415,15 +418,16 @@ static void put_group(const run *k, const eight *w, size_t i)
     }
 }
 
-/* From the seat, which is right to 1e-10 or so, to rounding; lanes out of reach stay where they are. */
+/* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
+ * reach stay where they are. */
 static void settle(eight *w, const double *out_of_reach)
 {
     lanes8 length;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         factor(w);
         newton_step(w);
         for (int r = 0; r < w->n; r++)
-            LW_EIGHT w->step[r][j] = out_of_reach[j] > 0 || !(fabs(w->step[r][j]) < 1e-3*(r < w->g->n_turn ? 1 : w->size))
+            LW_EIGHT w->step[r][j] = out_of_reach[j] > 0 || !(fabs(w->step[r][j]) < 0.03*(r < w->g->n_turn ? 1 : w->size))
                                      ? 0 : w->step[r][j];
         go(w, length);
         if (largest(length) < 1e-20)
@@ -439,6 +443,7 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
     double *inverse = inverse_rows(k, g);
     eight w;
     w.size = 1;
+    w.keep = false;
     for (size_t i = 0; i < n; i += LW_GROUP) {
         if (per_lane || i == 0)
             load_vectors(k, &w, g, i, per_lane);
