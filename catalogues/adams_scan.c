@@ -98,7 +98,10 @@ static lw_status take_number(lw_cursor *c, double *v)
     return LW_OK;
 }
 
-static bool begins_number(int byte) { return (byte >= '0' && byte <= '9') || byte == '-' || byte == '+' || byte == '.'; }
+static bool begins_number(int byte)
+{
+    return (byte >= '0' && byte <= '9') || byte == '-' || byte == '+' || byte == '.';
+}
 
 /* The rest of the statement, as it is. */
 static lw_status take_expression(lw_cursor *c, lw_adams_argument *a)

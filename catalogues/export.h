@@ -34,6 +34,10 @@ lw_export_law lw_export_law_of(const lw_linkage *k, int input);
 lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
+/* A sketch of SolveSpace in millimetres: points and lines of each link, constraints, and the freedoms of the linkage
+ * left to drag.  LW_E_KIND: gears, welds. */
+lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
 /* The motion in LW_EXPORT_FRAMES postures.  CSV: frame, input, link, place x, y of the link's reference point and
  * its turn, a row a link and posture, in the linkage's units.  SVG: the tracers' curves as paths in millimetres, y
  * turned down.  JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator,

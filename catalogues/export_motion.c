@@ -181,7 +181,8 @@ static void put_joints(const lw_linkage *k, lw_bytes *out)
             put_number(out, ", \"angle\": ", atan2(p->along.y, p->along.x)/k->units.radian);
         if (p->kind == LW_JOINT_GEAR)
             put_number(out, ", \"ratio\": ", p->ratio);
-        lw_bytes_text(out, p->link[0] == k->ground || p->link[1] == k->ground ? ", \"ground\": true}" : ", \"ground\": false}");
+        lw_bytes_text(out, p->link[0] == k->ground || p->link[1] == k->ground ? ", \"ground\": true}"
+                           : ", \"ground\": false}");
     }
 }
 
@@ -191,7 +192,8 @@ static void put_links(const lw_linkage *k, lw_bytes *out)
         bool first = true;
         lw_bytes_text(out, link ? ",\n    {\"name\": " : "\n    {\"name\": ");
         put_string(out, k->link_name[link]);
-        lw_bytes_text(out, link == k->ground ? ", \"ground\": true, \"joints\": [" : ", \"ground\": false, \"joints\": [");
+        lw_bytes_text(out, link == k->ground ? ", \"ground\": true, \"joints\": ["
+                           : ", \"ground\": false, \"joints\": [");
         for (int j = 0; j < k->n_joint; j++)
             if (k->joint[j].link[0] == link || k->joint[j].link[1] == link) {
                 lw_bytes_text(out, first ? "" : ", ");

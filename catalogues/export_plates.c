@@ -274,7 +274,8 @@ static void put_assembly(const work *w, lw_bytes *out)
                        "    translate([p[0], p[1], floor*floor_height]) rotate(p[2]) children();\n}\n\n");
     for (int link = 0; link < w->s.linkage.n_link; link++) {
         char line[96];
-        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->l.layer[link], link);
+        snprintf(line, sizeof line, "color(hues[%d]) place(%d, %d) link%d();\n", link % 6, link, w->l.layer[link],
+                 link);
         lw_bytes_text(out, line);
     }
     for (int i = 0; i < w->l.n_pin; i++) {

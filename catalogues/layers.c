@@ -230,8 +230,8 @@ static double half_step(const work *w, size_t f, int link)
 
 static double half_pin_step(const work *w, size_t f, int pin)
 {
-    size_t g = before(w->s, f);
-    return 0.5*lw_v2_norm(lw_v2_sub(w->moved_pin[f*LW_PIN_MAX + (size_t)pin], w->moved_pin[g*LW_PIN_MAX + (size_t)pin]));
+    const lw_vec2 *now = w->moved_pin + f*LW_PIN_MAX, *then = w->moved_pin + before(w->s, f)*LW_PIN_MAX;
+    return 0.5*lw_v2_norm(lw_v2_sub(now[pin], then[pin]));
 }
 
 static bool plates_meet(const work *w, int a, int b)
@@ -361,7 +361,8 @@ static lw_status find_layers(work *w, lw_error *e)
         }
     }
     if (w->steps > STEPS_MAX)
-        return lw_error_set(e, LW_STOPPED, "no layers were found in %d steps in which the links pass each other", STEPS_MAX);
+        return lw_error_set(e, LW_STOPPED, "no layers were found in %d steps in which the links pass each other",
+                            STEPS_MAX);
     return lw_error_set(e, LW_NOTHING, "there are no layers in which all links pass each other and the pins over the "
                         "whole motion; a smaller range of the input, or pins held from both sides, would help");
 }

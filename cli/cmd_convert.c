@@ -154,6 +154,7 @@ const cli_command cli_convert_command = {
         "  dxf      plates to cut, with holes and slots, in millimetres; the layer's name L2_ROD says in which layer\n"
         "           the link passes all others over the whole motion (exit code 1: there are no such layers)\n"
         "  scad     these plates on pins in OpenSCAD, moving with $t\n"
+        "  slvs     a sketch of SolveSpace, to be dragged\n"
         "  svg      the tracers' curves as paths in millimetres; fit reads such a file as a target\n"
         "  poses    CSV: place and turn of each link in 180 postures\n"
         "  motiongen  JSON: joints, links as lists of joints, actuators, tracers with their curves\n"

@@ -33,10 +33,12 @@ static const cli_option options[] = {
       LW_LINK_MAX, NULL, NULL },
     { "first", 0, CLI_INT, offsetof(settings, first), "N", "200", "first dimensions are the best of N that close", 1,
       1e6, NULL, NULL },
-    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50", "rows of the tables of motion", 2, 10000, NULL, NULL },
+    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50", "rows of the tables of motion", 2, 10000, NULL,
+      NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5", "evaluations of the optimisation", 1e3, 1e12, NULL,
       NULL },
-    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL, "the input turns fully", 0, 0, NULL, NULL },
+    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL, "the input turns fully", 0, 0, NULL,
+      NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
       "unit of the target's lengths; without it what the file says, else m", 0, 0, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
@@ -137,8 +139,9 @@ static lw_status choose(job *b, lw_error *e)
                     order_joints(b, &k, &b->sketch);
                 }
             }
-    return best > 0 ? LW_OK : lw_error_set(e, LW_E_KIND, "no input and tracer part were found with which this mechanism can "
-                                           "be worked out; it needs one freedom and pins, sliders, pins in slots");
+    return best > 0 ? LW_OK
+         : lw_error_set(e, LW_E_KIND, "no input and tracer part were found with which this mechanism can be worked out; "
+                        "it needs one freedom and pins, sliders, pins in slots");
 }
 
 static lw_status read_matrix(job *b, lw_error *e)
@@ -156,7 +159,8 @@ static lw_status read_matrix(job *b, lw_error *e)
     int freedom = 3*(b->m.n_link - 1);
     for (int j = 0; j < b->m.n_joint; j++)
         freedom -= 3 - lw_kind_freedom(b->m.kind[j]);
-    return freedom == 1 ? LW_OK : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d freedoms; one is wanted", freedom);
+    return freedom == 1 ? LW_OK
+         : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d freedoms; one is wanted", freedom);
 }
 
 /* ---- first dimensions --------------------------------------------------------------------------------------- */
@@ -224,8 +228,9 @@ static lw_status first_dimensions(job *b, double *objective, lw_error *e)
     free(work);
     lw_problem_free(p);
     free(p);
-    return best < INFINITY ? LW_OK : lw_error_set(e, LW_NOTHING, "no first dimensions were found that close at all points of the "
-                                                  "target; try more with --first, or another input or ground");
+    return best < INFINITY ? LW_OK
+         : lw_error_set(e, LW_NOTHING, "no first dimensions were found that close at all points of the target; try "
+                        "more with --first, or another input or ground");
 }
 
 /* ---- results --------------------------------------------------------------------------------------------------- */
@@ -323,8 +328,9 @@ static lw_status print_final(job *b, const lw_fit *fit, lw_error *e)
     if (c) {
         lw_linkage *k = &r->linkage;
         k->units = b->target.units;
-        fprintf(f, "Optimisation: %ld starts, %ld local fits, %ld evaluations; objective %.6g, average path deviation %.4g %% "
-                "of the path length\n\n", fit->starts, fit->improved, fit->evals, c->objective, r->error_percent);
+        fprintf(f, "Optimisation: %ld starts, %ld local fits, %ld evaluations; objective %.6g, average path deviation "
+                "%.4g %% of the path length\n\n", fit->starts, fit->improved, fit->evals, c->objective,
+                r->error_percent);
         fputs("Final dimensions:\n\n", f);
         st = cli_plasma_dimensions(k, f, e);
         cli_plasma_joints(k, f);
@@ -416,11 +422,11 @@ const cli_command cli_plasma_command = {
         "  linkwright plasma lam.txt --target examples/walking-foot.csv --crank-only --save out\n",
     .about =
         "The steps of PLASMA (Makkonen 1999): reads a link adjacency matrix from LAM.txt or standard input (0, or the\n"
-        "number of the joint between two parts, a letter behind it for its kind: 4t), prints the joint data structure of\n"
-        "first dimensions that close, the data set of the analysis program (ADAMS), the coupler path with velocity and\n"
-        "acceleration over a second, accelerations of the joints; optimises; prints final dimensions with their path.\n"
-        "Markers are 100 part + count, joint types 11 pin, 12 slider, 13 pin in a slot, F the direction of a slide [rad];\n"
-        "lengths in the target's unit. Same seed, same answer.\n",
+        "number of the joint between two parts, a letter behind it for its kind: 4t), prints the joint data structure\n"
+        "of first dimensions that close, the data set of the analysis program (ADAMS), the coupler path with velocity\n"
+        "and acceleration over a second, accelerations of the joints; optimises; prints final dimensions and path.\n"
+        "Markers are 100 part + count, joint types 11 pin, 12 slider, 13 pin in a slot, F the direction of a slide\n"
+        "[rad]; lengths in the target's unit. Same seed, same answer.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

@@ -84,7 +84,10 @@ static lw_status write_bytes(lw_status (*export)(const lw_linkage *k, lw_bytes *
 
 static lw_status write_mjcf(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_mjcf, k, f, e); }
 
-static lw_status write_adams(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_adams, k, f, e); }
+static lw_status write_adams(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_adams, k, f, e);
+}
 
 static lw_status write_acf(const lw_linkage *k, FILE *f, lw_error *e)
 {
@@ -98,11 +101,22 @@ static lw_status write_scad(const lw_linkage *k, FILE *f, lw_error *e)
     return write_bytes(lw_export_openscad, k, f, e);
 }
 
+static lw_status write_slvs(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_solvespace, k, f, e);
+}
+
 static lw_status write_svg(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_svg, k, f, e); }
 
-static lw_status write_poses(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_poses, k, f, e); }
+static lw_status write_poses(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_poses, k, f, e);
+}
 
-static lw_status write_joints(const lw_linkage *k, FILE *f, lw_error *e) { return write_bytes(lw_export_joints, k, f, e); }
+static lw_status write_joints(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    return write_bytes(lw_export_joints, k, f, e);
+}
 
 /* A title may say anything; a line with a statement decides. */
 static bool begins_adams(const cli_text *t)
@@ -124,6 +138,7 @@ const cli_format cli_formats[] = {
     { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, write_acf },
     { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, write_dxf },
     { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, write_scad },
+    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, write_slvs },
     { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, write_svg },
     { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, write_poses },
     { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, write_joints },

@@ -78,7 +78,8 @@ static lw_status number(const reader *r, const group *g, double *v)
     size_t skip = g->size > 0 && *s == '+';
     if (lw_number_parse(s + skip, g->size - skip, v) == LW_OK)
         return LW_OK;
-    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "a number is expected behind group code %d", g->code);
+    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "a number is expected behind group code %d",
+                       g->code);
 }
 
 /* ---- curves --------------------------------------------------------------------------------------------- */
@@ -129,8 +130,8 @@ static lw_status add_bent(reader *r, const entity *n)
     lw_outline *c = add_piece(r);
     bool circle = strcmp(n->kind, "CIRCLE") == 0;
     if (!c)
-        return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, n->line, 1, "the drawing has more than %d lines and arcs, or "
-                           "memory ran out", PIECE_MAX/2);
+        return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, n->line, 1, "the drawing has more than %d lines and arcs, "
+                           "or memory ran out", PIECE_MAX/2);
     if (strcmp(n->kind, "LINE") == 0) {
         lw_outline_add(c, point(n, 10), n->line);
         lw_outline_add(c, point(n, 11), n->line);
@@ -205,8 +206,8 @@ static lw_status join_pieces(reader *r)
     }
     for (int i = 1; i < r->n_piece; i++)
         if (r->piece[i].n > 1)
-            return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, r->piece[i].line[0], 1, "the lines and arcs of this drawing "
-                               "make more than one curve; a target is one, leave the others out");
+            return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, r->piece[i].line[0], 1, "the lines and arcs of this "
+                               "drawing make more than one curve; a target is one, leave the others out");
     r->out = *c;
     *c = (lw_outline){ .n = 0 };
     return LW_OK;
@@ -234,8 +235,8 @@ static lw_status begin_polyline(reader *r, const group *g)
 {
     if (r->n_outline++ == 0)
         return LW_OK;
-    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "this drawing has more than one polyline; a target is one, "
-                       "leave the others out");
+    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "this drawing has more than one polyline; a target "
+                       "is one, leave the others out");
 }
 
 static lw_status begin_entity(reader *r, const group *g, entity *n, bool *closes)
@@ -334,8 +335,8 @@ static lw_status choose(reader *r)
 {
     if (r->n_outline == 0 && r->n_piece > 0)
         return join_pieces(r);
-    return r->out.n > 0 ? LW_OK : lw_cursor_fail(&r->c, "there is no polyline, line, arc or circle in the ENTITIES of this "
-                                                 "drawing");
+    return r->out.n > 0 ? LW_OK
+         : lw_cursor_fail(&r->c, "there is no polyline, line, arc or circle in the ENTITIES of this drawing");
 }
 
 lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,

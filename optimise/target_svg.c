@@ -34,7 +34,10 @@ static void skip_space(lw_cursor *c, bool comma)
     }
 }
 
-static bool begins_number(int byte) { return (byte >= '0' && byte <= '9') || byte == '.' || byte == '-' || byte == '+'; }
+static bool begins_number(int byte)
+{
+    return (byte >= '0' && byte <= '9') || byte == '.' || byte == '-' || byte == '+';
+}
 
 static void skip_digits(lw_cursor *c)
 {
@@ -171,11 +174,11 @@ static lw_status do_curve(lw_cursor *c, pen *p, int command, lw_vec2 base, long 
     if (s != LW_OK)
         return s;
     p->handle = cubic ? d : b;
-    if (cubic)
-        bezier(p, b, d, to, line);
-    else
-        bezier(p, lw_v2_scale(lw_v2_add(p->at, lw_v2_scale(b, 2)), 1.0/3), lw_v2_scale(lw_v2_add(to, lw_v2_scale(b, 2)), 1.0/3),
-               to, line);
+    if (!cubic) {                              /* the cubic that is the same curve */
+        d = lw_v2_scale(lw_v2_add(to, lw_v2_scale(b, 2)), 1.0/3);
+        b = lw_v2_scale(lw_v2_add(p->at, lw_v2_scale(b, 2)), 1.0/3);
+    }
+    bezier(p, b, d, to, line);
     return LW_OK;
 }
 
@@ -255,7 +258,8 @@ static lw_status read_path(lw_cursor *c, pen *p)
                 continue;
             }
         } else if (command == 0 || command == 'Z' || !begins_number(byte)) {
-            return lw_cursor_fail(c, "one of M L H V C S Q T A Z or a number is expected, not %s", lw_byte_name(byte, name));
+            return lw_cursor_fail(c, "one of M L H V C S Q T A Z or a number is expected, not %s",
+                                  lw_byte_name(byte, name));
         }
         s = do_command(c, p, command, relative);
         command = command == 'M' ? 'L' : command;

@@ -201,7 +201,8 @@ static void written_by_others(void)
         "DENSITY = 7.8E-06\n! adams_view_name='ground'\nPART/1, GROUND, MATERIAL = steel\nMARKER/1, PART = 1\n"
         "PART/2, QG = 10, 0, 0, REULER = 90D, 0D, 0D, MASS = 1\nMARKER/2, PART = 2, QP = 0, 10, 0\n"
         "MARKER/3, PART = 2, QP = 20, 0, 0\n, REULER = 0D, 0D\n, 30D\njoint/4, revolute\n, i = 2, j = 1\n"
-        "MOTION/1, ROTATION, JOINT = 4, FUNCTION = 30D*time\n,  + 1\nREQUEST/1, DISPLACEMENT, I = 3, J = 1\nEND\nrest /";
+        "MOTION/1, ROTATION, JOINT = 4, FUNCTION = 30D*time\n,  + 1\nREQUEST/1, DISPLACEMENT, I = 3, J = 1\nEND\n"
+        "rest /";
     static lw_linkage k;
     lw_error e = { 0 };
     CHECK_INT(lw_adams_read(text, sizeof text - 1, "t", &k, &e), LW_OK);

@@ -67,6 +67,7 @@ static void files_for_other_programs(void)
            "$P fit $D/e.svg --type trammel --rounds 1 --results 1", 0, "60 points, closed", NULL);
     expect("$P fit examples/README.md.dxf", 3, NULL, "README.md.dxf");
     expect("$P convert examples/klann.json -o $D/k.csv && head -2 $D/k.csv", 0, "frame,input,link,x,y,turn", NULL);
+    expect("$P convert examples/klann.json -o $D/k.slvs && grep -a -c AddConstraint $D/k.slvs", 0, NULL, NULL);
     expect("$P convert examples/klann.json --to motiongen", 0, "\"couplerPoints\"", NULL);
     expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
 }

@@ -5,10 +5,13 @@
 #include "catalogues/export.h"
 #include "mbs/newton.h"
 
+static const char whole[] =
+    "$P plasma $D/lam.txt --target examples/ellipse.csv --points 401 --budget 2e4 --first 40 --save $D/out";
+
 static void every_step_of_a_four_bar(void)
 {
     expect("printf '0 1 0 2\\n0 0 3 0\\n0 0 0 4\\n0 0 0 0\\n' > $D/lam.txt", 0, NULL, NULL);
-    ran r = run("$P plasma $D/lam.txt --target examples/ellipse.csv --points 401 --budget 2e4 --first 40 --save $D/out");
+    ran r = run(whole);
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "0 1 0 2\n0 0 3 0\n0 0 0 4\n0 0 0 0\n\nParts: 4 Joints: 4\n");
     CHECK_HAS(r.out, "  Jnt  Prt1  Prt2  Mar1  Mar2  Jtyp ");
@@ -79,7 +82,7 @@ static void check_motion(const char *text, const char *model)
 
 static void motions_agree(void)
 {
-    ran r = run("$P plasma $D/lam.txt --target examples/ellipse.csv --points 401 --budget 2e4 --first 40 --save $D/out");
+    ran r = run(whole);
     check_motion(r.out, "out/first.adm");
     const char *final = strstr(r.out, "Final dimensions:");
     CHECK(final != NULL);
@@ -101,8 +104,8 @@ static void other_mechanisms(void)
            "PART/03, GROUND", NULL);
     expect("$P plasma $D/slide.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30 --input 4", 0,
            "MOTION/01, JOINT = 04, TRANSLATION", NULL);
-    expect("for j in 1 2; do $P plasma $D/lam.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30 --jobs $j"
-           " > $D/j$j; done; cmp $D/j1 $D/j2", 0, NULL, NULL);
+    expect("for j in 1 2; do $P plasma $D/lam.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30"
+           " --jobs $j > $D/j$j; done; cmp $D/j1 $D/j2", 0, NULL, NULL);
 }
 
 static void refusals(void)

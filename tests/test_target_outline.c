@@ -41,7 +41,8 @@ static void corners_are_stations(void)
         "<svg><path d='m0 0l10 0 0 5-10 0z'/></svg>",
         "<svg><path d='M0 0L10 0 10 5L0 5 0 0'/></svg>",
         ("<?xml version='1.0'?><!-- <path d='M 9 9'/> --><svg><defs><path d='M 8 8 L 9 9'/></defs>"
-         "<g transform='translate(5)'><g transform='translate(-5,0)'><path d='M.0.0L1e1,0 10.,5e0 0 5Z'/></g></g></svg>"),
+         "<g transform='translate(5)'><g transform='translate(-5,0)'><path d='M.0.0L1e1,0 10.,5e0 0 5Z'/></g></g>"
+         "</svg>"),
         "<svg><g transform='rotate(90)'><path d='M0 0V-10H5V0Z'/></g></svg>",
         "<svg><path transform='matrix(2 0 0 .5 -2 -1)' d='M1 2 6 2 6 12 1 12Z'/></svg>",
         "<svg><path transform='scale(2) translate(1 1) rotate(180 2 2)' d='M5 5H0V2.5H5Z'/></svg>"
@@ -56,7 +57,8 @@ static void corners_are_stations(void)
 
 static void units_of_drawings(void)
 {
-    lw_target t = read_text(lw_target_read_svg, "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
+    lw_target t = read_text(lw_target_read_svg,
+                            "<svg width='12cm' viewBox='0 0 240 10'><path d='M0 0L2 0 2 4'/></svg>");
     CHECK_NEAR(t.x[1], 1e-3, 1e-17, 0);
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
@@ -162,18 +164,19 @@ static void polylines(void)
     static const double want[][2] = { { 0, 0 }, { 4, 0 }, { 4, 3 } };
     static const char *const rows[] = {
         HEAD "0\nLWPOLYLINE\n8\n0\n90\n3\n70\n1\n10\n0\n20\n0\n10\n4\n20\n0\n10\n4\n20\n3\n" TAIL,
-        (HEAD "  0\r\nPOLYLINE\r\n 66\r\n1\r\n 70\r\n1\r\n 10\r\n0.0\r\n 20\r\n0.0\r\n  0\r\nVERTEX\r\n 10\r\n0.0\r\n 20\r\n0.0"
-             "\r\n  0\r\nVERTEX\r\n 10\r\n4\r\n 20\r\n0\r\n  0\r\nVERTEX\r\n 10\r\n4\r\n 20\r\n3\r\n  0\r\nSEQEND\r\n" TAIL),
-        HEAD "0\nLINE\n10\n0\n20\n0\n11\n4\n21\n0\n0\nLINE\n10\n0\n20\n0\n11\n4\n21\n3\n0\nLINE\n10\n4\n20\n3\n11\n4\n21\n0\n"
-        TAIL
+        (HEAD "  0\r\nPOLYLINE\r\n 66\r\n1\r\n 70\r\n1\r\n 10\r\n0.0\r\n 20\r\n0.0\r\n  0\r\nVERTEX\r\n 10\r\n0.0\r\n"
+             " 20\r\n0.0\r\n  0\r\nVERTEX\r\n 10\r\n4\r\n 20\r\n0\r\n  0\r\nVERTEX\r\n 10\r\n4\r\n 20\r\n3\r\n  0\r\n"
+             "SEQEND\r\n" TAIL),
+        (HEAD "0\nLINE\n10\n0\n20\n0\n11\n4\n21\n0\n0\nLINE\n10\n0\n20\n0\n11\n4\n21\n3\n"
+         "0\nLINE\n10\n4\n20\n3\n11\n4\n21\n0\n" TAIL)
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_target t = read_text(lw_target_read_dxf, rows[i]);
         stations(&t, 1, want, 3, 1e-3);
         lw_target_free(&t);
     }
-    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nLINE\n10\n1\n20\n0\n11\n2\n21\n0\n0\nLINE\n10\n0\n20\n1\n11\n1\n21\n0\n"
-                            TAIL);
+    lw_target t = read_text(lw_target_read_dxf, HEAD "0\nLINE\n10\n1\n20\n0\n11\n2\n21\n0\n"
+                            "0\nLINE\n10\n0\n20\n1\n11\n1\n21\n0\n" TAIL);
     CHECK_INT(t.n, 3);                                     /* lines in any order, an open curve */
     CHECK_INT(t.closed, 0);
     lw_target_free(&t);
@@ -220,7 +223,8 @@ static void faults(void)
         { lw_target_read_dxf, "", 1, 1, "there is no polyline" },
         { lw_target_read_dxf, "x,y\n1,2\n", 1, 1, "no DXF text" },
         { lw_target_read_dxf, HEAD "0\nLINE\n10\nab\n", 8, 1, "a number is expected" },
-        { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n0\nLINE\n10\n5\n11\n6\n" TAIL, 16, 1, "more than one curve" },
+        { lw_target_read_dxf, HEAD "0\nLINE\n10\n0\n11\n1\n0\nLINE\n10\n5\n11\n6\n" TAIL, 16, 1,
+          "more than one curve" },
         { lw_target_read_dxf, HEAD "0\nPOLYLINE\n0\nSEQEND\n0\nLWPOLYLINE\n" TAIL, 10, 1, "more than one polyline" }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
