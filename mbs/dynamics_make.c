@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/sparse.h"
 
 static const double nudge = 0.02;        /* scaled: so far from the start rank is looked at again           */
 
@@ -120,41 +121,22 @@ static void find_meetings(const lw_dynamics *d, unsigned char *near)
                 near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
 }
 
-/* Order of elimination: always a row that meets fewest of those left (Tinney & Walker 1967, scheme 2); with it
- * the pattern of U. */
+/* The kept rows in the order in which they are eliminated, and the pattern of U. */
 static void order_rows(lw_dynamics *d)
 {
     int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
-    unsigned char *near = d->near;
-    bool done[LW_MBS_ROW_MAX] = { false };
-    find_meetings(d, near);
-    for (int i = 0; i < n; i++) {
-        int best = -1, least = n + 1;
-        for (int r = 0; r < n; r++) {
-            int met = 0;
-            for (int c = 0; !done[r] && c < n; c++)
-                met += !done[c] && near[r*n + c];
-            if (!done[r] && met < least)
-                best = r, least = met;
-        }
-        order[i] = best;
-        done[best] = true;
-        d->after_at[i] = used;
-        for (int c = 0; c < n; c++)
-            if (!done[c] && near[best*n + c]) {
-                d->after[used++] = c;
-                for (int k = 0; k < n; k++)                 /* those it met now meet each other */
-                    near[c*n + k] |= !done[k] && k != c && near[best*n + k];
-            }
-    }
-    d->after_at[n] = used;
+    find_meetings(d, d->near);
+    lw_sparse_order(n, d->near, order);
     memcpy(kept, d->kept, (size_t)n*sizeof *kept);
     for (int i = 0; i < n; i++) {
         d->kept[i] = kept[order[i]];
         d->place[d->kept[i]] = i;
+        d->after_at[i] = used;
+        for (int j = i + 1; j < n; j++)
+            if (d->near[order[i]*n + order[j]])
+                d->after[used++] = j;
     }
-    for (int k = 0; k < used; k++)
-        d->after[k] = d->place[kept[d->after[k]]];
+    d->after_at[n] = used;
 }
 
 static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
@@ -164,8 +146,6 @@ static void find_pairs(lw_dynamics *d)
 {
     int n = d->n_kept;
     d->n_pair = 0;
-    for (int i = 0; i < n; i++)
-        qsort(d->after + d->after_at[i], (size_t)(d->after_at[i + 1] - d->after_at[i]), sizeof *d->after, compare);
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++)
             for (int k = 0; k < 9; k++) {
