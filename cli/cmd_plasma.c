@@ -140,8 +140,8 @@ static lw_status choose(job *b, lw_error *e)
                 }
             }
     return best > 0 ? LW_OK
-         : lw_error_set(e, LW_E_KIND, "no input and tracer part were found with which this mechanism can be worked out; "
-                        "it needs one freedom and pins, sliders, pins in slots");
+         : lw_error_set(e, LW_E_KIND, "no input and tracer part were found with which this mechanism can be worked "
+                        "out; it needs one freedom and pins, sliders, pins in slots");
 }
 
 static lw_status read_matrix(job *b, lw_error *e)

@@ -17,7 +17,7 @@ void cli_plasma_joints(const lw_linkage *k, FILE *f);
 lw_status cli_plasma_dimensions(const lw_linkage *k, FILE *f, lw_error *e);
 
 /* PNT Time PosX PosY VelM VelX VelY AccM AccX AccY of the tracer over a second, as the data set drives it; then PNT and
- * the acceleration of each joint.  Units: k->units and seconds.  LW_OPEN: it does not close somewhere, which is said. */
+ * the acceleration of each joint.  Units: k->units and seconds.  LW_OPEN: it does not close somewhere, and says so. */
 lw_status cli_plasma_path(const lw_linkage *k, int points, FILE *f, lw_error *e);
 
 #endif

@@ -235,8 +235,8 @@ static lw_status begin_polyline(reader *r, const group *g)
 {
     if (r->n_outline++ == 0)
         return LW_OK;
-    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "this drawing has more than one polyline; a target "
-                       "is one, leave the others out");
+    return lw_error_at(r->c.e, LW_E_NOTATION, r->c.file, g->line, 1, "this drawing has more than one polyline; a "
+                       "target is one, leave the others out");
 }
 
 static lw_status begin_entity(reader *r, const group *g, entity *n, bool *closes)
