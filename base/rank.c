@@ -105,6 +105,7 @@ static void fold_row(lw_rank *r, int k)
 void lw_rank_factor(lw_rank *r, double least)
 {
     int most = r->m < r->n ? r->m : r->n;
+    most = r->most > 0 && r->most < most ? r->most : most;
     double first = 0;
     r->rank = 0;
     r->weakest = 0;

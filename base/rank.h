@@ -12,6 +12,7 @@
 
 typedef struct lw_rank {
     int     m, n, rank;
+    int     most;                /* rank that is known not to be exceeded; 0: none is                   */
     double  weakest;             /* |last kept diagonal| / |first|: how near to less rank; 0: no rank    */
     double *a;                   /* (m*n) reflectors and triangle, by columns                           */
     double *left, *right;        /* (min(m, n)) factors of the reflectors                               */

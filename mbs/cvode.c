@@ -115,12 +115,18 @@ void lw_cvode_free(lw_cvode *w)
 
 lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e)
 {
+    return lw_cvode_restart_with(w, y, 0, e);
+}
+
+lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e)
+{
     struct lw_cvode_own *own = w->own;
     if (y)
         memcpy(array(own->v[NOW]), y, sizeof(double)*(size_t)own->ode->n);
     own->sun.failed = LW_OK;
     w->events = 0;
-    if (CVodeReInit(own->solver, w->t, own->v[NOW]) != 0)
+    if (CVodeReInit(own->solver, w->t, own->v[NOW]) != 0
+        || CVodeSetInitStep(own->solver, first > 0 ? first : fmax(own->o.first, 0)) != 0)
         return lw_sun_error(&own->sun, "CVODE", w->t, e);
     return LW_OK;
 }

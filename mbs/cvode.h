@@ -26,6 +26,8 @@ void      lw_cvode_free(lw_cvode *w);
 
 /* As lw_integrate_restart, _step, _dense.  t_end must not lie before t. */
 lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e);
+/* The same with the length of the first step; 0: as at the start. */
+lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e);
 lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_cvode_dense(lw_cvode *w, double t, double *y);
 

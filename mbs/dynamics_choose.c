@@ -62,12 +62,12 @@ static lw_status check_masses(lw_dynamics *d)
 static bool driven_wanted(const lw_dynamics *d, lw_error *e, lw_status *s)
 {
     lw_analysis a = d->o.analysis;
-    bool driven = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->o.formulation == LW_FORMULATION_DRIVEN ||
-                  (a == LW_ANALYSIS_TRANSIENT && d->freedom == 0) || d->freedom == 0;
+    bool driven = a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0 ||
+                  d->o.formulation == LW_FORMULATION_DRIVEN;
     *s = LW_OK;
     if (driven && d->freedom > 0)
-        *s = lw_error_set(e, LW_E_ARG, "%d more freedom%s would have to be driven for this analysis: give every input a "
-                          "\"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
+        *s = lw_error_set(e, LW_E_ARG, "%d more freedom%s would have to be driven for this analysis: give every "
+                          "input a \"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
     return driven;
 }
 
@@ -103,7 +103,8 @@ lw_status lw_dynamics_choose(lw_dynamics *d, lw_report *r, lw_error *e)
     if (d->o.analysis == LW_ANALYSIS_STATIC)
         return say(r, LW_FORMULATION_AUTO, d->freedom, "at rest");
     if (driven_wanted(d, e, &s))
-        return s != LW_OK ? s : say(r, LW_FORMULATION_DRIVEN, d->n_q, "every freedom is driven: kinematics, then forces");
+        return s != LW_OK ? s : say(r, LW_FORMULATION_DRIVEN, d->n_q,
+                                       "every freedom is driven: kinematics, then forces");
     if ((s = check_masses(d)) != LW_OK)
         return s;
     if (d->o.formulation != LW_FORMULATION_AUTO)

@@ -2,14 +2,14 @@
  *
  * An impact changes velocities by an impulse along the stop's measure that leaves all constraints:
  *     v+ = v - (1 + e) (g.v / g.W g) W g,     W: inverse mass on the constraints   (Newton's restitution).
- * Bounces get shorter by the factor e; one that would last less than `rest` is taken as resting, a row of its own
- * until the stop would have to pull. */
+ * Bounces get shorter by the factor e; one too low to be told from rounding (or, by an implicit method, from
+ * its error) is taken as resting, a row of its own until the stop would have to pull. */
 #include "mbs/dynamics_run_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double rest = 1e-10;            /* [s]                                                      */
+static const double low = 1e-13;             /* height of a bounce that is rest, scaled                    */
 
 /* Gap of a stop (>= 0 apart), scaled. */
 static double gap_of(const lw_dynamics *d, const lw_contact *c, const double *q)
@@ -106,6 +106,13 @@ static lw_status leave(lw_run *run, int place, double t, const double *y)
     return lw_mbs_arrange(d, t, y);
 }
 
+/* Does a gap that opens at this rate stay as good as closed? */
+static bool rests(const lw_run *run, double rate, double acceleration)
+{
+    double height = run->r->formulation == LW_FORMULATION_CVODE ? fmax(low, run->d->o.absolute) : low;
+    return acceleration <= 0 && (rate <= 0 || rate*rate <= -2*acceleration*height);
+}
+
 /* One stop whose gap is closed and closing. */
 static lw_status strike(lw_run *run, int which, double t, double *y, double *g, double rate)
 {
@@ -119,8 +126,7 @@ static lw_status strike(lw_run *run, int which, double t, double *y, double *g, 
     for (int i = 0; i < n; i++)
         y[n + i] -= (1 + e)*rate/way*change[i];
     lw_status s = gap_motion(run, c, t, y, g, &rate, &acceleration);
-    bool stays = s == LW_OK && acceleration <= 0 && 2*rate <= -acceleration*rest;
-    if (stays)
+    if (s == LW_OK && rests(run, rate, acceleration))
         s = touch(run, which, t, y);
     else if (e == 0 && s == LW_OK)
         for (int i = 0; i < n; i++)
@@ -128,6 +134,26 @@ static lw_status strike(lw_run *run, int which, double t, double *y, double *g, 
     if (run->has_work)
         y[2*n] += lw_forces_kinetic(&d->f, y + n) - before;
     return s;
+}
+
+/* How long the shortest flight that begins now will last [s]; 0: none does. */
+static lw_status find_flight(lw_run *run, double t, const double *y)
+{
+    lw_dynamics *d = run->d;
+    double g[LW_SYSTEM_Q_MAX], rate, acceleration;
+    run->flight = 0;
+    for (int i = 0; i < d->n_contact; i++) {
+        const lw_contact *c = &d->contact[i];
+        if (c->touching || fabs(gap_of(d, c, y)) > 1e-9)
+            continue;
+        lw_status s = gap_motion(run, c, t, y, g, &rate, &acceleration);
+        if (s != LW_OK)
+            return s;
+        double flight = rate > 0 && acceleration < 0 ? -2*rate/acceleration : 0;
+        if (flight > 0 && (run->flight == 0 || flight < run->flight))
+            run->flight = flight;
+    }
+    return LW_OK;
 }
 
 lw_status lw_run_contacts(lw_run *run, double t, double *y, bool *changed)
@@ -159,7 +185,7 @@ lw_status lw_run_contacts(lw_run *run, double t, double *y, bool *changed)
             break;
         }
         if (!any)
-            return s;
+            return s == LW_OK ? find_flight(run, t, y) : s;
         *changed = true;
     }
     return s == LW_OK ? lw_error_set(run->e, LW_E_NUMERIC, "stops strike each other without end at t = %.9g s", t) : s;

@@ -58,8 +58,8 @@ static lw_status follow(lw_run *run, double t, double end, double *y, double *a)
         memcpy(a, d->a, (size_t)n*sizeof *a);
     }
     if (s == LW_OPEN)
-        return lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.9g s: it stands at a "
-                            "limit of its motion", t);
+        return lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.9g s: it stands "
+                            "at a limit of its motion", t);
     return s;
 }
 

@@ -220,8 +220,8 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
     if (lw_mbs_project_q(d, t, d->q_try, 1) == LW_OK && lw_mbs_rows(d, t, d->q_try) == LW_OK) {
         lw_mbs_factor(d, true);
         if (d->rank_of.rank > rank)
-            return lw_error_set(d->e, LW_E_NUMERIC, "the posture at the start is singular: from there the linkage can go "
-                                "on in several ways; start it from a posture nearby");
+            return lw_error_set(d->e, LW_E_NUMERIC, "the posture at the start is singular: from there the linkage can "
+                                "go on in several ways; start it from a posture nearby");
     }
     set_rank(d, rank);
     return LW_OK;
@@ -279,12 +279,13 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     d->n_driven = driven;
     s = lw_mbs_arrange(d, d->o.from, q);
     if (s == LW_OK && d->rank < rank + driven)
-        return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave motions "
-                            "out", driven, d->rank - rank);
+        return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
+                            "motions out", driven, d->rank - rank);
     if (s == LW_OK && driven)
         s = go_to_start(d, q);
     if (s == LW_OPEN)
-        return lw_error_set(e, LW_OPEN, "the linkage cannot get from the posture of the file to where its motions begin");
+        return lw_error_set(e, LW_OPEN, "the linkage cannot get from the posture of the file to where its motions "
+                            "begin");
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
 }
 

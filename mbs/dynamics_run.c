@@ -211,12 +211,17 @@ static double time_of(const stepper *w) { return w->implicit ? w->implicit_one.t
 
 static lw_status step(stepper *w, double end, lw_ode_stop *stop, lw_error *e)
 {
-    return w->implicit ? lw_cvode_step(&w->implicit_one, end, stop, e) : lw_integrate_step(&w->explicit_one, end, stop, e);
+    return w->implicit ? lw_cvode_step(&w->implicit_one, end, stop, e)
+                       : lw_integrate_step(&w->explicit_one, end, stop, e);
 }
 
-static lw_status restart(stepper *w, const double *y, lw_error *e)
+/* The first step ends within the flight, so that a short one is seen. */
+static lw_status restart(stepper *w, const double *y, double flight, lw_error *e)
 {
-    return w->implicit ? lw_cvode_restart(&w->implicit_one, y, e) : lw_integrate_restart(&w->explicit_one, y, e);
+    if (flight > 0)
+        w->explicit_one.h = fmin(w->explicit_one.h, 0.5*flight);
+    return w->implicit ? lw_cvode_restart_with(&w->implicit_one, y, 0.5*flight, e)
+                       : lw_integrate_restart(&w->explicit_one, y, e);
 }
 
 /* Samples up to where the solver stands. */
@@ -298,7 +303,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
             memcpy(y, state(w), (size_t)run->n*sizeof *y);
             s = lw_run_contacts(run, time_of(w), y, &changed);
             if (s == LW_OK)
-                s = restart(w, y, run->e);
+                s = restart(w, y, run->flight, run->e);
         }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
@@ -362,8 +367,8 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     default: s = run_bodies(&run, r->formulation == LW_FORMULATION_CVODE);
     }
     if (s == LW_OPEN)
-        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from which it can "
-                         "go on in several ways", r->t);
+        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
+                         "which it can go on in several ways", r->t);
     if (s < 0 && !run.e->text[0])
         lw_error_set(run.e, s, "the run ended at t = %.9g s: %s", r->t, lw_status_text(s));
     return s;

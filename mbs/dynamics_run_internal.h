@@ -16,6 +16,7 @@ typedef struct lw_run {
     int     n;                       /* q, v, and the work where some is done                          */
     bool    has_work;
     int     next;                    /* the sample to come                                             */
+    double  flight;                  /* of a bounce that just began [s]; 0: none                        */
     double  energy0, potential0, momentum0;
     double *y;                       /* (n) scratch                                                    */
 } lw_run;

@@ -338,6 +338,7 @@ static void factor_rank(lw_dynamics *d)
 {
     for (int r = 0; r < d->n_c; r++)
         memcpy(d->rank_of.a + r*d->n_q, d->jac + r*d->n_q, (size_t)d->n_q*sizeof *d->jac);
+    d->rank_of.most = d->rank;               /* off the constraints redundant rows are not quite so */
     lw_rank_factor(&d->rank_of, no_rank);
     d->null_ready = false;
 }
@@ -355,6 +356,8 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool sure)
     if (!d->sure)
         return LW_OK;
     factor_rank(d);
+    if (d->has_zero_mass)
+        d->weak = d->rank_of.weakest*d->rank_of.weakest;
     return d->rank_of.rank < d->rank ? LW_OPEN : LW_OK;
 }
 

@@ -48,6 +48,16 @@ static inline void drun_read_text(drun *d, const char *text)
     d->o = lw_dynamics_options_default();
 }
 
+/* A format whose quotes are single ones. */
+static inline void drun_read_format(drun *d, const char *format, double a, double b)
+{
+    char text[6000];
+    snprintf(text, sizeof text, format, a, b);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    drun_read_text(d, text);
+}
+
 static inline void drun_read(drun *d, const char *file)
 {
     char *text = NULL;

@@ -1,0 +1,277 @@
+/* Stops, friction, redundant rows, masses and stiffnesses far apart: against closed solutions. */
+#include "tests/dynamics_run.h"
+
+static drun d, other;
+
+static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                      LW_FORMULATION_GGL };
+
+/* ---- stops ------------------------------------------------------------------------------------- */
+
+static const char falling[] = "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 2, 'centre': [0, 1]}],"
+    "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],"
+    "'stop': {'least': -1, 'restitution': %.17g}}], 'input': {'joint': 'S'}, 'gravity': [0, %.17g],"
+    "'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}";
+
+/* Height of a ball dropped from 1 at time t. */
+static double bounced(double e, double g, double t)
+{
+    double fall = sqrt(2/g), speed = g*fall, since = fall;
+    if (t <= fall)
+        return 1 - 0.5*g*t*t;
+    for (int k = 0; k < 200; k++) {
+        speed *= e;
+        double flight = 2*speed/g;
+        if (t < since + flight)
+            return speed*(t - since) - 0.5*g*(t - since)*(t - since);
+        since += flight;
+        if (flight < 1e-12)
+            break;
+    }
+    return 0;
+}
+
+/* Dropped from 1: falls for sqrt(2/g), each flight is e times as long, all end after (1 + e)/(1 - e) falls. */
+static void bouncing(void)
+{
+    static const double restitution[] = { 0, 0.3, 0.5, 0.9, 1 };
+    const double g = 9.81, fall = sqrt(2/g);
+    for (int k = 0; k < 5; k++)
+        for (int f = 1; f < 3; f++) {
+            double e = restitution[k], t = fall, flight = 2*e*fall, slack = f == 1 ? 1e-12 : 1e-7;
+            drun_read_format(&d, falling, e, -g);
+            CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], 1e-10, 3, 300), LW_OK);
+            CHECK_INT(d.report.formulation, all[f]);
+            CHECK(d.report.n_happening > 0);
+            for (int i = 0; i < d.report.n_happening && (e == 1 || flight > (f == 1 ? 1e-6 : 1e-3)*fall); i++) {
+                CHECK(d.report.happening[i].impact && !d.report.happening[i].greatest);
+                CHECK_NEAR(d.report.happening[i].t, t, slack*(i + 1), 0);
+                CHECK_NEAR(d.report.happening[i].speed, -g*fall*pow(e, i), 20*slack*(i + 1), 0);
+                t += flight;
+                flight *= e;
+            }
+            for (int i = 0; i <= 300; i++)
+                CHECK_NEAR(d.tracer[i].y, bounced(e, g, d.t[i]), f == 1 ? 1e-9 : 1e-6, 0);
+            if (e == 1) {
+                CHECK_INT(d.report.n_seen, (int)((3/fall + 1)/2));
+                CHECK(d.report.energy_error < (f == 1 ? 1e-10 : 1e-6)*d.report.energy_scale);
+            } else if (e < 0.9) {
+                CHECK_NEAR(d.v[1], 0, 1e-12, 0);
+                CHECK_NEAR(d.a[1], 0, 1e-10, 0);
+            }
+            CHECK(d.report.energy_error < (f == 1 ? 1e-9 : 1e-5)*d.report.energy_scale);
+            lw_model_free(&d.model);
+        }
+}
+
+/* Resting on its stop a mass of 1 is lifted by 5 t: leaves when that is its weight, then 5 s^3/6. */
+static void leaves_a_stop(void)
+{
+    const double g = 9.81, off = g/5;
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'ball', 'mass': 1, 'centre': [0, 1]}],"
+        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'ball'], 'at': [0, 1], 'along': [0, 1],"
+        "'stop': {'least': 0}}], 'gravity': [0, -9.81], 'forces': [{'link': 'ball', 'at': [0, 1],"
+        "'fy': '5*t'}], 'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}", 0, 0);
+    for (int f = 1; f < 3; f++) {
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 3, 300), LW_OK);
+        CHECK_INT(d.report.happening[d.report.n_happening - 1].impact, false);
+        CHECK_NEAR(d.report.happening[d.report.n_happening - 1].t, off, f == 1 ? 1e-12 : 1e-6, 0);
+        for (int i = 0; i <= 300; i++) {
+            double s = fmax(0, d.t[i] - off);
+            CHECK_NEAR(d.tracer[i].y, 1 + 5*s*s*s/6, f == 1 ? 1e-10 : 1e-6, 0);
+        }
+    }
+    lw_model_free(&d.model);
+}
+
+/* A pendulum let go level strikes a stop straight below: its speed is sqrt(2 g r), its next height e^2 of the
+ * first; a compliant stop of high stiffness gives the energy back. */
+static void pendulum_and_stop(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1, 'centre': [-1, 0]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0], 'stop': {'greatest': 1.5707963267948966,"
+        "%s}}], 'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [-1, 0]}]}";
+    char all_of_it[2000];
+    snprintf(all_of_it, sizeof all_of_it, text, "'restitution': 0.7");
+    drun_read_format(&d, all_of_it, 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 2, 1000), LW_OK);
+    double least = 0;
+    for (int i = 0; i <= 1000; i++)
+        least = d.t[i] > d.report.happening[0].t ? fmin(least, -1 - d.tracer[i].y) : least;
+    CHECK(d.report.happening[0].greatest && d.report.happening[0].impact);
+    CHECK_NEAR(-d.report.happening[0].speed, sqrt(2*9.81), 1e-9, 0);
+    CHECK_NEAR(-least, 0.49, 1e-5, 0);
+    lw_model_free(&d.model);
+    snprintf(all_of_it, sizeof all_of_it, text, "'stiffness': 1e6");
+    drun_read_format(&d, all_of_it, 0, 0);
+    for (int f = 1; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], 1e-11, 2, 1000), LW_OK);
+        CHECK(d.report.energy_error < (f == 1 ? 1e-8 : 1e-5)*d.report.energy_scale);
+        CHECK_NEAR(d.tracer[1000].y, other.n_moment ? other.tracer[1000].y : d.tracer[1000].y, 1e-5, 0);
+        other = d;
+    }
+    other.n_moment = 0;
+    lw_model_free(&d.model);
+}
+
+/* ---- friction ---------------------------------------------------------------------------------- */
+
+static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 3, 'centre': [0, 0]}],"
+    "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0],"
+    "'friction': {'coefficient': 0.25}}], 'input': {'joint': 'S', 'speed': %.17g}, 'gravity': [%.17g, -8],"
+    "'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0]}]}";
+
+/* Down a slope: 5 - 0.25*8 = 3.  On the level: stops after (v^2/2 + pi^2 s^2/12)/(mu g), s the speed of regularisation.
+ * Up a slope too flat to slide: creeps back at s artanh(load/friction). */
+static void sliding(void)
+{
+    static const double slack[] = { 0, 1e-9, 1e-6, 1e-5 };
+    for (int f = 1; f < 4; f++) {
+        drun_read_format(&d, incline, 1, 5);
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 2, 20), LW_OK);
+        CHECK_NEAR(d.tracer[20].x, 2 + 0.5*3*4, slack[f], 0);
+        CHECK(d.report.energy_error < 10*slack[f]*d.report.energy_scale);
+        lw_model_free(&d.model);
+        drun_read_format(&d, incline, 1, 0);
+        CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], 1e-10, 2, 20), LW_OK);
+        CHECK_NEAR(d.tracer[20].x, (0.5 + LW_PI*LW_PI*1e-6/12)/2, slack[f == 1 ? 2 : f], 0);
+        CHECK_NEAR(d.v[0], 0, 1e-6, 0);
+        lw_model_free(&d.model);
+    }
+    drun_read_format(&d, incline, 1, -1);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 2, 20), LW_OK);
+    CHECK_NEAR(d.v[0], -1e-3*atanh(0.5), 1e-8, 0);
+    lw_model_free(&d.model);
+}
+
+/* A wheel on a pin of radius 0.02: torque mu r m g slows it evenly. */
+static void wheel_on_pin(void)
+{
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 4, 'centre': [0, 0],"
+        "'inertia': 0.05}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0],"
+        "'friction': {'coefficient': 0.3, 'radius': 0.02}}], 'input': {'joint': 'A', 'speed': 20},"
+        "'gravity': [0, -9.81]}", 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 3), LW_OK);
+    CHECK_NEAR(d.v[2], 20 - 3*0.3*0.02*4*9.81/0.05, 1e-7, 0);
+    CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+/* A block pushed by a rod at 45 degrees: presses as much as it is pushed.  With the coefficient above 1 the rod's
+ * push cannot overcome the friction it causes: refused with the joint's name, below it runs. */
+static void painleve(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1,"
+    "'centre': [0, 0.5],"
+        "'inertia': 0.1}, {'name': 'rod', 'mass': 0, 'centre': [0.5, 0.5]}, {'name': 'block', 'mass': %.17g,"
+        "'centre': [1, 0]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['crank', 'rod'], 'at': [0, 1]}, {'name': 'C', 'links': ['rod', 'block'],"
+        "'at': [1, 0]},"
+        "{'name': 'D', 'kind': 't', 'links': ['ground', 'block'], 'at': [1, 0], 'along': [1, 0],"
+        "'friction': {'coefficient': %.17g}}], 'input': {'joint': 'A', 'speed': -1},"
+        "'tracers': [{'name': 'P', 'link': 'block', 'at': [1, 0]}]}";
+    for (int f = 1; f < 4; f++) {
+        drun_read_format(&d, text, 1, 0.5);
+        CHECK_INT(drun_to(&d, all[f], 1e-9, 0.3, 3), LW_OK);
+        CHECK(d.report.energy_error < 1e-4*d.report.energy_scale);
+        if (other.n_moment)
+            CHECK_NEAR(d.tracer[3].x, other.tracer[3].x, 1e-6, 0);
+        other = d;
+        lw_model_free(&d.model);
+    }
+    other.n_moment = 0;
+    drun_read_format(&d, text, 1, 8);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 0.3, 3), LW_E_NUMERIC);
+    CHECK_HAS(d.e.text, "\"D\"");
+    CHECK_HAS(d.e.text, "Painleve");
+    lw_model_free(&d.model);
+}
+
+/* ---- more rows than needed --------------------------------------------------------------------- */
+
+#define PINS(n, x, crank) "{'name': 'A" n "', 'links': ['ground', '" crank "'], 'at': [" x ", 0]}," \
+                          "{'name': 'B" n "', 'links': ['" crank "', 'coupler'], 'at': [" x ".6, 0.8]}"
+
+static const char parallel_two[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,"
+    "'centre': [0.3, 0.4]},"
+    "{'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],"
+    "'inertia': 1}],"
+    "'joints': [" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "], 'input': {'joint': 'A0', 'speed': 0.3},"
+    "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
+static const char parallel_three[] = "{'linkwright': 1, 'links': ['ground', {'name': 'c0', 'mass': 1,"
+    "'centre': [0.3, 0.4]},"
+    "{'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]}, {'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8],"
+    "'inertia': 1},"
+    "{'name': 'c2', 'mass': %.17g, 'centre': [2.3, 0.4]}],"
+    "'joints': [" PINS("0", "0", "c0") "," PINS("1", "1", "c1") "," PINS("2", "2", "c2") "],"
+    "'input': {'joint': 'A0', 'speed': 0.3},"
+    "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
+
+static void names_of_redundant(drun *r, char *text, size_t size)
+{
+    lw_dynamics *m;
+    CHECK_INT(lw_dynamics_make(&r->model, &r->o, &m, &r->e), LW_OK);
+    lw_dynamics_redundant(m, text, size);
+    lw_dynamics_free(m);
+}
+
+/* A third crank: a row too many.  A massless one changes nothing; with mass, the equation of the angle is
+ * (3/4 + 2) phi'' = -(3/2 + 2) g cos phi, that of a pendulum of length 5.5/7. */
+static void parallelogram(void)
+{
+    char names[200];
+    drun_read_format(&other, parallel_two, 0, 0);
+    CHECK_INT(drun_to(&other, LW_FORMULATION_INDEX1, 1e-12, 1, 100), LW_OK);
+    CHECK_INT(other.report.redundant, 0);
+    names_of_redundant(&other, names, sizeof names);
+    CHECK_TEXT(names, "");
+    drun_read_format(&d, parallel_three, 0, 0);
+    names_of_redundant(&d, names, sizeof names);
+    CHECK_TEXT(names, " A0 B0 A1 B1 A2 B2");
+    for (int f = 1; f < 4; f++) {
+        CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], f == 1 ? 1e-12 : 1e-9, 1, 100), LW_OK);
+        CHECK_INT(d.report.redundant, 1);
+        CHECK_INT(d.report.freedom, 1);
+        CHECK(!d.unique);
+        for (int i = 0; i <= 100; i++)
+            CHECK_NEAR(d.tracer[i].y, other.tracer[i].y, f == 1 ? 1e-9 : 1e-5, 0);
+    }
+    lw_model_free(&d.model);
+    lw_model_free(&other.model);
+    drun_read_format(&d, parallel_three, 1, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 0.7, 100), LW_OK);
+    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,"
+        "'centre': [0.47142857142857142857, 0.62857142857142857143]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
+    CHECK_INT(drun_to(&other, LW_FORMULATION_REDUCED, 1e-12, 0.7, 100), LW_OK);
+    for (int i = 0; i <= 100; i++)
+        CHECK_NEAR(d.tracer[i].y, other.tracer[i].y, 1e-9, 0);
+    /* of least norm: across the cranks' stress 1, -2, 1, that which balances itself */
+    lw_vec2 u = d.tracer[100];
+    double stress = 0, size = 0;
+    static const double part[] = { 1, -2, 1 };
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 2; k++) {
+            const double *l = d.l + d.system.joint[2*c + k].row;
+            stress += part[c]*(u.x*l[0] + u.y*l[1]);
+            size = fmax(size, hypot(l[0], l[1]));
+        }
+    CHECK(size > 0);
+    CHECK_NEAR(stress, 0, 1e-10*size, 0);
+    lw_model_free(&d.model);
+    lw_model_free(&other.model);
+}
+
+int main(void)
+{
+    RUN(bouncing);
+    RUN(leaves_a_stop);
+    RUN(pendulum_and_stop);
+    RUN(sliding);
+    RUN(wheel_on_pin);
+    RUN(painleve);
+    RUN(parallelogram);
+    return check_end();
+}
