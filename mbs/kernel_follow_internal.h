@@ -105,7 +105,7 @@ static size_t go_way(follower *f, const way *y, const chunk *q)
         while (n < r.n && f->sure[n])
             n++;
         if (n == 0) {
-            f->at.stride = gap/8;
+            f->at.stride = gap*fmin(0.5, fmax(0.125, 0.5/f->need[0]));
             if (!(f->at.stride >= (f->fine ? END_FINE : END)*unit))
                 break;
             continue;
@@ -113,8 +113,12 @@ static size_t go_way(follower *f, const way *y, const chunk *q)
         if (q)
             put_passed(f, q, y, &r, i, n);
         i = r.passed[n - 1];
+        gap = n > 1 ? fabs(r.t[n - 1] - r.t[n - 2]) : gap;
         accept(f, r.t, n);
-        f->at.stride = n == r.n ? fmin(STRIDE_MAX*unit, 2*f->at.stride) : n < 3 ? 0.5*f->at.stride : f->at.stride;
+        if (n == r.n)
+            f->at.stride = fmin(STRIDE_MAX*unit, fmax(f->at.stride, gap*fmin(2, 0.9/f->need[n - 1])));
+        else
+            f->at.stride = n < 3 ? 0.5*f->at.stride : f->at.stride;
     }
     return i;
 }

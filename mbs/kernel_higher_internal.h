@@ -420,8 +420,9 @@ static void put_group(const run *k, const eight *w, size_t i)
 
 /* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
  * reach stay where they are. */
-static void settle(eight *w, const double *out_of_reach)
+static void settle(eight *w, const double *out_of_reach, int want)
 {
+    const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
     lanes8 length;
     for (int i = 0; i < 5; i++) {
         factor(w);
@@ -430,7 +431,7 @@ static void settle(eight *w, const double *out_of_reach)
             LW_EIGHT w->step[r][j] = out_of_reach[j] > 0 || !(fabs(w->step[r][j]) < 0.03*(r < w->g->n_turn ? 1 : w->size))
                                      ? 0 : w->step[r][j];
         go(w, length);
-        if (largest(length) < 1e-20)
+        if (largest(length) < enough)
             break;
     }
     LW_EIGHT w->margin[j] = out_of_reach[j] > 0 ? -out_of_reach[j] : w->margin[j];
@@ -449,7 +450,7 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
             load_vectors(k, &w, g, i, per_lane);
         load_known(k, &w, i, per_lane);
         take_seat(k, &w, i);
-        settle(&w, reach + i);
+        settle(&w, reach + i, want);
         put_group(k, &w, i);
         double *margin = k->margin + i;
         if (want >= WITH_MARGIN)

@@ -51,6 +51,7 @@ typedef struct follower {
     lanes8  margin[LW_HIGHER_MAX];
     lanes8  known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
     bool    sure[LW_GROUP];
+    double  need[LW_GROUP];                /* room it takes over what there is          */
     int     at_lane;                       /* of the last trial: the present                          */
     double *trial_inverse;                 /* of the last trial, by lanes                             */
 } follower;
@@ -300,24 +301,25 @@ LW_INLINE void quarter(const eight *w, const int n, lanes8 *b)
         }
 }
 
-/* Are the Jacobians in the box, or in a wider one, regular? */
-LW_INLINE void regular(const lw_higher *g, const int n, lanes8 *b, const drift *by, lanes8 *box,
-                       lanes8 fits)
+/* Are the Jacobians in the box, or in a wider one, regular?  need: the room that it takes over what there is, <= 1. */
+LW_INLINE void regular(const lw_higher *g, const int n, lanes8 *b, const drift *by, lanes8 *box, lanes8 need)
 {
     lanes8 r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
     memcpy(r, box, (size_t)n*sizeof *r);
     for (int again = 0; again < 4; again++) {
         bend(g, by, r, z);
         bent(n, b, z, s);
-        LW_EIGHT fits[j] = 1;
+        LW_EIGHT need[j] = 0;
         for (int i = 0; i < n; i++) {
             double turns = i < g->n_turn ? 0.5 : 0;
             LW_EIGHT {
                 double needs = (s[i][j] + turns*r[i][j]*r[i][j]*r[i][j])*(1/CONTRACTION);
-                fits[j] = needs <= r[i][j] ? fits[j] : 0;
+                need[j] = lw_at_least(needs/lw_at_least(r[i][j], LW_TINY), need[j]);
                 r[i][j] = lw_at_least(1.1*needs, r[i][j]);
             }
         }
+        if (largest(need) <= 1)
+            break;
     }
 }
 
@@ -344,7 +346,9 @@ LW_INLINE void compare_of(follower *f, const eight *w, const int n, const lanes8
     regular(g, n, b, &by, r, here);
     regular(g, n, before, &by, r, there);
     for (int j = 0; j < LW_GROUP; j++)
-        f->sure[j] = f->sure[j] && here[j] > 0 && there[j] > 0;
+        f->need[j] = fmax(f->need[j], f->sure[j] ? fmax(here[j], there[j]) : INFINITY);
+    for (int j = 0; j < LW_GROUP; j++)
+        f->sure[j] = f->sure[j] && f->need[j] <= 1;
 }
 
 static void bend_here(follower *f, const eight *w)
@@ -408,8 +412,10 @@ static void trial(follower *f, const lanes8 t)
     int n = nodes_behind(&f->at, longest, behind);
     weights(behind, n, t, weight);
     set_input(f, t);
-    for (int j = 0; j < LW_GROUP; j++)
+    for (int j = 0; j < LW_GROUP; j++) {
         f->sure[j] = true;
+        f->need[j] = 0;
+    }
     for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
         if (s->kind != LW_STEP_HIGHER) {
