@@ -209,9 +209,56 @@ static void gradients_are_differences(void)
     CHECK(n_compared > 60);
 }
 
+/* ---- the way -------------------------------------------------------------------------------------------- */
+
+#define SPARSE 24
+#define TIMES  40
+
+static int n_same;
+
+/* Lanes far apart are followed along the same way as lanes so near that hardly anything moves between them. */
+static void same_way(subject *q, lw_rng *r)
+{
+    enum { DENSE = SPARSE*TIMES };
+    static double c[DENSE], s[DENSE], x[DENSE], y[DENSE], m[DENSE], u[DENSE], v[DENSE];
+    double cs[SPARSE], ss[SPARSE], xs[SPARSE], ys[SPARSE], us[SPARSE], vs[SPARSE], ms[SPARSE];
+    double spacing = lw_rng_range(r, -0.25, 0.25), size = q->p.input_is_slider ? lw_plan_size(&q->p, q->dim) : 1;
+    int which = (int)(lw_rng_bits(r)%8);
+    for (int i = 0; i < DENSE; i++) {
+        double t = q->input + size*spacing*i/TIMES;
+        c[i] = q->p.input_is_slider ? t : cos(t);
+        s[i] = sin(t);
+        if (i%TIMES == 0) {
+            cs[i/TIMES] = c[i];
+            ss[i/TIMES] = s[i];
+        }
+    }
+    lw_batch_point(&q->p, &(lw_lanes){ DENSE, c, s, q->dim, 0, q->mode, 0 }, which, work, x, y, u, v, m);
+    lw_batch_point(&q->p, &(lw_lanes){ SPARSE, cs, ss, q->dim, 0, q->mode, 0 }, which, work, xs, ys, us, vs, ms);
+    for (int i = 0, at = 0; i < SPARSE; i++) {
+        while (at < i*TIMES && m[at] > 1e-3)             /* nor may a dyad open in between                */
+            at++;
+        if (at < i*TIMES || !(m[at] > 1e-3))
+            break;
+        double far = 1 + fabs(x[at]) + fabs(y[at]);
+        CHECK_NEAR(xs[i], x[at], 1e-9*far/m[at], 0);
+        CHECK_NEAR(ys[i], y[at], 1e-9*far/m[at], 0);
+        CHECK_NEAR(ms[i], m[at], 1e-8/m[at], 0);
+        n_same++;
+    }
+}
+
+static void lanes_far_apart_keep_to_the_way(void)
+{
+    eight_bars(same_way, 0, 0.5);
+    eight_bars(same_way, 3, 0.5);
+    CHECK(n_same > 2000);
+}
+
 int main(void)
 {
     RUN(every_eight_bar_moves);
     RUN(gradients_are_differences);
+    RUN(lanes_far_apart_keep_to_the_way);
     return check_end();
 }
