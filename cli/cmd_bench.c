@@ -6,26 +6,28 @@
 #include "base/parallel.h"
 #include "base/suggest.h"
 #include "cli/bench.h"
+#include "cli/bench_mbs.h"
 #include "cli/progress.h"
 
 typedef struct settings {
     const char *output, *problems, *solvers;
     double      time, limit, budget;
     int         seeds;
-    const char *links;
-    bool        both_ways;
+    const char *links, *cases;
+    bool        both_ways, no_peers;
 } settings;
 
 static const cli_option options[] = {
     { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
-      "write curves.csv, reach.csv and a plot of each problem into this folder", 0, 0, NULL, NULL },
+      "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
     { "problems", 'p', CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
       "folder of CSV files of points; without it the published problems that come with linkwright", 0, 0,
       NULL, NULL },
     { "solvers", 's', CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
       "whose curves: 'default' (the whole strategy of fit), rows of 'linkwright fit --solver help', 'all', "
       "'none'", 0, 0, NULL, NULL },
-    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3", "for each curve", 1e-3, 1e6, NULL, NULL },
+    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3", "for each curve; mbs: for the repeats of a row", 1e-3,
+      1e6, NULL, NULL },
     { "seeds", 'n', CLI_INT, offsetof(settings, seeds), "N", "20",
       "runs of the default strategy towards the reachable error, with the seeds from --seed on", 0, 10000,
       NULL, NULL },
@@ -36,6 +38,11 @@ static const cli_option options[] = {
     { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
       "with --links: paths without input angles are scored from target to curve and from curve to target", 0, 0, NULL, NULL },
     { "limit", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
+    { "cases", 'c', CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
+      "with mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; all when left out", 0, 0,
+      NULL, NULL },
+    { "no-peers", 0, CLI_FLAG, offsetof(settings, no_peers), NULL, NULL,
+      "with mbs: leave Simbody and MuJoCo out", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -200,6 +207,22 @@ static int run_links(const cli_call *call, cli_bench *b)
     return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
 }
 
+static int run_mbs(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    cli_mbs b = { .call = call, .time = s->time, .peers = !s->no_peers };
+    cli_watch_interrupt();
+    cli_bench_machine(b.machine, sizeof b.machine);
+    lw_status st = cli_mbs_run(&b, s->cases, s->output, &e);
+    if (b.missing[0])
+        cli_note(call, "not measured:%s", b.missing);
+    cli_mbs_free(&b);
+    if (st == LW_E_ARG)
+        return cli_usage(call, "%s", e.text);
+    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -208,10 +231,12 @@ static int run(const cli_call *call)
                     .jobs = call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
     chosen c;
     lw_error e = { 0 };
-    if (strcmp(what, "fit") != 0)
-        return cli_usage(call, "there is no bench '%s'; there is 'fit'", what);
     if (call->common.json)
         return cli_usage(call, "--json has no meaning here; -o FOLDER writes CSV");
+    if (strcmp(what, "mbs") == 0)
+        return run_mbs(call);
+    if (strcmp(what, "fit") != 0)
+        return cli_usage(call, "there is no bench '%s'; there are 'fit' and 'mbs'", what);
     if (choose(s->solvers, &c, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     cli_watch_interrupt();
@@ -228,7 +253,7 @@ static int run(const cli_call *call)
 
 const cli_command cli_bench_command = {
     .name = "bench",
-    .words = "fit",
+    .words = "fit|mbs",
     .title = "speed against error, as tables and plots",
     .examples =
         "  linkwright bench fit                                      the published path problems, all solvers\n"
@@ -236,9 +261,16 @@ const cli_command cli_bench_command = {
         "  linkwright bench fit --solvers lm,slsqp --time 2 --seeds 0\n"
         "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n"
         "  linkwright bench fit --links 6,8                          error against number of links\n"
-        "  linkwright bench fit --links 8 --problems examples/letters -o out\n",
+        "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
+        "  linkwright bench mbs -o out                               multibody reference problems, all solvers\n"
+        "  linkwright bench mbs --cases andrews --no-peers\n",
     .about =
-        "Two Markdown tables go to standard output: how often and how soon the default strategy\n"
+        "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error\n"
+        "against exact solutions or more digits, processor time as the best of several, mbs.csv and plots;\n"
+        "Simbody and MuJoCo in the same run where `make bench` found them. A solver that takes more than\n"
+        "a second is not asked for tighter tolerances.\n"
+        "\n"
+        "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"
         "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"
         "what each solver reaches on one core in the given time. Local solvers run from the\n"
         "structured starts of the default strategy, global ones search the box of the bounds.\n"

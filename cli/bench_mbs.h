@@ -1,0 +1,63 @@
+/* cli/bench_mbs.h - the parts of `linkwright bench mbs`: reference problems of multibody dynamics, one row a solver and
+ * tolerance, other programs' solvers in the same run, and what is printed and drawn of them. */
+#ifndef LW_CLI_BENCH_MBS_H
+#define LW_CLI_BENCH_MBS_H
+
+#include "cli/output.h"
+
+struct lw_model;
+
+/* One solver at one tolerance (other programs: accuracy, or length of the step in s). */
+typedef struct cli_mbs_row {
+    const char *problem;
+    char        solver[40];
+    double      tolerance;
+    double      make, seconds;           /* processor time to set up, to run: best of several; NAN: not measured */
+    double      error;                   /* greatest, against the reference; NAN: none                 */
+    double      off;                     /* off-branch measure [m]; NAN: none                          */
+    double      energy;                  /* greatest error of the energy over its scale; NAN: not told  */
+    long        steps, rates;
+    char        note[160];               /* why it failed, ""                                          */
+} cli_mbs_row;
+
+/* Places of the bodies at each moment: x, y of the centre of mass [m], turn [rad]; place[3*(k*n_body + b)]. */
+typedef struct cli_mbs_motion { int n_moment, n_body; double *place; } cli_mbs_motion;
+
+/* A file of numbers: value[k*n_column + c]. */
+typedef struct cli_mbs_reference { int n_row, n_column; double *value; } cli_mbs_reference;
+
+typedef struct cli_mbs_problem {
+    const char *name, *title, *error;    /* error: what is measured, with its unit                     */
+    const char *file;                    /* model and reference of catalogues/data/mbs; NULL: not of this kind */
+    double      to;                      /* [s]                                                        */
+    double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
+} cli_mbs_problem;
+
+extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends                                */
+
+typedef struct cli_mbs {
+    const cli_call *call;
+    double          time;                /* for the repeats of one row [s]                              */
+    bool            peers;
+    uint64_t        wanted;              /* bit i: problem i                                            */
+    int             n, room;
+    cli_mbs_row    *row;                 /* owned                                                      */
+    char            machine[256];        /* compiler | processor | version                             */
+    char            missing[256];        /* peers that are not there                                   */
+} cli_mbs;
+
+/* A new row, of whose solver nothing is known yet; NULL: out of memory. */
+cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
+
+/* Rows of other programs for one model; those that are not built are told in b->missing. */
+lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
+                        lw_error *e);
+
+/* All of it; folder NULL: no files.  LW_E_ARG: no such problem among `cases` (NULL: all). */
+lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);
+void      cli_mbs_free(cli_mbs *b);
+
+void      cli_mbs_tables(const cli_mbs *b, FILE *f);                       /* Markdown                  */
+lw_status cli_mbs_save(const cli_mbs *b, const char *folder, lw_error *e);   /* mbs.csv, mbs-<problem>.svg */
+
+#endif
