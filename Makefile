@@ -107,6 +107,8 @@ install: all $B/$(SONAME) $B/linkwright.1
 	install -m 644 $B/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
 	install -m 644 catalogues/data/paths/*.csv $(DESTDIR)$(PREFIX)/share/linkwright/paths
 	install -m 644 catalogues/data/published-counts.csv $(DESTDIR)$(PREFIX)/share/linkwright
+	install -d $(DESTDIR)$(PREFIX)/share/linkwright/mbs
+	install -m 644 catalogues/data/mbs/* $(DESTDIR)$(PREFIX)/share/linkwright/mbs
 	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h))); do \
 	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|' linkwright.pc.in \

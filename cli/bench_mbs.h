@@ -39,6 +39,7 @@ typedef struct cli_mbs {
     const cli_call *call;
     double          time;                /* for the repeats of one row [s]                              */
     bool            peers;
+    int             loosest, tightest;   /* tolerances 1e-loosest to 1e-tightest                       */
     uint64_t        wanted;              /* bit i: problem i                                            */
     int             n, room;
     cli_mbs_row    *row;                 /* owned                                                      */

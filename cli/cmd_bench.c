@@ -15,6 +15,7 @@ typedef struct settings {
     int         seeds;
     const char *links, *cases;
     bool        both_ways, no_peers;
+    double      tolerance[2];
 } settings;
 
 static const cli_option options[] = {
@@ -41,6 +42,8 @@ static const cli_option options[] = {
     { "cases", 'c', CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
       "with mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; all when left out", 0, 0,
       NULL, NULL },
+    { "tolerance", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4", "with mbs: a row for each power of ten",
+      1e-13, 1e-1, NULL, NULL },
     { "no-peers", 0, CLI_FLAG, offsetof(settings, no_peers), NULL, NULL,
       "with mbs: leave Simbody and MuJoCo out", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -211,7 +214,8 @@ static int run_mbs(const cli_call *call)
 {
     const settings *s = call->settings;
     lw_error e = { 0 };
-    cli_mbs b = { .call = call, .time = s->time, .peers = !s->no_peers };
+    cli_mbs b = { .call = call, .time = s->time, .peers = !s->no_peers,
+                  .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
     cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
     lw_status st = cli_mbs_run(&b, s->cases, s->output, &e);
@@ -268,7 +272,7 @@ const cli_command cli_bench_command = {
         "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error\n"
         "against exact solutions or more digits, processor time as the best of several, mbs.csv and plots;\n"
         "Simbody and MuJoCo in the same run where `make bench` found them. A solver that takes more than\n"
-        "a second is not asked for tighter tolerances.\n"
+        "a second, or fails twice, is not asked for tighter tolerances.\n"
         "\n"
         "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"
         "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"

@@ -22,7 +22,7 @@ typedef struct lw_flexible_crank {
 } lw_flexible_crank;
 
 /* The published numbers, literally: pi of eight digits, and the mass of stretching without its factor 1/15, which the
- * published end values need (Mazzia & Magherini 2008, section II-11). */
+ * published end values need (Mazzia & Magherini 2008, problem "slider crank"). */
 void lw_flexible_crank_published(lw_flexible_crank *c);
 
 /* (7 x 7, symmetric); forces of stiffness and of velocities (7). */

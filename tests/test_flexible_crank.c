@@ -64,7 +64,7 @@ static void rows(void)
     }
 }
 
-/* Mazzia & Magherini 2008, problem II-11, t = 0.1: good to 3e-8 of each elastic coordinate, as the start is printed with
+/* Mazzia & Magherini 2008, problem "slider crank", t = 0.1: good to 3e-8 of each elastic coordinate, as the start is printed with
  * nine digits only. */
 static void published(void)
 {
@@ -78,7 +78,7 @@ static void published(void)
         double phi[3];
         CHECK_INT(lw_flexible_crank_run(&c, (lw_flexible_method)k, tolerance[k], 0.1, &r, &e), LW_OK);
         for (int i = 0; i < N; i++)
-            CHECK_NEAR(r.p[i], want[i], i < 3 ? 1e-8 : 0, i < 3 ? 0 : allowed[k]);
+            CHECK_NEAR(r.p[i], want[i], i < 3 ? k == LW_FLEXIBLE_GGL ? 1e-7 : 1e-9 : 0, i < 3 ? 0 : allowed[k]);
         lw_flexible_crank_rows(&c, 0.1, r.p, phi, NULL);
         for (int i = 0; i < 3; i++)
             CHECK_NEAR(phi[i], 0, k == LW_FLEXIBLE_GGL ? 1e-8 : 1e-11, 0);
