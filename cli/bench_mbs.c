@@ -18,7 +18,7 @@
 
 static const double too_slow = 1;            /* [s] a run: its solver is not asked for tighter tolerances   */
 
-enum { REPEAT_MAX = 50, TIGHTEST_IMPLICIT = 12 };   /* 1e-12: BDF's corrector is at the rounding there        */
+enum { REPEAT_MAX = 50 };
 static const double give_up = 5;             /* [s] of the clock                                            */
 
 /* ---- errors ------------------------------------------------------------------------------------------------ */
@@ -77,14 +77,16 @@ static double andrews_error(const cli_mbs_motion *m, const cli_mbs_reference *r,
 
 static const char flexible[] = "flexible-crank", clearance[] = "clearance", chaotic[] = "clearance-250";
 
+/* At 1e-13 the corrector of BDF is at the rounding; in singular postures it creeps from 1e-10 on, and does not come
+ * back. */
 const cli_mbs_problem cli_mbs_problems[] = {
-    { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, pendulum_error },
+    { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, 12, pendulum_error },
     { "two-four-bars", "N-four-bar, N = 2 (A02), 10 s through ten singular postures", "place of B0 [m], any 0.1 s",
-      "two-four-bars", 10, four_bars_error },
-    { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, andrews_error },
-    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, NULL },
-    { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, NULL },
-    { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, NULL },
+      "two-four-bars", 10, 9, four_bars_error },
+    { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, 12, andrews_error },
+    { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL },
+    { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13, NULL },
+    { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL },
     { .name = NULL }
 };
 
@@ -253,7 +255,7 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
     lw_model *m = malloc(sizeof *m);
     cli_mbs_reference r;
     cli_mbs_row *row;
-    int implicit = b->tightest < TIGHTEST_IMPLICIT ? b->tightest : TIGHTEST_IMPLICIT;
+    int implicit = b->tightest < p->implicit ? b->tightest : p->implicit;
     lw_status st = m ? read_model(p->file, m, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st != LW_OK) {
         free(m);

@@ -30,6 +30,7 @@ typedef struct cli_mbs_problem {
     const char *name, *title, *error;    /* error: what is measured, with its unit                     */
     const char *file;                    /* model and reference of catalogues/data/mbs; NULL: not of this kind */
     double      to;                      /* [s]                                                        */
+    int         implicit;                /* tightest tolerance of implicit methods, 1e-implicit        */
     double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
 } cli_mbs_problem;
 
