@@ -1,0 +1,327 @@
+/* Scenes of every kind of joint and load: all formulations that take them agree, energies balance, and what has
+ * a closed solution has it. */
+#include "mbs/integrate.h"
+#include "tests/dynamics_run.h"
+
+static drun d, first;
+
+static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                      LW_FORMULATION_GGL };
+
+/* ---- masses and stiffnesses far apart ------------------------------------------------------------ */
+
+static const char double_pendulum[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': %g, 'centre': [1, 0]},"
+    "{'name': 'two', 'mass': %g, 'centre': [2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'],"
+        "'at': [0, 0]},"
+    "{'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}], 'input': {'joint': 'A'}, 'gravity': [0, -9.81],"
+    "'tracers': [{'name': 'P', 'link': 'two', 'at': [2, 0]}]}";
+
+/* The equations of two mass points in their angles. */
+static lw_status double_rate(void *context, double t, const double *y, double *dy)
+{
+    const double *m = context, g = 9.81, c = cos(y[0] - y[1]), s = sin(y[0] - y[1]);
+    double a = m[0] + m[1], b = m[1]*c, p = -m[1]*s*y[3]*y[3] - a*g*cos(y[0]), r = s*y[2]*y[2] - g*cos(y[1]);
+    (void)t;
+    dy[0] = y[2];
+    dy[1] = y[3];
+    dy[2] = (p - b*r)/(a - b*c);
+    dy[3] = r - c*dy[2];
+    return LW_OK;
+}
+
+/* Place of the second mass at `to` [m]. */
+static lw_vec2 double_place(double *mass, double to)
+{
+    lw_ode ode = { .n = 4, .context = mass, .rate = double_rate };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_error e = { 0 };
+    double y[4] = { 0 }, *work = calloc(lw_integrate_work(4, 0), sizeof *work);
+    o.relative = o.absolute = 1e-14;
+    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, &e), LW_OK);
+    while (stop != LW_ODE_END && lw_integrate_step(&w, to, &stop, &e) == LW_OK) {
+    }
+    lw_vec2 out = lw_v2_add(lw_v2_polar(1, w.y[0]), lw_v2_polar(1, w.y[1]));
+    free(work);
+    return out;
+}
+
+/* GGL gives up beside the ratio of 1e8. */
+static void masses_far_apart(void)
+{
+    static const double mass[][2] = { { 1, 1 }, { 1e8, 1 } }, slack[] = { 0, 1e-8, 1e-4, 1e-4 };
+    for (int k = 0; k < 2; k++) {
+        double m[2] = { mass[k][0], mass[k][1] };
+        lw_vec2 want = double_place(m, 2);
+        drun_read_format(&d, double_pendulum, m[0], m[1]);
+        for (int f = 1; f < (k == 0 ? 4 : 3); f++) {
+            CHECK_INT(drun_to(&d, all[f], f == 1 ? 1e-12 : 1e-9, 2, 1), LW_OK);
+            CHECK_NEAR(d.tracer[1].x, want.x, slack[f], 0);
+            CHECK_NEAR(d.tracer[1].y, want.y, slack[f], 0);
+            if (f == 1)
+                CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
+/* A four-bar whose coupler has no mass moves as with next to none; a pendulum without mass is refused by name. */
+static void without_mass(void)
+{
+    static const char text[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0.5], 'inertia': 0.1},"
+        "{'name': 'coupler', 'mass': %g, 'centre': [1, 1.5], 'inertia': %g},"
+        "{'name': 'rocker', 'mass': 2, 'centre': [2, 1], 'inertia': 0.3}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2, 2]},"
+        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2, 0]}], 'input': {'joint': 'A', 'speed': -1},"
+        "'gravity': [0, -9.81],"
+        "'tracers': [{'name': 'P', 'link': 'coupler', 'at': [1, 2]}]}";
+    drun_read_format(&first, text, 1e-9, 1e-9);
+    CHECK_INT(drun_to(&first, LW_FORMULATION_REDUCED, 1e-12, 2, 1), LW_OK);
+    lw_model_free(&first.model);
+    drun_read_format(&d, text, 0, 0);
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], f < 2 ? 1e-12 : 1e-9, 2, 1), LW_OK);
+        CHECK_NEAR(d.tracer[1].x, first.tracer[1].x, f < 2 ? 1e-7 : 1e-5, 0);
+        CHECK_NEAR(d.tracer[1].y, first.tracer[1].y, f < 2 ? 1e-7 : 1e-5, 0);
+    }
+    lw_model_free(&d.model);
+    drun_read_format(&d, double_pendulum, 1, 0);
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, f ? all[f] : LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_E_ARG);
+        CHECK_HAS(d.e.text, "\"two\"");
+    }
+    lw_model_free(&d.model);
+}
+
+/* A slider on a spring of 1e10 N/m: cos(1e5 t); with a critical damper the soft one beside it sets the time. */
+static void stiff_springs(void)
+{
+    static const char text[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'near', 'mass': 1, 'centre': [0, 0]},"
+        "{'name': 'far', 'mass': 1,"
+        "'centre': [1, 0]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'near'], 'at': [0, 0],"
+        "'along': [1, 0]},"
+        "{'name': 'T', 'kind': 't', 'links': ['ground', 'far'], 'at': [1, 0], 'along': [1, 0]}],"
+        "'springs': [{'joint': 'S', 'stiffness': 1e10, 'free': %g},"
+        "{'links': ['near', 'far'], 'at': [[0, 0], [1, 0]],"
+        "'stiffness': 1, 'free': 0.5}], 'dampers': [{'joint': 'S', 'damping': %g}],"
+        "'tracers': [{'name': 'P', 'link': 'far', 'at': [1, 0]}, {'name': 'Q', 'link': 'near', 'at': [0, 0]}]}";
+    drun_read_format(&d, text, -1e-3, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-12, 1e-3, 10), LW_OK);
+    CHECK_NEAR(d.q[0], d.system.reference[0].x + (-1e-3 + 1e-3*cos(100))/d.system.unit, 1e-9, 0);
+    CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+    lw_model_free(&d.model);
+    drun_read_format(&d, text, 0, 2e5);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 3, 10), LW_OK);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_CVODE);
+    for (int i = 0; i <= 10; i++)
+        CHECK_NEAR(d.tracer[i].x, 0.5 + 0.5*cos(d.t[i]), 1e-7, 0);
+    CHECK(d.report.steps < 3000);
+    lw_model_free(&d.model);
+}
+
+/* ---- loads ------------------------------------------------------------------------------------- */
+
+/* I w' = 2 (1 - w/10) - 0.1 w; a slider pushed by sin 3t and pulled back by 4 x: (sin 3t - 1.5 sin 2t)/-5. */
+static void motor_and_law(void)
+{
+    static const char motor[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0], 'inertia': 0.1}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0]}], 'input': {'joint': 'A'},"
+        "'motors': [{'joint': 'A', 'stall': %g, 'free_speed': %g}], 'dampers': [{'joint': 'A', 'damping': 0.1}]}";
+    static const char pushed[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}],"
+        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}],"
+        "'input': {'joint': 'S'}, 'forces': [{'link': 'cart', 'at': [0, 0], 'fx': 'sin(3*t) - 4*q(S)'}],"
+        "'tracers': [{'name': 'P', 'link': 'cart', 'at': [0, 0]}]}";
+    drun_read_format(&d, motor, 2, 10);
+    for (int f = 0; f < 4; f++) {
+        double slack = f < 2 ? 1e-9 : 1e-6;
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 1, 10), LW_OK);
+        CHECK_NEAR(d.v[2], 20./3*(1 - exp(-3)), slack, 0);
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 20, 10), LW_OK);
+        CHECK_NEAR(d.v[2], 20./3, slack, 0);
+        CHECK(d.report.energy_error < slack*100);
+    }
+    lw_model_free(&d.model);
+    drun_read_format(&d, pushed, 0, 0);
+    for (int f = 1; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 5, 10), LW_OK);
+        for (int i = 0; i <= 10; i++)
+            CHECK_NEAR(d.tracer[i].x, (1.5*sin(2*d.t[i]) - sin(3*d.t[i]))/5, f < 2 ? 1e-8 : 1e-6, 0);
+        CHECK(d.report.energy_error < (f < 2 ? 1e-8 : 1e-5)*d.report.energy_scale);
+    }
+    lw_model_free(&d.model);
+}
+
+/* ---- starts ------------------------------------------------------------------------------------ */
+
+/* Upright a pendulum stays; 1e-6 beside, it leaves as cosh.  Speeds that exclude each other are put on the constraints,
+ * and that is told. */
+static void starts(void)
+{
+    static const char up[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1, 'centre': [%.17g, 1]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A'},"
+        "'gravity': [0, -%.17g],"
+        "'tracers': [{'name': 'P', 'link': 'bob', 'at': [0, 1]}]}";
+    static const char two[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5]},"
+        "{'name': 'b', 'mass': 1, 'centre': [0.5, 1]}, {'name': 'c', 'mass': 1, 'centre': [1, 0.5]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [1, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}],"
+        "'inputs': [{'joint': 'A', 'speed': %g}, {'joint': 'D', 'speed': %g}],"
+        "'tracers': [{'name': 'P', 'link': 'b', 'at': [0, 1]}]}";
+    for (int f = 0; f < 4; f++) {
+        drun_read_format(&d, up, 0, 9.81);
+        CHECK_INT(drun_to(&d, all[f], 1e-10, 5, 10), LW_OK);
+        CHECK_NEAR(d.tracer[10].x, 0, 1e-9, 0);
+        lw_model_free(&d.model);
+        drun_read_format(&d, up, 1e-6, 9);
+        CHECK_INT(drun_to(&d, all[f], 1e-12, 2, 10), LW_OK);
+        CHECK_NEAR(d.tracer[10].x, 1e-6*(cosh(6) - 1), 1e-8, 0);
+        lw_model_free(&d.model);
+    }
+    drun_read_format(&d, two, 1, 2);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_OK);
+    CHECK(d.report.moved_rate > 0.1);
+    CHECK(d.report.worst_off_rate < 1e-12);
+    lw_model_free(&d.model);
+    drun_read_format(&d, two, 1, 1);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_OK);
+    CHECK(d.report.moved_rate < 1e-12);
+    CHECK_NEAR(d.v[2], 1, 1e-9, 0);
+    lw_model_free(&d.model);
+}
+
+/* ---- every kind of joint ------------------------------------------------------------------------- */
+
+static const char geared[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0.1], 'inertia': 0.2},"
+    "{'name': 'pinion', 'mass': 0.5, 'centre': [3, 0], 'inertia': 0.1},"
+        "{'name': 'rod', 'mass': 1, 'centre': [1, 1.7]},"
+    "{'name': 'bar', 'mass': 2, 'centre': [2.5, 1.9], 'inertia': 0.1}], 'joints': [{'name': 'A',"
+        "'links': ['ground', 'wheel'],"
+    "'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'pinion'], 'at': [3, 0]},"
+    "{'name': 'C', 'links': ['wheel', 'rod'], 'at': [0.5, 0.5]},"
+        "{'name': 'D', 'links': ['rod', 'bar'], 'at': [1.5, 3]},"
+    "{'name': 'E', 'links': ['bar', 'pinion'], 'at': [3.5, 0.8]},"
+    "{'name': 'G', 'kind': 'g', 'links': ['wheel', 'pinion'], 'at': [1, 0], 'ratio': %g}],"
+    "'input': {'joint': 'A', 'speed': %g}, 'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'rod',"
+        "'at': [1, 2]}]}";
+static const char slotted[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0.5, 0], 'inertia': 0.1},"
+    "{'name': 'lever', 'mass': 2, 'centre': [0.2, -1], 'inertia': 0.5}], 'joints': [{'name': 'A',"
+        "'links': ['ground', 'crank'],"
+    "'at': [0, 0]}, {'name': 'B', 'links': ['ground', 'lever'], 'at': [0, -3]},"
+    "{'name': 'C', 'kind': 'p', 'links': ['lever', 'crank'], 'at': [1, 0], 'along': [1, 3]}],"
+    "'input': {'joint': 'A', 'speed': %g}, 'gravity': [0, -%g], 'springs': [{'links': ['ground', 'lever'],"
+        "'at': [[2, 0],"
+    "[0.4, -0.5]], 'stiffness': 20}], 'tracers': [{'name': 'P', 'link': 'lever', 'at': [0.5, 1]}]}";
+static const char open_chain[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1, 'centre': [0.4, 0.1], 'inertia': 0.1},"
+    "{'name': 'two', 'mass': 2, 'centre': [1.5, 0.5], 'inertia': 0.2},"
+        "{'name': 'three', 'mass': 0.5, 'centre': [2, 1.5]}],"
+    "'joints': [{'name': 'A', 'links': ['ground', 'one'], 'at': [0, 0]},"
+        "{'name': 'B', 'kind': 't', 'links': ['one', 'two'],"
+    "'at': [1, 0], 'along': [1, 1]}, {'name': 'C', 'links': ['two', 'three'], 'at': [2, 1]}],"
+    "'input': {'joint': 'A', 'speed': %g}, 'gravity': [0, -9.81], 'springs': [{'joint': 'B', 'stiffness': %g}],"
+    "'tracers': [{'name': 'P', 'link': 'three', 'at': [2, 2]}]}";
+
+static void agree(const char *text, double a, double b)
+{
+    first.n_moment = 0;
+    int n_run = 0;
+    drun_read_format(&d, text, a, b);
+    for (int f = 1; f < 5; f++) {                 /* index1 first: it takes all */
+        lw_status s = drun_to(&d, all[f%4], f == 1 || f == 4 ? 1e-12 : 1e-9, 1, 20);
+        if (f == 4 && s == LW_E_KIND)
+            continue;
+        CHECK_INT(s, LW_OK);
+        n_run += s == LW_OK;
+        CHECK(d.report.energy_error < (f == 1 || f == 4 ? 1e-9 : 1e-4)*d.report.energy_scale);
+        CHECK(d.report.worst_off < 1e-12);
+        for (int i = 0; f > 1 && i <= 20; i++) {
+            CHECK_NEAR(d.tracer[i].x, first.tracer[i].x, f == 4 ? 1e-8 : 1e-4, 0);
+            CHECK_NEAR(d.tracer[i].y, first.tracer[i].y, f == 4 ? 1e-8 : 1e-4, 0);
+        }
+        first = f == 1 ? d : first;
+    }
+    CHECK(n_run >= 3);
+    lw_model_free(&d.model);
+}
+
+static void kinds_of_joints(void)
+{
+    agree(geared, -0.5, 1);
+    agree(geared, 2, -3);
+    agree(slotted, 1, 9.81);
+    agree(slotted, -6, 0);
+    agree(open_chain, 1, 50);
+    agree(open_chain, -4, 300);
+}
+
+/* ---- long runs and order ------------------------------------------------------------------------- */
+
+/* Energy over 100 s: at the tolerance that is taken when none is given, and at a tenth of it. */
+static void drift(lw_formulation f)
+{
+    CHECK_INT(drun_to(&d, f, 1e-10, 100, 10), LW_OK);
+    CHECK(d.report.energy_error < 3e-9*d.report.energy_scale);
+    CHECK_INT(drun_to(&d, f, 1e-11, 100, 10), LW_OK);
+    CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+}
+
+static void long_runs(void)
+{
+    drun_read(&d, "examples/pendulum.json");
+    drift(LW_FORMULATION_REDUCED);
+    drift(LW_FORMULATION_INDEX1);
+    lw_model_free(&d.model);
+    drun_read_format(&d, double_pendulum, 1, 1);
+    drift(LW_FORMULATION_AUTO);
+    lw_model_free(&d.model);
+    drun_read(&d, "examples/two-four-bars.json");
+    drift(LW_FORMULATION_AUTO);
+    lw_model_free(&d.model);
+}
+
+/* Errors fall with the tolerance, and steps grow in number as its eighth root. */
+static void order(void)
+{
+    double mass[2] = { 1, 1 }, before = 0;
+    lw_vec2 want = double_place(mass, 3);
+    long steps = 0;
+    drun_read_format(&d, double_pendulum, 1, 1);
+    for (int k = 6; k <= 12; k += 2) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, pow(10, -k), 3, 1), LW_OK);
+        double off = hypot(d.tracer[1].x - want.x, d.tracer[1].y - want.y);
+        if (k > 6) {
+            CHECK(off < 0.2*before);
+            CHECK(d.report.steps < 2.5*steps && d.report.steps > 1.2*steps);
+        }
+        before = off;
+        steps = d.report.steps;
+    }
+    CHECK(before < 1e-9);
+    lw_model_free(&d.model);
+}
+
+int main(void)
+{
+    RUN(masses_far_apart);
+    RUN(without_mass);
+    RUN(stiff_springs);
+    RUN(motor_and_law);
+    RUN(starts);
+    RUN(kinds_of_joints);
+    RUN(long_runs);
+    RUN(order);
+    return check_end();
+}
