@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct ggl { lw_run *run; int q, c; double least_mass; } ggl;
+typedef struct ggl { lw_run *run; int q, c; double least_mass, *dq, *dv; } ggl;
 
 static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
 
@@ -78,6 +78,103 @@ static lw_status residual(void *context, double t, const double *y, const double
     return LW_OK;
 }
 
+/* ---- derivatives of the residual ----------------------------------------------------------------- */
+
+/* Second derivatives of a row, all that are not 0: by coordinates a and b, and by b and a. */
+typedef struct bend { int a, b; double h; } bend;
+
+static int add_bend(bend *out, int n, int body, int axis, int other, int other_axis, double h)
+{
+    if (body >= 0 && other >= 0)
+        out[n++] = (bend){ 3*body + axis, 3*other + other_axis, h };
+    return n;
+}
+
+/* Row r of the system at d->frames, w . d with w fixed or carried by link 0 (mbs/system_rows.c); turns have none. */
+static int bends_of(const lw_dynamics *d, int r, bend out[8])
+{
+    const lw_system_joint *j = &d->s.joint[d->s.row[r].joint];
+    bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
+    int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
+    if (side >= (point ? 2 : 1))
+        return 0;
+    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames.dir[b0 + 1]), r1 = lw_v2_turn(j->arm[1], d->frames.dir[b1 + 1]);
+    if (point) {
+        n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
+        return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
+    }
+    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames.dir[b0 + 1])), dw = lw_v2_perp(w);
+    lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames.at[b1 + 1], r1), lw_v2_add(d->frames.at[b0 + 1], r0));
+    n = add_bend(out, n, b0, 2, b0, 2, -lw_v2_dot(w, r0) - lw_v2_dot(w, apart));
+    n = add_bend(out, n, b1, 2, b1, 2, -lw_v2_dot(w, r1));
+    n = add_bend(out, n, b0, 2, b1, 2, lw_v2_dot(w, r1));
+    n = add_bend(out, n, b0, 2, b1, 0, dw.x);
+    n = add_bend(out, n, b0, 2, b1, 1, dw.y);
+    n = add_bend(out, n, b0, 2, b0, 0, -dw.x);
+    return add_bend(out, n, b0, 2, b0, 1, -dw.y);
+}
+
+/* What kept row k and its multipliers add. */
+static void add_row_derivatives(const ggl *g, int k, const double *y, double *jac)
+{
+    const lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c, size = 2*n + 2*c + g->run->has_work, row = d->kept[k];
+    const double *v = y + n;
+    double l = y[2*n + k], m = y[2*n + c + k];
+    bend each[8];
+    for (int b = 0; b < 3 && d->row_body[row][b] >= 0; b++)
+        for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++) {
+            double x = d->jac[row*n + i];
+            jac[i + size*(2*n + c + k)] += x/mass_of(g, i);
+            jac[n + i + size*(2*n + k)] += x;
+            jac[2*n + k + size*i] += x;
+            jac[2*n + c + k + size*(n + i)] += x;
+        }
+    for (int e = bends_of(d, row, each) - 1; e >= 0; e--)
+        for (int way = 0; way < (each[e].a == each[e].b ? 1 : 2); way++) {
+            int a = way ? each[e].b : each[e].a, b = way ? each[e].a : each[e].b;
+            jac[a + size*b] += m*each[e].h/mass_of(g, a);
+            jac[n + a + size*b] += l*each[e].h;
+            jac[2*n + c + k + size*b] += each[e].h*v[a];
+        }
+}
+
+/* That of the work is left out: nothing depends on it, so Newton's method has it a pass later. */
+static lw_status jacobian(void *context, double t, double c, const double *y, const double *dy, double *jac)
+{
+    ggl *g = context;
+    lw_dynamics *d = g->run->d;
+    int n = g->q, size = 2*n + 2*g->c + g->run->has_work;
+    (void)dy;
+    lw_status s = lw_mbs_rows(d, t, y);
+    if (s != LW_OK)
+        return s;
+    lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
+    for (int i = 0; i < n; i++) {
+        jac[i + size*i] += c;
+        jac[i + size*(n + i)] -= 1;
+        jac[n + i + size*(n + i)] += c*d->f.mass[i];
+        for (int j = 0; j < n; j++) {
+            jac[n + i + size*j] -= g->dq[i*n + j];
+            jac[n + i + size*(n + j)] -= g->dv[i*n + j];
+        }
+    }
+    for (int k = 0; k < g->c; k++)
+        add_row_derivatives(g, k, y, jac);
+    if (g->run->has_work)
+        jac[size*size - 1] += c;
+    return LW_OK;
+}
+
+/* Are those above all there are? */
+static bool has_derivatives(const lw_dynamics *d)
+{
+    bool gear = false;
+    for (int j = 0; j < d->s.n_joint; j++)
+        gear = gear || d->s.joint[j].kind == LW_JOINT_GEAR;
+    return !gear && d->n_c == d->n_row && !d->n_friction && !d->o.extra.apply;
+}
+
 /* The state as the others of this folder have it: q, v, work. */
 static void unpack(const ggl *g, const double *y, double *out)
 {
@@ -122,7 +219,8 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
         s = lw_run_begin(run, run->y);
     unsigned char algebraic[2*LW_SYSTEM_Q_MAX + 2*LW_MBS_ROW_MAX + 1] = { 0 };
     memset(algebraic + 2*n, 1, 2*(size_t)c);
-    lw_dae dae = { .n = 2*n + 2*c + run->has_work, .context = g, .residual = residual, .algebraic = algebraic };
+    lw_dae dae = { .n = 2*n + 2*c + run->has_work, .context = g, .residual = residual,
+                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic };
     lw_ode_options o = lw_ode_options_default();
     o.relative = d->o.relative;
     o.absolute = d->o.absolute;
@@ -153,15 +251,17 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
 lw_status lw_run_ggl(lw_run *run)
 {
     lw_dynamics *d = run->d;
-    ggl g = { run, d->n_q, d->n_kept, 0 };
+    ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
     lw_ida w;
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
     size_t n = 2*(size_t)(g.q + g.c) + 1;
-    double *y = calloc(2*n + (size_t)run->n, sizeof *y);
+    double *y = calloc(2*n + (size_t)run->n + 2*(size_t)(g.q*g.q), sizeof *y);
     if (!y)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = y + 2*n;
+    g.dq = run->y + run->n;
+    g.dv = g.dq + g.q*g.q;
     lw_status s = run_ida(&g, &w, y, y + n);
     free(y);
     return s;

@@ -17,6 +17,7 @@ static const struct { const char *file; double to; lw_formulation f; double tole
     { "examples/andrews.json", 0.03, LW_FORMULATION_INDEX1, 1e-10 },
     { "examples/andrews.json", 0.03, LW_FORMULATION_CVODE, 1e-8 },
     { "examples/andrews.json", 0.03, LW_FORMULATION_GGL, 1e-7 },
+    { "examples/andrews.json", 0.03, LW_FORMULATION_GGL, 1e-10 },
     { "examples/two-four-bars.json", 10, LW_FORMULATION_REDUCED, 1e-8 },
     { "examples/two-four-bars.json", 10, LW_FORMULATION_REDUCED, 1e-10 },
     { "examples/two-four-bars.json", 10, LW_FORMULATION_INDEX1, 1e-8 },
