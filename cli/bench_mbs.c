@@ -263,14 +263,13 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
     }
     st = read_reference(p->file, &r, e);
     for (int f = 0; f < 4 && st == LW_OK; f++)
-        for (int k = b->loosest, failed = 0; k <= (f < 2 ? b->tightest : implicit) && failed < 2 && st == LW_OK && !cli_interrupted(); k++) {
+        for (int k = b->loosest, failed = 0;
+             k <= (f < 2 ? b->tightest : implicit) && failed < 2 && st == LW_OK && !cli_interrupted(); k++) {
             st = one_row(b, p, m, &r, every[f], pow(10, -k), &row);
             failed = st == LW_OK && row->note[0] ? failed + 1 : 0;
             if (st == LW_OK && row->seconds > too_slow)
                 break;
         }
-    if (st == LW_OK && b->peers && !cli_interrupted())
-        st = cli_mbs_peers(b, p, m, &r, e);
     free(r.value);
     lw_model_free(m);
     free(m);

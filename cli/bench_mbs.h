@@ -39,21 +39,16 @@ extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends        
 typedef struct cli_mbs {
     const cli_call *call;
     double          time;                /* for the repeats of one row [s]                              */
-    bool            peers;
     int             loosest, tightest;   /* tolerances 1e-loosest to 1e-tightest                       */
     uint64_t        wanted;              /* bit i: problem i                                            */
     int             n, room;
     cli_mbs_row    *row;                 /* owned                                                      */
     char            machine[256];        /* compiler | processor | version                             */
-    char            missing[256];        /* peers that are not there                                   */
 } cli_mbs;
 
 /* A new row, of whose solver nothing is known yet; NULL: out of memory. */
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
 
-/* Rows of other programs for one model; those that are not built are told in b->missing. */
-lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
-                        lw_error *e);
 
 /* All of it; folder NULL: no files.  LW_E_ARG: no such problem among `cases` (NULL: all). */
 lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);

@@ -14,7 +14,7 @@ typedef struct settings {
     double      time, limit, budget;
     int         seeds;
     const char *links, *cases;
-    bool        both_ways, no_peers;
+    bool        both_ways;
     double      tolerance[2];
 } settings;
 
@@ -44,8 +44,6 @@ static const cli_option options[] = {
       NULL, NULL },
     { "tolerance", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4", "with mbs: a row for each power of ten",
       1e-13, 1e-1, NULL, NULL },
-    { "no-peers", 0, CLI_FLAG, offsetof(settings, no_peers), NULL, NULL,
-      "with mbs: leave Simbody and MuJoCo out", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -214,13 +212,11 @@ static int run_mbs(const cli_call *call)
 {
     const settings *s = call->settings;
     lw_error e = { 0 };
-    cli_mbs b = { .call = call, .time = s->time, .peers = !s->no_peers,
+    cli_mbs b = { .call = call, .time = s->time,
                   .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
     cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
     lw_status st = cli_mbs_run(&b, s->cases, s->output, &e);
-    if (b.missing[0])
-        cli_note(call, "not measured:%s", b.missing);
     cli_mbs_free(&b);
     if (st == LW_E_ARG)
         return cli_usage(call, "%s", e.text);
@@ -267,11 +263,10 @@ const cli_command cli_bench_command = {
         "  linkwright bench fit --links 6,8                          error against number of links\n"
         "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
         "  linkwright bench mbs -o out                               multibody reference problems, all solvers\n"
-        "  linkwright bench mbs --cases andrews --no-peers\n",
+        "  linkwright bench mbs --cases andrews\n",
     .about =
         "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error\n"
-        "against exact solutions or more digits, processor time as the best of several, mbs.csv and plots;\n"
-        "Simbody and MuJoCo in the same run where `make bench` found them. A solver that takes more than\n"
+        "against exact solutions or more digits, processor time as the best of several, mbs.csv and plots. A solver that takes more than\n"
         "a second, or fails twice, is not asked for tighter tolerances.\n"
         "\n"
         "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"

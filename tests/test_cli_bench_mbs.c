@@ -29,7 +29,7 @@ static double error_of(const row *r, int n, const char *problem, const char *sol
 static void rows(void)
 {
     static row r[200];
-    expect("$P bench mbs --cases pendulum --time 0.001 --no-peers -o $D/out", 0, "| reduced | 1e-10 |", "");
+    expect("$P bench mbs --cases pendulum --time 0.001 -o $D/out", 0, "| reduced | 1e-10 |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10 + 10 + 9 + 9);
     for (int i = 0; i < n; i++)
@@ -47,7 +47,7 @@ static void rows(void)
 static void squeezer(void)
 {
     static row r[200];
-    expect("$P bench mbs -c andrews --tolerance 1e-11:1e-10 --time 0.001 --no-peers -o $D/out -q", 0, "| andrews | ggl |", "");
+    expect("$P bench mbs -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0, "| andrews | ggl |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 8);
     CHECK(error_of(r, n, "andrews", "reduced", 1e-11) < 1e-9);
@@ -60,7 +60,7 @@ static void squeezer(void)
 static void branch(void)
 {
     static row r[200];
-    expect("$P bench mbs -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 --no-peers -o $D/out -q", 0, "| two-four-bars | reduced |", "");
+    expect("$P bench mbs -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0, "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
     CHECK(error_of(r, n, "two-four-bars", "reduced", 1e-10) < 1e-6);
     CHECK(error_of(r, n, "two-four-bars", "index1", 1e-8) < 1e-3);
