@@ -47,9 +47,9 @@ static void choose(drawing *d, int dim, double value)
 /* A pin of a link: the crank's at distance one, others near the size of their link. */
 static void draw_point(drawing *d, const lw_step *s)
 {
-    int link = d->plan->dim[s->dim[0]].link;
-    if (d->drawn[s->dim[0]])
+    if (s->dim[0] < 0 || d->drawn[s->dim[0]])            /* the link's origin needs no numbers      */
         return;
+    int link = d->plan->dim[s->dim[0]].link;
     double size = d->length[link] > 0 ? d->length[link] : link == d->plan->link[1] ? 1 : 2.5;
     if (s->dim[1] < 0) {
         choose(d, s->dim[0], link == d->plan->link[1] ? 1 : size*ratio(*d->u++, 0.12, 4));
@@ -64,7 +64,7 @@ static void draw_point(drawing *d, const lw_step *s)
 static void step_point(drawing *d, const lw_step *s)
 {
     draw_point(d, s);
-    double complex arm = d->shape[s->dim[0]] + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
+    double complex arm = (s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0) + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
     for (int k = 0; k < d->n; k++)
         d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + arm*d->reg[s->in[1]][k];
 }
@@ -217,7 +217,7 @@ static bool run_steps(drawing *d)
     }
     for (int i = 0; i < plan->n_output_step[0]; i++) {
         const lw_step *s = &plan->step[plan->output_step[0][i]];
-        bool tracer = s->kind == LW_STEP_POINT && plan->dim[s->dim[0]].role == LW_ROLE_CX;
+        bool tracer = s->kind == LW_STEP_POINT && s->dim[0] >= 0 && plan->dim[s->dim[0]].role == LW_ROLE_CX;
         if (!tracer && !take_step(d, s))
             return false;
     }
