@@ -117,5 +117,5 @@ install: all $B/$(SONAME) $B/linkwright.1
 clean:
 	rm -rf $B
 .PHONY: all deps test demo run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
-.SECONDARY:
+.PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)
