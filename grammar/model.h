@@ -53,12 +53,12 @@ typedef struct lw_friction {             /* Coulomb, regularised: mu tanh(v/spee
     double speed;                        /* where it is at 76 % [m/s]                               */
 } lw_friction;
 
-typedef struct lw_stop {                 /* of a joint's displacement from the posture             */
+typedef struct lw_joint_stop {           /* of a joint's displacement from the posture             */
     bool   has_least, has_greatest;
     double least, greatest;              /* [rad] or [m]                                           */
     double restitution;                  /* 0 .. 1, used when stiffness is 0                        */
     double stiffness, damping;           /* > 0: a compliant stop                                  */
-} lw_stop;
+} lw_joint_stop;
 
 typedef enum lw_clearance_model {
     LW_CLEARANCE_NONE,                   /* a plain joint                                          */
@@ -97,7 +97,7 @@ typedef struct lw_model {
     lw_force        force[LW_LOAD_MAX];
     lw_motor        motor[LW_INPUT_MAX];
     lw_friction     friction[LW_JOINT_MAX];
-    lw_stop         stop[LW_JOINT_MAX];
+    lw_joint_stop   stop[LW_JOINT_MAX];
     lw_clearance    clearance[LW_JOINT_MAX];
 } lw_model;
 

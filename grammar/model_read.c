@@ -247,7 +247,7 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
 static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
 {
     static const char *const known[] = { "least", "greatest", "restitution", "stiffness", "damping" };
-    lw_stop *p = &m->stop[joint];
+    lw_joint_stop *p = &m->stop[joint];
     double unit = joint_unit(m, joint);
     const number numbers[] = {
         { "least", unit, ANY, &p->least, &p->has_least },

@@ -33,7 +33,7 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
 static lw_status check_plain(const lw_model *m, int j, lw_error *e)
 {
     const char *name = m->linkage.joint[j].name;
-    const lw_stop *p = &m->stop[j];
+    const lw_joint_stop *p = &m->stop[j];
     if (m->friction[j].coefficient > 0.0)
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, which is not part of the motion with clearance; "
                             "leave it out, or give friction to the clearance itself", name);

@@ -14,7 +14,7 @@ static const double low = 1e-13;             /* height of a bounce that is rest,
 /* Gap of a stop (>= 0 apart), scaled. */
 static double gap_of(const lw_dynamics *d, const lw_contact *c, const double *q)
 {
-    const lw_stop *p = &d->model->stop[c->joint];
+    const lw_joint_stop *p = &d->model->stop[c->joint];
     double scale = d->s.joint[c->joint].kind == LW_JOINT_REVOLUTE ? 1 : 1/d->s.unit;
     double value = lw_system_measure(&d->s, c->joint, q, NULL);
     return c->greatest ? p->greatest*scale - value : value - p->least*scale;

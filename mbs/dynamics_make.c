@@ -338,7 +338,7 @@ static void find_special_joints(lw_dynamics *d)
 {
     const lw_model *m = d->model;
     for (int j = 0; j < d->s.n_joint; j++) {
-        const lw_stop *p = &m->stop[j];
+        const lw_joint_stop *p = &m->stop[j];
         if (m->friction[j].coefficient > 0)
             d->friction[d->n_friction++] = j;
         if (p->stiffness > 0)

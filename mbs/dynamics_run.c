@@ -57,7 +57,7 @@ static bool keeps_momentum(const lw_dynamics *d)
         }
     if (tied < 0 || (d->s.joint[tied].kind != LW_JOINT_REVOLUTE && d->s.joint[tied].kind != LW_JOINT_SLIDER))
         return false;
-    const lw_stop *p = &m->stop[tied];
+    const lw_joint_stop *p = &m->stop[tied];
     bool loaded = m->gravity.x != 0 || m->gravity.y != 0 || m->n_force || d->o.extra.apply ||
                   m->friction[tied].coefficient > 0 || p->has_least || p->has_greatest;
     for (int i = 0; i < m->n_spring; i++)

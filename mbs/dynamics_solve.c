@@ -28,7 +28,7 @@ lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 
 static double stop_value(const lw_dynamics *d, const lw_contact *c)
 {
-    const lw_stop *p = &d->model->stop[c->joint];
+    const lw_joint_stop *p = &d->model->stop[c->joint];
     double scale = d->s.joint[c->joint].kind == LW_JOINT_REVOLUTE ? 1 : 1/d->s.unit;
     return (c->greatest ? p->greatest : p->least)*scale;
 }

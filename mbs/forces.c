@@ -48,7 +48,7 @@ lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
 static void make_stops(lw_forces *f)
 {
     for (int j = 0; j < f->system->n_joint; j++) {
-        const lw_stop *p = &f->model->stop[j];
+        const lw_joint_stop *p = &f->model->stop[j];
         if ((p->has_least || p->has_greatest) && p->stiffness > 0) {
             f->stop_joint[f->n_stop++] = j;
             f->conservative = f->conservative && p->damping == 0;
@@ -154,7 +154,7 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
 }
 
 /* How deep a joint is in its stop, and which way that pushes: +1 up. */
-static double depth(const lw_stop *p, double value, double *way)
+static double depth(const lw_joint_stop *p, double value, double *way)
 {
     *way = p->has_least && value < p->least ? 1 : -1;
     if (*way > 0)
@@ -167,7 +167,7 @@ static void apply_stops(const lw_forces *f, const double *q, const double *v, su
 {
     lw_measure m;
     for (int i = 0; i < f->n_stop; i++) {
-        const lw_stop *p = &f->model->stop[f->stop_joint[i]];
+        const lw_joint_stop *p = &f->model->stop[f->stop_joint[i]];
         double way;
         lw_measure_joint(f->system, f->stop_joint[i], q, v, to->dq != NULL, &m);
         double in = depth(p, m.value, &way), push = p->stiffness*in - way*p->damping*m.rate;
@@ -345,7 +345,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
         energy += 0.5*p->stiffness*(l.value - p->free)*(l.value - p->free);
     }
     for (int i = 0; i < f->n_stop; i++) {
-        const lw_stop *p = &m->stop[f->stop_joint[i]];
+        const lw_joint_stop *p = &m->stop[f->stop_joint[i]];
         lw_measure_joint(s, f->stop_joint[i], q, still, false, &l);
         double in = depth(p, l.value, &way);
         energy += 0.5*p->stiffness*in*in;

@@ -334,7 +334,7 @@ static void bad_input(void)
     m.friction[0].coefficient = 0.1;
     refused(&m, LW_E_KIND, "\"O\" has friction");
     m.friction[0].coefficient = 0;
-    m.stop[3] = (lw_stop){ .has_least = true, .least = -1 };
+    m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -1 };
     refused(&m, LW_E_KIND, "rigid stop");
     m.stop[3].has_least = false;
     lw_clearance_options o = lw_clearance_options_default();
