@@ -92,4 +92,9 @@ double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *wo
     return plan->kernels->sum(plan, in, which, work, tx, ty, w, grad, margin);
 }
 
+void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double *g)
+{
+    plan->kernels->normal(in, h, g);
+}
+
 const char *lw_batch_isa(const lw_plan *plan) { return plan->kernels->isa; }

@@ -59,6 +59,18 @@ void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void 
 double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     const double *tx, const double *ty, const double *w, double *grad, double *margin);
 
+/* The normal equations of a least-squares step: from rows over lanes, column v of component r at
+ * row[(r*row_step + v)*ld], component r of the residual at res[r*ld], to the lower triangle of J'J,
+ *     h[i*n + j] = sum over components and lanes of column[i] times column[j],  j <= i,
+ * and g[i], the same with the residual.  ld: a multiple of 8, rows 0 beyond the last lane. */
+typedef struct lw_normal {
+    int           n, n_row;     /* columns taken, components                                      */
+    const int    *column;       /* (n)                                                            */
+    const double *row, *res;
+    size_t        row_step, ld;
+} lw_normal;
+void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double *g);
+
 /* Name of the instruction set the plan's kernels were compiled for: "x86-64-v4", "generic", ... */
 const char *lw_batch_isa(const lw_plan *plan);
 

@@ -2,6 +2,7 @@
  *
  * Compiled once per instruction set (LW_ISA, see the Makefile); everything but the table at the end
  * is static, so that no instruction of one set leaks into another. */
+#include "mbs/kernel_normal_internal.h"
 #include "mbs/kernel_short_internal.h"
 #include "mbs/kernel_steps_internal.h"
 
@@ -640,4 +641,4 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
 #define LW_TABLE(isa)    LW_TABLE_OF(isa)
 extern const lw_kernels LW_TABLE(LW_ISA);
 const lw_kernels LW_TABLE(LW_ISA) = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
-                                         kernel_seat };
+                                      kernel_normal, kernel_seat };

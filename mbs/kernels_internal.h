@@ -29,6 +29,7 @@ typedef struct lw_kernels {
     void (*jacobian)(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out);
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
+    void (*normal)(const lw_normal *in, double *h, double *g);
     /* The higher groups at one input, followed there from the seed; work of lw_follow_size. */
     void (*seat)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_seat *seat);
 } lw_kernels;

@@ -61,28 +61,11 @@ static void conditions(const lw_problem *p, const double *x, model *q)
     }
 }
 
-/* Sum of products over lanes of all rows, ld a multiple of 8; eight sums side by side, always in this
- * order.  The next row is a_step and b_step further on. */
-static double product(const lw_work *w, const double *a, size_t a_step, const double *b, size_t b_step)
-{
-    double s[8] = { 0 };
-    for (int r = 0; r < w->n_row; r++, a += a_step, b += b_step)
-        for (size_t k = 0; k < w->ld; k += 8)
-            for (size_t i = 0; i < 8; i++)
-                s[i] += a[k + i]*b[k + i];
-    return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
-}
-
 /* J'J and J'r from the rows. */
 static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
 {
-    size_t ld = w->ld, step = (size_t)p->n_var*ld;
-    for (int i = 0; i < q->n; i++) {
-        const double *a = w->row + (size_t)q->var[i]*ld;
-        q->g[i] = product(w, a, step, w->res, ld);
-        for (int j = 0; j <= i; j++)
-            q->h[i*q->n + j] = product(w, a, step, w->row + (size_t)q->var[j]*ld, step);
-    }
+    lw_normal in = { q->n, w->n_row, q->var, w->row, w->res, (size_t)p->n_var, w->ld };
+    lw_batch_normal(&p->plan, &in, q->h, q->g);
 }
 
 /* Solve for the damped step; returns the fall of f the model promises, or -1. */
