@@ -15,7 +15,8 @@ WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-proto
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
 INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
-LIBS    := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif $(SUNDIALS) -lpthread -lm
+# as needed: igraph and cairo are loaded when they are first called (base/library.h), only a test links one of them
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif $(SUNDIALS) -lpthread -lm
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)

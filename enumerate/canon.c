@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/library.h"
 #include "enumerate/canon.h"
 
 void lw_graph_of_chain(const lw_chain *c, lw_graph *g)
@@ -181,45 +182,78 @@ static pthread_mutex_t igraph_lock = PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP;
 static pthread_mutex_t igraph_lock = PTHREAD_MUTEX_INITIALIZER;
 #endif
 
+/* Loaded with the first graph that needs it (base/library.h): most of what the program does needs none. */
+#if IGRAPH_VERSION_MAJOR == 0 && IGRAPH_VERSION_MINOR == 10
+#define IGRAPH_FILE "libigraph.so.3"
+#else
+#error "igraph 0.10 is known here; see bliss_label about the sense of permutations, and name the file of the other"
+#endif
+#define CALLS(X) \
+    X(automorphism_group) X(canonical_permutation) X(create) X(destroy) X(error_handler_ignore) X(set_error_handler) \
+    X(vector_int_destroy) X(vector_int_init) X(vector_int_list_destroy) X(vector_int_list_get_ptr) \
+    X(vector_int_list_init) X(vector_int_list_size) X(vector_int_push_back)
+
+/* Filled under the lock. */
+static struct {
+#define X(f) __typeof__(igraph_##f) *f;
+    CALLS(X)
+#undef X
+} igraph;
+
+static lw_status need_igraph(void)
+{
+    static const lw_library_call call[] = {
+#define X(f) { "igraph_" #f, &igraph.f },
+        CALLS(X)
+#undef X
+    };
+    return igraph.create ? LW_OK : lw_library_load(IGRAPH_FILE, call, (int)(sizeof call/sizeof *call), NULL);
+}
+
 typedef struct bliss {
     igraph_t            graph;
-    igraph_vector_int_t colour;
+    igraph_vector_int_t colour, edges;
 } bliss;
 
 /* BLISS takes no multigraphs: a tie above 1 becomes a vertex in the middle, coloured by the tie. */
+static igraph_error_t list_edges(bliss *b, const lw_graph *g, const uint8_t *rank)
+{
+    igraph_integer_t n = g->n;
+    igraph_error_t error = IGRAPH_SUCCESS;
+    for (int i = 0; i < g->n && !error; i++)
+        error = igraph.vector_int_push_back(&b->colour, rank[i]);
+    for (int i = 0; i < g->n; i++)
+        for (int k = i + 1; k < g->n && !error; k++) {
+            bool middle = g->tie[i][k] > 1;
+            igraph_integer_t way[4] = { i, middle ? n : k, n, k };
+            for (int j = 0; j < (!g->tie[i][k] ? 0 : middle ? 4 : 2) && !error; j++)
+                error = igraph.vector_int_push_back(&b->edges, way[j]);
+            if (middle && !error)
+                error = igraph.vector_int_push_back(&b->colour, LW_GRAPH_MAX + g->tie[i][k]);
+            n += middle;
+        }
+    return error ? error : igraph.create(&b->graph, &b->edges, n, IGRAPH_UNDIRECTED);
+}
+
 static igraph_error_t bliss_open(bliss *b, const lw_graph *g, const uint8_t *rank)
 {
-    igraph_vector_int_t edges;
-    igraph_integer_t n = g->n;
-    IGRAPH_CHECK(igraph_vector_int_init(&edges, 0));
-    IGRAPH_FINALLY(igraph_vector_int_destroy, &edges);
-    IGRAPH_CHECK(igraph_vector_int_init(&b->colour, 0));
-    IGRAPH_FINALLY(igraph_vector_int_destroy, &b->colour);
-    for (int i = 0; i < g->n; i++)
-        IGRAPH_CHECK(igraph_vector_int_push_back(&b->colour, rank[i]));
-    for (int i = 0; i < g->n; i++)
-        for (int k = i + 1; k < g->n; k++) {
-            if (!g->tie[i][k])
-                continue;
-            bool middle = g->tie[i][k] > 1;
-            IGRAPH_CHECK(igraph_vector_int_push_back(&edges, i));
-            IGRAPH_CHECK(igraph_vector_int_push_back(&edges, middle ? n : k));
-            if (!middle)
-                continue;
-            IGRAPH_CHECK(igraph_vector_int_push_back(&edges, n++));
-            IGRAPH_CHECK(igraph_vector_int_push_back(&edges, k));
-            IGRAPH_CHECK(igraph_vector_int_push_back(&b->colour, LW_GRAPH_MAX + g->tie[i][k]));
-        }
-    IGRAPH_CHECK(igraph_create(&b->graph, &edges, n, IGRAPH_UNDIRECTED));
-    igraph_vector_int_destroy(&edges);
-    IGRAPH_FINALLY_CLEAN(2);
-    return IGRAPH_SUCCESS;
+    igraph_error_t error = igraph.vector_int_init(&b->colour, 0);
+    if (error)
+        return error;
+    error = igraph.vector_int_init(&b->edges, 0);
+    if (!error) {
+        error = list_edges(b, g, rank);
+        igraph.vector_int_destroy(&b->edges);
+    }
+    if (error)
+        igraph.vector_int_destroy(&b->colour);
+    return error;
 }
 
 static void bliss_close(bliss *b)
 {
-    igraph_destroy(&b->graph);
-    igraph_vector_int_destroy(&b->colour);
+    igraph.destroy(&b->graph);
+    igraph.vector_int_destroy(&b->colour);
 }
 
 /* place[i] = new number of vertex i; igraph 0.10 says so, 1.0 gives the inverse (test_canon would tell). */
@@ -227,10 +261,12 @@ static igraph_error_t bliss_label(const lw_graph *g, const uint8_t *rank, uint8_
 {
     bliss b;
     igraph_vector_int_t place;
-    IGRAPH_CHECK(igraph_vector_int_init(&place, 0));
-    igraph_error_t error = bliss_open(&b, g, rank);
+    igraph_error_t error = igraph.vector_int_init(&place, 0);
+    if (error)
+        return error;
+    error = bliss_open(&b, g, rank);
     if (error == IGRAPH_SUCCESS) {
-        error = igraph_canonical_permutation(&b.graph, &b.colour, &place, IGRAPH_BLISS_FL, NULL);
+        error = igraph.canonical_permutation(&b.graph, &b.colour, &place, IGRAPH_BLISS_FL, NULL);
         bliss_close(&b);
     }
     for (int i = 0; error == IGRAPH_SUCCESS && i < g->n; i++) {
@@ -239,18 +275,18 @@ static igraph_error_t bliss_label(const lw_graph *g, const uint8_t *rank, uint8_
             lower += VECTOR(place)[k] < VECTOR(place)[i];
         to[i] = (uint8_t)lower;
     }
-    igraph_vector_int_destroy(&place);
+    igraph.vector_int_destroy(&place);
     return error;
 }
 
 static igraph_error_t take_generators(const igraph_vector_int_list_t *list, lw_group *group)
 {
-    igraph_integer_t n = igraph_vector_int_list_size(list);
+    igraph_integer_t n = igraph.vector_int_list_size(list);
     group->generator = malloc((size_t)(n ? n : 1)*sizeof *group->generator);
     if (!group->generator)
         return IGRAPH_ENOMEM;
     for (igraph_integer_t k = 0; k < n; k++) {
-        const igraph_vector_int_t *p = igraph_vector_int_list_get_ptr(list, k);
+        const igraph_vector_int_t *p = igraph.vector_int_list_get_ptr(list, k);
         for (int i = 0; i < group->n; i++)
             group->generator[k][i] = (uint8_t)VECTOR(*p)[i];
     }
@@ -262,15 +298,17 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_gro
 {
     bliss b;
     igraph_vector_int_list_t list;
-    IGRAPH_CHECK(igraph_vector_int_list_init(&list, 0));
-    igraph_error_t error = bliss_open(&b, g, rank);
+    igraph_error_t error = igraph.vector_int_list_init(&list, 0);
+    if (error)
+        return error;
+    error = bliss_open(&b, g, rank);
     if (error == IGRAPH_SUCCESS) {
-        error = igraph_automorphism_group(&b.graph, &b.colour, &list, IGRAPH_BLISS_FL, NULL);
+        error = igraph.automorphism_group(&b.graph, &b.colour, &list, IGRAPH_BLISS_FL, NULL);
         bliss_close(&b);
     }
     if (error == IGRAPH_SUCCESS)
         error = take_generators(&list, group);
-    igraph_vector_int_list_destroy(&list);
+    igraph.vector_int_list_destroy(&list);
     return error;
 }
 
@@ -278,11 +316,15 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_gro
 static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_group *group)
 {
     pthread_mutex_lock(&igraph_lock);
-    igraph_error_handler_t *before = igraph_set_error_handler(igraph_error_handler_ignore);
-    igraph_error_t error = to ? bliss_label(g, rank, to) : bliss_group(g, rank, group);
-    igraph_set_error_handler(before);
+    lw_status status = need_igraph();
+    if (status == LW_OK) {
+        igraph_error_handler_t *before = igraph.set_error_handler(igraph.error_handler_ignore);
+        igraph_error_t error = to ? bliss_label(g, rank, to) : bliss_group(g, rank, group);
+        igraph.set_error_handler(before);
+        status = error == IGRAPH_SUCCESS ? LW_OK : LW_E_MEMORY;
+    }
     pthread_mutex_unlock(&igraph_lock);
-    return error == IGRAPH_SUCCESS ? LW_OK : LW_E_MEMORY;
+    return status;
 }
 
 lw_status lw_graph_label(const lw_graph *g, uint8_t *to)

@@ -37,7 +37,7 @@ void lw_graph_of_structure(const lw_structure *s, lw_graph *g);
 void lw_graph_refine(const lw_graph *g, uint64_t *colour);
 
 /* Canonical labelling: vertex i has place to[i] in the canonical form.  to (g->n).
- * LW_E_MEMORY is the only failure. */
+ * LW_E_MEMORY; LW_E_IO: igraph, which is loaded when it is first needed, is not there. */
 lw_status lw_graph_label(const lw_graph *g, uint8_t *to);
 
 /* The canonical form itself, for chains and for structures. */

@@ -1,0 +1,21 @@
+/* base/library.h - foreign libraries that are loaded when their first function is called.
+ *
+ * Mapping a large library and all that it stands on takes longer than most of what this program is asked for
+ * (igraph and cairo: some forty files), so the bridges to them ask for it here when it comes to it.  A bridge keeps
+ * a struct of function pointers, filled once under its own lock:
+ *
+ *     #define CALLS(X) X(create) X(destroy)
+ *     static struct { ... __typeof__(cairo_create) *create; } cairo;
+ *     const lw_library_call call[] = { { "cairo_create", &cairo.create }, ... }; */
+#ifndef LW_BASE_LIBRARY_H
+#define LW_BASE_LIBRARY_H
+
+#include "base/error.h"
+
+typedef struct lw_library_call { const char *name; void *pointer; } lw_library_call;   /* pointer: to a function pointer */
+
+/* Load `file` ("libcairo.so.2", as the system looks libraries up) and fill the pointers of call (n).  It stays loaded
+ * until the process ends.  LW_E_IO: it is not there, or lacks one of the functions; then no pointer is changed. */
+lw_status lw_library_load(const char *file, const lw_library_call *call, int n, lw_error *e);
+
+#endif

@@ -1,0 +1,39 @@
+/* Libraries loaded late: found, missing, of another version. */
+#include "base/library.h"
+#include "tests/check.h"
+
+typedef double of_number(double);
+
+static void calls_what_it_loaded(void)
+{
+    of_number *sine = NULL, *root = NULL;
+    lw_error e = { 0 };
+    const lw_library_call call[] = { { "sin", &sine }, { "cbrt", &root } };
+    CHECK_INT(lw_library_load("libm.so.6", call, 2, &e), LW_OK);
+    if (!sine || !root) {
+        CHECK(!"pointers are filled");
+        return;
+    }
+    CHECK_NEAR(sine(0.5), 0.479425538604203, 1e-15, 0);
+    CHECK_NEAR(root(-27), -3, 1e-15, 0);
+}
+
+static void says_what_is_missing(void)
+{
+    of_number *sine = NULL, *none = NULL;
+    lw_error e = { 0 };
+    const lw_library_call call[] = { { "sin", &sine }, { "lw_no_such_function", &none } };
+    CHECK_INT(lw_library_load("libm.so.6", call, 2, &e), LW_E_IO);
+    CHECK_HAS(e.text, "has no function lw_no_such_function");
+    CHECK(!sine && !none);
+    CHECK_INT(lw_library_load("lib-that-is-not-there.so.9", call, 1, &e), LW_E_IO);
+    CHECK_HAS(e.text, "lib-that-is-not-there.so.9");
+    CHECK_INT(lw_library_load("lib-that-is-not-there.so.9", call, 1, NULL), LW_E_IO);
+}
+
+int main(void)
+{
+    RUN(calls_what_it_loaded);
+    RUN(says_what_is_missing);
+    return check_end();
+}
