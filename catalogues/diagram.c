@@ -108,14 +108,22 @@ static bool is_near_page(const lw_drawing *d, lw_vec2 p)
     return fabs(p.x) < 4*d->width && fabs(p.y) < 4*d->height;
 }
 
+/* Target points of one tracer. */
+static size_t stations_each(const lw_scene *s)
+{
+    return s->n_each > 0 ? s->n_each : s->n_station;
+}
+
 /* Markers, smaller the more there are; a polygon when there are too many to tell apart. */
 static void draw_stations(lw_sketch *k, int panel)
 {
     const lw_scene *s = k->s;
     if (s->n_station > 1500) {
-        lw_curve c = { .tracer = -1, .closed = s->station_closed, .n = s->n_station, .p = s->station };
         size_t first = k->d->n_shape;
-        draw_curve(k, panel, &c);
+        for (size_t i = 0; i < s->n_station; i += stations_each(s)) {
+            lw_curve c = { .tracer = -1, .closed = s->station_closed, .n = stations_each(s), .p = s->station + i };
+            draw_curve(k, panel, &c);
+        }
         for (size_t i = first; i < k->d->n_shape; i++) {
             k->d->shape[i].role = LW_ROLE_TARGET;
             k->d->shape[i].stroke = LW_INK_RED;
@@ -140,7 +148,7 @@ static void label_stations(lw_sketch *k, int panel)
     const lw_view *v = &k->d->view[panel];
     for (size_t i = 0; i < s->n_station; i += step) {
         char text[24];
-        snprintf(text, sizeof text, "%zu", i + 1);
+        snprintf(text, sizeof text, "%zu", i % stations_each(s) + 1);
         lw_vec2 p = lw_sketch_pixel(k, panel, s->station[i]), at;
         if (!lw_label_map_place(&k->map, text, 11.5*k->u, p, p, 6*k->u, lw_view_box(v), &at))
             continue;

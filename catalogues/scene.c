@@ -60,12 +60,15 @@ static bool copy_target(lw_scene *s, const lw_target *t)
 {
     if (!t || !t->x || !t->y)
         return true;
-    s->station = malloc((t->n ? t->n : 1)*sizeof *s->station);
+    s->station = malloc((t->n*(size_t)(1 + t->n_also) + 1)*sizeof *s->station);
     if (!s->station)
         return false;
-    for (size_t i = 0; i < t->n; i++)
-        s->station[i] = lw_v2(t->x[i], t->y[i]);
-    s->n_station = t->n;
+    for (int k = 0; k <= t->n_also; k++) {
+        const double *x = k > 0 ? t->also[k - 1].x : t->x, *y = k > 0 ? t->also[k - 1].y : t->y;
+        for (size_t i = 0; x && i < t->n; i++)
+            s->station[s->n_station++] = lw_v2(x[i], y[i]);
+    }
+    s->n_each = t->n;
     s->station_closed = t->closed;
     return true;
 }

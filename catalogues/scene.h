@@ -39,6 +39,8 @@ typedef struct lw_scene {
     lw_vec2    origin[LW_LINK_MAX];           /* reference point of each link in that posture [m]    */
     size_t     n_station;
     lw_vec2   *station;                       /* target points [m]; none for a function (n_station)  */
+    size_t     n_each;                        /* so many for each tracer that has some, one after the other;
+                                               * 0: all are of one                                  */
     bool       station_closed;
     int        n_curve;
     lw_curve   curve[LW_CURVE_MAX];

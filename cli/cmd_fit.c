@@ -8,7 +8,8 @@
 #include "cli/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas;
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+               *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
@@ -45,6 +46,8 @@ static const cli_option options[] = {
     { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
       "prescribed angles count from the first one, which is found; from the line of the fixed pivots; "
       "from the x axis", 0, 0, NULL, NULL },
+    { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
+      "links of the target's further points (x2, ...), in their order: input, coupler, output, or any", 0, 0, NULL, NULL },
     { "weight-path", 'a', CLI_REAL, offsetof(settings, weight_path), "A", "1",
       "weight of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
     { "weight-angle", 'b', CLI_REAL, offsetof(settings, weight_angle), "B", "1",
@@ -197,7 +200,8 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
                             "the target has no column angle");
-    return read_bounds(s->bounds, &t->units, spec, e);
+    lw_status st = mine(call, set, "point-links") ? cli_fit_carriers(s->point_links, t, spec->carrier, e) : LW_OK;
+    return st == LW_OK ? read_bounds(s->bounds, &t->units, spec, e) : st;
 }
 
 /* Are the names in --type types? */
@@ -221,7 +225,7 @@ static lw_status check_types(const char *types, lw_error *e)
 /* Is `name` a dimension of one of the wanted types? */
 static bool is_dimension(const char *types, const char *name)
 {
-    if (strcmp(name, "input0") == 0 || strcmp(name, "tool0") == 0)
+    if (strcmp(name, "input0") == 0 || strncmp(name, "tool", 4) == 0)
         return true;
     for (const lw_type *t = lw_type_table; t->letters; t++) {
         lw_linkage k;

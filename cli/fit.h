@@ -49,6 +49,11 @@ void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
 void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
 void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
+/* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the table; a member of its JSON object. */
+lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
+void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
+void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
+
 /* Value of a dimension in the user's unit: angles in radians. */
 double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si);
 

@@ -48,6 +48,7 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     for (int d = 0; d < c->n_dim; d++)
         fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     fputc('\n', f);
+    cli_fit_points_row(s, i, f);
 }
 
 /* The best with so many links or fewer; -1: none. */
@@ -210,6 +211,7 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
         cli_fit_exact_json_row(s, i, j);
     cli_json_real(j, "objective", c->objective);
     json_errors(s, r, j);
+    cli_fit_points_json(s, i, j);
     cli_json_object(j, "dimensions");
     for (int d = 0; d < c->n_dim; d++)
         cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));

@@ -16,6 +16,26 @@ void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
     }
     lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
                    w->curve_m);
+    for (int i = 0; i < p->n_also; i++) {
+        const lw_also_work *a = &w->also[i];
+        lw_batch_point(&p->plan, &in, i + 1, w->batch, a->curve_x, a->curve_y, a->curve_u, a->curve_v, w->pose_m);
+        for (int j = 0; j < M; j++)
+            w->curve_m[j] = fmin(w->curve_m[j], w->pose_m[j]);
+    }
+}
+
+/* What a further point adds to the cost of station i at each sample. */
+static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim, size_t i, double *c)
+{
+    double wa = aim->wa[i]*aim->wa[i], wb = aim->wb[i]*aim->wb[i];
+    for (int j = 0; aim->x && j < M; j++) {
+        double dx = a->curve_x[j] - aim->x[i], dy = a->curve_y[j] - aim->y[i];
+        c[j] += wa*(dx*dx + dy*dy);
+    }
+    for (int j = 0; aim->theta && j < M; j++) {
+        double turn = remainder(atan2(a->curve_v[j], a->curve_u[j]) + x[aim->i_tool] - aim->theta[i], 2*LW_PI);
+        c[j] += wb*turn*turn;
+    }
 }
 
 /* What it costs to put station i at sample j. */
@@ -32,6 +52,8 @@ static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
             turn = remainder(turn, 2*LW_PI);
             c[j] += p->w[i]*p->b*turn*turn;
         }
+        for (int k = 0; k < p->n_also; k++)
+            add_costs(x, &w->also[k], &p->also[k], i, c);
         for (int j = 0; j < M; j++)
             if (!(w->curve_m[j] >= 0))
                 c[j] = 1e30;
@@ -119,6 +141,16 @@ static void between_samples(const lw_problem *p, lw_work *w)
         double tx = 0.5*(w->curve_x[b] - w->curve_x[a]), ty = 0.5*(w->curve_y[b] - w->curve_y[a]);
         double t2 = tx*tx + ty*ty;
         double s = tx*(p->x[i] - w->curve_x[j]) + ty*(p->y[i] - w->curve_y[j]);
+        for (int k = 0; k < p->n_also; k++) {
+            const lw_also_work *z = &w->also[k];
+            const lw_aim *aim = &p->also[k];
+            if (!aim->x)
+                continue;
+            tx = 0.5*(z->curve_x[b] - z->curve_x[a]);
+            ty = 0.5*(z->curve_y[b] - z->curve_y[a]);
+            t2 += tx*tx + ty*ty;
+            s += tx*(aim->x[i] - z->curve_x[j]) + ty*(aim->y[i] - z->curve_y[j]);
+        }
         w->try_theta[i] = 1;
         if (t2 > 0)
             w->phase[i] += width*fmax(-0.49, fmin(0.49, s/t2));

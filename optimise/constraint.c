@@ -59,7 +59,7 @@ static void margins(const lw_problem *p, const double *x, lw_work *w, double *ma
     lw_lanes in = { .n = pose_count(p), .c = p->branch.turns ? w->turn_c : w->c,
                     .s = p->branch.turns ? w->turn_s : w->s, .dim = x, .mode = p->branch.mode };
     lw_circuit_modes(p, w, &in);
-    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
+    lw_problem_margin(p, &in, w, margin);
 }
 
 static void tangents_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,

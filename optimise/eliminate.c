@@ -9,12 +9,16 @@ double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, doubl
 {
     double s = 0;
     int row = 0;
-    if (p->task != LW_TASK_FUNCTION) {
-        t[row++] = p->wa[k]*w->jac.tx[k];
-        t[row++] = p->wa[k]*w->jac.ty[k];
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        if (aim.x) {
+            t[row++] = aim.wa[k]*j->tx[k];
+            t[row++] = aim.wa[k]*j->ty[k];
+        }
+        if (aim.theta)
+            t[row++] = aim.wb[k]*j->tt[k];
     }
-    if (p->theta)
-        t[row++] = p->wb[k]*w->jac.tt[k];
     for (int i = 0; i < row; i++)
         s += t[i]*t[i];
     return s;

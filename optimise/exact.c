@@ -288,7 +288,10 @@ lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *ou
     memset(out, 0, sizeof *out);
     if (!own.types)
         own.types = task == LW_TASK_MOTION && t->n == 5 ? "all" : "fourbar";
-    lw_status st = check_count(t, task, e);
+    lw_status st = t->n_also == 0 ? check_count(t, task, e)
+                                  : lw_error_set(e, LW_E_ARG, "linkages through precision points have one point; the "
+                                                 "target has %d: leave its columns x2, ... out, or fit without --exact",
+                                                 1 + t->n_also);
     if (st == LW_OK)
         st = check_distinct(t, task, e);
     if (st == LW_OK)

@@ -44,6 +44,7 @@ typedef struct lw_candidate {
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */
+    double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in the user's units (SI)                                 */
     double *input;               /* of each station [rad] or [m]                     (n_station)    */
     double *mode_of;             /* assembly at each station                         (n_station)    */

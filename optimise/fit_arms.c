@@ -82,27 +82,48 @@ static lw_status make_arms(lw_search *s, lw_fit *out, lw_error *e)
     return LW_OK;
 }
 
+enum { MANY = 48, FEW = 28 };
+
+static void thin_column(const lw_target *t, const double *from, double to[FEW])
+{
+    for (size_t i = 0; i < FEW && from; i++)
+        to[i] = from[t->closed ? i*t->n/FEW : i*(t->n - 1)/(FEW - 1)];
+}
+
+/* Weights of which something is left. */
+static void thin_weights(const lw_target *t, const double *from, double to[FEW])
+{
+    double weight = 0;
+    thin_column(t, from, to);
+    for (size_t i = 0; i < FEW; i++)
+        weight += to[i];
+    for (size_t i = 0; i < FEW && !(weight > 0); i++)
+        to[i] = 1;
+}
+
 /* Every so-manieth station, for the search on long targets. */
 static lw_status thin_out(lw_search *s, lw_error *e)
 {
-    enum { MANY = 48, FEW = 28 };
     const lw_target *t = s->t;
     if (t->n <= MANY || s->o->spec.task == LW_TASK_FUNCTION)
         return LW_OK;
-    double v[5][FEW];
-    const double *from[5] = { t->x, t->y, t->theta, t->angle, t->weight };
-    for (size_t i = 0; i < FEW; i++) {
-        size_t k = t->closed ? i*t->n/FEW : i*(t->n - 1)/(FEW - 1);
-        for (int c = 0; c < 5; c++)
-            v[c][i] = from[c] ? from[c][k] : 0;
+    double v[4][FEW], weight[FEW], more[LW_ALSO_MAX][4][FEW];
+    lw_also also[LW_ALSO_MAX];
+    const double *from[4] = { t->x, t->y, t->theta, t->angle };
+    for (int c = 0; c < 4; c++)
+        thin_column(t, from[c], v[c]);
+    thin_weights(t, t->weight, weight);
+    for (int k = 0; k < t->n_also; k++) {
+        const lw_also *a = &t->also[k];
+        thin_column(t, a->x, more[k][0]);
+        thin_column(t, a->y, more[k][1]);
+        thin_column(t, a->theta, more[k][2]);
+        thin_weights(t, a->weight, more[k][3]);
+        also[k] = (lw_also){ .x = a->x ? more[k][0] : NULL, .y = a->x ? more[k][1] : NULL,
+                             .theta = a->theta ? more[k][2] : NULL, .weight = more[k][3] };
     }
-    double weight = 0;
-    for (size_t i = 0; i < FEW; i++)
-        weight += v[4][i];
-    for (size_t i = 0; i < FEW && !(weight > 0); i++)
-        v[4][i] = 1;
-    return lw_target_make(FEW, v[0], v[1], t->theta ? v[2] : NULL, t->angle ? v[3] : NULL, v[4],
-                          t->closed, &s->thin, e);
+    return lw_target_make_all(FEW, v[0], v[1], t->theta ? v[2] : NULL, t->angle ? v[3] : NULL, weight, also,
+                              t->n_also, t->closed, &s->thin, e);
 }
 
 /* One arm a family; those that cannot do it say why. */

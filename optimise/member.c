@@ -215,8 +215,9 @@ static bool run_steps(drawing *d)
         d->reg[0][k] = 0;
         d->reg[1][k] = 1;
     }
-    for (int i = 0; i < plan->n_output_step[0]; i++) {
-        const lw_step *s = &plan->step[plan->output_step[0][i]];
+    bool all = plan->n_output > 1;                   /* several points: their steps in one             */
+    for (int i = 0; i < (all ? plan->n_step : plan->n_output_step[0]); i++) {
+        const lw_step *s = &plan->step[all ? i : plan->output_step[0][i]];
         bool tracer = s->kind == LW_STEP_POINT && s->dim[0] >= 0 && plan->dim[s->dim[0]].role == LW_ROLE_CX;
         if (!tracer && !take_step(d, s))
             return false;
@@ -235,7 +236,7 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
     }
     lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->branch.mode };
-    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    lw_problem_margin(p, &in, w, w->pose.margin);
     while (lo > 0 && w->pose.margin[lo - 1] > 1e-3)
         lo--;
     while (hi < M - 1 && w->pose.margin[hi + 1] > 1e-3)
@@ -251,7 +252,7 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
-    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    lw_problem_margin(p, &in, w, w->pose.margin);
     for (int k = 0; k < M; k++)
         if (!(w->pose.margin[k] > 0))
             return false;

@@ -15,7 +15,13 @@ const char *lw_problem_variable(const lw_problem *p, int i)
 {
     if (i < p->n_dim)
         return p->plan.dim[i].name;
-    return i == p->i_input0 ? "input0" : "tool0";
+    if (i == p->i_input0)
+        return "input0";
+    static const char *const tool[LW_POINT_MAX] = { "tool0", "tool2", "tool3", "tool4" };
+    int k = p->n_also;
+    while (k > 0 && p->also[k - 1].i_tool != i)
+        k--;
+    return tool[k];
 }
 
 int lw_problem_index(const lw_problem *p, const char *name)
@@ -47,12 +53,14 @@ static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size
                           const double *mode)
 {
     lw_lanes in = { .n = last - first, .c = w->c + first, .s = w->s + first, .dim = x, .mode = mode };
-    lw_jacobian j = w->jac;
-    double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt };
-    for (size_t i = 0; i < sizeof each/sizeof *each; i++)
-        if (*each[i])
-            *each[i] += first;
-    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
+    for (int k = 0; k <= p->n_also; k++) {
+        lw_jacobian j = *lw_work_jac(w, k);
+        double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt };
+        for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+            if (*each[i])
+                *each[i] += first;
+        lw_batch_jacobian(&p->plan, &in, k, w->batch, &j);
+    }
 }
 
 /* A circuit: run by run of equal mode; then derivatives by the phase. */
@@ -66,11 +74,14 @@ static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
         }
     if (!modes)
         lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
-    for (size_t k = 0; k < w->n_lane; k++) {
-        w->jac.tx[k] *= w->rate[k];
-        w->jac.ty[k] *= w->rate[k];
-        if (w->jac.tt)
-            w->jac.tt[k] *= w->rate[k];
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        for (size_t k = 0; k < w->n_lane; k++) {
+            j->tx[k] *= w->rate[k];
+            j->ty[k] *= w->rate[k];
+            if (j->tt)
+                j->tt[k] *= w->rate[k];
+        }
     }
 }
 
@@ -91,7 +102,7 @@ static double margin_between(const lw_problem *p, const double *x, double shift,
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
     }
     lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->branch.mode };
-    lw_batch_frame(&p->plan, &in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose.margin);
+    lw_problem_margin(p, &in, w, w->pose.margin);
     for (size_t k = 0; k < n; k++)
         least = fmin(least, w->pose.margin[k]);
     return least;
@@ -117,8 +128,9 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
         lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
     else
         lanes_of_circuit(p, x, w);
-    for (size_t k = 0; k < w->n_lane; k++)
-        least = fmin(least, w->jac.margin[k]);
+    for (int i = 0; i <= p->n_also; i++)
+        for (size_t k = 0; k < w->n_lane; k++)
+            least = fmin(least, lw_work_jac(w, i)->margin[k]);
     return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
 }
 
@@ -145,28 +157,33 @@ void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Residuals of station k: what f squares and adds. */
+/* Residuals of the stations: what f squares and adds. */
 static void station_residuals(const lw_problem *p, const double *x, lw_work *w)
 {
-    const lw_jacobian *j = &w->jac;
-    int row = 0;
-    if (p->task != LW_TASK_FUNCTION) {
-        for (size_t k = 0; k < p->n; k++) {
-            w->res[k] = p->wa[k]*(j->x[k] - p->x[k]);
-            w->res[w->ld + k] = p->wa[k]*(j->y[k] - p->y[k]);
+    double *res = w->res;
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        if (aim.x) {
+            for (size_t k = 0; k < p->n; k++) {
+                res[k] = aim.wa[k]*(j->x[k] - aim.x[k]);
+                res[w->ld + k] = aim.wa[k]*(j->y[k] - aim.y[k]);
+            }
+            res += 2*w->ld;
         }
-        row = 2;
+        if (aim.theta) {
+            for (size_t k = 0; k < p->n; k++) {
+                double turn = atan2(j->v[k], j->u[k]) + x[aim.i_tool] - aim.theta[k];
+                res[k] = aim.wb[k]*remainder(turn, 2*LW_PI);
+            }
+            res += w->ld;
+        }
     }
-    if (p->theta)
-        for (size_t k = 0; k < p->n; k++) {
-            double turn = atan2(j->v[k], j->u[k]) + x[p->i_tool0] - p->theta[k];
-            w->res[(size_t)row*w->ld + k] = p->wb[k]*remainder(turn, 2*LW_PI);
-        }
 }
 
-/* One row of derivatives: those of the plan, and by input0 and tool0. */
-static void component_rows(const lw_problem *p, lw_work *w, int row, const double *by_dim,
-                           const double *by_input, const double *weight, bool angle)
+/* One row of derivatives: those of the plan, and by input0 and the tool's mounting angle (-1: none). */
+static void component_rows(const lw_problem *p, lw_work *w, int row, const double *by_dim, const double *by_input,
+                           const double *weight, int tool)
 {
     size_t ld = w->ld, n = p->n;
     double *base = w->row + (size_t)row*(size_t)p->n_var*ld;
@@ -177,21 +194,24 @@ static void component_rows(const lw_problem *p, lw_work *w, int row, const doubl
         base[(size_t)p->i_input0*ld + k] = by_input[k]*weight[k];
     for (size_t k = 0; p->i_input0 >= 0 && p->datum == LW_DATUM_PLANE && k < n; k++)
         base[(size_t)p->plan.i_theta0*ld + k] -= by_input[k]*weight[k];
-    for (size_t k = 0; p->i_tool0 >= 0 && k < n; k++)
-        base[(size_t)p->i_tool0*ld + k] = angle ? weight[k] : 0;
+    for (int d = p->n_dim + (p->i_input0 >= 0); d < p->n_var; d++)
+        for (size_t k = 0; k < n; k++)
+            base[(size_t)d*ld + k] = d == tool ? weight[k] : 0;
 }
 
 static void station_rows(const lw_problem *p, lw_work *w)
 {
-    const lw_jacobian *j = &w->jac;
     int row = 0;
-    if (p->task != LW_TASK_FUNCTION) {
-        component_rows(p, w, 0, j->jx, j->tx, p->wa, false);
-        component_rows(p, w, 1, j->jy, j->ty, p->wa, false);
-        row = 2;
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        if (aim.x) {
+            component_rows(p, w, row++, j->jx, j->tx, aim.wa, -1);
+            component_rows(p, w, row++, j->jy, j->ty, aim.wa, -1);
+        }
+        if (aim.theta)
+            component_rows(p, w, row++, j->jt, j->tt, aim.wb, aim.i_tool);
     }
-    if (p->theta)
-        component_rows(p, w, row, j->jt, j->tt, p->wb, true);
 }
 
 /* Derivatives of the samples' distances, whose normals (weighted) are nx, ny.  Where the limits of the

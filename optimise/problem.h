@@ -6,6 +6,9 @@
  * station 0 (`input0`) and the mounting angle of the tool (`tool0`).  Inside, the target is moved to
  * the origin and scaled to size one, so that coordinates around 1e9 or 1e-9 are as good as any.
  *
+ * Further points of the target add their own terms, with the input of the station in common; each lies on its link
+ * (optimise/tracers.h) and has a mounting angle of its own (`tool2`, ...) where it has a theta.
+ *
  * Timing.  prescribed: the input angle of station i is input0 + angle[i].  free: each station takes
  * the input that suits it best, in the order of the stations (a monotone assignment, one turn at
  * most).  none: the nearest points, both ways: station to curve and curve to target polygon.
@@ -19,7 +22,7 @@
 #include "mbs/types.h"
 #include "optimise/target.h"
 
-#define LW_VAR_MAX    (LW_DIM_MAX + 2)
+#define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
 #define LW_ZONE_MAX    8
 /* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
@@ -35,6 +38,15 @@ typedef enum lw_datum {
     LW_DATUM_FRAME,       /* from the x axis of the ground frame (the line of the fixed pivots)   */
     LW_DATUM_PLANE        /* from the x axis of the plane                                         */
 } lw_datum;
+
+/* Where a further point lies: of four links on the coupler, or an angle alone on the output; of other linkages a
+ * family says it. */
+typedef enum lw_carrier {
+    LW_CARRIER_ANY,
+    LW_CARRIER_INPUT,     /* on the driven link                                                    */
+    LW_CARRIER_COUPLER,   /* on a link that is not joined to the ground                            */
+    LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
+} lw_carrier;
 
 typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
 
@@ -66,6 +78,7 @@ typedef struct lw_fit_spec {
     double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
     double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
     double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
+    lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */
     int       n_zone;
     lw_zone   zone[LW_ZONE_MAX];
     int       n_bound;
@@ -87,6 +100,14 @@ typedef struct lw_course {
                                           * which it must close, [rad] or scaled                   */
 } lw_course;
 
+/* What one point has to do at the stations, scaled. */
+typedef struct lw_aim {
+    double *x, *y;                       /* NULL: not asked for                              (n)   */
+    double *theta;                       /* tool angle [rad]; NULL: not asked for            (n)   */
+    double *wa, *wb;                     /* sqrt(a w), sqrt(b w)                             (n)   */
+    int     i_tool;                      /* variable: the tool's mounting angle; -1                */
+} lw_aim;
+
 typedef struct lw_problem {
     const struct lw_family *family;
     lw_plan      plan;
@@ -103,6 +124,8 @@ typedef struct lw_problem {
     size_t       n;
     double      *x, *y, *theta, *w;      /* theta NULL: no tool angle                              */
     double      *wa, *wb;                /* sqrt(a w), sqrt(b w)                                   */
+    int          n_also;                 /* further points; outputs 1, 2, ... of the plan          */
+    lw_aim       also[LW_ALSO_MAX];
     double      *c, *s;                  /* cos, sin of the prescribed input angles, or NULL       */
     double      *angle;                  /* those angles [rad], or NULL                            */
     bool         closed;

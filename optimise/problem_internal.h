@@ -7,7 +7,11 @@
 #include "optimise/problem.h"
 
 #define LW_CURVE_SAMPLES 64      /* poses over one turn from which an assignment starts            */
-#define LW_ROW_MAX        3      /* residuals a station has at most: x, y, angle                   */
+#define LW_POINT_MAX (1 + LW_ALSO_MAX)
+#define LW_ROW_MAX   (3*LW_POINT_MAX)   /* residuals a station has at most: x, y, angle of each point */
+
+/* Of a further point: its lanes, and its curve at the samples. */
+typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
 
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
@@ -16,6 +20,7 @@ typedef struct lw_work {
     double *mode;                /* assembly of each lane                                          */
     double *c, *s;               /* cosine and sine of the input                                   */
     lw_jacobian jac;             /* of every lane                                                  */
+    lw_also_work also[LW_ALSO_MAX];
     double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
     double *res;                 /* residuals, res[k*ld + lane]                                    */
     int     n_row;               /* residuals a lane                                               */
@@ -33,13 +38,26 @@ typedef struct lw_work {
     double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
     /* poses in which conditions on the motion are looked at (samples or stations) */
-    double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v;
+    double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
     lw_jacobian pose;
     double *g_now, *g_up, *g_down;
     double *cost, *best;         /* dynamic programme: station by sample                           */
     short  *from, *order;
     void   *batch;
 } lw_work;
+
+/* Point k: what it has to do, and its lanes. */
+static inline lw_aim lw_problem_aim(const lw_problem *p, int k)
+{
+    bool path = p->task != LW_TASK_FUNCTION;
+    return k > 0 ? p->also[k - 1]
+                 : (lw_aim){ path ? p->x : NULL, path ? p->y : NULL, p->theta, p->wa, p->wb, p->i_tool0 };
+}
+
+static inline const lw_jacobian *lw_work_jac(const lw_work *w, int k) { return k > 0 ? &w->also[k - 1].jac : &w->jac; }
+
+/* Margin of lanes, the least over what any point depends on (lanes of the poses at most; pose_x .. pose_v are lost). */
+void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin);
 
 /* Are there conditions besides bounds and linear ones? */
 bool lw_problem_is_nonlinear(const lw_problem *p);

@@ -5,6 +5,7 @@
 
 #include "optimise/family.h"
 #include "optimise/problem_internal.h"
+#include "optimise/tracers.h"
 
 /* "+r3+r4-r1-r2" into coefficients by variable. */
 static void linear_row(const lw_problem *p, const char *text, double *row)
@@ -20,30 +21,78 @@ static void linear_row(const lw_problem *p, const char *text, double *row)
     }
 }
 
+/* Sums over the weighted points of the target, relative to its first. */
+typedef struct moments { double weight, x, y; } moments;
+
+static void add_points(const lw_target *t, const double *x, const double *y, const double *weight, moments *m)
+{
+    for (size_t i = 0; x && i < t->n; i++) {
+        m->weight += weight[i];
+        m->x += weight[i]*(x[i] - t->x[0]);
+        m->y += weight[i]*(y[i] - t->y[0]);
+    }
+}
+
+static double spread(const lw_problem *p, const double *x, const double *y, const double *weight, double all)
+{
+    double sum = 0;
+    for (size_t i = 0; x && i < p->n; i++)
+        sum += weight[i]/all*(pow(x[i] - p->origin.x, 2) + pow(y[i] - p->origin.y, 2));
+    return sum;
+}
+
+/* Origin and unit: centre of all points and their mean distance from it. */
+static void find_scale(const lw_target *t, lw_problem *p)
+{
+    moments m = { 0, 0, 0 };
+    p->origin = lw_v2(0, 0);
+    p->unit = 1;
+    if (!t->x)
+        return;
+    add_points(t, t->x, t->y, t->weight, &m);
+    for (int i = 0; i < t->n_also; i++)
+        add_points(t, t->also[i].x, t->also[i].y, t->also[i].weight, &m);
+    p->origin = lw_v2(t->x[0] + m.x/m.weight, t->y[0] + m.y/m.weight);
+    double sum = spread(p, t->x, t->y, t->weight, m.weight);
+    for (int i = 0; i < t->n_also; i++)
+        sum += spread(p, t->also[i].x, t->also[i].y, t->also[i].weight, m.weight);
+    p->unit = sum > 0 ? sqrt(sum) : 1;
+}
+
+static void scale_points(const lw_problem *p, const double *x, const double *y, double *to_x, double *to_y)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        to_x[i] = (x[i] - p->origin.x)/p->unit;
+        to_y[i] = (y[i] - p->origin.y)/p->unit;
+    }
+}
+
+/* Arrays of a further point, five of n from a on: scaled places, angles; weights come later. */
+static void make_aim(const lw_target *t, const lw_also *from, const lw_problem *p, double *a, lw_aim *aim)
+{
+    size_t n = p->n;
+    *aim = (lw_aim){ .x = from->x ? a : NULL, .y = from->x ? a + n : NULL, .theta = from->theta ? a + 2*n : NULL,
+                     .wa = a + 3*n, .wb = a + 4*n, .i_tool = -1 };
+    if (aim->x)
+        scale_points(p, from->x, from->y, aim->x, aim->y);
+    if (aim->theta)
+        memcpy(aim->theta, from->theta, sizeof *aim->theta*t->n);
+}
+
 static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
 {
     size_t n = p->n = t->n;
-    double *a = calloc(n*9 + 1, sizeof *a), sum = 0, w = 0;
+    double *a = calloc(n*(9 + 5*(size_t)t->n_also) + 1, sizeof *a);
     if (!a)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
     p->store = a;
     p->x = a; p->y = a + n; p->w = a + 2*n; p->c = a + 3*n; p->s = a + 4*n; p->angle = a + 5*n;
     p->theta = t->theta ? a + 6*n : NULL;
     p->wa = a + 7*n; p->wb = a + 8*n;
-    p->origin = lw_v2(0, 0);
-    for (size_t i = 0; t->x && i < n; i++) {
-        w += t->weight[i];
-        p->origin.x += t->weight[i]*(t->x[i] - t->x[0]);
-        p->origin.y += t->weight[i]*(t->y[i] - t->y[0]);
-    }
+    find_scale(t, p);
     if (t->x)
-        p->origin = lw_v2(t->x[0] + p->origin.x/w, t->y[0] + p->origin.y/w);
-    for (size_t i = 0; t->x && i < n; i++)
-        sum += t->weight[i]/w*(pow(t->x[i] - p->origin.x, 2) + pow(t->y[i] - p->origin.y, 2));
-    p->unit = sum > 0 ? sqrt(sum) : 1;
+        scale_points(p, t->x, t->y, p->x, p->y);
     for (size_t i = 0; i < n; i++) {
-        p->x[i] = t->x ? (t->x[i] - p->origin.x)/p->unit : 0;
-        p->y[i] = t->x ? (t->y[i] - p->origin.y)/p->unit : 0;
         p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);   /* each way one half    */
         if (p->theta)
             p->theta[i] = t->theta[i];
@@ -51,26 +100,32 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
         p->c[i] = cos(p->angle[i]);
         p->s[i] = sin(p->angle[i]);
     }
+    p->n_also = t->n_also;
+    for (int i = 0; i < t->n_also; i++)
+        make_aim(t, &t->also[i], p, a + n*(9 + 5*(size_t)i), &p->also[i]);
     return LW_OK;
 }
 
-static lw_status make_plan(lw_problem *p, lw_error *e)
+static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem *p, lw_error *e)
 {
     lw_linkage k;
-    lw_family_linkage(p->family, p->task, &k);
-    lw_status s = lw_plan_make_any(&k, (lw_want){ .tracers = 1, .all_joints = true }, &p->plan, e);
-    if (s != LW_OK)
-        return s;
+    lw_status st = lw_tracers_linkage(p->family, t, s, &k, e);
+    if (st == LW_OK)
+        st = lw_plan_make_any(&k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, &p->plan, e);
+    if (st != LW_OK)
+        return st;
     p->n_dim = p->n_var = p->plan.n_dim;
     p->i_input0 = p->timing == LW_TIMING_PRESCRIBED ? p->n_var++ : -1;
     p->i_tool0 = p->theta ? p->n_var++ : -1;
+    for (int i = 0; i < p->n_also; i++)
+        p->also[i].i_tool = p->also[i].theta ? p->n_var++ : -1;
     return LW_OK;
 }
 
 /* Limits of link sizes relative to the path when nobody gave any: 1/1000 to 10 diagonals. */
 static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec *out)
 {
-    double d = t->x && t->size > 0 ? t->size : 1;
+    double d = t->x && t->extent > 0 ? t->extent : 1;
     *out = *s;
     if (!(s->length_hi > 0)) {
         out->length_lo = t->x ? 1e-3*d : 0.02;       /* of a function: in frame lengths           */
@@ -108,7 +163,7 @@ static void range_of(const lw_problem *p, const lw_fit_spec *s, const lw_target 
         hi = s->length_hi/p->unit;
     } else if (i < p->n_dim && p->plan.dim[i].kind == LW_DIM_COORDINATE) {
         double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
-        double reach = 10*(t->x && t->size > 0 ? t->size : 1)/p->unit;
+        double reach = 10*(t->x && t->extent > 0 ? t->extent : 1)/p->unit;
         lo = is_coordinate_free(s) ? -reach : (s->position_lo - shift)/p->unit;
         hi = is_coordinate_free(s) ? reach : (s->position_hi - shift)/p->unit;
     }
@@ -159,6 +214,11 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
                 return bad_bound(e, p->plan.dim[i].name, p->lo[i]*p->unit, p->hi[i]*p->unit);
             p->lo[i] = fmax(p->lo[i], 1e-9*fmin(1, p->hi[i]));    /* a link has a length          */
         }
+    for (int i = 0; i < p->n_also; i++)
+        if (!p->also[i].x) {                                 /* where on its link does not matter      */
+            fix(p, p->plan.i_cx[i + 1], 0);
+            fix(p, p->plan.i_cy[i + 1], 0);
+        }
     if (p->task == LW_TASK_FUNCTION) {                       /* place, size, tracer do not matter     */
         static const char *const idle[] = { "x0", "y0", "theta0", "cy" };
         for (int k = 0; k < 4; k++)
@@ -176,6 +236,13 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
         return lw_error_set(e, LW_E_ARG, "one point only: a linkage is found for two points or more");
     if (s->task != LW_TASK_FUNCTION && t->x && !(t->size > 0))
         return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
+    if (s->timing == LW_TIMING_NONE && s->task != LW_TASK_FUNCTION && t->n_also > 0)
+        return lw_error_set(e, LW_E_ARG, "several points are where the target says at the same time, so their stations "
+                            "have an order; timing none, which scores one curve both ways, knows none: use free timing");
+    for (int i = 0; i < t->n_also && s->task == LW_TASK_FUNCTION; i++)
+        if (t->also[i].x)
+            return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; use "
+                                "the path task, with the output angle as a further point", i + 2);
     if (s->task != LW_TASK_FUNCTION && !t->x)
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");
@@ -229,6 +296,24 @@ static void scale_zones(const lw_fit_spec *s, lw_problem *p)
     }
 }
 
+/* f counts in units of the scaled target; the user's objective is scale * f. */
+static void weigh(const lw_target *t, const lw_fit_spec *s, lw_problem *p)
+{
+    bool function = p->task == LW_TASK_FUNCTION;
+    double angle = function ? s->b : s->b/(s->a*p->unit*p->unit);
+    p->scale = function ? 1 : s->a*p->unit*p->unit;
+    p->a = function ? 0 : 1;
+    p->b = p->task == LW_TASK_PATH ? 0 : angle;
+    for (size_t i = 0; i < p->n; i++) {
+        p->wa[i] = sqrt(p->a*p->w[i]);
+        p->wb[i] = sqrt(p->b*p->w[i]);
+        for (int k = 0; k < p->n_also; k++) {
+            p->also[k].wa[i] = sqrt(p->a*t->also[k].weight[i]);
+            p->also[k].wb[i] = sqrt(angle*t->also[k].weight[i]);
+        }
+    }
+}
+
 lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_family *family,
                           double mode, int sense, lw_problem *p, lw_error *e)
 {
@@ -252,19 +337,12 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         return st;
     if (p->task == LW_TASK_PATH)
         p->theta = NULL;
-    if ((st = make_plan(p, e)) != LW_OK || (st = check_family(p, e)) != LW_OK
+    if ((st = make_plan(t, s, p, e)) != LW_OK || (st = check_family(p, e)) != LW_OK
         || (st = make_bounds(t, s, p, e)) != LW_OK) {
         lw_problem_free(p);
         return st;
     }
-    /* f counts in units of the scaled target; the user's objective is scale * f */
-    p->scale = p->task == LW_TASK_FUNCTION ? 1 : s->a*p->unit*p->unit;
-    p->a = p->task == LW_TASK_FUNCTION ? 0 : 1;
-    p->b = p->task == LW_TASK_PATH ? 0 : p->task == LW_TASK_FUNCTION ? s->b : s->b/p->scale;
-    for (size_t i = 0; i < p->n; i++) {
-        p->wa[i] = sqrt(p->a*p->w[i]);
-        p->wb[i] = sqrt(p->b*p->w[i]);
-    }
+    weigh(t, s, p);
     p->min_transmission = s->min_transmission;
     p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
                                                 : s->max_acceleration/p->unit;

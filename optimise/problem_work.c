@@ -16,7 +16,20 @@ bool lw_problem_has_modes(const lw_problem *p)
 
 int lw_problem_component_count(const lw_problem *p)
 {
-    return p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+    int n = p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+    for (int i = 0; i < p->n_also; i++)
+        n += (p->also[i].x ? 2 : 0) + (p->also[i].theta ? 1 : 0);
+    return n;
+}
+
+void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)
+{
+    lw_batch_frame(&p->plan, in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
+    for (int i = 1; i <= p->n_also; i++) {
+        lw_batch_frame(&p->plan, in, i, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose_m);
+        for (size_t k = 0; k < in->n; k++)
+            margin[k] = fmin(margin[k], w->pose_m[k]);
+    }
 }
 
 /* Hand out 64-byte aligned pieces; with base NULL it only counts. */
@@ -25,6 +38,20 @@ static void *piece(char *base, size_t *at, size_t bytes)
     size_t here = *at;
     *at = (*at + bytes + 63) & ~(size_t)63;
     return base ? base + here : NULL;
+}
+
+/* Lanes of one point, with the turn of its link when that is asked for. */
+static void lay_out_lanes(const lw_problem *p, size_t ld, bool turn, lw_jacobian *j, char *base, size_t *at)
+{
+    double **each[] = { &j->x, &j->y, &j->u, &j->v, &j->margin, &j->tx, &j->ty, &j->tt };
+    for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+        *each[i] = piece(base, at, ld*sizeof(double));
+    j->jx = piece(base, at, ld*sizeof(double)*(size_t)p->n_dim);
+    j->jy = piece(base, at, ld*sizeof(double)*(size_t)p->n_dim);
+    j->jt = turn ? piece(base, at, ld*sizeof(double)*(size_t)p->n_dim) : NULL;
+    j->ld = ld;
+    if (!turn)
+        j->tt = NULL;
 }
 
 static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
@@ -37,17 +64,18 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->ld = ld;
     w->n_row = lw_problem_component_count(p);
     double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->normal_x, &w->normal_y,
-                               &w->by_input, &w->c, &w->s, &w->jac.x, &w->jac.y, &w->jac.u, &w->jac.v,
-                               &w->jac.margin, &w->jac.tx, &w->jac.ty, &w->jac.tt };
+                               &w->by_input, &w->c, &w->s };
     for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
         *lane_arrays[i] = piece(base, &at, ld*v);
+    lay_out_lanes(p, ld, p->theta, &w->jac, base, &at);
+    for (int k = 0; k < p->n_also; k++) {
+        lw_also_work *a = &w->also[k];
+        lay_out_lanes(p, ld, p->also[k].theta, &a->jac, base, &at);
+        double **curve[] = { &a->curve_x, &a->curve_y, &a->curve_u, &a->curve_v };
+        for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
+            *curve[i] = piece(base, &at, m*v);
+    }
     w->mode = piece(base, &at, ld*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
-    w->jac.jx = piece(base, &at, ld*v*(size_t)p->n_dim);
-    w->jac.jy = piece(base, &at, ld*v*(size_t)p->n_dim);
-    w->jac.jt = p->theta ? piece(base, &at, ld*v*(size_t)p->n_dim) : NULL;
-    w->jac.ld = ld;
-    if (!p->theta)
-        w->jac.tt = NULL;
     w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
@@ -56,7 +84,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
     size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
-    double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v,
+    double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v, &w->pose_m,
                         &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
     for (size_t i = 0; i < sizeof pose/sizeof *pose; i++)
         *pose[i] = piece(base, &at, poses*v);

@@ -8,7 +8,8 @@
 /* The curve of one find: where its stations and its samples are. */
 typedef struct trail {
     const lw_found *of;
-    double *px, *py, cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
+    double *px, *py;             /* stations of every point, one point after the other           */
+    double  cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
 } trail;
 
 static double nearest_of(const trail *t, double x, double y)
@@ -22,9 +23,9 @@ static double nearest_of(const trail *t, double x, double y)
     return least;
 }
 
-/* One curve (cognates, or a linkage met twice): the stations' points agree, and the rest to what
+/* One curve (cognates, or a linkage met twice), and all further points alike: the stations' points agree, and the rest to what
  * polygons of samples can tell. */
-static bool same_curve(const trail *a, const trail *b, size_t n)
+static bool same_curves(const trail *a, const trail *b, size_t n)
 {
     for (size_t k = 0; k < n; k++)
         if (hypot(a->px[k] - b->px[k], a->py[k] - b->py[k]) > 1e-4)
@@ -59,8 +60,10 @@ static bool follow(lw_search *s, const lw_found *c, trail *t)
     lw_problem_work_init(p, w);
     if (!lw_problem_settle(p, c->x, w))
         return false;
-    memcpy(t->px, w->jac.x, sizeof *t->px*p->n);
-    memcpy(t->py, w->jac.y, sizeof *t->py*p->n);
+    for (int i = 0; i <= p->n_also; i++) {
+        memcpy(t->px + (size_t)i*p->n, lw_work_jac(w, i)->x, sizeof *t->px*p->n);
+        memcpy(t->py + (size_t)i*p->n, lw_work_jac(w, i)->y, sizeof *t->py*p->n);
+    }
     if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
         for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
             t->cx[j] = t->px[0];
@@ -88,6 +91,8 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
     lw_problem_to_dims(p, c->x, out->dim);
     out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
     out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
+    for (int i = 0; i < p->n_also; i++)
+        out->tool[i] = p->also[i].i_tool >= 0 ? c->x[p->also[i].i_tool] : 0;
     bool both_modes = lw_problem_has_modes(p);
     out->input = malloc(sizeof *out->input*p->n);
     out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n) : NULL;
@@ -106,7 +111,7 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
 lw_status lw_search_rank(lw_search *s, lw_fit *out)
 {
     int most = s->o->n_result > 0 ? s->o->n_result : 1;
-    size_t n = s->t->n;
+    size_t n = s->t->n*(size_t)(1 + s->t->n_also);
     trail *seen = calloc((size_t)most + 1, sizeof *seen);
     double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
     out->candidate = calloc((size_t)most, sizeof *out->candidate);
@@ -123,7 +128,7 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
         bool fresh = follow(s, c, t);
         for (int k = 0; fresh && k < out->n; k++)
             fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_links(s, t->of, seen[k].of)
-                                                        : !same_curve(t, &seen[k], n);
+                                                        : !same_curves(t, &seen[k], n);
         if (fresh && hand_out(s, c, &out->candidate[out->n]))
             out->n++;
     }

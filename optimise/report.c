@@ -7,15 +7,23 @@
 #include "mbs/motion.h"
 #include "mbs/pose.h"
 #include "optimise/report_internal.h"
+#include "optimise/tracers.h"
 
 /* ---- posture ------------------------------------------------------------------------------ */
 
-static lw_status full_plan(const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k, lw_plan *plan,
-                           lw_error *e)
+static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
+                           lw_plan *plan, lw_error *e)
 {
-    lw_family_linkage(c->family, s->task, k);
+    lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return lw_plan_make_any(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, e);
+    return st == LW_OK ? lw_plan_make_any(k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
+                       : st;
+}
+
+void lw_candidate_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k)
+{
+    for (int i = 0; i <= t->n_also; i++)
+        k->tracer[i].angle = pose->angle[k->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
 }
 
 void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
@@ -27,54 +35,99 @@ void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t stati
 
 /* ---- errors at the stations ------------------------------------------------------------------- */
 
-typedef struct sums { double f, distance, square, angle; } sums;
+/* Sums over the stations of one point, and what is farthest off. */
+typedef struct sums {
+    double f, distance, square, angle, distance_max, angle_max;
+    size_t worst, worst_angle;
+} sums;
 
-/* One station: eq. 17 and what people want to know of it. */
-static void add_station(const lw_target *t, const lw_fit_spec *s, size_t i, lw_vec2 p, double angle,
-                        sums *sum, lw_report *r)
+static void add_distance(double weight, double d, size_t i, sums *sum)
 {
-    if (s->task != LW_TASK_FUNCTION) {
-        double d = hypot(p.x - t->x[i], p.y - t->y[i]);
-        sum->f += s->a*t->weight[i]*d*d;
-        sum->distance += d;
-        sum->square += d*d;
-        if (d > r->error_max || i == 0) {
-            r->error_max = d;
-            r->worst = i;
-        }
-    }
-    if (s->task != LW_TASK_PATH) {
-        double d = remainder(angle - t->theta[i], 2*LW_PI);
-        sum->f += s->b*t->weight[i]*d*d;
-        sum->angle += fabs(d);
-        if (fabs(d) > r->angle_max || i == 0) {
-            r->angle_max = fabs(d);
-            r->worst = s->task == LW_TASK_FUNCTION ? i : r->worst;
-        }
+    sum->f += weight*d*d;
+    sum->distance += d;
+    sum->square += d*d;
+    if (d > sum->distance_max || i == 0) {
+        sum->distance_max = d;
+        sum->worst = i;
     }
 }
 
+static void add_angle(double weight, double d, size_t i, sums *sum)
+{
+    d = remainder(d, 2*LW_PI);
+    sum->f += weight*d*d;
+    sum->angle += fabs(d);
+    if (fabs(d) > sum->angle_max || i == 0) {
+        sum->angle_max = fabs(d);
+        sum->worst_angle = i;
+    }
+}
+
+/* One station: eq. 17 and what people want to know of it, for each point. */
+static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *k, size_t i,
+                        const lw_pose *pose, lw_vec2 *at, sums *sum)
+{
+    lw_vec2 p = at[i] = pose->tracer[0][0];
+    double weight = t->weight[i];
+    if (s->task != LW_TASK_FUNCTION)
+        add_distance(s->a*weight, hypot(p.x - t->x[i], p.y - t->y[i]), i, &sum[0]);
+    if (s->task != LW_TASK_PATH)
+        add_angle(s->b*weight, pose->angle[k->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
+    for (int q = 0; q < t->n_also; q++) {
+        const lw_also *a = &t->also[q];
+        p = at[(size_t)(q + 1)*t->n + i] = pose->tracer[q + 1][0];
+        if (a->x)
+            add_distance(s->a*a->weight[i], hypot(p.x - a->x[i], p.y - a->y[i]), i, &sum[q + 1]);
+        if (a->theta)
+            add_angle(s->b*a->weight[i], pose->angle[k->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
+                      &sum[q + 1]);
+    }
+}
+
+static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_report *r)
+{
+    double n = (double)t->n;
+    bool path = s->task != LW_TASK_FUNCTION, angle = s->task != LW_TASK_PATH;
+    r->error_mean = path ? sum->distance/n : NAN;
+    r->error_rms = path ? sqrt(sum->square/n) : NAN;
+    r->error_max = path ? sum->distance_max : NAN;
+    r->error_percent = t->length > 0 ? 100*r->error_mean/t->length : NAN;
+    r->worst = path ? sum->worst : sum->worst_angle;
+    r->angle_mean = angle ? sum->angle/n : NAN;
+    r->angle_max = angle ? sum->angle_max : NAN;
+}
+
+static void errors_of_further(const lw_also *a, double n, const sums *sum, lw_also_error *r)
+{
+    r->mean = a->x ? sum->distance/n : NAN;
+    r->rms = a->x ? sqrt(sum->square/n) : NAN;
+    r->max = a->x ? sum->distance_max : NAN;
+    r->percent = a->length > 0 ? 100*r->mean/a->length : NAN;
+    r->worst = a->x ? sum->worst : sum->worst_angle;
+    r->angle_mean = a->theta ? sum->angle/n : NAN;
+    r->angle_max = a->theta ? sum->angle_max : NAN;
+}
+
+/* at: positions, n of each point. */
 static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                                 const lw_plan *plan, lw_vec2 *at, lw_report *r)
 {
-    sums sum = { 0, 0, 0, 0 };
+    sums sum[1 + LW_ALSO_MAX] = { { .f = 0 } };
     for (size_t i = 0; i < t->n; i++) {
         double modes[LW_MODE_MAX];
         lw_pose pose;
         lw_candidate_modes(c, plan, i, modes);
         if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
             return LW_OPEN;
-        at[i] = pose.tracer[0][0];
-        add_station(t, s, i, at[i], pose.angle[r->linkage.tracer[0].link][0] + c->tool0, &sum, r);
+        add_station(t, s, c, &r->linkage, i, &pose, at, sum);
     }
-    double n = (double)t->n;
-    r->objective = sum.f;
-    r->error_mean = s->task == LW_TASK_FUNCTION ? NAN : sum.distance/n;
-    r->error_rms = s->task == LW_TASK_FUNCTION ? NAN : sqrt(sum.square/n);
-    r->error_percent = t->length > 0 ? 100*r->error_mean/t->length : NAN;
-    r->angle_mean = s->task == LW_TASK_PATH ? NAN : sum.angle/n;
-    r->angle_max = s->task == LW_TASK_PATH ? NAN : r->angle_max;
-    r->error_max = s->task == LW_TASK_FUNCTION ? NAN : r->error_max;
+    r->objective = sum[0].f;
+    errors_of_first(t, s, &sum[0], r);
+    r->n_also = t->n_also;
+    for (int k = 0; k < t->n_also; k++) {
+        r->objective += sum[k + 1].f;
+        errors_of_further(&t->also[k], (double)t->n, &sum[k + 1], &r->also[k]);
+    }
     return LW_OK;
 }
 
@@ -244,12 +297,12 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     free(curve);
 }
 
-static void classify(const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
+static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
 {
     if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
         return;
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
-    if (s->task != LW_TASK_FUNCTION                      /* its tracer is not on the coupler         */
+    if (s->task != LW_TASK_FUNCTION && t->n_also == 0    /* its tracer is not on the coupler; or one is not all */
         && lw_fourbar_cognates(c->dim, c->mode_of ? c->mode_of[0] : c->branch.mode[0], r->cognate, r->cognate_mode) == LW_OK)
         r->n_cognate = 2;
 }
@@ -262,7 +315,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     lw_plan plan;
     double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
-    lw_status st = full_plan(s, c, &r->linkage, &plan, e);
+    lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
     if (st != LW_OK)
         return st;
     for (int i = 0; i < plan.n_dim; i++) {
@@ -270,7 +323,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         r->dim_kind[i] = plan.dim[i].kind;
     }
     lw_candidate_modes(c, &plan, 0, modes);
-    lw_vec2 *at = malloc(sizeof *at*t->n);
+    lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
     r->transmission_min = r->transmission_max = NAN;
@@ -281,12 +334,12 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     else {
         lw_pose pose;
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
-        r->linkage.tracer[0].angle = pose.angle[r->linkage.tracer[0].link][0] + c->tool0;
+        lw_candidate_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
         describe_motion(t, s, c, &plan, r);
         if (s->task != LW_TASK_FUNCTION)
             compare_curves(t, s, c, &plan, r);
-        classify(s, c, r);
+        classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);
     }
     free(at);

@@ -7,8 +7,17 @@
 #include "optimise/fit.h"
 #include "optimise/likeness.h"
 
+/* Errors of a further point at the stations. */
+typedef struct lw_also_error {
+    double mean, rms, max;         /* distances [m]; NaN when its place is not asked for            */
+    double percent;                /* 100 mean / length of its path; NaN for one without length     */
+    size_t worst;                  /* station of max, of angle_max where there is only an angle      */
+    double angle_mean, angle_max;  /* [rad]; NaN when its angle is not asked for                    */
+} lw_also_error;
+
 typedef struct lw_report {
-    lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one      */
+    lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one, 1, ... are the
+                                    * further points of the target                                  */
     char     dim_name[LW_DIM_MAX][16];
     lw_dim_kind dim_kind[LW_DIM_MAX];
     double   objective;            /* eq. 17 from the positions of the plan                         */
@@ -16,6 +25,8 @@ typedef struct lw_report {
     double   error_percent;        /* 100 error_mean / path length; NaN for a path without length   */
     size_t   worst;                /* station of error_max                                          */
     double   angle_mean, angle_max;/* of the tool or output [rad]; NaN when the task has none      */
+    int      n_also;
+    lw_also_error also[LW_ALSO_MAX];
     double   curve_max;            /* greatest distance of the curve, as far as it is run through from first to
                                     * last station, from the target polygon [m]                     */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */

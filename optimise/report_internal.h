@@ -2,17 +2,21 @@
 #ifndef LW_OPTIMISE_REPORT_INTERNAL_H
 #define LW_OPTIMISE_REPORT_INTERNAL_H
 
+#include "mbs/pose.h"
 #include "optimise/report.h"
 
 /* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
 void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes);
+
+/* Angles of the tracers' tools in the posture of a pose of the candidate. */
+void lw_candidate_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k);
 
 /* Turns, transmission and acceleration of a result with higher groups, whose posture is r->linkage: over the whole
  * curve when the input turns, else from input `from` to `to`. */
 void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r);
 
 /* Write the posture as a file would hold it, read it back, move it from station to station by
- * Newton's method on the loop equations, and compare with `at`, the plan's positions.  Fills
+ * Newton's method on the loop equations, and compare with `at`, the plan's positions (n of each point).  Fills
  * verified ... fault of the report. */
 void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
                const lw_vec2 *at, lw_report *r);

@@ -19,9 +19,9 @@ int lw_start_draws(const lw_problem *p)
 
 /* z0, a, b of  P = z0 + a o + b d  by weighted least squares; small multiples of the diagonal are
  * added so that one or two stations, or a curve that is a circle, give an answer too. */
-typedef struct linear_fit { double complex z0, a, b; double rest; } linear_fit;
+typedef struct linear_fit { double complex z0, a, b, also[LW_ALSO_MAX]; double rest; } linear_fit;
 
-static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
+static linear_fit fit_one(const lw_problem *p, const lw_work *w)
 {
     double complex so = 0, sd = 0, sp = 0;
     double mass = 0;
@@ -57,6 +57,86 @@ static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
     return f;
 }
 
+/* Normal equations of several points at once: unknown z0, a and the place of each point on its link. */
+enum { UNKNOWN_MAX = 2 + LW_POINT_MAX };
+
+typedef struct normal {
+    int            n;
+    double complex m[UNKNOWN_MAX][UNKNOWN_MAX], r[UNKNOWN_MAX];
+    double         pp;
+} normal;
+
+/* Add |sum of row[i] x[i] - want|^2, weighted. */
+static void add_row(normal *s, double weight, const double complex *row, double complex want)
+{
+    for (int i = 0; i < s->n; i++) {
+        for (int k = 0; k < s->n; k++)
+            s->m[i][k] += weight*conj(row[i])*row[k];
+        s->r[i] += weight*conj(row[i])*want;
+    }
+    s->pp += weight*(creal(want)*creal(want) + cimag(want)*cimag(want));
+}
+
+/* Cholesky's factors of a Hermitian matrix; small multiples of the diagonal added as in fit_one.  r becomes the
+ * solution; what is left of pp is returned. */
+static double solve_normal(normal *s)
+{
+    double complex rhs[UNKNOWN_MAX];
+    double size = 0, rest = s->pp;
+    memcpy(rhs, s->r, sizeof rhs);
+    for (int i = 0; i < s->n; i++)
+        size = fmax(size, creal(s->m[i][i]));
+    for (int i = 0; i < s->n; i++) {
+        s->m[i][i] += 1e-12*(creal(s->m[i][i]) + size);
+        for (int k = 0; k <= i; k++) {
+            double complex v = s->m[i][k];
+            for (int l = 0; l < k; l++)
+                v -= s->m[i][l]*conj(s->m[k][l]);
+            s->m[i][k] = k < i ? v/s->m[k][k] : sqrt(fmax(creal(v), 1e-14*size));
+        }
+        for (int k = 0; k < i; k++)
+            s->r[i] -= s->m[i][k]*s->r[k];
+        s->r[i] /= s->m[i][i];
+    }
+    for (int i = s->n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < s->n; k++)
+            s->r[i] -= conj(s->m[k][i])*s->r[k];
+        s->r[i] /= s->m[i][i];
+    }
+    for (int i = 0; i < s->n; i++)
+        rest -= creal(conj(rhs[i])*s->r[i]);
+    return rest;
+}
+
+static linear_fit fit_all(const lw_problem *p, const lw_work *w)
+{
+    normal s = { .n = 2 };
+    int at[LW_POINT_MAX];
+    for (int i = 0; i <= p->n_also; i++)
+        at[i] = lw_problem_aim(p, i).x ? s.n++ : -1;
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        for (size_t k = 0; k < p->n && at[i] >= 0; k++) {
+            double complex row[UNKNOWN_MAX] = { 1, j->x[k] + I*j->y[k] };
+            row[at[i]] = j->u[k] + I*j->v[k];
+            add_row(&s, aim.wa[k]*aim.wa[k], row, aim.x[k] + I*aim.y[k]);
+        }
+    }
+    linear_fit f = { .rest = solve_normal(&s) };
+    f.z0 = s.r[0];
+    f.a = s.r[1];
+    f.b = s.r[at[0]];
+    for (int i = 0; i < p->n_also; i++)
+        f.also[i] = at[i + 1] >= 0 ? s.r[at[i + 1]] : 0;
+    return f;
+}
+
+static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
+{
+    return p->n_also > 0 ? fit_all(p, w) : fit_one(p, w);
+}
+
 /* Variables from a shape of size one and the linear fit. */
 static bool put_together(const lw_problem *p, const double *shape, linear_fit f, double *x)
 {
@@ -68,33 +148,46 @@ static bool put_together(const lw_problem *p, const double *shape, linear_fit f,
         x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : size*shape[i];
     x[p->plan.i_cx[0]] = creal(tracer);
     x[p->plan.i_cy[0]] = cimag(tracer);
+    for (int i = 0; i < p->n_also; i++) {
+        x[p->plan.i_cx[i + 1]] = creal(f.also[i]/turn) + 0.0;   /* never -0 */
+        x[p->plan.i_cy[i + 1]] = cimag(f.also[i]/turn) + 0.0;
+    }
     x[p->plan.i_x0] = creal(f.z0);
     x[p->plan.i_y0] = cimag(f.z0);
     x[p->plan.i_theta0] = carg(turn);
     return true;
 }
 
-/* Mounting angle of the tool: what is left between link and tool in the (circular) mean. */
-static void mount_tool(const lw_problem *p, const lw_work *w, double *x)
+/* Mounting angles of the tools: what is left between link and tool in the (circular) mean. */
+static void mount_tools(const lw_problem *p, const lw_work *w, double *x)
 {
-    double c = 0, s = 0;
-    for (size_t k = 0; k < p->n; k++) {
-        double a = p->theta[k] - atan2(w->jac.v[k], w->jac.u[k]) - x[p->plan.i_theta0];
-        c += p->w[k]*cos(a);
-        s += p->w[k]*sin(a);
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_aim aim = lw_problem_aim(p, i);
+        double c = 0, s = 0;
+        if (!aim.theta)
+            continue;
+        for (size_t k = 0; k < p->n; k++) {
+            double a = aim.theta[k] - atan2(j->v[k], j->u[k]) - x[p->plan.i_theta0];
+            c += p->w[k]*cos(a);
+            s += p->w[k]*sin(a);
+        }
+        x[aim.i_tool] = fmin(fmax(atan2(s, c), p->lo[aim.i_tool]), p->hi[aim.i_tool]);
     }
-    x[p->i_tool0] = fmin(fmax(atan2(s, c), p->lo[p->i_tool0]), p->hi[p->i_tool0]);
 }
 
-/* Frames of the tracer's link at the stations' inputs, in a linkage of this shape. */
+/* Frames of the tracers' links at the stations' inputs, in a linkage of this shape. */
 static bool frames(const lw_problem *p, const double *shape, lw_work *w)
 {
     lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->branch.mode };
-    lw_circuit_modes(p, w, &in);
-    lw_batch_frame(&p->plan, &in, 0, w->batch, w->jac.x, w->jac.y, w->jac.u, w->jac.v, w->jac.margin);
     double least = 1;
-    for (size_t k = 0; k < p->n; k++)
-        least = fmin(least, w->jac.margin[k]);
+    lw_circuit_modes(p, w, &in);
+    for (int i = 0; i <= p->n_also; i++) {
+        const lw_jacobian *j = lw_work_jac(w, i);
+        lw_batch_frame(&p->plan, &in, i, w->batch, j->x, j->y, j->u, j->v, j->margin);
+        for (size_t k = 0; k < p->n; k++)
+            least = fmin(least, j->margin[k]);
+    }
     return least >= w->least_margin;
 }
 
@@ -163,8 +256,7 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
             x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : shape[i]*size;
     } else if (!put_together(p, shape, fit_linear(p, w), x))
         return INFINITY;
-    if (p->theta)
-        mount_tool(p, w, x);
+    mount_tools(p, w, x);
     x[p->i_input0] = p->datum == LW_DATUM_FREE ? first : 0;
     if (p->datum == LW_DATUM_PLANE)
         x[p->plan.i_theta0] = -first;
@@ -207,8 +299,7 @@ static double start_free(lw_problem *p, const double *u, double *x, lw_work *w)
     for (int i = 0; i < ROUNDS; i++) {
         if (!frames(p, shape, w) || !put_together(p, shape, fit_linear(p, w), x))
             return INFINITY;
-        if (p->theta)
-            mount_tool(p, w, x);
+        mount_tools(p, w, x);
         if (i + 1 == ROUNDS)
             break;
         if (!lw_assign(p, x, w) || !lw_problem_turn_stations(p, shape, w))

@@ -3,7 +3,7 @@
  * For given link ratios and input angles the tracer is linear in three complex numbers,
  *     P = z0 + a (o + c d)      z0 place, a size and turn, c tracer on its link,
  * o and d being origin and direction of the tracer's link in a linkage of size one, so place, size
- * and tracer follow from linear least squares (variable projection).  What is left to draw is the
+ * and tracer - with further points a tracer for each - follow from linear least squares (variable projection).  What is left to draw is the
  * shape, the first input angle, and for free timing how the stations run along the curve. */
 #ifndef LW_OPTIMISE_START_H
 #define LW_OPTIMISE_START_H

@@ -3,6 +3,8 @@
  *     # comments; "# closed: yes|no" and "# units: mm deg" are obeyed, all others passed over
  *     x,y[,theta][,angle|t][,weight]         path or motion: theta is the tool angle, angle the input
  *     angle,theta[,weight]                   function: input angle, output angle
+ *     ...,x2,y2[,theta2][,weight2]           where a further point is at the same stations, and how its link is
+ *     ...,theta2[,weight2]                   turned; or only an output angle that goes with it; then 3, 4
  *
  * Also understood, because published files use them: theta_in for the input angle, in which case
  * `angle` is the tool (or output) angle; suffixes _rad, _deg, _mm, _m ... fix the unit of a column, and
@@ -20,6 +22,15 @@
 #include "base/units.h"
 
 #define LW_STATION_MAX 100000
+#define LW_ALSO_MAX 3             /* further points                                                  */
+
+/* What a further point of the linkage does at the stations of the first. */
+typedef struct lw_also {
+    double *x, *y;              /* [m]; NULL when only the angle of its link is asked for   (n)    */
+    double *theta;              /* tool or output angle [rad]; NULL when not given          (n)    */
+    double *weight;             /* that of the stations when not given                      (n)    */
+    double  length;             /* of its polygon, closed if the target is [m]; 0 without points   */
+} lw_also;
 
 typedef struct lw_target {
     size_t   n;                 /* stations                                                        */
@@ -32,6 +43,9 @@ typedef struct lw_target {
     bool     closed;            /* the last station is followed by the first                      */
     double   length;            /* length of the polygon through the stations, closed if so [m]    */
     double   size;              /* diagonal of the bounding box [m]; both 0 for a function         */
+    int      n_also;
+    lw_also  also[LW_ALSO_MAX]; /* further points, in the order of their numbers          (n_also) */
+    double   extent;            /* diagonal of the box of all points [m]; size when there is one   */
     lw_units units;
     void    *store;             /* what _free frees                                                */
 } lw_target;
@@ -55,6 +69,10 @@ lw_status lw_target_read(const char *text, size_t size, const char *file,
 lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta,
                          const double *angle, const double *weight, int closed, lw_target *t,
                          lw_error *e);
+/* The same with further points; also[i].length is not looked at. */
+lw_status lw_target_make_all(size_t n, const double *x, const double *y, const double *theta,
+                             const double *angle, const double *weight, const lw_also *also, int n_also,
+                             int closed, lw_target *t, lw_error *e);
 void      lw_target_free(lw_target *t);
 
 #endif

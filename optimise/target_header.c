@@ -19,6 +19,7 @@ static const struct { const char *name; char kind; } columns[] = {
     [COL_WEIGHT] = { "weight", '1' },
 };
 #define COLUMN_COUNT COUNT(columns)
+#define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* those of further points behind: x2 is COLUMN_COUNT + COL_X */
 
 static const char *quote(lw_span s, char buf[48])
 {
@@ -153,16 +154,25 @@ lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines 
 /* ---- columns ----------------------------------------------------------------------------------- */
 
 typedef struct seen {
-    int     at[COLUMN_COUNT];            /* column of the file, -1: not there */
-    long    place[COLUMN_COUNT];         /* its byte in the header line, from 1 */
-    lw_span name[COLUMN_COUNT];
+    int     at[NUMBERED_COUNT];          /* column of the file, -1: not there */
+    long    place[NUMBERED_COUNT];       /* its byte in the header line, from 1 */
+    lw_span name[NUMBERED_COUNT];
 } seen;
 
+static bool of_a_point(int column)
+{
+    return column == COL_X || column == COL_Y || column == COL_THETA || column == COL_WEIGHT;
+}
+
+/* "theta", or "theta2" for the second point. */
 static int find_column(lw_span name)
 {
+    int number = name.n > 1 && name.s[name.n - 1] > '0' && name.s[name.n - 1] <= '1' + LW_ALSO_MAX
+               ? name.s[name.n - 1] - '0' : 0;
+    lw_span bare = { name.s, name.n - (number > 0) };
     for (int i = 0; i < COLUMN_COUNT; i++)
-        if (lw_span_is(name, columns[i].name))
-            return i;
+        if (number > 0 ? of_a_point(i) && lw_span_is(bare, columns[i].name) : lw_span_is(name, columns[i].name))
+            return number > 0 ? i + (number - 1)*COLUMN_COUNT : i;
     return -1;
 }
 
@@ -195,8 +205,9 @@ static lw_status unknown_column(const lw_header *h, lw_span name, long line, lon
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
     const char *near = lw_suggest(word, names, COLUMN_COUNT);
     return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "unknown column %s%s%s%s; columns are x, y, theta, "
-                       "angle or t, weight, lengths and angles also with their unit (x_mm, angle_deg)",
-                       quote(name, text), near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "");
+                       "angle or t, weight, lengths and angles also with their unit (x_mm, angle_deg); those of further "
+                       "points have their number, x2 .. x%d, theta2, weight2", quote(name, text), near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "",
+                       1 + LW_ALSO_MAX);
 }
 
 static lw_status take_column(lw_header *h, seen *f, lw_span name, long line, long place, lw_error *e)
@@ -216,7 +227,7 @@ static lw_status take_column(lw_header *h, seen *f, lw_span name, long line, lon
         return LW_OK;
     lw_units scratch = lw_units_si();
     bool length = lw_units_set_length(&scratch, unit);
-    if (columns[c].kind != (length ? 'l' : 'a'))
+    if (columns[c % COLUMN_COUNT].kind != (length ? 'l' : 'a'))
         return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "column %s is no %s, so %s cannot be its unit",
                            quote(name, text), length ? "length" : "angle", unit);
     return take_unit(h, unit, quote(name, text), line, place, e);
@@ -237,7 +248,8 @@ static void assign(lw_header *h, const seen *f, lw_field role, int c)
     h->column[role] = f->at[c];
     h->role[f->at[c]] = role;
     snprintf(h->name[role], sizeof h->name[role], "%.*s", (int)f->name[c].n, f->name[c].s);
-    h->factor[role] = columns[c].kind == 'l' ? h->units.metre : columns[c].kind == 'a' ? h->units.radian : 1;
+    char kind = columns[c % COLUMN_COUNT].kind;
+    h->factor[role] = kind == 'l' ? h->units.metre : kind == 'a' ? h->units.radian : 1;
 }
 
 /* Which of angle, theta, theta_in, t is the input and which the tool: `angle` is the input unless
@@ -277,6 +289,37 @@ static lw_status check_complete(const lw_header *h, long line, lw_error *e)
                        "angle (input) and theta (output)", missing);
 }
 
+/* Columns of a further point (from 0): x and y both, or theta, or all; after those of the points before it. */
+static lw_status assign_also(lw_header *h, const seen *f, int point, long line, lw_error *e)
+{
+    static const struct { int column; lw_field role; } own[] = {
+        { COL_X, LW_FIELD_X }, { COL_Y, LW_FIELD_Y }, { COL_THETA, LW_FIELD_THETA }, { COL_WEIGHT, LW_FIELD_WEIGHT }
+    };
+    int base = (point + 1)*COLUMN_COUNT, number = point + 2, any = -1;
+    for (int i = 0; i < COUNT(own); i++)
+        if (f->at[base + own[i].column] >= 0) {
+            assign(h, f, lw_field_also(own[i].role, point), base + own[i].column);
+            any = base + own[i].column;
+        }
+    const int *c = h->column + lw_field_also(LW_FIELD_X, point);
+    if (any < 0)
+        return LW_OK;
+    if ((c[0] < 0) != (c[1] < 0))
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[any], "column \"%c%d\" is missing; the place of a "
+                           "point needs x and y", c[0] < 0 ? 'x' : 'y', number);
+    if (c[0] < 0 && c[2] < 0)
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[any], "there is a weight%d but no x%d and y%d or "
+                           "theta%d to weigh", number, number, number, number);
+    const int *before = c - 4;
+    if (point > 0 && before[0] < 0 && before[2] < 0)
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[any], "there are columns of point %d but none of "
+                           "point %d; points are numbered without gaps", number, number - 1);
+    if (c[0] >= 0 && h->column[LW_FIELD_X] < 0)
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[base + COL_X], "there are x%d and y%d but no x and "
+                           "y; let the point with a path be the first, and its output angle theta2", number, number);
+    return LW_OK;
+}
+
 static lw_status find_separator(lw_header *h, lw_span line, long number, lw_error *e)
 {
     bool comma = memchr(line.s, ',', line.n), semicolon = memchr(line.s, ';', line.n);
@@ -294,7 +337,7 @@ lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e
     size_t at = 0;
     lw_span name;
     lw_status s = find_separator(h, line, number, e);
-    for (int i = 0; i < COLUMN_COUNT; i++)
+    for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
     for (h->n_column = 0; s == LW_OK && lw_field_next(line, h->separator, &at, &name); h->n_column++)
         s = take_column(h, &f, name, number, (long)(name.s - line.s) + 1, e);
@@ -308,5 +351,8 @@ lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e
         assign(h, &f, LW_FIELD_Y, COL_Y);
     if (f.at[COL_WEIGHT] >= 0)
         assign(h, &f, LW_FIELD_WEIGHT, COL_WEIGHT);
-    return check_complete(h, number, e);
+    s = check_complete(h, number, e);
+    for (int i = 0; i < LW_ALSO_MAX && s == LW_OK; i++)
+        s = assign_also(h, &f, i, number, e);
+    return s;
 }

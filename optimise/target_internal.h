@@ -7,12 +7,30 @@
 
 #define LW_ANGLE_MAX 1e6     /* larger angles have lost the digits that matter [rad] */
 
-/* What a number of a row means once the header is understood. */
-typedef enum lw_field { LW_FIELD_X, LW_FIELD_Y, LW_FIELD_THETA, LW_FIELD_ANGLE, LW_FIELD_WEIGHT, LW_FIELD_COUNT } lw_field;
+/* What a number of a row means once the header is understood.  Further points have four more roles each, in the
+ * order x, y, theta, weight. */
+typedef enum lw_field {
+    LW_FIELD_X, LW_FIELD_Y, LW_FIELD_THETA, LW_FIELD_ANGLE, LW_FIELD_WEIGHT,
+    LW_FIELD_ALSO, LW_FIELD_COUNT = LW_FIELD_ALSO + 4*LW_ALSO_MAX
+} lw_field;
+
+/* The role of a further point's number, that of the first point given; point from 0. */
+static inline lw_field lw_field_also(lw_field role, int point)
+{
+    return (lw_field)(LW_FIELD_ALSO + 4*point + (role == LW_FIELD_WEIGHT ? 3 : (int)role));
+}
+
+/* The other way: what it would be of the first point. */
+static inline lw_field lw_field_first(lw_field role)
+{
+    int k = (int)role - LW_FIELD_ALSO;
+    return k < 0 ? role : k % 4 == 3 ? LW_FIELD_WEIGHT : (lw_field)(k % 4);
+}
 
 /* The largest size of a number [m], [rad], [1]. */
 static inline double lw_field_most(lw_field role)
 {
+    role = lw_field_first(role);
     return role == LW_FIELD_THETA || role == LW_FIELD_ANGLE ? LW_ANGLE_MAX : LW_COORDINATE_MAX;
 }
 

@@ -31,11 +31,19 @@ static int by_angle(const void *a, const void *b)
     return (p->i > q->i) - (p->i < q->i);
 }
 
+static bool same_place(const double *x, const double *y, const double *theta, double size, size_t i, size_t k)
+{
+    if (x && !(hypot(x[k] - x[i], y[k] - y[i]) <= ANGLE_EPS*size))
+        return false;
+    return !theta || fabs(remainder(theta[k] - theta[i], TURN)) <= ANGLE_EPS;
+}
+
 static bool same_station(const lw_target *t, size_t i, size_t k)
 {
-    if (t->x && !(hypot(t->x[k] - t->x[i], t->y[k] - t->y[i]) <= ANGLE_EPS*t->size))
-        return false;
-    return !t->theta || fabs(remainder(t->theta[k] - t->theta[i], TURN)) <= ANGLE_EPS;
+    bool same = same_place(t->x, t->y, t->theta, t->size, i, k);
+    for (int p = 0; p < t->n_also; p++)
+        same &= same_place(t->also[p].x, t->also[p].y, t->also[p].theta, t->extent, i, k);
+    return same;
 }
 
 static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_place *place, lw_error *e)

@@ -35,7 +35,7 @@ static bool open_at(replay *v, size_t station)
         if (lw_plan_write(v->plan, v->c->dim, modes, v->c->input[station], &k) != LW_OK)
             return false;
         lw_pose_solve(v->plan, v->c->dim, modes, v->c->input[station], 0, &pose);
-        k.tracer[0].angle = pose.angle[k.tracer[0].link][0] + v->c->tool0;
+        lw_candidate_tools(v->c, v->t, &pose, &k);
     }
     char *text = lw_linkage_write(&k, 0);
     lw_newton_free(v->newton);
@@ -112,19 +112,32 @@ static bool go_to(replay *v, size_t i)
     return v->r->fault[0] == 0;
 }
 
-static double square_error(const replay *v, size_t i, lw_vec2 p, double *distance)
+/* What the angle of a tool is off. */
+static double turn_error(const replay *v, int point, double want)
+{
+    const lw_tracer *p = &v->k.tracer[point];
+    return remainder(p->angle + lw_newton_angle(v->newton, p->link) - want, 2*LW_PI);
+}
+
+/* Eq. 17 at a station; distance is that of the first point. */
+static double square_error(const replay *v, size_t i, double *distance)
 {
     const lw_target *t = v->t;
-    double f = 0;
+    lw_vec2 p = lw_newton_tracer(v->newton, 0);
+    double f = 0, a = v->s->a, b = v->s->b;
     if (v->s->task != LW_TASK_FUNCTION) {
         *distance = hypot(p.x - t->x[i], p.y - t->y[i]);
-        f += v->s->a*t->weight[i]**distance**distance;
+        f += a*t->weight[i]**distance**distance;
     }
-    if (v->s->task != LW_TASK_PATH) {
-        int link = v->k.tracer[0].link;
-        double angle = v->k.tracer[0].angle + lw_newton_angle(v->newton, link);
-        double d = remainder(angle - t->theta[i], 2*LW_PI);
-        f += v->s->b*t->weight[i]*d*d;
+    if (v->s->task != LW_TASK_PATH)
+        f += b*t->weight[i]*pow(turn_error(v, 0, t->theta[i]), 2);
+    for (int k = 0; k < t->n_also; k++) {
+        const lw_also *also = &t->also[k];
+        p = lw_newton_tracer(v->newton, k + 1);
+        if (also->x)
+            f += a*also->weight[i]*(pow(p.x - also->x[i], 2) + pow(p.y - also->y[i], 2));
+        if (also->theta)
+            f += b*also->weight[i]*pow(turn_error(v, k + 1, also->theta[i]), 2);
     }
     return f;
 }
@@ -137,6 +150,9 @@ static double allowed(const replay *v)
         reach = fmax(reach, fmax(fabs(v->k.joint[j].at.x), fabs(v->k.joint[j].at.y)));
     for (size_t i = 0; v->t->x && i < v->t->n; i++)
         reach = fmax(reach, fmax(fabs(v->t->x[i]), fabs(v->t->y[i])));
+    for (int k = 0; k < v->t->n_also; k++)
+        for (size_t i = 0; v->t->also[k].x && i < v->t->n; i++)
+            reach = fmax(reach, fmax(fabs(v->t->also[k].x[i]), fabs(v->t->also[k].y[i])));
     if (v->s->task == LW_TASK_FUNCTION)
         size = 1;
     return 1e-9*size + 256*DBL_EPSILON*reach;
@@ -146,11 +162,14 @@ static double allowed(const replay *v)
  * ways scored the stations are half of it, or less. */
 static bool claim_holds(const replay *v, double f, double off)
 {
-    double weight = 0, claim = v->c->objective;
-    for (size_t i = 0; i < v->t->n; i++)
+    double weight = 0, also = 0, claim = v->c->objective;
+    for (size_t i = 0; i < v->t->n; i++) {
         weight += v->t->weight[i];
+        for (int k = 0; k < v->t->n_also; k++)
+            also += v->t->also[k].weight[i];
+    }
     double a = v->s->task == LW_TASK_FUNCTION ? 0 : v->s->a, b = v->s->task == LW_TASK_PATH ? 0 : v->s->b;
-    double slack = off*sqrt(a*weight) + 1e-9*sqrt(b*weight) + 1e-9*sqrt(f);
+    double slack = off*sqrt(a*(weight + also)) + 1e-9*sqrt(b*weight + v->s->b*also) + 1e-9*sqrt(f);
     if (v->s->timing == LW_TIMING_NONE && v->s->task != LW_TASK_FUNCTION)
         return sqrt(0.5*f) <= sqrt(claim) + slack;
     return fabs(sqrt(f) - sqrt(claim)) <= slack;
@@ -179,11 +198,13 @@ void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, 
         followed = go_to(&v, i);
         if (!followed)
             break;
-        lw_vec2 p = lw_newton_tracer(v.newton, 0);
-        double away = hypot(p.x - at[i].x, p.y - at[i].y);
-        if (!isnan(r->difference) && !(away <= r->difference))
-            r->difference = away;
-        r->verified_objective += square_error(&v, i, p, &distance);
+        for (int k = 0; k <= t->n_also; k++) {
+            lw_vec2 p = lw_newton_tracer(v.newton, k), here = at[(size_t)k*t->n + i];
+            double away = hypot(p.x - here.x, p.y - here.y);
+            if (!isnan(r->difference) && !(away <= r->difference))
+                r->difference = away;
+        }
+        r->verified_objective += square_error(&v, i, &distance);
         r->verified_mean += distance/(double)t->n;
     }
     lw_newton_free(v.newton);

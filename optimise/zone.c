@@ -93,8 +93,8 @@ static double *forbidden(const lw_problem *p, const double *x, const lw_work *w,
         for (int j = 0; there && j < LW_JOINT_MAX; j++)
             if (p->plan.joint_point[j] >= 0)
                 least = fmin(least, outside(z, pose.joint[j][0]));
-        if (there)
-            least = fmin(least, outside(z, pose.tracer[0][0]));
+        for (int i = 0; there && i <= p->n_also; i++)
+            least = fmin(least, outside(z, pose.tracer[i][0]));
         *g++ = there ? least : 0;                        /* closing is another condition            */
     }
     return g;

@@ -83,6 +83,32 @@ static void published_names_of_columns(void)
     lw_target_free(&t);
 }
 
+static void further_points(void)
+{
+    lw_target t;
+    lw_error e;
+    CHECK_INT(read("# units: mm deg\nx,y2,x2,y,theta3,weight3,angle\n0,5,100,0,90,1,0\n3,5,103,0,180,2,10\n3,9,103,4,0,0,20\n",
+                   &t, &e), LW_OK);
+    CHECK_INT(t.n_also, 2);
+    CHECK(t.also[0].x && t.also[0].y && !t.also[0].theta && t.also[0].weight == t.weight);
+    CHECK(!t.also[1].x && !t.also[1].y && t.also[1].theta && t.also[1].weight != t.weight);
+    CHECK_NEAR(t.also[0].x[1], 0.103, 0, 1e-15);
+    CHECK_NEAR(t.also[0].y[2], 0.009, 0, 1e-15);
+    CHECK_NEAR(t.also[1].theta[1], LW_PI, 0, 1e-15);
+    CHECK_NEAR(t.also[1].weight[1], 2, 0, 0);
+    CHECK(t.closed);
+    CHECK_NEAR(t.also[0].length, 0.012, 0, 1e-14);
+    CHECK_NEAR(t.size, 0.005, 0, 1e-14);
+    CHECK_NEAR(t.extent, hypot(0.103, 0.009), 0, 1e-14);
+    lw_target_free(&t);
+    CHECK_INT(read("angle,theta,theta2\n0,1,2\n1,2,3\n", &t, &e), LW_OK);
+    CHECK(t.n_also == 1 && !t.x && t.also[0].theta[1] == 3);
+    lw_target_free(&t);
+    CHECK_INT(read("x1,y1,x2,y2\n0,1,2,3\n1,2,3,4\n", &t, &e), LW_OK);        /* the first may bear its number */
+    CHECK(t.n_also == 1 && t.y[1] == 2);
+    lw_target_free(&t);
+}
+
 static void length_and_size(void)
 {
     lw_target t;
@@ -296,6 +322,19 @@ static void every_fault_has_its_place(void)
         { "x,y,x\n1,2,3\n", 1, 5, "column \"x\" is there twice, here and as column 1" },
         { "x,y,x_mm\n1,2,3\n", 1, 5, "column \"x_mm\" is there twice" },
         { "x,y,wieght\n1,2,3\n", 1, 5, "did you mean \"weight\"" },
+        { "x,y,x2\n1,2,3\n", 1, 5, "column \"y2\" is missing" },
+        { "x,y,y3,x2,y2\n1,2,3,4,5\n", 1, 5, "column \"x3\" is missing" },
+        { "x,y,x3,y3\n1,2,3,4\n", 1, 8, "columns of point 3 but none of point 2" },
+        { "x,y,weight2\n1,2,3\n", 1, 5, "there is a weight2 but no x2" },
+        { "angle,theta,x2,y2\n1,2,3,4\n", 1, 13, "let the point with a path be the first" },
+        { "x,y,x2,y2,x2_mm\n1,2,3,4,5\n", 1, 11, "column \"x2_mm\" is there twice" },
+        { "x,y,x5,y5\n1,2,3,4\n", 1, 5, "x2 .. x4" },
+        { "x,y,angle2\n1,2,3\n", 1, 5, "unknown column \"angle2\"" },
+        { "x,y,theta2_mm\n1,2,3\n", 1, 5, "is no length" },
+        { "x,y,x2,y2\n1,2,3\n", 2, 6, "3 of the 4 fields" },
+        { "x,y,x2,y2,weight2\n1,2,3,4,-1\n", 2, 9, "a weight is at least 0" },
+        { "x,y,x2,y2\n1,2,3,inf\n", 2, 7, "y2 is \"inf\"" },
+        { "x,y,angle,theta2\n1,2,0,0\n1,2,0,1\n", 3, 5, "" },
         { "x,y,x_furlong\n1,2,3\n", 1, 5, "unknown column \"x_furlong\"" },
         { "x,y,\n1,2,3\n", 1, 5, "has no name" },
         { "1,2\n3,4\n", 1, 1, "must name the columns" },
@@ -427,6 +466,7 @@ int main(void)
 {
     RUN(published_files);
     RUN(published_names_of_columns);
+    RUN(further_points);
     RUN(length_and_size);
     RUN(the_example_of_the_manual);
     RUN(separators_and_line_ends);

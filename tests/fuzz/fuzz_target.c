@@ -23,6 +23,11 @@ static void check_stations(const lw_target *t)
         demand(!t->x || (isfinite(t->x[i]) && isfinite(t->y[i])));
         demand(!t->theta || isfinite(t->theta[i]));
         demand(isfinite(t->weight[i]) && t->weight[i] >= 0 && t->line[i] > (i ? t->line[i-1] : 0));
+        for (int k = 0; k < t->n_also; k++) {
+            const lw_also *a = &t->also[k];
+            demand(!a->x == !a->y && (a->x || a->theta) && (!a->x || t->x) && a->weight[i] >= 0);
+            demand((!a->x || (isfinite(a->x[i]) && isfinite(a->y[i]))) && (!a->theta || isfinite(a->theta[i])));
+        }
         demand(!t->angle || i == 0 || (t->angle[i] - t->angle[i-1])*(t->angle[t->n-1] - t->angle[0]) >= 0);
     }
 }
@@ -38,8 +43,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             continue;
         }
         check_stations(&t);
-        demand(lw_target_make(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.closed, &again, &e) == LW_OK);
+        demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again, &e) == LW_OK);
         demand(again.closed == t.closed && again.length == t.length && again.size == t.size);
+        demand(again.n_also == t.n_also && again.extent == t.extent && t.extent >= t.size);
+        for (int k = 0; k < t.n_also; k++)
+            demand(again.also[k].length == t.also[k].length && !again.also[k].x == !t.also[k].x);
         lw_target_free(&again);
         lw_target_free(&t);
     }
