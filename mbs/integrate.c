@@ -236,15 +236,25 @@ static lw_status look_at_events(lw_integrator *w, lw_error *e)
 }
 
 /* Events that have just happened: g is what its location left over, its sign rounding.  Which side they are on is
- * where they will be shortly after: past 0, or back again after an impact. */
+ * where they will be shortly after: past 0, or back again after an impact; further on while g does not outgrow what
+ * was left over. */
 static lw_status look_ahead(lw_integrator *w, double sign)
 {
-    for (int i = 0; i < w->ode->n; i++)
-        w->stage[i] = w->y[i] + sign*1e-7*w->h*w->dy[i];
-    lw_status s = w->ode->event(w->ode->context, w->t, w->stage, w->g_try);
-    for (int i = 0; s == LW_OK && i < w->ode->n_event; i++)
-        if (w->events >> i & 1)
-            w->side[i] = w->g_try[i] < 0.0 ? -1 : 1;
+    double left[LW_EVENT_MAX];
+    bool sure = false;
+    lw_status s = LW_OK;
+    memcpy(left, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
+    for (double x = 1e-7; s == LW_OK && !sure && x < 2e-3; x *= 10.0) {
+        for (int i = 0; i < w->ode->n; i++)
+            w->stage[i] = w->y[i] + sign*x*w->h*w->dy[i];
+        s = w->ode->event(w->ode->context, w->t, w->stage, w->g_try);
+        sure = true;
+        for (int i = 0; s == LW_OK && i < w->ode->n_event; i++)
+            if (w->events >> i & 1) {
+                w->side[i] = w->g_try[i] < 0.0 ? -1 : 1;
+                sure = sure && fabs(w->g_try[i]) > 2.0*fabs(left[i]);
+            }
+    }
     return s;
 }
 

@@ -49,10 +49,10 @@ static lw_status step_off(lw_integrator *w, int event, double b, double *a, doub
 }
 
 /* The root between a and b by false position with halved ends (Illinois), bisection when that is slow.  LW_NOTHING:
- * the continuous solution has the same sign at both ends. */
+ * the continuous solution does not leave its side. */
 static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
 {
-    double *y = w->stage, ga, gb, tight = 2.0*DBL_EPSILON*fmax(fabs(a), fabs(b));
+    double *y = w->stage, from = a, ga, gb, tight = 2.0*DBL_EPSILON*fmax(fabs(a), fabs(b));
     lw_status s = g_at(w, c->event, a, &ga, y);
     if (s == LW_OK)
         s = g_at(w, c->event, b, &gb, y);
@@ -60,8 +60,15 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
         s = step_off(w, c->event, b, &a, &ga);
     if (s != LW_OK)
         return s;
-    if (side_of(ga) == side_of(gb))
-        return LW_NOTHING;
+    if (side_of(ga) == side_of(gb)) {
+        if (side_of(gb) == w->side[c->event])
+            return LW_NOTHING;                           /* the cubic was wrong */
+        /* it crossed where the cubic saw nothing, or the side was taken too near 0 for rounding to tell */
+        if (from != w->t_old)
+            return locate(w, w->t_old, b, c);
+        c->t = b, c->slope = 0.0;
+        return LW_OK;
+    }
     double slope = (gb - ga)/(b - a), fa = ga, fb = gb, wide = 1e-3*fabs(b - a);
     for (int i = 0; i < 100 && fabs(b - a) > tight; i++) {
         double t = i % 4 == 3 ? 0.5*(a + b) : a + (b - a)*fa/(fa - fb), g;
@@ -117,10 +124,10 @@ static lw_status collect(lw_integrator *w, const double *g, double ta, double tb
 }
 
 /* End the step at c by real steps of the method from t_old, so that the state there is as good as at the end of
- * any step; the secant rule in t, at first with the slope seen before. */
+ * any step; the secant rule in t, at first with the slope seen before, not beyond the step whose error is known. */
 static lw_status land(lw_integrator *w, const crossing *c)
 {
-    double t = c->t, slope = c->slope, t_before = 0.0, g_before = 0.0;
+    double t = c->t, slope = c->slope, t_before = 0.0, g_before = 0.0, whole = w->h_done;
     for (int i = 0; i < 5; i++) {
         lw_status s = lw_rk_advance(w, t - w->t_old);
         if (s == LW_OK)
@@ -135,7 +142,8 @@ static lw_status land(lw_integrator *w, const crossing *c)
         if (i > 0 && fabs(t - t_before) > 1e-9*fabs(w->h_done))
             slope = (g - g_before)/(t - t_before);
         double d = slope != 0.0 ? -g/slope : 0.0;
-        if (fabs(d) <= 2.0*DBL_EPSILON*fabs(t) || (t + d - w->t_old)*(c->t - w->t_old) <= 0.0)
+        double x = (t + d - w->t_old)/whole;
+        if (fabs(d) <= 2.0*DBL_EPSILON*fabs(t) || !(x > 0.0 && x <= 1.0))
             break;
         t_before = t, g_before = g;
         t += d;
