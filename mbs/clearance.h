@@ -52,7 +52,8 @@ typedef lw_status lw_clearance_sink(void *context, const lw_clearance_sample *s)
 
 typedef struct lw_clearance_options {
     double time, settle;             /* run from 0 to time; contact counts after settle [s]; 1.25, 0.4 */
-    double tolerance;                /* of a step, of lengths in sizes of the linkage; 1e-9             */
+    double tolerance;                /* of a step, of lengths in sizes of the linkage; 1e-9; never coarser than a 500th
+                                        of a gap and a tenth of the depth of the damping step */
     double speed;                    /* of input 0 at the start [rad/s] or [m/s]; NAN: the model's      */
     lw_clearance_start start;
     long   max_step;                 /* 0: no limit                                                   */

@@ -8,6 +8,10 @@
 
 #define LOOKS 8                          /* places of a step at which the criterion of `zero` is taken      */
 
+/* Share of the gap, and of the depth in which damping comes in, that an error of a step may have. */
+#define FINEST_GAP   2e-3
+#define FINEST_DEPTH 0.1
+
 /* Events of journal i: contact at 2i, full damping at 2i + 1. */
 enum { TOUCH, FULL, PER_JOURNAL };
 
@@ -326,6 +330,22 @@ static void finish(lw_clearance_work *w, const lw_integrator *in)
     }
 }
 
+/* Error of a step in sizes of the linkage: what is asked for, but never so much that a pin is lost in its play or
+ * steps over the depth in which damping comes in. */
+static double error_allowed(const lw_clearance_work *w)
+{
+    double e = w->o.tolerance, unit = w->c->s.unit;
+    for (int i = 0; i < w->c->n_journal; i++) {
+        const lw_clearance *law = w->c->journal[i].c;
+        if (w->rows.hold[i])
+            continue;
+        e = fmin(e, law->gap*FINEST_GAP/unit);
+        if (lw_contact_rises(law))
+            e = fmin(e, law->depth*FINEST_DEPTH/unit);
+    }
+    return e;
+}
+
 /* Tolerances of places and of rates; the start; the first sample. */
 static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
 {
@@ -338,10 +358,10 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC)
         return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: give "
                             "it mass and inertia", w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
-    double rate = w->quickest = quickest(w, u, du);
+    double rate = w->quickest = quickest(w, u, du), allowed = error_allowed(w);
     for (int k = 0; k < w->n_u; k++) {
-        each[k] = w->o.tolerance;
-        each[w->n_u + k] = w->o.tolerance*rate;
+        each[k] = allowed;
+        each[w->n_u + k] = allowed*rate;
     }
     w->r->energy_first = energy(w, w->y);
     for (int i = 0; i < w->c->n_journal; i++)
