@@ -29,13 +29,18 @@ static inline lw_vec2 lw_v2_unturn(lw_vec2 a, lw_vec2 u)
     return lw_v2(a.x*u.x + a.y*u.y, a.y*u.x - a.x*u.y);
 }
 
-/* distance of p from the piece of line between a and b, which may be one point */
-static inline double lw_v2_segment_distance(lw_vec2 p, lw_vec2 a, lw_vec2 b)
+/* from the nearest point of the piece of line between a and b, which may be one point, to p; and how far that is */
+static inline lw_vec2 lw_v2_off_segment(lw_vec2 p, lw_vec2 a, lw_vec2 b)
 {
     lw_vec2 d = lw_v2_sub(b, a), q = lw_v2_sub(p, a);
     double d2 = lw_v2_dot(d, d), t = d2 > 0 ? lw_v2_dot(q, d)/d2 : 0;
     t = t < 0 ? 0 : t > 1 ? 1 : t;
-    return lw_v2_norm(lw_v2_sub(q, lw_v2_scale(d, t)));
+    return lw_v2_sub(q, lw_v2_scale(d, t));
+}
+
+static inline double lw_v2_segment_distance(lw_vec2 p, lw_vec2 a, lw_vec2 b)
+{
+    return lw_v2_norm(lw_v2_off_segment(p, a, b));
 }
 
 #endif

@@ -14,6 +14,7 @@
 #define WAYS      6         /* embeddings of each                               */
 #define GHOST     14        /* steps while the cut bars pass through everything */
 #define LAST_RUN  250
+#define MORE      8         /* after a picture with one crossing, and none has less: for evenness */
 #define STARTS    24        /* when cutting does not help                       */
 
 typedef struct contest {
@@ -117,26 +118,6 @@ static void mend(const lw_mechanism *m, const lw_way *parts, lw_way *whole)
                 }
 }
 
-/* Let all pairs that concern a cut link rest, or take them back. */
-static void ghost(lw_trial *t, uint32_t cut, bool on, int *n_pair)
-{
-    lw_relax *r = &t->relax;
-    if (!on) {
-        r->n_pair = *n_pair;
-        return;
-    }
-    *n_pair = r->n_pair;
-    int n = 0;
-    for (int i = 0; i < r->n_pair; i++) {
-        if (cut >> t->web.edge_link[r->pair[i][1]] & 1)
-            continue;
-        uint8_t pair[2] = { r->pair[n][0], r->pair[n][1] };
-        memcpy(r->pair[n++], r->pair[i], 2);
-        memcpy(r->pair[i], pair, 2);
-    }
-    r->n_pair = n;
-}
-
 /* The trial is kept when it crosses less than the best, or as little with less energy. */
 static void judge(contest *c)
 {
@@ -167,7 +148,6 @@ static lw_way *way_of(contest *c, const lw_trial *t)
 static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_way *way, uint32_t cut)
 {
     lw_trial *t = c->now;
-    int n_pair = 0;
     lw_status s = lw_trial_begin(parts, way, t);
     if (s != LW_OK) {
         lw_relax_free(&t->relax);
@@ -193,9 +173,9 @@ static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_way *
     s = lw_relax_make(&t->web, &t->relax);
     if (s != LW_OK)
         return s;
-    ghost(t, cut, true, &n_pair);
+    t->relax.ghost = cut;
     t->energy = lw_relax_run(&t->web, &t->relax, GHOST, t->p);
-    ghost(t, cut, false, &n_pair);
+    t->relax.ghost = 0;
     judge(c);
     return LW_OK;
 }
@@ -204,9 +184,10 @@ static lw_status try_cuts(contest *c)
 {
     uint32_t set[SETS_MAX];
     int n = sets_of(c->m, set);
+    int left = MORE;
     lw_way *way = malloc(WAYS*sizeof *way);
     lw_status s = way ? LW_OK : LW_E_MEMORY;
-    for (int i = 0; s == LW_OK && i < n; i++) {
+    for (int i = 0; s == LW_OK && i < n && left > 0; i++) {
         lw_mechanism parts;
         int n_way;
         if (!cut_links(c->m, set[i], &parts))
@@ -214,8 +195,10 @@ static lw_status try_cuts(contest *c)
         s = lw_ways_find(&parts, WAYS, way, &n_way);
         if (s == LW_NOTHING)                             /* in pieces: none */
             s = LW_OK;
-        for (int k = 0; s == LW_OK && k < n_way; k++)
+        for (int k = 0; s == LW_OK && k < n_way && left > 0; k++) {
             s = enter_cut(c, &parts, &way[k], set[i]);
+            left -= c->n_cross == 1;
+        }
     }
     free(way);
     return s;
@@ -277,11 +260,10 @@ static lw_status enter_chance(contest *c, lw_rng *rng)
         for (int i = 0; i < t->web.n_ground; i++)
             t->p[t->web.ground[i]].y = 0;
         s = lw_relax_make(&t->web, &t->relax);
-        int n_pair = t->relax.n_pair;
-        t->relax.n_pair = 0;
+        t->relax.ghost = UINT32_MAX;
         if (s == LW_OK)
             t->energy = lw_relax_run(&t->web, &t->relax, 60, t->p);
-        t->relax.n_pair = n_pair;
+        t->relax.ghost = 0;
         if (pass == 0)
             lw_relax_free(&t->relax);
     }

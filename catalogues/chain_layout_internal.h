@@ -69,11 +69,11 @@ void lw_web_make(const lw_mechanism *m, const lw_way *way, lw_web *w);
 lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
 
 /* Shape of the web, worked out once: wanted distances. */
-typedef struct lw_spring { uint8_t a, b; double length, weight; } lw_spring;
+typedef struct lw_spring { uint8_t a, b; double length, scale, weight; } lw_spring;      /* scale = 1/length^2 */
 typedef struct lw_relax {
-    int        n_spring, n_pair, n_corner;
+    int        n_spring, n_corner;
+    uint32_t   ghost;                    /* links whose sides push nothing away  */
     lw_spring *spring;
-    uint8_t  (*pair)[2];                 /* vertex, edge that does not end in it */
     uint8_t  (*corner)[3];               /* joint, and the other ends of two sides that meet in it */
     double    *number;                   /* room for the descent                 */
 } lw_relax;

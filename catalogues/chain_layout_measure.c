@@ -86,14 +86,18 @@ static double least_angle(const lw_vec2 *p, int n, const lw_vec2 *q, int k, bool
     return least;
 }
 
-static double least_gap(const lw_chain_layout *l, const lw_vec2 *p, int n)
+/* Squared. */
+static double least_gap2(const lw_chain_layout *l, const lw_vec2 *p, int n)
 {
-    double least = 1e9;
+    double least = 1e18;
     for (int i = 0; i < sides(n); i++)
         for (int j = 0; j < l->n_joint; j++) {
             lw_vec2 a = p[i], b = p[(i + 1) % n];
-            if (!same_place(a, l->at[j]) && !same_place(b, l->at[j]))
-                least = fmin(least, lw_v2_segment_distance(l->at[j], a, b));
+            if (same_place(a, l->at[j]) || same_place(b, l->at[j]))
+                continue;
+            lw_vec2 off = lw_v2_off_segment(l->at[j], a, b);
+            double d2 = lw_v2_dot(off, off);
+            least = d2 < least ? d2 : least;
         }
     return least;
 }
@@ -112,7 +116,7 @@ void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l)
             continue;
         for (int k = 0; k < sides(n); k++, n_side++)
             length += lw_v2_norm(lw_v2_sub(p[(k + 1) % n], p[k]));
-        l->least_gap = fmin(l->least_gap, least_gap(l, p, n));
+        l->least_gap = fmin(l->least_gap, sqrt(least_gap2(l, p, n)));
         for (int k = i; k < m->n_link; k++) {
             int n_other = outline_of(l, k, q);
             if (k == m->ground || (n_other == 2 && same_place(q[0], q[1])))

@@ -27,6 +27,8 @@ static double chord(int k, int m)
     return side*sin(LW_PI*m/k)/sin(LW_PI/k);
 }
 
+static double lesser(double a, double b) { return a < b ? a : b; }
+
 static void fill_distances(const lw_web *w, double *far)
 {
     int n = w->n_vertex;
@@ -43,7 +45,12 @@ static void fill_distances(const lw_web *w, double *far)
     for (int via = 0; via < n; via++)                                       /* Floyd 1962 */
         for (int a = 0; a < n; a++)
             for (int b = 0; b < n; b++)
-                far[a*n + b] = fmin(far[a*n + b], far[a*n + via] + far[via*n + b]);
+                far[a*n + b] = lesser(far[a*n + b], far[a*n + via] + far[via*n + b]);
+}
+
+static void add_spring(lw_relax *r, int a, int b, double length, double weight)
+{
+    r->spring[r->n_spring++] = (lw_spring){ (uint8_t)a, (uint8_t)b, length, 1/(length*length), weight };
 }
 
 static void add_springs(const lw_web *w, const double *far, lw_relax *r)
@@ -60,7 +67,7 @@ static void add_springs(const lw_web *w, const double *far, lw_relax *r)
                 if (v[a] == v[b])
                     continue;
                 inside[v[a]][v[b]] = inside[v[b]][v[a]] = 1;
-                r->spring[r->n_spring++] = (lw_spring){ v[a], v[b], chord(k, a - b), step == 1 ? 1 : 0.6 };
+                add_spring(r, v[a], v[b], chord(k, a - b), step == 1 ? 1 : 0.6);
             }
     }
     bool ground[LW_WEB_VERTEX] = { false };
@@ -68,11 +75,8 @@ static void add_springs(const lw_web *w, const double *far, lw_relax *r)
         ground[w->ground[i]] = true;
     for (int a = 0; a < n; a++)
         for (int b = 0; b < a; b++)
-            if (!inside[a][b] && far[a*n + b] < 1e8) {
-                double length = SPAN*far[a*n + b];
-                double weight = ground[a] && ground[b] ? 0.5*FAR : FAR;
-                r->spring[r->n_spring++] = (lw_spring){ (uint8_t)a, (uint8_t)b, length, weight };
-            }
+            if (!inside[a][b] && far[a*n + b] < 1e8)
+                add_spring(r, a, b, SPAN*far[a*n + b], ground[a] && ground[b] ? 0.5*FAR : FAR);
 }
 
 /* Pairs of sides that meet: the joint between them, then the two others. */
@@ -100,10 +104,9 @@ lw_status lw_relax_make(const lw_web *w, lw_relax *r)
     *r = (lw_relax){ 0 };
     double *far = malloc(n*n*sizeof *far);
     r->spring = malloc((n*n/2 + inside)*sizeof *r->spring);
-    r->pair = malloc((n*e + 1)*sizeof *r->pair);
     r->corner = malloc((e*e/2 + 1)*sizeof *r->corner);
     r->number = malloc((2*n*(2*MEMORY + 5) + n)*sizeof *r->number);
-    if (!far || !r->spring || !r->pair || !r->corner || !r->number) {
+    if (!far || !r->spring || !r->corner || !r->number) {
         free(far);
         lw_relax_free(r);
         return LW_E_MEMORY;
@@ -112,19 +115,12 @@ lw_status lw_relax_make(const lw_web *w, lw_relax *r)
     add_springs(w, far, r);
     free(far);
     add_corners(w, r);
-    for (int k = 0; k < w->n_edge; k++)
-        for (int v = 0; v < w->n_vertex; v++)
-            if (w->edge[k][0] != v && w->edge[k][1] != v) {
-                r->pair[r->n_pair][0] = (uint8_t)v;
-                r->pair[r->n_pair++][1] = (uint8_t)k;
-            }
     return LW_OK;
 }
 
 void lw_relax_free(lw_relax *r)
 {
     free(r->spring);
-    free(r->pair);
     free(r->corner);
     free(r->number);
     *r = (lw_relax){ 0 };
@@ -137,10 +133,10 @@ static double springs(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
     double f = 0;
     for (int i = 0; i < r->n_spring; i++) {
         const lw_spring *s = &r->spring[i];
-        double x = p[s->a].x - p[s->b].x, y = p[s->a].y - p[s->b].y;
-        double d2 = fmax(x*x + y*y, 1e-12)/(s->length*s->length), back = 1/d2;
+        double x = p[s->a].x - p[s->b].x, y = p[s->a].y - p[s->b].y, r2 = x*x + y*y;
+        double d2 = (r2 > 1e-12 ? r2 : 1e-12)*s->scale, back = 1/d2;
         f += 0.25*s->weight*(d2 + back - 2);
-        double slope = 0.5*s->weight*(1 - back*back)/(s->length*s->length);
+        double slope = 0.5*s->weight*(1 - back*back)*s->scale;
         g[s->a].x += slope*x;
         g[s->a].y += slope*y;
         g[s->b].x -= slope*x;
@@ -149,32 +145,54 @@ static double springs(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
     return f;
 }
 
-/* Also the distance of every joint from the nearest link, and of every link from the nearest joint, at the joints: how
- * far each may go. */
+/* Squared distance of every vertex from a side, and where on it the nearest point is (0 .. 1). */
+static void distances(const lw_vec2 *p, int n, lw_vec2 a, lw_vec2 line, double *t, double *h2)
+{
+    double l2 = line.x*line.x + line.y*line.y, part = 1/(l2 > 1e-18 ? l2 : 1e-18);
+    for (int v = 0; v < n; v++) {
+        double qx = p[v].x - a.x, qy = p[v].y - a.y, at = (qx*line.x + qy*line.y)*part;
+        at = at < 0 ? 0 : at > 1 ? 1 : at;
+        double x = qx - at*line.x, y = qy - at*line.y, d2 = x*x + y*y;
+        t[v] = at;
+        h2[v] = d2 > 1e-18 ? d2 : 1e-18;
+    }
+}
+
+/* A side against all joints that it does not end in.  Also the distance of every joint from the nearest link, and of
+ * every link from the nearest joint, at the joints: how far each may go. */
+static double push(const lw_web *w, const uint8_t *end, const lw_vec2 *p, lw_vec2 *g, double *clear2)
+{
+    double t[LW_WEB_VERTEX], h2[LW_WEB_VERTEX], f = 0, least = 1e18;
+    lw_vec2 a = p[end[0]], line = lw_v2_sub(p[end[1]], a), sum[2] = { { 0, 0 }, { 0, 0 } };
+    distances(p, w->n_vertex, a, line, t, h2);
+    h2[end[0]] = h2[end[1]] = 1e18;
+    for (int v = 0; v < w->n_vertex; v++) {
+        clear2[v] = h2[v] < clear2[v] ? h2[v] : clear2[v];
+        least = h2[v] < least ? h2[v] : least;
+    }
+    for (int k = 0; k < 2; k++)
+        clear2[end[k]] = least < clear2[end[k]] ? least : clear2[end[k]];
+    for (int v = 0; v < w->n_vertex && least < ROOM*ROOM; v++) {
+        if (h2[v] >= ROOM*ROOM)
+            continue;
+        double h = sqrt(h2[v]), over = ROOM/h - 1, slope = -2*PUSH*over*ROOM/(h2[v]*h);
+        double x = slope*(p[v].x - a.x - t[v]*line.x), y = slope*(p[v].y - a.y - t[v]*line.y);
+        f += PUSH*over*over;
+        g[v] = lw_v2_add(g[v], lw_v2(x, y));
+        sum[0] = lw_v2_add(sum[0], lw_v2((1 - t[v])*x, (1 - t[v])*y));
+        sum[1] = lw_v2_add(sum[1], lw_v2(t[v]*x, t[v]*y));
+    }
+    for (int k = 0; k < 2; k++)
+        g[end[k]] = lw_v2_sub(g[end[k]], sum[k]);
+    return f;
+}
+
 static double barrier(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_vec2 *g, double *clear2)
 {
     double f = 0;
-    for (int i = 0; i < r->n_pair; i++) {
-        int v = r->pair[i][0];
-        const uint8_t *end = w->edge[r->pair[i][1]];
-        lw_vec2 a = p[end[0]], line = lw_v2_sub(p[end[1]], a), q = lw_v2_sub(p[v], a);
-        double l2 = line.x*line.x + line.y*line.y, t = (q.x*line.x + q.y*line.y)/fmax(l2, 1e-18);
-        t = t < 0 ? 0 : t > 1 ? 1 : t;
-        double x = q.x - t*line.x, y = q.y - t*line.y, h2 = fmax(x*x + y*y, 1e-18);
-        clear2[v] = h2 < clear2[v] ? h2 : clear2[v];
-        clear2[end[0]] = h2 < clear2[end[0]] ? h2 : clear2[end[0]];
-        clear2[end[1]] = h2 < clear2[end[1]] ? h2 : clear2[end[1]];
-        if (h2 >= ROOM*ROOM)
-            continue;
-        double h = sqrt(h2), over = ROOM/h - 1, slope = -2*PUSH*over*ROOM/(h2*h);
-        f += PUSH*over*over;
-        g[v].x += slope*x;
-        g[v].y += slope*y;
-        g[end[0]].x -= (1 - t)*slope*x;
-        g[end[0]].y -= (1 - t)*slope*y;
-        g[end[1]].x -= t*slope*x;
-        g[end[1]].y -= t*slope*y;
-    }
+    for (int i = 0; i < w->n_edge; i++)
+        if (!(r->ghost >> w->edge_link[i] & 1))
+            f += push(w, w->edge[i], p, g, clear2);
     return f;
 }
 
@@ -185,13 +203,12 @@ static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
     for (int i = 0; i < r->n_corner; i++) {
         const uint8_t *v = r->corner[i];
         lw_vec2 a = lw_v2_sub(p[v[1]], p[v[0]]), b = lw_v2_sub(p[v[2]], p[v[0]]);
-        double a2 = fmax(lw_v2_dot(a, a), 1e-18), b2 = fmax(lw_v2_dot(b, b), 1e-18), ab = sqrt(a2*b2);
-        double cosine = lw_v2_dot(a, b)/ab, over = cosine - SHARP;
-        if (over <= 0)
+        double ab = lw_v2_dot(a, b), a2 = lw_v2_dot(a, a) + 1e-18, b2 = lw_v2_dot(b, b) + 1e-18;
+        if (ab <= 0 || ab*ab <= SHARP*SHARP*a2*b2)
             continue;
-        double slope = 2*OPEN*over;
-        lw_vec2 ga = lw_v2_scale(lw_v2_sub(lw_v2_scale(b, 1/ab), lw_v2_scale(a, cosine/a2)), slope);
-        lw_vec2 gb = lw_v2_scale(lw_v2_sub(lw_v2_scale(a, 1/ab), lw_v2_scale(b, cosine/b2)), slope);
+        double length = 1/sqrt(a2*b2), cosine = ab*length, over = cosine - SHARP, slope = 2*OPEN*over;
+        lw_vec2 ga = lw_v2_scale(lw_v2_sub(lw_v2_scale(b, length), lw_v2_scale(a, cosine/a2)), slope);
+        lw_vec2 gb = lw_v2_scale(lw_v2_sub(lw_v2_scale(a, length), lw_v2_scale(b, cosine/b2)), slope);
         f += OPEN*over*over;
         g[v[1]] = lw_v2_add(g[v[1]], ga);
         g[v[2]] = lw_v2_add(g[v[2]], gb);
@@ -208,7 +225,7 @@ static double above(const lw_web *w, const lw_vec2 *p, lw_vec2 *g, double *clear
     for (int i = 0; i < w->n_ground; i++)
         ground[w->ground[i]] = true;
     for (int v = 0; v < w->n_vertex; v++) {
-        double y = fmax(p[v].y, 1e-9);
+        double y = p[v].y > 1e-9 ? p[v].y : 1e-9;
         if (ground[v]) {
             g[v].y = 0;
             continue;
