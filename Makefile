@@ -10,6 +10,7 @@ STAGES   = base grammar enumerate mbs optimise catalogues     # each includes on
 PKGS     = gsl igraph nlopt jansson cairo sqlite3
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
            libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev
+PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
 SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 has no .pc for it
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
@@ -33,7 +34,11 @@ CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
 FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
 SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
-BENCHES := $(patsubst %.c,$B/%,$(wildcard tests/bench/*.c))
+BENCHES := $(patsubst %.c,$B/%,$(filter-out %/peer_mujoco.c,$(wildcard tests/bench/*.c)))
+# other programs' solvers, never part of linkwright, built where their headers are
+SIMBODY := $(shell pkg-config --libs simbody 2>/dev/null)
+PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++)),$B/peers/simbody) \
+            $(if $(wildcard /usr/include/mujoco/mujoco.h /usr/local/include/mujoco/mujoco.h),$B/peers/mujoco)
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 
 all: $B/linkwright
@@ -65,10 +70,20 @@ $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 $B/docs/examples/%: $B/docs/examples/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 
+$B/peers/simbody: tests/bench/peer_simbody.cc tests/bench/peer.h
+	@mkdir -p $(@D)
+	g++ -std=c++17 -O3 -g -Wall -Wextra -I. $$(pkg-config --cflags-only-I simbody | sed 's/-I/-isystem/') $< $(SIMBODY) -o $@
+$B/peers/mujoco: tests/bench/peer_mujoco.c tests/bench/peer.h
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -D_GNU_SOURCE $(WARN) -O3 -g -I. $< -lmujoco -lm -o $@
+peers: $(PEER_BIN)
+
 # ---- test and demo also install what is missing; pkg-config is asked when make starts, hence twice
 JOBS = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
 deps:
 	@.ci/deps $(DEPS)
+deps-bench:
+	@.ci/deps $(DEPS) $(PEERS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
 run-test: $B/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
@@ -81,6 +96,7 @@ run-demo: $B/linkwright
 check: $B/$(SONAME)
 	tests/check_layers.sh
 	@for f in $(wildcard $(STAGES:%=%/*.c) cli/*.c tests/*.c tests/*/*.c); do \
+	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \
 	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
 	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
@@ -94,9 +110,10 @@ run-fuzz: $B/liblinkwright.a $(FUZZ:=.o)
 	@for t in $(notdir $(basename $(wildcard tests/fuzz/fuzz_*.c))); do \
 	    $(CC) $(CFLAGS) -fsanitize=fuzzer $B/tests/fuzz/$$t.o $B/liblinkwright.a $(LIBS) -o $B/$$t && mkdir -p $B/found/$$t && \
 	    $B/$$t -max_total_time=$(or $(FUZZ_SECONDS),20) -artifact_prefix=$B/found/ $B/found/$$t tests/fuzz/corpus/$${t#fuzz_} || exit 1; done
-bench: $(BENCHES) $B/linkwright
+bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	@for b in $(BENCHES); do echo "$$b"; $$b || exit 1; done
 	$B/linkwright bench fit -o $B/bench
+	$B/linkwright bench mbs -o $B/bench
 
 $B/linkwright.1: docs/linkwright.1.in $B/linkwright
 	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
@@ -117,6 +134,6 @@ install: all $B/$(SONAME) $B/linkwright.1
 
 clean:
 	rm -rf $B
-.PHONY: all deps test demo run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
+.PHONY: all deps deps-bench peers test demo run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -16,8 +16,6 @@
 #include "mbs/dynamics.h"
 #include "mbs/flexible_crank.h"
 
-static const double too_slow = 1;            /* [s] a run: its solver is not asked for tighter tolerances   */
-
 enum { REPEAT_MAX = 50 };
 static const double give_up = 5;             /* [s] of the clock                                            */
 
@@ -267,9 +265,11 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
              k <= (f < 2 ? b->tightest : implicit) && failed < 2 && st == LW_OK && !cli_interrupted(); k++) {
             st = one_row(b, p, m, &r, every[f], pow(10, -k), &row);
             failed = st == LW_OK && row->note[0] ? failed + 1 : 0;
-            if (st == LW_OK && row->seconds > too_slow)
+            if (st == LW_OK && row->seconds > CLI_MBS_TOO_SLOW)
                 break;
         }
+    if (st == LW_OK)
+        st = cli_mbs_peers(b, p, m, &r, e);
     free(r.value);
     lw_model_free(m);
     free(m);
@@ -305,7 +305,7 @@ static lw_status run_flexible(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
             row->rates = r.rates;
             if (ran != LW_OK)
                 fail(row, &why);
-            if (row->seconds > 0.3*too_slow)
+            if (row->seconds > 0.3*CLI_MBS_TOO_SLOW)
                 break;
         }
     return st;

@@ -34,6 +34,10 @@ typedef struct cli_mbs_problem {
     double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
 } cli_mbs_problem;
 
+#define CLI_MBS_TOO_SLOW  1.0             /* [s] a run: its solver is not asked for tighter tolerances   */
+#define CLI_MBS_PEER_TIME 120.0           /* [s] for all rows of another program on one problem         */
+#define CLI_MBS_PEER_MAX  8
+
 extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends                                */
 
 typedef struct cli_mbs {
@@ -44,11 +48,20 @@ typedef struct cli_mbs {
     int             n, room;
     cli_mbs_row    *row;                 /* owned                                                      */
     char            machine[256];        /* compiler | processor | version                             */
+    int             n_peer;
+    char            peer[CLI_MBS_PEER_MAX][640];   /* paths of other programs                          */
 } cli_mbs;
 
 /* A new row, of whose solver nothing is known yet; NULL: out of memory. */
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
 
+/* Other programs: those of a folder, by name; "none"; NULL: of "peers" beside linkwright, if it is there. */
+lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
+
+/* Their rows on one problem.  One that fails, stays silent or talks nonsense has a row that says so.  LW_E_KIND: the
+ * model has more than they are told. */
+lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
+                        lw_error *e);
 
 /* All of it; folder NULL: no files.  LW_E_ARG: no such problem among `cases` (NULL: all). */
 lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);

@@ -74,7 +74,12 @@ static void rows(const cli_mbs *b, FILE *f)
           "|---|---|---|---|---|---|---|---|---|---|---|\n", f);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
-        fprintf(f, "| %s | %s | %.0e |", r->problem, r->solver, r->tolerance);
+        double power = log10(r->tolerance);
+        fprintf(f, "| %s | %s |", r->problem, r->solver);
+        if (fabs(power - round(power)) < 1e-6)
+            fprintf(f, " %.0e |", r->tolerance);
+        else
+            number(f, r->tolerance, 1);
         number(f, r->make, 1e3);
         number(f, r->seconds, 1e3);
         number(f, r->error, 1);
@@ -110,11 +115,12 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
     lw_status st = lw_output_open(&o, path, e);
     if (st != LW_OK)
         return st;
-    fprintf(o.f, "# %s\n# %s\nproblem,solver,tolerance,setup,seconds,error,off,energy,steps,evaluations,note\n", b->call->line,
-            b->machine);
+    fprintf(o.f, "# %s\n# %s\nproblem,solver,tolerance,setup,seconds,error,off,energy,steps,evaluations,note\n",
+            b->call->line, b->machine);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];
-        fprintf(o.f, "%s,%s,%.3g", r->problem, r->solver, r->tolerance);
+        fprintf(o.f, "%s,%s", r->problem, r->solver);
+        csv_number(o.f, r->tolerance);
         csv_number(o.f, r->make);
         csv_number(o.f, r->seconds);
         csv_number(o.f, r->error);

@@ -13,7 +13,7 @@ typedef struct settings {
     const char *output, *problems, *solvers;
     double      time, limit, budget;
     int         seeds;
-    const char *links, *cases;
+    const char *links, *cases, *peers;
     bool        both_ways;
     double      tolerance[2];
 } settings;
@@ -44,6 +44,9 @@ static const cli_option options[] = {
       NULL, NULL },
     { "tolerance", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4", "with mbs: a row for each power of ten",
       1e-13, 1e-1, NULL, NULL },
+    { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
+      "with mbs: run the programs of this folder too ('make peers' builds those of Simbody and MuJoCo); 'none'; "
+      "when left out 'peers' beside linkwright, if it is there", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -216,7 +219,9 @@ static int run_mbs(const cli_call *call)
                   .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
     cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
-    lw_status st = cli_mbs_run(&b, s->cases, s->output, &e);
+    lw_status st = cli_mbs_find_peers(&b, s->peers, &e);
+    if (st == LW_OK)
+        st = cli_mbs_run(&b, s->cases, s->output, &e);
     cli_mbs_free(&b);
     if (st == LW_E_ARG)
         return cli_usage(call, "%s", e.text);
@@ -263,11 +268,13 @@ const cli_command cli_bench_command = {
         "  linkwright bench fit --links 6,8                          error against number of links\n"
         "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
         "  linkwright bench mbs -o out                               multibody reference problems, all solvers\n"
-        "  linkwright bench mbs --cases andrews\n",
+        "  linkwright bench mbs --cases andrews\n"
+        "  linkwright bench mbs --cases andrews --peers none         without other programs\n",
     .about =
-        "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error\n"
-        "against exact solutions or more digits, processor time as the best of several, mbs.csv and plots. A solver that takes more than\n"
-        "a second, or fails twice, is not asked for tighter tolerances.\n"
+        "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error against\n"
+        "exact solutions or more digits, processor time as the best of several, mbs.csv and plots. A solver\n"
+        "that takes more than a second, or fails twice, is not asked for tighter tolerances. Other programs\n"
+        "(--peers) are told the same scenes; their places are measured as ours.\n"
         "\n"
         "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"
         "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"

@@ -29,7 +29,7 @@ static double error_of(const row *r, int n, const char *problem, const char *sol
 static void rows(void)
 {
     static row r[200];
-    expect("$P bench mbs --cases pendulum --time 0.001 -o $D/out", 0, "| reduced | 1e-10 |", "");
+    expect("$P bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0, "| reduced | 1e-10 |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10 + 10 + 9 + 9);
     for (int i = 0; i < n; i++)
@@ -40,14 +40,15 @@ static void rows(void)
         double loose = error_of(r, n, "pendulum", "ggl", pow(10, -k));
         CHECK(error_of(r, n, "pendulum", "ggl", pow(10, -k - 3)) < 0.1*loose);
     }
-    expect("cat $D/out/mbs.csv", 0, "# linkwright bench mbs --cases", NULL);
+    expect("cat $D/out/mbs.csv", 0, "# linkwright bench mbs --peers none --cases", NULL);
     expect("cat $D/out/mbs-pendulum.svg", 0, "index1", NULL);
 }
 
 static void squeezer(void)
 {
     static row r[200];
-    expect("$P bench mbs -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0, "| andrews | ggl |", "");
+    expect("$P bench mbs --peers none -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0,
+           "| andrews | ggl |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 8);
     CHECK(error_of(r, n, "andrews", "reduced", 1e-11) < 1e-9);
@@ -60,7 +61,8 @@ static void squeezer(void)
 static void branch(void)
 {
     static row r[200];
-    expect("$P bench mbs -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0, "| two-four-bars | reduced |", "");
+    expect("$P bench mbs --peers none -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0,
+           "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
     CHECK(error_of(r, n, "two-four-bars", "reduced", 1e-10) < 1e-6);
     CHECK(error_of(r, n, "two-four-bars", "index1", 1e-8) < 1e-3);
@@ -68,7 +70,56 @@ static void branch(void)
 
 static void clearance(void)
 {
-    expect("$P bench mbs -c clearance-250 --tolerance 1e-9:1e-9 --time 0.001 -q", 0, "| clearance-250 | impact K=1e+08 | 1e-09 |", "");
+    expect("$P bench mbs --peers none -c clearance-250 --tolerance 1e-9:1e-9 --time 0.001 -q", 0,
+           "| clearance-250 | impact K=1e+08 | 1e-09 |", "");
+}
+
+/* ---- other programs, played by scripts --------------------------------------------------------------------------- */
+
+#define PLACES "awk -F, '/^[0-9]/ { print $2, $3, 0 }' catalogues/data/mbs/pendulum.csv"
+#define PEER(name, script) "mkdir -p $D/" name " && printf '%s\\n' '#!/bin/sh' \"" script "\" > $D/" name "/p && " \
+                           "chmod +x $D/" name "/p && $P bench mbs -c pendulum --tolerance 1e-4:1e-4 --time 0.001 -q " \
+                           "-o $D/out --peers $D/" name
+
+/* What it is told, and what is made of the exact places. */
+static void told_and_measured(void)
+{
+    static row r[200];
+    static const char *const said[] = { "gravity 0 -9.8", "body 1 0 -1 0 0 bob\n", "pin 0 1 0 0\n", "run 10 101 ",
+                                        "mjcf\n<mujoco" };
+    expect("cat > $D/exact.sh << 'END'\n#!/bin/sh\ncat > $D/scene\necho 'run 1e-3 0.002 0.003 17 99 by heart'\n"
+           PLACES "\necho 'fail 1e-6 by heart: forgotten'\nEND\nmkdir -p $D/good && mv $D/exact.sh $D/good/clever && "
+           "chmod +x $D/good/clever && "
+           "$P bench mbs -c pendulum --tolerance 1e-4:1e-4 --time 0.001 -q -o $D/out --peers $D/good", 0,
+           "| pendulum | clever by heart | 1e-06 | - | - | - | - | - | 0 | 0 | forgotten |", "");
+    int n = read_rows(r, 200);
+    CHECK_INT(n, 5);
+    CHECK_TEXT(r[4].solver, "clever by heart");
+    CHECK_NEAR(r[4].setup, 0.002, 0, 0);
+    CHECK_NEAR(r[4].seconds, 0.003, 0, 0);
+    CHECK(r[4].error < 1e-15);
+    expect("cat $D/out/mbs-pendulum.svg", 0, "clever by heart", NULL);
+    ran scene = run("cat $D/scene");
+    for (int i = 0; i < 5; i++)
+        CHECK_HAS(scene.out, said[i]);
+    ran_free(&scene);
+}
+
+/* Each has a row that says so, and costs nobody else's. */
+static void bad_peers(void)
+{
+    static const char nonsense[] = "| pendulum | p | - | - | - | - | - | - | 0 | 0 | what it says is no row of "
+                                   "numbers |";
+    expect(PEER("talks", "echo hello"), 0, nonsense, "");
+    expect(PEER("fails", "exit 7"), 0, "| ended with code 7 |", "");
+    expect(PEER("dies", "kill -9 \\$\\$"), 0, "| ended by signal 9 |", "");
+    expect(PEER("silent", "true"), 0, nonsense, "");
+    expect(PEER("short", "echo run 1 1 1 1 1 it; echo 1 2 3"), 0, nonsense, "");
+    expect(PEER("naught", "echo run 1 1 1 1 1 it; yes nan | head -400"), 0, nonsense, "");
+    expect(PEER("short", "echo run 1 1 1 1 1 it; echo 1 2 3"), 0, "| pendulum | reduced | 1e-04 |", "");
+    expect("$P bench mbs --peers $D/nowhere", 3, NULL, "nowhere: no such folder");
+    expect("mkdir -p $D/empty && touch $D/empty/readme && $P bench mbs --peers $D/empty", 3, NULL,
+           "no program in this folder");
 }
 
 static void wrong_use(void)
@@ -84,6 +135,8 @@ int main(void)
     RUN(squeezer);
     RUN(branch);
     RUN(clearance);
+    RUN(told_and_measured);
+    RUN(bad_peers);
     RUN(wrong_use);
     return check_end();
 }

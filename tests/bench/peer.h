@@ -1,0 +1,99 @@
+/* peer.h - what programs beside `linkwright bench mbs` are told and what they answer; C and C++.
+ *
+ * Standard input, a line each, SI, the posture of the start, links counted from 1 and 0 for the ground:
+ *
+ *     gravity X Y
+ *     body MASS INERTIA X Y OMEGA NAME              centre of mass; NAME up to the end of the line
+ *     pin A B X Y
+ *     spring A B AX AY BX BY STIFFNESS FREE          between a point of A and a point of B
+ *     torque BODY N                                  constant, on a link
+ *     run END MOMENTS REPEAT LONGEST                 seconds of motion; moments from 0 to END; seconds for the repeats
+ *                                                    of a row; seconds of a run after which nothing tighter is tried
+ *     mjcf                                           all that follows: the linkage as a model of MuJoCo, without masses
+ *
+ * Standard output, for each solver and tolerance (accuracy, or length of the step):
+ *
+ *     run TOLERANCE SETUP SECONDS STEPS EVALUATIONS SOLVER     processor time, best of several; then MOMENTS lines:
+ *     X Y TURN X Y TURN ...                                    of each body: centre of mass, turn since the start
+ *     fail TOLERANCE SOLVER: WHY */
+#ifndef LW_TESTS_BENCH_PEER_H
+#define LW_TESTS_BENCH_PEER_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { PEER_MAX = 64, PEER_NAME = 128, PEER_XML = 1 << 20, PEER_REPEAT = 50 };
+
+typedef struct peer_body { double mass, inertia, x, y, omega; char name[PEER_NAME]; } peer_body;
+typedef struct peer_pin { int a, b; double x, y; } peer_pin;
+typedef struct peer_spring { int a, b; double ax, ay, bx, by, stiffness, free; } peer_spring;
+typedef struct peer_torque { int body; double value; } peer_torque;
+
+typedef struct peer_scene {
+    double      gx, gy, end, repeat, longest;
+    int         n_body, n_pin, n_spring, n_torque, moments;
+    peer_body   body[PEER_MAX];           /* body[k] is link k + 1                     */
+    peer_pin    pin[PEER_MAX];
+    peer_spring spring[PEER_MAX];
+    peer_torque torque[PEER_MAX];
+    char        xml[PEER_XML];
+} peer_scene;
+
+/* Does a line say what its first word promises? */
+static inline bool peer_line(peer_scene *s, const char *line)
+{
+    peer_body *b = &s->body[s->n_body];
+    peer_pin *p = &s->pin[s->n_pin];
+    peer_spring *k = &s->spring[s->n_spring];
+    peer_torque *t = &s->torque[s->n_torque];
+    const int last = PEER_MAX - 1;
+    if (s->n_body == last || s->n_pin == last || s->n_spring == last || s->n_torque == last)
+        return false;
+    if (sscanf(line, "body %lf %lf %lf %lf %lf %127[^\n]", &b->mass, &b->inertia, &b->x, &b->y, &b->omega,
+               b->name) == 6)
+        return ++s->n_body > 0;
+    if (sscanf(line, "pin %d %d %lf %lf", &p->a, &p->b, &p->x, &p->y) == 4)
+        return ++s->n_pin > 0;
+    if (sscanf(line, "spring %d %d %lf %lf %lf %lf %lf %lf", &k->a, &k->b, &k->ax, &k->ay, &k->bx, &k->by,
+               &k->stiffness, &k->free) == 8)
+        return ++s->n_spring > 0;
+    if (sscanf(line, "torque %d %lf", &t->body, &t->value) == 2)
+        return ++s->n_torque > 0;
+    return sscanf(line, "gravity %lf %lf", &s->gx, &s->gy) == 2
+        || sscanf(line, "run %lf %d %lf %lf", &s->end, &s->moments, &s->repeat, &s->longest) == 4;
+}
+
+/* The scene on standard input; ends the program when it is none. */
+static inline peer_scene *peer_read(void)
+{
+    static peer_scene scene;
+    char line[1024];
+    while (fgets(line, sizeof line, stdin)) {
+        if (strcmp(line, "mjcf\n") == 0) {
+            scene.xml[fread(scene.xml, 1, PEER_XML - 1, stdin)] = 0;
+            break;
+        }
+        if (!peer_line(&scene, line)) {
+            fprintf(stderr, "peer: not understood: %s", line);
+            exit(3);
+        }
+    }
+    if (scene.moments < 2 || scene.n_body == 0) {
+        fputs("peer: no scene on standard input; run by `linkwright bench mbs`\n", stderr);
+        exit(3);
+    }
+    return &scene;
+}
+
+/* Processor time [s]. */
+static inline double peer_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+}
+
+#endif

@@ -1,0 +1,179 @@
+/* peer_simbody.cc - scenes of `linkwright bench mbs` in Simbody 3.7 (peer.h says what comes in and goes out): pins as a
+ * tree of mobilizers, the others as points held on lines across the plane, two equations each. */
+#include <Simbody.h>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <unistd.h>
+#include <string>
+#include <vector>
+#include "tests/bench/peer.h"
+
+using namespace SimTK;
+
+/* Frames of all bodies are parallel to the ground's in the posture, with their origins in the centres of mass. */
+struct Model {
+    const peer_scene &scene;
+    MultibodySystem system;
+    SimbodyMatterSubsystem matter{system};
+    GeneralForceSubsystem forces{system};
+    std::vector<MobilizedBody> body;       /* body[0]: ground                                */
+    std::vector<int> parent;
+
+    Vec3 at(int link, double x, double y) const
+    {
+        return link ? Vec3(x - scene.body[link - 1].x, y - scene.body[link - 1].y, 0) : Vec3(x, y, 0);
+    }
+
+    void hang(const peer_pin &p, int from, int to)
+    {
+        const peer_body &b = scene.body[to - 1];
+        MassProperties mass(b.mass, Vec3(0), Inertia(0.5*b.inertia, 0.5*b.inertia, b.inertia));
+        body[to] = MobilizedBody::Pin(body[from], Transform(at(from, p.x, p.y)), Body::Rigid(mass),
+                                      Transform(at(to, p.x, p.y)));
+        parent[to] = from;
+    }
+
+    explicit Model(const peer_scene &s) : scene(s), body(s.n_body + 1), parent(s.n_body + 1, -1)
+    {
+        std::vector<bool> used(s.n_pin, false);
+        Force::UniformGravity(forces, matter, Vec3(s.gx, s.gy, 0));
+        body[0] = matter.Ground();
+        parent[0] = 0;
+        for (bool more = true; more;) {
+            more = false;
+            for (int j = 0; j < s.n_pin; j++) {
+                const peer_pin &p = s.pin[j];
+                if (used[j] || (parent[p.a] < 0) == (parent[p.b] < 0))
+                    continue;
+                hang(p, parent[p.a] < 0 ? p.b : p.a, parent[p.a] < 0 ? p.a : p.b);
+                used[j] = more = true;
+            }
+        }
+        for (int j = 0; j < s.n_pin; j++) {
+            const peer_pin &p = s.pin[j];
+            if (!used[j])
+                Constraint::PointOnLine(body[p.a], UnitVec3(0, 0, 1), at(p.a, p.x, p.y), body[p.b], at(p.b, p.x, p.y));
+        }
+        for (int k = 0; k < s.n_spring; k++) {
+            const peer_spring &c = s.spring[k];
+            Force::TwoPointLinearSpring(forces, body[c.a], at(c.a, c.ax, c.ay), body[c.b], at(c.b, c.bx, c.by),
+                                        c.stiffness, c.free);
+        }
+        for (int k = 0; k < s.n_torque; k++)
+            Force::ConstantTorque(forces, body[s.torque[k].body], Vec3(0, 0, s.torque[k].value));
+    }
+
+    State start()
+    {
+        State state = system.realizeTopology();
+        system.realize(state, Stage::Position);
+        for (int b = 1; b <= scene.n_body; b++)
+            body[b].setOneU(state, 0, scene.body[b - 1].omega - (parent[b] ? scene.body[parent[b] - 1].omega : 0));
+        system.realize(state, Stage::Velocity);
+        return state;
+    }
+
+    /* Turns add up along the tree; angles of pins are not wrapped. */
+    void print(const State &state) const
+    {
+        system.realize(state, Stage::Position);
+        for (int b = 1; b <= scene.n_body; b++) {
+            Vec3 x = body[b].getBodyOriginLocation(state);
+            double turn = 0;
+            for (int k = b; k; k = parent[k])
+                turn += body[k].getOneQ(state, 0);
+            std::printf("%.17g %.17g %.17g%c", x[0], x[1], turn, b == scene.n_body ? '\n' : ' ');
+        }
+    }
+};
+
+static const char *const method_name[] = { "Merson", "Feldberg", "CPodes" };
+
+static std::unique_ptr<Integrator> make(int method, double accuracy, const MultibodySystem &system)
+{
+    std::unique_ptr<Integrator> i;
+    if (method == 0)
+        i.reset(new RungeKuttaMersonIntegrator(system));
+    else if (method == 1)
+        i.reset(new RungeKuttaFeldbergIntegrator(system));
+    else
+        i.reset(new CPodesIntegrator(system));
+    i->setAccuracy(accuracy);
+    i->setProjectEveryStep(true);             /* else it is on another branch after a singular posture */
+    if (method == 2)
+        i->setConstraintTolerance(1e-3*accuracy);
+    i->setInternalStepLimit(50000);
+    return i;
+}
+
+static void to(TimeStepper &ts, double end)
+{
+    if (ts.stepTo(end) == Integrator::ReachedStepLimit)
+        throw std::runtime_error("50000 steps do not lead to the end");
+}
+
+/* Seconds of the best run; rows go out. */
+static double row(const peer_scene &s, int method, double accuracy)
+{
+    double begun = peer_clock();
+    Model m(s);
+    State first = m.start();
+    double set_up = peer_clock() - begun, best = INFINITY, spent = 0;
+    int steps = 0, evaluations = 0;
+    for (int k = 0; k < PEER_REPEAT && (k == 0 || spent < s.repeat); k++) {
+        auto integrator = make(method, accuracy, m.system);
+        TimeStepper ts(m.system, *integrator);
+        double t0 = peer_clock();
+        ts.initialize(first);
+        to(ts, s.end);
+        double t = peer_clock() - t0;
+        best = std::fmin(best, t);
+        spent += t;
+        steps = integrator->getNumStepsTaken();
+        evaluations = integrator->getNumRealizations();
+    }
+    auto integrator = make(method, accuracy, m.system);
+    TimeStepper ts(m.system, *integrator);
+    ts.initialize(first);
+    std::vector<State> moment;
+    for (int k = 0; k < s.moments; k++) {
+        to(ts, s.end*k/(s.moments - 1));
+        moment.push_back(ts.getState());
+    }
+    std::printf("run %g %.9g %.9g %d %d %s\n", accuracy, set_up, best, steps, evaluations, method_name[method]);
+    for (const State &state : moment)
+        m.print(state);
+    std::fflush(stdout);
+    return best;
+}
+
+/* CPodes may creep for ever within one step; nothing after that is tried. */
+static char creeping[80];
+static void on_alarm(int)
+{
+    _exit(write(1, creeping, strlen(creeping)) < 0);
+}
+
+int main()
+{
+    std::signal(SIGALRM, on_alarm);
+    const peer_scene &s = *peer_read();
+    for (int method = 0; method < 3; method++)
+        for (int k = 3, slow = 0; k <= 12 && slow < 2; k++) {
+            double accuracy = std::pow(10., -k);
+            std::snprintf(creeping, sizeof creeping, "fail %g %s: not at the end after 20 s\n", accuracy,
+                          method_name[method]);
+            alarm(20);
+            try {
+                slow += row(s, method, accuracy) > s.longest;
+            } catch (const std::exception &e) {
+                std::string why = e.what();
+                for (char &c : why)
+                    c = c == '\n' ? ' ' : c;
+                std::printf("fail %g %s: %.140s\n", accuracy, method_name[method], why.c_str());
+                std::fflush(stdout);
+            }
+        }
+    return 0;
+}
