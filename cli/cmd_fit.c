@@ -322,7 +322,7 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
         st = cli_fit_known_atlas(s->atlas, &set->target, &set->known, e);
     if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    return st;
+    return st == LW_OK ? cli_fit_points_stages(set, e) : st;
 }
 
 /* Candidate i is verified: one more result, unless there are enough and others have as many links. */
@@ -431,6 +431,8 @@ static void set_free(cli_fit_set *set)
     lw_brief_free(&set->brief);
     lw_survey_free(&set->survey);
     cli_fit_stages_free(&set->stages);
+    for (int i = 0; i < LW_STAGE_MAX; i++)
+        lw_tracer_spread_free(&set->spread[i]);
     cli_fit_known_free(&set->known);
     cli_topologies_free(&set->topologies);
     lw_exact_free(&set->exact);

@@ -8,6 +8,7 @@
 #include "optimise/brief.h"
 #include "optimise/exact.h"
 #include "optimise/survey.h"
+#include "optimise/tracers.h"
 
 /* One target with its ranked, verified results. */
 typedef struct cli_fit_set {
@@ -21,6 +22,7 @@ typedef struct cli_fit_set {
     cli_topologies topologies;    /* what was looked through beyond four links                     */
     cli_fit_known  known;         /* linkages to start from                                        */
     cli_fit_stages stages;
+    lw_tracer_spread spread[LW_STAGE_MAX];   /* of a stage's families, for several points         */
     int         n;                /* results that passed the second simulation                     */
     int        *which;            /* their candidates                                       (n)    */
     lw_report  *report;           /*                                                        (n)    */
@@ -51,6 +53,8 @@ void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
 /* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the table; a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
+lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e);        /* every link in the stages     */
+void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
 

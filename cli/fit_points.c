@@ -25,6 +25,28 @@ lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carr
     return LW_OK;
 }
 
+lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e)
+{
+    for (int i = 0; i < s->stages.n && s->target.n_also > 0; i++) {
+        lw_stage *g = &s->stages.stage[i];
+        if (!g->family)
+            continue;
+        lw_status st = lw_tracers_spread(g->family, g->n_family, &s->target, &s->spec, &s->spread[i], e);
+        if (st != LW_OK)
+            return st;
+        g->family = s->spread[i].family;
+        g->n_family = s->spread[i].n;
+    }
+    return LW_OK;
+}
+
+void cli_fit_points_summary(const cli_fit_set *s, FILE *f)
+{
+    for (int i = 0; i < s->stages.n; i++)
+        if (s->spread[i].n > 0)
+            fprintf(f, "%d links: %d choices of links for the points\n", s->stages.stage[i].links, s->spread[i].n);
+}
+
 static double length(const cli_fit_set *s, double metres)
 {
     return metres/s->target.units.metre;

@@ -133,6 +133,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
     if (s->survey.n_stage > 1)
         print_stages(s, f);
     print_topologies(s, f);
+    cli_fit_points_summary(s, f);
     if (s->is_exact)
         cli_fit_exact_summary(s, f);
     else

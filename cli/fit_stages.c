@@ -55,7 +55,6 @@ lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e)
             *e = why;
             return st;
         }
-        linkage.n_tracer = linkage.n_tracer > 1 ? 1 : linkage.n_tracer;
         if ((st = check_known(&linkage, path, e)) != LW_OK)
             return st;
         if (add_known(k, &linkage) != LW_OK)

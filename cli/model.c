@@ -104,21 +104,36 @@ static void beside(const char *path, const char *name, char *out, size_t size)
     snprintf(out, size, "%.*s%s", folder, path, name);
 }
 
-static lw_status read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+/* A target of a task: its own stations, or a file beside it. */
+static lw_status read_source(const char *path, const char *name, const lw_target *own, const lw_target_options *o,
+                             lw_target *read, const lw_target **part, lw_error *e)
 {
     char file[1024];
-    lw_target own;
+    *part = own;
+    if (!name[0])
+        return LW_OK;
+    beside(path, name, file, sizeof file);
+    *part = read;
+    return cli_read_target(file, o, read, e);
+}
+
+static lw_status read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+{
+    lw_target read[1 + LW_ALSO_MAX], joined;
+    const lw_target *part[1 + LW_ALSO_MAX];
     lw_target_options mine = o ? *o : (lw_target_options){ .closed = -1 };
-    if (!b->target[0])
-        return lw_brief_target(b, &b->stations, t, e);
-    beside(path, b->target, file, sizeof file);
+    memset(read, 0, sizeof read);
     if (mine.closed < 0)
         mine.closed = b->closed;
-    lw_status s = cli_read_target(file, &mine, &own, e);
-    if (s == LW_OK) {
-        s = lw_brief_target(b, &own, t, e);
-        lw_target_free(&own);
+    lw_status s = read_source(path, b->target, &b->stations, &mine, &read[0], &part[0], e);
+    for (int i = 0; i < b->n_also && s == LW_OK; i++)
+        s = read_source(path, b->also[i].target, &b->also[i].stations, &mine, &read[i + 1], &part[i + 1], e);
+    if (s == LW_OK && (s = lw_target_join(part, 1 + b->n_also, &joined, e)) == LW_OK) {
+        s = lw_brief_target(b, &joined, t, e);
+        lw_target_free(&joined);
     }
+    for (int i = 0; i <= LW_ALSO_MAX; i++)
+        lw_target_free(&read[i]);
     return s;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "grammar/read_internal.h"
+#include "optimise/target_internal.h"
 
 /* ---- pieces --------------------------------------------------------------------------------------------- */
 
@@ -249,19 +250,28 @@ static lw_status read_dwells(const lw_json_node *root, lw_brief *b, lw_error *e)
     return s;
 }
 
-enum { X, Y, THETA, ANGLE, WEIGHT, COLUMNS };
-static const char *const column_names[COLUMNS] = { "x", "y", "theta", "angle", "weight" };
+/* In the order of lw_field. */
+static const char *const column_names[LW_FIELD_COUNT] = {
+    "x", "y", "theta", "angle", "weight", "x2", "y2", "theta2", "weight2", "x3", "y3", "theta3", "weight3",
+    "x4", "y4", "theta4", "weight4"
+};
+
+static double column_unit(const lw_brief *b, int column)
+{
+    lw_field f = lw_field_first((lw_field)column);
+    return f == LW_FIELD_X || f == LW_FIELD_Y ? b->units.metre
+         : f == LW_FIELD_THETA || f == LW_FIELD_ANGLE ? b->units.radian : 1;
+}
 
 /* {"x": 1, "y": 2, ...}; every station has the same keys as the first. */
-static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool first, bool has[COLUMNS], double v[COLUMNS],
-                              lw_error *e)
+static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool first, bool has[LW_FIELD_COUNT],
+                              double v[LW_FIELD_COUNT], lw_error *e)
 {
     lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
     if (s == LW_OK)
-        s = lw_json_known_keys(o, column_names, COLUMNS, e);
-    for (int c = 0; c < COLUMNS && s == LW_OK; c++) {
+        s = lw_json_known_keys(o, column_names, LW_FIELD_COUNT, e);
+    for (int c = 0; c < LW_FIELD_COUNT && s == LW_OK; c++) {
         lw_json_node n;
-        double unit = c <= Y ? b->units.metre : c <= ANGLE ? b->units.radian : 1;
         bool given = lw_json_member(o, column_names[c], &n);
         if (first)
             has[c] = given;
@@ -269,38 +279,136 @@ static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool fir
             s = lw_json_fault(o, e, "every station has the same numbers as the first one: \"%s\" is %s", column_names[c],
                               given ? "new here" : "missing");
         else if (given && (s = lw_json_number(&n, &v[c], e)) == LW_OK)
-            v[c] *= unit;
+            v[c] *= column_unit(b, c);
     }
     return s;
 }
 
-static lw_status read_stations(const lw_json_node *root, lw_brief *b, lw_error *e)
+/* The further points among columns; *n_also of them. */
+static lw_status gather_also(const lw_json_node *list, double *const column[LW_FIELD_COUNT], lw_also also[LW_ALSO_MAX],
+                             int *n_also, lw_error *e)
+{
+    *n_also = 0;
+    for (int i = 0; i < LW_ALSO_MAX; i++) {
+        double *const *c = column + lw_field_also(LW_FIELD_X, i);
+        if (!c[0] && !c[1] && !c[2] && !c[3])
+            continue;
+        if (*n_also < i)
+            return lw_json_fault(list, e, "there are numbers of point %d but none of point %d; points are numbered without "
+                                 "gaps", i + 2, *n_also + 2);
+        also[(*n_also)++] = (lw_also){ .x = c[0], .y = c[1], .theta = c[2], .weight = c[3] };
+    }
+    return LW_OK;
+}
+
+static lw_status read_rows(const lw_json_node *list, const lw_brief *b, size_t n, double *v, lw_target *t, lw_error *e)
+{
+    bool has[LW_FIELD_COUNT] = { false };
+    double one[LW_FIELD_COUNT], *column[LW_FIELD_COUNT];
+    lw_also also[LW_ALSO_MAX];
+    int n_also;
+    lw_status s = LW_OK;
+    for (size_t i = 0; i < n && s == LW_OK; i++) {
+        lw_json_node o = lw_json_element(list, i);
+        s = read_station(&o, b, i == 0, has, one, e);
+        for (int c = 0; c < LW_FIELD_COUNT && s == LW_OK; c++)
+            v[(size_t)c*n + i] = has[c] ? one[c] : 0;
+    }
+    for (int c = 0; c < LW_FIELD_COUNT; c++)
+        column[c] = has[c] ? v + (size_t)c*n : NULL;
+    lw_error why = { .text = "" };
+    if (s == LW_OK)
+        s = gather_also(list, column, also, &n_also, e);
+    if (s == LW_OK && lw_target_make_all(n, column[LW_FIELD_X], column[LW_FIELD_Y], column[LW_FIELD_THETA],
+                                         column[LW_FIELD_ANGLE], column[LW_FIELD_WEIGHT], also, n_also, b->closed, t,
+                                         &why) != LW_OK)
+        s = lw_json_fault(list, e, "%.300s", why.text);
+    t->units = b->units;
+    return s;
+}
+
+/* A target in the task itself. */
+static lw_status read_stations(const lw_json_node *from, const lw_brief *b, lw_target *t, lw_error *e)
 {
     lw_json_node list;
-    bool has[COLUMNS] = { false };
-    if (!lw_json_member(root, "stations", &list))
+    if (!lw_json_member(from, "stations", &list))
         return LW_OK;
     lw_status s = lw_read_list(&list, 1, LW_STATION_MAX, e);
     size_t n = s == LW_OK ? lw_json_count(&list) : 0;
-    double *v = calloc(COLUMNS*n + 1, sizeof *v), one[COLUMNS];
+    double *v = calloc(LW_FIELD_COUNT*n + 1, sizeof *v);
     if (!v)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
-    for (size_t i = 0; i < n && s == LW_OK; i++) {
-        lw_json_node o = lw_json_element(&list, i);
-        s = read_station(&o, b, i == 0, has, one, e);
-        for (int c = 0; c < COLUMNS && s == LW_OK; c++)
-            v[(size_t)c*n + i] = one[c];
-    }
-    lw_error why = { .text = "" };
-    double *column[COLUMNS];
-    for (int c = 0; c < COLUMNS; c++)
-        column[c] = has[c] ? v + (size_t)c*n : NULL;
-    if (s == LW_OK && lw_target_make(n, column[X], column[Y], column[THETA], column[ANGLE], column[WEIGHT], b->closed,
-                                     &b->stations, &why) != LW_OK)
-        s = lw_json_fault(&list, e, "%.300s", why.text);
-    b->stations.units = b->units;
+    if (s == LW_OK)
+        s = read_rows(&list, b, n, v, t, e);
     free(v);
     return s;
+}
+
+static lw_status read_source(const lw_json_node *o, const lw_brief *b, char *target, lw_target *stations, lw_error *e)
+{
+    lw_status s = read_text(o, "target", target, LW_BRIEF_TEXT, e);
+    if (s == LW_OK)
+        s = read_stations(o, b, stations, e);
+    if (s == LW_OK && !target[0] == (stations->n == 0))
+        s = lw_json_fault(o, e, target[0] ? "either \"target\" or \"stations\", not both"
+                                          : "\"target\" (a CSV file) or \"stations\" is missing");
+    return s;
+}
+
+static const char *const carrier_names[] = { "any", "input", "coupler", "output" };
+
+/* "tracers": the first point and further ones, each with its target and, but the first, its link. */
+static lw_status read_tracers(const lw_json_node *list, lw_brief *b, lw_error *e)
+{
+    static const char *const known[] = { "target", "stations", "link" };
+    lw_json_node link;
+    lw_status s = lw_read_list(list, 1, 1 + LW_ALSO_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(list); i++) {
+        lw_json_node o = lw_json_element(list, i);
+        lw_brief_tracer *a = i > 0 ? &b->also[b->n_also++] : NULL;
+        int carrier = 0;
+        if ((s = lw_json_want(&o, LW_JSON_OBJECT, e)) == LW_OK
+            && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
+            && (s = read_source(&o, b, a ? a->target : b->target, a ? &a->stations : &b->stations, e)) == LW_OK)
+            s = read_word(&o, "link", carrier_names, COUNT(carrier_names), &carrier, NULL, e);
+        if (s == LW_OK && !a && lw_json_member(&o, "link", &link))
+            s = lw_json_fault(&link, e, "the first point lies on the coupler, of a function on the output; links are for "
+                              "the further ones");
+        if (a)
+            b->spec.carrier[b->n_also - 1] = (lw_carrier)carrier;
+    }
+    return s;
+}
+
+/* "point_links": of further points that are columns of the target. */
+static lw_status read_carriers(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    lw_json_node list;
+    if (!lw_json_member(root, "point_links", &list))
+        return LW_OK;
+    lw_status s = lw_read_list(&list, 1, LW_ALSO_MAX, e);
+    for (size_t i = 0; s == LW_OK && i < lw_json_count(&list); i++) {
+        lw_json_node o = lw_json_element(&list, i);
+        int carrier = 0;
+        s = lw_read_look_up(&o, "link", carrier_names, COUNT(carrier_names), &carrier, e);
+        b->spec.carrier[i] = (lw_carrier)carrier;
+    }
+    return s;
+}
+
+/* Where the points come from: "tracers", or one target with all columns. */
+static lw_status read_sources(const lw_json_node *root, lw_brief *b, lw_error *e)
+{
+    static const char *const other[] = { "target", "stations", "point_links" };
+    lw_json_node list, too;
+    if (!lw_json_member(root, "tracers", &list)) {
+        lw_status s = read_source(root, b, b->target, &b->stations, e);
+        return s == LW_OK ? read_carriers(root, b, e) : s;
+    }
+    for (int i = 0; i < COUNT(other); i++)
+        if (lw_json_member(root, other[i], &too))
+            return lw_json_fault(&too, e, "either \"tracers\" or \"%s\", not both", other[i]);
+    return read_tracers(&list, b, e);
 }
 
 static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
@@ -315,12 +423,9 @@ static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
         b->spec.task = (lw_task)task;
     if (b->has_timing)
         b->spec.timing = (lw_timing)timing;
-    if (s == LW_OK && (s = read_text(root, "target", b->target, sizeof b->target, e)) == LW_OK
-        && (s = read_yes(root, "closed", &b->closed, e)) == LW_OK && (s = read_stations(root, b, e)) == LW_OK)
+    if (s == LW_OK && (s = read_yes(root, "closed", &b->closed, e)) == LW_OK
+        && (s = read_sources(root, b, e)) == LW_OK)
         s = read_dwells(root, b, e);
-    if (s == LW_OK && !b->target[0] == (b->stations.n == 0))
-        s = lw_json_fault(root, e, b->target[0] ? "either \"target\" or \"stations\", not both"
-                                                : "\"target\" (a CSV file) or \"stations\" is missing");
     return s;
 }
 
@@ -357,7 +462,7 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
 static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
 {
     static const char *const known[] = {
-        "linkwright-task", "$schema", "name", "units", "target", "stations", "closed", "task", "timing", "links", "joints",
+        "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task", "timing", "links", "joints",
         "topology", "crank", "weights", "transmission", "acceleration", "lengths", "positions", "pivots", "forbidden", "dwell"
     };
     lw_json_node version;
@@ -391,7 +496,8 @@ lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brie
 void lw_brief_free(lw_brief *b)
 {
     lw_target_free(&b->stations);
-    memset(&b->stations, 0, sizeof b->stations);
+    for (int i = 0; i < LW_ALSO_MAX; i++)
+        lw_target_free(&b->also[i].stations);
 }
 
 /* ---- the target ------------------------------------------------------------------------------------------------- */
@@ -403,21 +509,32 @@ static bool inside(const lw_zone *z, lw_vec2 p)
     return z->kind == LW_ZONE_NO_CIRCLE && lw_v2_norm(lw_v2_sub(p, z->at)) < z->reach;
 }
 
-static lw_status check_stations(const lw_brief *b, const lw_target *t, lw_error *e)
+static lw_status check_point(const lw_brief *b, const double *x, const double *y, size_t n, int point, lw_error *e)
 {
     for (int i = 0; i < b->spec.n_zone; i++)
-        for (size_t k = 0; t->x && k < t->n; k++)
-            if (inside(&b->spec.zone[i], lw_v2(t->x[k], t->y[k])))
-                return lw_error_set(e, LW_E_ARG, "station %zu lies inside a forbidden zone: no linkage can do both", k + 1);
+        for (size_t k = 0; x && k < n; k++)
+            if (inside(&b->spec.zone[i], lw_v2(x[k], y[k])))
+                return lw_error_set(e, LW_E_ARG, point > 0 ? "station %zu of point %d lies inside a forbidden zone: no "
+                                    "linkage can do both" : "station %zu lies inside a forbidden zone: no linkage can do "
+                                    "both", k + 1, point + 1);
     return LW_OK;
 }
 
-typedef struct station { double v[COLUMNS]; } station;
+static lw_status check_stations(const lw_brief *b, const lw_target *t, lw_error *e)
+{
+    lw_status s = check_point(b, t->x, t->y, t->n, 0, e);
+    for (int i = 0; i < t->n_also && s == LW_OK; i++)
+        s = check_point(b, t->also[i].x, t->also[i].y, t->n, i + 1, e);
+    return s;
+}
+
+typedef struct station { double v[LW_FIELD_ALSO]; } station;
 
 static int by_angle(const void *a, const void *b)
 {
     const station *p = a, *q = b;
-    return p->v[ANGLE] < q->v[ANGLE] ? -1 : p->v[ANGLE] > q->v[ANGLE];
+    double u = p->v[LW_FIELD_ANGLE], v = q->v[LW_FIELD_ANGLE];
+    return u < v ? -1 : u > v;
 }
 
 static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s, size_t *n, lw_error *e)
@@ -427,7 +544,7 @@ static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s,
     if (from->x && isnan(d->at.x))
         return lw_error_set(e, LW_E_ARG, "a dwell of this task needs \"at\", where the point rests");
     for (size_t k = 0; k < *n; k++)
-        if (s[k].v[ANGLE] >= d->from && s[k].v[ANGLE] <= d->to)
+        if (s[k].v[LW_FIELD_ANGLE] >= d->from && s[k].v[LW_FIELD_ANGLE] <= d->to)
             return lw_error_set(e, LW_E_ARG, "station %zu has an input within a dwell: leave it out", k + 1);
     for (int i = 0; i < d->points; i++)
         s[(*n)++] = (station){ { d->at.x, d->at.y, d->theta, d->from + (d->to - d->from)*i/(d->points - 1),
@@ -435,40 +552,53 @@ static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s,
     return LW_OK;
 }
 
-lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
+/* The target with the stations of its dwells. */
+static lw_status add_dwells(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
 {
+    enum { COLUMNS = LW_FIELD_ALSO };
     size_t n = from->n, room = n;
     lw_status st = LW_OK;
-    memset(t, 0, sizeof *t);
-    if (b->n_dwell > 0 && !from->angle)
-        return lw_error_set(e, LW_E_ARG, "a dwell needs the input angles of the stations (angle)");
     for (int i = 0; i < b->n_dwell; i++)
         room += (size_t)b->dwell[i].points;
     station *s = malloc(sizeof *s*(room + 1));
     double *v = malloc(sizeof *v*(COLUMNS*room + 1)), *column[COLUMNS];
     if (!s || !v)
         st = lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", room);
-    const double *have[COLUMNS] = { from->x, from->y, from->theta, from->angle, from->weight };
     for (size_t k = 0; k < n && st == LW_OK; k++)
-        for (int c = 0; c < COLUMNS; c++)
-            s[k].v[c] = have[c] ? have[c][k] : c == WEIGHT ? 1 : 0;
+        for (int c = 0; c < COLUMNS; c++) {
+            const double *have = lw_target_array(from, (lw_field)c);
+            s[k].v[c] = have ? have[k] : 0;
+        }
     for (int i = 0; i < b->n_dwell && st == LW_OK; i++)
         st = add_dwell(&b->dwell[i], from, s, &n, e);
-    if (st == LW_OK && b->n_dwell > 0)
+    if (st == LW_OK)
         qsort(s, n, sizeof *s, by_angle);
     for (int c = 0; c < COLUMNS && st == LW_OK; c++) {
-        column[c] = have[c] || c == WEIGHT ? v + (size_t)c*n : NULL;
+        column[c] = lw_target_array(from, (lw_field)c) ? v + (size_t)c*n : NULL;
         for (size_t k = 0; k < n && column[c]; k++)
             column[c][k] = s[k].v[c];
     }
     if (st == LW_OK)
-        st = lw_target_make(n, column[X], column[Y], column[THETA], column[ANGLE], column[WEIGHT], from->closed, t, e);
-    if (st == LW_OK) {
-        t->units = from->units;
-        if ((st = check_stations(b, t, e)) != LW_OK)
-            lw_target_free(t);
-    }
+        st = lw_target_make(n, column[LW_FIELD_X], column[LW_FIELD_Y], column[LW_FIELD_THETA],
+                            column[LW_FIELD_ANGLE], column[LW_FIELD_WEIGHT], from->closed, t, e);
     free(s);
     free(v);
+    return st;
+}
+
+lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
+{
+    memset(t, 0, sizeof *t);
+    if (b->n_dwell > 0 && !from->angle)
+        return lw_error_set(e, LW_E_ARG, "a dwell needs the input angles of the stations (angle)");
+    if (b->n_dwell > 0 && from->n_also > 0)
+        return lw_error_set(e, LW_E_ARG, "a dwell says where one point rests, and the target has %d; write the stations of "
+                            "the dwell out", 1 + from->n_also);
+    lw_status st = b->n_dwell > 0 ? add_dwells(b, from, t, e) : lw_target_join(&from, 1, t, e);
+    if (st != LW_OK)
+        return st;
+    t->units = from->units;
+    if ((st = check_stations(b, t, e)) != LW_OK)
+        lw_target_free(t);
     return st;
 }

@@ -17,10 +17,18 @@ typedef struct lw_dwell {
     double weight;
 } lw_dwell;
 
+/* What a further point has to do. */
+typedef struct lw_brief_tracer {
+    char      target[LW_BRIEF_TEXT];        /* as those of lw_brief                                */
+    lw_target stations;
+} lw_brief_tracer;
+
 typedef struct lw_brief {
     char        name[64];
     char        target[LW_BRIEF_TEXT];      /* CSV file, relative to the task file; "": `stations`  */
     lw_target   stations;                   /* given in the task itself; n 0: none                 */
+    int         n_also;
+    lw_brief_tracer also[LW_ALSO_MAX];      /* further points, row by row with these (lw_target_join) */
     int         closed;                     /* 1, 0, -1: not said                                  */
     lw_fit_spec spec;
     bool        has_task, has_timing;       /* said, else as the target's columns suggest          */
@@ -37,8 +45,9 @@ typedef struct lw_brief {
 lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brief *b, lw_error *e);
 void      lw_brief_free(lw_brief *b);
 
-/* The stations of the target with those of the dwells among them, in order of the input.  LW_E_ARG: a dwell
- * without input angles in the target, or a station inside a forbidden zone.  t is new. */
+/* The stations of the target (of all points, joined) with those of the dwells among them, in order of the input.
+ * LW_E_ARG: a dwell without input angles in the target or beside further points, or a station inside a forbidden
+ * zone.  t is new. */
 lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e);
 
 #endif

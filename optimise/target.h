@@ -73,6 +73,10 @@ lw_status lw_target_make(size_t n, const double *x, const double *y, const doubl
 lw_status lw_target_make_all(size_t n, const double *x, const double *y, const double *theta,
                              const double *angle, const double *weight, const lw_also *also, int n_also,
                              int closed, lw_target *t, lw_error *e);
+/* Targets of one point each that belong together row by row as one target, each point with its own weights; one part
+ * alone is copied.  Input angles of one part are those of all.  LW_E_ARG, naming the tracer: other numbers of rows,
+ * input angles that disagree, too many. */
+lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t, lw_error *e);
 void      lw_target_free(lw_target *t);
 
 #endif

@@ -83,5 +83,139 @@ lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fi
         if (k->n_tracer <= i + 1)
             put_tracer(k, i + 1, link);
     }
+    k->n_tracer = 1 + t->n_also;
     return LW_OK;
+}
+
+/* ---- every choice of links --------------------------------------------------------------------------------- */
+
+typedef struct choice {
+    const lw_family   *family;
+    const lw_target   *t;
+    const lw_fit_spec *s;
+    lw_tracer_spread  *out;
+    int                link[1 + LW_ALSO_MAX];
+    bool               partial[LW_LINK_MAX];         /* a point there feels fewer links              */
+} choice;
+
+/* Does a point on this link feel fewer links than there are? */
+static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
+{
+    lw_linkage alone = *k;
+    put_tracer(&alone, 0, link);
+    return lw_plan_make_any(&alone, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK && plan->n_link < k->n_link;
+}
+
+/* May point i (0: the first) lie on this link? */
+static bool suits(const choice *c, int i, int link)
+{
+    const lw_linkage *k = c->family->linkage;
+    const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
+    lw_carrier is = carrier_of(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
+    bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
+    bool angle = a ? a->theta != NULL : c->s->task != LW_TASK_PATH;
+    if (link == k->ground || (angle && only_slides(k, link)))
+        return false;
+    if (i == 0 && link != k->tracer[0].link && !c->partial[link])
+        return false;
+    if (want != LW_CARRIER_ANY)
+        return is == want;
+    return place ? is == LW_CARRIER_COUPLER || (i == 0 && link == k->tracer[0].link) : is != LW_CARRIER_INPUT;
+}
+
+static lw_status make_room(lw_tracer_spread *s)
+{
+    if (s->n < s->capacity)
+        return LW_OK;
+    int most = s->capacity ? 2*s->capacity : 64;
+    lw_family *f = realloc(s->family, sizeof *f*(size_t)most);
+    s->family = f ? f : s->family;
+    lw_linkage **k = realloc(s->linkage, sizeof *k*(size_t)most);
+    s->linkage = k ? k : s->linkage;
+    s->capacity = f && k ? most : s->capacity;
+    return f && k ? LW_OK : LW_E_MEMORY;
+}
+
+static lw_status add_choice(choice *c)
+{
+    lw_tracer_spread *s = c->out;
+    lw_linkage *own = malloc(sizeof *own);
+    if (!own || make_room(s) != LW_OK) {
+        free(own);
+        return LW_E_MEMORY;
+    }
+    *own = *c->family->linkage;
+    for (int i = 0; i <= c->t->n_also; i++)
+        if (i > 0 || c->link[0] != own->tracer[0].link)
+            put_tracer(own, i, c->link[i]);
+    snprintf(own->name, sizeof own->name, "%.*s", (int)(strcspn(c->family->name, ",")), c->family->name);
+    for (int i = 0; i <= c->t->n_also; i++) {
+        size_t at = strlen(own->name);
+        snprintf(own->name + at, sizeof own->name - at, "%s%d", i == 0 ? ", points on links " : ", ", c->link[i] + 1);
+    }
+    s->linkage[s->n] = own;
+    s->family[s->n] = *c->family;
+    s->family[s->n].linkage = own;
+    s->family[s->n++].name = own->name;
+    return LW_OK;
+}
+
+/* Links for point i and those behind it; one of all lies where the family's tracer does. */
+static lw_status choose(choice *c, int i, bool met)
+{
+    const lw_linkage *k = c->family->linkage;
+    lw_status st = LW_OK;
+    if (i > c->t->n_also)
+        return !met ? LW_OK : c->out->n < LW_SPREAD_MAX ? add_choice(c) : LW_E_ARG;
+    for (int l = 0; l < k->n_link && st == LW_OK; l++)
+        if (suits(c, i, l)) {
+            c->link[i] = l;
+            st = choose(c, i + 1, met || l == k->tracer[0].link);
+        }
+    return st;
+}
+
+static lw_status spread_one(choice *c, lw_plan *plan)
+{
+    const lw_linkage *k = c->family->linkage;
+    for (int l = 0; l < k->n_link; l++)
+        c->partial[l] = l != k->ground && feels_fewer(k, l, plan);
+    if (k->n_tracer <= c->t->n_also)
+        return choose(c, 0, false);
+    for (int i = 0; i <= c->t->n_also; i++)
+        c->link[i] = k->tracer[i].link;
+    lw_status st = add_choice(c);
+    if (st == LW_OK)                                     /* its own tracers, where they are          */
+        memcpy(c->out->linkage[c->out->n - 1]->tracer, k->tracer, sizeof k->tracer);
+    return st;
+}
+
+lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, const lw_fit_spec *s,
+                            lw_tracer_spread *out, lw_error *e)
+{
+    lw_plan *plan = malloc(sizeof *plan);
+    lw_status st = plan ? LW_OK : LW_E_MEMORY;
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < n && st == LW_OK; i++) {
+        choice c = { .family = &family[i], .t = t, .s = s, .out = out };
+        st = spread_one(&c, plan);
+    }
+    free(plan);
+    if (st == LW_OK)
+        return LW_OK;
+    lw_tracer_spread_free(out);
+    if (st == LW_E_MEMORY)
+        return lw_error_set(e, st, "no memory for the choices of links");
+    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say for the further ones on "
+                        "which they lie (input, coupler, output), or look through fewer topologies", LW_SPREAD_MAX,
+                        1 + t->n_also);
+}
+
+void lw_tracer_spread_free(lw_tracer_spread *s)
+{
+    for (int i = 0; i < s->n; i++)
+        free(s->linkage[i]);
+    free(s->linkage);
+    free(s->family);
+    memset(s, 0, sizeof *s);
 }

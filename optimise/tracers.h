@@ -15,4 +15,22 @@ lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fi
 /* Those of a plan for this target: bits of lw_want.tracers. */
 unsigned lw_tracers_mask(const lw_target *t);
 
+/* Families made of others, one for each choice of links for the points: those that bring a tracer for every point stay
+ * as they are; of the rest one point lies where the family's tracer does, and the others on every link that suits them;
+ * so also the first, on links that feel fewer links than the family has (a point that feels all is the tracer of a
+ * family of its own).  A point lies on links not joined to the ground, an angle is that of any but the driven link,
+ * unless the task says otherwise. */
+#define LW_SPREAD_MAX 4000
+
+typedef struct lw_tracer_spread {
+    int          n, capacity;
+    lw_family   *family;             /* (n) owned, with names and linkages                          */
+    lw_linkage **linkage;            /* (n)                                                        */
+} lw_tracer_spread;
+
+/* LW_E_ARG: more than LW_SPREAD_MAX; LW_E_MEMORY.  Families of four links by type are not among the given ones. */
+lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, const lw_fit_spec *s,
+                            lw_tracer_spread *out, lw_error *e);
+void      lw_tracer_spread_free(lw_tracer_spread *spread);
+
 #endif

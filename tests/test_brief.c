@@ -62,6 +62,14 @@ static void faults_have_a_place(void)
           "rest at two places" },
         { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1},{\"x\":1}]}", 1, 48, "missing" },
         { "{\"linkwright-task\":1,\"crank\":1,\"target\":\"a\"}", 1, 30, "true or false" },
+        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\"},{\"link\":\"coupler\"}]}", 1, 48, "is missing" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"tracers\":[{\"target\":\"b\"}]}", 1, 31, "not both" },
+        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\",\"link\":\"input\"}]}", 1, 54, "for the further ones" },
+        { "{\"linkwright-task\":1,\"tracers\":[{\"target\":\"a\"},{\"target\":\"b\",\"link\":\"cuopler\"}]}", 1, 69, "coupler" },
+        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1,\"x3\":1,\"y3\":2},{\"x\":2,\"y\":1,\"x3\":1,\"y3\":2}]}", 1, 33,
+          "numbered without gaps" },
+        { "{\"linkwright-task\":1,\"stations\":[{\"x\":1,\"y\":1,\"x2\":1},{\"x\":2,\"y\":1,\"x2\":1}]}", 1, 33, "point 2 needs x and y" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"point_links\":[\"rocker\"]}", 1, 50, "no link \"rocker\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
         lw_brief b;
@@ -96,6 +104,44 @@ static void dwells_become_stations(void)
     lw_brief_free(&b);
 }
 
+static void tracers_have_targets_of_their_own(void)
+{
+    static const char text[] = "{\"linkwright-task\":1,\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"tracers\":["
+                               "{\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}]},{\"target\":\"b.csv\",\"link\":\"output\"},"
+                               "{\"stations\":[{\"theta\":90,\"angle\":0},{\"theta\":45,\"angle\":1}]}],"
+                               "\"forbidden\":[{\"circle\":[[30,15],1]}]}";
+    static const char columns[] = "{\"linkwright-task\":1,\"units\":{\"length\":\"mm\",\"angle\":\"deg\"},\"stations\":["
+                                  "{\"x\":0,\"y\":0,\"x2\":30,\"y2\":15,\"theta2\":90,\"weight2\":3},"
+                                  "{\"x\":3,\"y\":1,\"x2\":5,\"y2\":5,\"theta2\":80,\"weight2\":2}],\"point_links\":[\"input\"],"
+                                  "\"forbidden\":[{\"circle\":[[30,15],1]}]}";
+    lw_brief b;
+    lw_error e;
+    lw_target t;
+    CHECK_INT(read(text, &b, &e), LW_OK);
+    CHECK_INT(b.n_also, 2);
+    CHECK(b.stations.n == 2 && !b.target[0] && b.also[0].stations.n == 0 && b.also[1].stations.n == 2);
+    CHECK_TEXT(b.also[0].target, "b.csv");
+    CHECK_INT(b.spec.carrier[0], LW_CARRIER_OUTPUT);
+    CHECK_INT(b.spec.carrier[1], LW_CARRIER_ANY);
+    CHECK_NEAR(b.also[1].stations.theta[1], LW_PI/4, 0, 1e-15);
+    lw_brief_free(&b);
+    CHECK_INT(read(columns, &b, &e), LW_OK);
+    CHECK_INT(b.stations.n_also, 1);
+    CHECK_INT(b.spec.carrier[0], LW_CARRIER_INPUT);
+    CHECK_NEAR(b.stations.also[0].x[0], 0.03, 0, 1e-15);
+    CHECK_NEAR(b.stations.also[0].theta[0], LW_PI/2, 0, 1e-15);
+    CHECK_NEAR(b.stations.also[0].weight[1], 2, 0, 0);
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "station 1 of point 2 lies inside a forbidden zone");
+    b.spec.n_zone = 0;
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK(t.n_also == 1 && t.also[0].y[1] == b.stations.also[0].y[1]);
+    lw_target_free(&t);
+    b.n_dwell = 1;
+    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    lw_brief_free(&b);
+}
+
 static void a_station_in_a_forbidden_zone(void)
 {
     static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}],"
@@ -114,6 +160,7 @@ int main(void)
     RUN(everything_is_read);
     RUN(faults_have_a_place);
     RUN(dwells_become_stations);
+    RUN(tracers_have_targets_of_their_own);
     RUN(a_station_in_a_forbidden_zone);
     return check_end();
 }

@@ -109,6 +109,46 @@ static void further_points(void)
     lw_target_free(&t);
 }
 
+/* Parts with a path, a path and weights, an output angle. */
+static void parts_are_joined_row_by_row(void)
+{
+    lw_target part[3], t;
+    lw_error e = { .text = "" };
+    const lw_target *p[5] = { &part[0], &part[1], &part[2], &part[0], &part[0] };
+    CHECK_INT(read("# units: mm\n# closed: no\nx,y\n0,1\n1,2\n2,2\n", &part[0], &e), LW_OK);
+    CHECK_INT(read("x_mm,y,weight\n5,6,2\n6,7,1\n7,7,0\n", &part[1], &e), LW_OK);
+    CHECK_INT(read("angle_deg,theta\n0,90\n10,100\n20,110\n", &part[2], &e), LW_OK);
+    CHECK_INT(lw_target_join(p, 3, &t, &e), LW_OK);
+    CHECK(t.n == 3 && t.n_also == 2 && !t.closed && t.line[2] == 6);
+    CHECK_NEAR(t.also[0].x[1], 0.006, 0, 1e-15);
+    CHECK_NEAR(t.also[0].weight[0], 2, 0, 0);
+    CHECK_NEAR(t.weight[0], 1, 0, 0);
+    CHECK_NEAR(t.angle[1], LW_PI/18, 0, 1e-15);               /* one part's timing is that of all */
+    CHECK_NEAR(t.also[1].theta[2], 110*LW_PI/180, 0, 1e-15);
+    CHECK(!t.also[1].x);
+    lw_target_free(&t);
+    CHECK_INT(lw_target_join(p, 5, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "4 points at most");
+    const lw_target *turned[] = { &part[2], &part[0] };
+    CHECK_INT(lw_target_join(turned, 2, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "put those with a path first");
+    lw_target_free(&part[1]);
+    CHECK_INT(read("x,y\n5,6\n6,7\n", &part[1], &e), LW_OK);
+    CHECK_INT(lw_target_join(p, 2, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "tracer 2 has 2 stations, the first one 3");
+    lw_target_free(&part[1]);
+    CHECK_INT(read("x,y,angle_deg\n5,6,0\n6,7,10\n7,7,21\n", &part[1], &e), LW_OK);
+    const lw_target *timed[] = { &part[1], &part[2] };
+    CHECK_INT(lw_target_join(timed, 2, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "station 3 has the input angle 21 for the first tracer and 20 for tracer 2");
+    lw_target_free(&part[1]);
+    CHECK_INT(read("x,y,x2,y2\n5,6,0,0\n6,7,1,0\n7,7,2,1\n", &part[1], &e), LW_OK);
+    CHECK_INT(lw_target_join(p, 2, &t, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "tracer 2 has columns of further points itself");
+    for (int i = 0; i < 3; i++)
+        lw_target_free(&part[i]);
+}
+
 static void length_and_size(void)
 {
     lw_target t;
@@ -467,6 +507,7 @@ int main(void)
     RUN(published_files);
     RUN(published_names_of_columns);
     RUN(further_points);
+    RUN(parts_are_joined_row_by_row);
     RUN(length_and_size);
     RUN(the_example_of_the_manual);
     RUN(separators_and_line_ends);

@@ -347,6 +347,94 @@ static void links_are_those_asked_for(void)
     }
 }
 
+/* A six-bar whose first point on the arm feels all links; on the coupler it would feel four. */
+static void choices_of_links_are_counted_by_hand(void)
+{
+    double one[2] = { 0, 1 };
+    static const struct { bool place; lw_carrier carrier; int n, link[5][2]; } row[] = {
+        { true, LW_CARRIER_ANY, 3, { { 2, 4 }, { 4, 2 }, { 4, 4 } } },
+        { false, LW_CARRIER_ANY, 5, { { 2, 4 }, { 4, 2 }, { 4, 3 }, { 4, 4 }, { 4, 5 } } },
+        { false, LW_CARRIER_OUTPUT, 2, { { 4, 3 }, { 4, 5 } } },
+        { true, LW_CARRIER_INPUT, 1, { { 4, 1 } } },
+    };
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++) {
+        lw_linkage k = six_bar();
+        lw_family f = { .name = "Stephenson III, point on link 5", .linkage = &k, .links = 6 };
+        lw_fit_spec s = lw_fit_spec_default();
+        lw_target t = { .n = 2, .n_also = 1, .also = { { .x = row[i].place ? one : NULL, .theta = row[i].place ? NULL : one } } };
+        lw_tracer_spread spread;
+        s.carrier[0] = row[i].carrier;
+        CHECK_INT(lw_tracers_spread(&f, 1, &t, &s, &spread, NULL), LW_OK);
+        CHECK_INT(spread.n, row[i].n);
+        for (int c = 0; c < spread.n && c < row[i].n; c++) {
+            CHECK_INT(spread.linkage[c]->n_tracer, 2);
+            CHECK_INT(spread.linkage[c]->tracer[0].link, row[i].link[c][0]);
+            CHECK_INT(spread.linkage[c]->tracer[1].link, row[i].link[c][1]);
+            CHECK(spread.family[c].linkage == spread.linkage[c] && spread.family[c].links == 6);
+        }
+        CHECK_HAS(spread.family[0].name, "Stephenson III, points on links ");
+        lw_tracer_spread_free(&spread);
+        k.n_tracer = 2;                                  /* one that brings its tracers stays as it is */
+        k.tracer[1] = (lw_tracer){ .name = "Q", .link = 3, .at = { 7, 8 } };
+        CHECK_INT(lw_tracers_spread(&f, 1, &t, &s, &spread, NULL), LW_OK);
+        CHECK_INT(spread.n, 1);
+        CHECK(spread.linkage[0]->tracer[1].link == 3 && spread.linkage[0]->tracer[1].at.x == 7);
+        lw_tracer_spread_free(&spread);
+    }
+}
+
+/* Two points on two links of a six-bar: found again by looking through the links that they may lie on. */
+static void points_on_two_links_are_found_again(void)
+{
+    lw_linkage k = six_bar(), start;
+    lw_plan plan;
+    lw_target t;
+    lw_tracer_spread spread;
+    lw_fit fit;
+    lw_error e = { .text = "" };
+    rows r;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
+    lw_fit_options o = lw_fit_options_default();
+    k.n_tracer = 2;
+    k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
+    CHECK_INT(lw_plan_make(&k, (lw_want){ 3, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
+    for (int i = 0; i < N; i++) {
+        lw_pose pose;
+        r.angle[i] = 2*LW_PI*i/N;
+        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + r.angle[i], 0, &pose), LW_OK);
+        r.x[i] = pose.tracer[0][0].x;
+        r.y[i] = pose.tracer[0][0].y;
+        r.x2[i] = pose.tracer[1][0].x;
+        r.y2[i] = pose.tracer[1][0].y;
+    }
+    const lw_also also = { .x = r.x2, .y = r.y2 };
+    CHECK_INT(lw_target_make_all(N, r.x, r.y, NULL, r.angle, NULL, &also, 1, 1, &t, &e), LW_OK);
+    start = six_bar();
+    start.joint[4].at.x += 0.15;                         /* a neighbour, with one point               */
+    start.joint[6].at.y -= 0.2;
+    lw_family f = { .name = "six-bar, point on link 5", .linkage = &start, .posture = true, .links = 6 };
+    o.spec.timing = LW_TIMING_PRESCRIBED;
+    CHECK_INT(lw_tracers_spread(&f, 1, &t, &o.spec, &spread, &e), LW_OK);
+    o.family = spread.family;
+    o.n_family = spread.n;
+    o.budget = 30000;
+    CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
+    CHECK(fit.n > 0);
+    if (fit.n > 0) {
+        lw_report *report = malloc(sizeof *report);
+        CHECK_NEAR(fit.candidate[0].objective, 0, 1e-18, 0);
+        CHECK_INT(fit.candidate[0].family->linkage->tracer[0].link, 4);
+        CHECK_INT(fit.candidate[0].family->linkage->tracer[1].link, 2);
+        CHECK_INT(lw_report_make(&t, &o.spec, &fit.candidate[0], report, &e), LW_OK);
+        CHECK(report->verified && report->also[0].max < 1e-8 && report->error_max < 1e-8);
+        free(report);
+    }
+    lw_fit_free(&fit);
+    lw_tracer_spread_free(&spread);
+    lw_target_free(&t);
+}
+
 /* ---- faults --------------------------------------------------------------------------------------------------- */
 
 static void contradictions_are_errors(void)
@@ -389,6 +477,8 @@ int main(void)
     RUN(gradient_is_that_of_complex_steps);
     RUN(gradient_of_a_six_bar_is_that_of_differences);
     RUN(links_are_those_asked_for);
+    RUN(choices_of_links_are_counted_by_hand);
+    RUN(points_on_two_links_are_found_again);
     RUN(contradictions_are_errors);
     return check_end();
 }
