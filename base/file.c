@@ -39,6 +39,8 @@ static const reason reasons[] = {
 
 static lw_status failed(lw_error *e, const char *verb, const char *path, int number)
 {
+    if (strcmp(path, "-") == 0 && strcmp(verb, "written") == 0)
+        path = "standard output";                /* "-" alone would be called standard input */
     for (size_t i = 0; i < sizeof reasons/sizeof *reasons; i++)
         if (reasons[i].number == number)
             return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be %s: %s", verb, reasons[i].why);

@@ -331,6 +331,7 @@ static lw_status open_to_read(lw_store *s, const lw_store_options *o, lw_error *
 static lw_status open_to_write(lw_store *s, const lw_store_options *o, lw_error *e)
 {
     lw_status status = take_lock(s, o, e);
+    s->made = access(s->path, F_OK) != 0;
     if (status == LW_OK)
         status = connect_to(s, SQLITE_OPEN_READWRITE | (o->create ? SQLITE_OPEN_CREATE : 0), e);
     if (status == LW_OK && s->found_version < lw_store_step_count)
@@ -359,11 +360,29 @@ lw_status lw_store_open(const char *path, const lw_store_options *o, lw_store **
     return LW_OK;
 }
 
+/* After a failure (a full disk) SQLite leaves its journal for whoever opens the file next: that is done here, which
+ * also gives the room back.  A file that was made and never held anything goes. */
+static void tidy_up(lw_store *s)
+{
+    struct stat st;
+    char journal[sizeof s->path + 16];
+    lw_error ignored;
+    snprintf(journal, sizeof journal, "%s-journal", s->path);
+    if (access(journal, F_OK) == 0) {
+        (void)connect_to(s, SQLITE_OPEN_READWRITE, &ignored);
+        disconnect(s);
+    }
+    if (s->made && stat(s->path, &st) == 0 && st.st_size == 0)
+        unlink(s->path);
+}
+
 void lw_store_close(lw_store *s)
 {
     if (!s)
         return;
     disconnect(s);
+    if (s->lock >= 0)
+        tidy_up(s);
     drop_lock(s);
     free(s);
 }

@@ -12,7 +12,7 @@ struct lw_store {
     sqlite3      *db;
     char          path[1024], lock_path[1040];
     int           lock, found_version;       /* lock: a file descriptor, -1 when nothing is written   */
-    bool          writes;
+    bool          writes, made;              /* made: there was no file                               */
     sqlite3_int64 run, build, sweep;
     int           n_statement;
     struct { const char *sql; sqlite3_stmt *statement; } statement[LW_STORE_STATEMENT_MAX];

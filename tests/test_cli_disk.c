@@ -1,0 +1,58 @@
+/* test_cli_disk.c - disks that are really full: what is there afterwards is whole, or is not there. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+/* In a file system of one mebibyte that is mounted for this command alone; $T is the tree, "full" fills it up. */
+#define ON_SMALL_DISK(script) \
+    "T=$PWD P=$(realpath $P); export T P; mkdir -p $D/disk; unshare -rm sh -c 'mount -t tmpfs -o size=1m none " \
+    "$D/disk; cd $D/disk; full() { head -c 2M /dev/zero > fill; }; end() { echo code $?; ls; echo end; }; " \
+    script "' 2> $D/said; code=$?; grep -v head: $D/said >&2; exit $code"
+
+static bool permitted(void)
+{
+    ran r = run(ON_SMALL_DISK("touch mounted"));
+    bool may = r.code == 0 && r.err[0] == 0;
+    if (!may)
+        printf("left out: mounting a small file system of one's own is not permitted here\n");
+    ran_free(&r);
+    return may;
+}
+
+/* What was committed stays, no journal and no lock; a new file that never held anything goes. */
+static void catalogues(void)
+{
+    expect(ON_SMALL_DISK("$P catalogue curves a.db --samples 100000 -q; end; $P catalogue check a.db"), 0,
+           "code 3\na.db\nend\n", "the disk is full; what was committed before is kept");
+    expect(ON_SMALL_DISK("$P catalogue build a.db --links 6 -q && full; $P catalogue build a.db --links 10 -q; end; "
+                         "rm fill; $P catalogue check a.db"), 0, "code 3\na.db\nfill\nend\n", "disk is full");
+    expect(ON_SMALL_DISK("$P catalogue build a.db --links 6 -q && full; "
+                         "$P catalogue add a.db $T/examples/jansen.json; end; rm fill; $P catalogue check a.db"), 0,
+           "code 3\na.db\nfill\nend\n", "disk is full");
+    expect(ON_SMALL_DISK("full; $P catalogue build a.db --links 6; end"), 0, "code 3\nfill\nend\n", "disk is full");
+}
+
+/* Whole files or none. */
+static void other_files(void)
+{
+    expect(ON_SMALL_DISK("$P catalogue build a.db --links 8 -q; full; $P catalogue html a.db -o p; echo code $?; "
+                         "for f in p/*; do test ! -e $f || tail -c 8 $f | grep -q html || echo half $f; done; echo e"),
+           0, "code 3\ne\n", "no space left");
+    expect(ON_SMALL_DISK("$P catalogue build a.db --links 8 -q; full; $P catalogue export a.db -o x; echo code $?; "
+                         "$P catalogue query a.db -f csv -o x; end"), 0, "code 3\ncode 3\na.db\nfill\nend\n",
+           "x: cannot be written: no space left");
+    expect(ON_SMALL_DISK("$P catalogue build a.db --links 8 -q; full; $P catalogue export a.db > out; end"), 0,
+           "code 3\n", "standard output: cannot be written: no space left");
+    expect(ON_SMALL_DISK("full; echo begin; for f in svg png gif pdf html; do $P draw $T/examples/jansen.json -o x.$f; "
+                         "test $? = 3 || echo $f; done; for f in dxf csv xml; do "
+                         "$P convert $T/examples/jansen.json -o x.$f; test $? = 3 || echo $f; done; ls; echo end"),
+           0, "begin\nfill\nend\n", "x.svg: cannot be written");
+}
+
+int main(void)
+{
+    if (permitted()) {
+        RUN(catalogues);
+        RUN(other_files);
+    }
+    return check_end();
+}
