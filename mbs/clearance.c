@@ -22,25 +22,14 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is no pin: only pins (kind r) can have clearance", name);
     if (!(c->gap > 0.0) || !isfinite(c->gap))
         return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
+    if (c->model == LW_CLEARANCE_LINK && (c->friction > 0.0 || m->friction[j].coefficient > 0.0))
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, but a massless link touches nothing it could rub on; "
+                            "leave the friction out, or take a model with contact", name);
     bool stiff = c->model >= LW_CLEARANCE_MLSD;
     if (stiff && (!(c->stiffness > 0.0) || !(c->exponent >= 1.0) || !(c->damping >= 0.0)))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an "
                             "exponent of "
                             "1 or more and a damping of 0 or more", name);
-    return LW_OK;
-}
-
-static lw_status check_plain(const lw_model *m, int j, lw_error *e)
-{
-    const char *name = m->linkage.joint[j].name;
-    const lw_joint_stop *p = &m->stop[j];
-    if (m->friction[j].coefficient > 0.0)
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, which is not part of the motion with clearance; "
-                            "leave it out, or give friction to the clearance itself", name);
-    if ((p->has_least || p->has_greatest) && !(p->stiffness > 0.0))
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has a rigid stop, which is not part of the motion with "
-                            "clearance; "
-                            "give it a stiffness, or leave it out", name);
     return LW_OK;
 }
 
@@ -58,14 +47,21 @@ static lw_status find_journals(const lw_model *m, lw_clearance_scene *c, lw_erro
 {
     for (int j = 0; j < m->linkage.n_joint; j++) {
         bool open = m->clearance[j].model != LW_CLEARANCE_NONE;
-        lw_status s = open ? check_journal(m, j, e) : check_plain(m, j, e);
-        if (s != LW_OK)
-            return s;
         if (!open)
             continue;
+        lw_status s = check_journal(m, j, e);
+        if (s != LW_OK)
+            return s;
         if (c->n_journal == LW_CLEARANCE_JOINT_MAX)
             return lw_error_set(e, LW_E_ARG, "more than %d joints with clearance", LW_CLEARANCE_JOINT_MAX);
-        c->journal[c->n_journal++] = (lw_journal){ .joint = j, .c = &m->clearance[j], .pin = m->friction[j].radius };
+        lw_journal *p = &c->journal[c->n_journal++];
+        *p = (lw_journal){ .joint = j, .c = &m->clearance[j], .pin = m->friction[j].radius };
+        if (!(p->c->friction > 0.0) && m->friction[j].coefficient > 0.0) {
+            p->own = *p->c;
+            p->own.friction = m->friction[j].coefficient;
+            p->own.friction_speed = m->friction[j].speed;
+            p->c = &p->own;
+        }
     }
     if (c->n_journal == 0)
         return lw_error_set(e, LW_E_ARG, "no joint has clearance: give one pin of the model a \"clearance\"");
@@ -88,6 +84,42 @@ static void count_turns(lw_clearance_scene *c)
     }
 }
 
+/* Joints whose friction depends on a reaction: apart from the tree, so that it is a multiplier. */
+static void find_rough(lw_clearance_scene *c, const bool *opened, bool *apart)
+{
+    for (int j = 0; j < c->s.n_joint; j++) {
+        const lw_friction *f = &c->m->friction[j];
+        if (opened[j] || !(f->coefficient > 0.0))
+            continue;
+        apart[j] = true;
+        c->rough[c->n_rough++] = (lw_rough){ j, -1, f->coefficient, f->speed,
+                                             c->s.joint[j].kind == LW_JOINT_REVOLUTE ? f->radius : 1.0 };
+    }
+    for (int i = 0; i < c->n_journal; i++) {
+        const lw_journal *p = &c->journal[i];
+        if (p->c->model == LW_CLEARANCE_ZERO && p->c->friction > 0.0)
+            c->rough[c->n_rough++] = (lw_rough){ p->joint, i, p->c->friction, p->c->friction_speed, p->pin };
+    }
+}
+
+static lw_status find_rigid(lw_clearance_scene *c, lw_error *e)
+{
+    for (int j = 0; j < c->s.n_joint; j++) {
+        const lw_joint_stop *p = &c->m->stop[j];
+        double scale = c->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1.0 : 1.0/c->s.unit;
+        for (int end = 0; end < 2; end++) {
+            if (p->stiffness > 0.0 || !(end ? p->has_greatest : p->has_least))
+                continue;
+            if (c->n_rigid == LW_CLEARANCE_STOP_MAX)
+                return lw_error_set(e, LW_E_ARG, "more than %d rigid stops in a model with clearance",
+                                    LW_CLEARANCE_STOP_MAX);
+            c->rigid[c->n_rigid++] = (lw_rigid){ j, end ? -1.0 : 1.0, (end ? p->greatest : p->least)*scale,
+                                                 p->restitution };
+        }
+    }
+    return LW_OK;
+}
+
 lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_error *e)
 {
     *scene = NULL;
@@ -105,7 +137,7 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
         return s;
     }
     lw_forces_make(m, &c->s, &c->f);
-    bool opened[LW_JOINT_MAX] = { false };
+    bool opened[LW_JOINT_MAX] = { false }, apart[LW_JOINT_MAX] = { false };
     for (int i = 0; i < c->n_journal; i++) {
         lw_journal *j = &c->journal[i];
         const lw_system_joint *p = &c->s.joint[j->joint];
@@ -115,7 +147,12 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
             j->arm[end] = p->arm[end];
         }
     }
-    lw_tree_make(&c->s, opened, &c->tree);
+    find_rough(c, opened, apart);
+    if ((s = find_rigid(c, e)) != LW_OK) {
+        free(c);
+        return s;
+    }
+    lw_tree_make(&c->s, opened, apart, &c->tree);
     count_turns(c);
     *scene = c;
     return LW_OK;
@@ -129,7 +166,7 @@ void lw_clearance_plain(const lw_forces *f, lw_clearance_scene *c)
     c->s = *f->system;
     c->f = *f;
     c->f.system = &c->s;
-    lw_tree_make(&c->s, opened, &c->tree);
+    lw_tree_make(&c->s, opened, opened, &c->tree);
 }
 
 void lw_clearance_free(lw_clearance_scene *scene)

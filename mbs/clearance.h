@@ -13,12 +13,13 @@
 #include "grammar/model.h"
 
 #define LW_CLEARANCE_JOINT_MAX 8
+#define LW_CLEARANCE_STOP_MAX  16
 
 typedef struct lw_clearance_scene lw_clearance_scene;
 
 /* The model must outlive the scene.  LW_E_ARG: no joint with clearance, more than LW_CLEARANCE_JOINT_MAX, one that
- * is no pin, a gap that is not positive, a law without stiffness; a mass that is missing (the link is named);
- * LW_E_KIND: friction in the plain joints, rigid stops. */
+ * is no pin, a gap that is not positive, a law without stiffness; a mass that is missing (the link is named); more than
+ * LW_CLEARANCE_STOP_MAX rigid stops.  LW_E_KIND: friction at a massless link, which has no surface. */
 lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_error *e);
 void      lw_clearance_free(lw_clearance_scene *scene);
 
@@ -85,6 +86,7 @@ typedef struct lw_clearance_result {
     double t;                        /* how far it came                                                */
     double speed_least, speed_most;  /* of input 0 after settle                                        */
     double energy_first, energy_last;/* [J]                                                            */
+    long   strikes;                  /* on rigid stops                                                 */
     long   steps, refused, rates, events;
 } lw_clearance_result;
 

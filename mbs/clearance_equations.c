@@ -11,6 +11,8 @@ int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *ch
     int n = c->tree.n_row;
     for (int i = 0; i < c->n_journal; i++)
         n += choice->hold[i] ? 2 : choice->link[i] ? 1 : 0;
+    for (int i = 0; i < c->n_rigid; i++)
+        n += choice->stop[i];
     for (int i = 0; i < c->s.n_input; i++)
         n += choice->input[i];
     return n;
@@ -26,14 +28,16 @@ static double *take(double **p, size_t n)
 lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance_options *o, lw_clearance_work *w)
 {
     size_t u = (size_t)c->tree.n_u, q = (size_t)c->s.n_q, rows = (size_t)c->s.n_row;
-    size_t c_max = (size_t)c->tree.n_row + 2*(size_t)c->n_journal + (size_t)c->s.n_input, all = u + c_max;
+    size_t c_max = (size_t)c->tree.n_row + 2*(size_t)c->n_journal + (size_t)c->s.n_input
+                 + (size_t)c->n_rigid, all = u + c_max;
     size_t columns = 2*u*(size_t)c->s.n_body;
     size_t n = columns + 3*q + 3*q + rows*q + 3*rows + q + u*u + u + c_max*u + 3*c_max + all + 4*u
-             + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
+             + (size_t)c->n_rough*all + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
     memset(w, 0, sizeof *w);
     w->c = c;
     w->o = *o;
     w->n_u = c->tree.n_u;
+    w->undetermined = -1;
     w->memory = calloc(n, sizeof *w->memory);
     w->ints = calloc(all + u + 2, sizeof *w->ints);
     if (!w->memory || !w->ints) {
@@ -46,6 +50,7 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
     w->series = take(&p, 3*q), w->jac = take(&p, rows*q), w->phi = take(&p, 3*rows), w->row = take(&p, q);
     w->mass = take(&p, u*u), w->load = take(&p, u), w->a = take(&p, c_max*u);
     w->off = take(&p, c_max), w->wanted = take(&p, c_max), w->lambda = take(&p, c_max), w->answer = take(&p, all);
+    w->response = take(&p, (size_t)c->n_rough*all);
     w->y = take(&p, 2*u), w->rate = take(&p, 2*u);
     lw_rank_place(&w->kkt, (int)all, (int)all, p, w->ints);
     p += lw_rank_doubles((int)all, (int)all);
@@ -142,7 +147,7 @@ static void add_contact(lw_clearance_work *w, int i, const double *du)
 /* ---- rows ---------------------------------------------------------------------------------------- */
 
 /* Derivatives by the bodies' coordinates, times B */
-static void through_tree(const lw_clearance_work *w, const double *row, double *out)
+void lw_clearance_through_tree(const lw_clearance_work *w, const double *row, double *out)
 {
     const lw_tree *t = &w->c->tree;
     for (int b = 0; b < t->n_body; b++) {
@@ -199,7 +204,7 @@ static lw_status input_rows(lw_clearance_work *w, const lw_row_choice *choice, d
         if (status != LW_OK)
             return status;
         h[0] = lw_system_measure(s, s->input_joint[i], w->series, w->row);
-        through_tree(w, w->row, w->a + *n*w->n_u);
+        lw_clearance_through_tree(w, w->row, w->a + *n*w->n_u);
         if (series)
             lw_system_measure_series(s, s->input_joint[i], 2, w->series, h);
         w->off[*n] = h[0] - m[0];
@@ -219,13 +224,17 @@ static void loop_rows(lw_clearance_work *w, bool series, int *n)
     lw_system_rows(s, w->series, w->phi, w->jac);
     if (series)
         lw_system_series(s, 2, w->series, w->phi);
-    for (int c = 0; c < t->n_close; c++)
+    for (int c = 0; c < t->n_close; c++) {
+        for (int i = 0; i < w->c->n_rough; i++)
+            if (w->c->rough[i].journal < 0 && w->c->rough[i].joint == t->close[c])
+                w->rough_row[i] = *n;
         for (int r = s->joint[t->close[c]].row; r < s->n_row && s->row[r].joint == t->close[c]; r++) {
-            through_tree(w, w->jac + (long)r*s->n_q, w->a + *n*w->n_u);
+            lw_clearance_through_tree(w, w->jac + (long)r*s->n_q, w->a + *n*w->n_u);
             w->off[*n] = w->phi[r];
             w->wanted[*n] = series ? -2.0*w->phi[2*s->n_row + r] : 0.0;
             ++*n;
         }
+    }
 }
 
 static void journal_rows(lw_clearance_work *w, const lw_row_choice *choice, const double *du, bool series, int *n)
@@ -236,6 +245,9 @@ static void journal_rows(lw_clearance_work *w, const lw_row_choice *choice, cons
             continue;
         lw_play p = lw_clearance_play(w, i, du);
         lw_vec2 bias = series ? play_bias(w, i, &p) : lw_v2(0.0, 0.0);
+        for (int k = 0; k < w->c->n_rough; k++)
+            if (w->c->rough[k].journal == i)
+                w->rough_row[k] = *n;
         for (int k = 0; k < 2 && choice->hold[i]; k++, ++*n) {
             push_apart(w, i, &p, axis[k], w->a + *n*w->n_u);
             w->off[*n] = lw_v2_dot(axis[k], lw_v2_sub(p.d, w->offset[i]));
@@ -260,10 +272,13 @@ static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, do
     bool inputs = false;
     for (int i = 0; i < w->c->s.n_input; i++)
         inputs = inputs || choice->input[i];
+    for (int i = 0; i < w->c->n_rigid; i++)
+        inputs = inputs || choice->stop[i];
     if (inputs || w->c->tree.n_close > 0)
         write_series(w, du);
     journal_rows(w, choice, du, series, &n);
     loop_rows(w, series, &n);
+    lw_clearance_stop_rows(w, choice, series, &n);
     return input_rows(w, choice, t, series, &n);
 }
 
@@ -300,6 +315,9 @@ static void fill_mass(lw_clearance_work *w)
         if (p->turn >= 0)
             w->mass[p->turn*n + p->turn] += mass[3*b + 2];
     }
+    w->heaviest = 0.0;
+    for (int i = 0; i < n; i++)
+        w->heaviest = fmax(w->heaviest, w->mass[i*n + i]);
 }
 
 static void fill_load(lw_clearance_work *w, double t, const double *du)
@@ -356,12 +374,10 @@ static lw_status solve_free(lw_clearance_work *w, double *x)
 
 /* M x - A^T l = load, A x = wanted: least squares of least norm, which serves redundant rows; rows are scaled to
  * the size of the masses so that the rank can be judged. */
-static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
+static lw_status factor_constrained(lw_clearance_work *w)
 {
     int n = w->n_u, all = n + w->n_c;
-    double most = 0.0;
-    for (int i = 0; i < n; i++)
-        most = fmax(most, w->mass[i*n + i]);
+    double most = w->heaviest;
     if (!(most > 0.0))
         return isfinite(most) ? LW_E_NUMERIC : LW_OPEN;
     lw_rank *r = &w->kkt;
@@ -375,17 +391,31 @@ static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
             r->a[n + c + all*k] = most*w->a[c*n + k];
             r->a[k + all*(n + c)] = -most*w->a[c*n + k];
         }
-    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX];
-    memcpy(b, w->load, sizeof(double)*(size_t)n);
-    for (int c = 0; c < w->n_c; c++)
-        b[n + c] = most*w->wanted[c];
     lw_rank_factor(r, 1e-12);
-    if (r->rank == 0)
-        return LW_OPEN;
-    lw_rank_solve(r, b, w->answer);
-    memcpy(ddu, w->answer, sizeof(double)*(size_t)n);
+    return r->rank == 0 ? LW_OPEN : LW_OK;
+}
+
+void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x)
+{
     for (int c = 0; c < w->n_c; c++)
-        w->lambda[c] = most*w->answer[n + c];
+        b[w->n_u + c] *= w->heaviest;
+    lw_rank_solve(&w->kkt, b, x);
+    for (int c = 0; c < w->n_c; c++)
+        x[w->n_u + c] *= w->heaviest;
+}
+
+static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
+{
+    int n = w->n_u;
+    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX];
+    lw_status s = factor_constrained(w);
+    if (s != LW_OK)
+        return s;
+    memcpy(b, w->load, sizeof(double)*(size_t)n);
+    memcpy(b + n, w->wanted, sizeof(double)*(size_t)w->n_c);
+    lw_clearance_solve_again(w, b, w->answer);
+    memcpy(ddu, w->answer, sizeof(double)*(size_t)n);
+    memcpy(w->lambda, w->answer + n, sizeof(double)*(size_t)w->n_c);
     return LW_OK;
 }
 
@@ -400,7 +430,32 @@ lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *
         return solve_free(w, ddu);
     }
     lw_status s = fill_rows(w, &w->rows, t, du, true);
-    return s == LW_OK ? solve_constrained(w, ddu) : s;
+    if (s == LW_OK)
+        s = solve_constrained(w, ddu);
+    return s == LW_OK && w->c->n_rough > 0 ? lw_clearance_friction(w, du, ddu) : s;
+}
+
+lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
+                               double *out)
+{
+    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX] = { 0.0 };
+    size_t bytes = sizeof(double)*(size_t)w->n_u;
+    lw_tree_place(&w->c->tree, u, du, &w->state);
+    fill_mass(w);
+    w->n_c = lw_clearance_count_rows(w->c, &w->rows);
+    if (w->n_c == 0) {
+        memcpy(out, g, bytes);
+        return solve_free(w, out);
+    }
+    lw_status s = fill_rows(w, &w->rows, t, du, true);
+    if (s == LW_OK)
+        s = factor_constrained(w);
+    if (s != LW_OK)
+        return s;
+    memcpy(b, g, bytes);
+    lw_clearance_solve_again(w, b, w->answer);
+    memcpy(out, w->answer, bytes);
+    return LW_OK;
 }
 
 double lw_clearance_compliance(lw_clearance_work *w, int i, const double *u, const double *du)

@@ -42,8 +42,8 @@ typedef struct lw_tree_state {
     lw_vec2 *b;
 } lw_tree_state;
 
-/* opened (n_joint): joints to leave out. */
-void lw_tree_make(const lw_system *s, const bool *opened, lw_tree *t);
+/* (n_joint) opened: joints to leave out; apart: joints to keep as rows with multipliers, nothing hangs by them. */
+void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_tree *t);
 
 /* Everything of s at (u, du); du NULL: places and columns only. */
 void lw_tree_place(const lw_tree *t, const double *u, const double *du, lw_tree_state *s);
@@ -63,9 +63,21 @@ void    lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2
 typedef struct lw_journal {              /* an opened joint                                            */
     int    joint, body[2];
     lw_vec2 arm[2];
-    const lw_clearance *c;
+    const lw_clearance *c;               /* that of the model, or `own`                                 */
+    lw_clearance own;                    /* with the friction the joint itself has                      */
     double pin;                          /* radius of the pin, for friction [m]                         */
 } lw_journal;
+
+typedef struct lw_rough {                /* a joint with friction: rows, whose multipliers press        */
+    int    joint, journal;               /* journal: held one, else -1                                  */
+    double coefficient, speed, arm;
+} lw_rough;
+
+typedef struct lw_rigid {                /* a rigid stop                                               */
+    int    joint;
+    double sign, limit;                  /* gap = sign (measure - limit), scaled                        */
+    double restitution;
+} lw_rigid;
 
 struct lw_clearance_scene {
     const lw_model *m;
@@ -74,6 +86,9 @@ struct lw_clearance_scene {
     lw_tree    tree;
     int        n_journal;
     lw_journal journal[LW_CLEARANCE_JOINT_MAX];
+    int        n_rough, n_rigid;
+    lw_rough   rough[LW_JOINT_MAX];
+    lw_rigid   rigid[LW_CLEARANCE_STOP_MAX];
     double     turns[LW_INPUT_MAX];      /* whole turns between an input's value and its motion [rad]    */
 };
 
@@ -81,6 +96,7 @@ struct lw_clearance_scene {
 typedef struct lw_row_choice {
     bool hold[LW_CLEARANCE_JOINT_MAX];   /* both centres at one place (or `offset` apart)               */
     bool link[LW_CLEARANCE_JOINT_MAX];   /* the gap apart                                              */
+    bool stop[LW_CLEARANCE_STOP_MAX];    /* rests on it                                                */
     bool input[LW_INPUT_MAX];            /* of this value                                              */
 } lw_row_choice;
 
@@ -101,6 +117,10 @@ typedef struct lw_clearance_work {
     double  *mass, *load;                /* (n_u*n_u), (n_u)                                            */
     double  *a, *off, *wanted, *lambda;  /* rows (n_c*n_u), left over, wanted rates, multipliers          */
     double  *answer;                     /* (n_u + n_c)                                                */
+    double  *response;                   /* (n_rough*(n_u + n_c)) of the same to friction of 1 N        */
+    int      rough_row[LW_JOINT_MAX];    /* first row of each joint with friction                      */
+    int      undetermined;               /* joint with friction whose reaction cannot be found; -1: none */
+    double   heaviest;                   /* entry of the mass matrix, scale of the rows                 */
     lw_rank  kkt, fit;
     lw_clearance_result *r;
     double   quickest;                   /* rate of the scene [1/s]                                    */
@@ -124,6 +144,31 @@ int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *ch
 /* Accelerations ddu (n_u) and the multipliers of w->rows at (t, u, du).  LW_E_NUMERIC: no mass moves with some
  * coordinate. */
 lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *u, const double *du, double *ddu);
+
+/* What a generalised force g (n_u) changes accelerations by, and an impulse speeds, on w->rows, out (n_u). */
+lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
+                               double *out);
+
+/* Friction of w->rough into ddu and the multipliers, after a solve with rows; force of 1 N of joint i into out (n_u). */
+lw_status lw_clearance_friction(lw_clearance_work *w, const double *du, double *ddu);
+
+/* out (n_u) += row (of the bodies' system) times B. */
+void lw_clearance_through_tree(const lw_clearance_work *w, const double *row, double *out);
+
+/* A solve more of the factored equations: b (n_u + n_c) overwritten, x. */
+void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x);
+
+/* ---- rigid stops (clearance_stop.c) --------------------------------------------------------------- */
+
+/* Rows of the stops that are rested on, from row *n. */
+void lw_clearance_stop_rows(lw_clearance_work *w, const lw_row_choice *choice, bool series, int *n);
+
+/* Gap of stop i, scaled; rested on: what it presses.  The state is placed, w->q written; for the second also accelerated. */
+double lw_clearance_gap(lw_clearance_work *w, int i);
+double lw_clearance_stop_press(const lw_clearance_work *w, int i);
+
+/* Impacts, rests and departures of stops at (t, u, du); flight: of the shortest bounce that begins [s], 0: none. */
+lw_status lw_clearance_strike(lw_clearance_work *w, double t, double *u, double *du, double *flight, lw_error *e);
 
 /* What a unit force on the centres of journal i accelerates them by, the larger of x and y [1/kg]; 0 where a link
  * without mass does not let one say. */

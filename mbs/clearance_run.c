@@ -12,7 +12,7 @@
 #define FINEST_GAP   2e-3
 #define FINEST_DEPTH 0.1
 
-/* Events of journal i: contact at 2i, full damping at 2i + 1. */
+/* Events of journal i: contact at 2i, full damping at 2i + 1; those of stops follow. */
 enum { TOUCH, FULL, PER_JOURNAL };
 
 /* ---- callbacks of the integrator ----------------------------------------------------------------- */
@@ -30,16 +30,28 @@ static lw_status put_back(void *context, double t, double *y)
     return lw_clearance_project(w, &w->rows, t, y, y + w->n_u);
 }
 
+/* Gaps of stops, scaled; what presses on those that are rested on */
+static void look_at_stops(lw_clearance_work *w, double *g)
+{
+    if (w->c->n_rigid == 0)
+        return;
+    lw_tree_write(&w->c->tree, &w->state, NULL, w->q, NULL);
+    for (int i = 0; i < w->c->n_rigid; i++)
+        g[i] = w->rows.stop[i] ? lw_clearance_stop_press(w, i) : lw_clearance_gap(w, i);
+}
+
 /* How deep in gaps; for a link how hard the pin pulls in newtons (contact is lost when it would have to push) */
 static lw_status look(void *context, double t, const double *y, double *g)
 {
     lw_clearance_work *w = context;
     const lw_clearance_scene *c = w->c;
-    bool links = false;
+    bool forces = false;
     for (int i = 0; i < c->n_journal; i++)
-        links = links || w->rows.link[i];
+        forces = forces || w->rows.link[i];
+    for (int i = 0; i < c->n_rigid; i++)
+        forces = forces || w->rows.stop[i];
     lw_status s = LW_OK;
-    if (links) {
+    if (forces) {
         double trash[LW_SYSTEM_Q_MAX];
         s = lw_clearance_accelerate(w, t, y, y + w->n_u, trash);
     } else
@@ -52,6 +64,7 @@ static lw_status look(void *context, double t, const double *y, double *g)
                                  : w->rows.hold[i] ? 1.0 : depth/law->gap;
         g[PER_JOURNAL*i + FULL] = lw_contact_rises(law) ? (depth - law->depth)/law->gap : -1.0;
     }
+    look_at_stops(w, g + PER_JOURNAL*c->n_journal);
     return s;
 }
 
@@ -247,17 +260,17 @@ static lw_ode equations(lw_clearance_work *w)
 {
     const lw_clearance_scene *c = w->c;
     lw_ode ode = { .n = 2*w->n_u, .context = w, .rate = rate_of, .seen = passed };
-    bool any = false;
+    bool any = c->n_rigid > 0;
     for (int i = 0; i < c->n_journal; i++) {
         bool smooth = c->journal[i].c->model == LW_CLEARANCE_MLSD || w->rows.link[i];
         any = any || !w->rows.hold[i];
         ode.passing[PER_JOURNAL*i + TOUCH] = smooth;
     }
     if (any) {
-        ode.n_event = PER_JOURNAL*c->n_journal;
+        ode.n_event = PER_JOURNAL*c->n_journal + c->n_rigid;
         ode.event = look;
     }
-    ode.project = lw_clearance_count_rows(c, &w->rows) > 0 ? put_back : NULL;
+    ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_rigid > 0 ? put_back : NULL;
     return ode;
 }
 
@@ -275,13 +288,27 @@ static lw_status sample_step(lw_clearance_work *w, lw_integrator *in, double *ne
     return s;
 }
 
+/* Stops struck, rested on or left */
+static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, lw_error *e)
+{
+    double flight, least = 2e-14*fmax(fabs(in->t), 1e-6);
+    memcpy(w->y, in->y, 2*sizeof(double)*(size_t)w->n_u);
+    lw_status s = lw_clearance_strike(w, in->t, w->y, w->y + w->n_u, &flight, e);
+    if (s == LW_OK)
+        s = lw_integrate_restart(in, w->y, e);
+    if (s == LW_OK && flight > 0.0)
+        in->h = fmin(in->h, fmax(0.5*flight, least));
+    w->r->events++;
+    return s;
+}
+
 /* The integrator has just ended a step at an event: laws change, and with them the equations.  It is asked first on
  * which side things go on: a pin that only grazes its bush has no contact, and no law of contact may stay. */
 static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *e)
 {
     unsigned long long events = in->events;
     in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
-    lw_status s = lw_integrate_restart(in, NULL, e);
+    lw_status s = events >> PER_JOURNAL*w->c->n_journal ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
         if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
@@ -354,8 +381,11 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     lw_status s = lw_clearance_begin(w, u, du, e);
     if (s != LW_OK)
         return s;
+    double flight;
+    if ((s = lw_clearance_strike(w, 0.0, u, du, &flight, e)) != LW_OK)
+        return s;
     memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
-    if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC)
+    if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC && w->undetermined < 0)
         return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: give "
                             "it mass and inertia", w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
     double rate = w->quickest = quickest(w, u, du), allowed = error_allowed(w);
@@ -407,9 +437,13 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     if (lw_clearance_work_make(scene, o, &w) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;
-    double *room = calloc(2*n + lw_integrate_work((int)n, PER_JOURNAL*scene->n_journal), sizeof *room);
+    double *room = calloc(2*n + lw_integrate_work((int)n, PER_JOURNAL*scene->n_journal + scene->n_rigid), sizeof *room);
     begin_books(&w, r);
     lw_status s = room ? run(&w, room, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
+    if (s == LW_E_NUMERIC && w.undetermined >= 0)
+        lw_error_set(e, s, "friction at joint \"%s\" leaves its reaction undetermined for rigid links (Painleve's paradox) "
+                     "at t = %.9g s; lower the coefficient or give the joint compliance",
+                     scene->m->linkage.joint[w.undetermined].name, r->t);
     free(room);
     lw_clearance_work_free(&w);
     return s;

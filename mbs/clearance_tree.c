@@ -49,10 +49,10 @@ static bool can_hang(lw_joint_kind k)
 }
 
 /* One body more: the first joint that leads from a body that hangs (or ground) to one that does not. */
-static bool grow(lw_tree *t, const bool *opened, bool *hangs, bool *used)
+static bool grow(lw_tree *t, const bool *opened, const bool *apart, bool *hangs, bool *used)
 {
     for (int j = 0; j < t->s->n_joint; j++)
-        for (int end = 0; end < 2 && !opened[j] && !used[j] && can_hang(t->s->joint[j].kind); end++) {
+        for (int end = 0; end < 2 && !opened[j] && !apart[j] && !used[j] && can_hang(t->s->joint[j].kind); end++) {
             int from = t->s->joint[j].body[end], to = t->s->joint[j].body[1 - end];
             if (to < 0 || hangs[to] || (from >= 0 && !hangs[from]))
                 continue;
@@ -68,13 +68,13 @@ static int rows_of(lw_joint_kind k)
     return k == LW_JOINT_FIXED ? 3 : k == LW_JOINT_SLOT || k == LW_JOINT_GEAR ? 1 : 2;
 }
 
-void lw_tree_make(const lw_system *s, const bool *opened, lw_tree *t)
+void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_tree *t)
 {
     bool hangs[LW_LINK_MAX] = { false }, used[LW_JOINT_MAX] = { false };
     memset(t, 0, sizeof *t);
     t->s = s;
     while (t->n_body < s->n_body) {
-        if (grow(t, opened, hangs, used))
+        if (grow(t, opened, apart, hangs, used))
             continue;
         int body = 0;
         while (hangs[body])

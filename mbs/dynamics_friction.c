@@ -1,16 +1,11 @@
 /* mbs/dynamics_friction.c - Coulomb friction, regularised, of joints whose reactions it depends on itself.
  *
- * Friction along what the joint counts is -mu N tanh(v/speed), N the size of the reaction [N] (of a pin:
- * mu radius N).  Accelerations and multipliers are affine in the N_j,
- *     l = l0 + sum over k of N_k l_k,
- * so N_j = |R_j(l)| is a system as small as the number of such joints, solved by Newton's method.  Its
- * matrix is I without friction; where the determinant reaches 0, reactions are not determined by
- * rigid bodies with friction (Painleve 1895), and the run ends and says so. */
+ * The reactions are the multipliers of the joints' rows (mbs/friction.h); where they are not determined
+ * (Painleve 1895) the run ends and says so. */
 #include "mbs/dynamics_internal.h"
 
-#include <math.h>
 #include <string.h>
-#include "base/linalg.h"
+#include "mbs/friction.h"
 
 double lw_mbs_friction_direction(const lw_dynamics *d, int joint, const double *q, const double *v, double *out)
 {
@@ -18,7 +13,7 @@ double lw_mbs_friction_direction(const lw_dynamics *d, int joint, const double *
     lw_measure m;
     lw_measure_joint(&d->s, joint, q, v, false, &m);
     double arm = d->s.joint[joint].kind == LW_JOINT_REVOLUTE ? p->radius : 1;
-    double push = -p->coefficient*arm*tanh(arm*m.rate/p->speed);
+    double push = lw_friction_push(p->coefficient, p->speed, arm, m.rate);
     memset(out, 0, (size_t)d->n_q*sizeof *out);
     for (int i = 0; i < 6; i++)
         if (m.body[i/3] >= 0)
@@ -45,36 +40,13 @@ static lw_status undetermined(const lw_dynamics *d, int joint)
 static lw_status find_presses(const lw_dynamics *d, const double *l, double *n)
 {
     int count = d->n_friction, stride = d->n_q + d->n_c;
-    double matrix[LW_JOINT_MAX*LW_JOINT_MAX], diag[LW_JOINT_MAX], rest[LW_JOINT_MAX], scale = 0;
+    lw_vec2 rest[LW_JOINT_MAX], response[LW_JOINT_MAX*LW_JOINT_MAX];
     for (int j = 0; j < count; j++) {
-        n[j] = lw_v2_norm(press(d, d->friction[j], l));
-        scale = fmax(scale, n[j]);
+        rest[j] = press(d, d->friction[j], l);
+        for (int k = 0; k < count; k++)
+            response[j + count*k] = press(d, d->friction[j], d->response + k*stride + d->n_q);
     }
-    for (int pass = 0; pass < 60; pass++) {
-        double off = 0;
-        for (int j = 0; j < count; j++) {
-            lw_vec2 r = press(d, d->friction[j], l);
-            for (int k = 0; k < count; k++)
-                r = lw_v2_add(r, lw_v2_scale(press(d, d->friction[j], d->response + k*stride + d->n_q), n[k]));
-            double size = lw_v2_norm(r);
-            rest[j] = size - n[j];
-            off = fmax(off, fabs(rest[j]));
-            for (int k = 0; k < count; k++)
-                matrix[j + count*k] = (j == k) - (size > 0 ?
-                    lw_v2_dot(r, press(d, d->friction[j], d->response + k*stride + d->n_q))/size : 0);
-        }
-        if (off <= 1e-13*scale)
-            return LW_OK;
-        lw_qr_factor(count, count, matrix, diag);
-        if (!(lw_qr_determinant(count, diag) > 1e-3))
-            break;
-        lw_qr_solve(count, count, matrix, diag, rest);
-        for (int j = 0; j < count; j++) {
-            n[j] = fmax(0, n[j] + rest[j]);
-            scale = fmax(scale, n[j]);
-        }
-    }
-    return undetermined(d, d->friction[0]);
+    return lw_friction_presses(count, rest, response, n) == LW_OK ? LW_OK : undetermined(d, d->friction[0]);
 }
 
 lw_status lw_mbs_friction(lw_dynamics *d, const double *q, const double *v, double *a, double *l, double *power)

@@ -352,12 +352,10 @@ static void bad_input(void)
     m.body[2].given = false;
     refused(&m, LW_E_ARG, "\"coupler\" has no mass");
     m.body[2].given = true;
-    m.friction[0].coefficient = 0.1;
-    refused(&m, LW_E_KIND, "\"O\" has friction");
-    m.friction[0].coefficient = 0;
-    m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -1 };
-    refused(&m, LW_E_KIND, "rigid stop");
-    m.stop[3].has_least = false;
+    m.clearance[2].model = LW_CLEARANCE_LINK;
+    m.friction[2].coefficient = 0.1;
+    refused(&m, LW_E_KIND, "a massless link touches nothing");
+    m.clearance[2] = good, m.friction[2].coefficient = 0;
     lw_clearance_options o = lw_clearance_options_default();
     o.max_step = 100;
     lw_clearance_result r = run(&m, &o, LW_STOPPED);

@@ -1,0 +1,273 @@
+/* tests/test_clearance_scenes.c - clearance together with friction, stops, sliders and further loops; laws of contact
+ * against one another where they must agree. */
+#include "mbs/clearance.h"
+#include "mbs/contact.h"
+#include "tests/clearance_models.h"
+#include "tests/dynamics_run.h"
+
+typedef struct track { int n; lw_clearance_sample s[256]; } track;
+
+static lw_status keep(void *context, const lw_clearance_sample *s)
+{
+    track *t = context;
+    if (t->n < 256)
+        t->s[t->n++] = *s;
+    return LW_OK;
+}
+
+static lw_clearance_result run(const lw_model *m, lw_clearance_options o, track *t)
+{
+    lw_clearance_scene *scene = NULL;
+    lw_clearance_result r = { 0 };
+    lw_error e = { 0 };
+    t->n = 0;
+    o.sink = keep, o.context = t;
+    lw_status s = lw_clearance_make(m, &scene, &e);
+    if (s == LW_OK)
+        s = lw_clearance_run(scene, &o, &r, &e);
+    if (s != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(s, LW_OK);
+    lw_clearance_free(scene);
+    return r;
+}
+
+/* ---- against the equations of all bodies ---------------------------------------------------------- */
+
+typedef struct twin { lw_system s; int n; double value[256], rate[256], energy[256]; } twin;
+
+static lw_status keep_twin(void *context, const lw_moment *m)
+{
+    twin *t = context;
+    double row[LW_SYSTEM_Q_MAX], scale = t->s.joint[t->s.input_joint[0]].kind == LW_JOINT_REVOLUTE ? 1 : t->s.unit;
+    t->value[t->n] = t->s.input_value[0] + scale*lw_system_measure(&t->s, t->s.input_joint[0], m->q, row);
+    t->rate[t->n] = 0;
+    for (int i = 0; i < t->s.n_q; i++)
+        t->rate[t->n] += scale*row[i]*m->v[i];
+    t->energy[t->n++] = m->kinetic + m->potential;
+    return LW_OK;
+}
+
+/* The same model by mbs/dynamics.h, its joints without clearance; how often stops were struck */
+static long same_motion(const lw_model *m, double time, int samples, double tight)
+{
+    twin t = { 0 };
+    track k;
+    lw_dynamics *d = NULL;
+    lw_report r;
+    lw_error e = { 0 };
+    lw_dynamics_options o = lw_dynamics_options_default();
+    o.analysis = LW_ANALYSIS_DYNAMIC, o.formulation = LW_FORMULATION_INDEX1;
+    o.to = time, o.intervals = samples, o.relative = o.absolute = 1e-11;
+    lw_status s = lw_dynamics_make(m, &o, &d, &e);
+    if (s == LW_OK) {
+        t.s = *lw_dynamics_system(d);
+        s = lw_dynamics_run(d, keep_twin, &t, &r, &e);
+    }
+    if (s != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(s, LW_OK);
+    lw_clearance_options c = lw_clearance_options_default();
+    c.time = time, c.settle = 0, c.every = time/samples, c.tolerance = 1e-11;
+    long strikes = run(m, c, &k).strikes;
+    CHECK_INT(k.n, t.n);
+    for (int i = 0; i < k.n && i < t.n; i++) {
+        CHECK_NEAR(k.s[i].input, t.value[i], tight, 0);
+        CHECK_NEAR(k.s[i].input_rate, t.rate[i], 30*tight, 0);
+        CHECK_NEAR(k.s[i].energy, t.energy[i], 100*tight, 0);
+    }
+    lw_dynamics_free(d);
+    return strikes;
+}
+
+static void give_friction(lw_model *m, double mu, double radius, double speed)
+{
+    for (int j = 0; j < m->linkage.n_joint; j++)
+        if (m->linkage.joint[j].kind != LW_JOINT_GEAR && m->linkage.joint[j].kind != LW_JOINT_FIXED)
+            m->friction[j] = (lw_friction){ mu, radius, speed };
+}
+
+/* Friction in every pin, the held journal among them */
+static void friction_without_gap(void)
+{
+    lw_model m;
+    lw_error e = { 0 };
+    CHECK_INT(paper_c("m", 1, 0, false, &m, &e), LW_OK);
+    m.clearance[2].model = LW_CLEARANCE_ZERO;
+    m.clearance[2].friction = 0;
+    give_friction(&m, 0.2, 0.02, 0.05);
+    same_motion(&m, 1.0, 50, 1e-7);
+    lw_model_free(&m);
+}
+
+static const char slider_crank[] = "{\"linkwright\": 1, \"links\": [\"ground\","
+    "{\"name\": \"crank\", \"mass\": 2, \"centre\": [0, 0.05], \"inertia\": 0.01},"
+    "{\"name\": \"rod\", \"mass\": 1, \"centre\": [0.15, 0.05], \"inertia\": 0.008},"
+    "{\"name\": \"piston\", \"mass\": 1.5, \"centre\": [0.3, 0], \"inertia\": 0.002}], \"joints\": ["
+    "{\"name\": \"O\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
+    "{\"name\": \"A\", \"links\": [\"crank\", \"rod\"], \"at\": [0, 0.1]},"
+    "{\"name\": \"B\", \"links\": [\"rod\", \"piston\"], \"at\": [0.3, 0], \"clearance\": "
+    "{\"model\": \"zero\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 1000, \"depth\": 1e-6}},"
+    "{\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"piston\"], \"at\": [0.3, 0], \"along\": [1, 0]}],"
+    "\"input\": {\"joint\": \"O\", \"speed\": 8}, \"gravity\": [0, -9.81]}";
+
+static void read_text(const char *text, lw_model *m)
+{
+    lw_error e = { 0 };
+    lw_status s = lw_model_read(text, strlen(text), "text", m, &e);
+    if (s != LW_OK)
+        fprintf(stderr, "%s\n", e.text);
+    CHECK_INT(s, LW_OK);
+}
+
+static void friction_of_a_slider(void)
+{
+    lw_model m;
+    read_text(slider_crank, &m);
+    give_friction(&m, 0.15, 0.01, 0.02);
+    same_motion(&m, 0.8, 40, 1e-7);
+    m.clearance[2].model = LW_CLEARANCE_NONE;        /* the same with the journal elsewhere */
+    m.clearance[1] = (lw_clearance){ .model = LW_CLEARANCE_ZERO, .gap = 1e-4, .exponent = 1, .friction_speed = 1e-3 };
+    same_motion(&m, 0.8, 40, 1e-7);
+    lw_model_free(&m);
+}
+
+/* Stops that bounce, and one on which it comes to rest and leaves it again */
+static void stops_without_gap(void)
+{
+    lw_model m;
+    read_text(slider_crank, &m);
+    for (int i = 0; i < 3; i++) {
+        m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -0.12, .restitution = i == 0 ? 0.9 : i == 1 ? 0.3 : 0 };
+        m.stop[0] = (lw_joint_stop){ .has_greatest = true, .greatest = 2.6, .restitution = 0.5 };
+        CHECK(same_motion(&m, 1.2, 60, 2e-6) >= (i == 2 ? 1 : 4));
+    }
+    lw_model_free(&m);
+}
+
+/* ---- loops ---------------------------------------------------------------------------------------- */
+
+/* A Stephenson six-bar 1/10 m in size, journals at C and F */
+static void six_bar(lw_model *m)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\","
+        "{\"name\": \"crank\", \"mass\": 2, \"centre\": [0.02, 0.03], \"inertia\": 0.02},"
+        "{\"name\": \"coupler\", \"mass\": 1, \"centre\": [0.14, 0.17], \"inertia\": 0.006},"
+        "{\"name\": \"rocker\", \"mass\": 1.2, \"centre\": [0.28, 0.1], \"inertia\": 0.006},"
+        "{\"name\": \"arm\", \"mass\": 0.8, \"centre\": [0.03, 0.38], \"inertia\": 0.01},"
+        "{\"name\": \"stay\", \"mass\": 0.9, \"centre\": [-0.17, 0.38], \"inertia\": 0.01}], \"joints\": ["
+        "{\"name\": \"A\", \"links\": [\"ground\", \"crank\"], \"at\": [0, 0]},"
+        "{\"name\": \"B\", \"links\": [\"crank\", \"coupler\"], \"at\": [0.05, 0.08]},"
+        "{\"name\": \"C\", \"links\": [\"coupler\", \"rocker\"], \"at\": [0.26, 0.21], \"clearance\": "
+        "{\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 2000, \"depth\": 1e-6}},"
+        "{\"name\": \"D\", \"links\": [\"ground\", \"rocker\"], \"at\": [0.3, 0]},"
+        "{\"name\": \"E\", \"links\": [\"coupler\", \"arm\"], \"at\": [0.11, 0.24]},"
+        "{\"name\": \"F\", \"links\": [\"arm\", \"stay\"], \"at\": [-0.04, 0.52], \"clearance\": "
+        "{\"model\": \"impact\", \"gap\": 1e-4, \"stiffness\": 1e7, \"damping\": 2000, \"depth\": 1e-6}},"
+        "{\"name\": \"G\", \"links\": [\"ground\", \"stay\"], \"at\": [-0.3, 0.25]}],"
+        "\"input\": {\"joint\": \"A\", \"speed\": 6}, \"gravity\": [0, -9.81]}";
+    read_text(text, m);
+}
+
+static const lw_clearance_model laws[] = { LW_CLEARANCE_LINK, LW_CLEARANCE_MLSD, LW_CLEARANCE_IMPACT,
+                                           LW_CLEARANCE_HUNT_CROSSLEY, LW_CLEARANCE_LANKARANI };
+
+static void set_law(lw_model *m, lw_clearance_model law, double gap, double stiffness, double damping)
+{
+    for (int j = 0; j < m->linkage.n_joint; j++)
+        if (m->clearance[j].model != LW_CLEARANCE_NONE) {
+            m->clearance[j].model = law;
+            m->clearance[j].gap = gap;
+            m->clearance[j].depth = 0.01*gap;
+            m->clearance[j].stiffness = stiffness;
+            m->clearance[j].damping = damping;
+            m->clearance[j].restitution = 0.7;
+        }
+}
+
+/* Two loops, two journals: every law ends; with small gaps and stiff contacts all move the crank alike, as without */
+static void laws_agree(void)
+{
+    lw_model m;
+    track zero, law;
+    lw_clearance_options o = lw_clearance_options_default();
+    six_bar(&m);
+    set_law(&m, LW_CLEARANCE_ZERO, 1e-6, 1e9, 0);
+    o.time = 0.4, o.settle = 0.1, o.every = 0.02, o.start = LW_CLEARANCE_SEATED;
+    run(&m, o, &zero);
+    for (size_t i = 0; i < sizeof laws/sizeof *laws; i++) {
+        set_law(&m, laws[i], 1e-6, 1e9, 1e4);
+        lw_clearance_result r = run(&m, o, &law);
+        CHECK_INT(r.n_joint, 2);
+        CHECK_INT(law.n, zero.n);
+        for (int k = 0; k < zero.n; k++) {
+            CHECK_NEAR(law.s[k].input, zero.s[k].input, 2e-4, 0);
+            CHECK_NEAR(law.s[k].energy, zero.s[k].energy, 1e-3*zero.s[0].energy, 0);
+        }
+        for (int j = 0; j < 2; j++)
+            CHECK(r.joint[j].distance_most < 5e-6);
+    }
+    lw_model_free(&m);
+}
+
+/* Energy: kept by springs and links, never gained by damped contacts, friction and stops */
+static void energy_of_loops(void)
+{
+    lw_model m;
+    track k;
+    lw_clearance_options o = lw_clearance_options_default();
+    six_bar(&m);
+    o.time = 0.3, o.settle = 0, o.every = 0.004, o.tolerance = 1e-11;
+    for (int i = 0; i < 3; i++) {
+        set_law(&m, laws[i], 1e-4, 1e7, 0);
+        lw_clearance_result r = run(&m, o, &k);
+        CHECK_NEAR(r.energy_last, r.energy_first, 1e-7, 0);
+    }
+    give_friction(&m, 0.1, 0.008, 0.01);
+    m.stop[3] = (lw_joint_stop){ .has_greatest = true, .greatest = 0.2, .restitution = 0.6 };
+    for (int i = 1; i < 5; i++) {
+        set_law(&m, laws[i], 1e-4, 1e7, i == 1 ? 500 : 2000);
+        lw_clearance_result r = run(&m, o, &k);
+        CHECK(r.strikes >= 1);
+        for (int s = 1; s < k.n; s++) {
+            CHECK(k.s[s].energy < k.s[s - 1].energy + 1e-6);
+            CHECK(laws[i] == LW_CLEARANCE_MLSD || (k.s[s].point[0].touching ? 1 : k.s[s].point[0].force == 0));
+        }
+        CHECK(r.energy_last < r.energy_first - 0.01);
+    }
+    lw_model_free(&m);
+}
+
+/* A disc falls in its bush while it turns: Coulomb's impulse.  It strikes head on, so that what its
+ * spin loses is radius times friction times the normal impulse. */
+static void impulse_with_friction(void)
+{
+    static const char text[] = "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"disc\", \"mass\": 2, "
+        "\"centre\": [0, 0], \"inertia\": 0.02}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"disc\"], "
+        "\"at\": [0, 0], \"friction\": {\"coefficient\": 0.05, \"radius\": 0.1, \"speed\": 1e-4}, \"clearance\": "
+        "{\"model\": \"impact\", \"gap\": 0.01, \"stiffness\": 1e8}}],"
+        "\"input\": {\"joint\": \"A\", \"speed\": 20}, \"gravity\": [0, -9.81]}";
+    lw_model m;
+    track k;
+    read_text(text, &m);
+    lw_clearance_options o = lw_clearance_options_default();
+    double fall = sqrt(2*0.01/9.81), v = 9.81*fall, mu = 0.05, radius = 0.1;
+    o.time = 1.5*fall, o.settle = 0, o.every = o.time, o.tolerance = 1e-12;
+    lw_clearance_result r = run(&m, o, &k);
+    CHECK_INT(k.n, 2);
+    CHECK_INT(r.joint[0].losses, 1);
+    double w = sqrt(1e8/2), impulse = 2*(2*v + 9.81*2*(LW_PI - atan(v*w/9.81))/w);
+    CHECK_NEAR(k.s[1].input_rate, 20 - mu*radius*impulse/0.02, 1e-5, 0);    /* the wall is curved */
+    lw_model_free(&m);
+}
+
+int main(void)
+{
+    RUN(friction_without_gap);
+    RUN(friction_of_a_slider);
+    RUN(stops_without_gap);
+    RUN(laws_agree);
+    RUN(energy_of_loops);
+    RUN(impulse_with_friction);
+    return check_end();
+}
