@@ -14,6 +14,7 @@ struct lw_cvode_own {
     lw_ode_options o;
     void          *solver;
     N_Vector       v[N_VECTOR];
+    long           before[4];            /* counts up to the last restart: steps, refused, rates, Jacobians */
 };
 
 static double *array(N_Vector v)
@@ -113,6 +114,20 @@ void lw_cvode_free(lw_cvode *w)
     w->own = NULL;
 }
 
+/* CVODE counts from 0 after a restart. */
+static void count(lw_cvode *w)
+{
+    long now[4] = { 0 };
+    CVodeGetNumSteps(w->own->solver, &now[0]);
+    CVodeGetNumErrTestFails(w->own->solver, &now[1]);
+    CVodeGetNumRhsEvals(w->own->solver, &now[2]);
+    CVodeGetNumJacEvals(w->own->solver, &now[3]);
+    w->n_step = w->own->before[0] + now[0];
+    w->n_refused = w->own->before[1] + now[1];
+    w->n_rate = w->own->before[2] + now[2];
+    w->n_jacobian = w->own->before[3] + now[3];
+}
+
 lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e)
 {
     return lw_cvode_restart_with(w, y, 0, e);
@@ -125,6 +140,8 @@ lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_e
         memcpy(array(own->v[NOW]), y, sizeof(double)*(size_t)own->ode->n);
     own->sun.failed = LW_OK;
     w->events = 0;
+    count(w);
+    memcpy(own->before, (long[]){ w->n_step, w->n_refused, w->n_rate, w->n_jacobian }, sizeof own->before);
     if (CVodeReInit(own->solver, w->t, own->v[NOW]) != 0
         || CVodeSetInitStep(own->solver, first > 0 ? first : fmax(own->o.first, 0)) != 0)
         return lw_sun_error(&own->sun, "CVODE", w->t, e);
@@ -132,14 +149,6 @@ lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_e
 }
 
 /* ---- stepping ------------------------------------------------------------------------------------ */
-
-static void count(lw_cvode *w)
-{
-    CVodeGetNumRhsEvals(w->own->solver, &w->n_rate);
-    CVodeGetNumJacEvals(w->own->solver, &w->n_jacobian);
-    CVodeGetNumErrTestFails(w->own->solver, &w->n_refused);
-    CVodeGetNumSteps(w->own->solver, &w->n_step);
-}
 
 /* Note which events happened; true when one of them ends the step. */
 static bool take_roots(lw_cvode *w)
@@ -174,12 +183,12 @@ lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *
         if (own->o.max_step > 0 && w->n_step >= own->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t, own->o.max_step);
         /* after an event CVODE itself is already further on */
-        bool beyond = CVodeGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > 0;
+        bool beyond = CVodeGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > own->before[0];
         int code = beyond ? 0 : CVodeSetStopTime(own->solver, t_end);
         if (code == 0)
             code = CVode(own->solver, t_end, own->v[NOW], &reached, beyond ? CV_NORMAL : CV_ONE_STEP);
         count(w);
-        if (code < 0)
+        if (code < 0 || (!beyond && lw_sun_stands_still(&own->sun, w->t, reached)))
             return lw_sun_error(&own->sun, "CVODE", w->t, e);
         w->t = reached;
         bool ended = code == CV_ROOT_RETURN && take_roots(w);

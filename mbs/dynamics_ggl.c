@@ -10,7 +10,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct ggl { lw_run *run; int q, c; double least_mass, *dq, *dv; } ggl;
+/* Absolute tolerance of multipliers for a while after a start.  Rounding in q and v comes back in them divided by the
+ * step, which is short then, and Newton's method would not converge.  Later it is that of q and v: with none of their
+ * own, steps are half as long. */
+static const double loose = 1e-5;
+static const long a_while = 30, tired = 20;  /* steps; after so many it is worth while to begin again       */
+
+typedef struct ggl {
+    lw_run *run;
+    int    q, c;
+    double least_mass, *dq, *dv;
+    double *each;                            /* absolute tolerances                                         */
+    long   since, settled;                   /* steps at the last start; steps after it that are told loosely */
+} ggl;
 
 static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
 
@@ -47,7 +59,9 @@ static lw_status residual(void *context, double t, const double *y, const double
     int n = g->q, c = g->c;
     const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
     double power = 0, other = 0;
-    lw_status s = lw_mbs_rows(d, t, q);
+    lw_status s = lw_run_busy(g->run, t);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, t);
     if (s != LW_OK)
@@ -202,48 +216,161 @@ static lw_status show_samples(ggl *g, lw_ida *w, double *y)
     return s;
 }
 
+/* y and dy of the state (q, v, work), which satisfies the constraints. */
+static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
+{
+    lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c;
+    double power = 0;
+    memcpy(y, state, 2*(size_t)n*sizeof *y);
+    memcpy(dy, state + n, (size_t)n*sizeof *dy);
+    memset(y + 2*n, 0, 2*(size_t)c*sizeof *y);
+    memset(dy + 2*n, 0, 2*(size_t)c*sizeof *dy);
+    lw_status s = lw_mbs_accelerate(d, t, state, state + n, dy + n, d->l, &power);
+    for (int k = 0; k < c; k++)
+        y[2*n + k] = d->l[d->kept[k]];
+    for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
+        double motion[3];
+        s = lw_mbs_motion(d, i, t, motion);
+        power -= d->l[d->n_row + i]*motion[1];
+    }
+    if (g->run->has_work) {
+        y[2*(n + c)] = state[2*n];
+        dy[2*(n + c)] = power;
+    }
+    return s;
+}
+
+static void judge_multipliers(ggl *g, double least)
+{
+    for (int i = 0; i < 2*g->c; i++)
+        g->each[2*g->q + i] = fmax(least, g->run->d->o.absolute);
+}
+
+/* Begin again at (t, state), on the rows that are kept now. */
+static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    w->t = t;
+    lw_status s = lw_run_project(run, t, run->state);
+    if (s == LW_OK && run->d->n_kept != g->c)
+        s = LW_E_NUMERIC;
+    if (s == LW_OK)
+        s = pack(g, t, run->state, y, dy);
+    g->since = w->n_step;
+    judge_multipliers(g, loose);
+    lw_ida_judge(w);
+    return s == LW_OK ? lw_ida_restart(w, y, dy, run->e) : s;
+}
+
+/* Newton's method fails where rounding in the multipliers is above their tolerance: from here again, loosely for
+ * longer. */
+static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    g->settled *= 2;
+    g->run->e->text[0] = '\0';
+    unpack(g, w->y, g->run->state);
+    return begin_again(g, w, w->t, y, dy);
+}
+
+/* How far the rows that are kept are from being dependent, squared; 1 where there are no others.  lw_mbs_factor does
+ * not say: links without mass make it look at all rows. */
+static double apart(const lw_dynamics *d)
+{
+    lw_rank r;
+    if (d->n_c == d->rank)
+        return 1;
+    lw_rank_place(&r, d->n_q, d->n_kept, d->rank_work, d->rank_ints);
+    for (int k = 0; k < d->n_kept; k++)
+        memcpy(r.a + k*d->n_q, d->jac + d->kept[k]*d->n_q, (size_t)d->n_q*sizeof *r.a);
+    lw_rank_factor(&r, 1e-9);
+    return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
+}
+
+/* Through the singular posture ahead, if there is one; other rows where those kept have become nearly dependent. */
+static lw_status cross(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double t = w->t, weak;
+    unpack(g, w->y, run->state);
+    lw_status s = lw_mbs_rows(d, t, run->state);
+    weak = apart(d);
+    bool chosen = s == LW_OK && (s = lw_run_rechoose(run, t, run->state, &weak)) == LW_OK;
+    if (s >= 0)
+        s = lw_mbs_factor(d, false);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_OK : s;
+    weak = d->weak;
+    if (s >= 0 && (s = lw_run_cross(run, weak, &t, run->state)) == LW_OK && t < d->o.to) {
+        s = lw_mbs_arrange(d, t, run->state);
+        chosen = true;
+    }
+    if (s == LW_OK && t >= d->o.to)
+        w->t = t;
+    return s >= 0 && chosen && t < d->o.to ? begin_again(g, w, t, y, dy) : s == LW_NOTHING ? LW_OK : s;
+}
+
+/* From the start of the run; dae, algebraic and g->each must outlive w. */
+static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    lw_dynamics_start(d, run->state, run->state + g->q);
+    lw_status s = pack(g, d->o.from, run->state, y, dy);
+    if (s == LW_OK)
+        s = lw_run_begin(run, run->state);
+    lw_ode_options o = lw_ode_options_default();
+    o.relative = d->o.relative;
+    o.absolute_each = g->each;
+    for (int i = 0; i < dae->n; i++)
+        g->each[i] = d->o.absolute;
+    judge_multipliers(g, loose);
+    g->settled = a_while;
+    o.max_step = lw_run_steps_left(run);
+    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
+    return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
+}
+
 static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
-    int n = g->q, c = g->c;
-    lw_status s = LW_OK;
-    lw_ode_stop stop = LW_ODE_STEP;
-    lw_dynamics_start(d, y, y + n);
-    memcpy(dy, y + n, (size_t)n*sizeof *dy);
-    s = lw_mbs_accelerate(d, d->o.from, y, y + n, dy + n, d->l, NULL);
-    for (int k = 0; k < c; k++)
-        y[2*n + k] = d->l[d->kept[k]];
-    unpack(g, y, run->y);
-    if (s == LW_OK)
-        s = lw_run_begin(run, run->y);
     unsigned char algebraic[2*LW_SYSTEM_Q_MAX + 2*LW_MBS_ROW_MAX + 1] = { 0 };
-    memset(algebraic + 2*n, 1, 2*(size_t)c);
-    lw_dae dae = { .n = 2*n + 2*c + run->has_work, .context = g, .residual = residual,
+    memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
+    lw_dae dae = { .n = 2*g->q + 2*g->c + run->has_work, .context = g, .residual = residual,
                    .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic };
-    lw_ode_options o = lw_ode_options_default();
-    o.relative = d->o.relative;
-    o.absolute = d->o.absolute;
-    o.max_step = d->o.max_step;
-    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
-    if (s == LW_OK)
-        s = lw_ida_make(w, &dae, &o, d->o.from, y, dy, run->e);
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = begin(g, w, &dae, y, dy);
     if (s != LW_OK)
         return s;
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         s = lw_ida_step(w, d->o.to, &stop, run->e);
         run->r->t = w->t;
+        if (s == LW_E_NUMERIC && w->n_step > g->since + tired) {
+            s = after_failure(g, w, y, dy);
+            stop = LW_ODE_STEP;
+            continue;
+        }
         if (s != LW_OK)
             break;
+        if (w->n_step == g->since + g->settled) {
+            judge_multipliers(g, 0);
+            lw_ida_judge(w);
+        }
         unpack(g, w->y, run->y);
         lw_run_watch(run, run->y);
         s = show_samples(g, w, y);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && stop != LW_ODE_END) {
+            s = cross(g, w, y, dy);
+            stop = w->t >= d->o.to ? LW_ODE_END : stop;
+        }
     }
-    run->r->steps = w->n_step;
-    run->r->refused = w->n_refused;
-    run->r->rates = w->n_residual;
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_residual;
     lw_ida_free(w);
     return s;
 }
@@ -256,12 +383,14 @@ lw_status lw_run_ggl(lw_run *run)
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
     size_t n = 2*(size_t)(g.q + g.c) + 1;
-    double *y = calloc(2*n + (size_t)run->n + 2*(size_t)(g.q*g.q), sizeof *y);
+    double *y = calloc(3*n + 2*(size_t)run->n + 2*(size_t)(g.q*g.q), sizeof *y);
     if (!y)
         return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
     run->y = y + 2*n;
-    g.dq = run->y + run->n;
+    run->state = run->y + run->n;
+    g.dq = run->state + run->n;
     g.dv = g.dq + g.q*g.q;
+    g.each = g.dv + g.q*g.q;
     lw_status s = run_ida(&g, &w, y, y + n);
     free(y);
     return s;

@@ -29,7 +29,9 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
 {
     const motion *m = context;
     double power, scale = m->r->scale;
-    lw_status s = lw_reduced_rate(m->r, t, y[0]*scale, y[1], &dy[0], &dy[1], &power);
+    lw_status s = lw_run_busy(m->run, t);
+    if (s == LW_OK)
+        s = lw_reduced_rate(m->r, t, y[0]*scale, y[1], &dy[0], &dy[1], &power);
     dy[0] /= scale;
     if (m->run->has_work)
         dy[2] = power;

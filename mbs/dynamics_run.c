@@ -135,9 +135,27 @@ lw_status lw_run_limits(lw_run *run, double t, long steps)
     run->r->t = t;
     if (o->stop && *o->stop)
         return lw_error_set(run->e, LW_STOPPED, "stopped at t = %.9g s", t);
+    if (o->max_step > 0 && run->r->steps + run->r->refused + steps >= o->max_step && t < o->to)
+        return lw_error_set(run->e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", t, o->max_step);
     if (o->until > 0 && (steps & 15) == 0 && lw_clock_wall() > o->until)
         return lw_error_set(run->e, LW_STOPPED, "the time allowed was used up at t = %.9g s", t);
     return LW_OK;
+}
+
+lw_status lw_run_busy(lw_run *run, double t)
+{
+    const lw_dynamics_options *o = &run->d->o;
+    if (o->stop && *o->stop)
+        return lw_error_set(run->e, LW_STOPPED, "stopped at t = %.9g s", t);
+    if (o->until > 0 && (++run->n_busy & 255) == 0 && lw_clock_wall() > o->until)
+        return lw_error_set(run->e, LW_STOPPED, "the time allowed was used up at t = %.9g s", t);
+    return LW_OK;
+}
+
+long lw_run_steps_left(const lw_run *run)
+{
+    long all = run->d->o.max_step, done = run->r->steps + run->r->refused;
+    return all <= 0 ? 0 : done < all ? all - done : 1;
 }
 
 /* ---- right-hand side ------------------------------------------------------------------------------ */
@@ -148,7 +166,9 @@ lw_status lw_run_rate(void *context, double t, const double *y, double *dy)
     lw_dynamics *d = run->d;
     int n = d->n_q;
     double power = 0;
-    lw_status s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
+    lw_status s = lw_run_busy(run, t);
+    if (s == LW_OK)
+        s = lw_mbs_accelerate(d, t, y, y + n, dy + n, d->l, run->has_work ? &power : NULL);
     if (s != LW_OK)
         return s;
     memcpy(dy, y + n, (size_t)n*sizeof *dy);
@@ -184,7 +204,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     lw_ode_options each = lw_ode_options_default();
     each.relative = o->relative;
     each.absolute = o->absolute;
-    each.max_step = o->max_step;
+    each.max_step = lw_run_steps_left(run);
     w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate, .project = lw_run_project,
                        .n_event = run->d->n_contact, .event = lw_run_gaps };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
@@ -256,7 +276,7 @@ static const double beside = 1e-4;           /* least pivot beside a singular po
 /* Does the solver creep up to a singular posture? */
 static bool creeps(const stepper *w, const lw_dynamics *d, const fair *f, lw_status s)
 {
-    if (w->implicit || d->n_contact || !(f->h > 0) || d->weak > beside)
+    if (s == LW_STOPPED || w->implicit || d->n_contact || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
@@ -283,6 +303,24 @@ static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
     return s;
 }
 
+/* Through the singular posture ahead, if there is one, and begin again behind it. */
+static lw_status cross(lw_run *run, stepper *w, double weak, double *y)
+{
+    double t = time_of(w);
+    memcpy(y, state(w), (size_t)run->n*sizeof *y);
+    lw_status s = lw_run_rechoose(run, t, y, &weak);
+    s = s < 0 ? s : lw_run_cross(run, weak, &t, y);
+    if (s != LW_OK)
+        return s == LW_NOTHING ? LW_OK : s;
+    if (lw_run_project(run, t, y) < 0)
+        return LW_E_NUMERIC;
+    if (w->implicit)
+        w->implicit_one.t = t;
+    else
+        w->explicit_one.t = t, w->explicit_one.t_low = 0;
+    return t < run->d->o.to ? restart(w, y, 0, run->e) : LW_OK;
+}
+
 static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
 {
     lw_dynamics *d = run->d;
@@ -296,6 +334,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         run->r->t = time_of(w);
         if (s != LW_OK)
             break;
+        double weak = d->weak;
         stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
         lw_run_watch(run, state(w));
         s = show_samples(run, w);
@@ -307,6 +346,10 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         }
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
+        if (s == LW_OK && stop != LW_ODE_END) {
+            s = cross(run, w, weak, y);
+            stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
+        }
     }
     free(f.y);
     return s;
@@ -366,6 +409,11 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     case LW_FORMULATION_GGL: s = lw_run_ggl(&run); break;
     default: s = run_bodies(&run, r->formulation == LW_FORMULATION_CVODE);
     }
+    if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
+        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two branches of postures come as near each other as %.1e "
+                         "of the size and which of them goes on cannot be told%s", r->t, run.apart, run.apart > 1e-8
+                         ? "" : ": if they should meet, write the posture with more digits or give a tolerance above "
+                         "that");
     if (s == LW_OPEN)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);

@@ -13,6 +13,7 @@ struct lw_ida_own {
     lw_ode_options o;
     void          *solver;
     N_Vector       v[N_VECTOR];
+    long           before[4];            /* counts up to the last restart: steps, refused, residuals, Jacobians */
 };
 
 static double *array(N_Vector v)
@@ -42,6 +43,20 @@ static int roots(realtype t, N_Vector y, N_Vector dy, realtype *g, void *user)
     (void)dy;
     struct lw_ida_own *w = user;
     return lw_sun_code(&w->sun, w->dae->event(w->dae->context, t, array(y), g)) ? -1 : 0;
+}
+
+/* IDASVtolerances may not be called again once it runs; this looks at what stands in EACH before every step */
+static int weights(N_Vector y, N_Vector weight, void *user)
+{
+    const struct lw_ida_own *w = user;
+    const double *each = array(w->v[EACH]), *at = array(y);
+    for (int i = 0; i < w->dae->n; i++) {
+        double allowed = w->o.relative*fabs(at[i]) + each[i];
+        if (!(allowed > 0))
+            return -1;
+        array(weight)[i] = 1/allowed;
+    }
+    return 0;
 }
 
 /* ---- making -------------------------------------------------------------------------------------- */
@@ -76,7 +91,7 @@ static bool set_up(lw_ida *w, double t, const double *y, const double *dy)
         directions[i] = dae->direction[i];
     bool ok = IDASetErrHandlerFn(s, lw_sun_message, &own->sun) == 0
         && IDAInit(s, residual, t, own->v[NOW], own->v[RATE]) == 0 && IDASetUserData(s, own) == 0
-        && IDASVtolerances(s, own->o.relative, own->v[EACH]) == 0
+        && IDAWFtolerances(s, weights) == 0
         && IDASetLinearSolver(s, own->sun.linear, own->sun.matrix) == 0 && IDASetMaxNumSteps(s, -1) == 0
         && set_kinds(own);
     ok = ok && (!dae->jacobian || IDASetJacFn(s, jacobian) == 0);
@@ -127,6 +142,20 @@ lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e)
     return LW_OK;
 }
 
+/* IDA counts from 0 after a restart. */
+static void count(lw_ida *w)
+{
+    long now[4] = { 0 };
+    IDAGetNumSteps(w->own->solver, &now[0]);
+    IDAGetNumErrTestFails(w->own->solver, &now[1]);
+    IDAGetNumResEvals(w->own->solver, &now[2]);
+    IDAGetNumJacEvals(w->own->solver, &now[3]);
+    w->n_step = w->own->before[0] + now[0];
+    w->n_refused = w->own->before[1] + now[1];
+    w->n_residual = w->own->before[2] + now[2];
+    w->n_jacobian = w->own->before[3] + now[3];
+}
+
 lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error *e)
 {
     struct lw_ida_own *own = w->own;
@@ -137,20 +166,19 @@ lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error 
         memcpy(array(own->v[RATE]), dy, bytes);
     own->sun.failed = LW_OK;
     w->events = 0;
+    count(w);
+    memcpy(own->before, (long[]){ w->n_step, w->n_refused, w->n_residual, w->n_jacobian }, sizeof own->before);
     if (IDAReInit(own->solver, w->t, own->v[NOW], own->v[RATE]) != 0)
         return lw_sun_error(&own->sun, "IDA", w->t, e);
     return LW_OK;
 }
 
-/* ---- stepping ------------------------------------------------------------------------------------ */
-
-static void count(lw_ida *w)
+void lw_ida_judge(lw_ida *w)
 {
-    IDAGetNumResEvals(w->own->solver, &w->n_residual);
-    IDAGetNumJacEvals(w->own->solver, &w->n_jacobian);
-    IDAGetNumErrTestFails(w->own->solver, &w->n_refused);
-    IDAGetNumSteps(w->own->solver, &w->n_step);
+    lw_sun_tolerances(&w->own->o, w->own->v[EACH]);
 }
+
+/* ---- stepping ------------------------------------------------------------------------------------ */
 
 /* Note which events happened; true when one of them ends the step. */
 static bool take_roots(lw_ida *w)
@@ -185,13 +213,13 @@ lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e)
         if (own->o.max_step > 0 && w->n_step >= own->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t, own->o.max_step);
         /* after an event IDA itself is already further on */
-        bool beyond = IDAGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > 0;
+        bool beyond = IDAGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > own->before[0];
         int code = beyond ? 0 : IDASetStopTime(own->solver, t_end);
         if (code == 0)
             code = IDASolve(own->solver, t_end, &reached, own->v[NOW], own->v[RATE],
                             beyond ? IDA_NORMAL : IDA_ONE_STEP);
         count(w);
-        if (code < 0)
+        if (code < 0 || (!beyond && lw_sun_stands_still(&own->sun, w->t, reached)))
             return lw_sun_error(&own->sun, "IDA", w->t, e);
         w->t = reached;
         bool ended = code == IDA_ROOT_RETURN && take_roots(w);

@@ -334,6 +334,8 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
             w->n_step++;
             return LW_OK;
         }
+        if (s == LW_STOPPED)                             /* in the callback's own words */
+            return s;
         if (s != LW_OK && s != LW_OPEN)
             return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
         if (w->o.fixed > 0.0)

@@ -17,7 +17,7 @@
 #define LW_EVENT_MAX 64
 
 /* Every callback: LW_OK; LW_OPEN where the state has no meaning (the step is tried shorter); a failure
- * ends the run with that status. */
+ * ends the run with that status; LW_STOPPED, whose words the callback has set, too. */
 typedef struct lw_ode {
     int   n;                         /* numbers in y                                               */
     void *context;                   /* handed to every callback                                   */

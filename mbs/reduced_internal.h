@@ -69,8 +69,9 @@ lw_status lw_reduced_registers(lw_reduced *r, double input);
 void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge, double input, double *margin_of,
                       double *margin);
 
-/* Find the change points, looking from an input at which the modes are those of r->mode. */
-void lw_reduced_touches(lw_reduced *r, double from);
+/* Find the change points, looking from an input at which the modes are those of r->mode; false: at one of them the
+ * assemblies come so near each other that which of them goes on cannot be told in closed form. */
+bool lw_reduced_touches(lw_reduced *r, double from);
 
 /* s' and p' at (t, s, p), p = sqrt(M) s', and the power of what the potential does not hold. */
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power);

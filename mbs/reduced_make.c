@@ -285,6 +285,6 @@ lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
     place_masses(d, r, fixed);
     drop_steps(d, r);
     find_way(d, r);
-    lw_reduced_touches(r, r->first);
-    return LW_OK;
+    return lw_reduced_touches(r, r->first) ? LW_OK
+         : no(why, "two assemblies of a dyad come near each other, but do not meet");
 }

@@ -11,6 +11,8 @@
 
 static const int    per_turn = 360;          /* places looked at in a turn                                */
 static const double is_zero = 1e-13;         /* margin of a change point, rounding of lengths             */
+static const double vague = 1e-7;            /* a margin below that is none and no gap either             */
+static const double on_lengths = 1e-11;      /* what a bridge closes to, over the links' lengths            */
 static const double reach_most = 0.05;       /* half the width of a bridge [rad], or of the size          */
 
 typedef struct scan {
@@ -19,6 +21,7 @@ typedef struct scan {
     double margin[3][LW_DYAD_MAX];           /* at the last three places                                  */
     double limit;                            /* where the motion ends                                     */
     int    side;                             /* way of the scan                                           */
+    bool   vague;                            /* assemblies came near each other but did not meet          */
     const lw_touch *met;                     /* behind it its dyads have changed over; NULL: none yet       */
 } scan;
 
@@ -130,8 +133,10 @@ static bool meet(scan *c, double middle, lw_touch *t)
         /* dyads after one that changes over are looked at in any case */
         if (!c->met && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
             continue;
-        if (least_margin(c, d, middle - c->width, middle + c->width, &where) > is_zero)
-            continue;
+        double least = least_margin(c, d, middle - c->width, middle + c->width, &where);
+        c->vague = c->vague || (fabs(least) > is_zero && fabs(least) < vague);
+        if (!(fabs(least) <= is_zero))
+            continue;                              /* passed by, or a gap: the motion ends there                 */
         where = sharpen(c, d, where);
         if (t->n_bridge == 0)
             t->at = where;
@@ -181,8 +186,33 @@ static bool same_modes(const lw_plan *p, const double *a, const double *b)
     return true;
 }
 
-/* A bridge as wide as its neighbours allow. */
-static void make_bridges(lw_reduced *r)
+/* Do the dyads close all along the bridge?  Where their assemblies come near each other but do not meet (a
+ * parallelogram with a length that is a little off) they do not. */
+static bool bridge_closes(lw_reduced *r, const double *before, const double *after, const lw_touch *t)
+{
+    for (int k = -4; k <= 4; k++) {
+        double margin;
+        lw_reduced_plain(r, k < 0 ? before : after, t, t->at + 0.2*k*t->reach, NULL, &margin);
+        for (int i = 0; i < r->n_step; i++) {
+            const lw_dyad_step *st = &r->step[i];
+            bool bridged = false;
+            for (int b = 0; b < t->n_bridge && st->kind >= LW_STEP_RRR; b++)
+                bridged = bridged || t->bridge[b].dyad == st->dyad;
+            if (!bridged || (st->kind != LW_STEP_RRR && st->kind != LW_STEP_RRP))
+                continue;
+            const lw_reg1 *a = &r->reg[st->in[0]], *b = &r->reg[st->in[1]];
+            lw_vec2 c = lw_v2_add(a->p, lw_v2_scale(r->reg[st->out[0]].p, st->r1));
+            double off = st->kind == LW_STEP_RRR ? lw_v2_norm(lw_v2_sub(c, b->p)) - fabs(st->r2)
+                       : lw_v2_cross(r->reg[st->in[2]].p, lw_v2_sub(c, b->p));
+            if (!(fabs(off) <= on_lengths*(fabs(st->r1) + (st->kind == LW_STEP_RRR ? fabs(st->r2) : 0))))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* A bridge as wide as its neighbours allow; false when one does not close. */
+static bool make_bridges(lw_reduced *r)
 {
     for (int i = 0; i < r->n_touch; i++) {
         lw_touch *t = &r->touch[i];
@@ -198,10 +228,13 @@ static void make_bridges(lw_reduced *r)
             }
             t->bridge[b] = t->bridge[--t->n_bridge];
         }
+        if (!bridge_closes(r, r->piece_mode[i], r->piece_mode[i + 1], t))
+            return false;
     }
+    return true;
 }
 
-void lw_reduced_touches(lw_reduced *r, double from)
+bool lw_reduced_touches(lw_reduced *r, double from)
 {
     static const int most_turns = 4;
     double turn = r->plan.input_is_slider ? 20*r->scale : 2*LW_PI;
@@ -210,8 +243,10 @@ void lw_reduced_touches(lw_reduced *r, double from)
     scan c = { .r = r, .width = turn/per_turn };
     memcpy(c.mode, r->mode, sizeof c.mode);
     int n = go(&c, from, 1, most_turns, found, mode);
+    if (c.vague)
+        return false;
     if (n == 0)
-        return;                                   /* nothing to change over: the plan itself tells where it ends */
+        return true;                              /* nothing to change over: the plan itself tells where it ends */
     memcpy(r->piece_mode[0], r->mode, sizeof r->mode);
     for (int k = 1; !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
         int m = 0;
@@ -224,8 +259,7 @@ void lw_reduced_touches(lw_reduced *r, double from)
         r->n_touch = m;
         memcpy(r->touch, found, (size_t)m*sizeof *found);
         memcpy(r->piece_mode[1], mode, (size_t)m*sizeof *mode);
-        make_bridges(r);
-        return;
+        return make_bridges(r);
     }
     /* not periodic within these turns: to both sides as far as was looked */
     lw_touch back[LW_TOUCH_MAX];
@@ -233,6 +267,8 @@ void lw_reduced_touches(lw_reduced *r, double from)
     r->high = from + most_turns*turn;
     memcpy(c.mode, r->mode, sizeof c.mode);
     int m = go(&c, from, -1, most_turns, back, back_mode);
+    if (c.vague)
+        return false;
     m = m < LW_TOUCH_MAX/2 ? m : LW_TOUCH_MAX/2;
     n = n < LW_TOUCH_MAX/2 ? n : LW_TOUCH_MAX/2;
     r->low = m == LW_TOUCH_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
@@ -248,5 +284,5 @@ void lw_reduced_touches(lw_reduced *r, double from)
         r->touch[m + i] = found[i];
         memcpy(r->piece_mode[m + i + 1], mode[i], sizeof *mode);
     }
-    make_bridges(r);
+    return make_bridges(r);
 }

@@ -19,6 +19,7 @@ typedef struct lw_sun {
     SUNLinearSolver linear;
     lw_status       failed;              /* what a callback returned when it ended the run             */
     char            message[256];        /* the solver's own words                                     */
+    int             still;               /* steps in a row that did not move t                         */
 } lw_sun;
 
 /* ---- linear systems: theirs are dense, ours skip the zeros of jointed bodies ----------------------- */
@@ -128,9 +129,24 @@ static inline void lw_sun_tolerances(const lw_ode_options *o, N_Vector each)
         v[i] = o->absolute_each ? o->absolute_each[i] : o->absolute;
 }
 
+/* Both solvers only warn of steps that vanish beside t, and go on for ever. */
+#define LW_SUN_STILL_MAX 100
+
+static inline bool lw_sun_stands_still(lw_sun *s, double before, double now)
+{
+    s->still = now == before ? s->still + 1 : 0;
+    if (s->still < LW_SUN_STILL_MAX)
+        return false;
+    snprintf(s->message, sizeof s->message, "its steps became too short to move on: the motion is singular there, or "
+             "the tolerance is below rounding");
+    return true;
+}
+
 static inline lw_status lw_sun_error(const lw_sun *s, const char *solver, double t, lw_error *e)
 {
     lw_status status = s->failed != LW_OK ? s->failed : LW_E_NUMERIC;
+    if (status == LW_STOPPED && e && e->text[0])
+        return status;                   /* in the callback's own words                                */
     return lw_error_set(e, status, "%s gave up at t = %.9g s: %s", solver, t,
                         s->failed != LW_OK ? lw_status_text(s->failed) : s->message[0] ? s->message : "no reason given");
 }

@@ -30,7 +30,7 @@ static void compare_derivatives(drun *d)
         return;
     CHECK(has_derivatives(made));
     lw_run run = { .d = made, .e = &d->e, .r = &d->report };
-    ggl g = { &run, made->n_q, made->n_kept, 0.01, dq, dv };
+    ggl g = { .run = &run, .q = made->n_q, .c = made->n_kept, .least_mass = 0.01, .dq = dq, .dv = dv };
     int n = 2*(g.q + g.c);
     double y[MOST], dy[MOST], up[MOST], down[MOST], c = 1.7, h = 1e-5;
     CHECK(n <= MOST);
