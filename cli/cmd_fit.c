@@ -24,10 +24,10 @@ static const cli_option options[] = {
       "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
-      "all mechanisms with up to so many links: 4, 6 or 8", 4, 10, NULL, NULL },
+      "all mechanisms with up to so many links: 4, 6 or 8; with joints p from 3, odd ones too", 4, 10, NULL, NULL },
     { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom", 1, 1, NULL, NULL },
     { "joints", 'j', CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
-      "kinds of joints with more than four links: r, or r,t with sliders too", 0, 0, NULL, NULL },
+      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
       "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
       "links and number, 8.5", 0, 0, NULL, NULL },
@@ -279,7 +279,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_fit_options o = lw_fit_options_default();
     o.spec = set->spec;
-    bool sliders = s->links > 4 && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    bool sliders = (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
     o.types = sliders ? "all" : s->type;
     o.solver = lw_solver_find(s->solver);
     o.seed = set->seed = call->common.seed;
@@ -309,13 +309,13 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     int links = b->links > 0 && !cli_given(&call->parsed, "links") ? b->links : s->links;
     bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
     for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
-        if ((*at == 'r' || *at == 't') && !strchr(kinds, *at))
+        if (strchr("rtp", *at) && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
     cli_topology_wish w = { .links = links, .kinds = kinds, .only = named ? b->topology : s->topology,
                             .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = links > 4 ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
+    lw_status st = links > 4 || cli_topology_higher(kinds) ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && s->atlas)
@@ -484,11 +484,11 @@ static int check(const cli_call *call)
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
     for (const char *at = s->joints; *at; at++)
-        if (*at == 'p' || *at == 'g')
-            return cli_usage(call, "--joints: a search fits pins and sliders, r and t; chains with slots and gears are listed by "
-                             "'linkwright mechanisms --n2 K --joints r,p,g', and one of them is a start by --resume");
-        else if (*at != 'r' && *at != 't' && *at != ',')
-            return cli_usage(call, "--joints takes r or r,t, not '%s'", s->joints);
+        if (*at == 'g')
+            return cli_usage(call, "--joints: a search fits pins, sliders and pins in slots, r, t and p; chains with gears are "
+                             "listed by 'linkwright mechanisms --n2 K --joints r,g', and one of them is a start by --resume");
+        else if (!strchr("rtp,", *at))
+            return cli_usage(call, "--joints takes r, or r with t and p and commas between, not '%s'", s->joints);
     if (check_types(s->type, &e) != LW_OK
         || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
         return cli_usage(call, "%s", e.text);

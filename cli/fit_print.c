@@ -62,13 +62,33 @@ static int best_up_to(const cli_fit_set *s, int links)
     return best;
 }
 
+/* The stages with so many links as one; false: there is none. */
+static bool all_stages(const cli_fit_set *s, int links, lw_stage_result *sum)
+{
+    bool any = false;
+    *sum = (lw_stage_result){ .links = links };
+    for (int k = 0; k < s->survey.n_stage; k++) {
+        const lw_stage_result *r = &s->survey.stage[k];
+        if (r->links != links)
+            continue;
+        any = true;
+        sum->starts += r->starts;
+        sum->improved += r->improved;
+        sum->n_grown += r->n_grown;
+        sum->seconds += r->seconds;
+    }
+    return any;
+}
+
 /* Error against number of links. */
 static void print_stages(const cli_fit_set *s, FILE *f)
 {
-    for (int k = 0; k < s->survey.n_stage; k++) {
-        const lw_stage_result *r = &s->survey.stage[k];
-        int i = best_up_to(s, r->links);
-        fprintf(f, "best with up to %d links: ", r->links);
+    lw_stage_result r;
+    for (int links = 1; links <= LW_LINK_MAX; links++) {
+        int i = best_up_to(s, links);
+        if (!all_stages(s, links, &r))
+            continue;
+        fprintf(f, "best with up to %d links: ", links);
         if (i < 0)
             fprintf(f, "none");
         else if (s->spec.task == LW_TASK_FUNCTION)
@@ -77,22 +97,19 @@ static void print_stages(const cli_fit_set *s, FILE *f)
             fprintf(f, "%.4g %% of the path", s->report[i].error_percent);
         if (i >= 0)
             fprintf(f, " (%s)", lw_family_title(candidate(s, i)->family));
-        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r->starts, r->improved, r->seconds);
+        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r.starts, r.improved, r.seconds);
     }
 }
 
-/* Families of a stage in which a linkage was found; -1: the stage was not reached. */
-static long n_with_fit(const cli_fit_set *s, int links)
+/* Topologies of a stage for which a linkage was found; -1: it was not reached. */
+static long n_with_fit(const cli_fit_set *s, const cli_topology_stage *t)
 {
-    long n = -1;
-    for (int k = 0; k < s->survey.n_stage; k++) {
-        const lw_stage_result *r = &s->survey.stage[k];
-        if (r->links != links)
-            continue;
-        n = 0;
-        for (int i = 0; i < r->n_tried; i++)
-            n += isfinite(r->tried[i].best);
-    }
+    long n = 0;
+    if (t->stage >= s->survey.n_stage)
+        return -1;
+    const lw_stage_result *r = &s->survey.stage[t->stage];
+    for (int i = 0; i < r->n_tried && i < t->n_family; i++)
+        n += isfinite(r->tried[i].best);
     return n;
 }
 
@@ -102,9 +119,9 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];
         const char *between = "";
-        long found = n_with_fit(s, t->links);
-        fprintf(f, "%d links: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input: ", t->links,
-                t->n_chain, t->n_ground, t->n_pair, t->n_driven);
+        long found = n_with_fit(s, t);
+        fprintf(f, "%d links%s: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input: ", t->links,
+                t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_ground, t->n_pair, t->n_driven);
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
             if (t->fate[i] > 0) {
                 fprintf(f, "%s%ld %s", between, t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
@@ -234,19 +251,21 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
 
 static void json_stages(const cli_fit_set *s, cli_json *j)
 {
+    lw_stage_result r;
     cli_json_array(j, "by_links");
-    for (int k = 0; k < s->survey.n_stage; k++) {
-        const lw_stage_result *r = &s->survey.stage[k];
-        int i = best_up_to(s, r->links);
+    for (int links = 1; links <= LW_LINK_MAX; links++) {
+        int i = best_up_to(s, links);
+        if (!all_stages(s, links, &r))
+            continue;
         cli_json_object(j, NULL);
-        cli_json_int(j, "links", r->links);
+        cli_json_int(j, "links", links);
         cli_json_int(j, "best_rank", i + 1);
         cli_json_real(j, "objective", i >= 0 ? candidate(s, i)->objective : NAN);
         cli_json_real(j, "error_percent", i >= 0 ? s->report[i].error_percent : NAN);
-        cli_json_int(j, "starts", r->starts);
-        cli_json_int(j, "local_fits", r->improved);
-        cli_json_int(j, "grown", r->n_grown);
-        cli_json_real(j, "seconds", r->seconds);
+        cli_json_int(j, "starts", r.starts);
+        cli_json_int(j, "local_fits", r.improved);
+        cli_json_int(j, "grown", r.n_grown);
+        cli_json_real(j, "seconds", r.seconds);
         cli_json_end(j);
     }
     cli_json_end(j);
@@ -255,12 +274,13 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
 static void json_topologies(const cli_fit_set *s, cli_json *j)
 {
     static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
-                                                         "not_asked" };
+                                                         "groups", "not_asked" };
     cli_json_array(j, "topologies");
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];
         cli_json_object(j, NULL);
         cli_json_int(j, "links", t->links);
+        cli_json_bool(j, "two_freedoms", t->higher);
         cli_json_int(j, "chains", t->n_chain);
         cli_json_int(j, "grounds", t->n_ground);
         cli_json_int(j, "with_tracer_link", t->n_pair);
@@ -268,7 +288,7 @@ static void json_topologies(const cli_fit_set *s, cli_json *j)
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
             cli_json_int(j, key[i], t->fate[i]);
         cli_json_int(j, "searched", t->n_family);
-        cli_json_int(j, "with_linkage", n_with_fit(s, t->links));
+        cli_json_int(j, "with_linkage", n_with_fit(s, t));
         cli_json_end(j);
     }
     cli_json_end(j);

@@ -97,15 +97,18 @@ void cli_fit_known_free(cli_fit_known *k)
     memset(k, 0, sizeof *k);
 }
 
-/* A stage of those with so many links; none when there are none. */
-static void add_stage(const cli_topology_stage *t, const cli_fit_known *k, int links, cli_fit_stages *s, lw_family **at)
+/* A stage of topologies, or of what is known with so many links, or of both; none when there are none. */
+static void add_stage(cli_topologies *all, cli_topology_stage *t, const cli_fit_known *k, int links, cli_fit_stages *s,
+                      lw_family **at)
 {
     lw_stage *stage = &s->stage[s->n];
-    *stage = (lw_stage){ .links = links, .family = *at };
-    if (t)
+    *stage = (lw_stage){ .links = links, .family = *at, .name = all->n > 0 ? cli_topologies_name : NULL, .context = all };
+    if (t) {
         memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
+        t->stage = s->n;
+    }
     stage->n_family = t ? t->n_family : 0;
-    for (int i = 0; i < k->n; i++)
+    for (int i = 0; k && i < k->n; i++)
         if (k->family[i].links == links)
             (*at)[stage->n_family++] = k->family[i];
     *at += stage->n_family;
@@ -121,15 +124,16 @@ lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit
     lw_family *at = s->family = calloc(n, sizeof *at);
     if (!at)
         return LW_E_MEMORY;
-    for (int links = 4; links <= LW_LINK_MAX; links++) {
-        const cli_topology_stage *own = NULL;
+    for (int links = 2; links <= LW_LINK_MAX; links++) {
+        cli_topology_stage *own = NULL;
         for (int i = 0; i < t->n; i++)
-            if (t->stage[i].links == links)
+            if (t->stage[i].links == links && !t->stage[i].higher)
                 own = &t->stage[i];
-        add_stage(own, k, links, s, &at);
-        s->stage[s->n - 1].name = t->n > 0 ? cli_topologies_name : NULL;
-        s->stage[s->n - 1].context = t;
+        add_stage(t, own, k, links, s, &at);
     }
+    for (int i = 0; i < t->n; i++)
+        if (t->stage[i].higher)
+            add_stage(t, &t->stage[i], NULL, t->stage[i].links, s, &at);
     return LW_OK;
 }
 

@@ -1,5 +1,6 @@
 /* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of six, eight, ...; and
- * linkages to start from, each with those of its own number of links. */
+ * linkages to start from, each with those of its own number of links; last the topologies with slots and gears, so
+ * that what comes before is the same search as without them. */
 #ifndef LW_CLI_FIT_STAGES_H
 #define LW_CLI_FIT_STAGES_H
 
@@ -25,7 +26,8 @@ typedef struct cli_fit_stages {
     lw_family *family;               /* owned */
 } cli_fit_stages;
 
-/* Four links first, then by rising number; t and k must stay.  LW_E_MEMORY. */
+/* Four links first, then by rising number, then those of t with slots and gears; t and k must stay.  Tells t's stages
+ * which stage of the search they are.  LW_E_MEMORY. */
 lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
 void      cli_fit_stages_free(cli_fit_stages *s);
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "enumerate/canon.h"
-#include "enumerate/chains.h"
+#include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/sketch.h"
 
@@ -15,6 +15,8 @@ typedef struct maker {
     lw_mechanism_counts      counts;
     lw_rng                   rng;
     int                      chain;              /* number of the chain in the list, from 1        */
+    int                      n2;                 /* joints of two freedoms of these chains         */
+    unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
     bool                     met[64];            /* names of `only` that something bore           */
     lw_error                 e;
 } maker;
@@ -23,7 +25,7 @@ const char *cli_topology_fate_text(cli_topology_fate f)
 {
     static const char *const text[CLI_TOPOLOGY_FATES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
-        "no input by which it can be worked out", "not asked for"
+        "no input by which it can be worked out", "worked out by groups beyond dyads", "not asked for"
     };
     return text[f];
 }
@@ -38,9 +40,28 @@ static int degree(const lw_mechanism *m, int link)
     return n;
 }
 
+/* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
+ * carry the slots. */
+static void higher_name(const maker *mk, const lw_mechanism *m, char *name, char *key, size_t size)
+{
+    unsigned bit = 1;
+    int n = snprintf(name, size, "%d-link %d.%d %.*s", m->n_link, mk->n2, mk->chain, m->n_joint, m->kind);
+    for (int j = 0; j < m->n_joint; j++)
+        if (m->kind[j] == 'p') {
+            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+", m->link[j][(mk->turned & bit) != 0] + 1);
+            bit <<= 1;
+        }
+    snprintf(name + n, size - (size_t)n, ", ground %d", m->ground + 1);
+    snprintf(key, size, "%d.%d.%d", m->n_link, mk->n2, mk->chain);
+}
+
 /* Watt I, II, Stephenson I, II, III by the place of the ground; others by number. */
 static void ground_name(const maker *mk, const lw_mechanism *m, char *name, char *key, size_t size)
 {
+    if (mk->n2 > 0) {
+        higher_name(mk, m, name, key, size);
+        return;
+    }
     if (m->n_link != 6) {
         snprintf(name, size, "%d-link chain %d, ground %d", m->n_link, mk->chain, m->ground + 1);
         snprintf(key, size, "%d.%d", m->n_link, mk->chain);
@@ -118,6 +139,30 @@ static lw_status add_family(maker *mk, const lw_linkage *k, const char *name)
     return LW_OK;
 }
 
+/* A linkage of the mechanism, its slots on the links that mk->turned says. */
+static lw_status sketch(maker *mk, const lw_mechanism *m, lw_linkage *k)
+{
+    unsigned bit = 1;
+    lw_status st = lw_linkage_sketch(m, &mk->rng, k);
+    for (int j = 0; j < k->n_joint && st == LW_OK; j++)
+        if (k->joint[j].kind == LW_JOINT_SLOT) {
+            bool later = mk->turned & bit;
+            k->joint[j].link[0] = m->link[j][later];
+            k->joint[j].link[1] = m->link[j][!later];
+            bit <<= 1;
+        }
+    return st;
+}
+
+/* Links that a plan works out, dies in slots not counted. */
+static int links_of(const lw_plan *plan, const lw_linkage *k)
+{
+    int n = 0;
+    for (int i = 0; i < plan->n_link; i++)
+        n += plan->link[i] < k->n_link;
+    return n;
+}
+
 /* The linkage with this input, and how it can be worked out: 0 not at all, 1 with groups beyond dyads, 2 by
  * dyads; *links that the point feels. */
 static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k, int *links)
@@ -127,10 +172,9 @@ static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k,
     int way = 0;
     driven.n_input = 1;
     driven.input[0] = (uint8_t)joint;
-    if (plan && lw_linkage_sketch(&driven, &mk->rng, k) == LW_OK
-        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
+    if (plan && sketch(mk, &driven, k) == LW_OK && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
         way = plan->n_higher > 0 ? 1 : 2;
-        *links = plan->n_link;
+        *links = links_of(plan, k);
     }
     free(plan);
     return way;
@@ -154,22 +198,31 @@ static int best_input(maker *mk, const lw_mechanism *m, lw_linkage *best, int *l
     return way;
 }
 
+/* By a pin or a slide: then its points draw circles or lines. */
 static bool joined_to_ground(const lw_mechanism *m)
 {
-    return lw_mechanism_joint(m, m->ground, m->output) != LW_NONE;
+    int j = lw_mechanism_joint(m, m->ground, m->output);
+    return j != LW_NONE && lw_kind_freedom(m->kind[j]) == 1;
+}
+
+/* Groups beyond dyads are followed with care and cost a hundred times as much: with slots and gears, of which there
+ * are thousands, they are searched only where somebody names them. */
+static bool too_dear(const maker *mk, int way)
+{
+    return way == 1 && mk->n2 > 0 && strcmp(mk->w->only, "all") == 0;
 }
 
 /* All inputs at the ground that a prescribed timing may mean. */
 static lw_status add_timed(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
-    char name[128], key[64], title[64];
+    char name[160], key[64], title[96];
     lw_linkage k;
     int links, way;
     if (m->kind[m->input[0]] != 'r')
         return LW_OK;
     way = try_input(mk, m, m->input[0], &k, &links);
-    if (way == 0 || links < m->n_link)
+    if (way == 0 || links < m->n_link || too_dear(mk, way))
         return LW_OK;
     ground_name(mk, m, title, key, sizeof title);
     snprintf(name, sizeof name, "%s, input %d, point on link %d", title, m->input[0] + 1, m->output + 1);
@@ -179,7 +232,7 @@ static lw_status add_timed(void *context, const lw_mechanism *m)
 
 static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
 {
-    char title[64], key[64], name[128];
+    char title[96], key[64], name[160];
     lw_linkage k;
     int links = 0, before = mk->to->n_family;
     ground_name(mk, m, title, key, sizeof title);
@@ -190,8 +243,11 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
     if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
         return LW_OK;
     int way = best_input(mk, m, &k, &links);
-    *fate = way == 0 ? CLI_TOPOLOGY_NO_PLAN : links < m->n_link ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
-    if (way == 0 || (links < m->n_link && !mk->w->timed))
+    bool fewer = way > 0 && links < m->n_link;
+    *fate = way == 0 ? CLI_TOPOLOGY_NO_PLAN : fewer ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
+    if (*fate == CLI_TOPOLOGY_FITTED && too_dear(mk, way))
+        *fate = CLI_TOPOLOGY_GROUP;
+    if (*fate != CLI_TOPOLOGY_FITTED && !(fewer && mk->w->timed))
         return LW_OK;
     if (mk->w->timed) {
         lw_status st = lw_inputs_each(m, 1, true, add_timed, mk);
@@ -203,28 +259,25 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
     return add_family(mk, &k, name);
 }
 
-static lw_status visit_pair(void *context, const lw_mechanism *m)
-{
-    maker *mk = context;
-    cli_topology_fate fate;
-    lw_status st = add_pair(mk, m, &fate);
-    mk->to->n_pair++;
-    mk->to->fate[fate]++;
-    return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
-}
+/* ---- variants ------------------------------------------------------------------------------------------- */
 
-/* ---- the other way ---------------------------------------------------------------------------------- */
-
-/* Links as vertices, coloured by ground and tracer; the kinds of joints between them: canonical. */
+/* Links as vertices, coloured by ground and tracer, dies in slots too; the kinds of joints between them: canonical. */
 static bool canonical(const lw_linkage *k, lw_graph *form)
 {
+    enum { DIE = 8 };
     lw_graph g = { .n = k->n_link };
     uint8_t to[LW_GRAPH_MAX];
     g.colour[k->ground] = 1;
     g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
     for (int j = 0; j < k->n_joint; j++) {
-        int a = k->joint[j].link[0], b = k->joint[j].link[1];
-        g.tie[a][b] = g.tie[b][a] = (uint8_t)k->joint[j].kind;
+        int a = k->joint[j].link[0], b = k->joint[j].link[1], die = g.n;
+        if (k->joint[j].kind != LW_JOINT_SLOT || die == LW_GRAPH_MAX) {
+            g.tie[a][b] = g.tie[b][a] = (uint8_t)k->joint[j].kind;
+            continue;
+        }
+        g.colour[g.n++] = DIE;
+        g.tie[a][die] = g.tie[die][a] = LW_JOINT_SLIDER;
+        g.tie[b][die] = g.tie[die][b] = LW_JOINT_REVOLUTE;
     }
     if (lw_graph_label(&g, to) != LW_OK)
         return false;
@@ -236,6 +289,50 @@ static bool canonical(const lw_linkage *k, lw_graph *form)
     }
     return true;
 }
+
+static lw_status visit_variant(maker *mk, const lw_mechanism *m)
+{
+    cli_topology_fate fate;
+    lw_status st = add_pair(mk, m, &fate);
+    mk->to->n_pair++;
+    mk->to->fate[fate]++;
+    return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
+}
+
+/* Is this choice of slots, up to symmetry, one of those before? */
+static bool seen(maker *mk, const lw_mechanism *m, lw_graph *form, int n)
+{
+    lw_linkage k;
+    if (sketch(mk, m, &k) != LW_OK || !canonical(&k, &form[n]))
+        return false;
+    for (int i = 0; i < n; i++)
+        if (memcmp(&form[i], &form[n], sizeof *form) == 0)
+            return true;
+    return false;
+}
+
+/* Each pin in a slot both ways: the slot on the one link, the pin on the other. */
+static lw_status visit_pair(void *context, const lw_mechanism *m)
+{
+    maker *mk = context;
+    int slots = 0, n = 0;
+    lw_status st = LW_OK;
+    for (int j = 0; j < m->n_joint; j++)
+        slots += m->kind[j] == 'p';
+    lw_graph *form = malloc(sizeof *form << slots);
+    if (!form)
+        return LW_E_MEMORY;
+    for (mk->turned = 0; st == LW_OK && mk->turned < 1u << slots; mk->turned++)
+        if (slots == 0 || !seen(mk, m, form, n)) {
+            n++;
+            st = visit_variant(mk, m);
+        }
+    free(form);
+    mk->turned = 0;
+    return st;
+}
+
+/* ---- the other way ---------------------------------------------------------------------------------- */
 
 bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size_t size)
 {
@@ -255,34 +352,42 @@ bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size
 
 /* ---- a number of links ------------------------------------------------------------------------------------ */
 
-static lw_status visit_chain(void *context, const lw_chain_item *item)
+static lw_status visit_chain(void *context, const lw_chain *c)
 {
     maker *mk = context;
     lw_mechanism m;
     lw_mechanism_steps steps = { .ground = true, .kinds = mk->w->kinds, .output = true };
-    lw_status st = lw_mechanism_from_chain(item->chain, &m);
+    lw_status st = lw_mechanism_from_chain(c, &m);
     mk->chain++;
     return st == LW_OK ? lw_mechanisms_each(&m, &steps, &mk->counts, visit_pair, NULL, mk) : st;
 }
 
-static lw_status make_stage(maker *mk, int links)
+/* Chains with so many links of which n2 joints have two freedoms (Makkonen 1999, eq. 2, with F = 1). */
+static lw_status visit_chains(maker *mk, int links, int n2)
 {
-    lw_chains *chains;
-    lw_chain_walk how = lw_chain_walk_default();
-    lw_status st = lw_chains_create(links, 1, 1, &chains, &mk->e);
-    if (st != LW_OK)
-        return st;
-    mk->counts = (lw_mechanism_counts){ 0 };
+    int twice = 3*(links - 1) - 1 - n2;
+    mk->n2 = n2;
     mk->chain = 0;
-    mk->to->links = links;
-    how.n_thread = 1;
-    st = lw_chains_each(chains, &how, visit_chain, mk);
-    lw_chains_free(chains);
-    mk->to->n_chain = (long)mk->counts.n_chain;
-    mk->to->n_ground = (long)mk->counts.n_ground;
-    mk->to->n_labelled = (long)mk->counts.n_labelled;
-    for (int i = 0; i < mk->to->n_family; i++)
-        mk->to->family[i] = (lw_family){ .name = mk->to->name[i], .linkage = mk->to->linkage[i], .links = links };
+    if (twice < 2 || twice % 2 || twice/2 + n2 > links*(links - 1)/2)
+        return LW_OK;
+    return lw_higher_each(links, 1, n2, 1, visit_chain, mk, &mk->e);
+}
+
+/* Those of pins and sliders alone (higher false), or those with slots and gears. */
+static lw_status make_stage(maker *mk, int links, bool higher)
+{
+    lw_status st = LW_OK;
+    cli_topology_stage *to = mk->to;
+    mk->counts = (lw_mechanism_counts){ 0 };
+    to->links = links;
+    to->higher = higher;
+    for (int n2 = higher; st == LW_OK && (n2 == 0 || (higher && links + n2 <= CLI_TOPOLOGY_EXPANDED)); n2++)
+        st = visit_chains(mk, links, n2);
+    to->n_chain = (long)mk->counts.n_chain;
+    to->n_ground = (long)mk->counts.n_ground;
+    to->n_labelled = (long)mk->counts.n_labelled;
+    for (int i = 0; i < to->n_family; i++)
+        to->family[i] = (lw_family){ .name = to->name[i], .linkage = to->linkage[i], .links = links };
     return st;
 }
 
@@ -293,11 +398,28 @@ static lw_status check_names(const maker *mk, lw_error *e)
         size_t n = strcspn(at, ",");
         if (k < 64 && !mk->met[k])
             return lw_error_set(e, LW_E_ARG, "--topology: nothing up to %d links is called '%.*s'; there are watt1, "
-                                "watt2, stephenson1, stephenson2, stephenson3, and chains by links and number as 8.5",
-                                mk->w->links, (int)n, at);
+                                "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and by links, "
+                                "number of slots and gears, and number as 5.1.2", mk->w->links, (int)n, at);
         at += n + (at[n] == ',');
     }
     return LW_OK;
+}
+
+bool cli_topology_higher(const char *kinds)
+{
+    return strpbrk(kinds, "pg") != NULL;
+}
+
+/* A stage that holds nothing to count is none. */
+static lw_status add_stage(maker *mk, cli_topologies *t, int links, bool higher)
+{
+    if (t->n == LW_STAGE_MAX)
+        return LW_OK;
+    mk->to = &t->stage[t->n];
+    lw_rng_seed(&mk->rng, 1, (uint64_t)links);
+    lw_status st = make_stage(mk, links, higher);
+    t->n += mk->to->n_chain > 0;
+    return st;
 }
 
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e)
@@ -308,11 +430,10 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
     if (mk)
         mk->w = w;
     t->wish_all = strcmp(w->only, "all") == 0;
-    for (int links = 6; st == LW_OK && links <= w->links && t->n < LW_STAGE_MAX; links += 2) {
-        mk->to = &t->stage[t->n++];
-        lw_rng_seed(&mk->rng, 1, (uint64_t)links);
-        st = make_stage(mk, links);
-    }
+    for (int links = 6; links <= w->links; links += 2)
+        st = st == LW_OK ? add_stage(mk, t, links, false) : st;
+    for (int links = 3; cli_topology_higher(w->kinds) && links <= w->links && links < CLI_TOPOLOGY_EXPANDED; links++)
+        st = st == LW_OK ? add_stage(mk, t, links, true) : st;
     if (st == LW_OK)
         st = check_names(mk, e);
     else if (mk && mk->e.text[0])

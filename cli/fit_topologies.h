@@ -11,20 +11,28 @@ typedef enum cli_topology_fate {
     CLI_TOPOLOGY_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
     CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
     CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out                                  */
+    CLI_TOPOLOGY_GROUP,        /* with slots and gears: its plan holds groups beyond dyads, and nobody named it */
     CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
     CLI_TOPOLOGY_FATES
 } cli_topology_fate;
 
+/* Chains with slots and gears: at most so many links and such joints together.  A pin in a slot moves as a pin and a
+ * slider with a massless block between, which is not counted as a link. */
+#define CLI_TOPOLOGY_EXPANDED 8
+
 /* What there is with one number of links. */
 typedef struct cli_topology_stage {
     int         links;
-    long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link; with an input */
+    bool        higher;                                            /* chains with slots or gears    */
+    int         stage;                                             /* of the search, see cli_fit_stages_make */
+    long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link, slots either way;
+                                                                    * with an input                 */
     long        fate[CLI_TOPOLOGY_FATES];                          /* of the pairs                  */
     long        n_group;                                           /* fitted that hold a group beyond dyads */
     int         n_family, capacity;
     lw_family  *family;
     lw_linkage **linkage;                                          /* (n_family) owned              */
-    char      (*name)[64];
+    char      (*name)[96];
 } cli_topology_stage;
 
 typedef struct cli_topologies {
@@ -34,14 +42,18 @@ typedef struct cli_topologies {
 } cli_topologies;
 
 typedef struct cli_topology_wish {
-    int         links;         /* 4, 6, 8: all up to these                                        */
-    const char *kinds;         /* letters of joints, "r" or "rt"                                  */
-    const char *only;          /* "watt1,stephenson3", "8.5", or "all"                             */
+    int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too      */
+    const char *kinds;         /* letters of joints, of "rtpg"                                    */
+    const char *only;          /* "watt1,stephenson3", "8.5", "5.1.2", or "all"                    */
     lw_task     task;
     bool        timed;         /* the input matters: every input at the ground by itself           */
 } cli_topology_wish;
 
-/* LW_E_ARG with a text: a name in `only` that nothing bears. */
+/* Do these kinds of joints hold one of two freedoms? */
+bool cli_topology_higher(const char *kinds);
+
+/* Those of pins and sliders by rising number of links from six, then those with slots and gears from three.
+ * LW_E_ARG with a text: a name in `only` that nothing bears. */
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
 

@@ -202,7 +202,7 @@ lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_st
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
         double left = o->max_seconds - (lw_clock_wall() - start), share = left/(n_stage - i);
-        lw_status now = run_stage(t, o, &stage[i], i > 0 && stage[i - 1].links < stage[i].links ? stage[i - 1].links : 0,
+        lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
                                   o->max_seconds > 0 ? fmax(share, 1e-3) : 0, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_survey_free(out);

@@ -7,7 +7,7 @@
 
 #include "optimise/report.h"
 
-#define LW_STAGE_MAX 8
+#define LW_STAGE_MAX 24
 
 /* The families of one number of links; family NULL: four-link types, as lw_fit_options.types says. */
 typedef struct lw_stage {
