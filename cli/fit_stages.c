@@ -102,7 +102,8 @@ static void add_stage(cli_topologies *all, cli_topology_stage *t, const cli_fit_
                       lw_family **at)
 {
     lw_stage *stage = &s->stage[s->n];
-    *stage = (lw_stage){ .links = links, .family = *at, .name = all->n > 0 ? cli_topologies_name : NULL, .context = all };
+    *stage = (lw_stage){ .links = links, .family = *at, .context = all };
+    stage->name = all->n > 0 ? cli_topologies_name : NULL;
     if (t) {
         memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
         t->stage = s->n;

@@ -48,7 +48,8 @@ static void higher_name(const maker *mk, const lw_mechanism *m, char *name, char
     int n = snprintf(name, size, "%d-link %d.%d %.*s", m->n_link, mk->n2, mk->chain, m->n_joint, m->kind);
     for (int j = 0; j < m->n_joint; j++)
         if (m->kind[j] == 'p') {
-            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+", m->link[j][(mk->turned & bit) != 0] + 1);
+            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
+                          m->link[j][(mk->turned & bit) != 0] + 1);
             bit <<= 1;
         }
     snprintf(name + n, size - (size_t)n, ", ground %d", m->ground + 1);
@@ -172,7 +173,8 @@ static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k,
     int way = 0;
     driven.n_input = 1;
     driven.input[0] = (uint8_t)joint;
-    if (plan && sketch(mk, &driven, k) == LW_OK && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
+    if (plan && sketch(mk, &driven, k) == LW_OK
+        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
         way = plan->n_higher > 0 ? 1 : 2;
         *links = links_of(plan, k);
     }
@@ -432,7 +434,8 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
     t->wish_all = strcmp(w->only, "all") == 0;
     for (int links = 6; links <= w->links; links += 2)
         st = st == LW_OK ? add_stage(mk, t, links, false) : st;
-    for (int links = 3; cli_topology_higher(w->kinds) && links <= w->links && links < CLI_TOPOLOGY_EXPANDED; links++)
+    int most = !cli_topology_higher(w->kinds) ? 0 : w->links < CLI_TOPOLOGY_EXPANDED ? w->links : CLI_TOPOLOGY_EXPANDED - 1;
+    for (int links = 3; links <= most; links++)
         st = st == LW_OK ? add_stage(mk, t, links, true) : st;
     if (st == LW_OK)
         st = check_names(mk, e);

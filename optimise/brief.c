@@ -452,9 +452,10 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
         && (s = read_lengths(root, b, e)) == LW_OK && (s = read_positions(root, b, e)) == LW_OK)
         s = read_zones(root, b, e);
     b->links = (int)links;
-    if (s == LW_OK && (links != b->links || b->links % 2)) {
+    if (s == LW_OK && (links != b->links || (b->links % 2 && !strpbrk(b->joints, "pg")))) {
         lw_json_member(root, "links", &o);
-        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links");
+        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links; with joints of two freedoms, p, "
+                          "5 or 7 too");
     }
     return s;
 }

@@ -96,7 +96,8 @@ static bool try_once(const course *c, const lw_linkage *parent, double size, lw_
     double least = INFINITY, most = 0, here = lw_v2_norm(lw_v2_sub(hold, p));
     double reach = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);
     double side = lw_rng_uniform(rng) < 0.5 ? -1 : 1;
-    if (base == parent->tracer[0].link || c->plan.link_origin[base] < 0)
+    if (base == parent->tracer[0].link || c->plan.link_origin[base] < 0
+        || (base != parent->ground && joint_of(parent, base) < 0))
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
         double d = lw_v2_norm(lw_v2_sub(carried(c, parent, base, hold, i), c->pose[i].tracer[0][0]));

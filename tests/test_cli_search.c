@@ -1,5 +1,8 @@
 /* `fit --links`: searches over topologies, through the program. */
 #include <jansson.h>
+#include "enumerate/canon.h"
+#include "enumerate/chains.h"
+#include "enumerate/mechanisms.h"
 #include "tests/cli_run.h"
 
 static const char *const target =
@@ -75,8 +78,8 @@ static void only_the_topologies_asked_for(void)
     }
     CHECK(six > 0);
     json_decref(root);
-    expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r or r,t");
-    expect("$P fit $D/t.csv --links 6 --joints r,g", 2, NULL, "a search fits pins and sliders");
+    expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
+    expect("$P fit $D/t.csv --links 6 --joints r,g", 2, NULL, "chains with gears are listed");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
 }
 
@@ -103,6 +106,177 @@ static void error_against_links(void)
     expect("$P bench fit --links 7", 2, NULL, "even numbers from 4 to 10");
 }
 
+/* ---- pins in slots ---------------------------------------------------------------------------------------- */
+
+/* A pin in a slot counted the other way: as a binary link with a pin and a slide, which is none. */
+enum { FORMS = 1024 };
+typedef struct blocks { int n2; long n; bool full; lw_graph form[FORMS]; } blocks;
+
+/* May these links be blocks: binary, neither ground nor output, no two joined to each other or to the same pair of
+ * links, none between links that are joined? */
+static bool may_be_blocks(const lw_mechanism *m, const lw_chain *c, uint32_t set)
+{
+    for (int i = 0; i < m->n_link; i++) {
+        uint32_t beside = lw_chain_neighbours(c, i);
+        if (!(set >> i & 1))
+            continue;
+        if (__builtin_popcount(beside) != 2 || i == m->ground || i == m->output || beside & set
+            || lw_chain_neighbours(c, __builtin_ctz(beside)) & beside)
+            return false;
+        for (int k = 0; k < i; k++)
+            if (set >> k & 1 && lw_chain_neighbours(c, k) == beside)
+                return false;
+    }
+    return true;
+}
+
+static void keep_form(blocks *b, const lw_mechanism *m, uint32_t set)
+{
+    lw_graph g = { .n = m->n_link }, f = { .n = m->n_link };
+    uint8_t to[LW_GRAPH_MAX];
+    for (int i = 0; i < m->n_link; i++)
+        g.colour[i] = (uint8_t)(set >> i & 1 ? 3 : m->ground == i ? 1 : m->output == i ? 2 : 0);
+    for (int j = 0; j < m->n_joint; j++)
+        g.tie[m->link[j][0]][m->link[j][1]] = g.tie[m->link[j][1]][m->link[j][0]] = (uint8_t)m->kind[j];
+    CHECK(lw_graph_label(&g, to) == LW_OK);
+    for (int i = 0; i < g.n; i++) {
+        f.colour[to[i]] = g.colour[i];
+        for (int k = 0; k < g.n; k++)
+            f.tie[to[i]][to[k]] = g.tie[i][k];
+    }
+    for (int i = 0; i < b->n; i++)
+        if (memcmp(&b->form[i], &f, sizeof f) == 0)
+            return;
+    b->full |= b->n == FORMS;
+    if (!b->full)
+        b->form[b->n++] = f;
+}
+
+/* Of each block one joint or the other as a slide; `way` holds a bit a block. */
+static void slide_blocks(blocks *b, const lw_mechanism *m, uint32_t set, unsigned way)
+{
+    lw_mechanism slides = *m;
+    for (int i = 0, k = 0; i < m->n_link; i++) {
+        int at[2], n = 0;
+        if (!(set >> i & 1))
+            continue;
+        for (int j = 0; j < m->n_joint; j++)
+            if (m->link[j][0] == i || m->link[j][1] == i)
+                at[n++ & 1] = j;
+        slides.kind[at[way >> k++ & 1]] = 't';
+    }
+    if (lw_mechanism_void(&slides, NULL) == LW_VOID_NOT)
+        keep_form(b, &slides, set);
+}
+
+static lw_status choose_blocks(void *context, const lw_mechanism *m)
+{
+    blocks *b = context;
+    lw_chain c;
+    lw_mechanism_chain(m, &c);
+    for (uint32_t set = 0; set < 1u << m->n_link; set++)
+        if (__builtin_popcount(set) == b->n2 && may_be_blocks(m, &c, set))
+            for (unsigned way = 0; way < 1u << b->n2; way++)
+                slide_blocks(b, m, set, way);
+    return LW_OK;
+}
+
+static lw_status blocks_of_chain(void *context, const lw_chain_item *item)
+{
+    lw_mechanism m;
+    lw_mechanism_counts counts = { 0 };
+    lw_mechanism_steps steps = { .ground = true, .output = true };
+    CHECK(lw_mechanism_from_chain(item->chain, &m) == LW_OK);
+    return lw_mechanisms_each(&m, &steps, &counts, choose_blocks, NULL, context);
+}
+
+static long count_by_blocks(int links, int n2)
+{
+    static blocks b;
+    lw_chains *all;
+    lw_chain_walk how = lw_chain_walk_default();
+    how.n_thread = 1;
+    b = (blocks){ .n2 = n2 };
+    CHECK(lw_chains_create(links + n2, 1, 1, &all, NULL) == LW_OK);
+    CHECK(lw_chains_each(all, &how, blocks_of_chain, &b) == LW_OK);
+    lw_chains_free(all);
+    CHECK(!b.full);
+    return b.n;
+}
+
+/* Three links, by hand: pin, pin, pin in slot in a ring.  Ground and tracer link in six ways, since the slot tells
+ * the links apart; in four of them they share a pin. */
+static void slots_are_counted_as_blocks(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,p --rounds 1 --starts 32 --budget 1000 --json");
+    json_t *list = json_object_get(root, "topologies");
+    json_t *three = json_array_get(list, 0), *four = json_array_get(list, 1);
+    CHECK_INT(json_array_size(list), 2);
+    CHECK_INT(integer(three, "links"), 3);
+    CHECK_INT(integer(three, "with_tracer_link"), 6);
+    CHECK_INT(integer(three, "joined_to_ground"), 4);
+    CHECK_INT(integer(three, "fitted"), 2);
+    CHECK_INT(count_by_blocks(3, 1), 6);
+    CHECK_INT(integer(four, "links"), 4);
+    CHECK_INT(integer(four, "with_tracer_link"), count_by_blocks(4, 2) + count_by_blocks(4, 4));
+    json_decref(root);
+}
+
+/* Least distance of (x, y) from the points of a traced curve. */
+static double from_curve(const char *csv, double x, double y)
+{
+    double least = INFINITY, at[4];
+    for (const char *line = csv; line && *line; line = strchr(line, '\n') ? strchr(line, '\n') + 1 : NULL) {
+        const char *from = strchr(line, ',');
+        if (*line >= '0' && *line <= '9' && from && (from = strchr(from + 1, ','))
+            && sscanf(from + 1, "%lf,%lf,%lf", &at[0], &at[1], &at[2]) == 3)
+            least = fmin(least, hypot(at[1] - x, at[2] - y));
+    }
+    return least;
+}
+
+/* Results that hold a joint of this kind are traced from their file and run where the fit says. */
+static int trace_results(const json_t *root, char kind)
+{
+    static const double target_at[][2] = { { 0, 0 }, { 1, 0.2 }, { 2, 0 }, { 3, 0.3 }, { 3, 1.2 }, { 2.6, 2 },
+                                           { 1.5, 1.7 }, { 0.4, 1.4 } };
+    const json_t *results = json_object_get(root, "results");
+    int found = 0;
+    for (size_t i = 0; i < json_array_size(results); i++) {
+        const json_t *r = json_array_get(results, i), *k = json_object_get(r, "linkage");
+        char *text = json_dumps(k, JSON_COMPACT), word[16], path[96];
+        CHECK(json_is_true(json_object_get(r, "verified")));
+        CHECK(real(r, "verified_difference") <= 1e-7);
+        snprintf(word, sizeof word, "\"kind\":\"%c\"", kind);
+        if (strstr(text, word) && json_is_true(json_object_get(r, "crank"))) {
+            snprintf(path, sizeof path, "%s/found.json", getenv("D"));
+            FILE *f = fopen(path, "w");
+            CHECK(f && fputs(text, f) >= 0 && fclose(f) == 0);
+            ran t = run("$P trace $D/found.json --mode file --steps 2000");
+            CHECK_INT(t.code, 0);
+            double most = real(r, "error_max");
+            for (size_t p = 0; p < sizeof target_at/sizeof *target_at; p++)
+                CHECK(from_curve(t.out, target_at[p][0], target_at[p][1]) <= 1.02*most + 0.05);
+            ran_free(&t);
+            found++;
+        }
+        free(text);
+    }
+    return found;
+}
+
+static void slots_are_fitted_and_traced(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,p --crank-only --starts 32 --rounds 1 "
+                           "--budget 1000 --json");
+    json_t *plain = json_of("$P fit $D/t.csv --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    CHECK(trace_results(root, 'p') > 0);
+    CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
+          <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
+    json_decref(root);
+    json_decref(plain);
+}
+
 int main(void)
 {
     RUN(every_topology_is_accounted_for);
@@ -110,5 +284,7 @@ int main(void)
     RUN(only_the_topologies_asked_for);
     RUN(results_are_gone_on_from);
     RUN(error_against_links);
+    RUN(slots_are_counted_as_blocks);
+    RUN(slots_are_fitted_and_traced);
     return check_end();
 }
