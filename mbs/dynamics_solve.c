@@ -474,7 +474,7 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, const double *q, double *v)
 {
     double *step = d->hold, *want = d->l_each + d->n_c;
     (void)q;
-    for (int pass = 0; pass < 3; pass++) {
+    for (int pass = 0; pass < 8; pass++) {
         if (lw_mbs_rate_wanted(d, t) != LW_OK)
             return LW_E_NUMERIC;
         double off = 0, size = greatest(v, d->n_q);

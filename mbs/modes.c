@@ -216,6 +216,7 @@ lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t,
                         lw_error *e)
 {
     lw_vibration v;
+    lw_rest r;
     memset(modes, 0, sizeof *modes);
     if (lw_vibration_make(f, o->hold_inputs, t, q, &v) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a linear analysis");
@@ -223,7 +224,7 @@ lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t,
     if (s != LW_OK)
         lw_error_set(e, s, "no posture near the given one fits the joints and inputs");
     if (s == LW_OK && o->rest)
-        s = lw_vibration_rest(&v, t, q, e);
+        s = lw_vibration_rest(&v, t, q, &r, e) == LW_OK ? LW_OK : LW_E_NUMERIC;
     if (s == LW_OK && (s = lw_vibration_linearise(&v, t, q)) != LW_OK)
         lw_error_set(e, s, "the loads are not finite in this posture");
     modes->freedom = v.n_free;

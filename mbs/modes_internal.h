@@ -4,6 +4,7 @@
 
 #include "base/rank.h"
 #include "mbs/modes.h"
+#include "mbs/statics.h"
 
 /* K x = w M x for symmetric K (n*n) and symmetric positive definite M, by rows; w (n) rising, x[k*n + i] component i of
  * vector k.  K, M are overwritten.  LW_E_NUMERIC: M is not positive definite. */
@@ -15,6 +16,7 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
 /* One posture's equations: rows (system, then held inputs), null space, reduced matrices. */
 typedef struct lw_vibration {
     const lw_forces *f;
+    const lw_extra_force *extra;         /* NULL: none                                                 */
     int     n_q, n_row, n_free;          /* n_row with held inputs                                     */
     int     n_held, held[LW_INPUT_MAX];
     double  want[LW_INPUT_MAX];          /* what held inputs count                                      */
@@ -38,7 +40,8 @@ lw_status lw_vibration_project(lw_vibration *v, double *q);
 /* Null space, multipliers and reduced matrices at (t, q). */
 lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q);
 
-/* Move q to where no force is left, downhill: to a stable rest where there is one near. */
-lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_error *e);
+/* Move q to where no force is left, downhill: to a stable rest where there is one near (mbs/statics.c).  LW_NOTHING: the
+ * forces drive it away. */
+lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e);
 
 #endif

@@ -229,119 +229,12 @@ lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q)
     factor_rows(v);
     find_null(v);
     lw_forces_apply(v->f, t, q, still, v->force, v->dq, v->dv, NULL);
+    if (v->extra && v->extra->apply)
+        v->extra->apply(v->extra->context, t, q, still, v->force, v->dq, v->dv, &(double){ 0.0 });
     for (int i = 0; i < v->n_q; i++)
         if (!isfinite(v->force[i]))
             return LW_E_NUMERIC;
     find_multipliers(v);
     reduce(v, q);
     return LW_OK;
-}
-
-/* ---- rest ---------------------------------------------------------------------------------------- */
-
-/* Cholesky solve of (K + shift W) x = load with W the masses and a little of everything; false: not positive. */
-static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
-{
-    int n = v->n_free;
-    double a[LW_SYSTEM_Q_MAX*4], *m = n*n <= (int)(sizeof a/sizeof *a) ? a : v->kkt.a;
-    for (int i = 0; i < n; i++) {
-        x[i] = v->load[i];
-        for (int j = 0; j <= i; j++) {
-            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i])
-                       + shift*(v->mass[i*n + j] + (i == j)*little);
-            for (int k = 0; k < j; k++)
-                sum -= m[i*n + k]*m[j*n + k];
-            if (i == j && !(sum > 1e-14*(fabs(v->stiffness[i*n + i]) + shift*(v->mass[i*n + i] + little))))
-                return false;
-            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
-        }
-        for (int k = 0; k < i; k++)
-            x[i] -= m[i*n + k]*x[k];
-        x[i] /= m[i*n + i];
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++)
-            x[i] -= m[k*n + i]*x[k];
-        x[i] /= m[i*n + i];
-    }
-    return true;
-}
-
-static double length(const double *x, int n)
-{
-    double sum = 0.0;
-    for (int i = 0; i < n; i++)
-        sum += x[i]*x[i];
-    return sqrt(sum);
-}
-
-/* Newton's step where the stiffness is positive, else shifted until it is; not longer than half a radian or half the
- * linkage's size. */
-static bool find_step(const lw_vibration *v, double *x)
-{
-    double mass = 0.0, stiff = 0.0;
-    for (int i = 0; i < v->n_free; i++) {
-        mass = fmax(mass, v->mass[i*v->n_free + i]);
-        stiff = fmax(stiff, fabs(v->stiffness[i*v->n_free + i]));
-    }
-    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
-    double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
-    for (int tries = 0; tries < 60; tries++) {
-        if (solve_shifted(v, shift, little, x)) {
-            double size = length(x, v->n_free);
-            for (int i = 0; size > 0.5 && i < v->n_free; i++)
-                x[i] *= 0.5/size;
-            return isfinite(size);
-        }
-        shift = shift > 0.0 ? 2.0*shift : 1e-3*unit;
-    }
-    return false;
-}
-
-/* Step along x from q, halved while the force at its end pushes back harder than half as hard as at its start. */
-static lw_status search(lw_vibration *v, double t, double *q, const double *x)
-{
-    int n = v->n_q, m = v->n_free;
-    double from[LW_SYSTEM_Q_MAX], null[LW_SYSTEM_Q_MAX], slope = 0.0;
-    memcpy(from, q, sizeof *q*(size_t)n);
-    memset(null, 0, sizeof null);
-    for (int k = 0; k < m; k++)
-        for (int i = 0; i < n; i++)
-            null[i] += x[k]*v->null[k*n + i];
-    for (int k = 0; k < m; k++)
-        slope += v->load[k]*x[k];
-    for (double share = 1.0; share > 1e-12; share *= 0.5) {
-        double end = 0.0;
-        for (int i = 0; i < n; i++)
-            q[i] = from[i] + share*null[i];
-        lw_status s = lw_vibration_project(v, q);
-        if (s == LW_OK)
-            s = lw_vibration_linearise(v, t, q);
-        if (s != LW_OK)
-            continue;
-        for (int i = 0; i < n; i++)
-            end += null[i]*v->force[i];
-        if (end >= -0.5*fabs(slope) || share*length(x, m) < 1e-9)
-            return LW_OK;
-    }
-    return LW_E_NUMERIC;
-}
-
-lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_error *e)
-{
-    double x[LW_SYSTEM_Q_MAX];
-    lw_status s = lw_vibration_linearise(v, t, q);
-    for (int round = 0; s == LW_OK && round < 500; round++) {
-        if (v->n_free == 0)
-            return LW_OK;
-        if (!find_step(v, x))
-            break;
-        double size = length(x, v->n_free);
-        if (size < 1e-14)
-            return LW_OK;
-        s = search(v, t, q, x);
-        if (s == LW_OK && size < 1e-11)
-            return LW_OK;
-    }
-    return lw_error_set(e, LW_E_NUMERIC, "no static equilibrium was found near the posture: the forces drive it away");
 }

@@ -1,191 +1,179 @@
-/* mbs/statics.c - equilibrium by Newton's method in the null space of the constraints, with a fallback downhill.
+/* mbs/statics.c - equilibrium by Newton's method in the null space of the constraints.
  *
- * With N an orthonormal basis of the null space of J, forces g = N^T Q(q, 0) vanish at rest.  The matrix is
- * K = -N^T (dQ/dq - d(J^T l)/dq) N, its second part by differences of J^T l along the columns of N. */
+ * The reduced equations are those of small vibrations (mbs/modes.h): load = Z^T Q, stiffness Z^T (K + sum l_r H_r) Z.
+ * Where the stiffness is not positive, masses shift it until it is, which leads downhill and away from saddles. */
 #include "mbs/statics.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include "base/linalg.h"
 #include "mbs/dynamics_run_internal.h"
+#include "mbs/modes_internal.h"
 
-static const int    most = 400;
-static const double small = 1e-13;           /* of the greatest force                                     */
-static const double longest = 0.2;           /* step, scaled                                              */
-
-typedef struct rest {
-    lw_dynamics *d;
-    double t, *q, *force, *l, *free, *k, *trial, *side, *dq, *dv, scale;
-} rest;
+/* A stiffness that so little shift makes positive holds nothing and drives nothing away */
+#define NEUTRAL 1e-9
 
 static const double still[LW_SYSTEM_Q_MAX];
 
-/* Forces at q along N (free), with multipliers; N in d->null.  Factored. */
-static lw_status balance(rest *r, const double *q)
+/* Cholesky solve of (K + shift W) x = load with W the masses and a little of everything; false: not positive. */
+static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
 {
-    lw_dynamics *d = r->d;
-    lw_status s = lw_mbs_rows(d, r->t, q);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, true);
-    if (s != LW_OK)
-        return s;
-    lw_forces_apply(&d->f, r->t, q, still, r->force, r->dq, r->dv, NULL);
-    if (d->o.extra.apply)
-        d->o.extra.apply(d->o.extra.context, r->t, q, still, r->force, NULL, NULL, &(double){ 0 });
-    r->scale = 0;
-    for (int i = 0; i < d->n_q; i++)
-        r->scale = fmax(r->scale, fabs(r->force[i]));
-    for (int k = 0; k < d->freedom; k++) {
-        lw_rank_left_null(&d->rank_of, k, d->null + k*d->n_q);
-        r->free[k] = 0;
-        for (int i = 0; i < d->n_q; i++)
-            r->free[k] += d->null[k*d->n_q + i]*r->force[i];
-    }
-    memcpy(d->bias, r->force, (size_t)d->n_q*sizeof *d->bias);
-    lw_rank_solve(&d->rank_of, d->bias, r->l);
-    return LW_OK;
-}
-
-static double size_of(const double *x, int n)
-{
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum = fmax(sum, fabs(x[i]));
-    return sum;
-}
-
-/* (J(q + h n)^T - J(q - h n)^T) l / 2h into out. */
-static void turn_of_rows(rest *r, const double *n, double *out)
-{
-    lw_dynamics *d = r->d;
-    const double h = 1e-5;
-    memset(out, 0, (size_t)d->n_q*sizeof *out);
-    for (int side = -1; side <= 1; side += 2) {
-        for (int i = 0; i < d->n_q; i++)
-            r->side[i] = r->q[i] + side*h*n[i];
-        lw_mbs_rows(d, r->t, r->side);
-        for (int c = 0; c < d->n_c; c++)
-            for (int i = 0; i < d->n_q; i++)
-                out[i] += side*r->l[c]*d->jac[c*d->n_q + i]/(2*h);
-    }
-}
-
-/* K x = free by Cholesky; false when K is not positive. */
-static bool newton_step(rest *r, double *x)
-{
-    lw_dynamics *d = r->d;
-    int n = d->freedom, q = d->n_q;
-    for (int j = 0; j < n; j++) {
-        const double *nj = d->null + j*q;
-        turn_of_rows(r, nj, r->trial);
-        for (int i = 0; i < q; i++)
-            for (int c = 0; c < q; c++)
-                r->trial[i] -= r->dq[i*q + c]*nj[c];
-        for (int i = 0; i < n; i++) {
-            r->k[i*n + j] = 0;
-            for (int c = 0; c < q; c++)
-                r->k[i*n + j] += d->null[i*q + c]*r->trial[c];
-        }
-    }
-    memcpy(x, r->free, (size_t)n*sizeof *x);
+    int n = v->n_free;
+    double a[LW_SYSTEM_Q_MAX*4], *m = n*n <= (int)(sizeof a/sizeof *a) ? a : v->kkt.a;
     for (int i = 0; i < n; i++) {
+        x[i] = v->load[i];
         for (int j = 0; j <= i; j++) {
-            double sum = 0.5*(r->k[i*n + j] + (i == j ? r->k[i*n + j] : r->k[j*n + i]));
-            for (int c = 0; c < j; c++)
-                sum -= r->k[i*n + c]*r->k[j*n + c];
-            if (j < i)
-                r->k[i*n + j] = sum/r->k[j*n + j];
-            else if (sum > 1e-12*r->scale)
-                r->k[i*n + i] = sqrt(sum);
-            else
+            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i])
+                       + shift*(v->mass[i*n + j] + (i == j)*little);
+            for (int k = 0; k < j; k++)
+                sum -= m[i*n + k]*m[j*n + k];
+            if (i == j && !(sum > 1e-14*(fabs(v->stiffness[i*n + i]) + shift*(v->mass[i*n + i] + little))))
                 return false;
+            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
         }
-        for (int c = 0; c < i; c++)
-            x[i] -= r->k[i*n + c]*x[c];
-        x[i] /= r->k[i*n + i];
+        for (int k = 0; k < i; k++)
+            x[i] -= m[i*n + k]*x[k];
+        x[i] /= m[i*n + i];
     }
     for (int i = n - 1; i >= 0; i--) {
-        for (int c = i + 1; c < n; c++)
-            x[i] -= r->k[c*n + i]*x[c];
-        x[i] /= r->k[i*n + i];
+        for (int k = i + 1; k < n; k++)
+            x[i] -= m[k*n + i]*x[k];
+        x[i] /= m[i*n + i];
     }
     return true;
 }
 
-/* What must fall: the energy, or the forces where they have none. */
-static double merit(const rest *r, const double *q)
+static double length(const double *x, int n)
 {
-    if (r->d->f.conservative && !r->d->o.extra.apply)
-        return lw_forces_potential(&r->d->f, q);
-    return size_of(r->free, r->d->freedom);
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += x[i]*x[i];
+    return sqrt(sum);
 }
 
-static lw_status search(rest *r, lw_rest *out)
+/* Newton's step where the stiffness is positive, else shifted until it is; not longer than half a radian or half the
+ * linkage's size.  How far it was shifted, in stiffnesses over masses; below 0: no step was found. */
+static double find_step(const lw_vibration *v, double *x)
 {
-    lw_dynamics *d = r->d;
-    double x[LW_SYSTEM_Q_MAX], way[LW_SYSTEM_Q_MAX], next[LW_SYSTEM_Q_MAX], stretch = longest;
-    lw_status s = balance(r, r->q);
-    for (out->iterations = 0; s == LW_OK && out->iterations < most; out->iterations++) {
-        double before = merit(r, r->q), reach = size_of(r->free, d->freedom);
-        out->residual = reach;
-        bool newton = newton_step(r, x);
-        out->stable = newton;
-        if (reach <= small*fmax(r->scale, 1e-300) && newton)
-            return LW_OK;
-        for (int k = 0; !newton && k < d->freedom; k++)
-            x[k] = reach > 1e-9*r->scale ? r->free[k]/reach*stretch : 1e-3*(1 + 0.3*k);
-        memset(way, 0, sizeof way);
-        for (int k = 0; k < d->freedom; k++)
-            for (int i = 0; i < d->n_q; i++)
-                way[i] += x[k]*d->null[k*d->n_q + i];
-        double shrink = fmin(1, longest/fmax(size_of(way, d->n_q), 1e-300));
-        bool better = false;
-        for (int tries = 0; s >= 0 && !better && tries < 50; tries++, shrink *= 0.5) {
-            for (int i = 0; i < d->n_q; i++)
-                next[i] = r->q[i] + shrink*way[i];
-            s = lw_mbs_project_q(d, r->t, next, 1);
-            if (s == LW_OK)
-                s = balance(r, next);
-            better = s == LW_OK && (merit(r, next) < before || (newton && size_of(r->free, d->freedom) < reach));
-        }
-        stretch = newton ? longest : fmin(longest, 2*shrink*stretch);
-        if (s < 0)
-            return s;
-        if (!better) {                            /* rounding ends the descent */
-            s = balance(r, r->q);
-            return s == LW_OK && out->residual <= 1e-9*r->scale && out->stable ? LW_OK : LW_NOTHING;
-        }
-        memcpy(r->q, next, (size_t)d->n_q*sizeof *next);
+    double mass = 0.0, stiff = 0.0;
+    for (int i = 0; i < v->n_free; i++) {
+        mass = fmax(mass, v->mass[i*v->n_free + i]);
+        stiff = fmax(stiff, fabs(v->stiffness[i*v->n_free + i]));
     }
-    return s == LW_OK ? LW_NOTHING : s;
+    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
+    double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
+    for (int tries = 0; tries < 60; tries++) {
+        if (solve_shifted(v, shift, little, x)) {
+            double size = length(x, v->n_free);
+            for (int i = 0; size > 0.5 && i < v->n_free; i++)
+                x[i] *= 0.5/size;
+            return isfinite(size) ? shift/unit : -1.0;
+        }
+        shift = shift > 0.0 ? fmin(8.0*shift, fmax(1e-3*unit, 2.0*shift)) : NEUTRAL*unit;
+    }
+    return -1.0;
 }
 
-lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *out, lw_error *e)
+/* Step along x from q, halved while the force at its end pushes back harder than half as hard as at its start. */
+static lw_status search(lw_vibration *v, double t, double *q, const double *x)
 {
-    size_t n = (size_t)d->n_q, c = (size_t)d->n_c;
-    double *room = calloc(5*n + c + 3*n*n, sizeof *room);
-    lw_error own = { 0 };
-    if (!room)
+    int n = v->n_q, m = v->n_free;
+    double from[LW_SYSTEM_Q_MAX], null[LW_SYSTEM_Q_MAX], slope = 0.0;
+    memcpy(from, q, sizeof *q*(size_t)n);
+    memset(null, 0, sizeof null);
+    for (int k = 0; k < m; k++)
+        for (int i = 0; i < n; i++)
+            null[i] += x[k]*v->null[k*n + i];
+    for (int k = 0; k < m; k++)
+        slope += v->load[k]*x[k];
+    for (double share = 1.0; share > 1e-12; share *= 0.5) {
+        double end = 0.0;
+        for (int i = 0; i < n; i++)
+            q[i] = from[i] + share*null[i];
+        lw_status s = lw_vibration_project(v, q);
+        if (s == LW_OK)
+            s = lw_vibration_linearise(v, t, q);
+        if (s != LW_OK)
+            continue;
+        for (int i = 0; i < n; i++)
+            end += null[i]*v->force[i];
+        if (end >= -0.5*fabs(slope) || share*length(x, m) < 1e-9)
+            return LW_OK;
+    }
+    return LW_E_NUMERIC;
+}
+
+/* Off a saddle: a small step along every motion, all of them different. */
+static lw_status leave_saddle(lw_vibration *v, double t, double *q)
+{
+    for (int k = 0; k < v->n_free; k++)
+        for (int i = 0; i < v->n_q; i++)
+            q[i] += 1e-3*(1.0 + 0.3*k)*v->null[k*v->n_q + i];
+    lw_status s = lw_vibration_project(v, q);
+    return s == LW_OK ? lw_vibration_linearise(v, t, q) : s;
+}
+
+static double greatest(const double *x, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e)
+{
+    double x[LW_SYSTEM_Q_MAX], last = INFINITY;
+    lw_status s = lw_vibration_linearise(v, t, q);
+    *r = (lw_rest){ 0 };
+    for (int saddles = 0; s == LW_OK && r->iterations < 500; r->iterations++) {
+        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? length(x, v->n_free) : 0.0;
+        if (shift < 0.0)
+            break;
+        r->residual = greatest(v->load, v->n_free);
+        r->stable = shift == 0.0;
+        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q) || (last < 1e-11 && size < 1e-11);
+        if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
+            return LW_OK;
+        last = done ? INFINITY : size;
+        saddles += done;
+        s = done ? leave_saddle(v, t, q) : search(v, t, q, x);
+    }
+    return lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive it away "
+                        "(force left %.3g J)", r->residual);
+}
+
+/* Rigid stops are not part of the balance: a rest beyond one is none. */
+static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
+{
+    for (int i = 0; i < d->n_contact; i++) {
+        int j = d->contact[i].joint;
+        const lw_joint_stop *p = &d->model->stop[j];
+        double scale = d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s.unit;
+        double value = scale*lw_system_measure(&d->s, j, q, NULL);
+        double beyond = d->contact[i].greatest ? value - p->greatest : p->least - value;
+        if (beyond > 1e-9*scale)
+            return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint \"%s\"; "
+                                "give the stop a stiffness, and it rests on it", beyond,
+                                d->s.joint[j].kind == LW_JOINT_REVOLUTE ? "rad" : "m", d->model->linkage.joint[j].name);
+    }
+    return LW_OK;
+}
+
+lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
+{
+    lw_vibration v;
+    *r = (lw_rest){ 0 };
+    memcpy(q, d->start_q, sizeof *q*(size_t)d->n_q);
+    if (lw_vibration_make(&d->f, false, t, q, &v) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    rest r = { .d = d, .t = t, .q = q };
-    r.force = room;
-    r.free = r.force + n;
-    r.trial = r.free + n;
-    r.side = r.trial + n;
-    r.l = r.side + n;
-    r.k = r.l + c;
-    r.dq = r.k + n*n;
-    r.dv = r.dq + n*n;
-    *out = (lw_rest){ 0 };
-    d->e = e ? e : &own;
-    memcpy(q, d->start_q, n*sizeof *q);
-    lw_status s = search(&r, out);
-    free(room);
-    if (s == LW_NOTHING)
-        return lw_error_set(e, s, "no posture of rest was found in %d steps; what is left of the forces is %.3g J", most,
-                            out->residual);
-    return s == LW_OPEN ? lw_error_set(e, s, "the linkage does not close on the way to its rest") : s;
+    v.extra = &d->o.extra;
+    lw_status s = lw_vibration_project(&v, q);
+    if (s == LW_OK)
+        s = lw_vibration_rest(&v, t, q, r, e);
+    else
+        lw_error_set(e, s, "no posture near the given one fits the joints and inputs");
+    lw_vibration_free(&v);
+    return s == LW_OK ? check_stops(d, q, e) : s;
 }
 
 lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment_sink *sink, void *context, lw_error *e)

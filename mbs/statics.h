@@ -7,13 +7,13 @@
 typedef struct lw_rest {
     int    iterations;
     double residual;            /* greatest force left along the constraints [J]                          */
-    bool   stable;              /* the potential has a minimum there, as far as forces are of a potential  */
+    bool   stable;              /* the stiffness is positive there; else it rests on a saddle, or anywhere along a motion
+                                   that no force minds                                                */
 } lw_rest;
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at t: q (n_q).  Newton's method on
- * the reduced forces; where their matrix is not positive, or a step does not lower the energy (or, with forces that
- * have none, the forces), steepest descent in the metric of the coordinates.  LW_NOTHING: no rest was found;
- * LW_OPEN: the linkage does not close on the way. */
+ * the reduced forces; where their matrix is not positive it is shifted until it is.  LW_NOTHING: no rest was found,
+ * or it lies beyond a rigid stop (which is named); LW_OPEN: the linkage does not close. */
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e);
 
 /* Hand the moment of rest at (t, q) to a sink: no velocities, reactions to weight and loads. */
