@@ -72,8 +72,36 @@ static void files_for_other_programs(void)
     expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 
+/* Every kind of linkage in every format: written, or refused with the joint that has no form there. */
+static void every_kind_in_every_format(void)
+{
+    static const char *const cannot[][2] = {
+        { "geared-five-bar", "pyslvs pmks dxf scad slvs" }, { "loader", "dxf scad" },      /* no layers pass */
+    };
+    for (int i = 0; i < 2; i++) {
+        char command[400];
+        snprintf(command, sizeof command, "for t in %s; do $P convert examples/%s.json --to $t -o $D/no.$t; "
+                 "test $? = %d -a ! -e $D/no.$t || echo $t; done; echo end", cannot[i][1], cannot[i][0], i ? 1 : 3);
+        expect(command, 0, "end", i ? "there are no layers" : "joint \"G\" is a gear");
+    }
+    expect("for m in examples/hoeken examples/slider-crank examples/inverted-slider-crank examples/trammel "
+           "examples/klann examples/jansen tests/data/linkages/triad-eight-bar tests/data/linkages/scotch-yoke "
+           "examples/five-bar; do for t in json pyslvs pmks adams acf mjcf dxf scad slvs svg poses motiongen; do "
+           "$P convert $m.json --to $t -o $D/all.$t && test -s $D/all.$t || echo $m $t; rm -f $D/all.$t; done; done "
+           "> $D/bad; cat $D/bad; test ! -s $D/bad", 0, NULL, NULL);
+    /* the triad and the slot through the formats that are read: the same text again, and the same curve */
+    expect("for m in triad-eight-bar scotch-yoke; do for t in pyslvs pmks adams; do "
+           "u=mm; test $t != adams || u=m; $P convert tests/data/linkages/$m.json | $P convert --to $t > $D/1; "
+           "$P convert $D/1 -f $t -u $u -o $D/1.json; $P convert $D/1.json --to $t > $D/2; "
+           "$P convert $D/2 -f $t -u $u --to $t | cmp - $D/2 || exit 1; done; done", 0, NULL, NULL);
+    expect("for t in pyslvs pmks adams; do u=mm; test $t != adams || u=m; f=tests/data/linkages/triad-eight-bar.json; "
+           "$P convert $f --to svg | grep -o ' d=.*' > $D/1; $P convert $f --to $t > $D/2; "
+           "$P convert $D/2 -f $t -u $u --to svg | grep -o ' d=.*' | cmp - $D/1 || exit 1; done", 0, NULL, NULL);
+}
+
 int main(void)
 {
+    RUN(every_kind_in_every_format);
     RUN(examples_there_and_back);
     RUN(the_text_tells_its_format);
     RUN(units);
