@@ -205,6 +205,8 @@ static lw_status read_number(reader *r, const lw_field *f, double *v)
         digits--;
     if (t->kind != NUMBER || digits == 0)
         return fault(r, t->at, "a number is wanted, not '%.*s'", t->at, t->n);
+    if (digits < t->n && isdigit((unsigned char)t->at[digits]))
+        return fault(r, t->at, "'%.*s' is too large a number", t->at, t->n);
     if (digits < t->n) {
         lw_units u = lw_units_si();
         snprintf(name, sizeof name, "%.*s", (int)(t->n - digits < 7 ? t->n - digits : 7), t->at + digits);
@@ -289,7 +291,13 @@ static lw_status read_range(reader *r, const lw_field *f, char sign)
         return fault(r, r->next.at, "a range 4..8 comes after '=' and between numbers%.*s", "", 0);
     lw_bytes_text(&r->q->sql, " AND ");
     lw_status s = advance(r);
-    return s == LW_OK ? read_value(r, f, false) : s;
+    const char *last = r->next.at;
+    if (s == LW_OK)
+        s = read_value(r, f, false);
+    const lw_value *v = r->q->value + r->q->n_value;
+    if (s == LW_OK && v[-2].real > v[-1].real)
+        return fault(r, last, "nothing lies in a range that ends below its beginning%.*s", "", 0);
+    return s;
 }
 
 static const char *operator_text(char sign)

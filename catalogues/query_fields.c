@@ -47,7 +47,7 @@ const lw_field lw_fields[] = {
     { "name", "of the linkage", LW_FIELD_TEXT, OF_LINKAGE("name") },
     { "type", "letters of a four-link chain: RRRP", LW_FIELD_TEXT, OF_LINKAGE("type") },
     { "family", "that the fit looked in", LW_FIELD_TEXT, OF_LINKAGE("family") },
-    { "class", "Barker's class of a four-bar: GCRR", LW_FIELD_TEXT, OF_LINKAGE("class") },
+    { "class", "Barker's class of the four-bar that is driven: GCRR", LW_FIELD_TEXT, OF_LINKAGE("class") },
     { "task", "path, function or motion", LW_FIELD_TEXT, OF_LINKAGE("task") },
     { "timing", "prescribed, free or none", LW_FIELD_TEXT, OF_LINKAGE("timing") },
     { "target", "file of the target", LW_FIELD_TEXT, OF_LINKAGE("target") },

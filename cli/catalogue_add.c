@@ -109,23 +109,47 @@ static lw_status set_label(entry *x)
     return s;
 }
 
+static int pin_between(const lw_linkage *k, int a, int b)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_REVOLUTE && ((k->joint[j].link[0] == a && k->joint[j].link[1] == b)
+                                                      || (k->joint[j].link[0] == b && k->joint[j].link[1] == a)))
+            return j;
+    return -1;
+}
+
+/* Lengths of the first loop of four pins through the ground and the driven link: frame, input, coupler, output. */
+static bool driven_four_bar(const lw_linkage *k, double r[4])
+{
+    int first = k->n_input == 1 ? k->input[0].joint : -1;
+    if (first < 0 || k->joint[first].kind != LW_JOINT_REVOLUTE)
+        return false;
+    const int *side = k->joint[first].link;
+    if (side[0] != k->ground && side[1] != k->ground)
+        return false;
+    int driven = side[0] == k->ground ? side[1] : side[0];
+    for (int b = 0; b < k->n_link; b++)
+        for (int c = 0; c < k->n_link; c++) {
+            int loop[4] = { first, pin_between(k, driven, b), pin_between(k, b, c), pin_between(k, c, k->ground) };
+            bool others = b != k->ground && b != driven && c != k->ground && c != driven;
+            if (!others || loop[1] < 0 || loop[2] < 0 || loop[3] < 0)
+                continue;
+            for (int i = 0; i < 4; i++)
+                r[i] = lw_v2_norm(lw_v2_sub(k->joint[loop[i]].at, k->joint[loop[(i + 3) % 4]].at));
+            return true;
+        }
+    return false;
+}
+
 static void set_class(entry *x)
 {
-    lw_plan plan;
-    double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input, r[4];
+    double r[4];
     lw_fourbar_class c;
-    if (strcmp(x->type, "RRRR") != 0 || lw_plan_make(&x->k, (lw_want){ 0, true }, &plan, NULL) != LW_OK
-        || lw_plan_read(&plan, &x->k, dim, mode, &input, NULL) != LW_OK)
+    if (!driven_four_bar(&x->k, r) || lw_fourbar_classify(r, LW_FOURBAR_TOLERANCE, &c, NULL) != LW_OK)
         return;
-    for (int i = 0; i < 4; i++) {
-        char name[3] = { 'r', (char)('1' + i), 0 };
-        int d = lw_plan_dim(&plan, name);
-        r[i] = d < 0 ? 0 : dim[d];
-    }
-    if (lw_fourbar_classify(r, LW_FOURBAR_TOLERANCE, &c, NULL) == LW_OK) {
-        x->row.four_bar = c.symbol;
+    x->row.four_bar = c.symbol;
+    if (x->k.n_link == 4)
         x->row.crank = c.crank;
-    }
 }
 
 /* The curve of its first tracer, with its terms. */

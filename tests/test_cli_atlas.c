@@ -71,6 +71,20 @@ static void query(void)
            "wc -l", 0, "2\n", NULL);
 }
 
+/* The class of a mechanism with more links is that of the four-bar in it that is driven. */
+static void a_class_of_six_links(void)
+{
+    expect("$P catalogue add $D/six.db tests/data/linkages/six-link-results.json && "
+           "$P catalogue add $D/six.db examples/hoeken.json; "
+           "$P catalogue query $D/six.db 'links=6 and sliders>=1 and class=GCRR and error<0.01' -f csv "
+           "--columns links,dof,sliders,class,error,error_max,name", 0,
+           "\n6,1,1,GCRR,0.005,0.00125,crank-rocker that drives a slider\r\n", NULL);
+    expect("$P catalogue query $D/six.db 'links=6 and class=GCRR and error<0.004'", 1, NULL, NULL);
+    expect("$P catalogue query $D/six.db 'error_max=1mm..1.3mm and not class=GRCR'", 0, "crank-rocker that", NULL);
+    expect("$P catalogue query $D/six.db 'links=8..4'", 3, NULL, "query:1:10: nothing lies in a range");
+    expect("$P catalogue query $D/six.db 'error<1e400'", 3, NULL, "query:1:7: '1e400' is too large a number");
+}
+
 static void export(void)
 {
     expect("$P catalogue export $D/q.db | sort > $D/a; $P chains --links 8 | sort | cmp - $D/a && echo same", 0,
@@ -187,6 +201,7 @@ int main(void)
     RUN(nearest);
     RUN(add);
     RUN(query);
+    RUN(a_class_of_six_links);
     RUN(export);
     RUN(killed_adds);
     RUN(killed_curves);
