@@ -25,7 +25,7 @@ static const cli_option options[] = {
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
       "all mechanisms with up to so many links: 4, 6 or 8; with joints p from 3, odd ones too", 4, 10, NULL, NULL },
-    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom", 1, 1, NULL, NULL },
+    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom: 1", 0, 9, NULL, NULL },
     { "joints", 'j', CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
       "kinds of joints with more than four links: r; t for sliders too; p for pins in slots", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
@@ -483,6 +483,11 @@ static int check(const cli_call *call)
     lw_error e = { 0 };
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
+    if (s->dof != 1)
+        return cli_usage(call, "--dof %d: a search moves each linkage by one input, whose angle at a station is given or found; plans, "
+                         "curves and derivatives (mbs/plan.h) are of one freedom, so inputs given in pairs cannot be fitted. A drawn "
+                         "linkage with several inputs is moved by 'linkwright trace MODEL.json --time-range A:B:STEP' "
+                         "(examples/five-bar.json); for the same path by one motor take --links 6 or 8", s->dof);
     for (const char *at = s->joints; *at; at++)
         if (*at == 'g')
             return cli_usage(call, "--joints: a search fits pins, sliders and pins in slots, r, t and p; chains with gears are "
