@@ -200,11 +200,31 @@ static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
     }
 }
 
+/* Where joints turn back; inputs as in `inputs`. */
+static void json_reversals(const lw_report *r, bool limit, cli_json *j)
+{
+    cli_json_array(j, limit ? "limits" : "dead_points");
+    for (int i = 0; i < r->n_reversal; i++) {
+        const lw_reversal *v = &r->reversal[i];
+        if (v->limit != limit)
+            continue;
+        cli_json_object(j, NULL);
+        cli_json_text(j, "joint", r->linkage.joint[v->joint].name);
+        cli_json_text(j, "link", r->linkage.link_name[v->link]);
+        cli_json_real(j, "input", v->input);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
     if (r->circuits)
         cli_json_int(j, "circuits", r->circuits);
+    cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
+    json_reversals(r, true, j);
+    json_reversals(r, false, j);
     cli_json_int(j, "branch", c->branch.mode[0] > 0 ? 1 : -1);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);

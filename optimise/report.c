@@ -6,6 +6,7 @@
 
 #include "mbs/motion.h"
 #include "mbs/pose.h"
+#include "mbs/turning.h"
 #include "optimise/report_internal.h"
 #include "optimise/tracers.h"
 
@@ -172,6 +173,31 @@ static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c
     return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
 }
 
+void lw_report_reversal(lw_report *r, bool limit, int joint, double input)
+{
+    const lw_joint *j = &r->linkage.joint[joint];
+    if (r->n_reversal < LW_REVERSAL_MAX)
+        r->reversal[r->n_reversal++] = (lw_reversal){ limit, joint, j->link[j->link[0] == r->linkage.ground], input };
+}
+
+/* The range of the arc, in the turn of station 0, and where joints turn back in it. */
+static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_arc *a, lw_report *r)
+{
+    lw_turning turn[LW_REVERSAL_MAX];
+    double middle = 0.5*(a->first + a->last), turns = 0;
+    if (!plan->input_is_slider && !a->turns)
+        turns = 2*LW_PI*round((c->input[0] - middle)/(2*LW_PI));
+    double first = a->turns ? c->input[0] : a->first + turns, last = a->turns ? first + 2*LW_PI : a->last + turns;
+    r->input_first = first;
+    r->input_last = last;
+    for (int end = 0; end < 2; end++)
+        if (a->limit[end])
+            lw_report_reversal(r, true, plan->input_joint, end ? last : first);
+    int n = lw_turning_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
+    for (int i = 0; i < n; i++)
+        lw_report_reversal(r, false, turn[i].joint, turn[i].input);
+}
+
 /* What holds all along the circuit of station 0: of both its assemblies where it has two. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_candidate *c,
                              const lw_motion *m, lw_report *r)
@@ -181,6 +207,7 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_c
     if (at < 0)
         return;
     r->turns = m->arc[at].turns;
+    describe_arc(plan, c, &m->arc[at], r);
     for (int i = 0; i < m->n_arc; i++) {
         const lw_arc *a = &m->arc[i];
         if (i != at && (r->turns || a->circuit != m->arc[at].circuit))
@@ -326,7 +353,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
-    r->transmission_min = r->transmission_max = NAN;
+    r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
         || station_errors(t, s, c, &plan, at, r) != LW_OK)

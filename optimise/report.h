@@ -15,6 +15,16 @@ typedef struct lw_also_error {
     double angle_mean, angle_max;  /* [rad]; NaN when its angle is not asked for                    */
 } lw_also_error;
 
+#define LW_REVERSAL_MAX 32
+
+/* Where a joint turns back: the input at a limit of the motion; another at the ground at the end of its swing, a dead
+ * point of the linkage if that joint drove it. */
+typedef struct lw_reversal {
+    bool   limit;                  /* of the input                                                  */
+    int    joint, link;            /* the joint, and its link that is not the ground                */
+    double input;                  /* in the ground frame, as lw_candidate.input [rad] or [m]       */
+} lw_reversal;
+
 typedef struct lw_report {
     lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one, 1, ... are the
                                     * further points of the target                                  */
@@ -31,7 +41,12 @@ typedef struct lw_report {
                                     * last station, from the target polygon [m]                     */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
-    int      circuits;             /* of the linkage with these lengths; 0: not counted (higher groups) */
+    int      circuits;             /* of the linkage with these lengths; 0: not counted. With higher groups those that
+                                    * postures drawn by chance were on (mbs/circuits.h): as many or more     */
+    double   input_first, input_last;  /* how far the input goes from the first station without passing a limit, as
+                                    * lw_candidate.input; turning: until the motion closes; NaN: not known    */
+    int      n_reversal;
+    lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
     double   transmission_min, transmission_max;    /* over the motion of this branch [rad]; of plans with higher
                                     * groups the angle in [0, pi/2] whose squared sine is the margin of mbs/batch.h,
                                     * over the whole turn, or between the stations where it does not turn */

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mbs/branch.h"
+#include "mbs/circuits.h"
 #include "mbs/pose.h"
 #include "optimise/report_internal.h"
 
@@ -50,6 +50,74 @@ static void part_of_curve(const lw_plan *plan, const lw_candidate *c, double fro
             keep(&w->pose, r);
 }
 
+/* Stations of the stretch from limit to limit that holds the start, limit[end] telling whether it ends at one; on a
+ * closed curve `to` may lie beyond the seam. */
+static void find_stretch(const lw_branch *b, double *from, double *to, bool limit[2])
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    double start = lw_branch_start(b), end = lw_branch_segments(b), lowest = NAN, highest = NAN;
+    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
+    *from = 0;
+    *to = end;
+    limit[0] = limit[1] = false;
+    for (int i = 0; i < n; i++) {
+        if (e[i].kind != LW_EVENT_LIMIT)
+            continue;
+        lowest = isnan(lowest) ? e[i].station : lowest;
+        highest = e[i].station;
+        if (e[i].station <= start) {
+            *from = e[i].station;
+            limit[0] = true;
+        } else if (!limit[1]) {
+            *to = e[i].station;
+            limit[1] = true;
+        }
+    }
+    if (closed && !isnan(lowest) && !limit[0])             /* the seam lies between start and the limit before */
+        *from = highest - end;
+    if (closed && !isnan(lowest) && !limit[1])
+        *to = lowest + end;
+    if (closed && !isnan(lowest))
+        limit[0] = limit[1] = true;
+}
+
+/* A place of the curve seen from the stretch, whose stations may run over the seam; NaN: not on it. */
+static double seen_from(double station, double end, double from, double to)
+{
+    for (int turn = -1; turn <= 1; turn++)
+        if (station + turn*end >= from && station + turn*end <= to)
+            return turn;
+    return NAN;
+}
+
+/* Range of the input and reversals along that stretch; limits come first. */
+static void tell_reversals(lw_branch *b, double shift, work *w, lw_report *r)
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    double from, to, end = lw_branch_segments(b), input[2];
+    bool limit[2];
+    for (int i = 0; i < 2; i++) {
+        lw_branch_pose(b, i*end, w->q, NULL);
+        input[i] = lw_branch_input(b, w->q);
+    }
+    double round = lw_branch_ended(b) == LW_BRANCH_CLOSED ? input[1] - input[0] : 0;    /* all it takes to close */
+    find_stretch(b, &from, &to, limit);
+    double ends[2] = { limit[0] ? NAN : input[0] - shift, limit[1] ? NAN : input[1] - shift };
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < n; i++) {
+            double turn = seen_from(e[i].station, end, from, to), at = e[i].input - shift + turn*round;
+            if (isnan(turn) || e[i].joint < 0 || (e[i].kind == LW_EVENT_LIMIT) != (pass == 0))
+                continue;
+            lw_report_reversal(r, pass == 0, e[i].joint, at);
+            if (pass == 0)
+                ends[e[i].station + turn*end > 0.5*(from + to)] = at;
+        }
+    r->input_first = fmin(ends[0], ends[1]);
+    r->input_last = fmax(ends[0], ends[1]);
+}
+
 static bool turns_without_limit(const lw_branch *b)
 {
     int n;
@@ -62,17 +130,20 @@ static bool turns_without_limit(const lw_branch *b)
 
 void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r)
 {
+    enum { PATIENCE = 100 };                             /* postures without a new circuit            */
     const lw_branch_options o = { .input = 0 };
-    lw_branch *b = NULL;
+    lw_circuits all = { .n = 0 };
     work *w = malloc(sizeof *w);
     if (w && lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) == LW_OK
-        && lw_branch_create(&w->s, NULL, &o, &b, NULL) == LW_OK) {
+        && lw_circuits_find(&w->s, &o, PATIENCE, 1, NULL, &all, NULL) == LW_OK) {
         w->k = r->linkage;
-        r->turns = turns_without_limit(b);
+        r->circuits = all.n;
+        r->turns = turns_without_limit(all.curve[0]);
+        tell_reversals(all.curve[0], r->linkage.input[0].value - c->input[0], w, r);
         if (r->turns)
-            whole_curve(plan, c, b, w, r);
-        lw_branch_free(b);
+            whole_curve(plan, c, all.curve[0], w, r);
     }
+    lw_circuits_free(&all);
     if (w && !r->turns)
         part_of_curve(plan, c, from, to, w, r);
     free(w);

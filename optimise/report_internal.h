@@ -11,9 +11,12 @@ void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t stati
 /* Angles of the tracers' tools in the posture of a pose of the candidate. */
 void lw_candidate_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k);
 
-/* Turns, transmission and acceleration of a result with higher groups, whose posture is r->linkage: over the whole
- * curve when the input turns, else from input `from` to `to`. */
+/* Turns, limits, dead points, circuits, transmission and acceleration of a result with higher groups, whose posture
+ * is r->linkage: the last two over the whole curve when the input turns, else from input `from` to `to`. */
 void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r);
+
+/* One more reversal, unless there is no room. */
+void lw_report_reversal(lw_report *r, bool limit, int joint, double input);
 
 /* Write the posture as a file would hold it, read it back, move it from station to station by
  * Newton's method on the loop equations, and compare with `at`, the plan's positions (n of each point).  Fills

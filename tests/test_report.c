@@ -456,6 +456,69 @@ static void sliding_inputs_pass_their_limits(void)
     lw_target_free(&t);
 }
 
+/* ---- limits and dead points ---------------------------------------------------------------------- */
+
+/* The rate of a link, NaN where it cannot close. */
+static double rate_of(const lw_plan *plan, const double *dim, const double *mode, int link, double input)
+{
+    lw_pose pose;
+    bool there = lw_pose_solve(plan, dim, mode, input, 1, &pose) == LW_OK;
+    return there ? pose.angle[link][1] : NAN;
+}
+
+/* Turns of links pinned to the ground change their sense as often as is said, and there; the input cannot be moved
+ * beyond its limits, and up to them. Reversals counted. */
+static int check_reversals(const lw_plan *plan, const lw_candidate *c, const double *mode, const lw_report *r)
+{
+    enum { STEPS = 3000 };
+    const lw_linkage *k = &r->linkage;
+    int limits = 0, said = 0, seen = 0;
+    double way = r->input_last - r->input_first;
+    CHECK(c->input[0] >= r->input_first - 1e-12 && c->input[0] <= r->input_last + 1e-12);
+    for (int i = 0; i < r->n_reversal; i++) {
+        const lw_reversal *v = &r->reversal[i];
+        limits += v->limit;
+        said += !v->limit;
+        if (v->limit) {
+            double out = v->input > c->input[0] ? 1 : -1;
+            CHECK(v->input == (out > 0 ? r->input_last : r->input_first));
+            CHECK(isnan(rate_of(plan, c->dim, mode, 1, v->input + 1e-6*out)));
+            CHECK(!isnan(rate_of(plan, c->dim, mode, 1, v->input - 1e-6*out)));
+        } else
+            CHECK_NEAR(rate_of(plan, c->dim, mode, v->link, v->input), 0, 1e-7, 0);
+    }
+    CHECK_INT(limits, r->turns ? 0 : 2);
+    for (int j = 0; j < k->n_joint; j++) {
+        if (j == plan->input_joint || (k->joint[j].link[0] != k->ground && k->joint[j].link[1] != k->ground))
+            continue;
+        int link = k->joint[j].link[k->joint[j].link[0] == k->ground];
+        double before = NAN;
+        for (int i = 0; i <= STEPS; i++) {
+            double now = rate_of(plan, c->dim, mode, link, r->input_first + way*(1e-7 + (1 - 2e-7)*i/STEPS));
+            seen += now*before < 0;
+            before = now;
+        }
+    }
+    CHECK_INT(seen, said);
+    return said;
+}
+
+static void limits_and_dead_points_are_where_samples_change_sign(void)
+{
+    static const char *const family[] = { "crank-rocker", "drag-link", "any four-bar" };
+    lw_rng rng;
+    int found = 0;
+    lw_rng_seed(&rng, check_seed(), 17);
+    for (int trial = 0; trial < 45; trial++) {
+        made k;
+        make(family[trial % 3], trial % 2 ? 1 : -1, LW_TASK_PATH, 0.05, &rng, &k);
+        lw_report r = report_of(&k);
+        found += check_reversals(&k.m.plan, &k.c, k.c.branch.mode, &r);
+        lw_target_free(&k.t);
+    }
+    CHECK(found > 30);
+}
+
 /* ---- higher groups ------------------------------------------------------------------------------- */
 
 /* Stephenson III driven where its dyad stands on the ground: a triad.  crank: length of the driven link. */
@@ -522,7 +585,9 @@ static void motion_of_higher_groups(void)
         target_of(&m.st, &m.spec, &m.t);
         lw_report r = report_of(&m);
         CHECK_INT(r.turns, known[i].turns);
-        CHECK_INT(r.circuits, 0);
+        CHECK_INT(r.circuits, known[i].turns ? 2 : 1);
+        CHECK_NEAR(r.input_last - r.input_first, known[i].turns ? 2*LW_PI : 0.5093697156951267 + 1.8154101282362176, 1e-9, 0);
+        CHECK(check_reversals(&plan, &m.c, mode, &r) > 1);
         CHECK_NEAR(r.transmission_min, least, 1e-4, 0);
         CHECK_NEAR(r.transmission_max, most, 1e-4, 0);
         CHECK_NEAR(r.acceleration_max, fastest, 0, 2e-3);
@@ -549,6 +614,7 @@ int main(void)
     RUN(what_does_not_close_says_so);
     RUN(far_small_and_large_results_are_verified);
     RUN(sliding_inputs_pass_their_limits);
+    RUN(limits_and_dead_points_are_where_samples_change_sign);
     RUN(motion_of_higher_groups);
     return check_end();
 }
