@@ -484,9 +484,9 @@ static int check(const cli_call *call)
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
     if (s->dof != 1)
-        return cli_usage(call, "--dof %d: a search moves each linkage by one input, whose angle at a station is given or found; plans, "
-                         "curves and derivatives (mbs/plan.h) are of one freedom, so inputs given in pairs cannot be fitted. A drawn "
-                         "linkage with several inputs is moved by 'linkwright trace MODEL.json --time-range A:B:STEP' "
+        return cli_usage(call, "--dof %d: a search moves each linkage by one input, whose angle at a station is given or "
+                         "found; plans, curves and derivatives (mbs/plan.h) are of one freedom, so inputs given in pairs "
+                         "cannot be fitted. A drawn linkage with several inputs is moved by 'linkwright trace MODEL.json --time-range A:B:STEP' "
                          "(examples/five-bar.json); for the same path by one motor take --links 6 or 8", s->dof);
     for (const char *at = s->joints; *at; at++)
         if (*at == 'g')

@@ -51,7 +51,8 @@ void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
 void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
 void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
-/* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the table; a member of its JSON object. */
+/* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the
+ * table; a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
 lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e);        /* every link in the stages     */
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f);

@@ -13,8 +13,8 @@ lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carr
         while (found < 4 && (strlen(word[found]) != n || strncmp(word[found], at, n) != 0))
             found++;
         if (found == 4)
-            return lw_error_set(e, LW_E_ARG, "--point-links takes input, coupler, output or any for each further point, "
-                                "not '%.*s'", (int)n, at);
+            return lw_error_set(e, LW_E_ARG, "--point-links takes input, coupler, output or any for each further "
+                                "point, not '%.*s'", (int)n, at);
         if (i >= t->n_also && strcmp(text, "any") != 0)
             return lw_error_set(e, LW_E_ARG, "--point-links names more links than the target has further points (%d)",
                                 t->n_also);

@@ -294,8 +294,8 @@ static lw_status gather_also(const lw_json_node *list, double *const column[LW_F
         if (!c[0] && !c[1] && !c[2] && !c[3])
             continue;
         if (*n_also < i)
-            return lw_json_fault(list, e, "there are numbers of point %d but none of point %d; points are numbered without "
-                                 "gaps", i + 2, *n_also + 2);
+            return lw_json_fault(list, e, "there are numbers of point %d but none of point %d; points are numbered "
+                                 "without gaps", i + 2, *n_also + 2);
         also[(*n_also)++] = (lw_also){ .x = c[0], .y = c[1], .theta = c[2], .weight = c[3] };
     }
     return LW_OK;
@@ -372,8 +372,8 @@ static lw_status read_tracers(const lw_json_node *list, lw_brief *b, lw_error *e
             && (s = read_source(&o, b, a ? a->target : b->target, a ? &a->stations : &b->stations, e)) == LW_OK)
             s = read_word(&o, "link", carrier_names, COUNT(carrier_names), &carrier, NULL, e);
         if (s == LW_OK && !a && lw_json_member(&o, "link", &link))
-            s = lw_json_fault(&link, e, "the first point lies on the coupler, of a function on the output; links are for "
-                              "the further ones");
+            s = lw_json_fault(&link, e, "the first point lies on the coupler, of a function on the output; links are "
+                              "for the further ones");
         if (a)
             b->spec.carrier[b->n_also - 1] = (lw_carrier)carrier;
     }
@@ -516,8 +516,8 @@ static lw_status check_point(const lw_brief *b, const double *x, const double *y
         for (size_t k = 0; x && k < n; k++)
             if (inside(&b->spec.zone[i], lw_v2(x[k], y[k])))
                 return lw_error_set(e, LW_E_ARG, point > 0 ? "station %zu of point %d lies inside a forbidden zone: no "
-                                    "linkage can do both" : "station %zu lies inside a forbidden zone: no linkage can do "
-                                    "both", k + 1, point + 1);
+                                    "linkage can do both" : "station %zu lies inside a forbidden zone: no linkage can "
+                                    "do both", k + 1, point + 1);
     return LW_OK;
 }
 

@@ -238,11 +238,12 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
         return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
     if (s->timing == LW_TIMING_NONE && s->task != LW_TASK_FUNCTION && t->n_also > 0)
         return lw_error_set(e, LW_E_ARG, "several points are where the target says at the same time, so their stations "
-                            "have an order; timing none, which scores one curve both ways, knows none: use free timing");
+                            "have an order; timing none, which scores one curve both ways, knows none: use free "
+                            "timing");
     for (int i = 0; i < t->n_also && s->task == LW_TASK_FUNCTION; i++)
         if (t->also[i].x)
-            return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; use "
-                                "the path task, with the output angle as a further point", i + 2);
+            return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; "
+                                "use the path task, with the output angle as a further point", i + 2);
     if (s->task != LW_TASK_FUNCTION && !t->x)
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");

@@ -19,7 +19,7 @@ static const struct { const char *name; char kind; } columns[] = {
     [COL_WEIGHT] = { "weight", '1' },
 };
 #define COLUMN_COUNT COUNT(columns)
-#define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* those of further points behind: x2 is COLUMN_COUNT + COL_X */
+#define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* and of further points: x2 is COLUMN_COUNT + COL_X */
 
 static const char *quote(lw_span s, char buf[48])
 {
@@ -315,8 +315,8 @@ static lw_status assign_also(lw_header *h, const seen *f, int point, long line, 
         return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[any], "there are columns of point %d but none of "
                            "point %d; points are numbered without gaps", number, number - 1);
     if (c[0] >= 0 && h->column[LW_FIELD_X] < 0)
-        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[base + COL_X], "there are x%d and y%d but no x and "
-                           "y; let the point with a path be the first, and its output angle theta2", number, number);
+        return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[base + COL_X], "there are x%d and y%d but no x "
+                           "and y; let the point with a path be the first, and its output angle theta2", number, number);
     return LW_OK;
 }
 

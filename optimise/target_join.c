@@ -8,13 +8,14 @@
 static lw_status check_part(const lw_target *first, const lw_target *part, int k, lw_error *e)
 {
     if (part->n != first->n)
-        return lw_error_set(e, LW_E_ARG, "tracer %d has %zu stations, the first one %zu; they belong together row by row",
-                            k + 1, part->n, first->n);
+        return lw_error_set(e, LW_E_ARG, "tracer %d has %zu stations, the first one %zu; they belong together row by "
+                            "row", k + 1, part->n, first->n);
     if (part->n_also > 0 || first->n_also > 0)
-        return lw_error_set(e, LW_E_ARG, "tracer %d has columns of further points itself; give each a target of its own, "
-                            "or all of them one target", first->n_also > 0 ? 1 : k + 1);
+        return lw_error_set(e, LW_E_ARG, "tracer %d has columns of further points itself; give each a target of its "
+                            "own, or all of them one target", first->n_also > 0 ? 1 : k + 1);
     if (part->x && !first->x)
-        return lw_error_set(e, LW_E_ARG, "tracer %d has a path and the first one none: put those with a path first", k + 1);
+        return lw_error_set(e, LW_E_ARG, "tracer %d has a path and the first one none: put those with a path first",
+                            k + 1);
     for (size_t i = 0; i < part->n && part->angle && first->angle; i++)
         if (!(fabs(remainder(part->angle[i] - first->angle[i], 2*LW_PI)) <= 1e-9))
             return lw_error_set(e, LW_E_ARG, "station %zu has the input angle %.9g for the first tracer and %.9g for "

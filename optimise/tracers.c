@@ -206,8 +206,8 @@ lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, 
     lw_tracer_spread_free(out);
     if (st == LW_E_MEMORY)
         return lw_error_set(e, st, "no memory for the choices of links");
-    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say for the further ones on "
-                        "which they lie (input, coupler, output), or look through fewer topologies", LW_SPREAD_MAX,
+    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say for the further ones "
+                        "on which they lie (input, coupler, output), or look through fewer topologies", LW_SPREAD_MAX,
                         1 + t->n_also);
 }
 
