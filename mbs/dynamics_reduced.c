@@ -23,7 +23,10 @@ lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
 
 static const int turns_every = 4;
 
-typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential; } motion;
+/* A mass so many times the least one: a dead point is near. */
+static const double turning_back = 100;
+
+typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass; } motion;
 
 static lw_status rate(void *context, double t, const double *y, double *dy)
 {
@@ -103,12 +106,31 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     return w->n_step % turns_every ? LW_OK : spread(m, w->y, y);
 }
 
+/* Beside a dead point the links move as the square root of what is left of the coordinate's way: rounding and the
+ * error allowed there, both of the coordinate, are then too great for them.  The step that came near it is taken back,
+ * and y is the state before it.  LW_OPEN: so it was. */
+static lw_status stay_off(motion *m, lw_integrator *w, double *y)
+{
+    double mass, s3[3];
+    lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    m->least_mass = fmin(m->least_mass, mass);
+    if (s == LW_OK && mass <= turning_back*m->least_mass)
+        return LW_OK;
+    s = lw_integrate_dense(w, w->t_old, s3);
+    if (s == LW_OK)
+        s = spread(m, s3, y);
+    m->run->r->t = w->t_old;
+    return s == LW_OK ? LW_OPEN : s;
+}
+
 static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
+    bool taken_back = false;
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
     m->kinetic = 0.5*w->y[1]*w->y[1];
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
     m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
@@ -117,14 +139,20 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
         if (s != LW_OK)
             break;
         run->r->t = w->t;
+        s = stay_off(m, w, y);
+        if (s == LW_OPEN) {
+            taken_back = true;
+            break;
+        }
         memcpy(before, y, (size_t)run->n*sizeof *y);
-        s = watch(m, w, y);
+        if (s == LW_OK)
+            s = watch(m, w, y);
         if (s == LW_OK)
             s = show_samples(m, w, before);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
     }
-    if (s == LW_E_NUMERIC || s == LW_OPEN)           /* to go on from there */
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back)      /* to go on from there */
         spread(m, w->y, y);
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
