@@ -289,11 +289,24 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
 }
 
+/* What input i has at the start other than it was given. */
+static double speed_off(const lw_dynamics *d, int i)
+{
+    double row[LW_SYSTEM_Q_MAX];
+    int j = d->s.input_joint[i];
+    if (!d->model->has_speed[i])
+        return 0;
+    lw_system_measure(&d->s, j, d->start_q, row);
+    double off = -d->model->speed[i]/(d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1 : d->s.unit);
+    for (int c = 0; c < d->n_q; c++)
+        off += row[c]*d->start_v[c];
+    return fabs(off);
+}
+
 /* Least velocities that satisfy the constraints and have the speeds the inputs were given. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
     lw_rank r;
-    double row[LW_SYSTEM_Q_MAX];
     int n = d->n_c;
     lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
     if (s == LW_OK)
@@ -314,20 +327,13 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
     }
     lw_rank_factor(&r, 1e-9);
     lw_rank_solve_transposed(&r, d->rhs, d->start_v);
-    for (int i = 0, k = d->n_c; i < d->s.n_input; i++) {
-        if (!d->model->has_speed[i])
-            continue;
-        lw_system_measure(&d->s, d->s.input_joint[i], d->start_q, row);
-        double off = -d->rhs[k++];
-        for (int c = 0; c < d->n_q; c++)
-            off += row[c]*d->start_v[c];
-        d->moved_rate = fmax(d->moved_rate, fabs(off));
-    }
     s = lw_mbs_arrange(d, d->o.from, d->start_q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, d->o.from, d->start_q, d->start_v);
+    for (int i = 0; i < d->s.n_input; i++)
+        d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
     for (int i = 0; s == LW_OK && i < d->n_q; i++)
         if (!isfinite(d->start_v[i]))
             return lw_error_set(e, LW_E_NUMERIC, "no velocities at the start satisfy the constraints");

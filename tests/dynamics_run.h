@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "mbs/dynamics.h"
+#include "mbs/integrate.h"
 #include "tests/check.h"
 
 typedef struct drun {
@@ -92,6 +93,22 @@ static inline lw_status drun_to(drun *d, lw_formulation f, double tolerance, dou
     d->o.to = to;
     d->o.intervals = intervals;
     return drun_go(d);
+}
+
+/* y at `to`, of equations in as few coordinates as a textbook takes: for comparison, to 1e-14 a step. */
+static inline void drun_exact(const lw_ode *ode, double from, double *y, double to)
+{
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_error e = { 0 };
+    double *work = calloc(lw_integrate_work(ode->n, 0), sizeof *work);
+    o.relative = o.absolute = 1e-14;
+    CHECK_INT(lw_integrate_start(&w, ode, &o, work, from, y, &e), LW_OK);
+    while (stop != LW_ODE_END && lw_integrate_step(&w, to, &stop, &e) == LW_OK) {
+    }
+    memcpy(y, w.y, (size_t)ode->n*sizeof *y);
+    free(work);
 }
 
 #endif

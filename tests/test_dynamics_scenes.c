@@ -1,6 +1,5 @@
 /* Scenes of every kind of joint and load: all formulations that take them agree, energies balance, and what has
  * a closed solution has it. */
-#include "mbs/integrate.h"
 #include "tests/dynamics_run.h"
 
 static drun d, first;
@@ -34,29 +33,20 @@ static lw_status double_rate(void *context, double t, const double *y, double *d
 static lw_vec2 double_place(double *mass, double to)
 {
     lw_ode ode = { .n = 4, .context = mass, .rate = double_rate };
-    lw_ode_options o = lw_ode_options_default();
-    lw_integrator w;
-    lw_ode_stop stop = LW_ODE_STEP;
-    lw_error e = { 0 };
-    double y[4] = { 0 }, *work = calloc(lw_integrate_work(4, 0), sizeof *work);
-    o.relative = o.absolute = 1e-14;
-    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, &e), LW_OK);
-    while (stop != LW_ODE_END && lw_integrate_step(&w, to, &stop, &e) == LW_OK) {
-    }
-    lw_vec2 out = lw_v2_add(lw_v2_polar(1, w.y[0]), lw_v2_polar(1, w.y[1]));
-    free(work);
-    return out;
+    double y[4] = { 0 };
+    drun_exact(&ode, 0, y, to);
+    return lw_v2_add(lw_v2_polar(1, y[0]), lw_v2_polar(1, y[1]));
 }
 
-/* GGL gives up beside the ratio of 1e8. */
+/* With the heavy one last the light one is a bead on a taut string: slow, and no different. */
 static void masses_far_apart(void)
 {
-    static const double mass[][2] = { { 1, 1 }, { 1e8, 1 } }, slack[] = { 0, 1e-8, 1e-4, 1e-4 };
-    for (int k = 0; k < 2; k++) {
+    static const double mass[][2] = { { 1, 1 }, { 1e8, 1 }, { 1, 1e4 } }, slack[] = { 0, 1e-8, 1e-4, 1e-4 };
+    for (int k = 0; k < 3; k++) {
         double m[2] = { mass[k][0], mass[k][1] };
         lw_vec2 want = double_place(m, 2);
         drun_read_format(&d, double_pendulum, m[0], m[1]);
-        for (int f = 1; f < (k == 0 ? 4 : 3); f++) {
+        for (int f = 1; f < 4; f++) {
             CHECK_INT(drun_to(&d, all[f], f == 1 ? 1e-12 : 1e-9, 2, 1), LW_OK);
             CHECK_NEAR(d.tracer[1].x, want.x, slack[f], 0);
             CHECK_NEAR(d.tracer[1].y, want.y, slack[f], 0);
@@ -190,7 +180,8 @@ static void starts(void)
     }
     drun_read_format(&d, two, 1, 2);
     CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 0.1, 1), LW_OK);
-    CHECK(d.report.moved_rate > 0.1);
+    CHECK_NEAR(d.report.moved_rate, 0.5, 1e-12, 0);           /* both 1.5 */
+    CHECK_NEAR(d.v[2], 1.5, 0.02, 0);
     CHECK(d.report.worst_off_rate < 1e-12);
     lw_model_free(&d.model);
     drun_read_format(&d, two, 1, 1);

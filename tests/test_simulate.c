@@ -46,6 +46,22 @@ static void wrong(void)
     expect("$P simulate examples/jansen.json -f reduced", 3, NULL, NULL);
 }
 
+/* Two cranks of a square that are to turn with 1 and 2 rad/s both turn with 1.5, and that is told. */
+static void starts_that_do_not_fit(void)
+{
+    expect("cat > $D/s.json << 'END'\n{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, "
+           "\"centre\": [0, 0.5]}, {\"name\": \"b\", \"mass\": 1, \"centre\": [0.5, 1]}, {\"name\": \"c\", "
+           "\"mass\": 1, \"centre\": [1, 0.5]}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], "
+           "\"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"a\", \"b\"], \"at\": [0, 1]}, {\"name\": \"C\", "
+           "\"links\": [\"b\", \"c\"], \"at\": [1, 1]}, {\"name\": \"D\", \"links\": [\"ground\", \"c\"], "
+           "\"at\": [1, 0]}], \"inputs\": [{\"joint\": \"A\", \"speed\": 1}, {\"joint\": \"D\", \"speed\": 2}]}\n"
+           "END\n$P simulate $D/s.json --to 0.1 -n 1", 0, "0,1.5707963267948966,1.5,",
+           "the speeds given violate the constraints by 0.5 and were projected");
+    expect("$P simulate $D/s.json --to 0.1 -n 1 --quiet", 0, NULL, "");
+    expect("sed 's/\"speed\": 2/\"speed\": 1/' $D/s.json > $D/t.json && $P simulate $D/t.json --to 0.1 -n 1 2>&1 >/dev/null "
+           "| grep -c projected", 1, "0", NULL);
+}
+
 static void pictures(void)
 {
     expect("$P simulate " PENDULUM " --plot $D/x.svg --gif $D/x.gif -n 10 -o $D/x.csv && head -c 6 $D/x.gif && grep -c svg $D/x.svg",
@@ -58,6 +74,7 @@ int main(void)
     RUN(rest);
     RUN(driven);
     RUN(wrong);
+    RUN(starts_that_do_not_fit);
     RUN(pictures);
     return check_end();
 }

@@ -1,0 +1,163 @@
+/* Hard scenes of dynamics against closed solutions: heavy on light, links without mass, long runs, dead points. */
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                      LW_FORMULATION_GGL };
+
+/* g/length sets the pace; y: angle from +x, its rate */
+static lw_status pendulum_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)t;
+    dy[0] = y[1];
+    dy[1] = -*(const double *)context*cos(y[0]);
+    return LW_OK;
+}
+
+static double pendulum_angle(double pace, double angle, double rate, double to)
+{
+    lw_ode ode = { .n = 2, .context = &pace, .rate = pendulum_rate };
+    double y[2] = { angle, rate };
+    drun_exact(&ode, 0, y, to);
+    return y[0];
+}
+
+/* ---- masses -------------------------------------------------------------------------------------- */
+
+/* 1 kg half way to 1e8 kg: the string is taut, the light one has hardly room to vibrate (at 7e4 rad/s), and the heavy
+ * one is a pendulum of 2 m, as far as 1e-8 of it goes. */
+static void heavy_last(void)
+{
+    double angle = pendulum_angle(9.81/2, 0, 0, 0.5);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'one', 'mass': 1, 'centre': [1, 0]},"
+        "{'name': 'two', 'mass': 1e8, 'centre': [2, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'one'],"
+        "'at': [0, 0]}, {'name': 'B', 'links': ['one', 'two'], 'at': [1, 0]}], 'input': {'joint': 'A'},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'two', 'at': [2, 0]}]}", 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 0.5, 1), LW_OK);
+    CHECK_NEAR(d.tracer[1].x, 2*cos(angle), 1e-7, 0);
+    CHECK_NEAR(d.tracer[1].y, 2*sin(angle), 1e-7, 0);
+    CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
+    lw_model_free(&d.model);
+}
+
+static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'mid', 'mass': %g, 'centre': [1.2, 0]},"
+    "{'name': 'cart', 'mass': 2, 'centre': [2, 0]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'mid'],"
+    "'at': [1.2, 0], 'along': [1, 0]}, {'name': 'T', 'kind': 't', 'links': ['ground', 'cart'], 'at': [2, 0],"
+    "'along': [1, 0]}], 'springs': [{'links': ['ground', 'mid'], 'at': [[0, 0], [1.2, 0]], 'stiffness': 300,"
+    "'free': 1},"
+    "{'links': ['mid', 'cart'], 'at': [[1.2, 0], [2, 0]], 'stiffness': 600, 'free': 0.7}],"
+    "'tracers': [{'name': 'P', 'link': 'cart', 'at': [2, 0]}]}";
+
+/* Nothing says where a link without mass is that hangs between springs: refused by name.  With a milligram, which would
+ * vibrate at 3e4 rad/s, the springs are in series, 200 N/m: 1.7 + 0.3 cos 10 t. */
+static void massless_between_springs(void)
+{
+    drun_read_format(&d, between, 0, 0);
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], 1e-9, 1, 1), LW_E_ARG);
+        CHECK_HAS(d.e.text, "\"mid\" can move without moving any mass");
+    }
+    lw_model_free(&d.model);
+    drun_read_format(&d, between, 1e-6, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-10, 1, 20), LW_OK);
+    for (int i = 0; i <= 20; i++)
+        CHECK_NEAR(d.tracer[i].x, 1.7 + 0.3*cos(10*d.t[i]), 1e-6, 0);
+    lw_model_free(&d.model);
+}
+
+/* A four-bar all without mass: refused; with a wheel welded to its crank it goes with the wheel, which moves as the
+ * pendulum that it is: pace m g s/(I + m s^2). */
+static void massless_loop(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': %g, 'centre': [-1, 0],"
+        "'inertia': %g}, 'crank', 'coupler', 'rocker'], 'joints': [{'name': 'W', 'kind': 'f',"
+        "'links': ['wheel', 'crank'], 'at': [0, 0]}, {'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2.5, 2]},"
+        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2.5, 0]}], 'input': {'joint': 'A', 'speed': -1},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'wheel', 'at': [-1, 0]}]}";
+    double angle = pendulum_angle(9.81/1.3, LW_PI, -1, 0.4);
+    drun_read_format(&d, text, 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_E_ARG);
+    CHECK_HAS(d.e.text, "can move without moving any mass");
+    lw_model_free(&d.model);
+    drun_read_format(&d, text, 1, 0.3);
+    for (int f = 1; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], f == 1 ? 1e-12 : 1e-9, 0.4, 1), LW_OK);
+        CHECK_NEAR(d.tracer[1].x, cos(angle), f == 1 ? 1e-10 : 1e-5, 0);
+        CHECK_NEAR(d.tracer[1].y, sin(angle), f == 1 ? 1e-10 : 1e-5, 0);
+    }
+    lw_model_free(&d.model);
+}
+
+/* ---- dead points ----------------------------------------------------------------------------------- */
+
+/* A ladder between floor and wall, driven by nothing: its middle runs on a circle, pace 3 g/(2 L).  The coordinate,
+ * that of its foot, turns back when it lies level, and the error falls with the tolerance all the same. */
+static void dead_point(void)
+{
+    double before = 1, angle = pendulum_angle(3*9.81/4, 1.2, 0, 3);
+    drun_read(&d, "examples/dynamics/falling-ladder.json");
+    for (int k = 8; k <= 12; k += 2) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, pow(10, -k), 3, 3), LW_OK);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        double off = hypot(d.tracer[3].x - cos(angle), d.tracer[3].y - sin(angle));
+        CHECK(off < 0.1*before);
+        CHECK(d.report.energy_error < 1e4*pow(10, -k)*d.report.energy_scale);
+        before = off;
+    }
+    CHECK(before < 1e-8);
+    lw_model_free(&d.model);
+}
+
+/* Crank and rod of one length: the slider goes through the crank's pin, where the rod could as well turn with the
+ * crank.  Free of gravity the crank keeps I(q) w^2, I = a + b sin^2 q. */
+typedef struct share { double a, b, energy; } share;
+
+static lw_status share_rate(void *context, double t, const double *y, double *dy)
+{
+    const share *s = context;
+    (void)t;
+    dy[0] = sqrt(s->energy/(s->a + s->b*sin(y[0])*sin(y[0])));
+    return LW_OK;
+}
+
+static void equal_crank_and_rod(void)
+{
+    const double r = 0.3, inertia = 0.0075, m = 1, slide = 0.5;
+    share s = { .a = 2*inertia + 0.5*m*r*r, .b = m*r*r*2 + slide*4*r*r };
+    lw_ode ode = { .n = 1, .context = &s, .rate = share_rate };
+    double q = 0.5, y = q;
+    s.energy = 16*(s.a + s.b*sin(q)*sin(q));
+    drun_exact(&ode, 0, &y, 3);
+    char text[1500];
+    double x = r*cos(q), h = r*sin(q);
+    snprintf(text, sizeof text,
+        "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [%.17g, %.17g],"
+        "'inertia': 0.0075}, {'name': 'rod', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.0075},"
+        "{'name': 'slider', 'mass': 0.5, 'centre': [%.17g, 0]}], 'joints': [{'name': 'A',"
+        "'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'rod'],"
+        "'at': [%.17g, %.17g]}, {'name': 'C', 'links': ['rod', 'slider'], 'at': [%.17g, 0]}, {'name': 'D',"
+        "'kind': 't', 'links': ['ground', 'slider'], 'at': [%.17g, 0], 'along': [1, 0]}],"
+        "'input': {'joint': 'A', 'speed': 4}, 'tracers': [{'name': 'P', 'link': 'crank', 'at': [%.17g, %.17g]}]}",
+        x/2, h/2, 1.5*x, h/2, 2*x, x, h, 2*x, 2*x, x, h);
+    drun_read_format(&d, text, 0, 0);
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], f < 2 ? 1e-11 : 1e-9, 3, 3), LW_OK);
+        CHECK_NEAR(d.tracer[3].x, r*cos(y), f < 2 ? 1e-9 : 1e-5, 0);
+        CHECK_NEAR(d.tracer[3].y, r*sin(y), f < 2 ? 1e-9 : 1e-5, 0);
+        CHECK_NEAR(d.q[6], d.system.reference[2].x + (2*r*cos(y) - 2*x)/d.system.unit, f < 2 ? 1e-8 : 1e-4, 0);
+    }
+    lw_model_free(&d.model);
+}
+
+int main(void)
+{
+    RUN(heavy_last);
+    RUN(massless_between_springs);
+    RUN(massless_loop);
+    RUN(dead_point);
+    RUN(equal_crank_and_rod);
+    return check_end();
+}

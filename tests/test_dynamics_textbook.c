@@ -1,0 +1,229 @@
+/* Mechanisms of the textbooks, examples/dynamics: every formulation that takes them against the equations that the
+ * textbooks give, in as few coordinates as there are freedoms. */
+#include "base/rank.h"
+#include "mbs/modes.h"
+#include "tests/dynamics_run.h"
+
+static drun d;
+
+static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                      LW_FORMULATION_GGL };
+static const double g = 9.81;
+
+/* Place of the tracer at the end of the textbook's equations: where(y, t), started at y0. */
+typedef struct book {
+    const char *file;
+    double      to;
+    lw_ode      ode;
+    double      start[6];
+    lw_vec2   (*where)(const double *y, double t);
+} book;
+
+static void compare(const book *b)
+{
+    double y[6];
+    int n_run = 0;
+    memcpy(y, b->start, sizeof y);
+    drun_exact(&b->ode, 0, y, b->to);
+    lw_vec2 want = b->where(y, b->to);
+    drun_read(&d, b->file);
+    for (int f = 0; f < 4; f++) {
+        bool tight = all[f] == LW_FORMULATION_REDUCED || all[f] == LW_FORMULATION_INDEX1;
+        lw_status s = drun_to(&d, all[f], tight ? 1e-12 : 1e-9, b->to, 4);
+        if (all[f] == LW_FORMULATION_REDUCED && s == LW_E_KIND)
+            continue;
+        CHECK_INT(s, LW_OK);
+        CHECK_NEAR(d.tracer[4].x, want.x, tight ? 1e-8 : 2e-5, 0);
+        CHECK_NEAR(d.tracer[4].y, want.y, tight ? 1e-8 : 2e-5, 0);
+        CHECK(d.report.energy_error < (tight ? 1e-10 : 1e-5)*d.report.energy_scale);
+        n_run++;
+    }
+    CHECK(n_run >= 3);
+    lw_model_free(&d.model);
+}
+
+/* ---- trebuchet ------------------------------------------------------------------------------------- */
+
+/* Parts of mass m, at the sum of arm[i] along angle i; the beam has an inertia besides. */
+static const struct { double mass, arm[3]; } part[] = { { 10, { 0.75, 0, 0 } }, { 200, { -0.5, 0.6, 0 } },
+                                                        { 2, { 2, 0, 1.5 } } };
+
+/* sum over j of K_ij (cos(a_i - a_j) a_j'' + sin(a_i - a_j) a_j'^2) = -g G_i cos a_i */
+static lw_status trebuchet_rate(void *context, double t, const double *y, double *dy)
+{
+    double m[9], right[3] = { 0 }, work[64];
+    int ints[16];
+    lw_rank r;
+    (void)context, (void)t;
+    lw_rank_place(&r, 3, 3, work, ints);
+    for (int i = 0; i < 3; i++) {
+        dy[i] = y[3 + i];
+        for (int j = 0; j < 3; j++) {
+            double k = 0;
+            for (int p = 0; p < 3; p++)
+                k += part[p].mass*part[p].arm[i]*part[p].arm[j];
+            m[i + 3*j] = k*cos(y[i] - y[j]) + (i == 0 && j == 0 ? 4 : 0);
+            right[i] -= k*sin(y[i] - y[j])*y[3 + j]*y[3 + j];
+        }
+        for (int p = 0; p < 3; p++)
+            right[i] -= g*part[p].mass*part[p].arm[i]*cos(y[i]);
+    }
+    memcpy(r.a, m, sizeof m);
+    lw_rank_factor(&r, 1e-14);
+    lw_rank_solve(&r, right, dy + 3);
+    return LW_OK;
+}
+
+static lw_vec2 stone(const double *y, double t)
+{
+    (void)t;
+    return lw_v2_add(lw_v2_polar(2, y[0]), lw_v2_polar(1.5, y[2]));
+}
+
+static void trebuchet(void)
+{
+    compare(&(book){ "examples/dynamics/trebuchet.json", 1.5, { .n = 6, .rate = trebuchet_rate },
+                     { -LW_PI/4 - 0.2, -LW_PI/2, 0 }, stone });
+}
+
+/* ---- one freedom ------------------------------------------------------------------------------------- */
+
+/* Its middle on a circle of radius L/2: that pendulum with inertia m L^2/12. */
+static lw_status ladder_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -0.75*g*cos(y[0]);
+    return LW_OK;
+}
+
+static lw_vec2 middle(const double *y, double t)
+{
+    (void)t;
+    return lw_v2_polar(1, y[0]);
+}
+
+/* r 0.3, centre of mass 0.1 below the wheel's: (I + m (r^2 + e^2 - 2 r e cos q)) q'' + m r e sin q q'^2
+ * = -m g e sin q. */
+static lw_status wheel_rate(void *context, double t, const double *y, double *dy)
+{
+    const double r = 0.3, e = 0.1, m = 2;
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -m*e*sin(y[0])*(g + r*y[1]*y[1])/(0.05 + m*(r*r + e*e - 2*r*e*cos(y[0])));
+    return LW_OK;
+}
+
+static lw_vec2 wheel(const double *y, double t)
+{
+    (void)t;
+    return lw_v2(0.3*y[0], 0.3);
+}
+
+/* The pivot at 0.02 cos 200 t: it stays up, for 0.02*200 > sqrt(2 g l). */
+static lw_status shaken_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)context;
+    dy[0] = y[1];
+    dy[1] = (g - 0.02*200*200*cos(200*t))/0.2*sin(y[0]);
+    return LW_OK;
+}
+
+static lw_vec2 shaken(const double *y, double t)
+{
+    CHECK(fabs(y[0]) < 0.2);
+    return lw_v2(0.2*sin(y[0]), 0.02*cos(200*t) + 0.2*cos(y[0]));
+}
+
+static void one_freedom(void)
+{
+    compare(&(book){ "examples/dynamics/falling-ladder.json", 2, { .n = 2, .rate = ladder_rate }, { 1.2, 0 },
+                     middle });
+    compare(&(book){ "examples/dynamics/rolling-wheel.json", 3, { .n = 2, .rate = wheel_rate }, { 2, 0 }, wheel });
+    compare(&(book){ "examples/dynamics/shaken-pendulum.json", 1, { .n = 2, .rate = shaken_rate }, { 0.1, 0 },
+                     shaken });
+}
+
+/* ---- governor ------------------------------------------------------------------------------------------ */
+
+/* (I + 2 m r^2) w is kept; m r'' = m r w^2 - k (r - 0.2). */
+static lw_status governor_rate(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[2];
+    dy[1] = y[3];
+    dy[2] = -2*y[1]*y[3]*y[2]/(0.05 + y[1]*y[1]);
+    dy[3] = y[1]*y[2]*y[2] - 400*(y[1] - 0.2);
+    return LW_OK;
+}
+
+static lw_vec2 slid(const double *y, double t)
+{
+    (void)t;
+    return lw_v2_polar(y[1], y[0]);
+}
+
+static void governor(void)
+{
+    compare(&(book){ "examples/dynamics/governor.json", 2, { .n = 4, .rate = governor_rate },
+                     { 0, 0.2, 15, 0 }, slid });
+}
+
+/* ---- beam ---------------------------------------------------------------------------------------------- */
+
+/* Of n links of length 1/n with springs E I n between them, twice that at the wall; E I = 1, mass and length 1. */
+static double lowest(int n, int mode)
+{
+    static char text[20000];
+    static lw_modes modes;
+    lw_system s;
+    lw_forces f;
+    double q[LW_SYSTEM_Q_MAX];
+    lw_error e = { 0 };
+    int at = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+    for (int k = 0; k < n; k++)
+        at += snprintf(text + at, sizeof text - at, ",{'name': 'b%d', 'mass': %.17g, 'centre': [%.17g, 0],"
+                       "'inertia': %.17g}", k, 1./n, (k + 0.5)/n, 1./12/n/n/n);
+    at += snprintf(text + at, sizeof text - at, "], 'joints': [");
+    for (int k = 0; k < n; k++)
+        at += snprintf(text + at, sizeof text - at, "%s{'name': 'J%d', 'links': ['%s%.0d', 'b%d'], 'at': [%.17g, 0]}",
+                       k ? "," : "", k, k == 0 ? "ground" : k == 1 ? "b0" : "b", k > 1 ? k - 1 : 0, k, (double)k/n);
+    at += snprintf(text + at, sizeof text - at, "], 'springs': [");
+    for (int k = 0; k < n; k++)
+        at += snprintf(text + at, sizeof text - at, "%s{'joint': 'J%d', 'stiffness': %d}", k ? "," : "", k,
+                       k ? n : 2*n);
+    snprintf(text + at, sizeof text - at, "]}");
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    drun_read_text(&d, text);
+    CHECK_INT(lw_forces_system(&d.model, &s, &e), LW_OK);
+    lw_forces_make(&d.model, &s, &f);
+    lw_system_posture(&s, q);
+    CHECK_INT(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &e), LW_OK);
+    CHECK_INT(modes.n_mode, n);
+    lw_model_free(&d.model);
+    return modes.mode[mode].im;
+}
+
+/* (b L)^2 sqrt(E I/m), cos b cosh b = -1; short of it by a part that falls with the square of the links' length. */
+static void cantilever(void)
+{
+    static const double b[] = { 1.8751040687119611, 4.6940911329741746, 7.8547574382376126 };
+    for (int mode = 0; mode < 3; mode++) {
+        double want = b[mode]*b[mode], off[3];
+        for (int k = 0; k < 3; k++)
+            off[k] = 1 - lowest(7 << k, mode)/want;
+        CHECK(off[2] > 0 && off[2] < 0.001*(1 + 3*mode));
+        CHECK_NEAR(off[0]/off[1], 4, 0, 0.12);
+        CHECK_NEAR(off[1]/off[2], 4, 0, 0.04);
+    }
+}
+
+int main(void)
+{
+    RUN(trebuchet);
+    RUN(one_freedom);
+    RUN(governor);
+    RUN(cantilever);
+    return check_end();
+}
