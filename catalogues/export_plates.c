@@ -40,6 +40,15 @@ static void end(work *w)
     free(w);
 }
 
+/* What is known of the layers, in a sentence. */
+static void put_room(const work *w, char *text, size_t size)
+{
+    char room[32];
+    lw_number_text(room, MM*w->l.room, 3);
+    snprintf(text, size, isfinite(w->l.room) ? "in each layer at least %s mm are free over the whole motion"
+             : "in no layer anything passes anything", room);
+}
+
 /* ---- DXF -------------------------------------------------------------------------------------------------- */
 
 static void put_code(lw_bytes *out, int code, const char *text)
@@ -173,10 +182,13 @@ static void put_tables(const work *w, lw_bytes *out)
 lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e)
 {
     work *w;
+    char note[120];
     lw_status s = make(k, &w, e);
     if (s != LW_OK)
         return s;
     put_code(out, 999, "plates in millimetres");
+    put_room(w, note, sizeof note);
+    put_code(out, 999, note);
     put_code(out, 0, "SECTION");
     put_code(out, 2, "HEADER");
     put_code(out, 9, "$ACADVER");
@@ -294,12 +306,16 @@ static void put_assembly(const work *w, lw_bytes *out)
 lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e)
 {
     work *w;
+    char note[120];
     lw_status s = make(k, &w, e);
     if (s != LW_OK)
         return s;
     lw_bytes_text(out, "// ");
     put_comment(out, k->name);
-    lw_bytes_text(out, "\n// millimetres; View > Animate moves it\n$fn = 48;\n");
+    put_room(w, note, sizeof note);
+    lw_bytes_text(out, "\n// millimetres; View > Animate moves it\n// ");
+    lw_bytes_text(out, note);
+    lw_bytes_text(out, "\n$fn = 48;\n");
     put_text_mm(out, "radius = ", w->l.radius, ";\n");
     put_text_mm(out, "bore = ", w->l.bore, ";\n");
     put_text_mm(out, "thickness = ", w->l.thickness, ";\n");

@@ -1,7 +1,6 @@
 /* catalogues/layers.c - which link lies in which layer. */
-#include "catalogues/layers.h"
+#include "catalogues/layers_internal.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,14 +8,15 @@
 #include "catalogues/anatomy.h"
 
 #define STEPS_MAX 1000000
+#define LEVELS    3                   /* of postures: as given, 4 and 16 times as many */
 
 typedef struct work {
     const lw_scene *s;
     lw_layers      *l;
     bool            meet[LW_LINK_MAX][LW_LINK_MAX];      /* cannot be in one layer                   */
     uint32_t        hits[LW_PIN_MAX];                    /* links that come too near to the pin      */
-    lw_vec2        *moved;                               /* [frame][link][corner]: corners            */
-    lw_vec2        *moved_pin;                           /* [frame][pin]                              */
+    uint8_t         pair[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* a verdict; pins after links; b < a */
+    double          room[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* for sure between them [m]          */
     int             n_layer;
     long            steps;
 } work;
@@ -84,16 +84,21 @@ static lw_slide slide_of(const lw_scene *s, int j)
     return lw_anatomy_slide(s, j);
 }
 
-/* How far a point of the block runs along the guide's line, seen from the guide. */
+/* How far a point of the block runs along the guide's line, seen from the guide; where it turns back between two
+ * postures, an eighth of the second difference further than in them. */
 static void travel(const lw_scene *s, const lw_slide *q, double *lo, double *hi)
 {
+    double then = 0, now = 0;
     *lo = *hi = 0;
-    for (size_t f = 0; f < s->n_frame; f++) {
-        lw_vec2 p = lw_scene_at(s, f, q->block, q->at), o = lw_scene_at(s, f, q->guide, q->at);
-        lw_vec2 d = lw_v2_sub(lw_scene_at(s, f, q->guide, lw_v2_add(q->at, q->along)), o);
-        double t = lw_v2_dot(lw_v2_sub(p, o), d);
-        *lo = fmin(*lo, t);
-        *hi = fmax(*hi, t);
+    for (size_t f = 0; f < s->n_frame + 2*(size_t)s->loops; f++) {
+        size_t at = f % s->n_frame;
+        lw_vec2 p = lw_scene_at(s, at, q->block, q->at), o = lw_scene_at(s, at, q->guide, q->at);
+        lw_vec2 d = lw_v2_sub(lw_scene_at(s, at, q->guide, lw_v2_add(q->at, q->along)), o);
+        double t = lw_v2_dot(lw_v2_sub(p, o), d), beyond = f > 1 ? fabs(t - 2*now + then)/8 : 0;
+        *lo = fmin(*lo, fmin(t, now - beyond));
+        *hi = fmax(*hi, fmax(t, now + beyond));
+        then = now;
+        now = t;
     }
 }
 
@@ -159,125 +164,121 @@ static double usual_radius(const lw_linkage *k)
 
 /* ---- what is in the way ---------------------------------------------------------------------------------- */
 
-static double point_distance(lw_vec2 p, const lw_vec2 *a, int n)
+/* OPEN: not known yet; ROUGH: they do not meet, but for sure there is less than half of the room that was seen. */
+typedef enum verdict { OPEN, ROUGH, CLEAR, MEET } verdict;
+
+static verdict judge(const lw_approach *d, double limit)
 {
-    double d = INFINITY;
-    bool inside = n > 2;
-    for (int i = 0; i < n; i++) {
-        lw_vec2 u = a[i], v = a[(i + 1) % n];
-        d = fmin(d, lw_v2_segment_distance(p, u, v));
-        inside = inside && lw_v2_cross(lw_v2_sub(v, u), lw_v2_sub(p, u)) >= 0;
-    }
-    return inside ? 0 : d;
+    double seen = d->seen - limit, sure = d->sure - limit;
+    return seen <= 0 ? MEET : sure <= 0 ? OPEN : 2*sure < seen ? ROUGH : CLEAR;
 }
 
-static bool edges_cross(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d)
+/* Links and pins of one scene as bodies; pins after links. */
+static lw_status move_all(const work *w, const lw_scene *s, lw_body *body)
 {
-    lw_vec2 u = lw_v2_sub(b, a), v = lw_v2_sub(d, c);
-    return lw_v2_cross(u, lw_v2_sub(c, a))*lw_v2_cross(u, lw_v2_sub(d, a)) < 0
-        && lw_v2_cross(v, lw_v2_sub(a, c))*lw_v2_cross(v, lw_v2_sub(b, c)) < 0;
+    lw_status st = LW_OK;
+    int n = s->linkage.n_link;
+    for (int i = 0; i < n && st == LW_OK; i++)
+        st = lw_body_move(s, i, w->l->plate[i].corner, w->l->plate[i].n_corner, &body[i]);
+    for (int p = 0; p < w->l->n_pin && st == LW_OK; p++)
+        st = lw_body_move(s, w->l->pin[p].owner, &w->l->pin[p].at, 1, &body[n + p]);
+    return st;
 }
 
-double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b)
+/* Try every pair that wants it in the postures of s.  Returns how many do so still. */
+static int look_at_pairs(work *w, const lw_scene *s, const lw_body *body)
 {
-    double d = INFINITY;
-    for (int i = 0; i < n_a; i++)
-        d = fmin(d, point_distance(a[i], b, n_b));
-    for (int i = 0; i < n_b && d > 0; i++)
-        d = fmin(d, point_distance(b[i], a, n_a));
-    for (int i = 0; i < n_a && d > 0; i++)
-        for (int j = 0; j < n_b; j++)
-            if (edges_cross(a[i], a[(i + 1) % n_a], b[j], b[(j + 1) % n_b]))
-                return 0;
-    return d;
+    int n = s->linkage.n_link, n_open = 0;
+    for (int a = 0; a < n + w->l->n_pin; a++)
+        for (int b = 0; b < n && b < a; b++) {
+            double limit = w->l->radius + (a < n ? w->l->radius : w->l->bore);
+            if (w->pair[a][b] > ROUGH)
+                continue;
+            lw_approach d = lw_body_approach(s, &body[a], &body[b]);
+            w->pair[a][b] = (uint8_t)judge(&d, limit);
+            w->room[a][b] = d.sure - limit;
+            n_open += w->pair[a][b] <= ROUGH;
+        }
+    return n_open;
 }
 
-static lw_vec2 *corners(const work *w, size_t frame, int link)
-{
-    return w->moved + (frame*LW_LINK_MAX + (size_t)link)*LW_CORNER_MAX;
-}
-
-static bool move_all(work *w)
-{
-    const lw_layers *l = w->l;
-    const lw_scene *s = w->s;
-    w->moved = malloc(s->n_frame*LW_LINK_MAX*LW_CORNER_MAX*sizeof *w->moved);
-    w->moved_pin = malloc(s->n_frame*LW_PIN_MAX*sizeof *w->moved_pin);
-    if (!w->moved || !w->moved_pin)
-        return false;
-    for (size_t f = 0; f < s->n_frame; f++) {
-        for (int link = 0; link < s->linkage.n_link; link++)
-            for (int c = 0; c < l->plate[link].n_corner; c++)
-                corners(w, f, link)[c] = lw_scene_at(s, f, link, l->plate[link].corner[c]);
-        for (int p = 0; p < l->n_pin; p++)
-            w->moved_pin[f*LW_PIN_MAX + (size_t)p] = lw_scene_at(s, f, l->pin[p].owner, l->pin[p].at);
-    }
-    return true;
-}
-
-/* The posture before f; the first when the motion goes back and forth. */
-static size_t before(const lw_scene *s, size_t f) { return f > 0 ? f - 1 : s->loops ? s->n_frame - 1 : 0; }
-
-/* Half the way that a plate makes from the posture before f. */
-static double half_step(const work *w, size_t f, int link)
-{
-    size_t g = before(w->s, f);
-    double d = 0;
-    for (int c = 0; c < w->l->plate[link].n_corner; c++)
-        d = fmax(d, lw_v2_norm(lw_v2_sub(corners(w, f, link)[c], corners(w, g, link)[c])));
-    return 0.5*d;
-}
-
-static double half_pin_step(const work *w, size_t f, int pin)
-{
-    const lw_vec2 *now = w->moved_pin + f*LW_PIN_MAX, *then = w->moved_pin + before(w->s, f)*LW_PIN_MAX;
-    return 0.5*lw_v2_norm(lw_v2_sub(now[pin], then[pin]));
-}
-
-static bool plates_meet(const work *w, int a, int b)
-{
-    const lw_plate *p = &w->l->plate[a], *q = &w->l->plate[b];
-    for (size_t f = 0; f < w->s->n_frame; f++) {
-        double step = half_step(w, f, a) + half_step(w, f, b);
-        size_t g = before(w->s, f);
-        double d = fmin(lw_hull_distance(corners(w, f, a), p->n_corner, corners(w, f, b), q->n_corner),
-                        lw_hull_distance(corners(w, g, a), p->n_corner, corners(w, g, b), q->n_corner));
-        if (d <= 2*w->l->radius + step)
-            return true;
-    }
-    return false;
-}
-
-static bool pin_hits(const work *w, int pin, int link)
-{
-    const lw_plate *p = &w->l->plate[link];
-    for (size_t f = 0; f < w->s->n_frame; f++) {
-        double step = half_step(w, f, link) + half_pin_step(w, f, pin);
-        if (point_distance(w->moved_pin[f*LW_PIN_MAX + (size_t)pin], corners(w, f, link), p->n_corner)
-            <= w->l->radius + w->l->bore + step)
-            return true;
-    }
-    return false;
-}
-
-static void find_conflicts(work *w)
+/* Which pairs need no look: links on one pin meet, a pin and its links belong together, the ground is alone. */
+static void settle_joints(work *w)
 {
     const lw_linkage *k = &w->s->linkage;
-    for (int j = 0; j < k->n_joint; j++)
-        w->meet[k->joint[j].link[0]][k->joint[j].link[1]] = w->meet[k->joint[j].link[1]][k->joint[j].link[0]] = true;
+    int n = k->n_link;
     for (int p = 0; p < w->l->n_pin; p++)
-        for (int a = 0; a < k->n_link; a++)
-            for (int b = 0; b < k->n_link; b++)
-                if (a != b && (w->l->pin[p].links >> a & 1) && (w->l->pin[p].links >> b & 1))
-                    w->meet[a][b] = true;
-    for (int a = 0; a < k->n_link; a++)
+        for (int a = 0; a < n; a++) {
+            if (!(w->l->pin[p].links >> a & 1))
+                continue;
+            w->pair[n + p][a] = CLEAR;
+            w->room[n + p][a] = INFINITY;
+            for (int b = 0; b < a; b++)
+                if (w->l->pin[p].links >> b & 1)
+                    w->pair[a][b] = MEET;
+        }
+    for (int a = 0; a < n + w->l->n_pin; a++) {
+        w->pair[a][k->ground] = CLEAR;
+        w->room[a][k->ground] = INFINITY;
+    }
+    for (int b = 0; b < k->ground; b++) {
+        w->pair[k->ground][b] = CLEAR;
+        w->room[k->ground][b] = INFINITY;
+    }
+    for (int j = 0; j < k->n_joint; j++) {
+        int a = k->joint[j].link[0], b = k->joint[j].link[1];
+        w->pair[a > b ? a : b][a > b ? b : a] = MEET;
+    }
+}
+
+/* In the postures of the scene, then in four times as many, and so on while pairs want it; those that stay open are
+ * taken to meet. */
+static lw_status find_conflicts(work *w)
+{
+    const lw_linkage *k = &w->s->linkage;
+    lw_scene fine = { 0 };
+    lw_status st = LW_OK;
+    int n = k->n_link, n_open = 1;
+    settle_joints(w);
+    for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
+        const lw_scene *s = level ? &fine : w->s;
+        lw_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
+        size_t wanted = w->s->n_frame << 2*level;
+        if (level)
+            st = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
+        if (st == LW_OK && s->n_frame >= wanted)
+            st = move_all(w, s, body);
+        if (st == LW_OK && s->n_frame >= wanted)
+            n_open = look_at_pairs(w, s, body);
+        for (int i = 0; i < n + w->l->n_pin; i++)
+            lw_body_free(&body[i]);
+        if (level)
+            lw_scene_free(&fine);
+    }
+    for (int a = 0; a < n; a++)
         for (int b = 0; b < a; b++)
-            if (a != k->ground && b != k->ground && !w->meet[a][b])
-                w->meet[a][b] = w->meet[b][a] = plates_meet(w, a, b);
+            w->meet[a][b] = w->meet[b][a] = w->pair[a][b] == OPEN || w->pair[a][b] == MEET;
     for (int p = 0; p < w->l->n_pin; p++)
-        for (int a = 0; a < k->n_link; a++)
-            if (!(w->l->pin[p].links >> a & 1) && a != k->ground && pin_hits(w, p, a))
-                w->hits[p] |= 1u << a;
+        for (int a = 0; a < n; a++)
+            w->hits[p] |= (uint32_t)(w->pair[n + p][a] == OPEN || w->pair[n + p][a] == MEET) << a;
+    return st;
+}
+
+/* The least room of plates in one layer, and of pins and the plates they pass. */
+static double least_room(const work *w)
+{
+    const lw_layers *l = w->l;
+    int n = w->s->linkage.n_link;
+    double least = INFINITY;
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < a; b++)
+            if (l->layer[a] == l->layer[b])
+                least = fmin(least, w->room[a][b]);
+    for (int p = 0; p < l->n_pin; p++)
+        for (int a = 0; a < n; a++)
+            if (l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high)
+                least = fmin(least, w->room[n + p][a]);
+    return least;
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------- */
@@ -396,16 +397,13 @@ lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_erro
         w->s = s;
         w->l = l;
     }
-    if (w && move_all(w)) {
-        find_conflicts(w);
+    st = w ? find_conflicts(w) : LW_E_MEMORY;
+    if (st == LW_OK)
         st = find_layers(w, e);
-    } else {
-        st = lw_error_set(e, LW_E_MEMORY, "out of memory for the layers of a linkage");
-    }
-    if (w) {
-        free(w->moved);
-        free(w->moved_pin);
-    }
+    if (st == LW_OK)
+        l->room = least_room(w);
+    else if (st == LW_E_MEMORY)
+        lw_error_set(e, st, "out of memory for the layers of a linkage");
     free(w);
     return st;
 }

@@ -65,6 +65,27 @@ static int place_all(const lw_scene *s, int link, size_t f, const lw_layers *l, 
     return l->plate[link].n_corner;
 }
 
+/* The least room seen in the postures of s, by the shapes' own distance. */
+static double room_seen(const lw_scene *s, const lw_layers *l)
+{
+    lw_vec2 p[LW_CORNER_MAX], q[LW_CORNER_MAX];
+    double least = INFINITY;
+    for (size_t f = 0; f < s->n_frame; f++) {
+        for (int a = 0; a < s->linkage.n_link; a++) {
+            int n = place_all(s, a, f, l, p);
+            for (int b = 0; b < a; b++)
+                if (l->layer[a] == l->layer[b])
+                    least = fmin(least, lw_hull_distance(p, n, q, place_all(s, b, f, l, q)) - 2*l->radius);
+            for (int i = 0; i < l->n_pin; i++) {
+                lw_vec2 at = lw_scene_at(s, f, l->pin[i].owner, l->pin[i].at);
+                if (!(l->pin[i].links >> a & 1) && l->layer[a] > l->pin[i].low && l->layer[a] < l->pin[i].high)
+                    least = fmin(least, lw_hull_distance(&at, 1, p, n) - l->radius - l->bore);
+            }
+        }
+    }
+    return least;
+}
+
 static bool clear_in_layer(const lw_scene *s, const lw_layers *l)
 {
     lw_vec2 p[LW_CORNER_MAX], q[LW_CORNER_MAX];
@@ -96,7 +117,7 @@ static bool pins_clear(const lw_scene *s, const lw_layers *l)
 
 static void check_layers(const lw_linkage *k, int most)
 {
-    lw_scene s = scene_of(k, 240), fine = scene_of(k, 487);
+    lw_scene s = scene_of(k, 240), fine = scene_of(k, 4801);
     static lw_layers l;
     lw_error e = { 0 };
     CHECK_INT(lw_layers_find(&s, 0, &l, &e), LW_OK);
@@ -111,6 +132,8 @@ static void check_layers(const lw_linkage *k, int most)
                 CHECK(l.layer[i] >= l.pin[p].low && l.layer[i] <= l.pin[p].high);
     CHECK(clear_in_layer(&fine, &l));
     CHECK(pins_clear(&fine, &l));
+    double seen = room_seen(&fine, &l);
+    CHECK(l.room > 0 && l.room <= seen && (isinf(seen) || l.room > 0.3*seen));
     lw_scene_free(&s);
     lw_scene_free(&fine);
 }
@@ -125,6 +148,34 @@ static void examples_pass_themselves(void)
         lw_linkage k = example(rows[i].name);
         check_layers(&k, rows[i].most);
     }
+}
+
+/* What is said to be free is free in twenty times as many postures, also where motions turn back. */
+static void room_of_random_linkages(void)
+{
+    static const char *const name[] = { "hoeken", "klann", "jansen", "slider-crank", "inverted-slider-crank" };
+    static lw_layers l;
+    lw_rng rng;
+    int n_found = 0;
+    lw_rng_seed(&rng, check_seed(), 1);
+    for (int i = 0; i < 60; i++) {
+        lw_linkage k = example(name[i % 5]);
+        for (int j = 0; j < k.n_joint; j++)
+            if (k.joint[j].kind == LW_JOINT_REVOLUTE && i % 5 < 3)
+                k.joint[j].at = lw_v2_add(k.joint[j].at, lw_v2_polar(0.1*lw_export_size(&k)*lw_rng_uniform(&rng),
+                                                                     2*LW_PI*lw_rng_uniform(&rng)));
+            else if (k.joint[j].kind == LW_JOINT_REVOLUTE)
+                k.joint[j].at.x += 0.1*lw_export_size(&k)*lw_rng_uniform(&rng);
+        lw_scene s = scene_of(&k, 60), fine = scene_of(&k, 1201);
+        if (s.n_frame > 2 && lw_layers_find(&s, 0, &l, NULL) == LW_OK) {
+            double seen = room_seen(&fine, &l);
+            CHECK(l.room > 0 && l.room <= seen);
+            n_found += isfinite(l.room);
+        }
+        lw_scene_free(&s);
+        lw_scene_free(&fine);
+    }
+    CHECK(n_found > 20);
 }
 
 static void refusals(void)
@@ -231,6 +282,7 @@ int main(void)
 {
     RUN(distances);
     RUN(examples_pass_themselves);
+    RUN(room_of_random_linkages);
     RUN(refusals);
     RUN(outlines_are_closed);
     RUN(openscad_is_balanced);
