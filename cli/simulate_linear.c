@@ -126,12 +126,15 @@ static void compare(linear *l)
         }
 }
 
-static bool is_unstable(const lw_modes *m)
+/* The mode that grows fastest; NULL: none does */
+static const lw_mode *growing(const lw_modes *m)
 {
-    bool any = false;
+    const lw_mode *most = NULL;
     for (int k = 0; k < m->n_mode; k++)
-        any = any || m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural));
-    return any;
+        if (m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural))
+            && (!most || m->mode[k].re > most->re))
+            most = &m->mode[k];
+    return most;
 }
 
 static lw_status one(linear *l, bool rest, lw_error *e)
@@ -197,8 +200,9 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
                  l->modes.unbalanced);
-    if (s == LW_OK && o->rest && !o->along && is_unstable(&l->modes))
-        cli_note(call, "the equilibrium is not stable: modes with re above 0 grow");
+    const lw_mode *grows = s == LW_OK && !o->along && (o->rest || l->modes.unbalanced <= 1e-9) ? growing(&l->modes) : NULL;
+    if (grows)
+        cli_note(call, "the equilibrium is not stable: a mode grows %.3g times in a second", exp(grows->re));
     if (s == LW_OK && o->fft && l->n_heard == 0)
         cli_note(call, "no mode vibrates long enough to be heard");
     else if (s == LW_OK && o->fft)

@@ -9,7 +9,7 @@
 /* ---- shapes -------------------------------------------------------------------------------------- */
 
 /* Body coordinates of a reduced vector re + i im: amplitudes and phases, the greatest 1 with phase 0 */
-static void write_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
+void lw_mode_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
 {
     int n = v->n_q, top = 0;
     double a[LW_SYSTEM_Q_MAX] = { 0.0 }, b[LW_SYSTEM_Q_MAX] = { 0.0 };
@@ -30,7 +30,7 @@ static void write_shape(const lw_vibration *v, const double *re, const double *i
     }
 }
 
-static void finish_mode(lw_mode *m, double re, double im)
+void lw_mode_finish(lw_mode *m, double re, double im)
 {
     double size = hypot(re, im);
     m->re = re;
@@ -64,72 +64,8 @@ static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_mode *mode = &out->mode[out->n_mode++];
         double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* free motion, to rounding */
-        finish_mode(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
-        write_shape(v, x + i*n, NULL, mode);
-    }
-    return s;
-}
-
-/* inv(M) applied to the columns of a (n*n by rows) by Cholesky's method; false: not positive */
-static bool divide(int n, double *m, double *a)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = m[i*n + j];
-            for (int k = 0; k < j; k++)
-                sum -= m[i*n + k]*m[j*n + k];
-            if (i == j && !(sum > 0.0))
-                return false;
-            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
-        }
-    for (int c = 0; c < n; c++) {
-        for (int i = 0; i < n; i++) {
-            for (int k = 0; k < i; k++)
-                a[i*n + c] -= m[i*n + k]*a[k*n + c];
-            a[i*n + c] /= m[i*n + i];
-        }
-        for (int i = n - 1; i >= 0; i--) {
-            for (int k = i + 1; k < n; k++)
-                a[i*n + c] -= m[k*n + i]*a[k*n + c];
-            a[i*n + c] /= m[i*n + i];
-        }
-    }
-    return true;
-}
-
-/* Damped: first order in x and x'/tau, with time in units tau of the quickest rate so that both parts are of one
- * size. */
-static lw_status damped(const lw_vibration *v, double *room, lw_modes *out)
-{
-    int n = v->n_free, two = 2*n;
-    size_t square = (size_t)(n*n);
-    double *m = room, *k = m + square, *c = k + square, *a = c + square, *re = a + 4*square, *im = re + two;
-    double *x_re = im + two, *x_im = x_re + 4*square, rate = 0.0;
-    memcpy(m, v->mass, sizeof *m*square);
-    memcpy(k, v->stiffness, sizeof *k*square);
-    if (!divide(n, m, k))
-        return LW_E_NUMERIC;
-    memcpy(m, v->mass, sizeof *m*square);
-    memcpy(c, v->damping, sizeof *c*square);
-    divide(n, m, c);
-    for (int i = 0; i < n*n; i++)
-        rate = fmax(rate, fmax(sqrt(fabs(k[i])), fabs(c[i])));
-    rate = rate > 0.0 ? rate : 1.0;
-    memset(a, 0, 4*square*sizeof *a);
-    for (int i = 0; i < n; i++) {
-        a[i*two + n + i] = 1.0;
-        for (int j = 0; j < n; j++) {
-            a[(n + i)*two + j] = -k[i*n + j]/(rate*rate);
-            a[(n + i)*two + n + j] = -c[i*n + j]/rate;
-        }
-    }
-    lw_status s = lw_eigen_general(two, a, re, im, x_re, x_im);
-    for (int i = 0; s == LW_OK && i < two; i++) {
-        if (im[i] < 0.0)
-            continue;                                        /* its partner stands for it */
-        lw_mode *mode = &out->mode[out->n_mode++];
-        finish_mode(mode, re[i]*rate, im[i]*rate);
-        write_shape(v, x_re + i*two, x_im + i*two, mode);
+        lw_mode_finish(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
+        lw_mode_shape(v, x + i*n, NULL, mode);
     }
     return s;
 }
@@ -172,11 +108,11 @@ static const char *lightest(const lw_vibration *v)
 static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
 {
     size_t n = (size_t)v->n_free;
-    double *room = calloc(15*n*n + 8*n + 1, sizeof *room);
+    double *room = calloc(17*n*n + 8*n + 1, sizeof *room);
     if (!room)
         return lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
     out->conservative = is_conservative(v);
-    lw_status s = out->conservative ? conservative(v, room, out) : damped(v, room, out);
+    lw_status s = out->conservative ? conservative(v, room, out) : lw_modes_damped(v, room, out);
     free(room);
     if (s == LW_E_NUMERIC)
         return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "

@@ -34,6 +34,13 @@ typedef struct lw_vibration {
 lw_status lw_vibration_make(const lw_forces *f, bool hold_inputs, double t, const double *q, lw_vibration *v);
 void      lw_vibration_free(lw_vibration *v);
 
+/* Body coordinates of a reduced vector re + i im (NULL: real) of a mode; its numbers for an eigenvalue. */
+void lw_mode_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode);
+void lw_mode_finish(lw_mode *m, double re, double im);
+
+/* All modes of a damped or not symmetric vibration; room of 17 n_free^2 + 8 n_free. */
+lw_status lw_modes_damped(const lw_vibration *v, double *room, lw_modes *out);
+
 /* Put q on the rows by the least change.  LW_OPEN: not near. */
 lw_status lw_vibration_project(lw_vibration *v, double *q);
 

@@ -101,6 +101,56 @@ static void parallelogram_with_a_third_bar(void)
     CHECK_INT(m.freedom, 1);
 }
 
+/* Tables on n legs, stacked: every storey moves although all its legs but two are redundant, each in its own way */
+static void stacked_tables(void)
+{
+    for (int n = 2; n <= 6; n++)
+        for (int storeys = 1; storeys <= (n < 4 ? 5 : 2); storeys++) {
+            lw_linkage k;
+            lw_vec2 foot[6], up;
+            blank_linkage(&k, 1 + storeys*(n + 1));
+            for (int i = 0; i < n; i++)
+                foot[i] = lw_v2(0.7*i + 0.1*i*i, 0.3*sin(i));
+            for (int s = 0, plate = 0; s < storeys; s++) {
+                int next = 1 + s*(n + 1);                       /* then its legs */
+                up = lw_v2_polar(1, 0.9 + 0.3*s);
+                for (int i = 0; i < n; i++) {
+                    add_pin(&k, plate, next + 1 + i, foot[i]);
+                    foot[i] = lw_v2_add(foot[i], up);
+                    add_pin(&k, next + 1 + i, next, foot[i]);
+                }
+                plate = next;
+            }
+            expect(&k, LW_MOBILITY_MOVES, storeys*(3 - n), storeys, storeys, storeys*(n - 2));
+            expect_generic(&k, n == 2 ? storeys : 0);
+        }
+}
+
+/* Two triangles joined by three bars (Desargues): rigid; shaky when the bars meet in a point, or are parallel and not of
+ * one length; movable when they are equal and parallel */
+static void triangles_and_three_bars(void)
+{
+    static const lw_vec2 t[3] = { { 0, 0 }, { 2, 0 }, { 0.7, 1.6 } };
+    static const double share[3] = { 0.5, 0.3, 0.62 }, length[3] = { 1, 1.4, 0.7 };
+    for (int i = 0; i < 4; i++) {
+        lw_linkage k;
+        blank_linkage(&k, 5);
+        for (int j = 0; j < 3; j++) {
+            lw_vec2 o = { 5, -1 }, d = { 1, 2 };
+            lw_vec2 far = i == 1 ? lw_v2_add(o, lw_v2_scale(lw_v2_sub(t[j], o), share[j]))
+                        : lw_v2_add(t[j], lw_v2_scale(d, i == 2 ? length[j] : 1));
+            if (i == 0)
+                far = lw_v2_add(far, lw_v2(0.3*j*j, -0.2*j));
+            add_pin(&k, 0, 2 + j, t[j]);
+            add_pin(&k, 2 + j, 1, far);
+        }
+        if (i == 3)
+            expect(&k, LW_MOBILITY_MOVES, 0, 1, 1, 1);
+        else
+            expect(&k, i ? LW_MOBILITY_SHAKY : LW_MOBILITY_RIGID, 0, 0, i > 0, i > 0);
+    }
+}
+
 static void fold(lw_linkage *k, double stretch)
 {
     blank_linkage(k, 4);
@@ -555,6 +605,8 @@ static void refused(void)
 int main(void)
 {
     RUN(parallelogram_with_a_third_bar);
+    RUN(stacked_tables);
+    RUN(triangles_and_three_bars);
     RUN(folded_four_bar);
     RUN(dixon_first);
     RUN(dixon_second);

@@ -134,35 +134,109 @@ static void hanging_chains(void)
 
 /* ---- springs ------------------------------------------------------------------------------------- */
 
-/* n masses between two walls: w_k = 2 sqrt(K/m) sin(k pi/(2(n + 1))); free at both ends there is a rigid motion */
+/* n masses of 2 kg on springs of 5000 N/m in a row, between walls or free, dampers beside the springs */
+static scene *row_of_masses(int n, bool free, double damping)
+{
+    char links[8192] = "", joints[8192] = "", springs[8192] = "";
+    for (int i = 1; i <= n; i++) {
+        snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], \"inertia\": 1}",
+                 i > 1 ? ", " : "", i, i);
+        snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", \"l%d\"], "
+                 "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
+    }
+    for (int i = free; i <= n - free; i++)
+        snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], [%d, 0]], "
+                 "\"stiffness\": 5000, \"damping\": %.17g}", i > free ? ", " : "", i ? "l" : "ground", i,
+                 i < n ? "l" : "ground", i < n ? i + 1 : 0, i, i + 1, damping);
+    return make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
+}
+
+/* Half the wave of mode k (from 0) in a row: w = 2 sqrt(K/m) sin of it; free at both ends the first is a rigid motion */
+static double half_wave(int n, bool free, int k)
+{
+    return free ? k*LW_PI/(2*n) : (k + 1)*LW_PI/(2*(n + 1));
+}
+
 static void chains_of_springs(void)
 {
-    for (int free = 0; free < 2; free++) {
-        int n = 6;
-        char links[4096] = "", joints[4096] = "", springs[4096] = "";
-        for (int i = 1; i <= n; i++) {
-            snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], "
-                     "\"inertia\": 1}",
-                     i > 1 ? ", " : "", i, i);
-            snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": "
-                     "[\"ground\", \"l%d\"], "
-                     "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
+    for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
+        for (int free = 0; free < 2; free++) {
+            scene *s = row_of_masses(n, free, 0);
+            CHECK_INT(find(s, false, false), LW_OK);
+            CHECK_INT(s->modes.n_mode, n);
+            for (int k = 0; k < n; k++) {
+                double w = 2*sqrt(2500)*sin(half_wave(n, free, k));
+                CHECK_NEAR(s->modes.mode[k].im, w, 0, 1e-11);
+                CHECK_NEAR(s->modes.mode[k].re, 0, 0, 0);
+            }
+            drop(s);
         }
-        for (int i = free; i <= n - free; i++)
-            snprintf(springs + strlen(springs), 200, "%s{\"links\": [\"%s%.0d\", \"%s%.0d\"], \"at\": [[%d, 0], "
-                     "[%d, 0]], "
-                     "\"stiffness\": 5000}", i > free ? ", " : "", i ? "l" : "ground", i, i < n ? "l" : "ground",
-                     i < n ? i + 1 : 0, i, i + 1);
-        scene *s = make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
-        CHECK_INT(find(s, false, false), LW_OK);
-        CHECK_INT(s->modes.n_mode, n);
-        for (int k = 0; k < n; k++) {
-            double w = 2*sqrt(2500)*sin(free ? k*LW_PI/(2*n) : (k + 1)*LW_PI/(2*(n + 1)));
-            CHECK_NEAR(s->modes.mode[k].im, w, free && k == 0 ? 1e-5 : 0, 1e-11);
-            CHECK_NEAR(s->modes.mode[k].re, 0, 0, 0);
+}
+
+static int by_size_of(const void *a, const void *b)
+{
+    double x = fabs(*(const double *)a), y = fabs(*(const double *)b);
+    return (x > y) - (x < y);
+}
+
+/* Dampers as the springs are: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its root is double, to
+ * all digits, as is the 0 of a free row. */
+static void damped_chains(void)
+{
+    for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
+        for (int free = 0; free < 2; free++) {
+            int critical = n/2, count = 0;
+            double l = 4*pow(sin(half_wave(n, free, critical)), 2), c = 2*sqrt(5000*2/l), want[80];
+            scene *s = row_of_masses(n, free, c);
+            CHECK_INT(find(s, false, false), LW_OK);
+            for (int k = 0; k < n; k++) {
+                double lk = 4*pow(sin(half_wave(n, free, k)), 2), b = 0.5*c*lk/2, w2 = 2500*lk;
+                double root = k < critical ? 0 : k > critical ? sqrt(b*b - w2) : 0;
+                want[count++] = k < critical ? -sqrt(w2) : -(b + root);
+                if (k >= critical)
+                    want[count++] = -w2/(b + root);
+            }
+            CHECK_INT(s->modes.n_mode, count);
+            qsort(want, (size_t)count, sizeof *want, by_size_of);
+            for (int i = 0; i < count && i < s->modes.n_mode; i++) {
+                const lw_mode *m = &s->modes.mode[i];
+                CHECK_NEAR(hypot(m->re, m->im), fabs(want[i]), 0, 1e-10);
+                CHECK(m->re <= 0);
+                CHECK(want[i] != 0 || (m->re == 0 && m->im == 0));
+                CHECK(fabs(fabs(want[i]) - sqrt(2500*l)) > 1e-9*sqrt(2500*l) || (m->im == 0 && m->damping == 1));
+            }
+            drop(s);
         }
-        drop(s);
-    }
+}
+
+/* n equal pendula side by side: one eigenvalue n times, with n shapes that differ; upside down it is real */
+static void repeated(void)
+{
+    for (int up = 0; up < 2; up++)
+        for (int n = 2; n <= 12; n += 5) {
+            char links[4096] = "", joints[4096] = "";
+            for (int i = 0; i < n; i++) {
+                snprintf(links + strlen(links), 200, "%s{\"name\": \"p%d\", \"mass\": 3, \"centre\": [%d, %g], \"inertia\": 0.1}",
+                         i ? ", " : "", i, i, up ? 0.7 : -0.7);
+                snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"ground\", \"p%d\"], \"at\": [%d, 0]}",
+                         i ? ", " : "", i, i, i);
+            }
+            scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
+            CHECK_INT(find(s, false, false), LW_OK);
+            CHECK_INT(s->modes.n_mode, n);
+            double rate = sqrt(3*g*0.7/(0.1 + 3*0.49));
+            for (int k = 0; k < n; k++) {
+                CHECK_NEAR(s->modes.mode[k].im, up ? 0 : rate, 0, 1e-13);
+                CHECK_NEAR(s->modes.mode[k].re, up ? rate : 0, 0, 1e-13);
+                for (int j = 0; j < k; j++) {
+                    double far = 0;
+                    for (int i = 0; i < s->s.n_q; i++)
+                        far = fmax(far, fabs(s->modes.mode[k].shape[i] - s->modes.mode[j].shape[i]));
+                    CHECK(far > 0.1);
+                }
+            }
+            drop(s);
+        }
 }
 
 /* m x'' + c x' + k x = 0 below, at and above critical damping */
@@ -246,6 +320,42 @@ static void redundant_swing(void)
     CHECK_INT(s->modes.redundant, 1);
     CHECK_INT(s->modes.n_mode, 1);
     CHECK_NEAR(pow(s->modes.mode[0].im, 2), g/1.5, 0, 1e-11);
+    drop(s);
+}
+
+/* Slider-crank with a spring at its slide, relaxed in the drawn posture: w^2 = K x'^2/I, I the masses reduced to the crank */
+static void slider_crank(void)
+{
+    const double r = 0.3, l = 0.8, k = 500;
+    for (double t = 0.2; t < 3; t += 0.35) {
+        double b = asin(r*sin(t)/l), db = r*cos(t)/(l*cos(b)), x = r*cos(t) + l*cos(b), dx = -r*sin(t) - l*sin(b)*db;
+        double dcx = 0.5*(dx - r*sin(t)), dcy = 0.5*r*cos(t);
+        double inertia = 0.05 + 1.3*0.16*r*r + 0.7*(dcx*dcx + dcy*dcy) + 0.02*db*db + 1.9*dx*dx;
+        scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"c\", \"mass\": 1.3, \"centre\": [%.17g, %.17g], "
+            "\"inertia\": 0.05}, {\"name\": \"k\", \"mass\": 0.7, \"centre\": [%.17g, %.17g], \"inertia\": 0.02}, {\"name\": \"s\", "
+            "\"mass\": 1.9, \"centre\": [%.17g, 0]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"c\"], \"at\": "
+            "[0, 0]}, {\"name\": \"A\", \"links\": [\"c\", \"k\"], \"at\": [%.17g, %.17g]}, {\"name\": \"B\", \"links\": [\"k\", "
+            "\"s\"], \"at\": [%.17g, 0]}, {\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], \"at\": [%.17g, 0], "
+            "\"along\": [1, 0]}], \"springs\": [{\"joint\": \"P\", \"stiffness\": %g}]}", 0.4*r*cos(t), 0.4*r*sin(t),
+            0.5*(r*cos(t) + x), 0.5*r*sin(t), x, r*cos(t), r*sin(t), x, x, k);
+        CHECK_INT(find(s, false, false), LW_OK);
+        CHECK_INT(s->modes.n_mode, 1);
+        CHECK_NEAR(s->modes.mode[0].im, sqrt(k*dx*dx/inertia), 0, 1e-11);
+        CHECK_NEAR(s->modes.unbalanced, 0, 1e-12, 0);
+        drop(s);
+    }
+}
+
+/* A pair of wheels, the second turning z times as fast, a torsion spring at the first: w^2 = K/(I1 + z^2 I2) */
+static void geared_wheels(void)
+{
+    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0], \"inertia\": 0.4}, "
+        "{\"name\": \"b\", \"mass\": 3, \"centre\": [3.5, 0], \"inertia\": 5}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", "
+        "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [3.5, 0]}, {\"name\": \"G\", \"kind\": "
+        "\"g\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"ratio\": -2.5}], \"springs\": [{\"joint\": \"A\", \"stiffness\": 9}]}");
+    CHECK_INT(find(s, false, false), LW_OK);
+    CHECK_INT(s->modes.n_mode, 1);
+    CHECK_NEAR(s->modes.mode[0].im, sqrt(9/(0.4 + 5*6.25)), 0, 1e-12);
     drop(s);
 }
 
@@ -400,9 +510,13 @@ int main(void)
     RUN(double_pendulum);
     RUN(hanging_chains);
     RUN(chains_of_springs);
+    RUN(damped_chains);
+    RUN(repeated);
     RUN(damping);
     RUN(phases);
     RUN(redundant_swing);
+    RUN(slider_crank);
+    RUN(geared_wheels);
     RUN(four_bar_at_rest);
     RUN(finds_rest);
     RUN(heard);
