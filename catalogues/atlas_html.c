@@ -14,6 +14,8 @@
 #include "catalogues/page_internal.h"
 #include "grammar/notation.h"
 
+#define PAGE_BYTES    8000.0   /* of a chain's page ...                              */
+#define PICTURE_BYTES 6600.0   /* ... and of each picture of a ground link, measured */
 #define BLOCK 64               /* chains whose pictures are worked out together, by all threads */
 
 lw_atlas_html_options lw_atlas_html_options_default(void)
@@ -61,7 +63,40 @@ static const char chain_sql[] =
     "SELECT c.id, c.links, c.dof, c.joints, c.loops, c.symmetry, c.grounds, c.planar, c.label, c.graph6,"
     " c.assortment, c.franke, c.sentence, c.matrix, s.form, s.derivation"
     " FROM chain c LEFT JOIN structure s ON s.id = c.structure WHERE ?1 = 0 OR c.links = ?1"
-    " ORDER BY c.dof, c.links, c.id";
+    " ORDER BY c.dof, c.links, c.id LIMIT ?2";
+static const char size_sql[] =
+    "SELECT count(*), total(grounds) FROM (SELECT grounds FROM chain WHERE ?1 = 0 OR links = ?1"
+    " ORDER BY dof, links, id LIMIT ?2)";
+
+/* A question about the chains that are shown. */
+static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, const char *sql,
+                            lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
+                            lw_error *e)
+{
+    const lw_value v[] = { lw_value_of_integer(o->links), lw_value_of_integer(o->limit > 0 ? o->limit : -1) };
+    lw_store_query q = { .sql = sql, .value = v, .n_value = 2, .row = row, .context = context };
+    lw_status s = lw_store_ask(store, &q, e);
+    return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
+}
+
+static lw_status take_size(void *context, int n, const char *const *name, const lw_value *v)
+{
+    double *size = context;
+    (void)n, (void)name;
+    size[0] = (double)v[0].integer;
+    size[1] = v[1].real;
+    return LW_OK;
+}
+
+lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
+                               lw_error *e)
+{
+    double size[2] = { 0, 0 };
+    lw_status s = ask_chains(store, o, size_sql, take_size, size, e);
+    *n_chain = (size_t)size[0];
+    *n_byte = PAGE_BYTES*size[0] + PICTURE_BYTES*size[1];
+    return s;
+}
 
 static bool copy_texts(lw_leaf *l, const lw_value *v)
 {
@@ -101,9 +136,8 @@ static lw_status add_leaf(void *context, int n, const char *const *name, const l
 
 static lw_status read_leaves(lw_atlas_html *a, lw_error *e)
 {
-    const lw_value links = lw_value_of_integer(a->options->links);
     const lw_notation *graph6 = lw_notation_find("graph6");
-    lw_status s = lw_atlas_ask(a, chain_sql, &links, add_leaf, a, e);
+    lw_status s = ask_chains(a->store, a->options, chain_sql, add_leaf, a, e);
     for (size_t i = a->n; i-- > 0;) {
         bool last = i + 1 == a->n || a->leaf[i + 1].number == 1;
         a->leaf[i].of = last ? a->leaf[i].number : a->leaf[i + 1].of;

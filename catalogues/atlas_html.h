@@ -14,6 +14,7 @@
 typedef struct lw_atlas_html_options {
     const char *title;             /* of the overview                                  ("Atlas of mechanisms") */
     int         links;             /* only chains with so many; 0: all                                     (0) */
+    int         limit;             /* only the first so many chains; 0: all                                (0) */
     int         jobs;              /* threads; 0: one a core                                               (0) */
     int         n_linkage;         /* moving linkages shown for a chain, the best first                   (12) */
     bool      (*goes_on)(void *context, double done, double total);   /* after each chain; NULL         (NULL) */
@@ -21,6 +22,10 @@ typedef struct lw_atlas_html_options {
 } lw_atlas_html_options;
 
 lw_atlas_html_options lw_atlas_html_options_default(void);
+
+/* How many chains that are, and about how many bytes of pages (a tenth more or less, moving linkages not counted). */
+lw_status lw_atlas_html_expect(lw_store *s, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
+                               lw_error *e);
 
 /* Write the pages into folder `dir`, which is made when there is none; the overview last.  *n_page: how many were
  * written; *n_byte: their size.  LW_NOTHING: no chain; LW_STOPPED: goes_on said so; LW_E_IO; LW_E_MEMORY. */

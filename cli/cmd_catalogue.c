@@ -32,7 +32,7 @@ static const cli_option options[] = {
       "query: fields that are shown, apart by commas", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: by these fields; -FIELD: falling", 0, 0, NULL, NULL },
-    { "limit", 0, CLI_INT, PLACE(limit), "N", NULL, "query, export: at most so many rows", 1, 2e9, NULL, NULL },
+    { "limit", 0, CLI_INT, PLACE(limit), "N", NULL, "query, export: at most so many rows; html: chains", 1, 2e9, NULL, NULL },
     { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv", "table",
       "query: how rows are written", 0, 0, NULL, NULL },
     { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
@@ -156,7 +156,8 @@ const cli_command cli_catalogue_command = {
         "counted, and the source. A number that is known to be wrong is a known erratum. Any other disagreement\n"
         "makes the exit code 4.\n"
         "html writes a folder of web pages that need no server: an overview with search, a page a chain with its picture,\n"
-        "notations to copy and ground links, and pages of moving linkages; --links P takes only chains with P links.\n",
+        "notations to copy and ground links, and pages of moving linkages; --links P takes only chains with P links,\n"
+        "--limit N the first N. More than 200 MB of pages are only made with --limit.\n",
     .options = options,
     .settings_size = sizeof(cli_catalogue_settings),
     .least_words = 1,

@@ -238,6 +238,27 @@ static void what_a_page_holds(void)
     free(page);
 }
 
+/* The first chains alone; what is expected before is what is written, but for the overview and linkages. */
+static void first_chains(void)
+{
+    lw_atlas_html_options o = lw_atlas_html_options_default();
+    size_t n_page, n_byte, n_chain = 0;
+    double bytes = 0;
+    lw_error e = { 0 };
+    lw_store *s = open_store(false);
+    CHECK_INT(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &e), LW_OK);
+    CHECK_INT(n_chain, 19);
+    o.links = 8;
+    o.limit = 5;
+    CHECK_INT(lw_atlas_html_expect(s, &o, &n_chain, &bytes, &e), LW_OK);
+    CHECK_INT(n_chain, 5);
+    lw_store_close(s);
+    CHECK_INT(write_atlas(path_of("five"), &o, &n_page, &n_byte, &e), LW_OK);
+    CHECK(n_page >= 6 && n_page <= 7 && access(path_of("five/chain-8-1-5.html"), F_OK) == 0);
+    CHECK(access(path_of("five/chain-8-1-6.html"), F_OK) != 0);
+    CHECK_NEAR((double)n_byte, bytes, 40000, 0.25);
+}
+
 static bool after_three(void *context, double done, double total)
 {
     CHECK(total == 19 && !context);
@@ -280,6 +301,7 @@ int main(void)
     make_store();
     put_linkages();
     RUN(pages);
+    RUN(first_chains);
     RUN(what_a_page_holds);
     RUN(limits_and_faults);
     const char *keep = getenv("LW_ATLAS_FOLDER");

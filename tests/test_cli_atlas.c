@@ -155,6 +155,16 @@ static void execute(const char *file, const char *sql)
     sqlite3_close(db);
 }
 
+/* Hundreds of megabytes of pages are not made by mistake. */
+static void too_many_pages(void)
+{
+    expect("cp $D/q.db $D/big.db", 0, NULL, NULL);
+    execute("big.db", "UPDATE chain SET grounds = 2000");
+    expect("$P catalogue html $D/big.db -o $D/big; c=$?; test ! -e $D/big && exit $c", 2, NULL,
+           "16 chains make about 211 MB of pages: --limit 1000 takes the first thousand");
+    expect("$P catalogue html $D/big.db -o $D/big --limit 3 && ls $D/big | wc -l", 0, "4\n", "4 pages");
+}
+
 /* What is whole for SQLite and yet wrong is found by check; commands that meet it say so. */
 static void lies(void)
 {
@@ -206,6 +216,7 @@ int main(void)
     RUN(killed_adds);
     RUN(killed_curves);
     RUN(damaged_atlases);
+    RUN(too_many_pages);
     RUN(lies);
     run_end();
     return check_end();
