@@ -21,8 +21,8 @@ static int look_ahead(const cli_call *call, lw_store *store, const lw_atlas_html
         return cli_fail(call, &e);
     if (size <= MUCH || cli_given(&call->parsed, "limit"))
         return CLI_DONE;
-    return cli_usage(call, "%zu chains make about %.0f MB of pages: --limit 1000 takes the first thousand, --links P those "
-                     "with P links, --limit %zu all of them", n, 1e-6*size, n);
+    return cli_usage(call, "%zu chains make about %.0f MB of pages: --limit 1000 takes the first thousand, --links P "
+                     "those with P links, --limit %zu all of them", n, 1e-6*size, n);
 }
 
 int cli_catalogue_html(const cli_call *call)
