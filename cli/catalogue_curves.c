@@ -175,6 +175,8 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (size_t i = 0; i < t->n; i++)
         p[i] = lw_v2(t->x[i], t->y[i]);
+    if (t->n_also > 0)
+        cli_note(call, "%s: curves are compared with its first point alone", call->parsed.word[2]);
     lw_status status = cli_catalogue_open(call, false, &store, e);
     if (status == LW_OK)
         status = lw_store_nearest(store, p, t->n, t->closed, s->neighbours, hit, n, &count, e);

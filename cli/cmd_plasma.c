@@ -372,6 +372,8 @@ static lw_status run_all(job *b, lw_error *e)
     lw_status st = cli_read_target(b->s->target, &o, &b->target, e);
     if (st != LW_OK)
         return st;
+    if (b->target.n_also > 0)
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "one path is wanted; 'linkwright fit' takes several points");
     if (!b->target.x)
         return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "a path is wanted: columns x and y");
     make_spec(b);

@@ -10,14 +10,15 @@ enum { SAMPLES = 48, TRIES = 12 };
 
 /* Where the parent's point and a place on another link are, over its motion. */
 typedef struct course {
-    lw_plan plan;
+    int     point;                               /* the tracer that goes on to the new dyad          */
+    lw_plan plan;                                /* its only output                                  */
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     lw_pose pose[SAMPLES + 1];                   /* the last one is the posture                      */
 } course;
 
 static bool run_course(const lw_linkage *k, bool turns, double first, double last, course *c)
 {
-    if (lw_plan_make_any(k, (lw_want){ .tracers = 1, .all_joints = true }, &c->plan, NULL) != LW_OK
+    if (lw_plan_make_any(k, (lw_want){ .tracers = 1u << c->point, .all_joints = true }, &c->plan, NULL) != LW_OK
         || lw_plan_read(&c->plan, k, c->dim, c->mode, &c->input, NULL) != LW_OK)
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
@@ -73,18 +74,18 @@ static void add_joint(lw_linkage *k, int a, int b, lw_vec2 at)
     j->at = at;
 }
 
-static void add_links(const lw_linkage *parent, int base, lw_vec2 knee, lw_vec2 hold, lw_linkage *child)
+static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 knee, lw_vec2 hold, lw_linkage *child)
 {
     *child = *parent;
     int arm = child->n_link, stay = arm + 1;
     child->n_link += 2;
     snprintf(child->link_name[arm], LW_NAME_SIZE, "arm%d", arm + 1);
     snprintf(child->link_name[stay], LW_NAME_SIZE, "stay%d", stay + 1);
-    lw_vec2 p = parent->tracer[0].at;
-    add_joint(child, parent->tracer[0].link, arm, p);
+    lw_vec2 p = parent->tracer[point].at;
+    add_joint(child, parent->tracer[point].link, arm, p);
     add_joint(child, arm, stay, knee);
     add_joint(child, base, stay, hold);
-    child->tracer[0].link = arm;
+    child->tracer[point].link = arm;
 }
 
 /* One try: where the stay is held, and two lengths that reach and fold far enough. */
@@ -96,7 +97,7 @@ static bool try_once(const course *c, const lw_linkage *parent, double size, lw_
     double least = INFINITY, most = 0, here = lw_v2_norm(lw_v2_sub(hold, p));
     double reach = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);
     double side = lw_rng_uniform(rng) < 0.5 ? -1 : 1;
-    if (base == parent->tracer[0].link || c->plan.link_origin[base] < 0
+    if (base == parent->tracer[c->point].link || c->plan.link_origin[base] < 0
         || (base != parent->ground && joint_of(parent, base) < 0))
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
@@ -110,14 +111,14 @@ static bool try_once(const course *c, const lw_linkage *parent, double size, lw_
         return false;
     lw_vec2 u = lw_v2_scale(lw_v2_sub(hold, p), 1/here);
     lw_vec2 knee = lw_v2_add(p, lw_v2_add(lw_v2_scale(u, along), lw_v2_scale(lw_v2_perp(u), side*sqrt(h2))));
-    add_links(parent, base, knee, hold, child);
+    add_links(parent, c->point, base, knee, hold, child);
     return true;
 }
 
 lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
                           lw_linkage *child)
 {
-    course c;
+    course c = { .point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0 };
     if (parent->n_link + 2 > LW_LINK_MAX || parent->n_joint + 3 > LW_JOINT_MAX)
         return LW_E_ARG;
     if (!run_course(parent, turns, first, last, &c))

@@ -8,9 +8,10 @@
 #include "base/rng.h"
 #include "grammar/linkage.h"
 
-/* The new dyad's lengths are drawn so that it closes wherever the parent's input goes: `turns`, or from
- * `first` to `last` (as lw_plan_read counts it).  Tracer 0 of the child is that of the parent, on the new
- * link.  LW_E_ARG: too many links or joints; LW_OPEN: nothing was found in some tries. */
+/* The new dyad's lengths are drawn so that it closes wherever the parent's input goes (looked at in 48 places: where a
+ * distance passes its least one sharply it may open in between): `turns`, or from `first` to `last` (as lw_plan_read
+ * counts it).  A tracer of the child - the only one, or one drawn of
+ * several - is that of the parent, on the new link; the others stay.  LW_E_ARG: too many links or joints; LW_OPEN: nothing was found in some tries. */
 lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
                           lw_linkage *child);
 

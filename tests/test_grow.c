@@ -27,6 +27,60 @@ static void children_trace_the_parents_curve(void)
     }
 }
 
+/* Does it close at n inputs of a turn? */
+static bool closes(const lw_linkage *k, int n)
+{
+    lw_plan plan;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
+    CHECK_INT(lw_plan_make(k, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
+    for (int i = 0; i < n; i++) {
+        lw_pose pose;
+        if (lw_pose_solve(&plan, dim, mode, input + 2*LW_PI*i/n, 0, &pose) != LW_OK)
+            return false;
+    }
+    return true;
+}
+
+/* Of two points one goes on to the new link, each of them sometimes; both run as before. */
+static void every_point_runs_as_before(void)
+{
+    enum { N = 40 };
+    lw_linkage k = six_bar();
+    int moved[2] = { 0, 0 }, open = 0;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 3);
+    k.n_tracer = 2;
+    k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
+    for (int trial = 0; trial < 40; trial++) {
+        lw_linkage child;
+        if (lw_linkage_grow(&k, true, 0, 0, &rng, &child) != LW_OK)
+            continue;
+        CHECK_INT(child.n_tracer, 2);
+        CHECK(closes(&child, 48));
+        if (!closes(&child, N)) {
+            open++;
+            continue;
+        }
+        for (int i = 0; i < 2; i++) {
+            lw_linkage of[2] = { k, child };
+            double x[2][N], y[2][N], angle[N];
+            moved[i] += child.tracer[i].link != k.tracer[i].link;
+            for (int c = 0; c < 2; c++) {
+                of[c].tracer[0] = of[c].tracer[i];
+                of[c].n_tracer = 1;
+                six_bar_curve(&of[c], N, x[c], y[c], angle);
+            }
+            for (int n = 0; n < N; n++) {
+                CHECK_NEAR(x[1][n], x[0][n], 1e-12, 0);
+                CHECK_NEAR(y[1][n], y[0][n], 1e-12, 0);
+            }
+        }
+    }
+    CHECK(open <= 4);
+    CHECK(moved[0] > 5 && moved[1] > 5 && moved[0] + moved[1] <= 40);
+}
+
 static void what_does_not_fit_is_refused(void)
 {
     lw_linkage k = six_bar(), child;
@@ -40,6 +94,7 @@ static void what_does_not_fit_is_refused(void)
 int main(void)
 {
     RUN(children_trace_the_parents_curve);
+    RUN(every_point_runs_as_before);
     RUN(what_does_not_fit_is_refused);
     return check_end();
 }
