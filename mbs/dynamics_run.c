@@ -303,6 +303,21 @@ static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
     return s;
 }
 
+/* An implicit method beside a singular posture that it cannot pass comes nearer for ever, in ever shorter steps: so many
+ * of them in a row, each so small a part of the run. */
+static const long   creep_most = 5000;
+static const double creep_step = 1e-9;
+
+static lw_status creep(const lw_run *run, const stepper *w, long *n)
+{
+    const lw_dynamics *d = run->d;
+    bool still = time_of(w) - run->r->t < creep_step*(d->o.to - d->o.from) && d->weak < beside;
+    *n = still ? *n + 1 : 0;
+    return *n < creep_most ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
+                        "motion was found behind it: a dead point or the end of its way", time_of(w));
+}
+
 /* Through the singular posture ahead, if there is one, and begin again behind it. */
 static lw_status cross(lw_run *run, stepper *w, double weak, double *y)
 {
@@ -326,11 +341,14 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
     bool changed = false;
+    long creeping = 0;
     fair f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, d->o.to, &stop, run->e);
         s = w->implicit ? s : keep_off(run, w, &f, s);
+        if (s == LW_OK && w->implicit)
+            s = creep(run, w, &creeping);
         run->r->t = time_of(w);
         if (s != LW_OK)
             break;

@@ -152,6 +152,21 @@ static void equal_crank_and_rod(void)
     lw_model_free(&d.model);
 }
 
+/* Peaucellier's inversor comes with speed to where its arms lie on its rhombus, and cannot go on: told in all
+ * formulations, after no more than some thousand steps. */
+static void end_of_the_way(void)
+{
+    drun_read(&d, "examples/dynamics/inversor.json");
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], 1e-9, 3, 30), LW_E_NUMERIC);
+        CHECK(f == 3 || strstr(d.e.text, "singular") != NULL);
+        CHECK_NEAR(d.report.t, 0.8903, f == 3 ? 0.05 : 1e-4, 0);
+        CHECK(d.report.steps < 30000);
+        CHECK_INT(d.n_moment, 9);                             /* those up to there are kept                 */
+    }
+    lw_model_free(&d.model);
+}
+
 int main(void)
 {
     RUN(heavy_last);
@@ -159,5 +174,6 @@ int main(void)
     RUN(massless_loop);
     RUN(dead_point);
     RUN(equal_crank_and_rod);
+    RUN(end_of_the_way);
     return check_end();
 }

@@ -135,8 +135,26 @@ static lw_vec2 shaken(const double *y, double t)
     return lw_v2(0.2*sin(y[0]), 0.02*cos(200*t) + 0.2*cos(y[0]));
 }
 
+/* Inversion OP OQ = 16, OP = 3 cos(q/2), so that Q goes along x = 16/3 at 16/3 tan(q/2); damped by 0.5 q'. */
+static lw_status inversor_rate(void *context, double t, const double *y, double *dy)
+{
+    double c = cos(0.5*y[0]), slope = 8/(3*c*c), bend = slope*tan(0.5*y[0]);      /* y' and y'' by q of Q        */
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -(0.5*y[1] + slope*bend*y[1]*y[1])/(0.05 + slope*slope);
+    return LW_OK;
+}
+
+static lw_vec2 on_the_line(const double *y, double t)
+{
+    (void)t;
+    return lw_v2(16./3, 16./3*tan(0.5*y[0]));
+}
+
 static void one_freedom(void)
 {
+    compare(&(book){ "examples/dynamics/inversor.json", 0.8, { .n = 2, .rate = inversor_rate }, { 0.6, -3 },
+                     on_the_line });
     compare(&(book){ "examples/dynamics/falling-ladder.json", 2, { .n = 2, .rate = ladder_rate }, { 1.2, 0 },
                      middle });
     compare(&(book){ "examples/dynamics/rolling-wheel.json", 3, { .n = 2, .rate = wheel_rate }, { 2, 0 }, wheel });
