@@ -80,6 +80,6 @@ lw_status lw_run_leap(lw_run *run, double good, double weak, double place, doubl
         s = LW_OPEN;
     *t = end;
     return s == LW_OK || s == LW_STOPPED ? s
-         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
+         : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
 }
