@@ -212,6 +212,8 @@ void cli_clearance_free(cli_clearance *c)
         lw_clearance_free(c->law[i].scene);
         free(c->law[i].m);                           /* what it points to is the first model's */
     }
+    for (int i = 0; c->row && i < c->n_row; i++)
+        free(c->row[i].pass);
     free(c->law);
     free(c->row);
     free(c->limit);
@@ -225,9 +227,34 @@ static bool out_of_time(const cli_clearance *c)
     return cli_interrupted() || (c->until > 0 && lw_clock_wall() > c->until);
 }
 
+typedef struct passer { cli_clearance_row *row; double settle; } passer;
+
+static lw_status keep_pass(void *context, const lw_clearance_sample *s)
+{
+    passer *p = context;
+    cli_clearance_row *r = p->row;
+    if (s->t < p->settle || s->n_point == 0)
+        return LW_OK;
+    if (r->n_pass == r->room_pass) {
+        int room = 2*r->room_pass + 16;
+        cli_clearance_pass *more = realloc(r->pass, (size_t)room*sizeof *more);
+        if (!more)
+            return LW_E_MEMORY;
+        r->pass = more;
+        r->room_pass = room;
+    }
+    const lw_clearance_point *at = &s->point[0];
+    double turn = atan2(at->in_bush.y, at->in_bush.x)*180/LW_PI;
+    r->pass[r->n_pass++] = (cli_clearance_pass){ turn, at->force, at->touching };
+    return LW_OK;
+}
+
 static void run_row(const cli_clearance *c, cli_clearance_row *row)
 {
     lw_clearance_options o = c->o;
+    passer p = { row, o.settle };
+    if (c->passes)
+        o.strobe = keep_pass, o.context = &p;
     lw_error e = { 0 };
     if (out_of_time(c))
         return;
@@ -290,12 +317,13 @@ static void refine(const cli_clearance *c, int law, int joint, double *kept, dou
     while (fabs(*lost - *kept) > c->refine && !out_of_time(c)) {
         row.speed = 0.5*(*kept + *lost);
         if (row.speed == *kept || row.speed == *lost)
-            return;
+            break;
         run_row(c, &row);
         if (!row.done || row.status != LW_OK)
-            return;
+            break;
         *(is_lost(&row, joint) ? lost : kept) = row.speed;
     }
+    free(row.pass);
 }
 
 static void refine_job(void *context, size_t job, int thread)

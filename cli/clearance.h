@@ -18,6 +18,9 @@ typedef struct cli_clearance_law {
     lw_clearance_scene *scene;
 } cli_clearance_law;
 
+/* The pin of the first joint at one passing of the input's start. */
+typedef struct cli_clearance_pass { double direction, force; bool touching; } cli_clearance_pass;   /* in the bush [deg] */
+
 typedef struct cli_clearance_row {
     int       law;
     double    speed;                      /* in the unit of the call                                    */
@@ -25,6 +28,8 @@ typedef struct cli_clearance_row {
     lw_status status;
     lw_clearance_result r;
     char      why[256];                   /* of a failure                                              */
+    int       n_pass, room_pass;
+    cli_clearance_pass *pass;             /* of a call with `passes`, after settling                    */
 } cli_clearance_row;
 
 /* Where contact ends and comes back as the speed rises, of one law and joint; NAN: not within the sweep. */
@@ -41,6 +46,7 @@ typedef struct cli_clearance {
     double      unit_size;                /* in rad/s or m/s                                           */
     lw_model   *model;
     lw_clearance_options o;
+    bool        passes;                   /* keep the passes of the rows                                */
     double      refine;                   /* limits to so much; 0: as the sweep has them               */
     double      until;                    /* of lw_clock_wall; 0: no limit                             */
     int         n_law, n_speed, n_row, n_limit;
@@ -62,6 +68,10 @@ void cli_clearance_json(const cli_clearance *c, FILE *f);
 
 /* Speed against stiffness, contact kept or lost (Makkonen 1999, paper C, figures 16-17). */
 lw_status cli_clearance_plot(const cli_clearance *c, const char *path, lw_error *e);
+
+/* Direction of the pin in its bush at every passing, over speed: few points where motion is regular, many where it is
+ * not. */
+lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_error *e);
 
 /* The one run of a call of one law and one speed, in full: what of `history` (CSV), `path` (of the pin in its bush) and
  * `force` (over time) is not NULL. */

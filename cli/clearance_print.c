@@ -182,6 +182,55 @@ lw_status cli_clearance_plot(const cli_clearance *c, const char *path, lw_error 
     return s == LW_NOTHING ? LW_OK : s;
 }
 
+/* Points of one law, touching or apart; x has room for them twice.  How many. */
+static size_t passes_of(const cli_clearance *c, int law, bool touching, double *x)
+{
+    size_t n = 0;
+    for (int pass = 0; pass < 2; pass++) {
+        double *y = x + n;
+        n = 0;
+        for (int i = 0; i < c->n_row; i++) {
+            const cli_clearance_row *r = &c->row[i];
+            for (int k = 0; r->law == law && r->done && r->status == LW_OK && k < r->n_pass; k++)
+                if (r->pass[k].touching == touching)
+                    (pass ? y : x)[n++] = pass ? r->pass[k].direction : r->speed;
+        }
+    }
+    return n;
+}
+
+lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_error *e)
+{
+    lw_series series[LW_SERIES_MAX];
+    char name[LW_SERIES_MAX][64], label[64];
+    size_t room = 1;
+    int n_series = 0;
+    if (2*c->n_law > LW_SERIES_MAX)
+        return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2, c->n_law);
+    for (int i = 0; i < c->n_row; i++)
+        room += 2*(size_t)c->row[i].n_pass;
+    double *x = malloc(room*sizeof *x), *p = x;
+    if (!x)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int law = 0; law < c->n_law; law++)
+        for (int apart = 0; apart < 2; apart++) {
+            size_t n = passes_of(c, law, !apart, p);
+            if (n == 0)
+                continue;
+            snprintf(name[n_series], sizeof name[n_series], "%s %.3g, %s", lw_clearance_name(c->law[law].model),
+                     c->law[law].stiffness, apart ? "apart" : "touching");
+            series[n_series] = (lw_series){ name[n_series], n, p, p + n, LW_SERIES_POINTS };
+            n_series++;
+            p += 2*n;
+        }
+    snprintf(label, sizeof label, "speed of the input at the start [%s]", c->unit);
+    lw_plot plot = { .title = "Pin in its bush, each time the input passes its start", .x_label = label,
+                     .y_label = "direction [deg]", .n_series = n_series, .series = series, .width = 1000, .height = 560 };
+    lw_status s = lw_draw_plot(&plot, path, e);
+    free(x);
+    return s == LW_NOTHING ? LW_OK : s;
+}
+
 typedef struct samples { lw_clearance_sample *s; size_t n, room; } samples;
 
 static lw_status keep(void *context, const lw_clearance_sample *s)

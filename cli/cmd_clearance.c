@@ -7,7 +7,7 @@
 #include "cli/model.h"
 
 typedef struct settings {
-    const char *speed, *stiffness, *damping, *model, *plot, *path, *force, *history;
+    const char *speed, *stiffness, *damping, *model, *plot, *passes, *path, *force, *history;
     double      end, settle, tolerance, refine, every;
     int         unit, start;
     bool        limits;
@@ -39,6 +39,9 @@ static const cli_option options[] = {
       "halve the limits down to this width", 0, 1e9, NULL, NULL },
     { "plot", 'p', CLI_TEXT, offsetof(settings, plot), "FILE", NULL,
       "picture of speed against stiffness, contact kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
+    { "passes", 0, CLI_TEXT, offsetof(settings, passes), "FILE", NULL,
+      "picture of the pin's direction in its bush each time the input passes its start, over speed: few points where "
+      "motion is regular, a cloud where it is not; give it time with --end", 0, 0, NULL, NULL },
     { "path", 0, CLI_TEXT, offsetof(settings, path), "FILE", NULL,
       "picture of the way of the pin in its bush; for one speed and one law", 0, 0, NULL, NULL },
     { "force", 0, CLI_TEXT, offsetof(settings, force), "FILE", NULL,
@@ -85,6 +88,7 @@ static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
     c->o.start = (lw_clearance_start)s->start;
     c->o.every = s->every;
     c->refine = s->refine;
+    c->passes = s->passes != NULL;
     c->o.stop = cli_stop_flag();
     if (call->common.time > 0)
         c->until = c->o.until = lw_clock_wall() + call->common.time;
@@ -125,7 +129,8 @@ static int write_tables(const cli_call *call, const cli_clearance *c)
     else
         cli_clearance_csv(c, o.f);
     code = cli_close(call, &o, code);
-    if (s->plot && cli_clearance_plot(c, s->plot, &e) != LW_OK)
+    if ((s->plot && cli_clearance_plot(c, s->plot, &e) != LW_OK)
+        || (s->passes && cli_clearance_passes(c, s->passes, &e) != LW_OK))
         return cli_fail(call, &e);
     return code;
 }
@@ -174,6 +179,7 @@ const cli_command cli_clearance_command = {
         "  linkwright clearance examples/clearance-four-bar.json --speed 80:120:2             kept or lost\n"
         "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
         "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --plot map.svg\n"
+        "  linkwright clearance model.json --speed 80:130:1 --end 8 --settle 4 --passes cloud.svg\n"
         "  linkwright clearance model.json --speed 94 --path path.svg --force force.svg       one run in full\n"
         "  linkwright clearance model.json --speed 92,94 --model impact,mlsd,link,zero        by four models\n",
     .about =

@@ -62,6 +62,8 @@ typedef struct lw_clearance_options {
     const volatile sig_atomic_t *stop;   /* not 0: end here; may be NULL                              */
     double every;                    /* time between samples [s]; 0: none                              */
     lw_clearance_sink *sink;
+    lw_clearance_sink *strobe;       /* handed a sample each time input 0 is, whole turns aside, where it started; NULL:
+                                        none.  What it returns is not looked at */
     void  *context;
 } lw_clearance_options;
 

@@ -40,6 +40,25 @@ static void look_at_stops(lw_clearance_work *w, double *g)
         g[i] = w->rows.stop[i] ? lw_clearance_stop_press(w, i) : lw_clearance_gap(w, i);
 }
 
+static int strobe_event(const lw_clearance_scene *c)
+{
+    return PER_JOURNAL*c->n_journal + c->n_rigid;
+}
+
+static bool has_strobe(const lw_clearance_work *w)
+{
+    return w->o.strobe && w->c->s.n_input > 0;
+}
+
+/* 0 where input 0 has come round to its start; the state is placed */
+static double round_trip(lw_clearance_work *w)
+{
+    const lw_system *s = &w->c->s;
+    lw_tree_write(&w->c->tree, &w->state, NULL, w->q, NULL);
+    double value = lw_system_measure(s, s->input_joint[0], w->q, NULL);
+    return s->joint[s->input_joint[0]].kind == LW_JOINT_REVOLUTE ? sin(0.5*value) : value;
+}
+
 /* How deep in gaps; for a link how hard the pin pulls in newtons (contact is lost when it would have to push) */
 static lw_status look(void *context, double t, const double *y, double *g)
 {
@@ -65,6 +84,8 @@ static lw_status look(void *context, double t, const double *y, double *g)
         g[PER_JOURNAL*i + FULL] = lw_contact_rises(law) ? (depth - law->depth)/law->gap : -1.0;
     }
     look_at_stops(w, g + PER_JOURNAL*c->n_journal);
+    if (has_strobe(w))
+        g[strobe_event(c)] = round_trip(w);
     return s;
 }
 
@@ -140,7 +161,7 @@ static void read_point(lw_clearance_work *w, int i, const double *du, lw_clearan
     p->touching = w->touching[i];
 }
 
-static lw_status sample_at(lw_clearance_work *w, double t, const double *y)
+static lw_status sample_at(lw_clearance_work *w, lw_clearance_sink *sink, double t, const double *y)
 {
     lw_clearance_sample s = { .t = t, .n_point = w->c->n_journal };
     lw_status status = rate_of(w, t, y, w->rate);
@@ -150,7 +171,7 @@ static lw_status sample_at(lw_clearance_work *w, double t, const double *y)
         read_point(w, i, y + w->n_u, &s.point[i]);
     s.energy = energy(w, y);
     read_input(w, &s.input, &s.input_rate);
-    return w->o.sink(w->o.context, &s);
+    return sink(w->o.context, &s);
 }
 
 /* After a step: extremes, the criterion of Earles & Wu, speed of the input. */
@@ -215,10 +236,15 @@ static void change_phase(lw_clearance_work *w, const lw_integrator *in, int i)
 /* Events that change no law: told at their own time. */
 static void passed(void *context, int event, double t, const double *y)
 {
-    (void)y;
     lw_clearance_work *w = context;
     w->r->events++;
-    note_touch(w, event/PER_JOURNAL, t, !w->touching[event/PER_JOURNAL]);
+    if (event != strobe_event(w->c)) {
+        note_touch(w, event/PER_JOURNAL, t, !w->touching[event/PER_JOURNAL]);
+        return;
+    }
+    lw_tree_place(&w->c->tree, y, NULL, &w->state);
+    if (fabs(round_trip(w)) < 1e-7)      /* else it is the start, where rounding took a side                */
+        sample_at(w, w->o.strobe, t, y);
 }
 
 /* ---- the run ------------------------------------------------------------------------------------- */
@@ -260,14 +286,15 @@ static lw_ode equations(lw_clearance_work *w)
 {
     const lw_clearance_scene *c = w->c;
     lw_ode ode = { .n = 2*w->n_u, .context = w, .rate = rate_of, .seen = passed };
-    bool any = c->n_rigid > 0;
+    bool any = c->n_rigid > 0 || has_strobe(w);
     for (int i = 0; i < c->n_journal; i++) {
         bool smooth = c->journal[i].c->model == LW_CLEARANCE_MLSD || w->rows.link[i];
         any = any || !w->rows.hold[i];
         ode.passing[PER_JOURNAL*i + TOUCH] = smooth;
     }
     if (any) {
-        ode.n_event = PER_JOURNAL*c->n_journal + c->n_rigid;
+        ode.n_event = strobe_event(c) + has_strobe(w);
+        ode.passing[strobe_event(c)] = has_strobe(w);
         ode.event = look;
     }
     ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_rigid > 0 ? put_back : NULL;
@@ -282,7 +309,7 @@ static lw_status sample_step(lw_clearance_work *w, lw_integrator *in, double *ne
         if (s == LW_OK)
             s = put_back(w, *next, w->y);
         if (s == LW_OK)
-            s = sample_at(w, *next, w->y);
+            s = sample_at(w, w->o.sink, *next, w->y);
         *next += w->o.every;
     }
     return s;
@@ -308,7 +335,7 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
 {
     unsigned long long events = in->events;
     in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
-    lw_status s = events >> PER_JOURNAL*w->c->n_journal ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
+    lw_status s = (events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_rigid)) ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
         if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
@@ -411,7 +438,7 @@ static lw_status run(lw_clearance_work *w, double *room, lw_error *e)
     lw_ode_options o = { .absolute_each = each, .max_step = w->o.max_step };
     s = lw_integrate_start(&in, &ode, &o, work, 0.0, start, e);
     if (s == LW_OK && w->o.sink && w->o.every > 0.0) {
-        s = sample_at(w, 0.0, in.y);
+        s = sample_at(w, w->o.sink, 0.0, in.y);
         next = w->o.every;
     }
     if (s != LW_OK)
@@ -437,7 +464,7 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     if (lw_clearance_work_make(scene, o, &w) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;
-    double *room = calloc(2*n + lw_integrate_work((int)n, PER_JOURNAL*scene->n_journal + scene->n_rigid), sizeof *room);
+    double *room = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *room);
     begin_books(&w, r);
     lw_status s = room ? run(&w, room, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     if (s == LW_E_NUMERIC && w.undetermined >= 0)

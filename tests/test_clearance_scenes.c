@@ -261,11 +261,34 @@ static void impulse_with_friction(void)
     lw_model_free(&m);
 }
 
+/* A driven crank passes its start at known times. */
+static void passes(void)
+{
+    lw_model m;
+    track k = { 0 };
+    lw_error e = { 0 };
+    lw_clearance_scene *scene;
+    lw_clearance_result r;
+    read_text(slider_crank, &m);
+    m.clearance[2].model = LW_CLEARANCE_IMPACT;
+    CHECK_INT(lw_model_drive(&m, 0, "pi/2 - 40*t", &e), LW_OK);
+    lw_clearance_options o = lw_clearance_options_default();
+    o.time = 1, o.settle = 0, o.strobe = keep, o.context = &k;
+    CHECK_INT(lw_clearance_make(&m, &scene, &e), LW_OK);
+    CHECK_INT(lw_clearance_run(scene, &o, &r, &e), LW_OK);
+    CHECK_INT(k.n, 6);
+    for (int i = 0; i < k.n; i++)
+        CHECK_NEAR(k.s[i].t, 2*LW_PI*(i + 1)/40, 1e-9, 0);
+    lw_clearance_free(scene);
+    lw_model_free(&m);
+}
+
 int main(void)
 {
     RUN(friction_without_gap);
     RUN(friction_of_a_slider);
     RUN(stops_without_gap);
+    RUN(passes);
     RUN(laws_agree);
     RUN(energy_of_loops);
     RUN(impulse_with_friction);
