@@ -573,7 +573,8 @@ const cli_command cli_fit_command = {
         "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
         "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
     .about =
-        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; - is standard\n"
+        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; x2,y2[,theta2] of\n"
+        "further points of the same mechanism, or theta2 of an output that goes with the path; - is standard\n"
         "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\"). Minimises, over dimensions,\n"
         "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
         "Every result is simulated a second time from its file by independent code. -o FILE gets\n"

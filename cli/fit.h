@@ -55,6 +55,7 @@ void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
  * table; a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
 lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e);        /* every link in the stages     */
+int  cli_fit_points_choices(const cli_fit_set *s, int links);      /* of links for the points        */
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);

@@ -34,10 +34,19 @@ lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e)
         lw_status st = lw_tracers_spread(g->family, g->n_family, &s->target, &s->spec, &s->spread[i], e);
         if (st != LW_OK)
             return st;
-        g->family = s->spread[i].family;
         g->n_family = s->spread[i].n;
+        if (g->n_family > 0)                             /* NULL would mean the four-link types      */
+            g->family = s->spread[i].family;
     }
     return LW_OK;
+}
+
+int cli_fit_points_choices(const cli_fit_set *s, int links)
+{
+    int n = 0;
+    for (int i = 0; i < s->stages.n; i++)
+        n += s->stages.stage[i].links == links ? s->spread[i].n : 0;
+    return n;
 }
 
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f)

@@ -285,6 +285,8 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
         cli_json_int(j, "starts", r.starts);
         cli_json_int(j, "local_fits", r.improved);
         cli_json_int(j, "grown", r.n_grown);
+        if (s->target.n_also > 0)
+            cli_json_int(j, "point_choices", cli_fit_points_choices(s, r.links));
         cli_json_real(j, "seconds", r.seconds);
         cli_json_end(j);
     }

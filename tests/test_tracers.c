@@ -183,7 +183,7 @@ static number value_by_hand(const lw_problem *p, const number *x, double side)
         v[i] = x[lw_problem_index(p, names[i])];
     place whole = { ccos(v[10]), csin(v[10]) };
     for (size_t k = 0; k < p->n; k++) {
-        number input = x[p->i_input0] + p->angle[k];
+        number input = x[p->i_input0] + p->angle[k] - (p->datum == LW_DATUM_PLANE ? v[10] : 0);
         place a = { v[1]*ccos(input), v[1]*csin(input) }, d = { v[0] - a.x, -a.y };
         number r2 = d.x*d.x + d.y*d.y, along = (r2 + v[2]*v[2] - v[3]*v[3])/(2*r2);
         number across = side*csqrt(v[2]*v[2]/r2 - along*along);
@@ -224,6 +224,7 @@ static void gradient_is_that_of_complex_steps(void)
         for (int i = 0; i < N; i++)
             t.weight[i] = t.also[0].weight[i] = lw_rng_uniform(&rng);
         s.timing = LW_TIMING_PRESCRIBED;
+        s.datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[trial % 3];
         s.b = 2.5;
         CHECK_INT(lw_problem_make(&t, &s, family_named("crank-rocker"), m.mode, 1, &p, NULL), LW_OK);
         lw_problem_from_dims(&p, m.dim, x);
