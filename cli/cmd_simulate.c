@@ -38,7 +38,7 @@ static const cli_option options[] = {
     { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000", "steps of the integration, at most", 1,
       2e9, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
-      "counterweights on links at ground pins that null the static shaking force, as JSON", 0, 0, NULL, NULL },
+      "counterweights that null the static shaking force, as JSON", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_TEXT, offsetof(settings, plot), "FILE", NULL, "plot columns over time as SVG, PDF or PNG", 0, 0,
       NULL, NULL },
     { "columns", 'c', CLI_TEXT, offsetof(settings, columns), "LIST", NULL,

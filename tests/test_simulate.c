@@ -35,6 +35,44 @@ static void driven(void)
     expect("$P simulate " PENDULUM " --speed 2 --balance", 0, "\"balanced\": true", NULL);
 }
 
+/* Counterweights by --balance, put on the links: no shaking force is left.  Six-bars with two and three links at the ground
+ * and Jansen's leg, half as many weights as links, also on links that float. */
+static void balanced(void)
+{
+    expect("cat > $D/b.py <<'EOF'\n"
+           "import json, math, subprocess, sys\n"
+           "prog, dir, jansen = sys.argv[1:]\n"
+           "J = lambda n, a, b, x, y: dict(name=n, links=[a, b], at=[x, y])\n"
+           "links = lambda: ['ground', 'crank', 'coupler', 'rocker', 'arm', 'stay']\n"
+           "watt = dict(linkwright=1, links=links(), input=dict(joint='A'), joints=[J('A', 'ground', 'crank', 0, 0),\n"
+           "  J('B', 'crank', 'coupler', .1, 0), J('C', 'coupler', 'rocker', .4, .4), J('D', 'rocker', 'ground', .5, 0),\n"
+           "  J('E', 'coupler', 'arm', .3, .6), J('F', 'arm', 'stay', .7, .8), J('G', 'rocker', 'stay', .75, .45)])\n"
+           "stephenson = dict(linkwright=1, links=links(), input=dict(joint='A'), joints=[J('A', 'ground', 'crank', 0, 0),\n"
+           "  J('B', 'crank', 'coupler', .05, .08), J('C', 'coupler', 'rocker', .26, .21), J('D', 'ground', 'rocker', .3, 0),\n"
+           "  J('E', 'coupler', 'arm', .11, .24), J('F', 'arm', 'stay', -.04, .52), J('G', 'ground', 'stay', -.3, .25)])\n"
+           "def run(m, *o):\n"
+           "  json.dump(m, open(dir + '/b.json', 'w'))\n"
+           "  return subprocess.run([prog, 'simulate', dir + '/b.json', '--speed', '3', '--to', '2.0943951', '-n', '60', '-q', *o],\n"
+           "                        capture_output=True, text=True).stdout\n"
+           "def shaking(m):\n"
+           "  d = json.loads(run(m, '--json'))\n"
+           "  i = d['columns'].index('shaking.fx')\n"
+           "  return max(math.hypot(r[i], r[i + 1]) for r in d['rows'])\n"
+           "for m in watt, stephenson, json.load(open(jansen)):\n"
+           "  for k, l in enumerate(m['links'][1:], 1):\n"
+           "    at = [j['at'] for j in m['joints'] if l in j['links']]\n"
+           "    m['links'][k] = dict(name=l, mass=.5 + .3*k, inertia=.01, centre=[sum(x)/len(at) + .01*k for x in zip(*at)])\n"
+           "  before, out = shaking(m), run(m, '--balance')\n"
+           "  w = json.JSONDecoder().raw_decode(out[out.index('{'):])[0]\n"
+           "  for c in w['counterweights']:\n"
+           "    l = next(l for l in m['links'][1:] if l['name'] == c['link'])\n"
+           "    all = l['mass'] + c['mass']\n"
+           "    l['centre'] = [(l['mass']*a + c['mass']*b)/all for a, b in zip(l['centre'], c['at'])]\n"
+           "    l['mass'] = all\n"
+           "  print(len(w['counterweights']), w['balanced'], before > 1e-2, shaking(m) < 1e-10*before)\n"
+           "EOF\npython3 $D/b.py $P $D examples/jansen.json", 0, "3 True True True\n3 True True True\n4 True True True\n", NULL);
+}
+
 static void wrong(void)
 {
     expect("$P simulate " PENDULUM " --from 2 --to 1", 2, NULL, "less than");
@@ -73,6 +111,7 @@ int main(void)
     RUN(rows_and_report);
     RUN(rest);
     RUN(driven);
+    RUN(balanced);
     RUN(wrong);
     RUN(starts_that_do_not_fit);
     RUN(pictures);
