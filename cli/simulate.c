@@ -250,6 +250,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     cli_json_real(&s->j, "residual", r->worst_off);
     cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
     cli_json_real(&s->j, "energy_error", r->energy_error);
+    cli_json_real(&s->j, "energy_held", r->energy_held);
     cli_json_real(&s->j, "energy_scale", r->energy_scale);
     cli_json_array(&s->j, "events");
     for (int i = 0; i < r->n_happening; i++) {
@@ -287,7 +288,8 @@ void cli_simulate_report(const cli_simulate *s)
     if (r->n_seen > 10)
         cli_note(c, "%d events in all", r->n_seen);
     if (r->energy_scale > 0)
-        cli_note(c, "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale);
+        cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
+                 : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
     if (r->momentum_scale > 0)
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
     cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,

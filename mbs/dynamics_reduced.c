@@ -22,6 +22,8 @@ lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
 }
 
 static const int turns_every = 4;
+static const double hold_most = 10;          /* change of p over the error that a step may have             */
+static const double shortest_way = 1e-4;     /* change of s and p, at most                                 */
 
 /* A mass so many times the least one: a dead point is near. */
 static const double turning_back = 100;
@@ -39,6 +41,31 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     if (m->run->has_work)
         dy[2] = power;
     return s;
+}
+
+/* What a step did to the energy H is taken off again: off p alone where that is as little as the step's error may be,
+ * which costs nothing; beside turning points by the shortest way, along the gradient (-Q, p). */
+static lw_status hold_energy(void *context, double t, double *y)
+{
+    motion *m = context;
+    const lw_dynamics_options *o = &m->run->d->o;
+    double scale = m->r->scale, ds, dp, mass, power;
+    lw_status s = lw_reduced_registers(m->r, y[0]*scale);
+    if (s != LW_OK)
+        return s;
+    double off = 0.5*y[1]*y[1] - m->kinetic + lw_reduced_potential(m->r, y[0]*scale) - m->potential;
+    if (fabs(off) <= hold_most*(o->absolute + o->relative*fabs(y[1]))*fabs(y[1])) {
+        y[1] -= off/y[1];
+    } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
+               && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
+        double push = dp*sqrt(mass)*scale, steep = push*push + y[1]*y[1];
+        if (!(fabs(off) < shortest_way*steep))
+            return LW_OK;                        /* at rest in equilibrium                                  */
+        y[0] += push*off/steep;
+        y[1] -= y[1]*off/steep;
+    }
+    m->run->r->energy_held += fabs(off);
+    return LW_OK;
 }
 
 /* (s, p) as bodies' coordinates; turns near those in y. */
@@ -165,12 +192,14 @@ static lw_status run_one(motion *m, double *y)
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
     double s[3] = { 0 }, room[512], *before = y + run->n;
-    lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate };
+    lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
+                   .project = run->has_work ? NULL : hold_energy };
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     o.relative = d->o.relative;
     o.absolute = d->o.absolute;
     o.max_step = d->o.max_step;
+    o.smooth = true;
     lw_dynamics_start(d, y, y + d->n_q);
     /* the coordinate's rate from the velocities, in the metric of the masses: p = sqrt(M) s' */
     double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;

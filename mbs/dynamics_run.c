@@ -188,6 +188,29 @@ lw_status lw_run_project(void *context, double t, double *y)
     return lw_mbs_settle(run->d, t, y, y + run->d->n_q);
 }
 
+static const double hold_most = 30;          /* change of velocities over the error that a step may have    */
+
+/* The same after an explicit step, and the energy of a conservative model put back by a change of all velocities in
+ * proportion, which constraints at rest allow, where that is as little as the step's error may be. */
+static lw_status arrive(void *context, double t, double *y)
+{
+    lw_run *run = context;
+    lw_dynamics *d = run->d;
+    double *v = y + d->n_q, fastest = 0;
+    lw_status s = lw_run_project(run, t, y);
+    if (s != LW_OK || run->has_work)
+        return s;
+    double kinetic = lw_forces_kinetic(&d->f, v), off = kinetic + lw_forces_potential(&d->f, y) - run->energy0;
+    for (int i = 0; i < d->n_q; i++)
+        fastest = fmax(fastest, fabs(v[i]));
+    if (!(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
+        return LW_OK;
+    for (int i = 0; kinetic > 0 && i < d->n_q; i++)
+        v[i] -= v[i]*(off/(2*kinetic));
+    run->r->energy_held += fabs(off);
+    return LW_OK;
+}
+
 /* ---- one solver or the other ---------------------------------------------------------------------- */
 
 typedef struct stepper {
@@ -205,7 +228,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     each.relative = o->relative;
     each.absolute = o->absolute;
     each.max_step = lw_run_steps_left(run);
-    w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate, .project = lw_run_project,
+    w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate, .project = w->implicit ? lw_run_project : arrive,
                        .n_event = run->d->n_contact, .event = lw_run_gaps };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)

@@ -39,6 +39,7 @@ typedef struct lw_ode_options {
     const double *absolute_each;     /* (n), NULL: `absolute` for all                               */
     double first, greatest;          /* step at the start, longest step; 0: found, no limit         */
     double fixed;                    /* > 0: all steps this long, error not looked at (tests)       */
+    bool   smooth;                   /* f is known to all digits: control of the step that refuses fewer */
     long   max_step;                 /* accepted and refused; default 10000000; 0: no limit         */
 } lw_ode_options;
 

@@ -20,14 +20,14 @@ static inline lw_reg1 arm_end(const lw_reg1 *a, const lw_reg1 *u, double r)
     return (lw_reg1){ lw_v2_add(a->p, lw_v2_scale(u->p, r)), lw_v2(a->d.x - w*u->p.y, a->d.y + w*u->p.x) };
 }
 
-/* One square root and one division: with (b - a)^2 = d2 and y = mode sqrt(h) as in mbs/dyad_internal.h,
- * r1 r2 cross(u1, u2) = y/2. */
+/* One square root, and beside it one division; places wait for nothing else.  With (b - a)^2 = d2 and y = mode sqrt(h) as
+ * in mbs/dyad_internal.h, r1 r2 cross(u1, u2) = y/2. */
 static double rates_rrr(const lw_dyad_step *st, double mode, lw_reg1 *reg)
 {
     const lw_reg1 *a = &reg[st->in[0]], *b = &reg[st->in[1]];
     lw_vec2 span = lw_reach(a->p, b->p), e = lw_v2_sub(b->d, a->d);
     double d2 = lw_v2_dot(span, span), h = (st->sum2 - d2)*(d2 - st->dif2);
-    double y = mode*sqrt(h > 0 ? h : 0), inv = 1/(d2*y), over_d2 = 0.5*inv*y, over_y = 2*inv*d2;
+    double y = mode*sqrt(h > 0 ? h : 0), over_d2 = 0.5/d2, over_y = 2/y;
     lw_vec2 u1 = lw_v2_scale(lw_v2_turn(span, lw_v2(d2 + st->product, y)), over_d2*st->inv1);
     lw_vec2 u2 = lw_v2_scale(lw_v2_turn(span, lw_v2(st->product - d2, y)), over_d2*st->inv2);
     reg[st->out[0]] = direction(u1, st->r2*over_y*lw_v2_dot(e, u2));
@@ -137,6 +137,7 @@ void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge,
 {
     lw_reg1 *reg = r->reg;
     *margin = 1;
+    r->known = NAN;
     for (int i = 0; i < r->n_step; i++) {
         const lw_dyad_step *st = &r->step[i];
         const lw_bridge *b = bridge ? bridge_of(bridge, st) : NULL;
@@ -171,6 +172,8 @@ lw_status lw_reduced_registers(lw_reduced *r, double input)
     const lw_touch *near = NULL;
     const double *mode = r->mode;
     double margin, at = input;
+    if (input == r->known)
+        return LW_OK;
     if (r->n_touch) {
         int piece = find_piece(r, &at, &near);
         mode = r->piece_mode[piece];
@@ -178,7 +181,10 @@ lw_status lw_reduced_registers(lw_reduced *r, double input)
     if (r->period == 0 && (at < r->low || at > r->high))
         return LW_OPEN;
     lw_reduced_plain(r, mode, near, at, NULL, &margin);
-    return margin > closed ? LW_OK : LW_OPEN;
+    if (!(margin > closed))
+        return LW_OPEN;
+    r->known = input;
+    return LW_OK;
 }
 
 /* ---- masses and loads ------------------------------------------------------------------------------ */

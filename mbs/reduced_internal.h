@@ -43,6 +43,7 @@ struct lw_reduced {
     int        n_step;                        /* steps that move and that something depends on            */
     lw_dyad_step step[LW_STEP_MAX];
     lw_reg1    reg[LW_REG_MAX];               /* of the last evaluation; those of ground stay              */
+    double     known;                         /* the input whose registers these are; NAN: none            */
     double     first, start, scale;           /* input at the start, in the posture; unit of the coordinate */
     double     way;                           /* -1: the displacement of the input joint falls with s     */
     lw_vec2    z0, turn;                      /* ground frame in the plane                               */

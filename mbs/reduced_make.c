@@ -263,6 +263,7 @@ lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
     bool fixed[LW_REG_MAX] = { false };
     double margin;
     memset(r, 0, sizeof *r);
+    r->known = NAN;
     if (d->freedom != 1 || d->n_driven)
         return no(why, d->n_driven ? "inputs with a motion beside free ones" : "more than one freedom");
     lw_status s = look_at_loads(d, why);
