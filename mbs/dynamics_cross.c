@@ -129,6 +129,11 @@ static lw_status look_back(crossing *z, const double *q, const double *v)
 {
     static const double back[] = { 0.02, 0.045, 0.08, 0.13 };
     double speed = z->way*v[z->along];
+    lw_status s = lw_mbs_rows(z->d, z->run->r->t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(z->d, false);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_NOTHING : s;
     add(&z->walked, 0, q);
     z->seen[0] = 0;
     z->pivot[0] = sqrt(z->d->weak);
@@ -364,7 +369,7 @@ lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y)
         return LW_NOTHING;
     for (int i = 0; i < d->n_q; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
-    if (fastest*since*w/fall > 2*longest)
+    if (fastest*since*w/fall > longest)
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;

@@ -79,6 +79,7 @@ lw_status lw_run_leap(lw_run *run, double good, double weak, double place, doubl
     if (s == LW_OK && !(fabs(energy(run, y) - before) <= 1e-6*fmax(run->r->energy_scale, 1e-300)))
         s = LW_OPEN;
     *t = end;
+    s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near branches: told where the run ends */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);

@@ -307,13 +307,11 @@ static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
 }
 
 /* Of the next step, by a proportional and an integral part: at the limit of stability steps settle instead of hunting.
- * 0.9 instead of 0.85 refuses so many that it costs more.  With the larger proportional part of Gustafsson 1991 next to
- * none are refused, but where rounding in f makes the estimate, which then falls with the step only, steps would become
- * twenty times shorter than they need be. */
+ * With the larger proportional part of Gustafsson 1991 next to none are refused, but where rounding in f makes the
+ * estimate, which then falls with the step only, steps would become twenty times shorter than they need be. */
 static double growth(const lw_integrator *w, double err)
 {
-    double all = w->o.smooth ? 0.7/8 : 0.117, last = w->o.smooth ? 0.4/8 : 0.04;
-    return 0.85*pow(err, -all)*pow(w->err_old, last);
+    return w->o.smooth ? 0.85*pow(err, -0.7/8)*pow(w->err_old, 0.4/8) : 0.9*pow(err, -0.117)*pow(w->err_old, 0.04);
 }
 
 /* Try steps from t_old until one is accepted; `last` says that it reached t_end. */

@@ -43,7 +43,7 @@ static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w
  * the tolerance, for all of them. */
 static void two_four_bars(void)
 {
-    static const struct { int least, most; double times; } with[] = { { 6, 13, 3000 }, { 6, 13, 3000 }, { 7, 12, 3e4 },
+    static const struct { int least, most; double times; } with[] = { { 6, 13, 3000 }, { 6, 13, 3000 }, { 7, 11, 3e4 },
                                                                       { 8, 11, 5e4 } };
     drun_read(&d, "examples/two-four-bars.json");
     for (int f = 0; f < 4; f++)
