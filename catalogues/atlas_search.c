@@ -231,7 +231,7 @@ static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_de
         return LW_OK;
     const lw_family *family = lw_curve_family(maker, &row[f->index]);
     snprintf(hit->family, sizeof hit->family, "%s", family->name);
-    snprintf(hit->type, sizeof hit->type, "%s", family->type);
+    snprintf(hit->type, sizeof hit->type, "%s", family->type ? family->type : "");
     return LW_OK;
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "catalogues/curves_internal.h"
 #include "mbs/batch.h"
 #include "mbs/types.h"
 
@@ -13,23 +14,59 @@
 #define LEAST_PART 0.1          /* of the way, of an open curve                                       */
 
 typedef struct kind {
-    const lw_family *family;
-    lw_plan          plan;
+    const lw_family   *family;
+    lw_curve_topology *topology;                                /* owned; NULL: four links         */
+    lw_plan            plan;
     int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* numbers of dimensions; -1: none */
     double           upto;                                      /* share of the samples, added up  */
 } kind;
 
 struct lw_curve_maker {
     int    n;
-    size_t batch_size;
+    size_t batch_size, topology_size;                           /* of work, bytes                  */
     double c[POINTS], s[POINTS];                                /* a full turn                     */
-    char   families[FAMILY_MAX*32];
+    char   families[FAMILY_MAX*LW_CURVE_WORD];
     kind   kind[FAMILY_MAX];
 };
 
 typedef struct scratch { double c[POINTS], s[POINTS], x[POINTS], y[POINTS]; } scratch;
 
 /* ---- making ---------------------------------------------------------------------------------------- */
+
+static lw_status add_kind(lw_curve_maker *m, const lw_family *f, const char *text, kind *to)
+{
+    size_t size = lw_batch_work_size(&to->plan);
+    to->family = f;
+    to->upto = (m->n > 0 ? m->kind[m->n - 1].upto : 0) + f->blocks;
+    m->batch_size = size > m->batch_size ? size : m->batch_size;
+    if (m->n > 0)
+        strcat(m->families, ",");
+    strcat(m->families, text);
+    m->n++;
+    return LW_OK;
+}
+
+static lw_status add_topology(lw_curve_maker *m, const char *text, lw_error *e)
+{
+    kind *to = &m->kind[m->n];
+    if (m->n == FAMILY_MAX)
+        return lw_error_set(e, LW_E_ARG, "more than %d families", FAMILY_MAX);
+    lw_status status = lw_curve_topology_make(text, &to->topology, e);
+    if (status != LW_OK)
+        return status;
+    size_t size = lw_curve_topology_work_size(to->topology);
+    m->topology_size = size > m->topology_size ? size : m->topology_size;
+    to->plan = to->topology->problem.plan;
+    return add_kind(m, &to->topology->family, text, to);
+}
+
+lw_status lw_curve_maker_add(lw_curve_maker *m, const char *name, const lw_linkage *k, lw_error *e)
+{
+    char text[LW_CURVE_WORD];
+    if (k->n_input != 1 || k->n_tracer < 1 || lw_curve_topology_text(name, k, text) != LW_OK)
+        return lw_error_set(e, LW_E_ARG, "curves are drawn of linkages with one input, a tracer and few links");
+    return add_topology(m, text, e);
+}
 
 static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
 {
@@ -41,27 +78,19 @@ static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
     lw_status status = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &to->plan, e);
     if (status != LW_OK)
         return status;
-    to->family = f;
     to->coupler = lw_plan_dim(&to->plan, "r3");
     for (int i = 0; f->shape[i]; i++)
         to->shape[to->n_shape++] = lw_plan_dim(&to->plan, f->shape[i]);
-    to->upto = (m->n > 0 ? m->kind[m->n - 1].upto : 0) + f->blocks;
-    size_t size = lw_batch_work_size(&to->plan);
-    m->batch_size = size > m->batch_size ? size : m->batch_size;
-    if (m->n > 0)
-        strcat(m->families, ",");
-    strcat(m->families, f->name);
-    m->n++;
-    return LW_OK;
+    return add_kind(m, f, f->name, to);
 }
 
 /* The next word of a list apart by commas; false at the end. */
-static bool next_word(const char **list, char word[32])
+static bool next_word(const char **list, char word[LW_CURVE_WORD])
 {
     size_t n = strcspn(*list, ",");
     if (!**list)
         return false;
-    snprintf(word, 32, "%.*s", (int)(n < 31 ? n : 31), *list);
+    snprintf(word, LW_CURVE_WORD, "%.*s", (int)(n < LW_CURVE_WORD ? n : LW_CURVE_WORD - 1), *list);
     *list += n + ((*list)[n] == ',');
     return true;
 }
@@ -90,15 +119,17 @@ static lw_status add_type(lw_curve_maker *m, const lw_type *type, lw_error *e)
 
 lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_error *e)
 {
-    char word[32];
+    char word[LW_CURVE_WORD];
     lw_status status = create(maker, e);
+    if (status == LW_OK && !types)
+        return LW_OK;
     if (status == LW_OK && strcmp(types, "all") == 0)
         status = add_type(*maker, NULL, e);
     else
         while (status == LW_OK && next_word(&types, word)) {
             const lw_type *t = lw_type_find(word);
             status = t ? add_type(*maker, t, e)
-                   : lw_error_set(e, LW_E_ARG, "there is no type '%s'; 'linkwright help fit' lists them", word);
+                   : lw_error_set(e, LW_E_ARG, "there is no type '%.60s'; 'linkwright help fit' lists them", word);
         }
     if (status == LW_OK && (*maker)->n == 0)
         status = lw_error_set(e, LW_E_ARG, "no type of linkage is named");
@@ -111,14 +142,13 @@ lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_er
 
 lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_error *e)
 {
-    char word[32];
+    char word[LW_CURVE_WORD];
     lw_status status = create(maker, e);
     while (status == LW_OK && next_word(&families, word)) {
         const lw_family *f = lw_family_table;
         while (f->name && strcmp(f->name, word) != 0)
             f++;
-        status = f->name ? add_family(*maker, f, e) : lw_error_set(e, LW_E_NOTATION, "there is no family '%s' in this "
-                                                                   "program", word);
+        status = f->name ? add_family(*maker, f, e) : add_topology(*maker, word, e);
     }
     if (status != LW_OK) {
         lw_curve_maker_free(*maker);
@@ -127,17 +157,26 @@ lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_err
     return status;
 }
 
-void lw_curve_maker_free(lw_curve_maker *maker)                       { free(maker); }
-const char *lw_curve_maker_families(const lw_curve_maker *maker)      { return maker->families; }
+void lw_curve_maker_free(lw_curve_maker *maker)
+{
+    for (int i = 0; maker && i < FAMILY_MAX; i++)
+        lw_curve_topology_free(maker->kind[i].topology);
+    free(maker);
+}
+
+const char *lw_curve_maker_families(const lw_curve_maker *maker) { return maker->families; }
 
 const lw_family *lw_curve_family(const lw_curve_maker *maker, const lw_curve_row *row)
 {
     return row->family < maker->n ? maker->kind[row->family].family : NULL;
 }
 
+/* Scratch, room of the batch, room of topologies. */
+static size_t batch_end(const lw_curve_maker *m) { return (sizeof(scratch) + m->batch_size + 63)/64*64; }
+
 size_t lw_curve_work_size(const lw_curve_maker *maker)
 {
-    return (sizeof(scratch) + maker->batch_size + 63)/64*64;
+    return batch_end(maker) + (maker->topology_size + 63)/64*64;
 }
 
 /* ---- drawing --------------------------------------------------------------------------------------- */
@@ -174,16 +213,43 @@ static void draw_piece(const double *u, double a, double b, bool turns, lw_curve
     row->last = (float)(from + (b - a)*part);
 }
 
+/* The member of a row; false when there is none. */
+static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *work, double *dim, double *mode,
+                      lw_range *range)
+{
+    const kind *k = &m->kind[row->family];
+    return lw_curve_topology_draw(k->topology, row->key, row->mode > 0, (unsigned char *)work + batch_end(m), dim, mode,
+                                  range);
+}
+
+static lw_status draw_member(const lw_curve_maker *m, const double *u, bool closed, void *work, lw_curve_row *row)
+{
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    uint64_t key = (uint64_t)(u[1]*0x1p53)*0x9e3779b97f4a7c15u ^ (uint64_t)(u[2]*0x1p53)*0xbf58476d1ce4e5b9u;
+    row->key[0] = (uint32_t)key;
+    row->key[1] = (uint32_t)(key >> 32);
+    row->mode = closed ? 1 : -1;
+    if (!member_of(m, row, work, dim, mode, &range) || !(range.last - range.first > 1e-6))
+        return LW_OPEN;
+    row->first = (float)range.first;
+    row->last = (float)range.last;
+    if (!closed)
+        draw_piece(u + 6, range.first, range.last, range.turns, row);
+    return LW_OK;
+}
+
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row)
 {
     double shape[LW_SHAPE_MAX] = { 0 }, dim[LW_DIM_MAX];
     int which = 0;
     lw_range range = { .first = 0, .last = 2*LW_PI, .turns = true };
-    (void)work;
     while (which + 1 < maker->n && u[0]*maker->kind[maker->n - 1].upto >= maker->kind[which].upto)
         which++;
     const kind *k = &maker->kind[which];
     *row = (lw_curve_row){ .family = (uint8_t)which, .mode = 1 };
+    if (k->topology)
+        return draw_member(maker, u, closed, work, row);
     k->family->draw(u + 1, shape);
     for (int i = 0; i < k->n_shape; i++)
         row->dim[i] = (float)shape[i];
@@ -223,14 +289,35 @@ static void set_inputs(const kind *k, scratch *w, int from, int to, double first
     }
 }
 
+static void solve_modes(const kind *k, const double *dim, const double *modes, const double *c, const double *s,
+                        int from, int to, scratch *w, void *batch)
+{
+    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
+    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, NULL);
+}
+
 static void solve(const kind *k, const double *dim, double mode, const double *c, const double *s, int from, int to,
                   scratch *w, void *batch)
 {
     double modes[LW_DYAD_MAX];
     for (int i = 0; i < k->plan.n_dyad; i++)
         modes[i] = mode;
-    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
-    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, NULL);
+    solve_modes(k, dim, modes, c, s, from, to, w, batch);
+}
+
+static lw_status member_points(const lw_curve_maker *m, const lw_curve_row *row, bool closed, scratch *w, lw_vec2 *p)
+{
+    const kind *k = &m->kind[row->family];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    if (!member_of(m, row, w, dim, mode, &range))
+        return LW_OPEN;
+    if (!closed)
+        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
+    solve_modes(k, dim, mode, closed ? m->c : w->c, closed ? m->s : w->s, 0, POINTS, w, w + 1);
+    for (int i = 0; i < POINTS; i++)
+        p[i] = lw_v2(w->x[i], w->y[i]);
+    return LW_OK;
 }
 
 lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p)
@@ -241,6 +328,8 @@ lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, 
     if (row->family >= maker->n)
         return LW_OPEN;
     const kind *k = &maker->kind[row->family];
+    if (k->topology)
+        return member_points(maker, row, closed, w, p);
     set_dims(k, row, dim);
     if (closed && row->mode != 0) {
         solve(k, dim, row->mode, maker->c, maker->s, 0, POINTS, w, batch);
@@ -260,12 +349,29 @@ lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, 
 
 /* ---- the linkage ----------------------------------------------------------------------------------- */
 
+static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row, lw_linkage *k)
+{
+    const kind *from = &m->kind[row->family];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    void *work = aligned_alloc(64, lw_curve_work_size(m));
+    if (!work)
+        return LW_E_MEMORY;
+    bool drawn = member_of(m, row, work, dim, mode, &range);
+    free(work);
+    *k = from->topology->linkage;
+    snprintf(k->name, sizeof k->name, "%s", from->family->name);
+    return drawn ? lw_plan_write(&from->plan, dim, mode, 0.5*(row->first + row->last), k) : LW_OPEN;
+}
+
 lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
 {
     double dim[LW_DIM_MAX], modes[LW_DYAD_MAX];
     if (row->family >= maker->n)
         return LW_OPEN;
     const kind *from = &maker->kind[row->family];
+    if (from->topology)
+        return member_linkage(maker, row, k);
     set_dims(from, row, dim);
     for (int i = 0; i < from->plan.n_dyad; i++)
         modes[i] = row->mode < 0 ? -1 : 1;

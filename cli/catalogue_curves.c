@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "catalogues/atlas.h"
 #include "cli/catalogue.h"
+#include "cli/fit_topologies.h"
 #include "cli/json.h"
 #include "cli/model.h"
 #include "mbs/types.h"
@@ -51,7 +52,8 @@ static lw_status begin(job *j)
 {
     const cli_catalogue_settings *s = j->call->settings;
     char what[128];
-    snprintf(what, sizeof what, "%llu curves of %.90s", (unsigned long long)j->wanted, s->types);
+    snprintf(what, sizeof what, "%llu curves of %.90s", (unsigned long long)j->wanted,
+             s->links == 6 ? "six links" : s->types);
     lw_store_run run = { "curves", what, j->call->line, j->call->common.seed };
     j->sweep = (lw_atlas_sweep){ .families = lw_curve_maker_families(j->maker), .kinds = (lw_atlas_kinds)s->curves,
                                  .seed = j->call->common.seed };
@@ -66,10 +68,30 @@ static lw_status begin(job *j)
     return status;
 }
 
+/* Every mechanism of pins with so many links whose tracer does more than with fewer links, an input for each. */
+static lw_status add_topologies(job *j, int links)
+{
+    cli_topologies all;
+    cli_topology_wish w = { .links = links, .kinds = "r", .only = "all", .task = LW_TASK_PATH };
+    lw_status status = cli_topologies_make(&w, &all, &j->e);
+    for (int i = 0; status == LW_OK && i < all.n; i++)
+        for (int f = 0; f < all.stage[i].n_family && all.stage[i].links == links && status == LW_OK; f++) {
+            const lw_family *family = &all.stage[i].family[f];
+            status = lw_curve_maker_add(j->maker, family->name, family->linkage, &j->e);
+            status = status == LW_E_KIND ? LW_OK : status;
+        }
+    if (status == LW_OK)
+        cli_topologies_free(&all);
+    return status;
+}
+
 static lw_status draw_all(job *j)
 {
     const cli_catalogue_settings *s = j->call->settings;
-    lw_status status = lw_curve_maker_create(s->types, &j->maker, &j->e);
+    bool six = s->links == 6;
+    lw_status status = lw_curve_maker_create(six ? NULL : s->types, &j->maker, &j->e);
+    if (status == LW_OK && six)
+        status = add_topologies(j, s->links);
     if (status == LW_OK)
         status = cli_catalogue_open(j->call, true, &j->store, &j->e);
     if (status == LW_OK)
@@ -85,8 +107,11 @@ static lw_status draw_all(job *j)
 int cli_catalogue_curves(const cli_call *call)
 {
     const cli_catalogue_settings *s = call->settings;
-    if (s->links != 0 && s->links != 4)
-        return cli_usage(call, "curves are drawn of four links so far: --links 4, not %d", s->links);
+    if (s->links != 0 && s->links != 4 && s->links != 6)
+        return cli_usage(call, "curves are drawn of four or six links: --links 4 or 6, not %d", s->links);
+    if (s->links == 6 && cli_given(&call->parsed, "types"))
+        return cli_usage(call, "--types are those of four links; with --links 6 all chains, ground and tracer links "
+                         "are drawn");
     if (s->samples == 0)
         return cli_usage(call, "how many curves? give --samples N");
     job j = { .call = call, .wanted = (uint64_t)s->samples };

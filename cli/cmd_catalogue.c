@@ -9,7 +9,7 @@
 #define PLACE(member) offsetof(cli_catalogue_settings, member)
 
 static const cli_option options[] = {
-    { "links", 'p', CLI_INT, PLACE(links), "P", NULL, "build: number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "links", 'p', CLI_INT, PLACE(links), "P", NULL, "build: number of links; curves: 4 (default) or 6", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
     { "joints", 0, CLI_TEXT, PLACE(joints), "LETTERS", "r",
       "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
@@ -61,7 +61,7 @@ static const struct {
 } actions[] = {
     { "build", 2, 2, "build FILE --links P", cli_catalogue_build },
     { "add", 3, 3, "add FILE RESULTS.json", cli_catalogue_add },
-    { "curves", 2, 2, "curves FILE --links 4 --samples N", cli_catalogue_curves },
+    { "curves", 2, 2, "curves FILE --samples N", cli_catalogue_curves },
     { "nearest", 3, 3, "nearest FILE TARGET.csv", cli_catalogue_nearest },
     { "query", 2, 3, "query FILE ['QUESTION']", cli_catalogue_query },
     { "export", 2, 3, "export FILE ['QUESTION']", cli_catalogue_export },
@@ -127,6 +127,7 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue build atlas.db --links 6 --joints r,t\n"
         "  linkwright catalogue add atlas.db results.jsonl      what fit --json printed, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
+        "  linkwright catalogue curves atlas.db --links 6 --samples 1000000\n"
         "  linkwright catalogue nearest atlas.db target.csv -k 20\n"
         "  linkwright catalogue query atlas.db 'links=8 and planar and symmetry>1' --sort grounds\n"
         "  linkwright catalogue query atlas.db 'class=GCRR and error<0.01 and error_max<2mm' --format csv\n"
@@ -145,7 +146,8 @@ const cli_command cli_catalogue_command = {
         "add takes linkages with their errors out of the output of fit --json (one after the other), or linkages by\n"
         "themselves; - is standard input. What is there already is passed over.\n"
         "curves draws coupler curves of four-link chains, whole circuits and pieces of them, spread evenly over\n"
-        "the shapes of linkages; nearest finds those most like a target, whatever its place, size, turn, direction\n"
+        "the shapes of linkages, or with --links 6 those of Watt's and Stephenson's chains with an input that turns;\n"
+        "nearest finds those most like a target, whatever its place, size, turn, direction\n"
         "and mirroring, and prints the linkages laid on it.\n"
         "query asks: tests of fields with = != < <= > >= ~ (pattern) and in (a, b), ranges 4..8, and, or, not,\n"
         "parentheses; query FILE --fields lists the fields. With --sql the question is one SELECT, which can only\n"

@@ -319,7 +319,7 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && s->atlas)
-        st = cli_fit_known_atlas(s->atlas, &set->target, &set->known, e);
+        st = cli_fit_known_atlas(s->atlas, &set->target, links > 4 ? links : 4, &set->known, e);
     if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     return st == LW_OK ? cli_fit_points_stages(set, e) : st;

@@ -63,7 +63,7 @@ lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e)
     return name_families(k) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
-lw_status cli_fit_known_atlas(const char *path, const lw_target *t, cli_fit_known *k, lw_error *e)
+lw_status cli_fit_known_atlas(const char *path, const lw_target *t, int links, cli_fit_known *k, lw_error *e)
 {
     enum { NEAREST = 24 };
     lw_store *store;
@@ -81,7 +81,8 @@ lw_status cli_fit_known_atlas(const char *path, const lw_target *t, cli_fit_know
         st = st == LW_NOTHING ? LW_OK : st;
     }
     for (int i = 0; i < n && st == LW_OK; i++)
-        if (check_known(&hit[i].linkage, path, NULL) == LW_OK && add_known(k, &hit[i].linkage) != LW_OK)
+        if (hit[i].linkage.n_link <= links && check_known(&hit[i].linkage, path, NULL) == LW_OK
+            && add_known(k, &hit[i].linkage) != LW_OK)
             st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (st == LW_OK && name_families(k) != LW_OK)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");

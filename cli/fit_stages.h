@@ -17,7 +17,7 @@ typedef struct cli_fit_known {
 lw_status cli_fit_known_read(const char *path, cli_fit_known *k, lw_error *e);
 
 /* Add those of a catalogue whose curves are nearest to a target with points. */
-lw_status cli_fit_known_atlas(const char *path, const lw_target *t, cli_fit_known *k, lw_error *e);
+lw_status cli_fit_known_atlas(const char *path, const lw_target *t, int links, cli_fit_known *k, lw_error *e);
 void      cli_fit_known_free(cli_fit_known *k);
 
 typedef struct cli_fit_stages {

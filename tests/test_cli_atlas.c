@@ -5,7 +5,6 @@
 static void curves(void)
 {
     expect("$P catalogue curves $D/c.db", 2, NULL, "--samples N");
-    expect("$P catalogue curves $D/c.db --links 6 --samples 10", 2, NULL, "four links so far");
     expect("$P catalogue curves $D/c.db --samples 10 --types fourbra", 3, NULL, "no type 'fourbra'");
     expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "4000 of 4000 samples");
     expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "0 curves drawn");
@@ -23,6 +22,23 @@ static void nearest(void)
     expect("$P catalogue nearest $D/none.db examples/ellipse.csv", 3, NULL, "no such file");
     expect("$P catalogue build $D/empty.db --links 4 && $P catalogue nearest $D/empty.db examples/ellipse.csv", 1, NULL,
            "holds no closed curves");
+}
+
+/* Six links: drawn, found, told apart, and starts for a fit that may have so many. */
+static void six_links(void)
+{
+    expect("$P catalogue curves $D/s.db --links 6 -n 4000 && $P catalogue curves $D/s2.db --links 6 -n 4000 -j 1 -q && "
+           "$P catalogue nearest $D/s.db examples/walking-foot.csv -k 9 > $D/1 && $P catalogue nearest $D/s2.db "
+           "examples/walking-foot.csv -k 9 | cmp - $D/1 && cat $D/1", 0, ", point on link ", "4000 of 4000 samples");
+    expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json -k 3 > $D/six.json && "
+           "$P draw $D/six.json --result 3 -o $D/six.svg && $P catalogue add $D/s.db $D/six.json && "
+           "$P catalogue query $D/s.db links=6 --list linkages -f csv | wc -l", 0, "4\n", "3 added");
+    expect("$P fit examples/walking-foot.csv --atlas $D/s.db --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL,
+           NULL);
+    expect("$P fit examples/walking-foot.csv --atlas $D/s.db --rounds 1 --timing none | grep -c point.on.link", 1,
+           "0\n", NULL);
+    expect("$P catalogue curves $D/s.db --links 8 -n 10", 2, NULL, "of four or six links");
+    expect("$P catalogue curves $D/s.db --links 6 --types all -n 10", 2, NULL, "--types are those of four links");
 }
 
 static void add(void)
@@ -209,6 +225,7 @@ int main(void)
     expect("true", 0, NULL, NULL);
     RUN(curves);
     RUN(nearest);
+    RUN(six_links);
     RUN(add);
     RUN(query);
     RUN(a_class_of_six_links);

@@ -30,7 +30,8 @@ static void check_against_scene(const lw_linkage *k, const lw_vec2 *p, bool clos
     lw_scene_free(&scene);
 }
 
-static void draws(const char *types, size_t n)
+/* Of types, or of the families of a list. */
+static void draws(const char *types, const char *families, size_t n)
 {
     lw_curve_maker *m;
     lw_error e = { 0 };
@@ -39,7 +40,7 @@ static void draws(const char *types, size_t n)
     int n_made[2] = { 0, 0 };
     static double u[400*LW_CURVE_DRAWS];
     lw_describer_make(&tables);
-    CHECK_INT(lw_curve_maker_create(types, &m, &e), LW_OK);
+    CHECK_INT(types ? lw_curve_maker_create(types, &m, &e) : lw_curve_maker_of(families, &m, &e), LW_OK);
     void *work = aligned_alloc(64, lw_curve_work_size(m));
     lw_rng_seed(&rng, check_seed(), 5);
     CHECK(lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u));
@@ -66,8 +67,48 @@ static void draws(const char *types, size_t n)
     lw_curve_maker_free(m);
 }
 
-static void curves_are_those_of_their_linkages(void) { draws("fourbar", 400); }
-static void all_types(void)                          { draws("all", 400); }
+static void curves_are_those_of_their_linkages(void) { draws("fourbar", NULL, 400); }
+static void all_types(void)                          { draws("all", NULL, 400); }
+
+/* Watt I, Stephenson III, and an eight-link chain with a slider, as text. */
+#define WATT       "Watt I; point on link 5=1-2r.3-1r.1-5r.2-4r.2-6r.3-4r.5-6r=g3i2t5"
+#define STEPHENSON "Stephenson III=1-3r.1-5r.1-6r.2-4r.2-5r.2-6r.3-4r=g1i2t4"
+#define SLIDER     "a rocker's slider=1-2r.2-3r.3-4r.4-1r.3-5r.5-6r.6-1t=g1i1t5"
+
+static void more_links(void) { draws(NULL, WATT "," STEPHENSON "," SLIDER, 300); }
+
+/* The text says all: another maker, made of a linkage, draws the same members; texts that say nothing are refused. */
+static void topologies_as_text(void)
+{
+    static const char *const bad[] = {
+        "x=1-2r.2-3r=g1i1t5", "x=1-2r.2-3r.3-4r.4-1r=g5i1t3", "x=1-2r.2-3r.3-4r.4-1r=g1i9t3", "x=1-2r.1-2r=g1i1t2",
+        "x=1-99r=g1i1t2", "x=", "x=1-2r.2-3r.3-4r.4-1r", "x=1-2r.2-3r.3-4r.4-1r=g1i1t3x", "x=1-2q.2-3r=g1i1t3",
+    };
+    lw_curve_maker *m, *again;
+    lw_error e;
+    double u[LW_CURVE_DRAWS] = { 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8 };
+    lw_curve_row row;
+    lw_linkage k, same;
+    CHECK_INT(lw_curve_maker_of(STEPHENSON, &m, &e), LW_OK);
+    void *work = aligned_alloc(64, lw_curve_work_size(m));
+    while (lw_curve_draw(m, u, true, work, &row) != LW_OK && u[1] < 0.9)
+        u[1] += 0.01;
+    CHECK_INT(lw_curve_linkage(m, &row, &k), LW_OK);
+    CHECK(lw_curve_family(m, &row)->type == NULL);
+    CHECK_INT(lw_curve_maker_create(NULL, &again, &e), LW_OK);
+    CHECK_INT(lw_curve_maker_add(again, "Stephenson III", &k, &e), LW_OK);
+    CHECK_TEXT(lw_curve_maker_families(again), STEPHENSON);
+    CHECK_INT(lw_curve_linkage(again, &row, &same), LW_OK);
+    CHECK_INT(memcmp(&k.joint, &same.joint, sizeof k.joint), 0);
+    k.n_input = 2;
+    CHECK_INT(lw_curve_maker_add(again, "two inputs", &k, &e), LW_E_ARG);
+    free(work);
+    lw_curve_maker_free(m);
+    lw_curve_maker_free(again);
+    for (size_t i = 0; i < sizeof bad/sizeof *bad; i++)
+        CHECK(lw_curve_maker_of(bad[i], &m, &e) < 0);
+}
+
 
 /* A linkage that is mirrored, turned, stretched and moved traces the curve that is. */
 static void laid_elsewhere(void)
@@ -129,6 +170,8 @@ int main(void)
     RUN(names_and_families);
     RUN(curves_are_those_of_their_linkages);
     RUN(all_types);
+    RUN(more_links);
+    RUN(topologies_as_text);
     RUN(laid_elsewhere);
     return check_end();
 }

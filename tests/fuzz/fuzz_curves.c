@@ -1,0 +1,39 @@
+/* Any text as the families of a catalogue's curves: a maker says the same text again, and its members are linkages. */
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/curves.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static const double u[LW_CURVE_DRAWS] = { 0.5, 0.1, 0.7, 0.3, 0.9, 0.2, 0.6, 0.4 };
+    char text[400];
+    lw_curve_maker *m, *again;
+    lw_error e = { .text = "" };
+    lw_curve_row row;
+    lw_linkage k;
+    snprintf(text, sizeof text, "%.*s", (int)(size < sizeof text ? size : sizeof text - 1), (const char *)data);
+    if (lw_curve_maker_of(text, &m, &e) != LW_OK) {
+        if (!e.text[0] || m)
+            abort();
+        return 0;
+    }
+    void *work = aligned_alloc(64, lw_curve_work_size(m));
+    for (int closed = 0; closed < 2 && work && lw_curve_family(m, &(lw_curve_row){ .family = 0 }); closed++) {
+        lw_vec2 p[LW_CURVE_POINTS];
+        if (lw_curve_draw(m, u, closed, work, &row) == LW_OK && lw_curve_linkage(m, &row, &k) == LW_OK
+            && (lw_linkage_check(&k, &e) != LW_OK || lw_curve_points(m, &row, closed, work, p) != LW_OK))
+            abort();
+    }
+    if (lw_curve_maker_of(lw_curve_maker_families(m), &again, &e) != LW_OK
+        || strcmp(lw_curve_maker_families(m), lw_curve_maker_families(again)) != 0)
+        abort();
+    free(work);
+    lw_curve_maker_free(m);
+    lw_curve_maker_free(again);
+    return 0;
+}
