@@ -217,9 +217,24 @@ static void json_reversals(const lw_report *r, bool limit, cli_json *j)
     cli_json_end(j);
 }
 
+/* As the joint of the linkage turns. */
+static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    if (r->laps == 1) {
+        cli_json_reals(j, "inputs", c->input, s->target.n);
+        return;
+    }
+    cli_json_array(j, "inputs");
+    for (size_t i = 0; i < s->target.n; i++)
+        cli_json_real(j, NULL, r->laps*c->input[i]);
+    cli_json_end(j);
+}
+
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
+    if (r->laps > 1)
+        cli_json_int(j, "laps", r->laps);
     if (r->circuits)
         cli_json_int(j, "circuits", r->circuits);
     cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
@@ -230,9 +245,9 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_re
     cli_json_real(j, "transmission_max", r->transmission_max);
     cli_json_real(j, "acceleration_max", length(s, r->acceleration_max));
     cli_json_int(j, "sense", c->branch.sense);
-    cli_json_real(j, "input0", c->input0);
+    cli_json_real(j, "input0", r->laps*c->input0);
     cli_json_real(j, "tool0", c->tool0);
-    cli_json_reals(j, "inputs", c->input, s->target.n);
+    json_inputs(s, c, r, j);
 }
 
 static void json_result(const cli_fit_set *s, int i, cli_json *j)

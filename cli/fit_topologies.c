@@ -174,7 +174,7 @@ static int try_input(maker *mk, const lw_mechanism *m, int joint, lw_linkage *k,
     driven.n_input = 1;
     driven.input[0] = (uint8_t)joint;
     if (plan && sketch(mk, &driven, k) == LW_OK
-        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
+        && lw_plan_make_geared(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK) {
         way = plan->n_higher > 0 ? 1 : 2;
         *links = links_of(plan, k);
     }

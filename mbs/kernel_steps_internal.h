@@ -117,6 +117,27 @@ LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int want)
     }
 }
 
+static void times(const out_rows o, in_rows u, double sign, size_t n)
+{
+    LW_LANES(n) {
+        lw_vec2 a = lw_v2(o.x[i], o.y[i]), b = get(u, i);
+        put(o, i, lw_v2_turn(a, lw_v2(b.x, sign*b.y)));
+    }
+}
+
+/* e^{i phase} u^m v^n: small whole numbers, so one product after the other. */
+LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane)
+{
+    const out_rows o = out_reg(k, s->out[0]);
+    const double *c = s->dim[0] < 0 ? reg_x(k, 1) : cos_of(k, s->dim[2]);
+    const double *t = s->dim[0] < 0 ? reg_y(k, 1) : sin_of(k, s->dim[2]);
+    const double c0 = *c, t0 = *t;
+    LW_LANES(n) put(o, i, lw_v2(per_lane && s->dim[0] >= 0 ? c[i] : c0, per_lane && s->dim[0] >= 0 ? t[i] : t0));
+    for (int h = 0; h < 2 && s->in[h] >= 0; h++)
+        for (int m = 0; m < (s->power[h] < 0 ? -s->power[h] : s->power[h]); m++)
+            times(o, in_reg(k, s->in[h]), s->power[h] < 0 ? -1 : 1, n);
+}
+
 /* One copy of each loop for every constant combination: dimensions shared or per lane, and what is kept. */
 LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
 {
@@ -138,6 +159,7 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int 
     case LW_STEP_HIGHER:      break;                       /* see forward */
     case LW_STEP_TURN:        turn_step(k, s, n); break;
     case LW_STEP_SLIDE:       slide_step(k, s, n); break;
+    case LW_STEP_GEAR:        gear(k, s, n, per_lane); break;
     }
 }
 
@@ -300,6 +322,20 @@ static void back_prp(const run *k, const lw_step *s, size_t n)
     }
 }
 
+static void back_gear(const run *k, const lw_step *s, size_t n)
+{
+    const double *o = bar_x(k, s->out[0]);
+    for (int h = 0; h < 2 && s->in[h] >= 0; h++) {
+        double *u = bar_x(k, s->in[h]);
+        const double power = s->power[h];
+        LW_LANES(n) u[i] += power*o[i];
+    }
+    if (s->dim[0] >= 0) {
+        double *phase_bar = dim_bar(k, s->dim[0]);
+        LW_LANES(n) phase_bar[i] += o[i];
+    }
+}
+
 /* From the adjoints of output `which`, set in k->bar, to k->row and the input's row. */
 static void backward(const run *k, int which, size_t n, double *input_bar)
 {
@@ -319,6 +355,7 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
         case LW_STEP_HIGHER:      back_higher(k, s, n); break;
         case LW_STEP_TURN:        back_turn(k, s, n); break;
         case LW_STEP_SLIDE:       back_slide(k, s, n); break;
+        case LW_STEP_GEAR:        back_gear(k, s, n); break;
         }
     }
 }

@@ -257,7 +257,7 @@ lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, l
 {
     const lw_step *step = NULL;
     for (int i = 0; i < plan->n_step; i++)
-        if (plan->step[i].kind >= LW_STEP_RRR)
+        if (plan->step[i].dyad >= 0)
             step = &plan->step[i];
     if (plan->n_dyad != 1 || !step)
         return LW_E_KIND;

@@ -5,7 +5,8 @@
  * points; only what the wanted outputs depend on is in it.  Dyads (RRR, RRP, RPR, PRP, PPR) are steps in
  * closed form; higher groups (triads, tetrads, ..., and groups the input itself is a joint of) are solved by
  * Newton's method on the loops of the group alone, followed from a seed posture.  A pin in a slot counts as
- * a pin and a slider with a die between them.  The plan knows no numbers.  The numbers are
+ * a pin and a slider with a die between them; a gear pair turns a wheel of which carrier and partner are known
+ * (mbs/plan_gear.c).  The plan knows no numbers.  The numbers are
  *     dim[n_dim]    dimensions, read off a posture by lw_plan_read or chosen by an optimiser,
  *     mode[n_mode]  for each of the n_dyad dyads +1 or -1, which of its two assemblies (ignored for PRP and
  *                   PPR); then, when there are higher groups, a seed for each: a posture near which the
@@ -22,7 +23,9 @@
  * x axis: towards the second ground pin, else along the first ground slide; see lw_plan_make), where
  * coordinates are of the size of the links, and moved into the plane at the end by x0, y0, theta0:
  *     P = (x0, y0) + e^{i theta0} p.
- * The input angle is counted from the x axis of the GROUND FRAME, counter-clockwise.
+ * The input angle is counted from the x axis of the GROUND FRAME, counter-clockwise.  With gears of fractional
+ * ratio the plan's input, and derivatives by it, are those of the linkage's input over plan->laps, so that everything
+ * comes back after one turn of it.
  * Each moving link has a frame too: origin at the joint by which its dyad found it, x axis towards
  * its next joint (pin) or along its slide.
  *
@@ -49,11 +52,13 @@
  *                                                                            angle
  *     e<k>_<j> beta<k>_<j>  those of a further line (joint number j, from 1) on link k
  *     x<k>_<j> y<k>_<j>     a further pin (joint number j, from 1) on link k  coordinate
+ *     phi<k>   phase of wheel k in its gear pair                               angle
  *     cx cy    the first tracer in the frame of its link (cx2 cy2 the next)  coordinate
  *     x0 y0    place of the ground frame                                     coordinate
  *     theta0   its angle                                                     angle
- * None is redundant, with one exception: on a link that never turns (coupler of RRPP, PPRR) cx, cy only
- * add to x0, y0, but a linkage cannot be drawn without them.
+ * None is redundant, with two exceptions: on a link that never turns (coupler of RRPP, PPRR) cx, cy only
+ * add to x0, y0, but a linkage cannot be drawn without them; the phase of a wheel that carries nothing but its own
+ * pin and the tracer turns cx, cy.
  */
 #ifndef LW_MBS_PLAN_H
 #define LW_MBS_PLAN_H
@@ -69,12 +74,15 @@
 #define LW_UNKNOWN_MAX (2*LW_PLAN_LOOP_MAX)
 #define LW_STEP_MAX  96
 #define LW_REG_MAX  128
+#define LW_LAP_MAX   24         /* turns of the input until gears come back                        */
+#define LW_POWER_MAX 99         /* times a wheel turns in these                                    */
 
 typedef enum lw_dim_kind { LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_ANGLE } lw_dim_kind;
 
 typedef enum lw_dim_role {
     LW_ROLE_R, LW_ROLE_X, LW_ROLE_Y,                  /* of pin `joint`, in the frame of `link`  */
     LW_ROLE_E, LW_ROLE_BETA,                          /* of the line of slider `joint`           */
+    LW_ROLE_PHASE,                                    /* of wheel `link` in gear `joint`          */
     LW_ROLE_CX, LW_ROLE_CY,                           /* of tracer `joint`                       */
     LW_ROLE_X0, LW_ROLE_Y0, LW_ROLE_THETA0            /* of the whole                            */
 } lw_dim_role;
@@ -115,7 +123,8 @@ typedef enum lw_step_kind {
     LW_STEP_RRR, LW_STEP_RRP, LW_STEP_RPR, LW_STEP_PRP, LW_STEP_PPR,
     LW_STEP_HIGHER,           /* a higher group: its directions and displacements                */
     LW_STEP_TURN,             /* direction turned by another                                     */
-    LW_STEP_SLIDE             /* point along a line, by a displacement                           */
+    LW_STEP_SLIDE,            /* point along a line, by a displacement                           */
+    LW_STEP_GEAR              /* direction of a wheel                                            */
 } lw_step_kind;
 
 /* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused.  A register is a point
@@ -132,11 +141,12 @@ typedef enum lw_step_kind {
  *     PRP, PPR      q1, w1, q2, w2          c                         c = q1 + t1 w1 = q2 + t2 w2
  *     TURN          u, v                    u v                       dim[0]: +1, or -1 for u conj(v)
  *     SLIDE         q, w, (d, 0)            q + d w
+ *     GEAR          u, v                    u^m v^n e^{i phi}  phi    m, n in power[]; v -1: 1; dim[2] as of LINE
  *     HIGHER        see lw_higher                                     dim[0]: number in plan.higher
  * out u2 of RRR is -1 when nobody needs it.  PPR is handed the line of its inner slider as second. */
 typedef struct lw_step {
     lw_step_kind kind;
-    int in[4], out[4], dim[3], dyad;
+    int in[4], out[4], dim[3], dyad, power[2];
 } lw_step;
 
 /* A higher group: loops of vectors that close,
@@ -191,6 +201,7 @@ typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
     int         n_mode, n_higher, n_row;          /* rows: numbers that say where the higher groups are */
     bool        input_is_slider;
+    int         laps;                             /* turns of the linkage's input in one of the plan's */
     lw_dim_info dim[LW_DIM_MAX];
     lw_step     step[LW_STEP_MAX];
     lw_dyad     dyad[LW_DYAD_MAX];
@@ -233,6 +244,10 @@ typedef struct lw_want {
  * twice and others not at all, or higher groups beyond the limits above; other failures as
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
 lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
+
+/* The same with gear pairs too, wherever the carrier and one wheel are known before the other wheel; mind plan->laps.
+ * LW_E_KIND also for racks, and for ratios that are not of small whole numbers. */
+lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
 /* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;
  * others are LW_E_KIND, with a text saying which links are left over. */

@@ -70,7 +70,7 @@ static void build(graph *g)
         const lw_joint *q = &k->joint[j];
         if (is_pin(t, j) && t->pin[j] == j)
             add_pin(g, j);
-        if (!is_pin(t, j))
+        if (q->kind == LW_JOINT_SLIDER)
             add_units(g, g->node_of_link[q->link[0]], g->node_of_link[q->link[1]], 2);
         if (j == t->input_joint && t->driven < 0)
             add_units(g, g->node_of_link[q->link[0]], g->node_of_link[q->link[1]], 1);
@@ -221,6 +221,8 @@ static void collect_ties(tree *r)
     const lw_topology *t = r->t;
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
+        if (q->kind == LW_JOINT_GEAR)                    /* its wheels are known, or it is of no help yet */
+            continue;
         if (!is_pin(t, j)) {
             if (on_links(r, q->link[0], q->link[1]))
                 add_tie(r, q->link[0], q->link[1], j);

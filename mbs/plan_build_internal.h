@@ -13,6 +13,7 @@ typedef struct lw_builder {
     int      place[LW_DIM_MAX];            /* sort key of each dimension                             */
     int      n_line[LW_LINK_MAX][2];       /* offsets and angles named so far                        */
     int      input_reg;                    /* of an input between moving links                       */
+    int      lap_reg;                      /* unit vector of the plan's input, what even gears turn by */
     bool     full;                         /* a table of the plan overflowed                         */
 } lw_builder;
 
@@ -37,6 +38,10 @@ void lw_build_line(lw_builder *b, int j, int base, int *q, int *w);
 
 void lw_build_link(lw_builder *b, int link, int origin, int dir);
 void lw_build_slider(lw_builder *b, int j, int base, int ref);
+
+/* The direction of a driven link from the input's; a wheel. */
+int  lw_build_laps(lw_builder *b, int input);
+void lw_build_gear(lw_builder *b, const lw_group *g);
 
 /* Frames of a higher group's links; then its step and those that follow from it. */
 void lw_build_higher_frames(lw_builder *b, const lw_cluster *c);

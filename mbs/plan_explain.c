@@ -111,6 +111,8 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
         if (s->kind == LW_STEP_HIGHER)
             for (int l = 0; l < p->higher[s->dim[0]].n_link; l++)
                 t.links |= 1u << p->higher[s->dim[0]].link[l];
+        else if (s->kind == LW_STEP_GEAR && s->dim[0] >= 0)
+            t.links = 1u << p->dim[s->dim[0]].link;
         else if (s->dyad >= 0)
             t.links = 1u << p->dyad[s->dyad].link[0] | 1u << p->dyad[s->dyad].link[1];
         if (!t.links)
@@ -118,6 +120,8 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
         add_group(&out, &k, &t, number++);
         if (s->kind == LW_STEP_HIGHER)
             add_higher(&out, &p->higher[s->dim[0]]);
+        else if (s->kind == LW_STEP_GEAR)
+            lw_text_add(&out, "; turned by gear \"%s\"\n", k.joint[p->dim[s->dim[0]].joint].name);
         else
             add_dyad(&out, s);
         known |= t.links;

@@ -8,12 +8,14 @@
 #define LW_AXIS_REG   1          /* its x axis                 */
 
 /* A group as found in the topology.  Of a dyad: base[]: the known links its outer joints hang on.  Of a
- * higher group (LW_STEP_HIGHER) only `cluster` counts, its number. */
+ * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (LW_STEP_GEAR): link[0] the wheel, joint[0]
+ * its pin on base[0], the carrier, joint[1] the gear, base[1] the known wheel, ratio of their speeds on the carrier. */
 typedef struct lw_group {
     lw_step_kind kind;
     int  link[2], joint[3], base[2];
     bool need[2];                /* is the frame of this link wanted */
     int  cluster;
+    double ratio;                /* of a gear, see below */
 } lw_group;
 
 /* The joint `joint` between link a (of the group, or known) and link b of the group. */
@@ -38,8 +40,11 @@ typedef struct lw_topology {
     int      driven, input_joint;
     int      rank[LW_LINK_MAX];           /* order in which links become known, -1: not yet */
     int      slot[LW_JOINT_MAX];          /* of a pin in a slot: the slider put behind it, else -1 */
-    int      n_group, n_cluster;
-    lw_group group[LW_DYAD_MAX + LW_HIGHER_MAX];
+    int      n_group, n_cluster, n_gear;
+    lw_group group[LW_DYAD_MAX + LW_HIGHER_MAX + LW_LINK_MAX];
+    bool     geared[LW_JOINT_MAX];        /* of gears: used to find a wheel                */
+    double   rate[LW_LINK_MAX];           /* turns a turn of the input, NaN: not even      */
+    int      laps;                        /* turns until all these are whole               */
     lw_cluster cluster[LW_HIGHER_MAX];
 } lw_topology;
 
@@ -49,6 +54,10 @@ lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_er
 
 /* Find the smallest group that known links determine (mbs/plan_assur.c). */
 lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e);
+
+/* A wheel that is known by its gear; then how fast wheels turn (mbs/plan_gear.c). */
+bool      lw_plan_find_gear(lw_topology *t, lw_group *g);
+lw_status lw_plan_gear_rates(lw_topology *t, lw_error *e);
 
 /* The names of the links not known, "A", "B". */
 void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);

@@ -43,6 +43,7 @@ static void join_pins(lw_topology *t)
 /* ---- dyads ------------------------------------------------------------------------------------ */
 
 static bool is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
+static bool is_gear(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_GEAR; }
 
 int lw_known_link(const lw_topology *t, int joint)
 {
@@ -60,7 +61,7 @@ static int outer_joint(const lw_topology *t, int link)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
         bool carries = is_pin(t, j) ? t->on_pin[t->pin[j]] >> link & 1 : lw_joint_has(&t->k->joint[j], link);
-        if (carries && lw_known_link(t, j) >= 0)
+        if (carries && !is_gear(t, j) && lw_known_link(t, j) >= 0)
             return j;
     }
     return -1;
@@ -70,7 +71,7 @@ static int inner_joint(const lw_topology *t, int a, int b)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (lw_known_link(t, j) >= 0)
+        if (is_gear(t, j) || lw_known_link(t, j) >= 0)
             continue;
         if (is_pin(t, j) ? (t->on_pin[t->pin[j]] >> a & 1 && t->on_pin[t->pin[j]] >> b & 1)
                          : lw_joint_has(q, a) && lw_joint_has(q, b))
@@ -102,7 +103,7 @@ static bool try_dyad(const lw_topology *t, int a, int b, lw_group *g)
     g->base[1] = lw_known_link(t, g->joint[2]);
     if (t->rank[g->base[0]] < t->rank[g->base[1]])
         *g = (lw_group){ g->kind, { b, a }, { g->joint[2], g->joint[1], g->joint[0] },
-                         { g->base[1], g->base[0] }, { false, false }, 0 };
+                         { g->base[1], g->base[0] }, { false, false }, 0, 0 };
     return true;
 }
 
@@ -123,17 +124,18 @@ static int mobility(const lw_topology *t)
     int f = 3*(t->k->n_link - 1);
     for (int j = 0; j < t->k->n_joint; j++)
         if (!is_pin(t, j))
-            f -= 2;
+            f -= is_gear(t, j) ? 1 : 2;
         else if (t->pin[j] == j)
             f -= 2*(__builtin_popcount(t->on_pin[j]) - 1);
     return f;
 }
 
-static lw_status check_joints(const lw_linkage *k, bool higher, lw_error *e)
+static lw_status check_joints(const lw_linkage *k, bool higher, bool gears, lw_error *e)
 {
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint_kind kind = k->joint[j].kind;
-        if (kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER || (higher && kind == LW_JOINT_SLOT))
+        if (kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER || (higher && kind == LW_JOINT_SLOT)
+            || (gears && kind == LW_JOINT_GEAR))
             continue;
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; %s plans know pins ('r')%s sliders ('t')%s",
                             k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",
@@ -200,13 +202,19 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
     int known = t->driven < 0 ? 1 : 2;
     while (known < t->k->n_link) {
         lw_group g;
+        if (lw_plan_find_gear(t, &g)) {
+            t->group[t->n_group++] = g;
+            t->n_gear++;
+            t->rank[g.link[0]] = known++;
+            continue;
+        }
         if (!find_dyad(t, &g)) {
             lw_status s = higher ? add_cluster(t, &known, e) : left_over(t, e);
             if (s != LW_OK)
                 return s;
             continue;
         }
-        if (t->n_group - t->n_cluster == LW_DYAD_MAX)
+        if (t->n_group - t->n_cluster - t->n_gear == LW_DYAD_MAX)
             return lw_error_set(e, LW_E_KIND, "more than %d dyads", LW_DYAD_MAX);
         t->group[t->n_group++] = g;
         t->rank[g.link[0]] = known++;
@@ -285,17 +293,19 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool hi
     join_pins(t);
     if (higher && mobility(t) != 1)                 /* else dyads show what is wrong more plainly */
         return no_freedom(t, e);
-    if ((s = find_groups(t, higher, e)) != LW_OK)
+    if ((s = find_groups(t, higher, e)) != LW_OK || (s = lw_plan_gear_rates(t, e)) != LW_OK)
         return s;
     if (mobility(t) != 1)
         return no_freedom(t, e);
     slice(t, want);
     memset(plan, 0, sizeof *plan);
+    plan->laps = t->laps;
     plan->kernels = lw_kernels_supported(0);
     return lw_plan_emit(t, want, plan, e);
 }
 
-static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, lw_plan *plan, lw_error *e)
+static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, bool gears, lw_plan *plan,
+                                lw_error *e)
 {
     lw_topology t = { .k = k };
     for (int i = 0; i < LW_LINK_MAX; i++)
@@ -307,18 +317,23 @@ static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, 
         return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
     if (!want.tracers && !want.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
-    s = check_joints(k, higher, e);
+    s = check_joints(k, higher, gears, e);
     return s == LW_OK ? make(&t, k, want, higher, plan, e) : s;
 }
 
 lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
 {
-    return check_and_make(k, want, false, plan, e);
+    return check_and_make(k, want, false, false, plan, e);
 }
 
 lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
 {
-    return check_and_make(k, want, true, plan, e);
+    return check_and_make(k, want, true, false, plan, e);
+}
+
+lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+{
+    return check_and_make(k, want, true, true, plan, e);
 }
 
 int lw_plan_dim(const lw_plan *plan, const char *name)

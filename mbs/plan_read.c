@@ -122,6 +122,26 @@ static double read_dim(const lw_plan *p, const lw_linkage *k, const lw_frames *f
     }
 }
 
+static int link_with(const lw_plan *p, int reg)
+{
+    for (int i = 0; i < p->n_link; i++)
+        if (p->link_dir[p->link[i]] == reg)
+            return p->link[i];
+    return -1;
+}
+
+/* What a wheel is turned beyond what its gear makes of the input, or of carrier and partner. */
+static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s, double input)
+{
+    lw_vec2 ground = f->d[p->link[0]];
+    double turn = angle_of(lw_v2_unturn(f->d[p->dim[s->dim[0]].link], ground));
+    if (s->in[1] < 0)
+        return remainder(turn - s->power[0]*input, 2*LW_PI);
+    for (int h = 0; h < 2; h++)
+        turn -= s->power[h]*angle_of(lw_v2_unturn(f->d[link_with(p, s->in[h])], ground));
+    return remainder(turn, 2*LW_PI);
+}
+
 /* Signs as at lw_dyad in mbs/plan.h. */
 static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
 {
@@ -143,7 +163,7 @@ static double read_input(const lw_plan *p, const lw_linkage *k, const lw_frames 
 {
     int from = p->input_link[0], to = p->input_link[1];
     if (!p->input_is_slider)
-        return angle_of(lw_v2_unturn(f->d[to], f->d[from]));
+        return angle_of(lw_v2_unturn(f->d[to], f->d[from]))/p->laps;
     return lw_v2_dot(lw_v2_sub(f->o[to], f->o[from]), slide_direction(p, k, p->input_joint));
 }
 
@@ -193,6 +213,9 @@ static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, d
         if (p->step[i].dyad >= 0)
             mode[p->step[i].dyad] = read_mode(p, k, &p->step[i]);
     *input = read_input(p, k, &f);
+    for (int i = 0; i < p->n_step; i++)
+        if (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] >= 0)
+            dim[p->step[i].dim[0]] = read_phase(p, &f, &p->step[i], *input);
     read_seeds(p, k, &f, dim, *input, mode);
     return LW_OK;
 }
@@ -246,6 +269,8 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
 {
     const lw_linkage old = *k;
     for (int j = 0; j < k->n_joint; j++) {
+        if (k->joint[j].kind == LW_JOINT_GEAR)
+            continue;
         if (k->joint[j].kind != LW_JOINT_SLIDER) {
             k->joint[j].at = in_plane(q, dim, q->p->joint_point[j]);
             continue;
@@ -254,6 +279,15 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
         lw_vec2 w = lw_v2_turn(q->reg[q->p->slider_dir[j]], q->turn);
         k->joint[j].along = lw_v2_scale(w, q->p->slider_sign[j]);
     }
+}
+
+/* Contacts of gears, once the pins of their wheels stand. */
+static void move_gears(lw_linkage *k)
+{
+    lw_gear g;
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_GEAR && lw_linkage_gear(k, j, &g, NULL) == LW_OK)
+            k->joint[j].at = lw_linkage_contact(k, j, &g);
 }
 
 static void move_tracers(const lw_frames *f, const placed *q, const double *dim, lw_linkage *k)
@@ -277,7 +311,7 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     if (s != LW_OK)
         return s;
     for (int j = 0; j < k->n_joint; j++)
-        if (p->joint_point[j] < 0 || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
+        if ((p->joint_point[j] < 0 && k->joint[j].kind != LW_JOINT_GEAR) || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
             return LW_E_ARG;
     if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)
         return LW_OPEN;
@@ -286,8 +320,10 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     if (p->input_link[0] != k->ground)
         turned = 0;
     move_joints(&f, &q, dim, k);
+    move_gears(k);
     move_tracers(&f, &q, dim, k);
-    k->input[0].value += p->input_is_slider ? input - before : remainder(input - before + turned, 2*LW_PI);
+    k->input[0].value += p->input_is_slider ? input - before
+                                                  : remainder(p->laps*(input - before) + turned, 2*LW_PI);
     return LW_OK;
 }
 

@@ -6,6 +6,7 @@
 #include "mbs/kernels_internal.h"
 #include "mbs/plan_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- the pose alone --------------------------------------------------------------------------------- */
@@ -21,6 +22,21 @@ static double solve_rrr(const lw_step *s, const double *dim, double mode, lw_vec
         reg[s->out[1]] = lw_rrr_second(&z);
     reg[s->out[2]] = lw_point(reg[s->in[0]], reg[s->out[0]], r1, 0);
     return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
+}
+
+/* u times v to the power n. */
+static lw_vec2 times_power(lw_vec2 u, lw_vec2 v, int n)
+{
+    v.y = n < 0 ? -v.y : v.y;
+    for (int i = 0; i < abs(n); i++)
+        u = lw_v2_turn(u, v);
+    return u;
+}
+
+static lw_vec2 solve_gear(const lw_step *s, const double *dim, const lw_vec2 *reg)
+{
+    lw_vec2 u = times_power(lw_v2_polar(1, value(dim, s->dim[0])), reg[s->in[0]], s->power[0]);
+    return s->in[1] < 0 ? u : times_power(u, reg[s->in[1]], s->power[1]);
 }
 
 /* One step; returns the margin of a dyad, 1 for other steps. */
@@ -57,6 +73,9 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     }
     case LW_STEP_TURN:
         reg[out[0]] = lw_v2_turn(reg[in[0]], lw_v2(reg[in[1]].x, s->dim[0]*reg[in[1]].y));
+        return 1;
+    case LW_STEP_GEAR:
+        reg[out[0]] = solve_gear(s, dim, reg);
         return 1;
     case LW_STEP_SLIDE:
         reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
@@ -254,6 +273,21 @@ static void jet_prp(const lw_step *s, jet2 *reg)
     reg[s->out[0]] = add2(q1, scale2(w1, t));
 }
 
+static jet2 jet_times_power(jet2 u, jet2 v, int n)
+{
+    v = n < 0 ? conjugate(v) : v;
+    for (int i = 0; i < abs(n); i++)
+        u = turn2(u, v);
+    return u;
+}
+
+static jet2 jet_gear(const lw_step *s, const double *dim, const jet2 *reg)
+{
+    double phase = value(dim, s->dim[0]);
+    jet2 u = jet_times_power(constant2(cos(phase), sin(phase)), reg[s->in[0]], s->power[0]);
+    return s->in[1] < 0 ? u : jet_times_power(u, reg[s->in[1]], s->power[1]);
+}
+
 static void jet_step(const lw_step *s, const double *dim, const double *mode, double input, jet2 *reg)
 {
     const int *in = s->in, *out = s->out;
@@ -272,6 +306,7 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
     case LW_STEP_TURN:
         reg[out[0]] = turn2(reg[in[0]], s->dim[0] < 0 ? conjugate(reg[in[1]]) : reg[in[1]]);
         break;
+    case LW_STEP_GEAR:  reg[out[0]] = jet_gear(s, dim, reg); break;
     case LW_STEP_SLIDE: reg[out[0]] = add2(reg[in[0]], scale2(reg[in[1]], reg[in[2]].x)); break;
     case LW_STEP_RRP: jet_rrp(s, dim, mode[s->dyad], reg); break;
     case LW_STEP_RPR: jet_rpr(s, dim, mode[s->dyad], reg); break;

@@ -37,7 +37,8 @@ typedef struct lw_fit_options {
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
 
-/* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame. */
+/* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame, as
+ * the plan counts them (mbs/plan.h, laps). */
 typedef struct lw_candidate {
     const lw_family *family;
     lw_course branch;            /* assembly, sense of the run                                      */

@@ -1,6 +1,7 @@
 #include "optimise/member.h"
 
 #include <complex.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "optimise/family.h"
@@ -183,6 +184,20 @@ static bool step_lines(drawing *d, const lw_step *s)
     return true;
 }
 
+static bool step_gear(drawing *d, const lw_step *s)
+{
+    if (s->dim[0] >= 0)
+        choose(d, s->dim[0], LW_PI*(2**d->u++ - 1));
+    for (int k = 0; k < d->n; k++) {
+        double complex u = cexp(I*(s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0));
+        for (int h = 0; h < 2 && s->in[h] >= 0; h++)
+            for (int m = 0; m < abs(s->power[h]); m++)
+                u *= s->power[h] < 0 ? conj(d->reg[s->in[h]][k]) : d->reg[s->in[h]][k];
+        d->reg[s->out[0]][k] = u;
+    }
+    return true;
+}
+
 /* ---- all of it ---------------------------------------------------------------------------------------- */
 
 static bool take_step(drawing *d, const lw_step *s)
@@ -203,6 +218,7 @@ static bool take_step(drawing *d, const lw_step *s)
     case LW_STEP_RPR:   return step_rpr(d, s);
     case LW_STEP_PRP:
     case LW_STEP_PPR:   return step_lines(d, s);
+    case LW_STEP_GEAR:  return step_gear(d, s);
     default:            return false;
     }
 }

@@ -111,7 +111,7 @@ static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem 
     lw_linkage k;
     lw_status st = lw_tracers_linkage(p->family, t, s, &k, e);
     if (st == LW_OK)
-        st = lw_plan_make_any(&k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, &p->plan, e);
+        st = lw_plan_make_geared(&k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, &p->plan, e);
     if (st != LW_OK)
         return st;
     p->n_dim = p->n_var = p->plan.n_dim;
@@ -264,6 +264,9 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
+    if (p->plan.laps > 1 && p->timing == LW_TIMING_PRESCRIBED)
+        return lw_error_set(e, LW_E_KIND, "its gears come back after %d turns of the input, and a timing is prescribed for "
+                            "one", p->plan.laps);
     if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
@@ -346,7 +349,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     weigh(t, s, p);
     p->min_transmission = s->min_transmission;
     p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
-                                                : s->max_acceleration/p->unit;
+                                                : s->max_acceleration*p->plan.laps*p->plan.laps/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);
     scale_zones(s, p);

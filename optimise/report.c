@@ -17,7 +17,7 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
 {
     lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return st == LW_OK ? lw_plan_make_any(k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
+    return st == LW_OK ? lw_plan_make_geared(k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
                        : st;
 }
 
@@ -158,7 +158,7 @@ static void run_through(const lw_target *t, const lw_plan *plan, const lw_candid
         if (target)
             r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
         if (acceleration)
-            r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose.tracer[0][2]));
+            r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose.tracer[0][2])/plan->laps/plan->laps);
     }
 }
 
@@ -188,14 +188,14 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
     if (!plan->input_is_slider && !a->turns)
         turns = 2*LW_PI*round((c->input[0] - middle)/(2*LW_PI));
     double first = a->turns ? c->input[0] : a->first + turns, last = a->turns ? first + 2*LW_PI : a->last + turns;
-    r->input_first = first;
-    r->input_last = last;
+    r->input_first = plan->laps*first;
+    r->input_last = plan->laps*last;
     for (int end = 0; end < 2; end++)
         if (a->limit[end])
-            lw_report_reversal(r, true, plan->input_joint, end ? last : first);
+            lw_report_reversal(r, true, plan->input_joint, plan->laps*(end ? last : first));
     int n = lw_turning_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
     for (int i = 0; i < n; i++)
-        lw_report_reversal(r, false, turn[i].joint, turn[i].input);
+        lw_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
 }
 
 /* What holds all along the circuit of station 0: of both its assemblies where it has two. */
@@ -353,6 +353,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
+    r->laps = plan.laps;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK

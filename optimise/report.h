@@ -41,10 +41,12 @@ typedef struct lw_report {
                                     * last station, from the target polygon [m]                     */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
+    int      laps;                 /* turns of it until gears come back, else 1: the candidate's inputs count these as
+                                    * one, inputs here and in files do not                          */
     int      circuits;             /* of the linkage with these lengths; 0: not counted. With higher groups those that
                                     * postures drawn by chance were on (mbs/circuits.h): as many or more     */
     double   input_first, input_last;  /* how far the input goes from the first station without passing a limit, as
-                                    * lw_candidate.input; turning: until the motion closes; NaN: not known    */
+                                    * lw_candidate.input times laps; turning: until the motion closes; NaN: not known    */
     int      n_reversal;
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
     double   transmission_min, transmission_max;    /* over the motion of this branch [rad]; of plans with higher

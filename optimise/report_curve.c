@@ -17,12 +17,12 @@ typedef struct work {
     double     q[LW_SYSTEM_Q_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX];
 } work;
 
-static void keep(const lw_pose *pose, lw_report *r)
+static void keep(const lw_plan *plan, const lw_pose *pose, lw_report *r)
 {
     double angle = asin(sqrt(fmin(fmax(pose->margin, 0), 1)));
     r->transmission_min = fmin(r->transmission_min, angle);              /* NaN gives way            */
     r->transmission_max = fmax(r->transmission_max, angle);
-    r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose->tracer[0][2]));
+    r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose->tracer[0][2])/plan->laps/plan->laps);
 }
 
 /* Postures of the whole curve, even in the input; each is the seed of its own pose. */
@@ -39,7 +39,7 @@ static void whole_curve(const lw_plan *plan, const lw_candidate *c, lw_branch *b
         lw_system_write(&w->s, w->q, &w->k);
         if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
             && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
-            keep(&w->pose, r);
+            keep(plan, &w->pose, r);
     }
 }
 
@@ -47,7 +47,7 @@ static void part_of_curve(const lw_plan *plan, const lw_candidate *c, double fro
 {
     for (int i = 0; i <= STEPS; i++)
         if (lw_pose_solve(plan, c->dim, c->branch.mode, from + (to - from)*i/STEPS, 2, &w->pose) == LW_OK)
-            keep(&w->pose, r);
+            keep(plan, &w->pose, r);
 }
 
 /* Stations of the stretch from limit to limit that holds the start, limit[end] telling whether it ends at one; on a
@@ -139,12 +139,12 @@ void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, do
         w->k = r->linkage;
         r->circuits = all.n;
         r->turns = turns_without_limit(all.curve[0]);
-        tell_reversals(all.curve[0], r->linkage.input[0].value - c->input[0], w, r);
-        if (r->turns)
+        tell_reversals(all.curve[0], r->linkage.input[0].value - plan->laps*c->input[0], w, r);
+        if (r->turns && plan->laps == 1)
             whole_curve(plan, c, all.curve[0], w, r);
     }
     lw_circuits_free(&all);
-    if (w && !r->turns)
+    if (w && !(r->turns && plan->laps == 1))
         part_of_curve(plan, c, from, to, w, r);
     free(w);
 }

@@ -43,7 +43,7 @@ static bool open_at(replay *v, size_t station)
     bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK
            && lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
     free(text);
-    v->shift = v->k.input[0].value - v->c->input[station];
+    v->shift = v->k.input[0].value - v->plan->laps*v->c->input[station];
     if (!ok)
         snprintf(v->r->fault, sizeof v->r->fault, "its file does not read back: %.200s", why.text);
     return ok;
@@ -54,7 +54,7 @@ static double whole_way(const replay *v)
 {
     lw_range r;
     if (!v->plan->input_is_slider)
-        return 2*LW_PI;
+        return 2*LW_PI*v->plan->laps;
     if (lw_motion_range(v->plan, v->c->dim, v->mode, &r) != LW_OK)
         return 0;
     return 1.1*(r.last - r.first);
@@ -103,7 +103,7 @@ static bool go_to(replay *v, size_t i)
     double mode = v->c->mode_of ? v->c->mode_of[i] : v->mode, reached;
     if (i > 0 && mode != v->mode && !change_assembly(v, i))
         return false;
-    double to = v->c->input[i] + v->shift, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    double to = v->plan->laps*v->c->input[i] + v->shift, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
     lw_status st = lw_newton_move(v->newton, to, &reached);
     if (st != LW_OK && !(fabs(reached - to) <= near))
         snprintf(v->r->fault, sizeof v->r->fault,

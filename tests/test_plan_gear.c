@@ -1,0 +1,296 @@
+/* Gear pairs in plans: against the loop equations of mbs/newton.h over whole periods, the law of the wheels by hand,
+ * derivatives against differences. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mbs/batch.h"
+#include "mbs/newton.h"
+#include "mbs/pose.h"
+#include "tests/check.h"
+#include "tests/mbs_linkage.h"
+
+static const lw_want all = { .tracers = 1, .all_joints = true };
+
+static void drive(lw_linkage *k, int joint)
+{
+    add_input(k, joint, 0);
+    k->input[0].value = lw_linkage_posture_input(k, joint);
+}
+
+/* Wheels on the ground, joined by two bars. */
+static void five_bar(lw_linkage *k, double ratio)
+{
+    blank_linkage(k, 5);
+    add_pin(k, 0, 1, lw_v2(0, 0));
+    add_gear(k, 1, 2, lw_v2(20, 0), ratio);
+    add_pin(k, 0, 2, lw_v2(60, 0));
+    add_pin(k, 1, 3, lw_v2(10, 10));
+    add_pin(k, 3, 4, lw_v2(30, 70));
+    add_pin(k, 4, 2, lw_v2(70, 16));
+    drive(k, 0);
+    add_tracer(k, 3, lw_v2(35, 85));
+}
+
+/* A sun fixed to the ground, its planet on the crank as the first of two bars, the second on the ground. */
+static void planetary(lw_linkage *k, double ratio)
+{
+    blank_linkage(k, 5);
+    add_pin(k, 0, 1, lw_v2(0, 0));
+    add_pin(k, 1, 2, lw_v2(20, 10));
+    add_pin(k, 2, 3, lw_v2(28, 12));
+    add_pin(k, 3, 4, lw_v2(50, 60));
+    add_pin(k, 4, 0, lw_v2(80, 5));
+    add_gear(k, 0, 2, lw_v2(10, 5), ratio);
+    drive(k, 0);
+    add_tracer(k, 3, lw_v2(40, 20));
+}
+
+/* A point of the planet alone: a trochoid. */
+static void trochoid(lw_linkage *k, double ratio)
+{
+    blank_linkage(k, 3);
+    add_pin(k, 0, 1, lw_v2(2, 1));
+    add_pin(k, 1, 2, lw_v2(4, 2));
+    add_gear(k, 2, 0, lw_v2(3, 1.5), ratio);
+    drive(k, 0);
+    add_tracer(k, 2, lw_v2(4.5, 1));
+}
+
+/* A wheel on the coupler of a four-bar, turned by the crank: neither turns evenly. */
+static void on_coupler(lw_linkage *k, double ratio)
+{
+    blank_linkage(k, 5);
+    add_pin(k, 0, 1, lw_v2(0, 0));
+    add_pin(k, 1, 2, lw_v2(0, 20));
+    add_pin(k, 2, 3, lw_v2(40, 50));
+    add_pin(k, 3, 0, lw_v2(40, 0));
+    add_pin(k, 2, 4, lw_v2(30, 70));
+    add_gear(k, 1, 4, lw_v2(10, 30), ratio);
+    drive(k, 0);
+    add_tracer(k, 4, lw_v2(36, 75));
+}
+
+typedef void maker(lw_linkage *k, double ratio);
+static const struct { maker *make; double ratio; int laps; } cases[] = {
+    { five_bar, -1, 1 },    { five_bar, 2, 1 },     { five_bar, -0.5, 2 },    { five_bar, 1.0/3, 3 },
+    { five_bar, -2.0/3, 3 }, { planetary, -1, 1 },  { planetary, 2, 1 },      { planetary, -0.5, 2 },
+    { planetary, 3, 1 },    { trochoid, -1, 1 },    { trochoid, 0.5, 1 },     { trochoid, 3, 3 },
+    { trochoid, -2, 2 },    { on_coupler, 1, 1 },   { on_coupler, -2, 1 },    { on_coupler, 3, 1 },
+};
+enum { CASES = sizeof cases/sizeof *cases };
+
+typedef struct planned { lw_linkage k; lw_plan plan; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; } planned;
+
+static bool plan_case(int i, planned *p)
+{
+    lw_error e = { .text = "" };
+    cases[i].make(&p->k, cases[i].ratio);
+    bool good = lw_plan_make_geared(&p->k, all, &p->plan, &e) == LW_OK
+             && lw_plan_read(&p->plan, &p->k, p->dim, p->mode, &p->input, &e) == LW_OK;
+    if (!good)
+        printf("case %d: %s\n", i, e.text);
+    CHECK(good);
+    return good;
+}
+
+static void turns_as_the_loop_equations(void)
+{
+    for (int i = 0; i < CASES; i++) {
+        planned p;
+        lw_newton *n;
+        lw_pose pose;
+        if (!plan_case(i, &p))
+            continue;
+        CHECK_INT(p.plan.laps, cases[i].laps);
+        CHECK_INT(p.plan.n_higher, 0);
+        CHECK(lw_newton_create(&p.k, &n, NULL) == LW_OK);
+        double before = p.k.input[0].value, reached;
+        int far = 0;
+        for (int s = 0; s <= 48; s++) {
+            double turn = 2*LW_PI*s/48;
+            if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK)
+                break;                                           /* some rock: up to their limit    */
+            far = s;
+            CHECK(lw_newton_move(n, before + p.plan.laps*turn, &reached) == LW_OK);
+            lw_vec2 at = lw_newton_tracer(n, 0);
+            CHECK_NEAR(pose.tracer[0][0].x, at.x, 1e-9, 1e-9);
+            CHECK_NEAR(pose.tracer[0][0].y, at.y, 1e-9, 1e-9);
+        }
+        CHECK(far >= 3);
+        if (far == 48)
+            CHECK_NEAR(pose.tracer[0][0].x, p.k.tracer[0].at.x, 1e-9, 1e-9);   /* it comes back     */
+        lw_newton_free(n);
+    }
+}
+
+/* Written at another input, the linkage is the same one: read back it has the same dimensions, and its wheels touch at
+ * the pitch point. */
+static void a_posture_elsewhere_is_the_same_linkage(void)
+{
+    for (int i = 0; i < CASES; i++) {
+        planned p;
+        if (!plan_case(i, &p))
+            continue;
+        for (double turn = -0.3; turn < 0.35; turn += 0.3) {
+            lw_linkage there = p.k;
+            double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
+            lw_gear g;
+            CHECK(lw_plan_write(&p.plan, p.dim, p.mode, p.input + turn, &there) == LW_OK);
+            CHECK_NEAR(remainder(there.input[0].value - p.k.input[0].value - p.plan.laps*turn, 2*LW_PI), 0, 1e-12, 0);
+            for (int j = 0; j < there.n_joint; j++)
+                if (there.joint[j].kind == LW_JOINT_GEAR) {
+                    CHECK(lw_linkage_gear(&there, j, &g, NULL) == LW_OK);
+                    CHECK_NEAR(lw_v2_norm(lw_v2_sub(lw_linkage_contact(&there, j, &g), there.joint[j].at)), 0, 1e-9, 0);
+                }
+            CHECK(lw_plan_read(&p.plan, &there, dim, mode, &input, NULL) == LW_OK);
+            for (int s = 0; s < 5; s++) {
+                lw_pose a, b;
+                double on = 0.01*s;
+                lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn + on, 0, &a);
+                lw_pose_solve(&p.plan, dim, mode, input + on, 0, &b);
+                CHECK_NEAR(a.tracer[0][0].x, b.tracer[0][0].x, 1e-9, 0);
+                CHECK_NEAR(a.tracer[0][0].y, b.tracer[0][0].y, 1e-9, 0);
+            }
+        }
+    }
+}
+
+/* Turns of wheels against their carrier are in the ratio of the file. */
+static void wheels_turn_by_their_ratio(void)
+{
+    for (int i = 0; i < CASES; i++) {
+        planned p;
+        lw_pose a;
+        lw_gear g;
+        if (!plan_case(i, &p))
+            continue;
+        lw_pose_solve(&p.plan, p.dim, p.mode, p.input, 1, &a);
+        for (int j = 0; j < p.k.n_joint; j++)
+            if (p.k.joint[j].kind == LW_JOINT_GEAR) {
+                const int *link = p.k.joint[j].link;
+                CHECK(lw_linkage_gear(&p.k, j, &g, NULL) == LW_OK);
+                double c = a.angle[g.carrier][1];
+                CHECK_NEAR(a.angle[link[1]][1] - c, cases[i].ratio*(a.angle[link[0]][1] - c), 1e-11, 1e-11);
+            }
+    }
+}
+
+/* Rates by the input, and Jacobians by all dimensions, phases among them, against central differences. */
+static void derivatives_are_differences(void)
+{
+    enum { N = 9 };
+    const double h = 1e-5;
+    for (int i = 0; i < CASES; i++) {
+        planned p;
+        double c[N], s[N], row[13][N], jx[LW_DIM_MAX*N], jy[LW_DIM_MAX*N], jt[LW_DIM_MAX*N];
+        if (!plan_case(i, &p))
+            continue;
+        for (int k = 0; k < N; k++) {
+            c[k] = cos(p.input + 0.02*k);
+            s[k] = sin(p.input + 0.02*k);
+        }
+        void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
+        lw_lanes in = { .n = N, .c = c, .s = s, .dim = p.dim, .mode = p.mode };
+        lw_jacobian out = { row[0], row[1], row[2], row[3], row[4], jx, jy, jt, row[5], row[6], row[7], N };
+        lw_batch_jacobian(&p.plan, &in, 0, work, &out);
+        for (int k = 0; k < N; k++) {
+            lw_pose pose;
+            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k, 3, &pose);
+            CHECK_NEAR(row[0][k], pose.tracer[0][0].x, 1e-11, 1e-12);
+            CHECK_NEAR(row[1][k], pose.tracer[0][0].y, 1e-11, 1e-12);
+            CHECK_NEAR(row[5][k], pose.tracer[0][1].x, 1e-9, 1e-10);
+            CHECK_NEAR(row[6][k], pose.tracer[0][1].y, 1e-9, 1e-10);
+            lw_pose up, down;
+            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k + h, 2, &up);
+            lw_pose_solve(&p.plan, p.dim, p.mode, p.input + 0.02*k - h, 2, &down);
+            CHECK_NEAR(pose.tracer[0][1].x, (up.tracer[0][0].x - down.tracer[0][0].x)/(2*h), 1e-5, 1e-6);
+            CHECK_NEAR(pose.tracer[0][3].y, (up.tracer[0][2].y - down.tracer[0][2].y)/(2*h), 1e-3, 1e-5);
+        }
+        for (int d = 0; d < p.plan.n_dim; d++) {
+            double keep = p.dim[d], x[2][N], y[2][N], u[2][N], v[2][N], step = h*fmax(1, fabs(keep));
+            for (int up = 0; up < 2; up++) {
+                p.dim[d] = keep + (up ? step : -step);
+                lw_batch_point(&p.plan, &in, 0, work, x[up], y[up], u[up], v[up], NULL);
+            }
+            p.dim[d] = keep;
+            for (int k = 0; k < N; k++) {
+                CHECK_NEAR(jx[d*N + k], (x[1][k] - x[0][k])/(2*step), 1e-5, 1e-6);
+                CHECK_NEAR(jy[d*N + k], (y[1][k] - y[0][k])/(2*step), 1e-5, 1e-6);
+                double turn = atan2(u[0][k]*v[1][k] - v[0][k]*u[1][k], u[0][k]*u[1][k] + v[0][k]*v[1][k]);
+                CHECK_NEAR(jt[d*N + k], turn/(2*step), 1e-6, 1e-6);
+            }
+        }
+        free(work);
+    }
+}
+
+static void each_lane_its_own_dimensions(void)
+{
+    enum { N = 11 };
+    for (int i = 0; i < CASES; i++) {
+        planned p;
+        double c[N], s[N], x[N], y[N], x0[N], y0[N], dim[LW_DIM_MAX*N];
+        if (!plan_case(i, &p))
+            continue;
+        void *work = aligned_alloc(64, (lw_batch_work_size(&p.plan) + 63)/64*64 + 64);
+        for (int k = 0; k < N; k++) {
+            c[k] = cos(p.input + 0.01*k);
+            s[k] = sin(p.input + 0.01*k);
+            for (int d = 0; d < p.plan.n_dim; d++)
+                dim[d*N + k] = p.dim[d];
+        }
+        lw_lanes in = { .n = N, .c = c, .s = s, .dim = p.dim, .mode = p.mode }, each = in;
+        each.dim = dim;
+        each.dim_stride = N;
+        lw_batch_point(&p.plan, &in, 0, work, x0, y0, NULL, NULL, NULL);
+        lw_batch_point(&p.plan, &each, 0, work, x, y, NULL, NULL, NULL);
+        for (int k = 0; k < N; k++)
+            CHECK(x[k] == x0[k] && y[k] == y0[k]);
+        free(work);
+    }
+}
+
+static void what_cannot_be_planned_says_why(void)
+{
+    lw_linkage k;
+    lw_plan plan;
+    lw_error e;
+    five_bar(&k, -0.5);
+    CHECK(lw_plan_make_any(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK_HAS(e.text, "of kind 'g'");
+    five_bar(&k, -sqrt(2));
+    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK_HAS(e.text, "ratios of whole numbers");
+    on_coupler(&k, 0.5);
+    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK_HAS(e.text, "else whole numbers");
+    five_bar(&k, -1);                                          /* wheels on the bar that comes last: neither first */
+    k.joint[1].link[0] = 1;
+    k.joint[1].link[1] = 4;
+    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+}
+
+static void explained(void)
+{
+    planned p;
+    char text[2000];
+    if (!plan_case(0, &p))
+        return;
+    lw_plan_explain(&p.plan, &p.k, text, sizeof text);
+    CHECK_HAS(text, "turned by gear \"J2\"");
+    CHECK_HAS(text, "dyad RRR in closed form");
+    CHECK_HAS(text, "nothing is left out");
+}
+
+int main(void)
+{
+    RUN(turns_as_the_loop_equations);
+    RUN(a_posture_elsewhere_is_the_same_linkage);
+    RUN(wheels_turn_by_their_ratio);
+    RUN(derivatives_are_differences);
+    RUN(each_lane_its_own_dimensions);
+    RUN(what_cannot_be_planned_says_why);
+    RUN(explained);
+    return check_end();
+}
