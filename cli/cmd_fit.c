@@ -8,7 +8,7 @@
 #include "cli/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas, *gear_ratios,
                *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
@@ -24,10 +24,14 @@ static const cli_option options[] = {
       "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
-      "all mechanisms with up to so many links: 4, 6 or 8; with joints p from 3, odd ones too", 4, 10, NULL, NULL },
+      "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too", 4, 10, NULL, NULL },
     { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom: 1", 0, 9, NULL, NULL },
     { "joints", 'j', CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
-      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots", 0, 0, NULL, NULL },
+      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for a gear pair",
+      0, 0, NULL, NULL },
+    { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3",
+      "ratios of gear pairs with --joints g, < 0 for external gears: turns of the later link over those of the earlier, "
+      "seen from the link that carries both", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
       "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
       "links and number, 8.5", 0, 0, NULL, NULL },
@@ -309,13 +313,15 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     int links = b->links > 0 && !cli_given(&call->parsed, "links") ? b->links : s->links;
     bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
     for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
-        if (strchr("rtp", *at) && !strchr(kinds, *at))
+        if (strchr("rtpg", *at) && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
     cli_topology_wish w = { .links = links, .kinds = kinds, .only = named ? b->topology : s->topology,
                             .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = links > 4 || cli_topology_higher(kinds) ? cli_topologies_make(&w, &set->topologies, e) : LW_OK;
+    lw_status st = cli_ratios_read(s->gear_ratios, w.ratio, &w.n_ratio, e);
+    if (st == LW_OK && (links > 4 || cli_topology_higher(kinds)))
+        st = cli_topologies_make(&w, &set->topologies, e);
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && s->atlas)
@@ -489,11 +495,12 @@ static int check(const cli_call *call)
                          "cannot be fitted. A drawn linkage with several inputs is moved by 'linkwright trace MODEL.json --time-range A:B:STEP' "
                          "(examples/five-bar.json); for the same path by one motor take --links 6 or 8", s->dof);
     for (const char *at = s->joints; *at; at++)
-        if (*at == 'g')
-            return cli_usage(call, "--joints: a search fits pins, sliders and pins in slots, r, t and p; chains with gears are "
-                             "listed by 'linkwright mechanisms --n2 K --joints r,g', and one of them is a start by --resume");
-        else if (!strchr("rtp,", *at))
-            return cli_usage(call, "--joints takes r, or r with t and p and commas between, not '%s'", s->joints);
+        if (!strchr("rtpg,", *at))
+            return cli_usage(call, "--joints takes r, or r with t, p and g and commas between, not '%s'", s->joints);
+    cli_ratio ratio[CLI_RATIO_MAX];
+    int n_ratio;
+    if (cli_ratios_read(s->gear_ratios, ratio, &n_ratio, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
     if (check_types(s->type, &e) != LW_OK
         || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
         return cli_usage(call, "%s", e.text);

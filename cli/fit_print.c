@@ -311,7 +311,7 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
 static void json_topologies(const cli_fit_set *s, cli_json *j)
 {
     static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
-                                                         "groups", "not_asked" };
+                                                         "no_gear", "groups", "not_asked" };
     cli_json_array(j, "topologies");
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];

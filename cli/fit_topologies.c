@@ -1,5 +1,6 @@
 #include "cli/fit_topologies.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,7 @@ typedef struct maker {
     int                      chain;              /* number of the chain in the list, from 1        */
     int                      n2;                 /* joints of two freedoms of these chains         */
     unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
+    const cli_ratio         *ratio;              /* of the gear, NULL: there is none               */
     bool                     met[64];            /* names of `only` that something bore           */
     lw_error                 e;
 } maker;
@@ -25,7 +27,7 @@ const char *cli_topology_fate_text(cli_topology_fate f)
 {
     static const char *const text[CLI_TOPOLOGY_FATES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
-        "no input by which it can be worked out", "worked out by groups beyond dyads", "not asked for"
+        "no input by which it can be worked out", "no gear pair whose carrier and one wheel are known first", "worked out by groups beyond dyads", "not asked for"
     };
     return text[f];
 }
@@ -52,6 +54,8 @@ static void higher_name(const maker *mk, const lw_mechanism *m, char *name, char
                           m->link[j][(mk->turned & bit) != 0] + 1);
             bit <<= 1;
         }
+    if (mk->ratio)
+        n += snprintf(name + n, size - (size_t)n, ", ratio %s", mk->ratio->text);
     snprintf(name + n, size - (size_t)n, ", ground %d", m->ground + 1);
     snprintf(key, size, "%d.%d.%d", m->n_link, mk->n2, mk->chain);
 }
@@ -146,7 +150,9 @@ static lw_status sketch(maker *mk, const lw_mechanism *m, lw_linkage *k)
     unsigned bit = 1;
     lw_status st = lw_linkage_sketch(m, &mk->rng, k);
     for (int j = 0; j < k->n_joint && st == LW_OK; j++)
-        if (k->joint[j].kind == LW_JOINT_SLOT) {
+        if (k->joint[j].kind == LW_JOINT_GEAR && mk->ratio)
+            k->joint[j].ratio = mk->ratio->value;
+        else if (k->joint[j].kind == LW_JOINT_SLOT) {
             bool later = mk->turned & bit;
             k->joint[j].link[0] = m->link[j][later];
             k->joint[j].link[1] = m->link[j][!later];
@@ -263,23 +269,39 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
 
 /* ---- variants ------------------------------------------------------------------------------------------- */
 
+/* A vertex between the links of a joint. */
+static void put_between(lw_graph *g, const lw_joint *q, int colour, int first, int second)
+{
+    int at = g->n++;
+    g->colour[at] = (uint8_t)colour;
+    g->tie[q->link[0]][at] = g->tie[at][q->link[0]] = (uint8_t)first;
+    g->tie[q->link[1]][at] = g->tie[at][q->link[1]] = (uint8_t)second;
+}
+
+/* Of a ratio of small whole numbers the upper one, and 128 more. */
+static int part_of_ratio(double ratio)
+{
+    for (int lower = 1; lower < LW_LAP_MAX; lower++)
+        if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < 1e-9 && fabs(ratio)*lower < 100)
+            return 128 + (int)lround(fabs(ratio)*lower);
+    return 128;
+}
+
 /* Links as vertices, coloured by ground and tracer, dies in slots too; the kinds of joints between them: canonical. */
 static bool canonical(const lw_linkage *k, lw_graph *form)
 {
-    enum { DIE = 8 };
     lw_graph g = { .n = k->n_link };
     uint8_t to[LW_GRAPH_MAX];
     g.colour[k->ground] = 1;
     g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
     for (int j = 0; j < k->n_joint; j++) {
-        int a = k->joint[j].link[0], b = k->joint[j].link[1], die = g.n;
-        if (k->joint[j].kind != LW_JOINT_SLOT || die == LW_GRAPH_MAX) {
-            g.tie[a][b] = g.tie[b][a] = (uint8_t)k->joint[j].kind;
-            continue;
-        }
-        g.colour[g.n++] = DIE;
-        g.tie[a][die] = g.tie[die][a] = LW_JOINT_SLIDER;
-        g.tie[b][die] = g.tie[die][b] = LW_JOINT_REVOLUTE;
+        const lw_joint *q = &k->joint[j];
+        if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
+        else
+            g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
     }
     if (lw_graph_label(&g, to) != LW_OK)
         return false;
@@ -292,10 +314,30 @@ static bool canonical(const lw_linkage *k, lw_graph *form)
     return true;
 }
 
+/* A mechanism with a gear, with each ratio: what becomes of it with the one with which it does best. */
+static lw_status add_geared(maker *mk, const lw_mechanism *m, int gears, cli_topology_fate *fate)
+{
+    lw_status st = LW_OK;
+    *fate = CLI_TOPOLOGY_GEAR;
+    for (int i = 0; st == LW_OK && gears == 1 && i < mk->w->n_ratio; i++) {
+        cli_topology_fate now;
+        mk->ratio = &mk->w->ratio[i];
+        st = add_pair(mk, m, &now);
+        now = now == CLI_TOPOLOGY_NO_PLAN ? CLI_TOPOLOGY_GEAR : now;
+        if (*fate != CLI_TOPOLOGY_FITTED && now != CLI_TOPOLOGY_GEAR)
+            *fate = now;
+    }
+    mk->ratio = NULL;
+    return st;
+}
+
 static lw_status visit_variant(maker *mk, const lw_mechanism *m)
 {
     cli_topology_fate fate;
-    lw_status st = add_pair(mk, m, &fate);
+    int gears = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        gears += m->kind[j] == 'g';
+    lw_status st = gears ? add_geared(mk, m, gears, &fate) : add_pair(mk, m, &fate);
     mk->to->n_pair++;
     mk->to->fate[fate]++;
     return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
@@ -391,6 +433,40 @@ static lw_status make_stage(maker *mk, int links, bool higher)
     for (int i = 0; i < to->n_family; i++)
         to->family[i] = (lw_family){ .name = to->name[i], .linkage = to->linkage[i], .links = links };
     return st;
+}
+
+static lw_status read_ratio(const char *word, cli_ratio *r, lw_error *e)
+{
+    char *end, *over = NULL;
+    double a = strtod(word, &end), b = 1;
+    if (*end == '/')
+        b = strtod(end + 1, &over);
+    end = over ? over : end;
+    r->value = a/b;
+    snprintf(r->text, sizeof r->text, "%s", word);
+    bool whole = a == round(a) && b == round(b) && fabs(a) >= 1 && fabs(b) >= 1 && fabs(a) <= LW_LAP_MAX
+              && fabs(b) <= LW_LAP_MAX;
+    if (end != word && *end == 0 && whole && (!over || over != word))
+        return LW_OK;
+    return lw_error_set(e, LW_E_ARG, "--gear-ratios takes whole numbers and fractions of whole numbers up to %d with commas "
+                        "between, as -1,2,-1/2; '%s' is none", LW_LAP_MAX, word);
+}
+
+lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e)
+{
+    lw_status st = LW_OK;
+    *n = 0;
+    for (const char *at = text; st == LW_OK && *at; ) {
+        char word[12] = "";
+        size_t length = strcspn(at, ",");
+        if (*n == CLI_RATIO_MAX)
+            return lw_error_set(e, LW_E_ARG, "--gear-ratios takes %d ratios at most", CLI_RATIO_MAX);
+        snprintf(word, sizeof word, "%.*s", (int)length, at);
+        st = read_ratio(word, &ratio[*n], e);
+        ++*n;
+        at += length + (at[length] == ',');
+    }
+    return st == LW_OK && *n == 0 ? lw_error_set(e, LW_E_ARG, "--gear-ratios is empty") : st;
 }
 
 static lw_status check_names(const maker *mk, lw_error *e)

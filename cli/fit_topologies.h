@@ -11,6 +11,7 @@ typedef enum cli_topology_fate {
     CLI_TOPOLOGY_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
     CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
     CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out                                  */
+    CLI_TOPOLOGY_GEAR,         /* nor one that turns a wheel of its gear first; or more than one gear, or none on pins */
     CLI_TOPOLOGY_GROUP,        /* with slots and gears: its plan holds groups beyond dyads, and nobody named it */
     CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
     CLI_TOPOLOGY_FATES
@@ -41,9 +42,18 @@ typedef struct cli_topologies {
     cli_topology_stage stage[LW_STAGE_MAX];
 } cli_topologies;
 
+/* Ratios that gear pairs are tried with. */
+#define CLI_RATIO_MAX 24
+typedef struct cli_ratio { double value; char text[12]; } cli_ratio;
+
+/* "-1,1/2,3": whole numbers and fractions of two to 24, in either way.  LW_E_ARG with a text. */
+lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e);
+
 typedef struct cli_topology_wish {
     int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too      */
     const char *kinds;         /* letters of joints, of "rtpg"                                    */
+    int         n_ratio;       /* of gears                                                        */
+    cli_ratio   ratio[CLI_RATIO_MAX];
     const char *only;          /* "watt1,stephenson3", "8.5", "5.1.2", or "all"                    */
     lw_task     task;
     bool        timed;         /* the input matters: every input at the ground by itself           */

@@ -454,7 +454,7 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
     b->links = (int)links;
     if (s == LW_OK && (links != b->links || (b->links % 2 && !strpbrk(b->joints, "pg")))) {
         lw_json_member(root, "links", &o);
-        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links; with joints of two freedoms, p, "
+        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links; with joints of two freedoms, p or g, "
                           "5 or 7 too");
     }
     return s;

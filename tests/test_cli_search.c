@@ -39,8 +39,9 @@ static void every_topology_is_accounted_for(void)
     for (size_t i = 0; i < json_array_size(list) && i < 2; i++) {
         const json_t *t = json_array_get(list, i);
         long sum = 0;
-        static const char *const fates[] = { "fitted", "joined_to_ground", "smaller", "no_plan", "groups", "not_asked" };
-        for (int k = 0; k < 6; k++)
+        static const char *const fates[] = { "fitted", "joined_to_ground", "smaller", "no_plan", "no_gear", "groups",
+                                             "not_asked" };
+        for (int k = 0; k < 7; k++)
             sum += integer(t, fates[k]);
         CHECK_INT(integer(t, "links"), known[i][0]);
         CHECK_INT(integer(t, "chains"), known[i][1]);
@@ -79,7 +80,7 @@ static void only_the_topologies_asked_for(void)
     CHECK(six > 0);
     json_decref(root);
     expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
-    expect("$P fit $D/t.csv --links 6 --joints r,g", 2, NULL, "chains with gears are listed");
+    expect("$P fit $D/t.csv --links 6 --joints r,g --gear-ratios 1,1/0", 2, NULL, "'1/0' is none");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
 }
 
@@ -277,6 +278,40 @@ static void slots_are_fitted_and_traced(void)
     json_decref(plain);
 }
 
+/* By hand.  Three links: carrier and two wheels; only a point of the wheel that runs on a fixed one is no circle.
+ * Five links, c the carrier, i and j the wheels, five pins: the ring c i x y j, ground and tracer c x and i y fit (i j
+ * is that of three links, with ground x neither wheel is known first); or a four-bar c i x y with the wheel j on c,
+ * with ground and tracer x j, y j, j x, j y. */
+static void gear_pairs_are_counted(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
+                           "--budget 1000 --json");
+    json_t *list = json_object_get(root, "topologies"), *three = json_array_get(list, 0), *five = json_array_get(list, 2);
+    CHECK_INT(json_array_size(list), 3);
+    CHECK_INT(integer(three, "links"), 3);
+    CHECK_INT(integer(three, "with_tracer_link"), 3);
+    CHECK_INT(integer(three, "joined_to_ground"), 2);
+    CHECK_INT(integer(three, "fitted"), 1);
+    CHECK_INT(integer(three, "searched"), 3);
+    CHECK_INT(integer(five, "links"), 5);
+    CHECK_INT(integer(five, "fitted"), 6);
+    CHECK_INT(integer(five, "searched"), 4*3 + 2*2);             /* on a coupler whole ratios only   */
+    CHECK(integer(five, "no_gear") >= 2);
+    CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
+    json_decref(root);
+}
+
+static void gears_are_fitted_and_traced(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    json_t *plain = json_of("$P fit $D/t.csv --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    CHECK(trace_results(root, 'g') > 0);
+    CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")
+          <= real(json_array_get(json_object_get(plain, "results"), 0), "objective"));
+    json_decref(root);
+    json_decref(plain);
+}
+
 int main(void)
 {
     RUN(every_topology_is_accounted_for);
@@ -286,5 +321,7 @@ int main(void)
     RUN(error_against_links);
     RUN(slots_are_counted_as_blocks);
     RUN(slots_are_fitted_and_traced);
+    RUN(gear_pairs_are_counted);
+    RUN(gears_are_fitted_and_traced);
     return check_end();
 }
