@@ -23,6 +23,7 @@ static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
 static const double outside = 0.55;          /* so far from the middle the rows serve again                  */
 static const double longest = 0.3;           /* half of the longest curve, scaled: about radians              */
 static const double beside = 0.25;           /* least pivot, as a root: it looks ahead from there             */
+static const double half_ggl = 0.1;          /* half a leap for ggl, whose multipliers feel the place from afar */
 static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little  */
 static const double on_rows = 1e-12;         /* the curve satisfies the rows to this,                         */
 static const double rounded = 1e-8;          /* or to the tolerance, up to that                               */
@@ -355,25 +356,40 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
     return s;
 }
 
+/* With more freedoms there is no curve: over it by one explicit step, for methods that cannot leap themselves. */
+static lw_status leap(lw_run *run, double half, double weak, double place, double *t, double *y)
+{
+    double end = place;
+    lw_status s = lw_run_leap(run, half, *t, weak, place, &end, y);
+    if (s != LW_OK)
+        return s == LW_STOPPED ? s : LW_NOTHING;
+    run->r->t = *t = end;
+    lw_run_watch(run, y);
+    return LW_OK;
+}
+
 lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y)
 {
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0;
-    bool able = d->freedom == 1 && !d->n_driven && !d->n_friction && !d->n_contact;
+    bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
+    bool able = !d->n_contact && (one || run->r->formulation != LW_FORMULATION_INDEX1);
+    double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_LEAP_HALF;
+    double from = one ? beside : 2*half, reach = one ? longest : 3*half;
     run->pivot = w;
     run->pivot_t = *t;
-    if (!able || w > beside || w < 1e-3)
+    if (!able || w > from || w < 1e-3)
         run->pivot_tried = 1;
     run->apart = w > beside ? 0 : run->apart;
-    if (!able || w > beside || w < 1e-3 || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+    if (!able || w > from || w < 1e-3 || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     for (int i = 0; i < d->n_q; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));
-    if (fastest*since*w/fall > longest)
+    if (fastest*since*w/fall > reach)
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
-    lw_status s = cross(run, t, y);
+    lw_status s = one ? cross(run, t, y) : leap(run, half, weak, *t + since*w/fall, t, y);
     if (s == LW_NOTHING)
         *run->e = was;
     else

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double near_it = 0.03;          /* half the leap, in multiples of what makes a pivot 1: about radians  */
 
 /* Steps of a fresh integration from (t, y) to end; `fixed`: one step, whatever its error. */
 static lw_status walk(lw_run *run, double t, double end, double *y, bool fixed)
@@ -45,16 +44,18 @@ static double energy(const lw_run *run, const double *y)
     return lw_forces_kinetic(&d->f, y + d->n_q) + lw_forces_potential(&d->f, y) - (run->has_work ? y[2*d->n_q] : 0);
 }
 
-/* Samples on the way, each by a step of its own. */
-static lw_status show_on_the_way(lw_run *run, double start, double end, const double *y)
+/* Samples on the way, each by a walk of its own: from y at `good`, and behind `start` by one step from there. */
+static lw_status show_on_the_way(lw_run *run, double good, const double *y, double start, const double *begun,
+                                 double end)
 {
     lw_status s = LW_OK;
     for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
         double t = lw_run_time(run->d, run->next);
         if (t >= end)
             break;
-        memcpy(run->y, y, (size_t)run->n*sizeof *y);
-        s = t > start ? walk(run, start, t, run->y, true) : LW_OK;
+        bool beyond = t > start;
+        memcpy(run->y, beyond ? begun : y, (size_t)run->n*sizeof *y);
+        s = t > good ? walk(run, beyond ? start : good, t, run->y, beyond) : LW_OK;
         if (s == LW_OK)
             s = lw_run_show(run, t, run->y);
         s = s == LW_OPEN ? LW_OK : s;
@@ -62,22 +63,28 @@ static lw_status show_on_the_way(lw_run *run, double start, double end, const do
     return s;
 }
 
-lw_status lw_run_leap(lw_run *run, double good, double weak, double place, double *t, double *y)
+lw_status lw_run_leap(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
 {
-    double before = energy(run, y), angle = sqrt(weak), start = good;
+    size_t n = (size_t)run->n;
+    double before = energy(run, y), angle = sqrt(weak), start = good, *first = malloc(2*n*sizeof *first);
     lw_status s = LW_OK;
+    if (!first)
+        return LW_E_MEMORY;
+    memcpy(first, y, n*sizeof *first);
     run->e->text[0] = '\0';
-    if (angle > near_it) {
-        start = place - (place - good)*near_it/angle;
+    if (angle > half) {
+        start = place - (place - good)*half/angle;
         s = walk(run, good, start, y, false);
     }
+    memcpy(first + n, y, n*sizeof *first);
     double end = fmin(2*place - start, run->d->o.to);
-    if (s == LW_OK)
-        s = show_on_the_way(run, start, end, y);
     if (s == LW_OK)
         s = walk(run, start, end, y, true);
     if (s == LW_OK && !(fabs(energy(run, y) - before) <= 1e-6*fmax(run->r->energy_scale, 1e-300)))
         s = LW_OPEN;
+    if (s == LW_OK)
+        s = show_on_the_way(run, good, first, start, first + n, end);
+    free(first);
     *t = end;
     s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near branches: told where the run ends */
     return s == LW_OK || s == LW_STOPPED ? s

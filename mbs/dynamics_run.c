@@ -314,7 +314,7 @@ static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
                      memcpy(f->y, state(w), (size_t)run->n*sizeof *f->y) };
     if (!creeps(w, d, f, s))
         return s;
-    s = lw_run_leap(run, f->t, f->weak, time_of(w), &t, f->y);
+    s = lw_run_leap(run, LW_LEAP_HALF, f->t, f->weak, time_of(w), &t, f->y);
     if (s != LW_OK)
         return s;
     double h = f->h;

@@ -71,8 +71,10 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
 lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y);
 
 /* From the good state y at time `good`, whose least pivot is `weak`, over the singular posture that is met at about
- * `place`; y and *t: behind it.  LW_OPEN: what comes out has another energy. */
-lw_status lw_run_leap(lw_run *run, double good, double weak, double place, double *t, double *y);
+ * `place`; half the leap is in multiples of what makes a pivot 1: about radians.  y and *t: behind it, samples on the
+ * way told.  LW_OPEN: what comes out has another energy. */
+#define LW_LEAP_HALF 0.03
+lw_status lw_run_leap(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
 
 lw_status lw_run_driven(lw_run *run);
 lw_status lw_run_ggl(lw_run *run);

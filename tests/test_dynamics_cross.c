@@ -117,6 +117,33 @@ static void swings_about_it(void)
     lw_model_free(&d.model);
 }
 
+/* A pendulum on the bar of a parallelogram, which passes singular postures at any place of it: no curve there, but a
+ * leap that every method takes; the tracer is the bob. */
+static void two_freedoms(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],"
+        "'inertia': 0.083}, {'name': 'b', 'mass': 1, 'centre': [0.5, 1], 'inertia': 0.083},"
+        "{'name': 'c', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.083},"
+        "{'name': 'bob', 'mass': 0.5, 'centre': [0.5, 0.6], 'inertia': 0.02}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [1, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]},"
+        "{'name': 'P', 'links': ['b', 'bob'], 'at': [0.5, 1]}], 'input': {'joint': 'A', 'speed': -1},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'T', 'link': 'bob', 'at': [0.5, 0.6]}]}";
+    static const int tightest[] = { 0, 11, 11, 10 };
+    watch w = { .first = 1, .n = 1 };
+    drun_read_format(&d, text, 0, 0);
+    lw_vec2 want = crank_end(LW_FORMULATION_INDEX1, 1e-12, 3, &w);
+    CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
+    for (int f = 1; f < 4; f++)
+        for (int k = 7; k <= tightest[f]; k++) {
+            lw_vec2 at = crank_end(all[f], pow(10, -k), 3, &w);
+            CHECK_NEAR(at.x, want.x, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
+            CHECK_NEAR(at.y, want.y, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
+            CHECK(w.turned < 1e-9);
+        }
+    lw_model_free(&d.model);
+}
+
 /* ---- near misses --------------------------------------------------------------------------------- */
 
 /* A rhombus whose coupler is longer by eps: no crank of it turns fully. */
@@ -228,6 +255,7 @@ int main(void)
     RUN(two_four_bars);
     RUN(redundant_rows);
     RUN(swings_about_it);
+    RUN(two_freedoms);
     RUN(near_misses);
     RUN(stopped_within_a_step);
     RUN(steps_allowed);

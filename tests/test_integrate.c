@@ -191,6 +191,28 @@ static void error_follows_tolerance(void)
     }
 }
 
+/* Where f is known to all digits the control told so refuses fewer steps, and errors stay as small. */
+static void smooth_control(void)
+{
+    long refused[2] = { 0 };
+    for (int smooth = 0; smooth < 2; smooth++)
+        for (double tolerance = 1e-5; tolerance > 1e-13; tolerance *= 0.1) {
+            lw_ode ode = { .n = 4, .rate = kepler };
+            lw_ode_options o = lw_ode_options_default();
+            o.relative = o.absolute = tolerance;
+            o.smooth = smooth;
+            lw_integrator w;
+            double y[4], work[120];
+            kepler_start(y);
+            CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0.0, y, NULL), LW_OK);
+            CHECK_INT(run_to(&w, 40.0), LW_OK);
+            lw_vec2 p = kepler_exact(eccentricity, 40.0);
+            CHECK(hypot(w.y[0] - p.x, w.y[1] - p.y) < 1000.0*tolerance);
+            refused[smooth] += w.n_refused;
+        }
+    CHECK(2*refused[1] < refused[0]);
+}
+
 static lw_status oscillator(void *context, double t, const double *y, double *dy)
 {
     (void)context, (void)t;
@@ -430,6 +452,7 @@ int main(void)
     RUN(order_conditions);
     RUN(converges_with_order_8);
     RUN(error_follows_tolerance);
+    RUN(smooth_control);
     RUN(rounding_does_not_grow);
     RUN(zeros_of_the_cosine);
     RUN(passing_events);
