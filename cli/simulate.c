@@ -251,6 +251,8 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
     cli_json_real(&s->j, "energy_error", r->energy_error);
     cli_json_real(&s->j, "energy_held", r->energy_held);
+    if (r->period > 0)
+        cli_json_real(&s->j, "period", r->period);
     cli_json_real(&s->j, "energy_scale", r->energy_scale);
     cli_json_array(&s->j, "events");
     for (int i = 0; i < r->n_happening; i++) {
@@ -272,6 +274,8 @@ void cli_simulate_report(const cli_simulate *s)
     const lw_report *r = &s->report;
     const cli_call *c = s->call;
     char text[1024];
+    if (r->period > 0)
+        cli_note(c, "the motion repeats itself every %.12g s: integrated over ten periods, taken from them after", r->period);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)

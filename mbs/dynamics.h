@@ -89,6 +89,7 @@ typedef struct lw_report {
     double worst_off, worst_off_rate;
     double energy_error;         /* greatest |E - E(start) - work| [J]                               */
     double energy_held;          /* sum of what was taken off |E - E(start)| after steps, where it is kept [J] */
+    double period;               /* of what repeats itself: measured, and used for the rest of the run [s]; 0 */
     double energy_scale;         /* greatest kinetic energy or change of potential [J]               */
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_happening, n_seen;  /* kept, and all                                                   */

@@ -28,7 +28,7 @@ static const double shortest_way = 1e-4;     /* change of s and p, at most      
 /* A mass so many times the least one: a dead point is near. */
 static const double turning_back = 100;
 
-typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass; } motion;
+typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass, *room; } motion;
 
 static lw_status rate(void *context, double t, const double *y, double *dy)
 {
@@ -150,6 +150,92 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
     return s == LW_OK ? LW_OPEN : s;
 }
 
+/* ---- what repeats itself ------------------------------------------------------------------------- */
+
+/* Without loads that know time and without losses, what comes to rest goes back the way it came and repeats itself for
+ * ever.  A period is measured over so many of them, between rests on one side, and rounding and the errors of steps do
+ * not add up over those that follow: each moment is reached from the last rest that was measured, within a period. */
+enum { MEASURED = 10 };
+static const double much_longer = 10;        /* periods left that make it worth while                           */
+
+typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; } rests;
+
+/* Note where the last step came to rest: p = 0, by bisection in the dense output. */
+static lw_status note_rest(rests *r, lw_integrator *w)
+{
+    double low = w->t_old, high = w->t;
+    if (!(w->y_old[1]*w->y[1] < 0) || r->n == 2*MEASURED + 1)
+        return LW_OK;
+    for (int i = 0; i < 60 && low < high; i++) {
+        double at = 0.5*(low + high);
+        if (at == low || at == high)
+            break;
+        lw_status s = lw_integrate_dense(w, at, r->y);
+        if (s != LW_OK)
+            return s;
+        *((r->y[1] < 0) == (w->y_old[1] < 0) ? &low : &high) = at;
+    }
+    r->y[1] = 0;
+    r->t[r->n++] = high;
+    return LW_OK;
+}
+
+/* The period [s]; 0: not known yet, or the rests do not come evenly. */
+static double period_of(const rests *r, double tolerance)
+{
+    double length = (r->t[2*MEASURED] - r->t[0])/MEASURED;
+    if (r->n < 2*MEASURED + 1)
+        return 0;
+    for (int i = 0; i + 2 < r->n; i++)
+        if (!(fabs(r->t[i + 2] - r->t[i] - length) <= (1000*tolerance + 1e-13)*length))
+            return 0;
+    return length;
+}
+
+/* To the moment `want` after the last rest, y beside it; from that rest anew when it lies behind. */
+static lw_status reach(motion *m, lw_integrator *w, const rests *r, double want, const double *base, double *y)
+{
+    lw_run *run = m->run;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    if (want < w->t) {
+        lw_ode_options o = w->o;
+        run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
+        o.max_step = lw_run_steps_left(run);
+        memcpy(y, base, (size_t)run->n*sizeof *y);
+        s = lw_integrate_start(w, w->ode, &o, m->room, 0, r->y, run->e);
+    }
+    while (s == LW_OK && stop != LW_ODE_END && want > w->t) {
+        s = lw_integrate_step(w, want, &stop, run->e);
+        if (s == LW_OK)
+            s = watch(m, w, y);
+    }
+    return s;
+}
+
+/* The samples that are left.  y: bodies' coordinates near the last rest; base: room for those there. */
+static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double length, double *y, double *base)
+{
+    lw_run *run = m->run;
+    double start = r->t[2*MEASURED];
+    memcpy(base, y, (size_t)run->n*sizeof *y);
+    lw_status s = spread(m, r->y, base);
+    run->r->period = length;
+    w->t = INFINITY;                         /* no moment of a period lies ahead: begin at the rest         */
+    for (long k = 1; s == LW_OK && run->next <= run->d->o.intervals; run->next++, k++) {
+        double t = lw_run_time(run->d, run->next), phase = (t - start)/length;
+        s = reach(m, w, r, (phase - floor(phase))*length, base, y);
+        memcpy(run->y, y, (size_t)run->n*sizeof *y);
+        if (s == LW_OK)
+            s = spread(m, w->y, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_limits(run, t, w->n_step);
+    }
+    return s;
+}
+
 static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
 {
     lw_run *run = m->run;
@@ -157,6 +243,7 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
     bool taken_back = false;
+    rests rest = { .n = 0 };
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
     m->kinetic = 0.5*w->y[1]*w->y[1];
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
@@ -178,6 +265,13 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
             s = show_samples(m, w, before);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && !run->has_work)
+            s = note_rest(&rest, w);
+        double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
+        if (length > 0 && d->o.to - w->t > much_longer*length) {
+            s = repeat(m, w, &rest, length, y, before);
+            break;
+        }
     }
     if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back)      /* to go on from there */
         spread(m, w->y, y);
@@ -212,6 +306,7 @@ static lw_status run_one(motion *m, double *y)
         top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
         bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
     }
+    m->room = room;
     s[0] = m->r->first/m->r->scale;
     s[1] = top/sqrt(bottom);
     st = lw_run_begin(run, y);

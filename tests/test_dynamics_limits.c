@@ -91,6 +91,62 @@ static void massless_loop(void)
     lw_model_free(&d.model);
 }
 
+/* ---- long runs -------------------------------------------------------------------------------------- */
+
+/* A slider on a spring, 1 Hz, and a pendulum let go level, period 4 K(1/sqrt 2) sqrt(l/g): a million periods and a
+ * quarter later they are in the middle, and off it by the error of the phase. */
+static void a_million_periods(void)
+{
+    const double quarter = 1.8540746773013719184*sqrt(1/9.81);            /* K(1/sqrt 2)                   */
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'cart', 'mass': 1, 'centre': [0, 0]}],"
+        "'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'cart'], 'at': [0, 0], 'along': [1, 0]}],"
+        "'input': {'joint': 'S'}, 'springs': [{'joint': 'S', 'stiffness': 39.478417604357434, 'free': -1}],"
+        "'tracers': [{'name': 'P', 'link': 'cart', 'at': [0, 0]}]}", 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-13, 1000000.25, 1), LW_OK);
+    CHECK_NEAR(d.tracer[1].x, -1, 1e-6, 0);
+    CHECK_NEAR(d.report.period, 1, 1e-12, 0);
+    CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
+    lw_model_free(&d.model);
+    drun_read(&d, "examples/pendulum.json");
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-13, 4000001*quarter, 1), LW_OK);
+    CHECK_NEAR(d.tracer[1].x, 0, 1e-5, 0);
+    CHECK_NEAR(d.tracer[1].y, -1, 1e-10, 0);
+    CHECK_NEAR(d.report.period, 4*quarter, 0, 1e-11);
+    CHECK(d.report.energy_error < 1e-11*d.report.energy_scale);
+    CHECK(d.report.steps < 2000);
+    lw_model_free(&d.model);
+}
+
+/* A four-bar that rocks under its weight, between moments too: as in bodies' coordinates, which know no period. */
+static void periods_of_a_four_bar(void)
+{
+    static lw_vec2 want[1100];
+    double turn[3];
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1, 'centre': [0, 0.5],"
+        "'inertia': 0.1}, {'name': 'coupler', 'mass': 1, 'centre': [1, 1.5], 'inertia': 0.2},"
+        "{'name': 'rocker', 'mass': 2, 'centre': [2, 1], 'inertia': 0.3}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['crank', 'coupler'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [2, 2]},"
+        "{'name': 'D', 'links': ['rocker', 'ground'], 'at': [2, 0]}], 'input': {'joint': 'D', 'speed': 0.5},"
+        "'gravity': [2, 9.81], 'tracers': [{'name': 'P', 'link': 'coupler', 'at': [1, 2]}]}", 0, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_INDEX1, 1e-13, 60, 1000), LW_OK);
+    memcpy(want, d.tracer, sizeof want);
+    for (int b = 0; b < 3; b++)
+        turn[b] = d.q[3*b + 2];
+    CHECK(d.report.period == 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-13, 60, 1000), LW_OK);
+    CHECK(d.report.period > 0.5 && d.report.period < 4);
+    for (int i = 0; i <= 1000; i++) {
+        CHECK_NEAR(d.t[i], 0.06*i, 1e-12, 0);
+        CHECK_NEAR(d.tracer[i].x, want[i].x, 1e-8, 0);
+        CHECK_NEAR(d.tracer[i].y, want[i].y, 1e-8, 0);
+    }
+    for (int b = 0; b < 3; b++)
+        CHECK_NEAR(d.q[3*b + 2], turn[b], 1e-8, 0);
+    lw_model_free(&d.model);
+}
+
 /* ---- dead points ----------------------------------------------------------------------------------- */
 
 /* A ladder between floor and wall, driven by nothing: its middle runs on a circle, pace 3 g/(2 L).  The coordinate,
@@ -172,6 +228,8 @@ int main(void)
     RUN(heavy_last);
     RUN(massless_between_springs);
     RUN(massless_loop);
+    RUN(a_million_periods);
+    RUN(periods_of_a_four_bar);
     RUN(dead_point);
     RUN(equal_crank_and_rod);
     RUN(end_of_the_way);
