@@ -19,7 +19,10 @@ typedef struct cli_clearance_law {
 } cli_clearance_law;
 
 /* The pin of the first joint at one passing of the input's start. */
-typedef struct cli_clearance_pass { double direction, force; bool touching; } cli_clearance_pass;   /* in the bush [deg] */
+typedef struct cli_clearance_pass {
+    double direction, force;              /* in the bush [deg], [N]                                     */
+    bool   touching;
+} cli_clearance_pass;
 
 typedef struct cli_clearance_row {
     int       law;

@@ -206,7 +206,8 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
     size_t room = 1;
     int n_series = 0;
     if (2*c->n_law > LW_SERIES_MAX)
-        return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2, c->n_law);
+        return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2,
+                            c->n_law);
     for (int i = 0; i < c->n_row; i++)
         room += 2*(size_t)c->row[i].n_pass;
     double *x = malloc(room*sizeof *x), *p = x;
@@ -225,7 +226,8 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
         }
     snprintf(label, sizeof label, "speed of the input at the start [%s]", c->unit);
     lw_plot plot = { .title = "Pin in its bush, each time the input passes its start", .x_label = label,
-                     .y_label = "direction [deg]", .n_series = n_series, .series = series, .width = 1000, .height = 560 };
+                     .y_label = "direction [deg]", .n_series = n_series, .series = series, .width = 1000,
+                     .height = 560 };
     lw_status s = lw_draw_plot(&plot, path, e);
     free(x);
     return s == LW_NOTHING ? LW_OK : s;

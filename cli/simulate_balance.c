@@ -1,7 +1,7 @@
 /* cli/simulate_balance.c - counterweights that hold the common centre of mass still.
  *
  * The shaking force of masses in motion is -M times the acceleration of their common centre.  A counterweight m at the
- * place a (from a pin J of its link, in the link's frame) adds m J(t) and m a turned by the link's angle, so with p = m a
+ * place a (from a pin J of its link, in the link's frame) adds m J(t) and m a turned by the link's angle; with p = m a
  *     sum of m c(t) + sum over links of (m_l J_l(t) + turn_l(t) p_l)  =  constant.
  * On links that turn about ground pins J stands still, and this is linear in the p: least squares over the sampled
  * postures.  Where they do not remove all of it, links that float get weights too, the one that helps most first; their

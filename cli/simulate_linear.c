@@ -200,7 +200,8 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
     if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
         cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
                  l->modes.unbalanced);
-    const lw_mode *grows = s == LW_OK && !o->along && (o->rest || l->modes.unbalanced <= 1e-9) ? growing(&l->modes) : NULL;
+    bool still = s == LW_OK && !o->along && (o->rest || l->modes.unbalanced <= 1e-9);
+    const lw_mode *grows = still ? growing(&l->modes) : NULL;
     if (grows)
         cli_note(call, "the equilibrium is not stable: a mode grows %.3g times in a second", exp(grows->re));
     if (s == LW_OK && o->fft && l->n_heard == 0)

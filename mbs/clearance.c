@@ -23,8 +23,8 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
     if (!(c->gap > 0.0) || !isfinite(c->gap))
         return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
     if (c->model == LW_CLEARANCE_LINK && (c->friction > 0.0 || m->friction[j].coefficient > 0.0))
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, but a massless link touches nothing it could rub on; "
-                            "leave the friction out, or take a model with contact", name);
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, but a massless link touches nothing it could "
+                            "rub on; leave the friction out, or take a model with contact", name);
     bool stiff = c->model >= LW_CLEARANCE_MLSD;
     if (stiff && (!(c->stiffness > 0.0) || !(c->exponent >= 1.0) || !(c->damping >= 0.0)))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an "

@@ -149,7 +149,8 @@ lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *
 lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
                                double *out);
 
-/* Friction of w->rough into ddu and the multipliers, after a solve with rows; force of 1 N of joint i into out (n_u). */
+/* Friction of the scene's rough joints into ddu and the multipliers, after a solve with rows.  LW_E_NUMERIC: it leaves
+ * reactions undetermined; w->undetermined says where. */
 lw_status lw_clearance_friction(lw_clearance_work *w, const double *du, double *ddu);
 
 /* out (n_u) += row (of the bodies' system) times B. */
@@ -163,7 +164,8 @@ void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x);
 /* Rows of the stops that are rested on, from row *n. */
 void lw_clearance_stop_rows(lw_clearance_work *w, const lw_row_choice *choice, bool series, int *n);
 
-/* Gap of stop i, scaled; rested on: what it presses.  The state is placed, w->q written; for the second also accelerated. */
+/* Gap of stop i, scaled; what presses on one that is rested on.  The state is placed and w->q written; for the second
+ * also accelerated. */
 double lw_clearance_gap(lw_clearance_work *w, int i);
 double lw_clearance_stop_press(const lw_clearance_work *w, int i);
 

@@ -335,7 +335,8 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
 {
     unsigned long long events = in->events;
     in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
-    lw_status s = (events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_rigid)) ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
+    unsigned long long stops = events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_rigid);
+    lw_status s = stops ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
         if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
@@ -413,8 +414,9 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
         return s;
     memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
     if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC && w->undetermined < 0)
-        return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: give "
-                            "it mass and inertia", w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
+        return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: "
+                            "give it mass and inertia",
+                            w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
     double rate = w->quickest = quickest(w, u, du), allowed = error_allowed(w);
     for (int k = 0; k < w->n_u; k++) {
         each[k] = allowed;
@@ -468,8 +470,8 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     begin_books(&w, r);
     lw_status s = room ? run(&w, room, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     if (s == LW_E_NUMERIC && w.undetermined >= 0)
-        lw_error_set(e, s, "friction at joint \"%s\" leaves its reaction undetermined for rigid links (Painleve's paradox) "
-                     "at t = %.9g s; lower the coefficient or give the joint compliance",
+        lw_error_set(e, s, "friction at joint \"%s\" leaves its reaction undetermined for rigid links (Painleve's "
+                     "paradox) at t = %.9g s; lower the coefficient or give the joint compliance",
                      scene->m->linkage.joint[w.undetermined].name, r->t);
     free(room);
     lw_clearance_work_free(&w);

@@ -109,8 +109,8 @@ static lw_status strike(lw_clearance_work *w, int i, double t, double *u, double
 
 static lw_status blocked(const lw_clearance_work *w, int i, double t, lw_error *e)
 {
-    return lw_error_set(e, LW_E_NUMERIC, "the stop of joint \"%s\" is hit at t = %.9g s, but motions and joints leave it no "
-                        "way to give", w->c->m->linkage.joint[w->c->rigid[i].joint].name, t);
+    return lw_error_set(e, LW_E_NUMERIC, "the stop of joint \"%s\" is hit at t = %.9g s, but motions and joints leave "
+                        "it no way to give", w->c->m->linkage.joint[w->c->rigid[i].joint].name, t);
 }
 
 /* Strikes of all stops that are closed and closing; whether there was any. */

@@ -111,8 +111,8 @@ static void solve_alone(const lw_vibration *v, const basis *b, int i, lw_modes *
         lw_mode_shape(v, b->x + i*b->n, NULL, add(out, below == 0.0 ? far : k/far, 0.0));
 }
 
-/* What is coupled: first order in z and z'/tau, with time in units tau of the quickest rate so that both parts are of one
- * size. */
+/* What is coupled: first order in z and z'/tau, with time in units tau of the quickest rate so that both parts are of
+ * one size. */
 static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *room, lw_modes *out)
 {
     int n = b->n, m = 0, which[LW_SYSTEM_Q_MAX];

@@ -152,8 +152,8 @@ static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
         double value = scale*lw_system_measure(&d->s, j, q, NULL);
         double beyond = d->contact[i].greatest ? value - p->greatest : p->least - value;
         if (beyond > 1e-9*scale)
-            return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint \"%s\"; "
-                                "give the stop a stiffness, and it rests on it", beyond,
+            return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint "
+                                "\"%s\"; give the stop a stiffness, and it rests on it", beyond,
                                 d->s.joint[j].kind == LW_JOINT_REVOLUTE ? "rad" : "m", d->model->linkage.joint[j].name);
     }
     return LW_OK;

@@ -7,8 +7,8 @@
 typedef struct lw_rest {
     int    iterations;
     double residual;            /* greatest force left along the constraints [J]                          */
-    bool   stable;              /* the stiffness is positive there; else it rests on a saddle, or anywhere along a motion
-                                   that no force minds                                                */
+    bool   stable;              /* the stiffness is positive there; else it rests on a saddle, or anywhere along a
+                                   motion that no force minds                                         */
 } lw_rest;
 
 /* Equilibrium nearest downhill from the start of d, inputs with a motion held at t: q (n_q).  Newton's method on

@@ -138,7 +138,8 @@ static void stops_without_gap(void)
     lw_model m;
     read_text(slider_crank, &m);
     for (int i = 0; i < 3; i++) {
-        m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -0.12, .restitution = i == 0 ? 0.9 : i == 1 ? 0.3 : 0 };
+        m.stop[3] = (lw_joint_stop){ .has_least = true, .least = -0.12,
+                                     .restitution = i == 0 ? 0.9 : i == 1 ? 0.3 : 0 };
         m.stop[0] = (lw_joint_stop){ .has_greatest = true, .greatest = 2.6, .restitution = 0.5 };
         CHECK(same_motion(&m, 1.2, 60, 2e-6) >= (i == 2 ? 1 : 4));
     }

@@ -126,8 +126,8 @@ static void stacked_tables(void)
         }
 }
 
-/* Two triangles joined by three bars (Desargues): rigid; shaky when the bars meet in a point, or are parallel and not of
- * one length; movable when they are equal and parallel */
+/* Two triangles joined by three bars (Desargues): rigid; shaky when the bars meet in a point, or are parallel and not
+ * of one length; movable when they are equal and parallel */
 static void triangles_and_three_bars(void)
 {
     static const lw_vec2 t[3] = { { 0, 0 }, { 2, 0 }, { 0.7, 1.6 } };

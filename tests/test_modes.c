@@ -141,7 +141,8 @@ static scene *row_of_masses(int n, bool free, double damping)
     for (int i = 1; i <= n; i++) {
         snprintf(links + strlen(links), 200, "%s{\"name\": \"l%d\", \"mass\": 2, \"centre\": [%d, 0], \"inertia\": 1}",
                  i > 1 ? ", " : "", i, i);
-        snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", \"l%d\"], "
+        snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"kind\": \"t\", \"links\": [\"ground\", "
+        "\"l%d\"], "
                  "\"at\": [%d, 0], \"along\": [1, 0]}", i > 1 ? ", " : "", i, i, i);
     }
     for (int i = free; i <= n - free; i++)
@@ -151,7 +152,8 @@ static scene *row_of_masses(int n, bool free, double damping)
     return make(HEAD "%s], \"joints\": [%s], \"springs\": [%s]}", links, joints, springs);
 }
 
-/* Half the wave of mode k (from 0) in a row: w = 2 sqrt(K/m) sin of it; free at both ends the first is a rigid motion */
+/* Half the wave of mode k (from 0) in a row: w = 2 sqrt(K/m) sin of it; free at both ends the first is a rigid
+ * motion */
 static double half_wave(int n, bool free, int k)
 {
     return free ? k*LW_PI/(2*n) : (k + 1)*LW_PI/(2*(n + 1));
@@ -179,8 +181,8 @@ static int by_size_of(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Dampers as the springs are: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its root is double, to
- * all digits, as is the 0 of a free row. */
+/* Dampers as the springs are: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its root is double,
+ * to all digits, as is the 0 of a free row. */
 static void damped_chains(void)
 {
     for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
@@ -216,9 +218,11 @@ static void repeated(void)
         for (int n = 2; n <= 12; n += 5) {
             char links[4096] = "", joints[4096] = "";
             for (int i = 0; i < n; i++) {
-                snprintf(links + strlen(links), 200, "%s{\"name\": \"p%d\", \"mass\": 3, \"centre\": [%d, %g], \"inertia\": 0.1}",
+                snprintf(links + strlen(links), 200, "%s{\"name\": \"p%d\", \"mass\": 3, \"centre\": [%d, %g], "
+                "\"inertia\": 0.1}",
                          i ? ", " : "", i, i, up ? 0.7 : -0.7);
-                snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"ground\", \"p%d\"], \"at\": [%d, 0]}",
+                snprintf(joints + strlen(joints), 200, "%s{\"name\": \"j%d\", \"links\": [\"ground\", \"p%d\"], "
+                "\"at\": [%d, 0]}",
                          i ? ", " : "", i, i, i);
             }
             scene *s = make(HEAD "%s], \"joints\": [%s]}", links, joints);
@@ -323,7 +327,8 @@ static void redundant_swing(void)
     drop(s);
 }
 
-/* Slider-crank with a spring at its slide, relaxed in the drawn posture: w^2 = K x'^2/I, I the masses reduced to the crank */
+/* Slider-crank with a spring at its slide, relaxed in the drawn posture: w^2 = K x'^2/I, I the masses reduced to
+ * the crank */
 static void slider_crank(void)
 {
     const double r = 0.3, l = 0.8, k = 500;
@@ -331,11 +336,16 @@ static void slider_crank(void)
         double b = asin(r*sin(t)/l), db = r*cos(t)/(l*cos(b)), x = r*cos(t) + l*cos(b), dx = -r*sin(t) - l*sin(b)*db;
         double dcx = 0.5*(dx - r*sin(t)), dcy = 0.5*r*cos(t);
         double inertia = 0.05 + 1.3*0.16*r*r + 0.7*(dcx*dcx + dcy*dcy) + 0.02*db*db + 1.9*dx*dx;
-        scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"c\", \"mass\": 1.3, \"centre\": [%.17g, %.17g], "
-            "\"inertia\": 0.05}, {\"name\": \"k\", \"mass\": 0.7, \"centre\": [%.17g, %.17g], \"inertia\": 0.02}, {\"name\": \"s\", "
-            "\"mass\": 1.9, \"centre\": [%.17g, 0]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"c\"], \"at\": "
-            "[0, 0]}, {\"name\": \"A\", \"links\": [\"c\", \"k\"], \"at\": [%.17g, %.17g]}, {\"name\": \"B\", \"links\": [\"k\", "
-            "\"s\"], \"at\": [%.17g, 0]}, {\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], \"at\": [%.17g, 0], "
+        scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"c\", \"mass\": 1.3, \"centre\": "
+        "[%.17g, %.17g], "
+            "\"inertia\": 0.05}, {\"name\": \"k\", \"mass\": 0.7, \"centre\": [%.17g, %.17g], \"inertia\": 0.02}, "
+            "{\"name\": \"s\", "
+            "\"mass\": 1.9, \"centre\": [%.17g, 0]}], \"joints\": [{\"name\": \"O\", \"links\": [\"ground\", \"c\"], "
+            "\"at\": "
+            "[0, 0]}, {\"name\": \"A\", \"links\": [\"c\", \"k\"], \"at\": [%.17g, %.17g]}, {\"name\": \"B\", "
+            "\"links\": [\"k\", "
+            "\"s\"], \"at\": [%.17g, 0]}, {\"name\": \"P\", \"kind\": \"t\", \"links\": [\"ground\", \"s\"], \"at\": "
+            "[%.17g, 0], "
             "\"along\": [1, 0]}], \"springs\": [{\"joint\": \"P\", \"stiffness\": %g}]}", 0.4*r*cos(t), 0.4*r*sin(t),
             0.5*(r*cos(t) + x), 0.5*r*sin(t), x, r*cos(t), r*sin(t), x, x, k);
         CHECK_INT(find(s, false, false), LW_OK);
@@ -349,10 +359,14 @@ static void slider_crank(void)
 /* A pair of wheels, the second turning z times as fast, a torsion spring at the first: w^2 = K/(I1 + z^2 I2) */
 static void geared_wheels(void)
 {
-    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0], \"inertia\": 0.4}, "
-        "{\"name\": \"b\", \"mass\": 3, \"centre\": [3.5, 0], \"inertia\": 5}], \"joints\": [{\"name\": \"A\", \"links\": [\"ground\", "
-        "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [3.5, 0]}, {\"name\": \"G\", \"kind\": "
-        "\"g\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"ratio\": -2.5}], \"springs\": [{\"joint\": \"A\", \"stiffness\": 9}]}");
+    scene *s = make("{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0], "
+    "\"inertia\": 0.4}, "
+        "{\"name\": \"b\", \"mass\": 3, \"centre\": [3.5, 0], \"inertia\": 5}], \"joints\": [{\"name\": \"A\", "
+        "\"links\": [\"ground\", "
+        "\"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"ground\", \"b\"], \"at\": [3.5, 0]}, {\"name\": "
+        "\"G\", \"kind\": "
+        "\"g\", \"links\": [\"a\", \"b\"], \"at\": [1, 0], \"ratio\": -2.5}], \"springs\": [{\"joint\": \"A\", "
+        "\"stiffness\": 9}]}");
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_INT(s->modes.n_mode, 1);
     CHECK_NEAR(s->modes.mode[0].im, sqrt(9/(0.4 + 5*6.25)), 0, 1e-12);

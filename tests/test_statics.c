@@ -42,10 +42,12 @@ static void drop(void)
 
 /* ---- one freedom ---------------------------------------------------------------------------------- */
 
-static const char pendulum[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [%.17g, %.17g], "
+static const char pendulum[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [%.17g, "
+    "%.17g], "
     "'inertia': 0.1}], 'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}], 'gravity': [0, -9.81]}";
 
-/* Exactly on the upper rest, just beside it, from the side: it goes down.  With its centre in the pin it rests anywhere. */
+/* Exactly on the upper rest, just beside it, from the side: it goes down.  With its centre in the pin it rests
+ * anywhere. */
 static void saddles(void)
 {
     static const double start[][2] = { { 0, 1 }, { 1e-9, 1 }, { 1, 0 }, { -0.6, 0.8 } };
@@ -64,9 +66,10 @@ static void saddles(void)
     drop();
 }
 
-/* A rod of length 1 at (0, 0), its tip at angle a, a spring of free length 2 from there to (0, 2): the spring is as long as
- * |tip - (0, 2)|^2 = 5 - 4 sin a = 4 says at two angles, and the nearer one is found. */
-static const char two_rests[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [0, 0], 'inertia': 1}],"
+/* A rod of length 1 at (0, 0), its tip at angle a, a spring of free length 2 from there to (0, 2): the spring is as long
+ * as |tip - (0, 2)|^2 = 5 - 4 sin a = 4 says at two angles, and the nearer one is found. */
+static const char two_rests[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [0, 0], "
+    "'inertia': 1}],"
     "'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}],"
     "'springs': [{'links': ['ground', 'rod'], 'at': [[0, 2], [%.17g, %.17g]], 'stiffness': 100, 'free': 2}]}";
 
@@ -86,18 +89,22 @@ static void nearest_of_several(void)
 /* Pushed along its slide for ever; against a rigid stop; held by a compliant one */
 static void no_rest(void)
 {
-    static const char pushed[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, 0]}],"
+    static const char pushed[] = "{'linkwright': 1, 'links': ['ground', {'name': 'block', 'mass': 1, 'centre': [0, "
+    "0]}],"
         "'joints': [{'name': 'P', 'kind': 't', 'links': ['ground', 'block'], 'at': [0, 0], 'along': [1, 0]}],"
         "'forces': [{'link': 'block', 'at': [0, 0], 'fx': %g, 'fy': %g}]}";
-    static const char stopped[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': %g, 'centre': [1, 0], "
+    static const char stopped[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': %g, 'centre': [1, "
+    "0], "
         "'inertia': 0.1}], 'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0], 'stop': {'least': -0.5, "
         "'stiffness': %g}}], 'gravity': [0, -10]}";
     bool unique;
     CHECK_INT(rest_of(pushed, 3, 0, &unique), LW_NOTHING);
     CHECK_HAS(d.e.text, "no static equilibrium");
     drop();
-    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': %g, 'centre': [1, 0]}], 'joints': "
-                     "[{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0], 'stop': {'least': %g}}], 'gravity': [0, -10]}",
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': %g, 'centre': [1, 0]}], "
+    "'joints': "
+                     "[{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0], 'stop': {'least': %g}}], 'gravity': "
+                     "[0, -10]}",
                      1, -0.5);
     d.o.analysis = LW_ANALYSIS_STATIC;
     CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
@@ -118,7 +125,8 @@ static void no_rest(void)
 static void truss(void)
 {
     static const char two_bars[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b'], 'joints': ["
-        "{'name': 'A', 'links': ['ground', 'a'], 'at': [-1, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, 0]},"
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [-1, 0]}, {'name': 'B', 'links': ['ground', 'b'], 'at': [1, "
+        "0]},"
         "{'name': 'C', 'links': ['a', 'b'], 'at': [0, 1]}],"
         "'forces': [{'link': 'b', 'at': [0, 1], 'fx': %.17g, 'fy': %.17g}]}";
     bool unique;
@@ -132,13 +140,16 @@ static void truss(void)
     drop();
 }
 
-/* A beam welded to nothing on three upright legs: reactions are not unique, and those of least norm are told; by symmetry
- * the outer ones are equal, and all three add up to the load. */
+/* A beam welded to nothing on three upright legs: reactions are not unique, and those of least norm are told; by
+ * symmetry the outer ones are equal, and all three add up to the load. */
 static void redundant_legs(void)
 {
-    static const char legs[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', {'name': 'beam', 'mass': %g, 'centre': "
-        "[0, %g]}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [-1, 0]}, {'name': 'B', 'links': ['ground', "
-        "'b'], 'at': [0, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [1, 0]}, {'name': 'D', 'links': ['a', 'beam'], "
+    static const char legs[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', {'name': 'beam', 'mass': %g, "
+    "'centre': "
+        "[0, %g]}], 'joints': [{'name': 'A', 'links': ['ground', 'a'], 'at': [-1, 0]}, {'name': 'B', 'links': "
+        "['ground', "
+        "'b'], 'at': [0, 0]}, {'name': 'C', 'links': ['ground', 'c'], 'at': [1, 0]}, {'name': 'D', 'links': ['a', "
+        "'beam'], "
         "'at': [-1, 1]}, {'name': 'E', 'links': ['b', 'beam'], 'at': [0, 1]}, {'name': 'F', 'links': ['c', 'beam'], "
         "'at': [1, 1]}], 'gravity': [0, -10], 'springs': [{'joint': 'A', 'stiffness': 1e4}]}";
     char names[256];
@@ -173,7 +184,8 @@ static void cut_free(const lw_moment *m, double drive, const double *load, power
             double sign = end ? 1 : -1, up = k->body[1] < 0 ? -sign : sign;
             lw_vec2 f = lw_v2_scale(reaction[j].force, sign);
             sum[b].force = lw_v2_add(sum[b].force, f);
-            sum[b].moment += sign*reaction[j].moment + lw_v2_cross(lw_v2_sub(at, lw_system_point(s, b, lw_v2(0, 0), m->q)), f)
+            lw_vec2 arm = lw_v2_sub(at, lw_system_point(s, b, lw_v2(0, 0), m->q));
+            sum[b].moment += sign*reaction[j].moment + lw_v2_cross(arm, f)
                            + (j == s->input_joint[0] ? up*drive : 0);
             p->most_force = fmax(p->most_force, lw_v2_norm(f));
         }
@@ -209,10 +221,13 @@ static lw_status look_at_power(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-static const char watt[] = "{'linkwright': 1, 'links': ['ground', 'crank', 'coupler', 'rocker', 'arm', 'stay'], 'joints': ["
-    "{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'coupler'], 'at': [%g, 0]},"
+static const char watt[] = "{'linkwright': 1, 'links': ['ground', 'crank', 'coupler', 'rocker', 'arm', 'stay'], "
+    "'joints': ["
+    "{'name': 'A', 'links': ['ground', 'crank'], 'at': [0, 0]}, {'name': 'B', 'links': ['crank', 'coupler'], 'at': "
+    "[%g, 0]},"
     "{'name': 'C', 'links': ['coupler', 'rocker'], 'at': [0.4, 0.4]}, {'name': 'D', 'links': ['rocker', 'ground'], "
-    "'at': [%g, 0]}, {'name': 'E', 'links': ['coupler', 'arm'], 'at': [0.3, 0.6]}, {'name': 'F', 'links': ['arm', 'stay'], "
+    "'at': [%g, 0]}, {'name': 'E', 'links': ['coupler', 'arm'], 'at': [0.3, 0.6]}, {'name': 'F', 'links': ['arm', "
+    "'stay'], "
     "'at': [0.7, 0.8]}, {'name': 'G', 'links': ['rocker', 'stay'], 'at': [0.75, 0.45]}], 'input': {'joint': 'A'}}";
 
 /* A full turn of driven machines under weight in a slanting direction */
