@@ -48,6 +48,14 @@ double lw_clearance_stop_press(const lw_clearance_work *w, int i)
     return w->c->rigid[i].sign*w->lambda[n];
 }
 
+static double greatest(const double *x, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
 static void place(lw_clearance_work *w, const double *u, const double *du)
 {
     lw_tree_place(&w->c->tree, u, du, &w->state);
@@ -126,7 +134,8 @@ static lw_status strike_all(lw_clearance_work *w, double t, double *u, double *d
         if (s == LW_OK && fabs(gap[0]) > 1e-6)
             return lw_error_set(e, LW_E_ARG, "the stop of joint \"%s\" is passed at t = %.9g s",
                                 w->c->m->linkage.joint[w->c->rigid[i].joint].name, t);
-        if (s != LW_OK || gap[1] > 0.0 || (gap[1] == 0.0 && gap[2] >= 0.0))
+        /* a stop just left closes by rounding at most */
+        if (s != LW_OK || gap[1] > 0.0 || (gap[1] >= -1e-13*greatest(du, w->n_u) && gap[2] >= 0.0))
             continue;
         s = strike(w, i, t, u, du, g, gap[1]);
         if (s == LW_NOTHING)

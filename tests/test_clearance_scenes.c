@@ -284,6 +284,52 @@ static void passes(void)
     lw_model_free(&m);
 }
 
+/* Random linkages with journals, rough joints and stops, whatever closes their loops: energy does not grow */
+static void random_scenes(void)
+{
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 29);
+    int n_run = 0, n_strike = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        lw_linkage k;
+        lw_model m;
+        track t = { 0 };
+        random_grown(&rng, 1 + trial%3, &k);
+        int pin = random_pin(&rng, &k);
+        give_masses(&rng, &k, pin, &m);
+        m.clearance[pin].model = laws[trial%5];
+        m.clearance[pin].damping = 20, m.clearance[pin].restitution = 0.8;
+        for (int j = 0; j < k.n_joint; j++) {
+            bool smooth = j == pin && laws[trial%5] == LW_CLEARANCE_LINK;
+            bool plain = k.joint[j].kind == LW_JOINT_REVOLUTE || k.joint[j].kind == LW_JOINT_SLIDER;
+            if (!smooth && plain && (trial + j)%3 == 0)
+                m.friction[j] = (lw_friction){ 0.05, 0.05, 0.05 };
+            if (plain && (trial + j)%4 == 1)
+                m.stop[j] = (lw_joint_stop){ .has_least = true, .has_greatest = true, .least = -0.2, .greatest = 0.3,
+                                             .restitution = 0.3*(trial%4) };
+        }
+        lw_clearance_scene *scene;
+        lw_clearance_result r;
+        lw_error e = { 0 };
+        lw_clearance_options o = lw_clearance_options_default();
+        o.time = 0.4, o.settle = 0, o.every = 0.02, o.tolerance = 1e-10, o.max_step = 200000;
+        o.sink = keep, o.context = &t;
+        CHECK_INT(lw_clearance_make(&m, &scene, &e), LW_OK);
+        lw_status s = lw_clearance_run(scene, &o, &r, &e);
+        if (s == LW_OK) {                    /* random linkages also run into singular postures */
+            n_run++;
+            n_strike += r.strikes > 0;
+        } else
+            CHECK(e.text[0]);
+        for (int i = 1; i < t.n; i++)
+            CHECK(t.s[i].energy < t.s[i - 1].energy + 1e-6*(10 + fabs(t.s[0].energy)));
+        lw_clearance_free(scene);
+        lw_model_free(&m);
+    }
+    CHECK(n_run >= 36);
+    CHECK(n_strike >= 20);
+}
+
 int main(void)
 {
     RUN(friction_without_gap);
@@ -292,6 +338,7 @@ int main(void)
     RUN(passes);
     RUN(laws_agree);
     RUN(energy_of_loops);
+    RUN(random_scenes);
     RUN(impulse_with_friction);
     return check_end();
 }
