@@ -247,7 +247,7 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m
 
 static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
-    static const lw_formulation every[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+    static const lw_formulation every[] = { LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
                                             LW_FORMULATION_GGL };
     lw_model *m = malloc(sizeof *m);
     cli_mbs_reference r;
@@ -259,9 +259,9 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
         return st;
     }
     st = read_reference(p->file, &r, e);
-    for (int f = 0; f < 4 && st == LW_OK; f++)
+    for (int f = 0; f < 5 && st == LW_OK; f++)
         for (int k = b->loosest, failed = 0;
-             k <= (f < 2 ? b->tightest : implicit) && failed < 2 && st == LW_OK && !cli_interrupted(); k++) {
+             k <= (f < 3 ? b->tightest : implicit) && failed < 2 && st == LW_OK && !cli_interrupted(); k++) {
             st = one_row(b, p, m, &r, every[f], pow(10, -k), &row);
             failed = st == LW_OK && row->note[0] ? failed + 1 : 0;
             if (st == LW_OK && row->seconds > CLI_MBS_TOO_SLOW)

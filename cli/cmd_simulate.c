@@ -23,7 +23,7 @@ typedef struct settings {
 static const cli_option options[] = {
     { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear",
       "transient", "transient is kinematic when every freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
-    { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto|driven|reduced|index1|cvode|ggl", "auto",
+    { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto|driven|quadrature|reduced|index1|cvode|ggl", "auto",
       "equations and method; see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
       "say which formulation is taken, why, and how many unknowns it has", 0, 0, NULL, NULL },

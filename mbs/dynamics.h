@@ -5,6 +5,8 @@
  *
  *     driven    as many motions prescribed as there are freedoms: positions by Newton's method, velocities,
  *               accelerations and all reactions by one factorisation a moment
+ *     quadrature  one freedom, rigid, forces that the posture alone decides: K(s) = K0 + int Q ds,
+ *               t = int sqrt(M/2K) ds, by Chebyshev points panel by panel
  *     reduced   one freedom, rigid, no friction: M(s) s'' + M'(s)/2 s'^2 = Q in the input of the plan
  *               (mbs/reduced.h), explicit order 8
  *     index1    bodies' coordinates; M a + J^T l = Q with J a = c solved for every evaluation, explicit order
@@ -30,8 +32,8 @@ typedef enum lw_analysis {
 } lw_analysis;
 
 typedef enum lw_formulation {
-    LW_FORMULATION_AUTO, LW_FORMULATION_DRIVEN, LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1,
-    LW_FORMULATION_CVODE, LW_FORMULATION_GGL
+    LW_FORMULATION_AUTO, LW_FORMULATION_DRIVEN, LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED,
+    LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL
 } lw_formulation;
 
 const char *lw_formulation_name(lw_formulation f);     /* "reduced" */

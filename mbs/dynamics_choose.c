@@ -3,7 +3,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include "mbs/panel_internal.h"
 #include "mbs/reduced.h"
 
 static const double stiff = 2e4;             /* fastest decay times length of the run                     */
@@ -71,17 +73,58 @@ static bool driven_wanted(const lw_dynamics *d, lw_error *e, lw_status *s)
     return driven;
 }
 
+static bool of_length_alone(const lw_expression *law)
+{
+    const int *which;
+    int n = law ? lw_expression_variables(law, &which) : 0;
+    return n == 0 || (n == 1 && which[0] == lw_variable(LW_QUANTITY_LENGTH, 0));
+}
+
+static bool constant(const lw_expression *x)
+{
+    const int *which;
+    return !x || lw_expression_variables(x, &which) == 0;
+}
+
+/* Does the posture alone decide the forces? */
+static bool by_posture(const lw_dynamics *d)
+{
+    const lw_model *m = d->model;
+    bool yes = m->n_motor == 0 && !d->o.extra.apply && d->n_driven == 0 && d->n_friction == 0;
+    for (int i = 0; i < m->n_spring; i++)
+        yes = yes && m->spring[i].damping == 0 && of_length_alone(m->spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        yes = yes && m->joint_spring[i].damping == 0 && of_length_alone(m->joint_spring[i].law);
+    for (int i = 0; i < m->n_force; i++)
+        yes = yes && constant(m->force[i].fx) && constant(m->force[i].fy) && constant(m->force[i].torque);
+    return yes;
+}
+
+static lw_status say_quadrature(lw_dynamics *d, lw_report *r, const char *why)
+{
+    d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
+    if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
+        return LW_E_MEMORY;
+    return say(r, LW_FORMULATION_QUADRATURE, 1, why);
+}
+
 static lw_status forced(lw_dynamics *d, lw_report *r, lw_error *e)
 {
     int n = 2*d->n_q;
     char text[160];
     lw_status s;
     switch (d->o.formulation) {
+    case LW_FORMULATION_QUADRATURE:
     case LW_FORMULATION_REDUCED:
         s = lw_reduced_able(d, text, sizeof text);
         if (s != LW_OK)
-            return lw_error_set(e, LW_E_KIND, "the reduced formulation cannot do this model: %s", text);
-        return say(r, LW_FORMULATION_REDUCED, 2, "asked for");
+            return lw_error_set(e, LW_E_KIND, "the %s formulation cannot do this model: %s",
+                                lw_formulation_name(d->o.formulation), text);
+        if (d->o.formulation == LW_FORMULATION_QUADRATURE && !by_posture(d))
+            return lw_error_set(e, LW_E_KIND, "the quadrature formulation cannot do this model: forces depend on time or "
+                                "speed");
+        return d->o.formulation == LW_FORMULATION_REDUCED ? say(r, LW_FORMULATION_REDUCED, 2, "asked for")
+                                                          : say_quadrature(d, r, "asked for");
     case LW_FORMULATION_GGL:
         if (d->n_contact)
             return lw_error_set(e, LW_E_KIND, "the ggl formulation knows no rigid stops; give them a \"stiffness\"");
@@ -114,7 +157,9 @@ lw_status lw_dynamics_choose(lw_dynamics *d, lw_report *r, lw_error *e)
     if (fastest_decay(d)*(d->o.to - d->o.from) > stiff)
         return say(r, LW_FORMULATION_CVODE, 2*d->n_q, "dampers make the equations stiff: an implicit method");
     if (lw_reduced_able(d, text, sizeof text) == LW_OK)
-        return say(r, LW_FORMULATION_REDUCED, 2, "one freedom, rigid, solved in closed form by dyads: one coordinate");
+        return by_posture(d) ? say_quadrature(d, r, "one freedom, rigid, forces by the posture alone: time is an integral "
+                                              "over one coordinate")
+             : say(r, LW_FORMULATION_REDUCED, 2, "one freedom, rigid, solved in closed form by dyads: one coordinate");
     char why[200];
     snprintf(why, sizeof why, "bodies' coordinates: %s", text);
     return say(r, LW_FORMULATION_INDEX1, 2*d->n_q, why);

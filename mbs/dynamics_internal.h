@@ -54,6 +54,7 @@ struct lw_dynamics {
     double *start_q, *start_v;
     double  moved, moved_rate;
     struct lw_reduced *reduced;               /* when it is one of one coordinate                       */
+    struct lw_panel_rule *rule;               /* when time is an integral over it                       */
     lw_report choice;                         /* what was chosen                                        */
     double *work;                             /* all of it                                             */
     lw_error *e;                              /* of the run under way                                   */

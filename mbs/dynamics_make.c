@@ -16,7 +16,7 @@ lw_dynamics_options lw_dynamics_options_default(void)
 
 const char *lw_formulation_name(lw_formulation f)
 {
-    static const char *const names[] = { "auto", "driven", "reduced", "index1", "cvode", "ggl" };
+    static const char *const names[] = { "auto", "driven", "quadrature", "reduced", "index1", "cvode", "ggl" };
     return names[f];
 }
 
@@ -76,6 +76,7 @@ void lw_dynamics_free(lw_dynamics *d)
     free(d->after);
     free(d->near);
     free(d->reduced);
+    free(d->rule);
     free(d);
 }
 

@@ -1,8 +1,7 @@
 /* mbs/dynamics_reduced.c - a run in one coordinate; where the coordinate turns back (a dead point of the input) it is
  * gone on with in the bodies' coordinates. */
-#include "mbs/dynamics_run_internal.h"
+#include "mbs/dynamics_reduced_internal.h"
 #include "mbs/reduced.h"
-#include "mbs/reduced_internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -24,9 +23,6 @@ lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
 static const int turns_every = 4;
 static const double hold_most = 10;          /* change of p over the error that a step may have             */
 static const double shortest_way = 1e-4;     /* change of s and p, at most                                 */
-
-/* A mass so many times the least one: a dead point is near. */
-static const double turning_back = 100;
 
 typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass, *room; } motion;
 
@@ -141,7 +137,7 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
     double mass, s3[3];
     lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
     m->least_mass = fmin(m->least_mass, mass);
-    if (s == LW_OK && mass <= turning_back*m->least_mass)
+    if (s == LW_OK && mass <= lw_reduced_turning_back*m->least_mass)
         return LW_OK;
     s = lw_integrate_dense(w, w->t_old, s3);
     if (s == LW_OK)
@@ -281,6 +277,24 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
     return s;
 }
 
+/* In the metric of the masses. */
+lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p)
+{
+    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
+    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
+    lw_status st = lw_reduced_registers(r, r->first);
+    if (st != LW_OK)
+        return st;
+    lw_reduced_state(r, d, 1, q, q + d->n_q);
+    for (int i = 0; i < d->n_q; i++) {
+        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
+        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
+    }
+    *s = r->first;
+    *p = top/sqrt(bottom);
+    return LW_OK;
+}
+
 static lw_status run_one(motion *m, double *y)
 {
     lw_run *run = m->run;
@@ -295,20 +309,11 @@ static lw_status run_one(motion *m, double *y)
     o.max_step = d->o.max_step;
     o.smooth = true;
     lw_dynamics_start(d, y, y + d->n_q);
-    /* the coordinate's rate from the velocities, in the metric of the masses: p = sqrt(M) s' */
-    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
-    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
-    lw_status st = lw_reduced_registers(m->r, m->r->first);
+    lw_status st = lw_reduced_start(m->r, d, y, &s[0], &s[1]);
     if (st != LW_OK)
         return st;
-    lw_reduced_state(m->r, d, 1, q, q + d->n_q);
-    for (int i = 0; i < d->n_q; i++) {
-        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
-        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
-    }
     m->room = room;
-    s[0] = m->r->first/m->r->scale;
-    s[1] = top/sqrt(bottom);
+    s[0] /= m->r->scale;
     st = lw_run_begin(run, y);
     if (st == LW_OK)
         st = lw_integrate_work(ode.n, 0) > sizeof room/sizeof *room ? LW_E_ARG

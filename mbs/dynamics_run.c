@@ -446,6 +446,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     run.n = 2*d->n_q + run.has_work;
     switch (r->formulation) {
     case LW_FORMULATION_DRIVEN: s = lw_run_driven(&run); break;
+    case LW_FORMULATION_QUADRATURE: s = lw_run_quadrature(&run); break;
     case LW_FORMULATION_REDUCED: s = lw_run_reduced(&run); break;
     case LW_FORMULATION_GGL: s = lw_run_ggl(&run); break;
     default: s = run_bodies(&run, r->formulation == LW_FORMULATION_CVODE);

@@ -79,5 +79,6 @@ lw_status lw_run_leap(lw_run *run, double half, double good, double weak, double
 lw_status lw_run_driven(lw_run *run);
 lw_status lw_run_ggl(lw_run *run);
 lw_status lw_run_reduced(lw_run *run);
+lw_status lw_run_quadrature(lw_run *run);
 
 #endif

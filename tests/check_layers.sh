@@ -31,7 +31,7 @@ while read -r header files; do
         bad=1
     fi
 done <<'TABLE'
-gsl/ cli/main.c optimise/solver_gsl.c optimise/lowdiscrepancy.c mbs/modes_eigen.c mbs/modes_fft.c
+gsl/ cli/main.c optimise/solver_gsl.c optimise/lowdiscrepancy.c mbs/modes_eigen.c mbs/panel.c mbs/modes_fft.c
 nlopt optimise/solver_nlopt.c
 jansson grammar/json.c cli/model.c cli/catalogue_add.c
 cairo catalogues/picture.c
