@@ -247,8 +247,8 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m
 
 static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
-    static const lw_formulation every[] = { LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
-                                            LW_FORMULATION_GGL };
+    static const lw_formulation every[] = { LW_FORMULATION_QUADRATURE, LW_FORMULATION_REDUCED,
+                                            LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE, LW_FORMULATION_GGL };
     lw_model *m = malloc(sizeof *m);
     cli_mbs_reference r;
     cli_mbs_row *row;

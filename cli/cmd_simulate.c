@@ -114,8 +114,8 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
 
 static void explain(const cli_call *call, const lw_report *r)
 {
-    cli_note(call, "%s: %s; %d unknowns, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
-             r->why, r->unknowns, r->freedom, r->freedom == 1 ? "" : "s", r->redundant, r->redundant == 1 ? "" : "s");
+    cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
+             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant, r->redundant == 1 ? "" : "s");
 }
 
 /* One row: the posture of rest. */

@@ -3,7 +3,7 @@
  *     K(s) = K0 + int Q ds,      t(s) = t0 + int sqrt(M/(2 K)) ds
  *
  * K the kinetic energy, M(s) the mass and Q(s) the force of the coordinate.  Both integrals are taken panel by panel
- * (mbs/panel_internal.h), which are as long as sixteen values resolve them.  Where K falls to 0 at s*, the linkage stands and
+ * (mbs/panel_internal.h), each as long as sixteen values resolve it.  Where K falls to 0, at s*, the linkage stands and
  * turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the way to s* and back. */
 #include "mbs/dynamics_reduced_internal.h"
 
@@ -17,8 +17,8 @@ enum { N = LW_PANEL_NODES };
 static const double finest = 2e-14;          /* a tail that rounding leaves                                      */
 static const double shortest = 1e-7;         /* of the coordinate's unit                                         */
 
-/* s = from + way length x for 0 <= x <= 1; turning: s = from - way length x, x = u^2, u from `begin` (-1; 0 out of rest)
- * to 1. */
+/* s = from + way length x for 0 <= x <= 1; turning: s = from - way length x, x = u^2, u from `begin` (-1; 0 out of
+ * rest) to 1. */
 typedef struct panel {
     bool   turning;
     double from, way, length, begin;
@@ -35,8 +35,9 @@ typedef struct quadrature {
     lw_reduced    *r;
     const lw_panel_rule *rule;
     double s, way, t, kinetic, work, length; /* where the next panel begins; its length as it is hoped for        */
-    double least_mass, kinetic0, potential0, tolerance;
+    double least_mass, most, kinetic0, potential0, tolerance;     /* most: K so far                                */
     double *turns;                           /* of the bodies there (n_body)                                      */
+    double top[2];                           /* where it turned last, falling and rising; NaN: not yet            */
     panel  p;
 } quadrature;
 
@@ -119,7 +120,9 @@ static lw_status fill_turning(quadrature *z, double top, double way, double leng
 static lw_status turn(quadrature *z, double guess)
 {
     panel *p = &z->p;
-    double top = guess, tail;
+    double top = guess, tail, *last = &z->top[z->way > 0];
+    if (fabs(*last - guess) < 0.5*z->length)
+        top = *last;                             /* the same again, but for rounding                               */
     for (int k = 0;; k++) {
         double length = z->way*(top - z->s);
         if (!(length > 0) || length > 4*z->length || k == 12)
@@ -134,6 +137,7 @@ static lw_status turn(quadrature *z, double guess)
     }
     if (!pace_turning(z, &tail))
         return LW_NOTHING;
+    *last = top;
     p->begin = -1;
     p->t_end = z->t + 2*half_time(z);
     z->length = p->length*hope(z, tail);
@@ -183,8 +187,8 @@ static lw_status set_off(quadrature *z, double force)
 
 /* ---- straight on -------------------------------------------------------------------------------------- */
 
-/* Where K comes to 0: between two of its values, or by its slope and curvature behind the end, not farther than the panel
- * is long.  false: not there. */
+/* Where K comes to 0: between two of its values, or by its slope and curvature behind the end, not farther than the
+ * panel is long.  false: not there. */
 static bool guess_turn(const quadrature *z, const double *kinetic, double end, double *guess)
 {
     const panel *p = &z->p;
@@ -362,16 +366,23 @@ static lw_status watch(quadrature *z, double *force)
     lw_status st = lw_reduced_rate(z->r, 0, z->s, 1, &ds, &dp, &power);
     if (st != LW_OK)
         return st;
-    double change = lw_reduced_potential(z->r, z->s) - z->potential0;
+    double change = lw_reduced_potential(z->r, z->s) - z->potential0, off = z->kinetic - z->kinetic0 + change - z->work;
     lw_report *r = z->run->r;
-    r->energy_error = fmax(r->energy_error, fabs(z->kinetic - z->kinetic0 + change - z->work));
+    r->energy_error = fmax(r->energy_error, fabs(off));
     r->energy_scale = fmax(r->energy_scale, fmax(z->kinetic, fabs(change)));
+    /* rounding would add up over many panels; where K is small, it is better than what the potential says */
+    bool known = z->kinetic < z->most && z->kinetic > 0.1*z->most;
+    z->most = fmax(z->most, z->kinetic);
+    if (!z->run->has_work && known) {
+        z->kinetic -= off;
+        r->energy_held += fabs(off);
+    }
     z->least_mass = fmin(z->least_mass, 1/(ds*ds));
     *force = dp/ds;
     return LW_OK;
 }
 
-/* Mean of the other forces over the part of a panel out of rest that lies behind where it began, times its length */
+/* Mean of the other forces over the part of a panel out of rest that lies behind where it began, times its part */
 static double before_begin(quadrature *z)
 {
     double v = z->p.begin*z->p.begin;
@@ -458,6 +469,7 @@ static lw_status start(quadrature *z, double *y)
     z->way = p < 0 ? -1 : p > 0;
     z->t = d->o.from;
     z->length = 0.5*z->r->scale;
+    z->top[0] = z->top[1] = NAN;
     z->tolerance = fmax(10*d->o.relative, finest);
     for (int b = 0; b < d->s.n_body; b++)
         z->turns[b] = y[3*b + 2];

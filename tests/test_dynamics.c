@@ -45,7 +45,7 @@ static void andrews(void)
             CHECK(d.report.energy_error < 1e-9*d.report.energy_scale);
     }
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 0.001, 1), LW_OK);
-    CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+    CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
     CHECK_INT(d.report.freedom, 1);
     CHECK_INT(d.report.redundant, 0);
     lw_model_free(&d.model);

@@ -6,7 +6,7 @@
 static void rows_and_report(void)
 {
     expect("$P simulate " PENDULUM " --to 10 -n 2 --tolerance 1e-13 --explain", 0, "t,A.input,A.rate,A.drive,P.x,P.y,P.vx",
-           "reduced: one freedom");
+           "quadrature: one freedom");
     expect("$P simulate " PENDULUM " --to 10 -n 2 --tolerance 1e-13 | tail -1", 0, "10,4.43370830681", "energy error");
     expect("$P simulate " PENDULUM " --to 10 -n 2 --json | python3 -c 'import json,sys; d = json.load(sys.stdin); "
            "i = d[\"columns\"].index(\"P.x\"); print(len(d[\"rows\"]), abs(d[\"rows\"][-1][i] + 0.27508746257612) < 1e-7, "

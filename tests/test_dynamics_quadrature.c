@@ -1,0 +1,178 @@
+/* Time as an integral over one coordinate: against closed forms, against the differential equations, at its edges. */
+#include <math.h>
+#include "tests/dynamics_run.h"
+
+static drun d;
+static drun twin;
+
+static const char pendulum[] =
+    "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 2, 'centre': [%.17g, %.17g]}],"
+    "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A'},"
+    "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [%.17g, %.17g]}]}";
+
+/* A bob of 2 kg one metre from its pin, at `angle` from straight down, with a speed. */
+static void hang(double angle, double speed)
+{
+    char text[900];
+    snprintf(text, sizeof text, pendulum, sin(angle), -cos(angle), sin(angle), -cos(angle));
+    drun_read_format(&d, text, 0, 0);
+    d.model.has_speed[0] = true;
+    d.model.speed[0] = speed;
+}
+
+/* The complete elliptic integral K(k), k' = sqrt(1 - k^2), by the arithmetic-geometric mean (Gauss) */
+static double elliptic(double complement)
+{
+    long double a = 1, b = complement;
+    for (int i = 0; i < 40; i++) {
+        long double mean = 0.5L*(a + b);
+        b = sqrtl(a*b);
+        a = mean;
+    }
+    return (double)(acosl(-1)/(2*a));
+}
+
+static double period(double angle) { return 4/sqrt(9.81)*elliptic(cos(angle/2)); }
+
+/* After whole periods of the elliptic integral a pendulum let go is where it was, at a half on the other side. */
+static void swings(void)
+{
+    static const double angle[] = { 1e-3, 0.3, 1.5, 3, 3.14 };
+    for (size_t i = 0; i < sizeof angle/sizeof *angle; i++)
+        for (int k = 6; k <= 12; k += 2) {
+            hang(angle[i], 0);
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, pow(10, -k), 10*period(angle[i]), 20), LW_OK);
+            CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
+            for (int n = 0; n <= 20; n++)
+                CHECK_NEAR(d.tracer[n].x, (n%2 ? -1 : 1)*sin(angle[i]), 1e-11 + 10*pow(10, -k), 0);
+            CHECK(d.report.energy_error < 1e-13*2*9.81);
+            lw_model_free(&d.model);
+        }
+}
+
+/* Over the top: int dphi/speed is an elliptic integral too. */
+static void turns_over(void)
+{
+    static const double speed[] = { 6.3, 7, 20, -6.3 };      /* it just stands on top with 2 sqrt(9.81) = 6.264 */
+    for (size_t i = 0; i < sizeof speed/sizeof *speed; i++) {
+        double turn = 4/fabs(speed[i])*elliptic(sqrt(1 - 4*9.81/(speed[i]*speed[i])));
+        hang(0, speed[i]);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-11, 7*turn, 14), LW_OK);
+        for (int n = 0; n <= 14; n++) {
+            CHECK_NEAR(d.tracer[n].x, 0, 1e-10, 0);
+            CHECK_NEAR(d.tracer[n].y, n%2 ? 1 : -1, 1e-12, 0);
+        }
+        CHECK_NEAR(fabs(d.q[2]), 14*LW_PI, 1e-10, 0);         /* turns are counted                              */
+        lw_model_free(&d.model);
+    }
+}
+
+/* Many periods: the phase is lost by rounding alone. */
+static void ten_thousand_periods(void)
+{
+    hang(2, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-14, 10000.25*period(2), 1), LW_OK);
+    CHECK_NEAR(d.tracer[1].x, 0, 1e-8, 0);
+    CHECK_NEAR(d.tracer[1].y, -1, 1e-12, 0);
+    lw_model_free(&d.model);
+}
+
+/* On top without speed it stands; nearly on top it falls as the differential equations say. */
+static void at_the_top(void)
+{
+    hang(LW_PI, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-10, 1, 5), LW_OK);
+    CHECK_NEAR(d.tracer[5].y, 1, 1e-9, 0);
+    lw_model_free(&d.model);
+    hang(LW_PI - 1e-6, 0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-12, 8, 40), LW_OK);
+    hang(LW_PI - 1e-6, 0);
+    double y[40];
+    for (int i = 0; i < 40; i++)
+        y[i] = d.tracer[i + 1].y;
+    CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-13, 8, 40), LW_OK);
+    for (int i = 0; i < 40; i++)
+        CHECK_NEAR(y[i], d.tracer[i + 1].y, 1e-6, 0);
+    lw_model_free(&d.model);
+}
+
+/* The same motion by the differential equation of one coordinate, at every sample. */
+static void against_the_equation(const char *file, double to, double allowed)
+{
+    drun_read(&d, file);
+    drun_read(&twin, file);
+    CHECK_INT(drun_to(&twin, LW_FORMULATION_REDUCED, 1e-13, to, 200), LW_OK);
+    for (int k = 8; k <= 13; k++) {
+        CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, pow(10, -k), to, 200), LW_OK);
+        CHECK_INT(d.n_moment, twin.n_moment);
+        for (int i = 0; i < d.n_moment; i++) {
+            CHECK_NEAR(d.tracer[i].x, twin.tracer[i].x, allowed + 100*pow(10, -k), 0);
+            CHECK_NEAR(d.tracer[i].y, twin.tracer[i].y, allowed + 100*pow(10, -k), 0);
+        }
+        for (int i = 0; i < d.system.n_q; i++) {
+            CHECK_NEAR(d.q[i], twin.q[i], allowed + 100*pow(10, -k), 0);        /* turns among them              */
+            CHECK_NEAR(d.v[i], twin.v[i], allowed + 100*pow(10, -k), 100*(allowed + 100*pow(10, -k)));
+        }
+        CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
+    }
+    lw_model_free(&d.model);
+    lw_model_free(&twin.model);
+}
+
+static void linkages(void)
+{
+    against_the_equation("examples/two-four-bars.json", 10, 1e-9);
+    against_the_equation("examples/andrews.json", 0.03, 1e-9);          /* its torque is constant               */
+}
+
+/* What depends on time or speed is refused, and is not chosen. */
+static void refusals(void)
+{
+    static const char *const more[] = { "'springs': [{'joint': 'A', 'stiffness': 1, 'damping': 1}]",
+        "'forces': [{'link': 'bob', 'at': [0, 0], 'torque': 'sin(t)'}]",
+        "'motors': [{'joint': 'A', 'stall': 2, 'free_speed': 9}]" };
+    for (size_t i = 0; i < sizeof more/sizeof *more; i++) {
+        char text[900];
+        snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 2,"
+                 "'centre': [1, 0]}], 'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}],"
+                 "'input': {'joint': 'A'}, %s}", more[i]);
+        drun_read_format(&d, text, 0, 0);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_QUADRATURE, 1e-9, 1, 1), LW_E_KIND);
+        CHECK(strstr(d.e.text, "time or speed") != NULL);
+        CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-9, 1, 1), LW_OK);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        lw_model_free(&d.model);
+    }
+}
+
+/* Out of rest with a constant torque, whose work no potential holds: phi = T t^2/(2 J). */
+static void out_of_rest(void)
+{
+    for (int way = -1; way <= 1; way += 2) {
+        drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': 1, 'centre': [0, 0],"
+                         "'inertia': 0.5}], 'joints': [{'name': 'A', 'links': ['ground', 'wheel'], 'at': [0, 0]}],"
+                         "'input': {'joint': 'A'}, 'forces': [{'link': 'wheel', 'at': [0, 0], 'torque': %g}],"
+                         "'tracers': [{'name': 'P', 'link': 'wheel', 'at': [1, 0]}]}", 3*way, 0);
+        for (double speed = -2; speed <= 2; speed += 1) {      /* against the torque: it comes to rest first      */
+            d.model.has_speed[0] = true;
+            d.model.speed[0] = speed;
+            CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 4, 8), LW_OK);
+            CHECK_INT(d.report.formulation, LW_FORMULATION_QUADRATURE);
+            CHECK_NEAR(d.q[2], speed*4 + 3*way*16, 1e-9, 0);
+            CHECK(d.report.energy_error < 1e-13*d.report.energy_scale);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
+int main(void)
+{
+    RUN(swings);
+    RUN(turns_over);
+    RUN(ten_thousand_periods);
+    RUN(at_the_top);
+    RUN(linkages);
+    RUN(refusals);
+    RUN(out_of_rest);
+    return check_end();
+}
