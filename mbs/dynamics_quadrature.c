@@ -37,6 +37,8 @@ typedef struct quadrature {
     double s, way, t, kinetic, work, length; /* where the next panel begins; its length as it is hoped for        */
     double least_mass, most, kinetic0, potential0, tolerance;     /* most: K so far                                */
     double *turns;                           /* of the bodies there (n_body)                                      */
+    int    n_rest;                           /* times at which it stood on the upper side of the coordinate       */
+    double first_rest;
     double top[2];                           /* where it turned last, falling and rising; NaN: not yet            */
     panel  p;
 } quadrature;
@@ -418,6 +420,25 @@ static void advance_turns(quadrature *z)
         z->turns[b] += turned(z, b, 1);
 }
 
+/* What came to rest goes back the way it came and repeats itself.  Periods without a moment that is asked for are left
+ * out, once so many were measured that rounding does not add up. */
+static void leave_out_periods(quadrature *z)
+{
+    enum { MEASURED = 10 };
+    const panel *p = &z->p;
+    const lw_run *run = z->run;
+    if (!p->turning || p->begin >= 0 || p->way < 0)
+        return;
+    double rest = p->t + 0.5*(p->t_end - p->t), *period = &run->r->period;
+    if (z->n_rest++ == 0)
+        z->first_rest = rest;
+    if (z->n_rest == MEASURED + 1)
+        *period = (rest - z->first_rest)/MEASURED;
+    double next = run->next <= run->d->o.intervals ? lw_run_time(run->d, run->next) : run->d->o.to;
+    if (*period > 0 && next - z->t > *period)
+        z->t += *period*floor((next - z->t)/ *period);
+}
+
 static lw_status go(quadrature *z)
 {
     lw_run *run = z->run;
@@ -431,6 +452,7 @@ static lw_status go(quadrature *z)
         run->r->t = fmin(z->t, to);
         st = show_samples(z);
         advance_turns(z);
+        leave_out_periods(z);
         if (st == LW_OK)
             st = watch(z, &force);
         if (st == LW_OK)
