@@ -37,7 +37,7 @@ SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
 BENCHES := $(patsubst %.c,$B/%,$(filter-out %/peer_mujoco.c,$(wildcard tests/bench/*.c)))
 # other programs' solvers, never part of linkwright, built where their headers are
 SIMBODY := $(shell pkg-config --libs simbody 2>/dev/null)
-PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++)),$B/peers/simbody) \
+PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++ 2>/dev/null)),$B/peers/simbody) \
             $(if $(wildcard /usr/include/mujoco/mujoco.h /usr/local/include/mujoco/mujoco.h),$B/peers/mujoco)
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 

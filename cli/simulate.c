@@ -295,7 +295,7 @@ void cli_simulate_report(const cli_simulate *s)
     if (r->energy_scale > 0)
         cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
                  : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
-    if (r->momentum_scale > 0)
+    if (r->momentum_scale > 1e-290)          /* something moved                                         */
         cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
     cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,
              r->worst_off_rate, r->steps, r->refused, r->rates);

@@ -10,18 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Absolute tolerance of multipliers for a while after a start.  Rounding in q and v comes back in them divided by the
- * step, which is short then, and Newton's method would not converge.  Later it is that of q and v: with none of their
- * own, steps are half as long. */
-static const double loose = 1e-5;
-static const long a_while = 30, tired = 20;  /* steps; after so many it is worth while to begin again       */
+/* Absolute tolerance of multipliers: they are not judged.  Rounding in q and v comes back in them times mass over the
+ * step, and Newton's method would not converge by them where steps are short, masses far apart or units large. */
+static const double unjudged = 1e300;
+static const long tired = 20;                /* steps; after so many it is worth while to begin again       */
 
 typedef struct ggl {
     lw_run *run;
     int    q, c;
     double least_mass, *dq, *dv;
     double *each;                            /* absolute tolerances                                         */
-    long   since, settled;                   /* steps at the last start; steps after it that are told loosely */
+    long   since;                            /* steps at the last start                                     */
 } ggl;
 
 static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
@@ -241,12 +240,6 @@ static lw_status pack(const ggl *g, double t, const double *state, double *y, do
     return s;
 }
 
-static void judge_multipliers(ggl *g, double least)
-{
-    for (int i = 0; i < 2*g->c; i++)
-        g->each[2*g->q + i] = fmax(least, g->run->d->o.absolute);
-}
-
 /* Begin again at (t, state), on the rows that are kept now. */
 static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
 {
@@ -258,16 +251,12 @@ static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
     if (s == LW_OK)
         s = pack(g, t, run->state, y, dy);
     g->since = w->n_step;
-    judge_multipliers(g, loose);
-    lw_ida_judge(w);
     return s == LW_OK ? lw_ida_restart(w, y, dy, run->e) : s;
 }
 
-/* Newton's method fails where rounding in the multipliers is above their tolerance: from here again, loosely for
- * longer. */
+/* From here again, at first order and with multipliers as the posture has them. */
 static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
 {
-    g->settled *= 2;
     g->run->e->text[0] = '\0';
     unpack(g, w->y, g->run->state);
     return begin_again(g, w, w->t, y, dy);
@@ -324,9 +313,7 @@ static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *
     o.relative = d->o.relative;
     o.absolute_each = g->each;
     for (int i = 0; i < dae->n; i++)
-        g->each[i] = d->o.absolute;
-    judge_multipliers(g, loose);
-    g->settled = a_while;
+        g->each[i] = dae->algebraic[i] ? unjudged : d->o.absolute;
     o.max_step = lw_run_steps_left(run);
     o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
     return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
@@ -354,10 +341,6 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
         }
         if (s != LW_OK)
             break;
-        if (w->n_step == g->since + g->settled) {
-            judge_multipliers(g, 0);
-            lw_ida_judge(w);
-        }
         unpack(g, w->y, run->y);
         lw_run_watch(run, run->y);
         s = show_samples(g, w, y);

@@ -42,8 +42,6 @@ lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e);
 
 /* As lw_cvode_restart, _step, _dense. */
 lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error *e);
-/* Look at o->absolute_each again: its numbers may be others from now on. */
-void      lw_ida_judge(lw_ida *w);
 lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_ida_dense(lw_ida *w, double t, double *y);
 

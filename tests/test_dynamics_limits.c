@@ -41,6 +41,21 @@ static void heavy_last(void)
     lw_model_free(&d.model);
 }
 
+/* A planet's mass on a rod of a thousand miles: only the units are unusual. */
+static void large_units(void)
+{
+    double angle = pendulum_angle(9.81/1.6e6, 0, 0, 2000);
+    drun_read_format(&d, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1e24, 'centre': [1.6e6, 0]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A'},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [1.6e6, 0]}]}", 0, 0);
+    for (int f = 0; f < 4; f++) {
+        CHECK_INT(drun_to(&d, all[f], f < 2 ? 1e-11 : 1e-9, 2000, 1), LW_OK);
+        CHECK_NEAR(d.tracer[1].x, 1.6e6*cos(angle), 1.6e6*(f < 2 ? 1e-9 : 1e-5), 0);
+        CHECK(d.report.steps < 10000);
+    }
+    lw_model_free(&d.model);
+}
+
 static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'mid', 'mass': %g, 'centre': [1.2, 0]},"
     "{'name': 'cart', 'mass': 2, 'centre': [2, 0]}], 'joints': [{'name': 'S', 'kind': 't', 'links': ['ground', 'mid'],"
     "'at': [1.2, 0], 'along': [1, 0]}, {'name': 'T', 'kind': 't', 'links': ['ground', 'cart'], 'at': [2, 0],"
@@ -226,6 +241,7 @@ static void end_of_the_way(void)
 int main(void)
 {
     RUN(heavy_last);
+    RUN(large_units);
     RUN(massless_between_springs);
     RUN(massless_loop);
     RUN(a_million_periods);
