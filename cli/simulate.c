@@ -275,8 +275,7 @@ void cli_simulate_report(const cli_simulate *s)
     const cli_call *c = s->call;
     char text[1024];
     if (r->period > 0)
-        cli_note(c, "the motion repeats itself every %.12g s: integrated over ten periods, taken from them after",
-                 r->period);
+        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them", r->period);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)
