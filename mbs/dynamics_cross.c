@@ -22,7 +22,7 @@ enum { N_SIDE = 6, N_NODE = 2*N_SIDE, N_KNOWN = N_NODE + 6 };
 static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };     /* of half the length  */
 static const double outside = 0.55;          /* so far from the middle the rows serve again                  */
 static const double longest = 0.3;           /* half of the longest curve, scaled: about radians              */
-static const double beside = 0.25;           /* least pivot, as a root: it looks ahead from there             */
+static const double beside = 0.45;           /* least pivot, as a root: it looks ahead from there             */
 static const double half_ggl = 0.1;          /* half a leap for ggl, whose multipliers feel the place from afar */
 static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little  */
 static const double on_rows = 1e-12;         /* the curve satisfies the rows to this,                         */
@@ -88,7 +88,8 @@ static lw_status walk_to(crossing *z, double x, const double *foretold)
     else
         value(&z->walked, x, z->trial, NULL);
     memcpy(z->q, z->trial, (size_t)d->n_q*sizeof *z->q);
-    if (lw_mbs_project_q(d, z->run->r->t, z->q, 0.1) != LW_OK)
+    d->sure = false;                             /* else the pivot is not looked at                       */
+    if (lw_mbs_project_q(d, z->run->r->t, z->q, 0.1) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return LW_NOTHING;
     double moved = 0;
     for (int i = 0; i < d->n_q; i++)

@@ -240,6 +240,8 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
     lw_status s = LW_OK;
     bool taken_back = false;
     rests rest = { .n = 0 };
+    double fair[3], t_fair = w->t, longest = 0;      /* the last state before steps became short           */
+    memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
     m->kinetic = 0.5*w->y[1]*w->y[1];
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
@@ -253,6 +255,11 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
         if (s == LW_OPEN) {
             taken_back = true;
             break;
+        }
+        longest = fmax(longest, w->t - w->t_old);
+        if (w->t - w->t_old > 0.1*longest) {
+            memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
+            t_fair = w->t;
         }
         memcpy(before, y, (size_t)run->n*sizeof *y);
         if (s == LW_OK)
@@ -269,8 +276,10 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
             break;
         }
     }
-    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back)      /* to go on from there */
-        spread(m, w->y, y);
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back) {    /* to go on from there */
+        spread(m, fair, y);
+        run->r->t = t_fair;
+    }
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
     run->r->rates += w->n_rate;

@@ -444,6 +444,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     d->e = run.e;
     run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_contact || d->o.extra.apply;
     run.n = 2*d->n_q + run.has_work;
+    run.pivot_tried = 1;
     switch (r->formulation) {
     case LW_FORMULATION_DRIVEN: s = lw_run_driven(&run); break;
     case LW_FORMULATION_QUADRATURE: s = lw_run_quadrature(&run); break;

@@ -1,5 +1,6 @@
 /* Through singular postures by every formulation, by position and by branch; near misses; runs that are stopped
  * within a step. */
+#include "mbs/integrate.h"
 #include "tests/dynamics_run.h"
 
 static drun d, other;
@@ -144,6 +145,107 @@ static void two_freedoms(void)
     lw_model_free(&d.model);
 }
 
+/* Change-point four-bars: ground, crank, coupler, rocker; the crank's angle and speed at the start, the side of the
+ * rocker's pin.  Parallelogram, antiparallelogram, kites, rhombus in two of its three ways. */
+static const struct { double length[4], angle, side, speed; } change_point[] = {
+    { { 4, 1, 4, 1 }, 1, 1, 6 }, { { 4, 1, 4, 1 }, 1, -1, 6 },
+    { { 3, 1, 1, 3 }, 1, 1, 6 }, { { 3, 1, 1, 3 }, 1, -1, 6 },
+    { { 1, 1, 1, 1 }, 1.2, 1, 6 }, { { 1, 1, 1, 1 }, 2, -1, -6 },
+};
+
+static void read_change_point(int k)
+{
+    const double *l = change_point[k].length, angle = change_point[k].angle;
+    lw_vec2 b = lw_v2_polar(l[1], angle), to = lw_v2_sub(lw_v2(l[0], 0), b);
+    double d2 = lw_v2_dot(to, to), along = 0.5*(d2 + l[2]*l[2] - l[3]*l[3])/d2;
+    double off = change_point[k].side*sqrt(l[2]*l[2]/d2 - along*along);
+    lw_vec2 c = lw_v2(b.x + along*to.x - off*to.y, b.y + along*to.y + off*to.x);
+    char text[2000];
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',"
+        "{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
+        "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.2},"
+        "{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.3}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]},"
+        "{'name': 'D', 'links': ['ground', 'c'], 'at': [%.17g, 0]}], 'input': {'joint': 'A', 'speed': %.17g},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [%.17g, %.17g]}]}", b.x/2, b.y/2,
+        (b.x + c.x)/2, (b.y + c.y)/2, (l[0] + c.x)/2, c.y/2, b.x, b.y, c.x, c.y, l[0], change_point[k].speed,
+        b.x, b.y);
+    drun_read_format(&d, text, 0, 0);
+}
+
+static void change_points(void)
+{
+    for (size_t k = 0; k < sizeof change_point/sizeof *change_point; k++) {
+        read_change_point((int)k);
+        watch w = { .n = 0 };
+        lw_vec2 want = crank_end(LW_FORMULATION_REDUCED, 1e-13, 5, &w);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        for (int e = 6; e <= 12; e += 2) {
+            lw_vec2 at = crank_end(LW_FORMULATION_INDEX1, pow(10, -e), 5, &w);
+            CHECK_NEAR(at.x, want.x, 300*pow(10, -e), 0);
+            CHECK_NEAR(at.y, want.y, 300*pow(10, -e), 0);
+        }
+        for (int f = 2; f < 4; f++) {
+            lw_vec2 at = crank_end(all[f], 1e-9, 5, &w);
+            CHECK_NEAR(at.x, want.x, 3e-4, 0);
+            CHECK_NEAR(at.y, want.y, 3e-4, 0);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
+/* Ten parallelograms in a row: the last ones' change points cannot be told in closed form, so the bodies' coordinates
+ * take over; the motion is that of one crank, s'' = -g 15.5/(11/3 + 10) cos s. */
+static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -9.81*15.5/(11./3 + 10)*cos(y[0]);
+    return LW_OK;
+}
+
+static void ten_in_a_row(void)
+{
+    static char text[12000];
+    int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+    for (int i = 0; i <= 10; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5],"
+                      "'inertia': 0.083333333333333333}", i, i);
+    for (int i = 0; i < 10; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': 1, 'centre': [%d.5, 1],"
+                      "'inertia': 0.083333333333333333}", i, i);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'A', 'links': ['ground', 'c0'],"
+                  "'at': [0, 0]}");
+    for (int i = 0, k = 1; i < 10; i++, k++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'A%d', 'links': ['ground', 'c%d'],"
+                      "'at': [%d, 0]}, {'name': 'B%d', 'links': ['c%d', 'b%d'], 'at': [%d, 1]},"
+                      "{'name': 'C%d', 'links': ['b%d', 'c%d'], 'at': [%d, 1]}", i, k, k, i, i, i, i, i, i, k, k);
+    snprintf(text + n, sizeof text - (size_t)n, "], 'input': {'joint': 'A', 'speed': -1}, 'gravity': [0, -9.81],"
+             "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0, 1]}]}");
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    lw_ode ode = { .n = 2, .rate = rate_of_ten };
+    lw_ode_options o = { .relative = 1e-14, .absolute = 1e-14 };
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double work[64], y[2] = { LW_PI/2, -1 };
+    CHECK(lw_integrate_work(2, 0) <= 64);
+    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, NULL), LW_OK);
+    while (stop != LW_ODE_END && lw_integrate_step(&w, 5, &stop, NULL) == LW_OK) {
+    }
+    drun_read_text(&d, text);
+    for (int f = 0; f < 2; f++) {
+        watch of = { .first = 11, .n = 10 };
+        lw_vec2 at = crank_end(f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-11, 5, &of);
+        CHECK_NEAR(at.x, cos(w.y[0]), 1e-8, 0);
+        CHECK_NEAR(at.y, sin(w.y[0]), 1e-8, 0);
+        CHECK(of.turned < 1e-9);
+    }
+    lw_model_free(&d.model);
+}
+
 /* ---- near misses --------------------------------------------------------------------------------- */
 
 /* A rhombus whose coupler is longer by eps: no crank of it turns fully. */
@@ -256,6 +358,8 @@ int main(void)
     RUN(redundant_rows);
     RUN(swings_about_it);
     RUN(two_freedoms);
+    RUN(change_points);
+    RUN(ten_in_a_row);
     RUN(near_misses);
     RUN(stopped_within_a_step);
     RUN(steps_allowed);
