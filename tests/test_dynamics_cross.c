@@ -238,7 +238,7 @@ static void ten_in_a_row(void)
     drun_read_text(&d, text);
     for (int f = 0; f < 2; f++) {
         watch of = { .first = 11, .n = 10 };
-        lw_vec2 at = crank_end(f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-11, 5, &of);
+        lw_vec2 at = crank_end(all[f], 1e-11, 5, &of);
         CHECK_NEAR(at.x, cos(w.y[0]), 1e-8, 0);
         CHECK_NEAR(at.y, sin(w.y[0]), 1e-8, 0);
         CHECK(of.turned < 1e-9);
