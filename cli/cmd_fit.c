@@ -34,7 +34,7 @@ static const cli_option options[] = {
       "seen from the link that carries both", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
       "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
-      "links and number, 8.5", 0, 0, NULL, NULL },
+      "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
       "evaluations for each number of links above four", 1e3, 1e12, NULL, NULL },
     { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
@@ -578,6 +578,7 @@ const cli_command cli_fit_command = {
         "  linkwright fit examples/walking-foot.csv                        the best four-bars\n"
         "  linkwright fit examples/ellipse.csv --type all -o found.json    all four-link types\n"
         "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
+        "  linkwright fit path.csv --links 5 --joints r,p,g                pins in slots and gear pairs too\n"
         "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
     .about =
         "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; x2,y2[,theta2] of\n"

@@ -27,7 +27,8 @@ const char *cli_topology_fate_text(cli_topology_fate f)
 {
     static const char *const text[CLI_TOPOLOGY_FATES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
-        "no input by which it can be worked out", "no gear pair whose carrier and one wheel are known first", "worked out by groups beyond dyads", "not asked for"
+        "no input by which it can be worked out", "no gear pair whose carrier and one wheel are known first",
+        "worked out by groups beyond dyads", "not asked for"
     };
     return text[f];
 }
@@ -510,7 +511,9 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
     t->wish_all = strcmp(w->only, "all") == 0;
     for (int links = 6; links <= w->links; links += 2)
         st = st == LW_OK ? add_stage(mk, t, links, false) : st;
-    int most = !cli_topology_higher(w->kinds) ? 0 : w->links < CLI_TOPOLOGY_EXPANDED ? w->links : CLI_TOPOLOGY_EXPANDED - 1;
+    int most = w->links < CLI_TOPOLOGY_EXPANDED ? w->links : CLI_TOPOLOGY_EXPANDED - 1;
+    if (!cli_topology_higher(w->kinds))
+        most = 0;
     for (int links = 3; links <= most; links++)
         st = st == LW_OK ? add_stage(mk, t, links, true) : st;
     if (st == LW_OK)

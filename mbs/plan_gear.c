@@ -83,8 +83,8 @@ lw_status lw_plan_gear_rates(lw_topology *t, lw_error *e)
         bool good = isfinite(rate) ? laps <= LW_LAP_MAX && fabs(laps*rate) <= LW_POWER_MAX
                                    : is_whole(g->ratio) && fabs(g->ratio) <= LW_POWER_MAX;
         if (!good)
-            return lw_error_set(e, LW_E_KIND, "gear \"%s\": plans take ratios of whole numbers where the wheels turn evenly "
-                                "with the input, in at most %d of its turns, else whole numbers", k->joint[g->joint[1]].name,
+            return lw_error_set(e, LW_E_KIND, "gear \"%s\": plans take ratios of whole numbers where the wheels turn "
+                                "evenly with the input, in at most %d of its turns, else whole numbers", k->joint[g->joint[1]].name,
                                 LW_LAP_MAX);
         t->laps = laps;
     }
