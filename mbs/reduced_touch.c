@@ -121,17 +121,29 @@ static bool fit_bridge(lw_reduced *r, const double *before, const double *after,
 
 /* ---- going through ------------------------------------------------------------------------------------ */
 
-/* Dyads whose margin had its least at the middle of the last three places. */
+/* Had its margin its least at the middle of the last three places, and is it 0 near there? */
+static bool touches(const scan *c, int d, double middle)
+{
+    double where;
+    return c->margin[1][d] <= c->margin[0][d] && c->margin[1][d] <= c->margin[2][d] && c->margin[1][d] <= 0.05
+           && fabs(least_margin(c, d, middle - c->width, middle + c->width, &where)) <= is_zero;
+}
+
+/* Dyads whose margin had its least at the middle of the last three places, or whose change point is that of one that had:
+ * where it lies on one of the places, rounding decides which of them is least. */
 static bool meet(scan *c, double middle, lw_touch *t)
 {
     lw_reduced *r = c->r;
+    bool any = false;
     t->n_bridge = 0;
     c->met = NULL;
+    for (int d = 0; d < r->plan.n_dyad; d++)
+        any = any || touches(c, d, middle);
     for (int d = 0; d < r->plan.n_dyad; d++) {
         double where;
         const double *m[3] = { c->margin[0], c->margin[1], c->margin[2] };
-        /* dyads after one that changes over are looked at in any case */
-        if (!c->met && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
+        /* with one that changes over all are looked at; the others for margins that are vague */
+        if (!any && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
             continue;
         double least = least_margin(c, d, middle - c->width, middle + c->width, &where);
         c->vague = c->vague || (fabs(least) > is_zero && fabs(least) < vague);
