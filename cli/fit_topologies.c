@@ -131,6 +131,10 @@ static lw_status make_room(cli_topology_stage *s)
 static lw_status add_family(maker *mk, const lw_linkage *k, const char *name)
 {
     cli_topology_stage *s = mk->to;
+    if (s->n_family == CLI_FAMILY_MOST)
+        return lw_error_set(&mk->e, LW_E_ARG, "more than %d mechanisms of %d links with these kinds of joints: more than can be "
+                            "searched at one time; ask for some with --topology, for fewer links or fewer --joints",
+                            CLI_FAMILY_MOST, s->links);
     lw_status st = make_room(s);
     if (st != LW_OK)
         return st;

@@ -21,6 +21,9 @@ typedef enum cli_topology_fate {
  * slider with a massless block between, which is not counted as a link. */
 #define CLI_TOPOLOGY_EXPANDED 8
 
+/* Families of one stage at most: each takes a fifth of a megabyte while it is searched. */
+#define CLI_FAMILY_MOST 16384
+
 /* What there is with one number of links. */
 typedef struct cli_topology_stage {
     int         links;
