@@ -35,7 +35,7 @@ typedef struct cli_mbs_problem {
 } cli_mbs_problem;
 
 #define CLI_MBS_TOO_SLOW  1.0             /* [s] a run: its solver is not asked for tighter tolerances   */
-#define CLI_MBS_PEER_TIME 120.0           /* [s] for all rows of another program on one problem         */
+#define CLI_MBS_PEER_TIME 300.0           /* [s] for all rows of another program on one problem         */
 #define CLI_MBS_PEER_MAX  8
 
 extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends                                */
