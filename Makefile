@@ -26,8 +26,9 @@ COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FL
 
 # mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
-# gcc must not split a loop's selections into paths that each take their own square root
-KERNEL   = $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre)
+# gcc must not split a loop's selections into paths that each take their own square root; vectors are passed to
+# inlined functions only
+KERNEL   = -Wno-psabi $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre)
 LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
 LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))

@@ -53,10 +53,10 @@ size_t lw_inverse_rows(const lw_plan *p)
     return rows;
 }
 
-/* Registers and inverses of eight lanes. */
+/* Registers of eight lanes. */
 size_t lw_follow_size(const lw_plan *p)
 {
-    return (lw_lane_rows(p) + group_rows(p) + lw_inverse_rows(p))*LW_GROUP;
+    return (lw_lane_rows(p) + group_rows(p))*LW_GROUP;
 }
 
 /* Beside the lanes' own: for higher groups their inverses, where they are in a chunk of lanes, and what it

@@ -304,7 +304,7 @@ static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
     c->first = c->next;
     c->next += n;
     c->part = part_of(in, c->first, n);
-    seat_chunk(&c->f, plan, &c->part, c->lane_work - lw_follow_size(plan), &c->q);
+    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_follow_size(plan), &c->q);
     return true;
 }
 

@@ -11,100 +11,37 @@
 #ifndef LW_MBS_KERNEL_HIGHER_INTERNAL_H
 #define LW_MBS_KERNEL_HIGHER_INTERNAL_H
 
-#include "mbs/kernel_run_internal.h"
+#include "mbs/kernel_pack_internal.h"
 
-#define LW_EIGHT LW_INDEPENDENT for (int j = 0; j < LW_GROUP; j++)
-
-typedef double lanes8[LW_GROUP];
+/* Loops over the unknowns whose values stay in registers, for the commonest sizes. */
+#if defined(__clang__)
+#define LW_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define LW_UNROLL _Pragma("GCC unroll 6")
+#endif
 
 typedef struct eight {
     const lw_higher *g;
     int    n;                                                        /* unknowns                      */
     double size;
-    lanes8 ux[LW_HIGHER_DIR_MAX], uy[LW_HIGHER_DIR_MAX];             /* directions                    */
-    lanes8 vx[LW_HIGHER_DIR_MAX], vy[LW_HIGHER_DIR_MAX];             /* what turns them               */
-    lanes8 d[LW_UNKNOWN_MAX + 1];
-    lanes8 cx[LW_HIGHER_TERM_MAX], cy[LW_HIGHER_TERM_MAX];           /* sums of vectors, by entry     */
-    lanes8 k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];
-    lanes8 inv[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX], jac[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX];
-    bool   keep;                                                     /* the Jacobian too, in jac      */
-    lanes8 scale[LW_UNKNOWN_MAX];                                    /* squared lengths of columns    */
-    lanes8 margin;
+    pack   ux[LW_HIGHER_DIR_MAX], uy[LW_HIGHER_DIR_MAX];             /* directions                    */
+    pack   vx[LW_HIGHER_DIR_MAX], vy[LW_HIGHER_DIR_MAX];             /* what turns them               */
+    pack   d[LW_UNKNOWN_MAX + 1];
+    pack   cx[LW_HIGHER_TERM_MAX], cy[LW_HIGHER_TERM_MAX];           /* sums of vectors, by entry     */
+    pack   k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];
+    pack   jac[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], inv[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];      /* row by row */
+    pack   margin;
+    int    at[LW_UNKNOWN_MAX];                                       /* direction of each turn        */
+    int    order[LW_UNKNOWN_MAX];                                    /* rows by the pivots they give  */
+    bool   driven;                                                   /* the input is a joint of it    */
+    bool   moves[LW_HIGHER_DIR_MAX];                                 /* directions that it turns      */
 } eight;
 
 /* ---- what the lanes have ------------------------------------------------------------------------------ */
 
-LW_INLINE void load_lane_row(lanes8 to, const double *from, size_t i, const int per_lane)
+LW_INLINE pack lane_row(const double *from, size_t i, const int per_lane)
 {
-    const double one = from[0];
-    LW_EIGHT to[j] = per_lane ? from[i + (size_t)j] : one;
-}
-
-static void load_vectors(const run *k, eight *w, const lw_higher *g, size_t i, const int per_lane)
-{
-    w->g = g;
-    w->n = 2*g->n_loop;
-    for (int e = 0; e < g->n_entry; e++)
-        LW_EIGHT w->cx[e][j] = w->cy[e][j] = 0;
-    for (int v = 0; v < g->n_vector; v++) {
-        const lw_higher_vector *q = &g->vector[v];
-        double *cx = w->cx[q->entry], *cy = w->cy[q->entry], sign = q->sign;
-        lanes8 a;
-        if (q->x >= 0) {
-            load_lane_row(a, dim_of(k, q->x), i, per_lane);
-            LW_EIGHT cx[j] += sign*a[j];
-        }
-        if (q->y >= 0) {
-            load_lane_row(a, dim_of(k, q->y), i, per_lane);
-            LW_EIGHT cy[j] += sign*a[j];
-        }
-    }
-}
-
-static void load_known(const run *k, eight *w, size_t i, const int per_lane)
-{
-    const lw_higher *g = w->g;
-    for (int r = 0; r < w->n; r++)
-        LW_EIGHT w->k[r][j] = 0;
-    for (int p = 0; p < g->n_point; p++) {
-        const double *x = reg_x(k, g->point[p].reg) + i, *y = reg_y(k, g->point[p].reg) + i, sign = g->point[p].sign;
-        double *kx = w->k[2*g->point[p].loop], *ky = w->k[2*g->point[p].loop + 1];
-        LW_EIGHT {
-            kx[j] += sign*x[j];
-            ky[j] += sign*y[j];
-        }
-    }
-    for (int a = 0; a < g->n_dir; a++) {
-        const lw_higher_dir *q = &g->dir[a];
-        double *ux = q->base < 0 ? w->ux[a] : w->vx[a], *uy = q->base < 0 ? w->uy[a] : w->vy[a], sign = q->input < 0 ? -1 : 1;
-        if (q->angle >= 0) {
-            load_lane_row(ux, cos_of(k, q->angle), i, per_lane);
-            load_lane_row(uy, sin_of(k, q->angle), i, per_lane);
-        } else if (q->root < 0 || q->base >= 0) {
-            const double *x = reg_x(k, q->reg) + i, *y = reg_y(k, q->reg) + i;
-            LW_EIGHT {
-                ux[j] = x[j];
-                uy[j] = sign*y[j];
-            }
-        }
-    }
-    if (g->disp_input) {
-        const double *x = reg_x(k, g->disp_reg[g->n_disp]) + i;
-        LW_EIGHT w->d[g->n_disp][j] = x[j];
-    }
-}
-
-static void turn_directions(eight *w)
-{
-    const lw_higher *g = w->g;
-    for (int a = 0; a < g->n_dir; a++) {
-        int b = g->dir[a].base;
-        if (b >= 0)
-            LW_EIGHT {
-                w->ux[a][j] = w->ux[b][j]*w->vx[a][j] - w->uy[b][j]*w->vy[a][j];
-                w->uy[a][j] = w->ux[b][j]*w->vy[a][j] + w->uy[b][j]*w->vx[a][j];
-            }
-    }
+    return per_lane ? get8(from + i) : all8(from[0]);
 }
 
 /* Number of the direction of unknown turn a: the only one without a base and with this root. */
@@ -116,260 +53,296 @@ static int direction_of(const lw_higher *g, int a)
     return d;
 }
 
+static void take_group(eight *w, const lw_higher *g)
+{
+    w->g = g;
+    w->n = 2*g->n_loop;
+    for (int a = 0; a < g->n_turn; a++)
+        w->at[a] = direction_of(g, a);
+    for (int r = 0; r < w->n; r++)
+        w->order[r] = r;
+    w->driven = g->disp_input;
+    for (int d = 0; d < g->n_dir; d++) {
+        w->moves[d] = g->dir[d].input || (g->dir[d].base >= 0 && w->moves[g->dir[d].base]);
+        w->driven |= w->moves[d];
+    }
+}
+
+LW_INLINE void load_vectors(const run *k, eight *w, size_t i, const int per_lane)
+{
+    const lw_higher *g = w->g;
+    for (int e = 0; e < g->n_entry; e++)
+        w->cx[e] = w->cy[e] = (pack){ 0 };
+    for (int v = 0; v < g->n_vector; v++) {
+        const lw_higher_vector *q = &g->vector[v];
+        double sign = q->sign;
+        if (q->x >= 0)
+            w->cx[q->entry] += sign*lane_row(dim_of(k, q->x), i, per_lane);
+        if (q->y >= 0)
+            w->cy[q->entry] += sign*lane_row(dim_of(k, q->y), i, per_lane);
+    }
+}
+
+/* Angles that do not differ from lane to lane. */
+static void load_angles(const run *k, eight *w)
+{
+    for (int a = 0; a < w->g->n_dir; a++) {
+        const lw_higher_dir *q = &w->g->dir[a];
+        pack *ux = q->base < 0 ? w->ux : w->vx, *uy = q->base < 0 ? w->uy : w->vy;
+        if (q->angle >= 0) {
+            ux[a] = all8(*cos_of(k, q->angle));
+            uy[a] = all8(*sin_of(k, q->angle));
+        }
+    }
+}
+
+LW_INLINE void load_known(const run *k, eight *w, size_t i, const int per_lane)
+{
+    const lw_higher *g = w->g;
+    for (int r = 0; r < w->n; r++)
+        w->k[r] = (pack){ 0 };
+    for (int p = 0; p < g->n_point; p++) {
+        const lw_higher_point *q = &g->point[p];
+        double sign = q->sign;
+        w->k[2*q->loop] += sign*get8(reg_x(k, q->reg) + i);
+        w->k[2*q->loop + 1] += sign*get8(reg_y(k, q->reg) + i);
+    }
+    for (int a = 0; a < g->n_dir; a++) {
+        const lw_higher_dir *q = &g->dir[a];
+        pack *ux = q->base < 0 ? w->ux : w->vx, *uy = q->base < 0 ? w->uy : w->vy;
+        double sign = q->input < 0 ? -1 : 1;
+        if (q->angle >= 0 && per_lane) {
+            ux[a] = get8(cos_of(k, q->angle) + i);
+            uy[a] = get8(sin_of(k, q->angle) + i);
+        } else if (q->angle < 0 && (q->root < 0 || q->base >= 0)) {
+            ux[a] = get8(reg_x(k, q->reg) + i);
+            uy[a] = sign*get8(reg_y(k, q->reg) + i);
+        }
+    }
+    if (g->disp_input)
+        w->d[g->n_disp] = get8(reg_x(k, g->disp_reg[g->n_disp]) + i);
+}
+
+static void turn_directions(eight *w)
+{
+    const lw_higher *g = w->g;
+    for (int a = 0; a < g->n_dir; a++) {
+        int b = g->dir[a].base;
+        if (b < 0)
+            continue;
+        pack x = w->ux[b], y = w->uy[b];
+        w->ux[a] = x*w->vx[a] - y*w->vy[a];
+        w->uy[a] = x*w->vy[a] + y*w->vx[a];
+    }
+}
+
 /* ---- equations ---------------------------------------------------------------------------------------- */
 
-static void residual(eight *w)
+LW_INLINE void add_turned(eight *w, const int n, int loop, int root, pack x, pack y)
+{
+    pack *j = w->jac + 2*loop*n + root;
+    j[0] -= y;
+    j[n] += x;
+}
+
+/* Residuals f, and their Jacobian (both). */
+LW_INLINE void equations(eight *w, const int n, const int both)
 {
     const lw_higher *g = w->g;
-    for (int r = 0; r < w->n; r++)
-        LW_EIGHT w->f[r][j] = w->k[r][j];
+    for (int r = 0; r < n; r++)
+        w->f[r] = w->k[r];
+    for (int i = 0; both && i < n*n; i++)
+        w->jac[i] = (pack){ 0 };
     for (int e = 0; e < g->n_entry; e++) {
-        double *fx = w->f[2*g->entry[e].loop], *fy = w->f[2*g->entry[e].loop + 1];
-        const double *cx = w->cx[e], *cy = w->cy[e], *ux = w->ux[g->entry[e].dir], *uy = w->uy[g->entry[e].dir];
-        LW_EIGHT {
-            fx[j] += cx[j]*ux[j] - cy[j]*uy[j];
-            fy[j] += cx[j]*uy[j] + cy[j]*ux[j];
-        }
+        int dir = g->entry[e].dir, loop = g->entry[e].loop, root = g->dir[dir].root;
+        pack cx = w->cx[e], cy = w->cy[e], ux = w->ux[dir], uy = w->uy[dir];
+        pack x = cx*ux - cy*uy, y = cx*uy + cy*ux;
+        w->f[2*loop] += x;
+        w->f[2*loop + 1] += y;
+        if (both && root >= 0)
+            add_turned(w, n, loop, root, x, y);
     }
     for (int e = 0; e < g->n_slide; e++) {
         const lw_higher_slide *q = &g->slide[e];
-        double *fx = w->f[2*q->loop], *fy = w->f[2*q->loop + 1], sign = q->sign;
-        const double *d = w->d[q->disp], *ux = w->ux[q->dir], *uy = w->uy[q->dir];
-        LW_EIGHT {
-            fx[j] += sign*d[j]*ux[j];
-            fy[j] += sign*d[j]*uy[j];
+        double sign = q->sign;
+        pack x = sign*w->ux[q->dir], y = sign*w->uy[q->dir], d = w->d[q->disp];
+        w->f[2*q->loop] += d*x;
+        w->f[2*q->loop + 1] += d*y;
+        if (both && g->dir[q->dir].root >= 0)
+            add_turned(w, n, q->loop, g->dir[q->dir].root, d*x, d*y);
+        if (both && q->disp < g->n_disp) {
+            w->jac[2*q->loop*n + g->n_turn + q->disp] += x;
+            w->jac[(2*q->loop + 1)*n + g->n_turn + q->disp] += y;
         }
     }
 }
 
-LW_INLINE void add_turned(eight *w, int loop, int column, const double *vx, const double *vy)
+/* ---- the inverse -------------------------------------------------------------------------------------- */
+
+#define PIVOT_LEAST 0.1                    /* a pivot over the largest that there was to choose from  */
+
+/* Gauss and Jordan in place, rows taken in the order kept; lanes in which a pivot was weak are spoilt, and told. */
+LW_INLINE mask invert_in_order(eight *w, const int n)
 {
-    double *jx = w->inv[2*loop][column], *jy = w->inv[2*loop + 1][column];
-    LW_EIGHT {
-        jx[j] -= vy[j];
-        jy[j] += vx[j];
-    }
-}
-
-/* Into w->inv, which the inverse replaces. */
-static void jacobian(eight *w)
-{
-    const lw_higher *g = w->g;
-    lanes8 vx, vy;
-    for (int r = 0; r < w->n; r++)
-        for (int c = 0; c < w->n; c++)
-            LW_EIGHT w->inv[r][c][j] = 0;
-    for (int e = 0; e < g->n_entry; e++) {
-        int dir = g->entry[e].dir, root = g->dir[dir].root;
-        const double *cx = w->cx[e], *cy = w->cy[e], *ux = w->ux[dir], *uy = w->uy[dir];
-        if (root < 0)
-            continue;
-        LW_EIGHT {
-            vx[j] = cx[j]*ux[j] - cy[j]*uy[j];
-            vy[j] = cx[j]*uy[j] + cy[j]*ux[j];
-        }
-        add_turned(w, g->entry[e].loop, root, vx, vy);
-    }
-    for (int e = 0; e < g->n_slide; e++) {
-        const lw_higher_slide *q = &g->slide[e];
-        const double *d = w->d[q->disp], *ux = w->ux[q->dir], *uy = w->uy[q->dir], sign = q->sign;
-        if (g->dir[q->dir].root >= 0) {
-            LW_EIGHT {
-                vx[j] = sign*d[j]*ux[j];
-                vy[j] = sign*d[j]*uy[j];
-            }
-            add_turned(w, q->loop, g->dir[q->dir].root, vx, vy);
-        }
-        if (q->disp < g->n_disp) {
-            double *jx = w->inv[2*q->loop][g->n_turn + q->disp], *jy = w->inv[2*q->loop + 1][g->n_turn + q->disp];
-            LW_EIGHT {
-                jx[j] += sign*ux[j];
-                jy[j] += sign*uy[j];
-            }
-        }
-    }
-}
-
-/* Exchange rows where the later one has the greater pivot, in every lane for itself. */
-LW_INLINE void exchange(eight *w, const int n, int row, int other, int column, lanes8 mask)
-{
-    const double *a = w->inv[row][column], *b = w->inv[other][column];
-    LW_EIGHT mask[j] = fabs(b[j]) > fabs(a[j]) ? 1 : 0;
-    for (int c = 0; c < n; c++) {
-        double *x = w->inv[row][c], *y = w->inv[other][c];
-        LW_EIGHT {
-            double from = x[j], to = y[j];
-            x[j] = mask[j] != 0 ? to : from;
-            y[j] = mask[j] != 0 ? from : to;
-        }
-    }
-}
-
-typedef struct swap { int row, other; lanes8 mask; } swap;
-
-/* Rows are exchanged only where a pivot is less than a tenth of what there is: growth stays bounded, and in most
- * postures nothing moves. */
-LW_INLINE int pivot(eight *w, const int n, int column, swap *list, int n_swap)
-{
-    lanes8 most = { 0 };
-    const double *own = w->inv[column][column];
-    int weak = 0;
-    for (int r = column + 1; r < n; r++)
-        LW_EIGHT most[j] = fabs(w->inv[r][column][j]) > most[j] ? fabs(w->inv[r][column][j]) : most[j];
-    for (int j = 0; j < LW_GROUP; j++)
-        weak |= fabs(own[j]) < 0.1*most[j];
-    for (int r = column + 1; weak && r < n; r++) {
-        list[n_swap].row = column;
-        list[n_swap].other = r;
-        exchange(w, n, column, r, column, list[n_swap].mask);
-        n_swap++;
-    }
-    return n_swap;
-}
-
-#define LW_SWAP_MAX (LW_UNKNOWN_MAX*(LW_UNKNOWN_MAX - 1)/2)
-
-/* Gauss and Jordan in place; with a pivot of 0 the inverse is 0. */
-LW_INLINE void invert(eight *w, const int n)
-{
-    swap list[LW_SWAP_MAX];
-    int n_swap = 0;
-    lanes8 sound, inv;
-    LW_EIGHT sound[j] = 1;
-    for (int p = 0; p < n; p++) {
-        n_swap = pivot(w, n, p, list, n_swap);
-        double *d = w->inv[p][p];
-        LW_EIGHT {
-            int zero = !(fabs(d[j]) > LW_TINY);
-            sound[j] = zero ? 0 : sound[j];
-            inv[j] = (zero ? 0.0 : 1.0)/(zero ? 1.0 : d[j]);
-            d[j] = 1;
-        }
-        for (int c = 0; c < n; c++)
-            LW_EIGHT w->inv[p][c][j] *= inv[j];
-        for (int r = 0; r < n; r++) {
+    pack a[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
+    mask weak = { 0 };
+    LW_UNROLL for (int r = 0; r < n; r++)
+        LW_UNROLL for (int c = 0; c < n; c++)
+            a[r*n + c] = w->jac[w->order[r]*n + c];
+    LW_UNROLL for (int p = 0; p < n; p++) {
+        pack own = abs8(a[p*n + p]), most = all8(LW_TINY);
+        LW_UNROLL for (int r = p + 1; r < n; r++)
+            most = more8(abs8(a[r*n + p]), most);
+        weak |= ~(mask)(own >= PIVOT_LEAST*most);
+        pack by = 1/a[p*n + p];
+        a[p*n + p] = all8(1);
+        LW_UNROLL for (int c = 0; c < n; c++)
+            a[p*n + c] *= by;
+        LW_UNROLL for (int r = 0; r < n; r++) {
             if (r == p)
                 continue;
-            lanes8 a;
-            LW_EIGHT {
-                a[j] = w->inv[r][p][j];
-                w->inv[r][p][j] = 0;
-            }
-            for (int c = 0; c < n; c++)
-                LW_EIGHT w->inv[r][c][j] -= a[j]*w->inv[p][c][j];
+            pack t = a[r*n + p];
+            a[r*n + p] = (pack){ 0 };
+            LW_UNROLL for (int c = 0; c < n; c++)
+                a[r*n + c] -= t*a[p*n + c];
         }
     }
-    for (int s = n_swap - 1; s >= 0; s--)
-        for (int r = 0; r < n; r++) {
-            double *x = w->inv[r][list[s].row], *y = w->inv[r][list[s].other];
-            const double *mask = list[s].mask;
-            LW_EIGHT {
-                double from = x[j], to = y[j];
-                x[j] = mask[j] != 0 ? to : from;
-                y[j] = mask[j] != 0 ? from : to;
-            }
+    LW_UNROLL for (int r = 0; r < n; r++)
+        LW_UNROLL for (int c = 0; c < n; c++)
+            w->inv[r*n + w->order[c]] = a[r*n + c];
+    return weak;
+}
+
+/* The same in lane j alone, each pivot the largest there is, whose order is kept for other lanes; with a pivot of 0 the
+ * inverse is 0. */
+static void invert_lane(eight *w, int n, int j)
+{
+    double a[LW_UNKNOWN_MAX][LW_UNKNOWN_MAX];
+    int order[LW_UNKNOWN_MAX];
+    bool sound = true;
+    for (int r = 0; r < n; r++) {
+        order[r] = r;
+        for (int c = 0; c < n; c++)
+            a[r][c] = w->jac[r*n + c][j];
+    }
+    for (int p = 0; p < n && sound; p++) {
+        int best = p;
+        for (int r = p + 1; r < n; r++)
+            best = fabs(a[r][p]) > fabs(a[best][p]) ? r : best;
+        int was = order[p];
+        order[p] = order[best];
+        order[best] = was;
+        for (int c = 0; c < n; c++) {
+            double from = a[p][c];
+            a[p][c] = a[best][c];
+            a[best][c] = from;
         }
+        sound = fabs(a[p][p]) > LW_TINY;
+        double by = 1/(sound ? a[p][p] : 1);
+        a[p][p] = 1;
+        for (int c = 0; c < n; c++)
+            a[p][c] *= by;
+        for (int r = 0; r < n; r++) {
+            double t = r == p ? 0 : a[r][p];
+            a[r][p] = r == p ? a[r][p] : 0;
+            for (int c = 0; c < n; c++)
+                a[r][c] -= t*a[p][c];
+        }
+    }
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++)
-            LW_EIGHT w->inv[r][c][j] = sound[j] != 0 ? w->inv[r][c][j] : 0;
+            w->inv[r*n + order[c]][j] = sound ? a[r][c] : 0;
+    if (sound)
+        memcpy(w->order, order, (size_t)n*sizeof *order);
 }
 
-/* Inverse and margin at the directions and displacements of w. */
-LW_INLINE void factor_of(eight *w, const int n)
+/* The order of rows that was good for the lanes before mostly is for these. */
+LW_INLINE void invert(eight *w, const int n)
 {
-    lanes8 sum = { 0 };
-    jacobian(w);
+    mask weak = invert_in_order(w, n);
+    int j = 0;
+    if (!any8(weak))
+        return;
+    while (!weak[j])
+        j++;
+    invert_lane(w, n, j);
+    weak = invert_in_order(w, n);
+    for (j = 0; j < LW_GROUP; j++)
+        if (weak[j])
+            invert_lane(w, n, j);
+}
+
+/* Margin at the Jacobian and inverse of w. */
+LW_INLINE void measure(eight *w, const int n)
+{
+    pack sum = { 0 };
     for (int c = 0; c < n; c++) {
-        LW_EIGHT w->scale[c][j] = 0;
-        for (int r = 0; r < n; r++)
-            LW_EIGHT w->scale[c][j] += w->inv[r][c][j]*w->inv[r][c][j];
+        pack length = { 0 }, row = { 0 };
+        for (int r = 0; r < n; r++) {
+            length += w->jac[r*n + c]*w->jac[r*n + c];
+            row += w->inv[c*n + r]*w->inv[c*n + r];
+        }
+        sum += row*length;
     }
-    for (int r = 0; w->keep && r < n; r++)
-        memcpy(w->jac[r], w->inv[r], (size_t)n*sizeof(lanes8));
-    invert(w, n);
-    for (int r = 0; r < n; r++) {
-        lanes8 row = { 0 };
-        for (int c = 0; c < n; c++)
-            LW_EIGHT row[j] += w->inv[r][c][j]*w->inv[r][c][j];
-        LW_EIGHT sum[j] += row[j]*w->scale[r][j];
-    }
-    LW_EIGHT {
-        int some = sum[j] > 0;
-        w->margin[j] = some ? n/(some ? sum[j] : 1) : 0;
-    }
-}
-
-/* The commonest sizes as code of their own. */
-static void factor(eight *w)
-{
-    switch (w->n) {
-    case 2:  factor_of(w, 2); break;
-    case 4:  factor_of(w, 4); break;
-    case 6:  factor_of(w, 6); break;
-    default: factor_of(w, w->n);
-    }
+    mask some = (mask)(sum > 0);
+    w->margin = where8(some, n/choose8(some, sum, all8(1)));
 }
 
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
 
+/* How far to go, from f and the inverse. */
 LW_INLINE void step_of(eight *w, const int n)
 {
     for (int r = 0; r < n; r++) {
-        lanes8 s = { 0 };
+        pack s = { 0 };
         for (int c = 0; c < n; c++)
-            LW_EIGHT s[j] -= w->inv[r][c][j]*w->f[c][j];
-        LW_EIGHT w->step[r][j] = s[j];
+            s -= w->inv[r*n + c]*w->f[c];
+        w->step[r] = s;
     }
 }
 
-static void newton_step(eight *w)
+/* A step of Newton's method by the inverse of the Jacobian here (renew), or by the last. */
+LW_INLINE void newton_of(eight *w, const int n, const int renew)
 {
-    residual(w);
-    switch (w->n) {
-    case 2:  step_of(w, 2); break;
-    case 4:  step_of(w, 4); break;
-    case 6:  step_of(w, 6); break;
-    default: step_of(w, w->n);
-    }
+    equations(w, n, renew);
+    if (renew)
+        invert(w, n);
+    step_of(w, n);
 }
 
-LW_INLINE double within(double a, double most) { return a > most ? most : a < -most ? -most : a; }
+/* The commonest sizes as code of their own. */
+#define BY_SIZE(name, w, ...)                                     \
+    switch ((w)->n) {                                             \
+    case 2:  name(w, 2, __VA_ARGS__); break;                      \
+    case 4:  name(w, 4, __VA_ARGS__); break;                      \
+    case 6:  name(w, 6, __VA_ARGS__); break;                      \
+    default: name(w, (w)->n, __VA_ARGS__);                        \
+    }
+
+LW_INLINE pack within8(pack a, pack most) { return more8(less8(a, most), -most); }
 
 /* Go the step, at most half a radian or half the size; the square of its length. */
-static void go(eight *w, lanes8 length)
+LW_INLINE pack go(eight *w)
 {
     const lw_higher *g = w->g;
-    double most = 0.5*w->size, by_size = 1/w->size;
-    LW_EIGHT length[j] = 0;
+    double by_size = 1/w->size;
+    pack most = all8(0.5*w->size), half = all8(0.5), length = { 0 };
     for (int a = 0; a < g->n_turn; a++) {
-        int at = direction_of(g, a);
-        double *ux = w->ux[at], *uy = w->uy[at];
-        const double *step = w->step[a];
-        LW_EIGHT {
-            double t = within(step[j], 0.5), z = t*t;
-            double c = 1 - z*(0.5 - z*(1.0/24)), s = t - t*z*(1.0/6 - z*(1.0/120));
-            double x = ux[j]*c - uy[j]*s, y = ux[j]*s + uy[j]*c, m = 1.5 - 0.5*(x*x + y*y);
-            ux[j] = x*m;
-            uy[j] = y*m;
-            length[j] += step[j]*step[j];
-        }
+        pack *ux = &w->ux[w->at[a]], *uy = &w->uy[w->at[a]], step = w->step[a];
+        pack t = within8(step, half), z = t*t;
+        pack c = 1 - z*(0.5 - z*(1.0/24)), s = t - t*z*(1.0/6 - z*(1.0/120));
+        pack x = *ux*c - *uy*s, y = *ux*s + *uy*c, m = 1.5 - 0.5*(x*x + y*y);
+        *ux = x*m;
+        *uy = y*m;
+        length += step*step;
     }
     for (int d = 0; d < g->n_disp; d++) {
-        const double *step = w->step[g->n_turn + d];
-        LW_EIGHT {
-            w->d[d][j] += within(step[j], most);
-            length[j] += step[j]*by_size*(step[j]*by_size);
-        }
+        pack step = w->step[g->n_turn + d];
+        w->d[d] += within8(step, most);
+        length += step*by_size*(step*by_size);
     }
     turn_directions(w);
-}
-
-LW_INLINE double largest(const lanes8 a)
-{
-    double m = a[0];
-    for (int j = 1; j < LW_GROUP; j++)
-        m = a[j] > m ? a[j] : m;
-    return m;
+    return length;
 }
 
 /* ---- as a step of the plan ---------------------------------------------------------------------------- */
@@ -387,14 +360,11 @@ static void take_seat(const run *k, eight *w, size_t i)
     const lw_higher *g = w->g;
     const double *row = k->seat + (size_t)g->first_row*k->seat_row + i;
     for (int a = 0; a < g->n_turn; a++, row += 2*k->seat_row) {
-        int at = direction_of(g, a);
-        LW_EIGHT {
-            w->ux[at][j] = row[j];
-            w->uy[at][j] = row[k->seat_row + (size_t)j];
-        }
+        w->ux[w->at[a]] = get8(row);
+        w->uy[w->at[a]] = get8(row + k->seat_row);
     }
     for (int d = 0; d < g->n_disp; d++, row += k->seat_row)
-        LW_EIGHT w->d[d][j] = row[j];
+        w->d[d] = get8(row);
     turn_directions(w);
 }
 
@@ -402,39 +372,33 @@ static void put_group(const run *k, const eight *w, size_t i)
 {
     const lw_higher *g = w->g;
     for (int a = 0; a < g->n_turn; a++) {
-        int at = direction_of(g, a);
-        double *x = reg_x(k, g->turn_reg[a]) + i, *y = reg_y(k, g->turn_reg[a]) + i;
-        LW_EIGHT {
-            x[j] = w->ux[at][j];
-            y[j] = w->uy[at][j];
-        }
+        put8(reg_x(k, g->turn_reg[a]) + i, w->ux[w->at[a]]);
+        put8(reg_y(k, g->turn_reg[a]) + i, w->uy[w->at[a]]);
     }
     for (int d = 0; d < g->n_disp; d++) {
-        double *x = reg_x(k, g->disp_reg[d]) + i, *y = reg_y(k, g->disp_reg[d]) + i;
-        LW_EIGHT {
-            x[j] = w->d[d][j];
-            y[j] = 0;
-        }
+        put8(reg_x(k, g->disp_reg[d]) + i, w->d[d]);
+        put8(reg_y(k, g->disp_reg[d]) + i, (pack){ 0 });
     }
 }
 
 /* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
  * reach stay where they are. */
-static void settle(eight *w, const double *out_of_reach, int want)
+LW_INLINE void settle_of(eight *w, const int n, const double *out_of_reach, int want)
 {
     const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
-    lanes8 length;
+    const pack beyond = get8(out_of_reach);
     for (int i = 0; i < 5; i++) {
-        factor(w);
-        newton_step(w);
-        for (int r = 0; r < w->n; r++)
-            LW_EIGHT w->step[r][j] = out_of_reach[j] > 0 || !(fabs(w->step[r][j]) < 0.03*(r < w->g->n_turn ? 1 : w->size))
-                                     ? 0 : w->step[r][j];
-        go(w, length);
-        if (largest(length) < enough)
+        newton_of(w, n, 1);
+        if (want >= WITH_MARGIN)
+            measure(w, n);
+        for (int r = 0; r < n; r++) {
+            double most = 0.03*(r < w->g->n_turn ? 1 : w->size);
+            w->step[r] = where8((mask)(beyond <= 0) & (mask)(abs8(w->step[r]) < most), w->step[r]);
+        }
+        if (!(most8(go(w)) >= enough))
             break;
     }
-    LW_EIGHT w->margin[j] = out_of_reach[j] > 0 ? -out_of_reach[j] : w->margin[j];
+    w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
 }
 
 static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int want)
@@ -443,22 +407,27 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
     const double *reach = k->seat + (size_t)k->plan->n_row*k->seat_row;
     double *inverse = inverse_rows(k, g);
     eight w;
+    take_group(&w, g);
     w.size = 1;
-    w.keep = false;
+    w.margin = (pack){ 0 };
+    if (!per_lane) {
+        load_vectors(k, &w, 0, 0);
+        load_angles(k, &w);
+    }
     for (size_t i = 0; i < n; i += LW_GROUP) {
-        if (per_lane || i == 0)
-            load_vectors(k, &w, g, i, per_lane);
-        load_known(k, &w, i, per_lane);
+        if (per_lane) {
+            load_vectors(k, &w, i, 1);
+            load_known(k, &w, i, 1);
+        } else
+            load_known(k, &w, i, 0);
         take_seat(k, &w, i);
-        settle(&w, reach + i, want);
+        BY_SIZE(settle_of, &w, reach + i, want)
         put_group(k, &w, i);
-        double *margin = k->margin + i;
         if (want >= WITH_MARGIN)
-            LW_EIGHT margin[j] = lw_at_most(w.margin[j], margin[j]);
-        for (int r = 0; want == WITH_ROOTS && r < w.n; r++)
-            for (int c = 0; c < w.n; c++)
-                LW_EIGHT inverse[(size_t)(r*w.n + c)*k->nb + i + (size_t)j] =
-                    w.margin[j] > LW_MARGIN_FLAT ? w.inv[r][c][j] : 0;
+            put8(k->margin + i, less8(w.margin, get8(k->margin + i)));
+        mask sound = (mask)(w.margin > LW_MARGIN_FLAT);
+        for (int c = 0; want == WITH_ROOTS && c < w.n*w.n; c++)
+            put8(inverse + (size_t)c*k->nb + i, where8(sound, w.inv[c]));
     }
 }
 
@@ -508,68 +477,64 @@ static void multipliers(const run *k, eight *w, size_t i)
     const lw_higher *g = w->g;
     const double *inverse = inverse_rows(k, g) + i;
     for (int r = 0; r < w->n; r++)
-        LW_EIGHT w->f[r][j] = 0;
+        w->f[r] = (pack){ 0 };
     for (int c = 0; c < w->n; c++) {
-        const double *bar = bar_x(k, c < g->n_turn ? g->turn_reg[c] : g->disp_reg[c - g->n_turn]) + i;
+        pack bar = get8(bar_x(k, c < g->n_turn ? g->turn_reg[c] : g->disp_reg[c - g->n_turn]) + i);
         for (int r = 0; r < w->n; r++)
-            LW_EIGHT w->f[r][j] -= inverse[(size_t)(c*w->n + r)*k->nb + (size_t)j]*bar[j];
+            w->f[r] -= get8(inverse + (size_t)(c*w->n + r)*k->nb)*bar;
     }
 }
 
+LW_INLINE void add8(double *to, pack v) { put8(to, get8(to) + v); }
+
 /* Turns of the directions, from the last to those known or given. */
-static void back_directions(const run *k, eight *w, size_t i, lanes8 *turn)
+static void back_directions(const run *k, eight *w, size_t i, pack *turn)
 {
     const lw_higher *g = w->g;
     for (int a = g->n_dir - 1; a >= 0; a--) {
         const lw_higher_dir *q = &g->dir[a];
         if (q->base < 0 && q->root >= 0)
             continue;
-        double *to = (q->dim >= 0 ? dim_bar(k, q->dim) : bar_x(k, q->reg)) + i, sign = q->input < 0 ? -1 : 1;
-        LW_EIGHT to[j] += sign*turn[a][j];
+        double sign = q->input < 0 ? -1 : 1;
+        add8((q->dim >= 0 ? dim_bar(k, q->dim) : bar_x(k, q->reg)) + i, sign*turn[a]);
         if (q->base >= 0)
-            LW_EIGHT turn[q->base][j] += turn[a][j];
+            turn[q->base] += turn[a];
     }
 }
 
 static void back_eight(const run *k, eight *w, size_t i)
 {
     const lw_higher *g = w->g;
-    lanes8 turn[LW_HIGHER_DIR_MAX];
+    pack turn[LW_HIGHER_DIR_MAX];
     for (int a = 0; a < g->n_dir; a++)
-        LW_EIGHT turn[a][j] = 0;
+        turn[a] = (pack){ 0 };
     for (int p = 0; p < g->n_point; p++) {
-        double *x = bar_x(k, g->point[p].reg) + i, *y = bar_y(k, g->point[p].reg) + i, sign = g->point[p].sign;
-        const double *fx = w->f[2*g->point[p].loop], *fy = w->f[2*g->point[p].loop + 1];
-        LW_EIGHT {
-            x[j] += sign*fx[j];
-            y[j] += sign*fy[j];
-        }
+        const lw_higher_point *q = &g->point[p];
+        double sign = q->sign;
+        add8(bar_x(k, q->reg) + i, sign*w->f[2*q->loop]);
+        add8(bar_y(k, q->reg) + i, sign*w->f[2*q->loop + 1]);
     }
     for (int v = 0; v < g->n_vector; v++) {
         const lw_higher_vector *q = &g->vector[v];
-        const double *fx = w->f[2*q->loop], *fy = w->f[2*q->loop + 1], *ux = w->ux[q->dir], *uy = w->uy[q->dir];
-        double sign = q->sign, *x = dim_bar(k, q->x), *y = dim_bar(k, q->y);
+        pack fx = w->f[2*q->loop], fy = w->f[2*q->loop + 1], ux = w->ux[q->dir], uy = w->uy[q->dir];
+        double sign = q->sign;
         if (q->x >= 0)
-            LW_EIGHT x[i + (size_t)j] += sign*(fx[j]*ux[j] + fy[j]*uy[j]);
+            add8(dim_bar(k, q->x) + i, sign*(fx*ux + fy*uy));
         if (q->y >= 0)
-            LW_EIGHT y[i + (size_t)j] += sign*(fy[j]*ux[j] - fx[j]*uy[j]);
+            add8(dim_bar(k, q->y) + i, sign*(fy*ux - fx*uy));
     }
     for (int e = 0; e < g->n_entry; e++) {
-        int dir = g->entry[e].dir;
-        const double *fx = w->f[2*g->entry[e].loop], *fy = w->f[2*g->entry[e].loop + 1];
-        const double *cx = w->cx[e], *cy = w->cy[e], *ux = w->ux[dir], *uy = w->uy[dir];
-        LW_EIGHT {
-            double vx = cx[j]*ux[j] - cy[j]*uy[j], vy = cx[j]*uy[j] + cy[j]*ux[j];
-            turn[dir][j] += fy[j]*vx - fx[j]*vy;
-        }
+        int dir = g->entry[e].dir, loop = g->entry[e].loop;
+        pack cx = w->cx[e], cy = w->cy[e], ux = w->ux[dir], uy = w->uy[dir];
+        turn[dir] += w->f[2*loop + 1]*(cx*ux - cy*uy) - w->f[2*loop]*(cx*uy + cy*ux);
     }
     for (int e = 0; e < g->n_slide; e++) {
         const lw_higher_slide *q = &g->slide[e];
-        const double *fx = w->f[2*q->loop], *fy = w->f[2*q->loop + 1], *ux = w->ux[q->dir], *uy = w->uy[q->dir];
-        double sign = q->sign, *d_bar = bar_x(k, g->disp_reg[q->disp]) + i;
-        LW_EIGHT turn[q->dir][j] += sign*w->d[q->disp][j]*(fy[j]*ux[j] - fx[j]*uy[j]);
+        pack fx = w->f[2*q->loop], fy = w->f[2*q->loop + 1], ux = w->ux[q->dir], uy = w->uy[q->dir];
+        double sign = q->sign;
+        turn[q->dir] += sign*w->d[q->disp]*(fy*ux - fx*uy);
         if (q->disp == g->n_disp)
-            LW_EIGHT d_bar[j] += sign*(fx[j]*ux[j] + fy[j]*uy[j]);
+            add8(bar_x(k, g->disp_reg[q->disp]) + i, sign*(fx*ux + fy*uy));
     }
     back_directions(k, w, i, turn);
 }
@@ -578,21 +543,17 @@ static void back_higher(const run *k, const lw_step *s, size_t n)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
     eight w;
-    load_vectors(k, &w, g, 0, 0);
+    take_group(&w, g);
+    load_vectors(k, &w, 0, 0);
+    load_angles(k, &w);
     for (size_t i = 0; i < n; i += LW_GROUP) {
         load_known(k, &w, i, 0);
         for (int a = 0; a < g->n_turn; a++) {
-            int at = direction_of(g, a);
-            const double *x = reg_x(k, g->turn_reg[a]) + i, *y = reg_y(k, g->turn_reg[a]) + i;
-            LW_EIGHT {
-                w.ux[at][j] = x[j];
-                w.uy[at][j] = y[j];
-            }
+            w.ux[w.at[a]] = get8(reg_x(k, g->turn_reg[a]) + i);
+            w.uy[w.at[a]] = get8(reg_y(k, g->turn_reg[a]) + i);
         }
-        for (int d = 0; d < g->n_disp; d++) {
-            const double *x = reg_x(k, g->disp_reg[d]) + i;
-            LW_EIGHT w.d[d][j] = x[j];
-        }
+        for (int d = 0; d < g->n_disp; d++)
+            w.d[d] = get8(reg_x(k, g->disp_reg[d]) + i);
         turn_directions(&w);
         multipliers(k, &w, i);
         back_eight(k, &w, i);

@@ -8,7 +8,8 @@
  * J, a column of the Jacobian that is turned by t changes J^-1 J' by  sin t B_j - (1 - cos t) e_j  and no more; so
  * in a box |x' - x| <= r, with z second order in r,
  *     |J^-1 (J' - J)| r <= |B| z(r) + r t^2/2 <= CONTRACTION r < r
- * (Krawczyk 1969; Neumaier 1990, section 5.1) keeps all of its Jacobians regular and its solutions apart.  r is half
+ * (Krawczyk 1969; Neumaier 1990, section 5.1) keeps all of its Jacobians regular and its solutions apart; where the
+ * input is a joint of the group, what it alone turns or moves of a column Q adds |J^-1 dQ| r.  r is half
  * the movement, what it bends, and how far the polynomial was wrong at the further end, which bounds its error in
  * between; it is widened where that helps. */
 #ifndef LW_MBS_KERNEL_TRIAL_INTERNAL_H
@@ -22,6 +23,7 @@
 #define COARSE 1e-10                       /* squared step of Newton's method after which one more,   */
 #define COARSE_LAST 1e-14                  /* with the old inverse, is enough when as short as this   */
 #define FINE 1e-24                         /* where none follows                                      */
+#define ROUNDING 1e-30                     /* over the margin: what rounding leaves of a squared step */
 #define CONTRACTION 0.7
 
 /* A posture of the higher groups. */
@@ -34,6 +36,7 @@ typedef struct stand {
     double  stride;                        /* step to try next, > 0                                   */
     lw_vec2 known[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];     /* known directions of slides                */
     double  bend[LW_INVERSE_MAX];          /* |B| of each group                                       */
+    double  push[LW_INVERSE_MAX];          /* |J^-1 dQ| of each column, by the input                  */
 } stand;
 
 typedef struct follower {
@@ -42,51 +45,63 @@ typedef struct follower {
     const lw_plan *plan;
     double  size;
     bool    on_way;                        /* past the seed                                           */
+    bool    pushed;                        /* the input is a joint of a group                         */
+    bool    tight;                         /* a dyad is near its limit: lane by lane                  */
     bool    lost;                          /* no posture near the seed                                */
     bool    fine;                          /* postures are wanted to rounding, with their inverses    */
-    lanes8  c, s;
-    lanes8  row[LW_ROW_MAX];               /* of the last trial                                       */
-    lanes8  guess[LW_ROW_MAX];             /* where it began                                          */
-    lanes8  bend[LW_INVERSE_MAX];          /* |B|                                                     */
-    lanes8  margin[LW_HIGHER_MAX];
-    lanes8  known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
-    bool    sure[LW_GROUP];
-    double  need[LW_GROUP];                /* room it takes over what there is          */
     int     at_lane;                       /* of the last trial: the present                          */
-    double *trial_inverse;                 /* of the last trial, by lanes                             */
+    pack    c, s;
+    pack    row[LW_ROW_MAX];               /* of the last trial                                       */
+    pack    guess[LW_ROW_MAX];             /* where it began                                          */
+    pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
+    pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
+    mask    sure;
+    pack    need;                          /* room it takes over what there is                        */
+    eight   group[LW_HIGHER_MAX];
 } follower;
 
 static const place *back(const stand *a, int n) { return &a->past[(a->head + n)%PAST]; }
 
 /* ---- one trial in eight lanes ---------------------------------------------------------------------------- */
 
-static void set_input(follower *f, const lanes8 t)
+static void set_input(follower *f, pack t)
 {
-    for (int j = 0; j < LW_GROUP; j++) {
-        lw_vec2 u = f->plan->input_is_slider ? lw_v2(t[j], 0)
-                  : fabs(t[j]) < LW_SINCOS_MAX ? lw_sincos(t[j]) : lw_v2(cos(t[j]), sin(t[j]));
-        f->c[j] = u.x;
-        f->s[j] = u.y;
-    }
+    double angle[LW_GROUP], c[LW_GROUP], s[LW_GROUP];
+    f->c = t;
+    f->s = (pack){ 0 };
+    if (f->plan->input_is_slider)
+        return;
+    put8(angle, t);
+    turns(angle, LW_GROUP, c, s);
+    f->c = get8(c);
+    f->s = get8(s);
 }
 
 /* A posture a polynomial goes through: row r is row[r*step]. */
 typedef struct node { double t; const double *row; size_t step; } node;
 
-/* Weights of n nodes in the polynomial through them, at t. */
-static void weights(const node *at, int n, const lanes8 t, lanes8 *weight)
+/* Of the polynomial through n nodes what does not depend on where it is taken. */
+static void constants(const node *at, int n, double *by)
 {
     for (int a = 0; a < n; a++) {
-        double bottom = 1, by;
+        double bottom = 1;
         for (int b = 0; b < n; b++)
             bottom *= b == a ? 1 : at[a].t - at[b].t;
-        by = 1/bottom;
-        LW_EIGHT weight[a][j] = by;
-        for (int b = 0; b < n; b++) {
-            double where = at[b].t;
-            if (b != a)
-                LW_EIGHT weight[a][j] *= t[j] - where;
-        }
+        by[a] = 1/bottom;
+    }
+}
+
+/* Weights of n nodes in the polynomial through them, at t. */
+LW_INLINE void weights(const node *at, int n, const double *by, pack t, pack *weight)
+{
+    pack before = all8(1), after = all8(1);
+    for (int a = 0; a < n; a++) {
+        weight[a] = by[a]*before;
+        before *= t - at[a].t;
+    }
+    for (int a = n - 1; a >= 0; a--) {
+        weight[a] *= after;
+        after *= t - at[a].t;
     }
 }
 
@@ -104,91 +119,93 @@ static int nodes_behind(const stand *a, double longest, node *to)
     return n;
 }
 
-/* Row by row the nodes' weighted sum, directions made unit vectors. */
-static void blend(const lw_higher *g, const node *at, int n, lanes8 *weight, lanes8 *row)
+/* Row by row the nodes' weighted sum, directions made unit vectors (near: they are so but for a thousandth). */
+LW_INLINE void blend(const lw_higher *g, const node *at, int n, const pack *weight, const int near, pack *row)
 {
-    int first = g->first_row, count = 2*g->n_turn + g->n_disp;
-    for (int r = first; r < first + count; r++) {
-        double *to = row[r];
-        LW_EIGHT to[j] = 0;
-        for (int p = 0; p < n; p++) {
-            double v = at[p].row[(size_t)r*at[p].step];
-            LW_EIGHT to[j] += weight[p][j]*v;
-        }
+    int first = g->first_row, turned = first + 2*g->n_turn;
+    for (int r = first; r < turned + g->n_disp; r++) {
+        pack sum = weight[0]*at[0].row[(size_t)r*at[0].step];
+        for (int p = 1; p < n; p++)
+            sum += weight[p]*at[p].row[(size_t)r*at[p].step];
+        row[r] = sum;
     }
-    for (int a = 0; a < g->n_turn; a++) {
-        double *x = row[first + 2*a], *y = row[first + 2*a + 1];
-        LW_EIGHT {
-            double m = 1/sqrt(x[j]*x[j] + y[j]*y[j] + LW_TINY2);
-            x[j] *= m;
-            y[j] *= m;
-        }
+    for (int r = first; r < turned; r += 2) {
+        pack x = row[r], y = row[r + 1], z = x*x + y*y, m = near ? 1.5 - 0.5*z : 1/root8(z + LW_TINY2);
+        row[r] = x*m;
+        row[r + 1] = y*m;
     }
 }
 
-static void take_rows(eight *w, lanes8 *from)
+static void take_rows(eight *w, const pack *from)
 {
     const lw_higher *g = w->g;
-    int row = g->first_row;
-    for (int a = 0; a < g->n_turn; a++, row += 2) {
-        memcpy(w->ux[direction_of(g, a)], from[row], sizeof(lanes8));
-        memcpy(w->uy[direction_of(g, a)], from[row + 1], sizeof(lanes8));
+    from += g->first_row;
+    for (int a = 0; a < g->n_turn; a++) {
+        w->ux[w->at[a]] = *from++;
+        w->uy[w->at[a]] = *from++;
     }
     for (int d = 0; d < g->n_disp; d++)
-        memcpy(w->d[d], from[row + d], sizeof(lanes8));
+        w->d[d] = *from++;
     turn_directions(w);
 }
 
 static void keep_rows(follower *f, const eight *w)
 {
     const lw_higher *g = w->g;
-    int row = g->first_row, number = (int)(g - f->plan->higher);
-    for (int a = 0; a < g->n_turn; a++, row += 2) {
-        memcpy(f->row[row], w->ux[direction_of(g, a)], sizeof(lanes8));
-        memcpy(f->row[row + 1], w->uy[direction_of(g, a)], sizeof(lanes8));
+    int number = (int)(g - f->plan->higher);
+    pack *to = f->row + g->first_row;
+    for (int a = 0; a < g->n_turn; a++) {
+        *to++ = w->ux[w->at[a]];
+        *to++ = w->uy[w->at[a]];
     }
     for (int d = 0; d < g->n_disp; d++)
-        memcpy(f->row[row + d], w->d[d], sizeof(lanes8));
+        *to++ = w->d[d];
     for (int e = 0; e < g->n_slide; e++) {
         int dir = g->slide[e].dir;
         if (g->dir[dir].root >= 0)
             continue;
-        memcpy(f->known_x[number][dir], w->ux[dir], sizeof(lanes8));
-        memcpy(f->known_y[number][dir], w->uy[dir], sizeof(lanes8));
+        f->known_x[number][dir] = w->ux[dir];
+        f->known_y[number][dir] = w->uy[dir];
     }
+}
+
+/* How many lanes from the first on have steps that are short, or shrink. */
+static int shrinking(pack last, pack before, int n)
+{
+    mask not = ~((mask)(last <= 0.25) & (mask)(last <= more8(0.25*before, all8(COARSE_LAST))));
+    for (int j = 0; any8(not) && j < n; j++)
+        if (not[j])
+            return j;
+    return n;
 }
 
 /* Newton's method until its steps are short.  A lane whose steps do not shrink is given up, and those behind it, which
  * could not be sure either; `last` is then infinite, else the squared length of the last step. */
-static void arrive(eight *w, lanes8 last, bool on_way, bool fine)
+LW_INLINE void arrive(eight *w, const int n, bool on_way, bool fine, pack *last)
 {
-    lanes8 before, alive;
-    LW_EIGHT {
-        alive[j] = 1;
-        before[j] = INFINITY;
-    }
+    pack before = all8(INFINITY);
+    int alive = LW_GROUP;
     for (int i = 0; i < (on_way ? 8 : 40); i++) {
         double now = 0;
-        factor(w);
-        newton_step(w);
-        go(w, last);
-        for (int j = 0; on_way && j < LW_GROUP; j++) {
-            bool shrinks = last[j] <= 0.25 && last[j] <= fmax(0.25*before[j], COARSE_LAST);
-            alive[j] = shrinks && (j == 0 || alive[j - 1] > 0) ? alive[j] : 0;
-        }
-        for (int j = 0; j < LW_GROUP; j++)
-            now = alive[j] > 0 && last[j] > now ? last[j] : now;
+        newton_of(w, n, 1);
+        *last = go(w);
+        if (on_way)
+            alive = shrinking(*last, before, alive);
+        for (int j = 0; j < alive; j++)
+            now = (*last)[j] > now ? (*last)[j] : now;
         if (!(now > (fine ? FINE : COARSE)))
             break;
-        memcpy(before, last, sizeof before);
+        before = *last;
     }
-    if (fine)
-        factor(w);
-    else {
-        newton_step(w);
-        go(w, last);
+    if (fine) {
+        newton_of(w, n, 1);
+        measure(w, n);
+    } else {
+        newton_of(w, n, 0);
+        *last = go(w);
     }
-    LW_EIGHT last[j] = alive[j] > 0 ? last[j] : INFINITY;
+    for (int j = alive; j < LW_GROUP; j++)
+        (*last)[j] = INFINITY;
 }
 
 /* Where the inverse of a group begins. */
@@ -202,233 +219,218 @@ static size_t inverse_at(const follower *f, const lw_higher *g)
 
 /* ---- what is sure ----------------------------------------------------------------------------------------- */
 
-/* Of the lane before; of the first, the present's. */
-LW_INLINE void shift(const double *own, double present, lanes8 before)
+/* By how much a group has moved since the lane before, and at most how far off its polynomial was. */
+static void movement(const follower *f, const lw_higher *g, pack *moved, pack *off)
 {
-    before[0] = present;
-    for (int j = 1; j < LW_GROUP; j++)
-        before[j] = own[j - 1];
-}
-
-/* By how much a group has moved since the lane before, and how far off its polynomial was. */
-static void movement(const follower *f, const lw_higher *g, lanes8 *moved, lanes8 *off)
-{
-    const double *present = back(&f->at, 0)->row;
-    int row = g->first_row;
-    lanes8 x, y;
-    for (int a = 0; a < g->n_turn; a++, row += 2) {
-        const double *ux = f->row[row], *uy = f->row[row + 1], *gx = f->guess[row], *gy = f->guess[row + 1];
-        shift(ux, present[row], x);
-        shift(uy, present[row + 1], y);
-        LW_EIGHT {
-            moved[a][j] = sqrt((ux[j] - x[j])*(ux[j] - x[j]) + (uy[j] - y[j])*(uy[j] - y[j]));
-            off[a][j] = sqrt((ux[j] - gx[j])*(ux[j] - gx[j]) + (uy[j] - gy[j])*(uy[j] - gy[j]));
-        }
+    const double *present = back(&f->at, 0)->row + g->first_row;
+    const pack *row = f->row + g->first_row, *guess = f->guess + g->first_row;
+    for (int a = 0; a < g->n_turn; a++, row += 2, guess += 2, present += 2) {
+        pack x = row[0] - before8(row[0], present[0]), y = row[1] - before8(row[1], present[1]);
+        moved[a] = root8(x*x + y*y);
+        off[a] = abs8(row[0] - guess[0]) + abs8(row[1] - guess[1]);
     }
-    for (int d = 0; d < g->n_disp; d++, row++) {
-        shift(f->row[row], present[row], x);
-        LW_EIGHT {
-            moved[g->n_turn + d][j] = fabs(f->row[row][j] - x[j]);
-            off[g->n_turn + d][j] = fabs(f->row[row][j] - f->guess[row][j]);
-        }
+    for (int d = 0; d < g->n_disp; d++) {
+        moved[g->n_turn + d] = abs8(row[d] - before8(row[d], present[d]));
+        off[g->n_turn + d] = abs8(row[d] - guess[d]);
     }
 }
 
 /* What moves the columns beside the unknowns: the input where it is a joint of the group, slides on known links. */
-typedef struct drift { lanes8 input, known[LW_HIGHER_DIR_MAX]; } drift;
+typedef struct drift { pack input, known[LW_HIGHER_DIR_MAX]; } drift;
 
-static void drifts(const follower *f, const lw_higher *g, const lanes8 t, drift *to)
+static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
 {
     int number = (int)(g - f->plan->higher);
-    lanes8 x, y;
-    shift(t, back(&f->at, 0)->t, to->input);
-    LW_EIGHT to->input[j] = f->plan->input_is_slider ? 0 : fabs(t[j] - to->input[j]);
+    to->input = abs8(t - before8(t, back(&f->at, 0)->t));
     for (int e = 0; e < g->n_slide; e++) {
         int dir = g->slide[e].dir;
-        const double *ux = f->known_x[number][dir], *uy = f->known_y[number][dir];
         if (g->dir[dir].root >= 0)
             continue;
-        shift(ux, f->at.known[number][dir].x, x);
-        shift(uy, f->at.known[number][dir].y, y);
-        LW_EIGHT to->known[dir][j] = sqrt((ux[j] - x[j])*(ux[j] - x[j]) + (uy[j] - y[j])*(uy[j] - y[j]));
+        lw_vec2 present = f->at.known[number][dir];
+        pack ux = f->known_x[number][dir], uy = f->known_y[number][dir];
+        pack x = ux - before8(ux, present.x), y = uy - before8(uy, present.y);
+        to->known[dir] = root8(x*x + y*y);
     }
 }
 
 /* z: by how much each column changes in a box of sides r, times r. */
-static void bend(const lw_higher *g, const drift *by, lanes8 *r, lanes8 *z)
+LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
 {
+    const lw_higher *g = w->g;
     for (int a = 0; a < g->n_turn; a++)
-        LW_EIGHT z[a][j] = r[a][j]*r[a][j];
+        z[a] = r[a]*r[a];
     for (int d = 0; d < g->n_disp; d++)
-        LW_EIGHT z[g->n_turn + d][j] = 0;
-    for (int a = 0; a < g->n_dir; a++)
-        if (g->dir[a].input && g->dir[a].root >= 0) {
-            double *to = z[g->dir[a].root];
-            const double *side = r[g->dir[a].root];
-            LW_EIGHT to[j] += side[j]*by->input[j];
-        }
+        z[g->n_turn + d] = (pack){ 0 };
     for (int e = 0; e < g->n_slide; e++) {
         const lw_higher_slide *q = &g->slide[e];
+        int root = g->dir[q->dir].root;
         if (q->disp >= g->n_disp)
             continue;
-        double *to = z[g->n_turn + q->disp];
-        const double *side = r[g->n_turn + q->disp], *turn = g->dir[q->dir].root >= 0 ? r[g->dir[q->dir].root] : NULL;
-        if (turn)
-            LW_EIGHT to[j] = lw_at_least(2*side[j]*turn[j], to[j]);
-        else
-            LW_EIGHT to[j] = lw_at_least(side[j]*by->known[q->dir][j], to[j]);
+        pack *to = &z[g->n_turn + q->disp], side = r[g->n_turn + q->disp], turned = root >= 0 ? 2*r[root] : by->known[q->dir];
+        if (root >= 0 && w->moves[q->dir])
+            turned += by->input;
+        *to = more8(side*turned, *to);
     }
 }
 
-/* |B| z, B = J^-1 K J. */
-LW_INLINE void bent(const int n, lanes8 *b, lanes8 *z, lanes8 *to)
+/* |J^-1 (J' - J)| r but for the second order: |B| z, and what the input does beside. */
+LW_INLINE void bent(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *r,
+                    const pack *z, pack *to)
 {
-    for (int r = 0; r < n; r++) {
-        LW_EIGHT to[r][j] = 0;
-        for (int c = 0; c < n; c++)
-            LW_EIGHT to[r][j] += b[r*n + c][j]*z[c][j];
+    for (int i = 0; i < n; i++) {
+        to[i] = b[i*n]*z[0];
+        for (int c = 1; c < n; c++)
+            to[i] += b[i*n + c]*z[c];
+        for (int c = 0; w->driven && c < n; c++)
+            to[i] += push[i*n + c]*r[c]*by->input;
     }
 }
 
-LW_INLINE void quarter(const eight *w, const int n, lanes8 *b)
+/* B = J^-1 K J */
+LW_INLINE void quarter(const eight *w, const int n, pack *b)
 {
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++) {
-            lanes8 s = { 0 };
+            pack s = { 0 };
             for (int l = 0; l < n; l += 2)
-                LW_EIGHT s[j] += w->inv[r][l + 1][j]*w->jac[l][c][j] - w->inv[r][l][j]*w->jac[l + 1][c][j];
-            LW_EIGHT b[r*n + c][j] = fabs(s[j]);
+                s += w->inv[r*n + l + 1]*w->jac[l*n + c] - w->inv[r*n + l]*w->jac[(l + 1)*n + c];
+            b[r*n + c] = abs8(s);
         }
 }
 
-/* Are the Jacobians in the box, or in a wider one, regular?  need: the room that it takes over what there is, <= 1. */
-LW_INLINE void regular(const lw_higher *g, const int n, lanes8 *b, const drift *by, lanes8 *box, lanes8 need)
+/* Add |J^-1 dQ| where dQ, in column c, has (x, y) in the two rows of a loop. */
+LW_INLINE void push_loop(const eight *w, const int n, int loop, int c, pack x, pack y, pack *push)
 {
-    lanes8 r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
-    memcpy(r, box, (size_t)n*sizeof *r);
-    for (int again = 0; again < 4; again++) {
-        bend(g, by, r, z);
-        bent(n, b, z, s);
-        LW_EIGHT need[j] = 0;
-        for (int i = 0; i < n; i++) {
-            double turns = i < g->n_turn ? 0.5 : 0;
-            LW_EIGHT {
-                double needs = (s[i][j] + turns*r[i][j]*r[i][j]*r[i][j])*(1/CONTRACTION);
-                need[j] = lw_at_least(needs/lw_at_least(r[i][j], LW_TINY), need[j]);
-                r[i][j] = lw_at_least(1.1*needs, r[i][j]);
-            }
+    for (int r = 0; r < n; r++)
+        push[r*n + c] += abs8(w->inv[r*n + 2*loop]*x + w->inv[r*n + 2*loop + 1]*y);
+}
+
+/* By 1 of the input: a turn of what it turns (a quarter of its second order too, for steps below 1/2), the columns
+ * that have its displacement. */
+LW_INLINE void pushes(const eight *w, const int n, pack *push)
+{
+    const lw_higher *g = w->g;
+    for (int i = 0; i < n*n; i++)
+        push[i] = (pack){ 0 };
+    for (int e = 0; e < g->n_entry; e++) {
+        int dir = g->entry[e].dir, root = g->dir[dir].root;
+        if (root < 0 || !w->moves[dir])
+            continue;
+        pack cx = w->cx[e], cy = w->cy[e], ux = w->ux[dir], uy = w->uy[dir], x = cx*ux - cy*uy, y = cx*uy + cy*ux;
+        push_loop(w, n, g->entry[e].loop, root, x, y, push);
+        push_loop(w, n, g->entry[e].loop, root, -0.25*y, 0.25*x, push);
+    }
+    for (int e = 0; e < g->n_slide; e++) {
+        const lw_higher_slide *q = &g->slide[e];
+        int root = g->dir[q->dir].root;
+        pack d = w->d[q->disp], x = w->ux[q->dir], y = w->uy[q->dir];
+        if (root >= 0 && w->moves[q->dir]) {
+            push_loop(w, n, q->loop, root, d*x, d*y, push);
+            push_loop(w, n, q->loop, root, -0.25*d*y, 0.25*d*x, push);
         }
-        if (largest(need) <= 1)
+        if (root >= 0 && q->disp == g->n_disp)
+            push_loop(w, n, q->loop, root, -y, x, push);
+    }
+}
+
+/* Are the Jacobians in the box, or in a wider one, regular?  The room that it takes over what there is, <= 1. */
+LW_INLINE void regular(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *box,
+                       pack *need)
+{
+    pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
+    for (int i = 0; i < n; i++)
+        r[i] = box[i];
+    for (int again = 0; again < 4; again++) {
+        bend(w, by, r, z);
+        bent(w, n, b, push, by, r, z, s);
+        *need = (pack){ 0 };
+        for (int i = 0; i < n; i++) {
+            double turned = i < w->g->n_turn ? 0.5 : 0;
+            pack needs = (s[i] + turned*r[i]*r[i]*r[i])*(1/CONTRACTION);
+            *need = more8(needs/more8(r[i], all8(LW_TINY)), *need);
+            r[i] = more8(1.1*needs, r[i]);
+        }
+        if (!any8(~(mask)(*need <= 1)))
             break;
     }
 }
 
-LW_INLINE void compare_of(follower *f, const eight *w, const int n, const lanes8 t)
+LW_INLINE void compare(follower *f, const eight *w, const int n, pack t)
 {
     const lw_higher *g = w->g;
     drift by;
-    lanes8 *b = f->bend + inverse_at(f, g), before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
-    lanes8 r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX], off[LW_UNKNOWN_MAX], most = { 0 }, here, there;
+    size_t first = inverse_at(f, g);
+    const pack *b = f->bend + first, *push = f->push + first;
+    pack b_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], push_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
+    pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX], off[LW_UNKNOWN_MAX], most = { 0 }, here, there;
     drifts(f, g, t, &by);
     movement(f, g, r, off);
     for (int i = 0; i < n*n; i++)
-        shift(b[i], f->at.bend[inverse_at(f, g) + (size_t)i], before[i]);
-    bend(g, &by, r, z);
-    bent(n, b, z, s);
-    for (int i = 0; i < n; i++) {
-        double by_unit = i < g->n_turn ? 1 : 1/f->size;
-        LW_EIGHT most[j] = lw_at_least(r[i][j]*by_unit, most[j]);
-    }
-    for (int i = 0; i < n; i++) {
-        double least = 0.05*(i < g->n_turn ? 1 : f->size);
-        LW_EIGHT r[i][j] = 0.5*r[i][j] + 0.25*s[i][j] + off[i][j] + least*most[j];
-    }
-    regular(g, n, b, &by, r, here);
-    regular(g, n, before, &by, r, there);
-    for (int j = 0; j < LW_GROUP; j++)
-        f->need[j] = fmax(f->need[j], f->sure[j] ? fmax(here[j], there[j]) : INFINITY);
-    for (int j = 0; j < LW_GROUP; j++)
-        f->sure[j] = f->sure[j] && f->need[j] <= 1;
+        b_before[i] = before8(b[i], f->at.bend[first + (size_t)i]);
+    for (int i = 0; w->driven && i < n*n; i++)
+        push_before[i] = before8(push[i], f->at.push[first + (size_t)i]);
+    bend(w, &by, r, z);
+    bent(w, n, b, push, &by, r, z, s);
+    for (int i = 0; i < n; i++)
+        most = more8(r[i]*(i < g->n_turn ? 1 : 1/f->size), most);
+    for (int i = 0; i < n; i++)
+        r[i] = 0.5*r[i] + 0.25*s[i] + off[i] + 0.05*(i < g->n_turn ? 1 : f->size)*most;
+    regular(w, n, b, push, &by, r, &here);
+    regular(w, n, b_before, push_before, &by, r, &there);
+    f->need = more8(more8(here, there), f->need);
+    f->need = choose8(f->sure, f->need, all8(INFINITY));
+    f->sure &= (mask)(f->need <= 1);
 }
 
-static void bend_here(follower *f, const eight *w)
+/* Group w in the eight lanes. */
+LW_INLINE void solve(eight *w, const int n, follower *f, pack t)
 {
-    lanes8 *b = f->bend + inverse_at(f, w->g);
-    switch (w->n) {
-    case 2:  quarter(w, 2, b); break;
-    case 4:  quarter(w, 4, b); break;
-    case 6:  quarter(w, 6, b); break;
-    default: quarter(w, w->n, b);
-    }
-}
-
-static void compare(follower *f, const eight *w, const lanes8 t)
-{
-    switch (w->n) {
-    case 2:  compare_of(f, w, 2, t); break;
-    case 4:  compare_of(f, w, 4, t); break;
-    case 6:  compare_of(f, w, 6, t); break;
-    default: compare_of(f, w, w->n, t);
-    }
-}
-
-/* Group g in the eight lanes. */
-static void solve_group(follower *f, eight *w, const lw_higher *g, const lanes8 t, const node *behind, int n,
-                        lanes8 *weight)
-{
-    int number = (int)(g - f->plan->higher);
-    lanes8 last;
-    load_vectors(&f->k, w, g, 0, 0);
-    load_known(&f->k, w, 0, 0);
-    w->size = f->size;
-    w->keep = true;
-    blend(g, behind, n, weight, f->guess);
-    take_rows(w, f->guess);
-    arrive(w, last, f->on_way, f->fine);
+    pack last, row = { 0 }, most = all8(COARSE_LAST);
+    arrive(w, n, f->on_way, f->fine, &last);
+    if (f->fine)
+        most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(LW_TINY)));
     put_group(&f->k, w, 0);
     keep_rows(f, w);
-    bend_here(f, w);
-    double *to = f->trial_inverse + inverse_at(f, g)*LW_GROUP, most = f->fine ? 1e-20 : COARSE_LAST;
-    for (int r = 0; f->fine && r < w->n; r++)
-        for (int c = 0; c < w->n; c++, to += LW_GROUP)
-            memcpy(to, w->inv[r][c], sizeof(lanes8));
-    for (int j = 0; j < LW_GROUP; j++) {
-        f->margin[number][j] = w->margin[j];
-        f->sure[j] = f->sure[j] && last[j] <= most && w->margin[j] > 0;
-    }
+    quarter(w, n, f->bend + inverse_at(f, w->g));
+    if (w->driven)
+        pushes(w, n, f->push + inverse_at(f, w->g));
+    for (int c = 0; c < n; c++)                              /* of what is singular, 0 */
+        row += w->inv[c]*w->inv[c];
+    f->sure &= (mask)(last <= most) & (mask)(row > 0);
     if (f->on_way)
-        compare(f, w, t);
+        compare(f, w, n, t);
 }
 
-static void trial(follower *f, const lanes8 t)
+static void trial(follower *f, pack t)
 {
-    eight w;
     node behind[NODES];
-    lanes8 weight[NODES];
+    pack weight[NODES];
     const lw_plan *p = f->plan;
-    double longest = 0;
-    for (int j = 0; j < LW_GROUP; j++)
-        longest = fmax(longest, fabs(t[j] - back(&f->at, 0)->t));
-    int n = nodes_behind(&f->at, longest, behind);
-    weights(behind, n, t, weight);
+    double by[NODES];
+    int n = nodes_behind(&f->at, most8(abs8(t - back(&f->at, 0)->t)), behind);
+    constants(behind, n, by);
+    weights(behind, n, by, t, weight);
     set_input(f, t);
-    for (int j = 0; j < LW_GROUP; j++) {
-        f->sure[j] = true;
-        f->need[j] = 0;
-    }
+    f->sure = ~(mask){ 0 };
+    f->need = (pack){ 0 };
+    put8(f->k.margin, all8(1));
     for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
         if (s->kind != LW_STEP_HIGHER) {
-            forward_shared_pose(&f->k, s, LW_GROUP);
+            forward_shared_margin(&f->k, s, LW_GROUP);
             continue;
         }
-        solve_group(f, &w, &p->higher[s->dim[0]], t, behind, n, weight);
+        eight *w = &f->group[s->dim[0]];
+        load_known(&f->k, w, 0, 0);
+        blend(w->g, behind, n, weight, 0, f->guess);
+        take_rows(w, f->guess);
+        BY_SIZE(solve, w, f, t)
         left--;
     }
 }
 
 /* Lanes first .. last of the trial become the past. */
-static void accept(follower *f, const lanes8 t, int count)
+static void accept(follower *f, pack t, int count)
 {
     stand *a = &f->at;
     for (int j = 0; j < count; j++) {
@@ -444,6 +446,8 @@ static void accept(follower *f, const lanes8 t, int count)
     f->at_lane = count - 1;
     for (size_t i = 0, n = lw_inverse_rows(f->plan); i < n; i++)
         a->bend[i] = f->bend[i][f->at_lane];
+    for (size_t i = 0, n = f->pushed ? lw_inverse_rows(f->plan) : 0; i < n; i++)
+        a->push[i] = f->push[i][f->at_lane];
     for (int h = 0; h < f->plan->n_higher; h++)
         for (int e = 0; e < f->plan->higher[h].n_slide; e++) {
             int dir = f->plan->higher[h].slide[e].dir;

@@ -45,4 +45,23 @@ LW_INLINE lw_vec2 lw_sincos(double x)
     return lw_v2(half ? -turned_c : turned_c, half ? -turned_s : turned_s);
 }
 
+/* The direction of (c, s), as atan2(s, c), to 1e-14.  What is above pi/8 counts from pi/4: the series runs over
+ * |z| <= tan(pi/8), where its remainder after z^33 is below 1e-15. */
+LW_INLINE double lw_bearing(double c, double s)
+{
+    double a = fabs(c), b = fabs(s);
+    int steep = b > a, zero;
+    double low = steep ? a : b, high = steep ? b : a;
+    int beyond = low > 0.41421356237309503*high;
+    double top = beyond ? low - high : low, bottom = beyond ? low + high : high;
+    zero = bottom == 0;
+    double z = top/(zero ? 1 : bottom), z2 = z*z, sum = 1.0/33;
+    for (int i = 31; i > 0; i -= 2)
+        sum = 1.0/i - z2*sum;
+    double turn = z*sum + (beyond ? LW_PI/4 : 0);
+    turn = steep ? LW_PI/2 - turn : turn;
+    turn = c < 0 ? LW_PI - turn : turn;
+    return copysign(turn, s);
+}
+
 #endif

@@ -1,6 +1,7 @@
 /* Higher groups in a plan: all eight-link chains with every ground and input, sliders and slots among them, against
  * the loops' own lengths, Newton's method on all links, and differences. */
 #include "mbs/batch.h"
+#include "mbs/kernels_internal.h"
 #include "mbs/newton.h"
 #include "mbs/pose.h"
 #include "tests/all_chains.h"
@@ -216,6 +217,20 @@ static void gradients_are_differences(void)
 
 static int n_same;
 
+/* Sum and gradient of these lanes have the same bits on every instruction set. */
+static void check_bits(subject *q, const lw_lanes *in, int which, const double *x, const double *y)
+{
+    double grad[2][LW_DIM_MAX], f[2], least[2];
+    const lw_kernels *own = q->p.kernels;
+    for (int isa = 0; lw_kernels_supported(isa); isa++) {
+        q->p.kernels = lw_kernels_supported(isa);
+        f[isa > 0] = lw_batch_sum(&q->p, in, which, work, y, x, NULL, grad[isa > 0], &least[isa > 0]);
+        if (isa > 0)
+            CHECK(f[0] == f[1] && least[0] == least[1] && memcmp(grad[0], grad[1], (size_t)q->p.n_dim*sizeof(double)) == 0);
+    }
+    q->p.kernels = own;
+}
+
 /* Lanes far apart are followed along the same way as lanes so near that hardly anything moves between them. */
 static void same_way(subject *q, lw_rng *r)
 {
@@ -235,6 +250,7 @@ static void same_way(subject *q, lw_rng *r)
     }
     lw_batch_point(&q->p, &(lw_lanes){ DENSE, c, s, q->dim, 0, q->mode, 0 }, which, work, x, y, u, v, m);
     lw_batch_point(&q->p, &(lw_lanes){ SPARSE, cs, ss, q->dim, 0, q->mode, 0 }, which, work, xs, ys, us, vs, ms);
+    check_bits(q, &(lw_lanes){ SPARSE, cs, ss, q->dim, 0, q->mode, 0 }, which, xs, ys);
     for (int i = 0, at = 0; i < SPARSE; i++) {
         while (at < i*TIMES && m[at] > 1e-3)             /* nor may a dyad open in between                */
             at++;
