@@ -240,7 +240,7 @@ LW_INLINE void between_at(const follower *f, const between *b, pack t, pack *row
     row[f->plan->n_row] = (pack){ 0 };
 }
 
-/* `count` lanes from `first` on, eight or more, that lie in the order of the way or the other: the last eight once more. */
+/* `count` lanes from `first` on, eight or more, in the order of the way or the other: the last eight once more. */
 static void put_block(const follower *f, const chunk *q, const between *b, size_t first, size_t count)
 {
     pack row[LW_ROW_MAX + 1];
@@ -343,7 +343,8 @@ static void follow_chunk(follower *f, const lw_lanes *in, bool more, chunk *q)
     }
     while (first < q->n && q->t[first] < back(&f->at, 0)->t)
         first++;
-    bool down_last = q->falls || !q->ordered, both = first > 0 && first < q->n, none_last = first == (down_last ? 0 : q->n);
+    bool down_last = q->falls || !q->ordered, both = first > 0 && first < q->n;
+    bool none_last = first == (down_last ? 0 : q->n);
     if (both || more)
         copy_stand(&here, &f->at, f->plan);
     go_along(f, q, down_last ? first : first - 1, down_last ? 1 : (size_t)-1);

@@ -1,5 +1,5 @@
-/* mbs/kernel_normal_internal.h - J'J and J'r of rows over lanes, several products side by side.  Included by mbs/kernel.c
- * alone.
+/* mbs/kernel_normal_internal.h - J'J and J'r of rows over lanes, several products side by side.  Included by
+ * mbs/kernel.c alone.
  *
  * Every product is eight sums, lane number modulo eight, added up in one order: the same bits however many are worked
  * on at a time. */

@@ -266,7 +266,8 @@ LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
         int root = g->dir[q->dir].root;
         if (q->disp >= g->n_disp)
             continue;
-        pack *to = &z[g->n_turn + q->disp], side = r[g->n_turn + q->disp], turned = root >= 0 ? 2*r[root] : by->known[q->dir];
+        pack *to = &z[g->n_turn + q->disp], side = r[g->n_turn + q->disp];
+        pack turned = root >= 0 ? 2*r[root] : by->known[q->dir];
         if (root >= 0 && w->moves[q->dir])
             turned += by->input;
         *to = more8(side*turned, *to);
