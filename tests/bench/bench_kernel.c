@@ -304,6 +304,24 @@ static void few_lanes(bench *b, const char *type)
     }
 }
 
+/* Few lanes over a full turn: here the way between them is what costs. */
+static void sparse_lanes(bench *b, const char *name)
+{
+    static const size_t n[] = { 512, 60, 18 };
+    char what[64];
+    for (size_t i = 0; i < sizeof n/sizeof *n; i++) {
+        for (size_t k = 0; k < n[i]; k++) {
+            b->c[k] = cos(2*LW_PI*(double)k/(double)n[i]);
+            b->s[k] = sin(2*LW_PI*(double)k/(double)n[i]);
+        }
+        over_angles(b, n[i]);
+        snprintf(what, sizeof what, "%s over a turn", name);
+        report(b, what, ours_point, NULL);
+        snprintf(what, sizeof what, "%s sum+gradient over a turn", name);
+        report(b, what, ours_sum, NULL);
+    }
+}
+
 static void run_higher(bench *b)
 {
     for (int triad = 0; triad < 2; triad++) {
@@ -316,6 +334,7 @@ static void run_higher(bench *b)
         snprintf(what, sizeof what, "%s sum+gradient by %d", name, b->plan.n_dim);
         report(b, what, ours_sum, NULL);
         few_lanes(b, name);
+        sparse_lanes(b, name);
     }
 }
 
