@@ -17,7 +17,7 @@
 #if defined(__clang__)
 #define LW_UNROLL _Pragma("clang loop unroll(full)")
 #else
-#define LW_UNROLL _Pragma("GCC unroll 6")
+#define LW_UNROLL _Pragma("GCC unroll 4")
 #endif
 
 typedef struct eight {
