@@ -280,6 +280,7 @@ static double shorten(const lw_problem *p, lw_work *w)
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
     double least = INFINITY, *kept = w->keep_theta;
+    bool back = false;
     for (int i = 0;; i++) {
         if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
             return false;
@@ -288,10 +289,12 @@ bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int step
             least = f;
             memcpy(kept, w->phase, p->n*sizeof *kept);
         }
-        if (i >= steps && f <= least)
+        if (i >= steps && (f <= least || back))
             return true;
-        if (i >= steps) {                                /* Newton went astray: back to the best  */
+        if (i >= steps) {                                /* Newton went astray: back to the best, once, */
+                                                         /* as groups that are followed give f but for rounding */
             memcpy(w->phase, kept, p->n*sizeof *kept);
+            back = true;
             continue;
         }
         propose(p, w, i > 0);

@@ -64,6 +64,20 @@ static void more_links_are_never_worse(void)
     json_decref(root);
 }
 
+/* Groups that are followed give the same sum of squares again but for rounding: refining ended never.  And threads. */
+static void groups_in_both_ways(void)
+{
+    const char *fit = "$P fit examples/letters/S.csv --links 6 --timing none --budget 20000 --rounds 1 --json -q";
+    char line[256];
+    json_t *root = json_of(fit);
+    json_t *best = json_array_get(json_object_get(root, "results"), 0);
+    CHECK(integer(best, "links") == 6);
+    CHECK(real(best, "objective") < 1);
+    json_decref(root);
+    snprintf(line, sizeof line, "%s -j 1 | grep objective > $D/one; %s -j 2 | grep objective | diff - $D/one", fit, fit);
+    expect(line, 0, "", "");
+}
+
 static void only_the_topologies_asked_for(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 6 --topology watt1 --budget 5000 --json");
@@ -316,6 +330,7 @@ int main(void)
 {
     RUN(every_topology_is_accounted_for);
     RUN(more_links_are_never_worse);
+    RUN(groups_in_both_ways);
     RUN(only_the_topologies_asked_for);
     RUN(results_are_gone_on_from);
     RUN(error_against_links);
