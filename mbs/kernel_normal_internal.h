@@ -14,9 +14,6 @@
 #define ABREAST 2
 #endif
 
-/* Eight lanes wherever a double may lie: kept in registers from loop to loop, which arrays are not. */
-typedef double pack __attribute__((vector_size(64), aligned(8), may_alias));
-
 /* Columns a and b[0 .. count-1] multiplied; from one component to the next are a_step and b_step. */
 LW_INLINE void products(const lw_normal *q, const double *a, size_t a_step, const double *const *b, size_t b_step,
                         const int count, double *to)
@@ -24,9 +21,9 @@ LW_INLINE void products(const lw_normal *q, const double *a, size_t a_step, cons
     pack s[ABREAST] = { 0 };
     for (int r = 0; r < q->n_row; r++)
         for (size_t k = 0; k < q->ld; k += LW_GROUP) {
-            const pack x = *(const pack *)(a + (size_t)r*a_step + k);
+            const pack x = get8(a + (size_t)r*a_step + k);
             for (int c = 0; c < count; c++)
-                s[c] += x**(const pack *)(b[c] + (size_t)r*b_step + k);
+                s[c] += x*get8(b[c] + (size_t)r*b_step + k);
         }
     for (int c = 0; c < count; c++)
         to[c] = ((s[c][0] + s[c][4]) + (s[c][1] + s[c][5])) + ((s[c][2] + s[c][6]) + (s[c][3] + s[c][7]));
