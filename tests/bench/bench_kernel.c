@@ -48,7 +48,7 @@ typedef struct bench {
     lw_lanes in;
     size_t n;
     double *work, *c, *s, *dim, *mode, *x, *y, *u, *v, *margin, *tx, *ty, *jac;
-    double one[LW_DIM_MAX], sign[LW_MODE_MAX], bar[13];
+    double one[LW_DIM_MAX], sign[LW_MODE_MAX], bar[15];
     double sink;
 } bench;
 
@@ -130,6 +130,8 @@ static void hand_fourbar(bench *b) { BY_HAND(isa_of(b), fourbar_angles, b->n, b-
 static void hand_slidercrank(bench *b) { BY_HAND(isa_of(b), slidercrank_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
 static void hand_inverted(bench *b) { BY_HAND(isa_of(b), inverted_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
 static void hand_jansen(bench *b) { BY_HAND(isa_of(b), jansen_angles, b->n, b->c, b->s, b->bar, b->x, b->y); }
+static void hand_stephenson(bench *b) { BY_HAND(isa_of(b), sixbar_angles, b->n, b->u, b->v, b->bar, 0, b->x, b->y); }
+static void hand_watt(bench *b) { BY_HAND(isa_of(b), sixbar_angles, b->n, b->u, b->v, b->bar, 1, b->x, b->y); }
 static void hand_frame(bench *b)
 {
     BY_HAND(isa_of(b), fourbar_candidates, b->n, b->c, b->s, b->dim, STRIDE, b->mode, b->x, b->y, b->u, b->v);
@@ -228,6 +230,73 @@ static void set_jansen(bench *b)
         b->c[i] = cos(2*LW_PI*i/LANES - turn);
         b->s[i] = sin(2*LW_PI*i/LANES - turn);
     }
+}
+
+static double side(lw_vec2 a, lw_vec2 b, lw_vec2 c) { return lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a)) > 0 ? 1 : -1; }
+
+/* p on the link from a to b, as its x and y along and across it */
+static lw_vec2 on(lw_vec2 a, lw_vec2 b, lw_vec2 p)
+{
+    return lw_v2_unturn(lw_v2_sub(p, a), lw_v2_scale(lw_v2_sub(b, a), 1/lw_v2_norm(lw_v2_sub(b, a))));
+}
+
+static double apart(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(b, a)); }
+
+/* Both ways must give the same points. */
+static void compare(bench *b, void (*hand)(bench *))
+{
+    double off = 0;
+    b->n = LANES;
+    b->in = (lw_lanes){ LANES, b->c, b->s, b->one, 0, b->sign, 0 };
+    ours_point(b);
+    memcpy(b->tx, b->x, LANES*sizeof *b->x);
+    memcpy(b->ty, b->y, LANES*sizeof *b->y);
+    hand(b);
+    for (int i = 0; i < LANES; i++)
+        off = fmax(off, fabs(b->tx[i] - b->x[i]) + fabs(b->ty[i] - b->y[i]));
+    if (!(off < 1e-11)) {
+        fprintf(stderr, "by hand and by plan the points are %g apart\n", off);
+        exit(1);
+    }
+}
+
+/* Stephenson III, or Watt I, in the posture of its joints. */
+static void set_sixbar(bench *b, bool watt)
+{
+    const lw_vec2 a = { 0, 0 }, at_b = { 0.5, 0.8 }, c = { 2.6, 2.1 }, d = { 3, 0 }, e = { 1.1, 2.4 };
+    const lw_vec2 f = watt ? lw_v2(3.5, 5) : lw_v2(-0.4, 5.2), g = watt ? lw_v2(4.2, 2.2) : lw_v2(-3, 2.5);
+    const lw_vec2 p = { 0.2, 2.9 }, on_bc = on(at_b, c, e), on_ef = on(e, f, p), on_dc = on(d, c, g);
+    static lw_linkage k;
+    const lw_kernels *kernels = b->plan.kernels;
+    double input;
+    lw_error error;
+    memset(&k, 0, sizeof k);
+    k.n_link = 6;
+    k.n_input = k.n_tracer = 1;
+    k.units = lw_units_si();
+    for (int i = 0; i < 6; i++)
+        snprintf(k.link_name[i], LW_NAME_SIZE, "link%d", i);
+    pin(&k, 0, 1, a.x, a.y); pin(&k, 1, 2, at_b.x, at_b.y); pin(&k, 2, 3, c.x, c.y); pin(&k, 0, 3, d.x, d.y);
+    pin(&k, 2, 4, e.x, e.y); pin(&k, 4, 5, f.x, f.y); pin(&k, watt ? 3 : 0, 5, g.x, g.y);
+    strcpy(k.tracer[0].name, "tracer");
+    k.tracer[0].link = 4;
+    k.tracer[0].at = p;
+    if (lw_plan_make(&k, (lw_want){ 1, false }, &b->plan, &error) != LW_OK ||
+        lw_plan_read(&b->plan, &k, b->one, b->sign, &input, &error) != LW_OK) {
+        fprintf(stderr, "%s\n", error.text);
+        exit(1);
+    }
+    b->plan.kernels = kernels;
+    fill_lanes(b);
+    for (int i = 0; i < LANES; i++) {
+        double world = 2*LW_PI*i/LANES + b->one[b->plan.i_theta0];
+        b->u[i] = cos(world);
+        b->v[i] = sin(world);
+    }
+    const double bar[15] = { apart(a, at_b), apart(at_b, c), apart(c, d), d.x, d.y, on_bc.x, on_bc.y, apart(e, f), apart(f, g),
+                             on_ef.x, on_ef.y, watt ? on_dc.x : g.x, watt ? on_dc.y : g.y, side(at_b, d, c), side(e, g, f) };
+    memcpy(b->bar, bar, sizeof bar);
+    compare(b, watt ? hand_watt : hand_stephenson);
 }
 
 /* Eight bars twice: a crank, a triad and a dyad on it; or a crank and three dyads.  The tracer is on a link of the last
@@ -362,6 +431,12 @@ static void run_all(bench *b)
     report(b, "inverted points over angles", ours_point, hand_inverted);
     report(b, "inverted sum+gradient by eight", ours_sum, NULL);
     few_lanes(b, "inverted");
+    set_sixbar(b, false);
+    over_angles(b, LANES);
+    report(b, "stephenson III points over angles", ours_point, hand_stephenson);
+    set_sixbar(b, true);
+    over_angles(b, LANES);
+    report(b, "watt I points over angles", ours_point, hand_watt);
     set_jansen(b);
     over_angles(b, LANES);
     report(b, "jansen foot over angles", ours_point, hand_jansen);

@@ -91,6 +91,25 @@ TARGET static inline void HAND(circles)(double ax, double ay, double bx, double 
     *y = ay + dx*q + dy*p;
 }
 
+/* Six-bars: a four-bar A B C D with E on its coupler and a dyad E F G, the tracer on E F.  G on the ground (Stephenson III)
+ * or on the rocker (Watt I).  p: AB BC CD, D, E on BC, EF FG, tracer on EF, G (on the ground, or on DC); modes of C, F. */
+TARGET static void HAND(sixbar_angles)(size_t n, const double *restrict c, const double *restrict s, const double *p,
+                                       int watt, double *restrict x, double *restrict y)
+{
+    const double r2 = p[0], r3 = p[1], r4 = p[2], dx = p[3], dy = p[4], ex = p[5]/r3, ey = p[6]/r3, r5 = p[7], r6 = p[8];
+    const double tx = p[9]/r5, ty = p[10]/r5, gx = p[11], gy = p[12], mode_c = p[13], mode_f = p[14], hx = gx/r4, hy = gy/r4;
+    for (size_t i = 0; i < n; i++) {
+        double bx = r2*c[i], by = r2*s[i], cx, cy, fx, fy;
+        HAND(circles)(bx, by, dx, dy, r3, r4, mode_c, &cx, &cy);
+        double ux = cx - bx, uy = cy - by, px = bx + ex*ux - ey*uy, py = by + ex*uy + ey*ux;
+        double vx = cx - dx, vy = cy - dy, qx = watt ? dx + hx*vx - hy*vy : gx, qy = watt ? dy + hx*vy + hy*vx : gy;
+        HAND(circles)(px, py, qx, qy, r5, r6, mode_f, &fx, &fy);
+        double wx = fx - px, wy = fy - py;
+        x[i] = px + tx*wx - ty*wy;
+        y[i] = py + tx*wy + ty*wx;
+    }
+}
+
 /* Jansen's leg by bars: r = a b c d e f g h i j k l m; the foot. */
 TARGET static void HAND(jansen_angles)(size_t n, const double *restrict c, const double *restrict s, const double *r,
                                        double *restrict x, double *restrict y)
