@@ -105,10 +105,10 @@ static void add_stage(cli_topologies *all, cli_topology_stage *t, const cli_fit_
     lw_stage *stage = &s->stage[s->n];
     *stage = (lw_stage){ .links = links, .family = *at, .context = all };
     stage->name = all->n > 0 ? cli_topologies_name : NULL;
-    if (t) {
-        memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
+    if (t)
         t->stage = s->n;
-    }
+    if (t && t->n_family)
+        memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
     stage->n_family = t ? t->n_family : 0;
     for (int i = 0; k && i < k->n; i++)
         if (k->family[i].links == links)

@@ -263,11 +263,13 @@ lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_er
                                 "than %d links or %d joints", LW_LINK_MAX, LW_JOINT_MAX);
         int die = wide->n_link++;
         lw_joint *pin = &wide->joint[j], *slide = &wide->joint[wide->n_joint++];
-        snprintf(wide->link_name[die], LW_NAME_SIZE, "die of %.20s", pin->name);
+        char name[LW_NAME_SIZE];
+        memcpy(name, pin->name, sizeof name);
+        snprintf(wide->link_name[die], LW_NAME_SIZE, "die of %.20s", name);
         *slide = *pin;
         slide->kind = LW_JOINT_SLIDER;
         slide->link[1] = die;
-        snprintf(slide->name, LW_NAME_SIZE, "slot of %.20s", pin->name);
+        snprintf(slide->name, LW_NAME_SIZE, "slot of %.20s", name);
         pin->kind = LW_JOINT_REVOLUTE;
         pin->link[0] = die;
         pin->along = lw_v2(0, 0);

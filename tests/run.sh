@@ -22,7 +22,7 @@ run_one() {
     fi
     echo "$summary" > "$log.sum"
 }
-export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 export -f run_one
 
 printf '%s\0' "$@" | xargs -0 -r -n 1 -P "$(nproc)" bash -c 'run_one "$0" "$1"' "$logs"
