@@ -187,6 +187,33 @@ static void pin(lw_linkage *k, int from, int to, double x, double y)
     j->at = lw_v2(x, y);
 }
 
+static void begin(lw_linkage *k, int n_link)
+{
+    memset(k, 0, sizeof *k);
+    k->n_link = n_link;
+    k->n_input = k->n_tracer = 1;
+    k->units = lw_units_si();
+    for (int i = 0; i < n_link; i++)
+        snprintf(k->link_name[i], LW_NAME_SIZE, "link%d", i);
+}
+
+/* Its plan and dimensions, for a tracer at a place of a link. */
+static void plan_of(bench *b, lw_linkage *k, int link, lw_vec2 at)
+{
+    const lw_kernels *kernels = b->plan.kernels;
+    double input;
+    lw_error e;
+    strcpy(k->tracer[0].name, "tracer");
+    k->tracer[0].link = link;
+    k->tracer[0].at = at;
+    if (lw_plan_make_any(k, (lw_want){ 1, false }, &b->plan, &e) != LW_OK ||
+        lw_plan_read(&b->plan, k, b->one, b->sign, &input, &e) != LW_OK) {
+        fprintf(stderr, "%s\n", e.text);
+        exit(1);
+    }
+    b->plan.kernels = kernels;
+}
+
 /* Jansen's leg from eleven bars and the ground; dimensions a b c d e f g h i j k l m from Jansen's site, in
  * the places of data/jansen.csv at 0 degrees. */
 static void set_jansen(bench *b)
@@ -197,15 +224,8 @@ static void set_jansen(bench *b)
     const lw_vec2 p5 = { -59.23151496141500, -28.052930230747767 }, foot = { -43.16011052410472, -91.75693292612322 };
     enum { GROUND, M, J, B, E, D, K, C, F, G, I, H, N };
     static lw_linkage k;
-    const lw_kernels *kernels = b->plan.kernels;
-    double input;
-    memset(&k, 0, sizeof k);
+    begin(&k, N);
     memcpy(b->bar, bar, sizeof bar);
-    k.n_link = N;
-    k.n_input = k.n_tracer = 1;
-    k.units = lw_units_si();
-    for (int i = 0; i < N; i++)
-        snprintf(k.link_name[i], LW_NAME_SIZE, "link%d", i);
     pin(&k, GROUND, M, 0, 0);
     pin(&k, M, J, m.x, m.y);     pin(&k, J, K, m.x, m.y);
     pin(&k, GROUND, B, g.x, g.y); pin(&k, GROUND, D, g.x, g.y); pin(&k, GROUND, C, g.x, g.y);
@@ -214,16 +234,7 @@ static void set_jansen(bench *b)
     pin(&k, K, C, p4.x, p4.y);   pin(&k, C, G, p4.x, p4.y);   pin(&k, G, I, p4.x, p4.y);
     pin(&k, F, G, p5.x, p5.y);   pin(&k, G, H, p5.x, p5.y);
     pin(&k, I, H, foot.x, foot.y);
-    strcpy(k.tracer[0].name, "foot");
-    k.tracer[0].link = I;
-    k.tracer[0].at = foot;
-    lw_error e;
-    if (lw_plan_make(&k, (lw_want){ 1, false }, &b->plan, &e) != LW_OK ||
-        lw_plan_read(&b->plan, &k, b->one, b->sign, &input, &e) != LW_OK) {
-        fprintf(stderr, "%s\n", e.text);
-        exit(1);
-    }
-    b->plan.kernels = kernels;
+    plan_of(b, &k, I, foot);
     double turn = b->one[b->plan.i_theta0];
     fill_lanes(b);
     for (int i = 0; i < LANES; i++) {                          /* the same crank angles in the ground frame */
@@ -267,26 +278,10 @@ static void set_sixbar(bench *b, bool watt)
     const lw_vec2 f = watt ? lw_v2(3.5, 5) : lw_v2(-0.4, 5.2), g = watt ? lw_v2(4.2, 2.2) : lw_v2(-3, 2.5);
     const lw_vec2 p = { 0.2, 2.9 }, on_bc = on(at_b, c, e), on_ef = on(e, f, p), on_dc = on(d, c, g);
     static lw_linkage k;
-    const lw_kernels *kernels = b->plan.kernels;
-    double input;
-    lw_error error;
-    memset(&k, 0, sizeof k);
-    k.n_link = 6;
-    k.n_input = k.n_tracer = 1;
-    k.units = lw_units_si();
-    for (int i = 0; i < 6; i++)
-        snprintf(k.link_name[i], LW_NAME_SIZE, "link%d", i);
+    begin(&k, 6);
     pin(&k, 0, 1, a.x, a.y); pin(&k, 1, 2, at_b.x, at_b.y); pin(&k, 2, 3, c.x, c.y); pin(&k, 0, 3, d.x, d.y);
     pin(&k, 2, 4, e.x, e.y); pin(&k, 4, 5, f.x, f.y); pin(&k, watt ? 3 : 0, 5, g.x, g.y);
-    strcpy(k.tracer[0].name, "tracer");
-    k.tracer[0].link = 4;
-    k.tracer[0].at = p;
-    if (lw_plan_make(&k, (lw_want){ 1, false }, &b->plan, &error) != LW_OK ||
-        lw_plan_read(&b->plan, &k, b->one, b->sign, &input, &error) != LW_OK) {
-        fprintf(stderr, "%s\n", error.text);
-        exit(1);
-    }
-    b->plan.kernels = kernels;
+    plan_of(b, &k, 4, p);
     fill_lanes(b);
     for (int i = 0; i < LANES; i++) {
         double world = 2*LW_PI*i/LANES + b->one[b->plan.i_theta0];
@@ -304,15 +299,7 @@ static void set_sixbar(bench *b, bool watt)
 static void set_eightbar(bench *b, bool triad)
 {
     static lw_linkage k;
-    const lw_kernels *kernels = b->plan.kernels;
-    double input;
-    lw_error e;
-    memset(&k, 0, sizeof k);
-    k.n_link = 8;
-    k.n_input = k.n_tracer = 1;
-    k.units = lw_units_si();
-    for (int i = 0; i < 8; i++)
-        snprintf(k.link_name[i], LW_NAME_SIZE, "link%d", i);
+    begin(&k, 8);
     pin(&k, 0, 1, 0, 0);
     pin(&k, 1, 2, 0.1, 0);
     if (triad) {
@@ -324,15 +311,7 @@ static void set_eightbar(bench *b, bool triad)
     }
     pin(&k, 6, 7, 6, 3);
     pin(&k, 7, 0, 6, 0.5);
-    strcpy(k.tracer[0].name, "tracer");
-    k.tracer[0].link = 6;
-    k.tracer[0].at = lw_v2(5, 4);
-    if (lw_plan_make_any(&k, (lw_want){ 1, false }, &b->plan, &e) != LW_OK ||
-        lw_plan_read(&b->plan, &k, b->one, b->sign, &input, &e) != LW_OK) {
-        fprintf(stderr, "%s\n", e.text);
-        exit(1);
-    }
-    b->plan.kernels = kernels;
+    plan_of(b, &k, 6, lw_v2(5, 4));
     fill_lanes(b);
     b->in = (lw_lanes){ LANES, b->c, b->s, b->one, 0, b->sign, 0 };
     lw_batch_point(&b->plan, &b->in, 0, b->work, b->x, b->y, b->u, b->v, b->margin);
