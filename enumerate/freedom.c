@@ -198,6 +198,19 @@ bool lw_mechanism_drives(const lw_mechanism *m, uint64_t joints)
     return true;
 }
 
+uint64_t lw_mechanism_drivers(const lw_mechanism *m)
+{
+    splitting s = { .n_link = m->n_link };
+    uint64_t drivers = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        if (!add_joint(&s, m, j))
+            return 0;
+    for (int j = 0; j < m->n_joint; j++)
+        if (add(&s, m->link[j][0], m->link[j][1], m->kind[j] != LW_JOINT_SLIDER, false))
+            drivers |= (uint64_t)1 << j;
+    return drivers;
+}
+
 size_t lw_void_print(const lw_mechanism *m, lw_void reason, uint64_t joints, char *buf, size_t size)
 {
     static const char *const text[] = {

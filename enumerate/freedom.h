@@ -37,4 +37,7 @@ size_t lw_void_print(const lw_mechanism *m, lw_void reason, uint64_t joints, cha
  * at general dimensions still free of dependent conditions?  True for no more than F joints. */
 bool lw_mechanism_drives(const lw_mechanism *m, uint64_t joints);
 
+/* The joints that drive alone, as bits: those j for which lw_mechanism_drives(m, 1 << j), at the price of one. */
+uint64_t lw_mechanism_drivers(const lw_mechanism *m);
+
 #endif

@@ -47,6 +47,7 @@ typedef struct choice {
     const lw_mechanism *m;
     const lw_symmetry  *symmetry;
     uint64_t            allowed;
+    bool                drive;          /* each of them alone does                                   */
     lw_mechanism_visit *visit;
     void               *context;
 } choice;
@@ -55,7 +56,7 @@ static lw_status choose(const choice *c, int n, int from, uint64_t set)
 {
     if (n == 0) {
         lw_mechanism chosen = *c->m;
-        if (!is_first_set(c->symmetry, set) || !lw_mechanism_drives(c->m, set))
+        if (!is_first_set(c->symmetry, set) || (!c->drive && !lw_mechanism_drives(c->m, set)))
             return LW_OK;
         for (; set; set &= set - 1)
             chosen.input[chosen.n_input++] = (uint8_t)__builtin_ctzll(set);
@@ -78,6 +79,8 @@ lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechan
     for (int j = 0; j < m->n_joint; j++)
         if (lw_kind_freedom(m->kind[j]) == 1 && (!at_ground || at_link(m, j, m->ground)))
             c.allowed |= (uint64_t)1 << j;
+    if ((c.drive = n == 1))
+        c.allowed &= lw_mechanism_drivers(m);
     lw_status s = lw_symmetry_of(m, true, &symmetry);
     if (s != LW_OK)
         return s;

@@ -232,6 +232,8 @@ static void driving(void)
                 right &= add_row(&a, v, true);
             }
         CHECK_INT(lw_mechanism_drives(&m, joints), right);
+        for (int j = 0; j < m.n_joint; j++)
+            CHECK_INT(lw_mechanism_drivers(&m) >> j & 1, lw_mechanism_drives(&m, (uint64_t)1 << j));
         (*(right ? &n_yes : &n_no))++;
     }
     CHECK(n_yes > 200 && n_no > 200);
