@@ -90,7 +90,7 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     lw_status st = cli_topologies_make(&wish, &topologies, e);
     if (st != LW_OK)
         return st;
-    st = cli_fit_stages_make(&topologies, &none, &stages);
+    cli_fit_stages_make(&topologies, &none, &stages);
     lw_fit_options f = lw_fit_options_default();
     f.spec = p->spec;
     if (o->both_ways && f.spec.timing == LW_TIMING_FREE)
@@ -104,13 +104,11 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     f.improved = record;
     f.context = &out->watch;
     out->watch.started = lw_clock_wall();
-    if (st == LW_OK)
-        st = lw_survey_run(&p->target, &f, stages.stage, stages.n, &survey, e);
+    st = lw_survey_run(&p->target, &f, stages.stage, stages.n, &survey, e);
     if (st >= 0 && st != LW_NOTHING)
         pick_best(p, &f.spec, &survey, out);
     if (st >= 0)
         lw_survey_free(&survey);
-    cli_fit_stages_free(&stages);
     cli_topologies_free(&topologies);
     return st < 0 ? st : LW_OK;
 }

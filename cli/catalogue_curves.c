@@ -72,16 +72,24 @@ static lw_status begin(job *j)
 static lw_status add_topologies(job *j, int links)
 {
     cli_topologies all;
-    cli_topology_wish w = { .links = links, .kinds = "r", .only = "all", .task = LW_TASK_PATH };
-    lw_status status = cli_topologies_make(&w, &all, &j->e);
-    for (int i = 0; status == LW_OK && i < all.n; i++)
-        for (int f = 0; f < all.stage[i].n_family && all.stage[i].links == links && status == LW_OK; f++) {
-            const lw_family *family = &all.stage[i].family[f];
-            status = lw_curve_maker_add(j->maker, family->name, family->linkage, &j->e);
+    cli_topology_wish w = { .links = links, .kinds = "r", .only = "all", .task = LW_TASK_PATH, .jobs = j->call->common.jobs };
+    lw_family_made *made = malloc(sizeof *made);
+    lw_status status = made ? cli_topologies_make(&w, &all, &j->e) : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+    if (status != LW_OK) {
+        free(made);
+        return status;
+    }
+    for (int i = 0; i < all.n; i++) {
+        lw_families f = cli_topology_families(&all.stage[i]);
+        for (int n = 0; n < f.n && all.stage[i].links == links && status == LW_OK; n++) {
+            status = f.make(f.of, n, made);
+            if (status == LW_OK)
+                status = lw_curve_maker_add(j->maker, made->name, &made->linkage, &j->e);
             status = status == LW_E_KIND ? LW_OK : status;
         }
-    if (status == LW_OK)
-        cli_topologies_free(&all);
+    }
+    free(made);
+    cli_topologies_free(&all);
     return status;
 }
 

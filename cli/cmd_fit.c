@@ -315,7 +315,7 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
         if (strchr("rtpg", *at) && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
-    cli_topology_wish w = { .links = links, .kinds = kinds, .only = named ? b->topology : s->topology,
+    cli_topology_wish w = { .links = links, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
                             .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
@@ -326,9 +326,10 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && s->atlas)
         st = cli_fit_known_atlas(s->atlas, &set->target, links > 4 ? links : 4, &set->known, e);
-    if (st == LW_OK && cli_fit_stages_make(&set->topologies, &set->known, &set->stages) != LW_OK)
-        st = lw_error_set(e, LW_E_MEMORY, "out of memory");
-    return st == LW_OK ? cli_fit_points_stages(set, e) : st;
+    if (st != LW_OK)
+        return st;
+    cli_fit_stages_make(&set->topologies, &set->known, &set->stages);
+    return cli_fit_points_stages(set, e);
 }
 
 /* Candidate i is verified: one more result, unless there are enough and others have as many links. */
@@ -436,7 +437,6 @@ static void set_free(cli_fit_set *set)
     lw_target_free(&set->target);
     lw_brief_free(&set->brief);
     lw_survey_free(&set->survey);
-    cli_fit_stages_free(&set->stages);
     for (int i = 0; i < LW_STAGE_MAX; i++)
         lw_tracer_spread_free(&set->spread[i]);
     cli_fit_known_free(&set->known);

@@ -348,8 +348,8 @@ static lw_status run_final(job *b, lw_error *e)
     lw_fit fit;
     lw_fit_options o = lw_fit_options_default();
     o.spec = b->spec;
-    o.family = &b->family;
-    o.n_family = 1;
+    lw_families one = lw_families_of(&b->family, 1);
+    o.families = &one;
     o.budget = (long)b->s->budget;
     o.seed = b->call->common.seed;
     o.jobs = b->call->common.jobs;

@@ -29,14 +29,12 @@ lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e)
 {
     for (int i = 0; i < s->stages.n && s->target.n_also > 0; i++) {
         lw_stage *g = &s->stages.stage[i];
-        if (!g->family)
+        if (!g->families.make)
             continue;
-        lw_status st = lw_tracers_spread(g->family, g->n_family, &s->target, &s->spec, &s->spread[i], e);
+        lw_status st = lw_tracers_spread(&g->families, &s->target, &s->spec, &s->spread[i], e);
         if (st != LW_OK)
             return st;
-        g->n_family = s->spread[i].n;
-        if (g->n_family > 0)                             /* NULL would mean the four-link types      */
-            g->family = s->spread[i].family;
+        g->families = lw_tracer_spread_families(&s->spread[i]);
     }
     return LW_OK;
 }

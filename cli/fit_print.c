@@ -108,8 +108,8 @@ static long n_with_fit(const cli_fit_set *s, const cli_topology_stage *t)
     if (t->stage >= s->survey.n_stage)
         return -1;
     const lw_stage_result *r = &s->survey.stage[t->stage];
-    for (int i = 0; i < r->n_tried && i < t->n_family; i++)
-        n += isfinite(r->tried[i].best);
+    for (int i = 0; i < r->n_state && i < t->n_family; i++)
+        n += r->state[i] == LW_FIT_CLOSED;
     return n;
 }
 

@@ -27,6 +27,14 @@ static lw_status check_known(const lw_linkage *k, const char *path, lw_error *e)
                        "inputs and %d tracers", k->name, k->n_input, k->n_tracer);
 }
 
+static int by_links(const void *a, const void *b)
+{
+    const lw_family *p = a, *q = b;
+    if (p->links != q->links)
+        return p->links - q->links;
+    return p->linkage < q->linkage ? -1 : p->linkage > q->linkage;
+}
+
 /* Families of all that is known, each with its posture as a start. */
 static lw_status name_families(cli_fit_known *k)
 {
@@ -40,6 +48,7 @@ static lw_status name_families(cli_fit_known *k)
             memcpy(l->name, "linkage", sizeof "linkage");
         f[i] = (lw_family){ .name = l->name, .linkage = l, .posture = true, .links = l->n_link };
     }
+    qsort(f, (size_t)k->n, sizeof *f, by_links);
     return LW_OK;
 }
 
@@ -98,49 +107,42 @@ void cli_fit_known_free(cli_fit_known *k)
     memset(k, 0, sizeof *k);
 }
 
-/* A stage of topologies, or of what is known with so many links, or of both; none when there are none. */
-static void add_stage(cli_topologies *all, cli_topology_stage *t, const cli_fit_known *k, int links, cli_fit_stages *s,
-                      lw_family **at)
+/* Those of the known linkages that have so many links. */
+static lw_families known_with(const cli_fit_known *k, int links)
 {
-    lw_stage *stage = &s->stage[s->n];
-    *stage = (lw_stage){ .links = links, .family = *at, .context = all };
-    stage->name = all->n > 0 ? cli_topologies_name : NULL;
-    if (t)
-        t->stage = s->n;
-    if (t && t->n_family)
-        memcpy(*at, t->family, sizeof **at*(size_t)t->n_family);
-    stage->n_family = t ? t->n_family : 0;
-    for (int i = 0; k && i < k->n; i++)
-        if (k->family[i].links == links)
-            (*at)[stage->n_family++] = k->family[i];
-    *at += stage->n_family;
-    s->n += (t || stage->n_family > 0) && s->n < LW_STAGE_MAX - 1;
+    int first = 0, n = 0;
+    while (first < k->n && k->family[first].links < links)
+        first++;
+    while (first + n < k->n && k->family[first + n].links == links)
+        n++;
+    return lw_families_of(k->family + first, n);
 }
 
-lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s)
+/* A stage of topologies, or of what is known with so many links, or of both; none when there are none. */
+static void add_stage(cli_topologies *all, cli_topology_stage *t, lw_families known, int links, cli_fit_stages *s)
 {
-    size_t n = (size_t)k->n + 1;
-    for (int i = 0; i < t->n; i++)
-        n += (size_t)t->stage[i].n_family;
-    *s = (cli_fit_stages){ .n = 1, .stage = { { .links = 4 } } };
-    lw_family *at = s->family = calloc(n, sizeof *at);
-    if (!at)
-        return LW_E_MEMORY;
+    lw_families_pair *pair = &s->pair[s->n];
+    if ((!t && known.n == 0) || s->n == LW_STAGE_MAX)
+        return;
+    *pair = (lw_families_pair){ t ? cli_topology_families(t) : lw_families_of(NULL, 0), known };
+    if (t)
+        t->stage = s->n;
+    s->stage[s->n++] = (lw_stage){ .links = links, .families = lw_families_join(pair), .context = all,
+                                   .name = all->n > 0 ? cli_topologies_name : NULL };
+}
+
+void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s)
+{
+    s->n = 1;
+    s->stage[0] = (lw_stage){ .links = 4 };
     for (int links = 2; links <= LW_LINK_MAX; links++) {
         cli_topology_stage *own = NULL;
         for (int i = 0; i < t->n; i++)
             if (t->stage[i].links == links && !t->stage[i].higher)
                 own = &t->stage[i];
-        add_stage(t, own, k, links, s, &at);
+        add_stage(t, own, known_with(k, links), links, s);
     }
     for (int i = 0; i < t->n; i++)
         if (t->stage[i].higher)
-            add_stage(t, &t->stage[i], NULL, t->stage[i].links, s, &at);
-    return LW_OK;
-}
-
-void cli_fit_stages_free(cli_fit_stages *s)
-{
-    free(s->family);
-    memset(s, 0, sizeof *s);
+            add_stage(t, &t->stage[i], lw_families_of(NULL, 0), t->stage[i].links, s);
 }

@@ -21,14 +21,13 @@ lw_status cli_fit_known_atlas(const char *path, const lw_target *t, int links, c
 void      cli_fit_known_free(cli_fit_known *k);
 
 typedef struct cli_fit_stages {
-    int        n;
-    lw_stage   stage[LW_STAGE_MAX];
-    lw_family *family;               /* owned */
+    int              n;
+    lw_stage         stage[LW_STAGE_MAX];
+    lw_families_pair pair[LW_STAGE_MAX];     /* topologies of a stage, and what is known            */
 } cli_fit_stages;
 
-/* Four links first, then by rising number, then those of t with slots and gears; t and k must stay.  Tells t's stages
- * which stage of the search they are.  LW_E_MEMORY. */
-lw_status cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
-void      cli_fit_stages_free(cli_fit_stages *s);
+/* Four links first, then by rising number, then those of t with slots and gears; t, k and s must stay where they are.
+ * Tells t's stages which stage of the search they are. */
+void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef LW_CLI_FIT_TOPOLOGIES_H
 #define LW_CLI_FIT_TOPOLOGIES_H
 
+#include "cli/fit_topology.h"
 #include "optimise/survey.h"
 
 /* Why a ground and tracer link is not fitted by itself. */
@@ -21,9 +22,6 @@ typedef enum cli_topology_fate {
  * slider with a massless block between, which is not counted as a link. */
 #define CLI_TOPOLOGY_EXPANDED 8
 
-/* Families of one stage at most: each takes a fifth of a megabyte while it is searched. */
-#define CLI_FAMILY_MOST 16384
-
 /* What there is with one number of links. */
 typedef struct cli_topology_stage {
     int         links;
@@ -34,23 +32,19 @@ typedef struct cli_topology_stage {
     long        fate[CLI_TOPOLOGY_FATES];                          /* of the pairs                  */
     long        n_group;                                           /* fitted that hold a group beyond dyads */
     int         n_family, capacity;
-    lw_family  *family;
-    lw_linkage **linkage;                                          /* (n_family) owned              */
-    char      (*name)[96];
+    cli_topology *family;                                          /* (n_family) owned              */
+    int         n_list, list_capacity;
+    cli_topology_chain *list;                                      /* (n_list) owned                */
+    const struct cli_topologies *all;
 } cli_topology_stage;
 
+/* Stays where it is made: its stages point to it. */
 typedef struct cli_topologies {
     int                n;
-    bool               wish_all;
+    bool               wish_all, timed;
+    cli_ratio          ratio[CLI_RATIO_MAX];
     cli_topology_stage stage[LW_STAGE_MAX];
 } cli_topologies;
-
-/* Ratios that gear pairs are tried with. */
-#define CLI_RATIO_MAX 24
-typedef struct cli_ratio { double value; char text[12]; } cli_ratio;
-
-/* "-1,1/2,3": whole numbers and fractions of two to 24, in either way.  LW_E_ARG with a text. */
-lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e);
 
 typedef struct cli_topology_wish {
     int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too      */
@@ -60,6 +54,7 @@ typedef struct cli_topology_wish {
     const char *only;          /* "watt1,stephenson3", "8.5", "5.1.2", or "all"                    */
     lw_task     task;
     bool        timed;         /* the input matters: every input at the ground by itself           */
+    int         jobs;          /* threads; < 1: one per core                                       */
 } cli_topology_wish;
 
 /* Do these kinds of joints hold one of two freedoms? */
@@ -69,6 +64,9 @@ bool cli_topology_higher(const char *kinds);
  * LW_E_ARG with a text: a name in `only` that nothing bears. */
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
+
+/* The mechanisms of a stage, as families. */
+lw_families cli_topology_families(const cli_topology_stage *s);
 
 /* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_stage.name with a
  * cli_topologies as context); false: it is not among those to be fitted. */

@@ -7,7 +7,7 @@
 #ifndef LW_OPTIMISE_FIT_H
 #define LW_OPTIMISE_FIT_H
 
-#include "optimise/family.h"
+#include "optimise/families.h"
 #include "optimise/solver.h"
 
 #define LW_HIGHER_COST 20
@@ -16,10 +16,8 @@ typedef struct lw_fit_options {
     lw_fit_spec spec;
     const char *types;           /* names or letters of mbs/types.h, comma separated, or "all"
                                   * ("fourbar")                                                     */
-    const lw_family *family;     /* look in these instead, of any linkage, by successive halving; NULL:
-                                  * by types                                                 (n_family) */
-    int         n_family;
-    long        budget;          /* evaluations of f after which no further round begins, with `family`; one
+    const lw_families *families; /* look in these instead, by successive halving; NULL: by types     */
+    long        budget;          /* evaluations of f after which no further round begins, with `families`; one
                                   * of a linkage with higher groups counts LW_HIGHER_COST of them; 0: by
                                   * default                                                          */
     const lw_solver *solver;     /* local solver of the improvement; NULL: lm                       */
@@ -41,6 +39,7 @@ lw_fit_options lw_fit_options_default(void);
  * the plan counts them (mbs/plan.h, laps). */
 typedef struct lw_candidate {
     const lw_family *family;
+    lw_family_made  *own;        /* with families: where `family` points                            */
     lw_course branch;            /* assembly, sense of the run                                      */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
@@ -54,13 +53,13 @@ typedef struct lw_candidate {
     lw_stop stop;                /* why its improvement ended                                       */
 } lw_candidate;
 
-/* What was done in one family of lw_fit_options.family. */
-typedef struct lw_fit_try {
-    lw_status status;            /* LW_OK; else why it was not tried                                */
-    char      why[96];
-    long      starts, improved;
-    double    best;              /* objective, INFINITY: no member fits at all                      */
-} lw_fit_try;
+/* What became of one family of lw_fit_options.families. */
+typedef enum lw_fit_state {
+    LW_FIT_UNREACHED,            /* the budget ended before its turn                                */
+    LW_FIT_UNABLE,               /* it cannot do this task (LW_E_KIND)                              */
+    LW_FIT_LOOKED,               /* starts were drawn; no linkage that closes was found             */
+    LW_FIT_CLOSED                /* a linkage that closes was found                                 */
+} lw_fit_state;
 
 typedef struct lw_fit {
     int           n;             /* candidates, best first, no two of one curve                     */
@@ -69,8 +68,8 @@ typedef struct lw_fit {
     double        seconds;
     lw_stop       stop;          /* LW_STOP_F_TARGET exact, _F_TOL nothing better in many rounds, _EVALS all
                                   * rounds, _TIME, _USER                                            */
-    int           n_tried;       /* with families: as many as these                                 */
-    lw_fit_try   *tried;
+    int           n_state;       /* with families: as many as these                                 */
+    unsigned char *state;        /* lw_fit_state of each                                   (n_state) */
     char          skipped[512];  /* types that cannot do this task, with the reason              */
 } lw_fit;
 
@@ -78,5 +77,6 @@ typedef struct lw_fit {
  * or the user ended it; failures < 0 as lw_problem_make. */
 lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, lw_error *e);
 void      lw_fit_free(lw_fit *f);
+void      lw_candidate_free(lw_candidate *c);
 
 #endif

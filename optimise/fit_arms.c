@@ -38,20 +38,92 @@ static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
                  e->text);
 }
 
-static lw_status make_arm(lw_search *s, const lw_family *f, double mode, int sense, lw_error *e)
+lw_status lw_search_family(const lw_search *s, int arm, lw_family_made *made, const lw_family **family)
 {
-    lw_arm *a = &s->arm[s->n_arm];
-    lw_status st = lw_problem_make(s->t, &s->o->spec, f, mode, sense, &a->fine, e);
-    if (st != LW_OK)
-        return st;
-    a->has_coarse = s->thin.n > 0;
-    if (a->has_coarse && (st = lw_problem_make(&s->thin, &s->o->spec, f, mode, sense, &a->coarse, e))
-            != LW_OK) {
-        lw_problem_free(&a->fine);
-        return st;
+    const lw_arm *a = &s->arm[arm];
+    *family = a->row ? a->row : &made->family;
+    return a->row ? LW_OK : s->o->families->make(s->o->families->of, arm, made);
+}
+
+static lw_status make_slot(const lw_search *s, int arm, bool coarse, lw_slot *slot, lw_error *e)
+{
+    const lw_family *f;
+    if (slot->arm >= 0)
+        lw_problem_free(&slot->problem);
+    slot->arm = -1;
+    lw_status st = lw_search_family(s, arm, &slot->made, &f);
+    if (st == LW_OK)
+        st = lw_problem_make(coarse ? &s->thin : s->t, &s->o->spec, f, s->arm[arm].mode, s->arm[arm].sense,
+                             &slot->problem, e);
+    if (st == LW_OK) {
+        slot->arm = arm;
+        slot->coarse = coarse;
     }
-    s->n_arm++;
-    return LW_OK;
+    return st;
+}
+
+/* The one that holds the problem, else the one that was longest not used. */
+static lw_slot *find_slot(lw_workbench *b, int arm, bool coarse)
+{
+    lw_slot *oldest = b->slot;
+    for (int i = 0; i < LW_SLOTS; i++) {
+        if (b->slot[i].arm == arm && b->slot[i].coarse == coarse)
+            return &b->slot[i];
+        if (b->slot[i].used < oldest->used)
+            oldest = &b->slot[i];
+    }
+    return oldest;
+}
+
+const lw_problem *lw_search_made(lw_search *s, int thread, int arm, bool coarse, lw_status *st)
+{
+    lw_workbench *b = &s->bench[thread];
+    bool thin = coarse && s->thin.n > 0;
+    lw_slot *slot = find_slot(b, arm, thin);
+    *st = slot->arm == arm && slot->coarse == thin ? LW_OK : make_slot(s, arm, thin, slot, NULL);
+    slot->used = ++b->used;
+    return *st == LW_OK ? &slot->problem : NULL;
+}
+
+/* Scratch of another size, if that of before is too small. */
+static bool make_work(lw_workbench *b, size_t size)
+{
+    if (size <= b->work_size)
+        return true;
+    free(b->work);
+    b->work_size = (size + size/4 + 127) & ~(size_t)63;
+    if (!(b->work = aligned_alloc(64, b->work_size)))
+        b->work_size = 0;
+    return b->work != NULL;
+}
+
+lw_problem *lw_search_problem(lw_search *s, int thread, int arm, bool coarse, lw_status *st)
+{
+    lw_workbench *b = &s->bench[thread];
+    const lw_problem *p = lw_search_made(s, thread, arm, coarse, st);
+    if (p && !make_work(b, lw_problem_work_size(p)))
+        *st = LW_E_MEMORY;
+    if (*st != LW_OK)
+        return NULL;
+    b->local = *p;
+    lw_problem_work_init(&b->local, b->work);
+    return &b->local;
+}
+
+lw_status lw_search_fault(lw_search *s, int arm, lw_error *e)
+{
+    lw_slot *slot = s->bench[0].slot;
+    lw_status st = make_slot(s, arm, false, slot, e);
+    return st == LW_OK ? lw_error_set(e, LW_E_MEMORY, "no memory for the search") : st;
+}
+
+/* An arm of four links, if its type can do the task. */
+static lw_status add_arm(lw_search *s, const lw_family *f, int mode, int sense, lw_error *e)
+{
+    s->arm[s->n_arm] = (lw_arm){ .row = f, .mode = (signed char)mode, .sense = (signed char)sense };
+    lw_status st = make_slot(s, s->n_arm, false, s->bench[0].slot, e);
+    s->n_arm += st == LW_OK;
+    return st;
 }
 
 /* All arms: families in both modes, and for ordered free timing in both senses. */
@@ -63,7 +135,7 @@ static lw_status make_arms(lw_search *s, lw_fit *out, lw_error *e)
         int senses = s->o->spec.timing == LW_TIMING_FREE ? 2 : 1;
         for (int k = 0; k < 2*senses; k++) {
             lw_error why = { .text = "" };
-            lw_status st = make_arm(s, f, k & 1 ? -1 : 1, k & 2 ? -1 : 1, &why);
+            lw_status st = add_arm(s, f, k & 1 ? -1 : 1, k & 2 ? -1 : 1, &why);
             if (st == LW_E_KIND && k == 0)
                 note_skipped(out, f, &why);
             if (st == LW_E_KIND)
@@ -126,41 +198,17 @@ static lw_status thin_out(lw_search *s, lw_error *e)
                               t->n_also, t->closed, &s->thin, e);
 }
 
-/* One arm a family; those that cannot do it say why. */
-static lw_status make_family_arms(lw_search *s, lw_fit *out, lw_error *e)
-{
-    out->n_tried = s->o->n_family;
-    out->tried = calloc((size_t)out->n_tried + 1, sizeof *out->tried);
-    if (!out->tried)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for %d families", out->n_tried);
-    for (int i = 0; i < s->o->n_family; i++) {
-        lw_error why = { .text = "" };
-        lw_fit_try *t = &out->tried[i];
-        t->status = make_arm(s, &s->o->family[i], 1, 1, &why);
-        t->best = INFINITY;
-        snprintf(t->why, sizeof t->why, "%.90s", why.text);
-        if (t->status == LW_E_ARG || t->status == LW_E_MEMORY) {
-            if (e)
-                *e = why;
-            return t->status;
-        }
-        if (t->status != LW_OK)
-            continue;
-        lw_arm *a = &s->arm[s->n_arm - 1];
-        a->family = i;
-        if (!(a->best = calloc(1, sizeof *a->best)))
-            return lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a family");
-    }
-    return LW_OK;
-}
-
 lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e)
 {
+    const lw_families *f = s->o->families;
     lw_status st = thin_out(s, e);
-    s->arm = calloc((size_t)(s->o->family ? s->o->n_family : LW_ARM_MAX) + 1, sizeof *s->arm);
+    s->arm = calloc((size_t)(f ? f->n : LW_ARM_MAX) + 1, sizeof *s->arm);
     if (!s->arm)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
-    if (st != LW_OK)
-        return st;
-    return s->o->family ? make_family_arms(s, out, e) : make_arms(s, out, e);
+    if (st != LW_OK || !f)
+        return st == LW_OK ? make_arms(s, out, e) : st;
+    for (int i = 0; i < f->n; i++)
+        s->arm[i] = (lw_arm){ .mode = 1, .sense = 1 };
+    s->n_arm = f->n;
+    return LW_OK;
 }

@@ -14,48 +14,99 @@ enum {
     LW_JOB_MAX = 4096
 };
 
-/* A family (of four links: in one assembly mode and sense): one problem, and a coarser one for the search
- * when the target has many stations. */
+/* A family (of four links: in one assembly mode and sense), as far as a search must remember it.  Its problem is made
+ * where somebody works on it. */
 typedef struct lw_arm {
-    lw_problem fine, coarse;
-    bool       has_coarse;
-    int        family;                       /* number in lw_fit_options.family                  */
-    int        block, settle, improve;       /* of a job: draws, those settled, those improved   */
-    int        cost;                         /* of one evaluation, in those of dyads             */
-    lw_pool   *best;                         /* of its search, with families; else NULL          */
-    long       starts, improved;
+    const lw_family *row;                    /* of four links; NULL: that of this number in the families */
+    signed char mode, sense;
+    lw_fit_state state;
+    long        starts;
+    lw_few     *best;                        /* of its search, with families; NULL: nothing         */
 } lw_arm;
 
-/* One piece of work of a round: draw from an arm, or look around what it found. */
-typedef struct lw_search_job { int arm; bool around; } lw_search_job;
+/* One piece of work of a round: draw from an arm, or look around what it found; and what came of it. */
+typedef struct lw_search_job {
+    int          arm;
+    bool         around;
+    lw_status    status;                     /* of making the problem                               */
+    int          block, n_mode;              /* draws; see lw_few                                   */
+    long         evals, improved;
+    lw_variables of;
+} lw_search_job;
+
+/* How much is done in a job. */
+typedef struct lw_effort {
+    int block, settle, improve;              /* draws, those settled, those improved                */
+    int cost;                                /* of one evaluation, in those of dyads                */
+} lw_effort;
+
+enum { LW_SLOTS = 6 };
+
+/* What one thread works with: problems made last, one of them in one branch, and scratch. */
+typedef struct lw_slot {
+    int            arm;                      /* -1: empty                                           */
+    bool           coarse;
+    long           used;                     /* when last                                           */
+    lw_family_made made;
+    lw_problem     problem;
+} lw_slot;
+
+typedef struct lw_workbench {
+    lw_slot    *slot;                        /* (LW_SLOTS)                                          */
+    lw_problem  local;
+    void       *work;
+    size_t      work_size;
+    long        used;
+} lw_workbench;
+
+/* Where a sweep over families stands (fit_share.c). */
+typedef struct lw_sweep {
+    int *order, next;                        /* of all arms; the next that has not had its turn (n_arm) */
+    int *arm, n, rung;                       /* those of this sweep, n at its beginning             */
+} lw_sweep;
 
 typedef struct lw_search {
     const lw_target      *t;
     const lw_fit_options *o;
-    lw_target  thin;                         /* fewer stations                                   */
+    lw_target  thin;                         /* fewer stations, for the search on a long target; n 0: not so */
     int        n_arm, n_thread, n_job, round;
     lw_arm    *arm;
     lw_search_job job[LW_JOB_MAX];
-    lw_problem *local;                       /* of each thread: the problem in one branch        */
-    void     **work;                         /* of each thread                                   */
-    lw_pool    pool, raw;                    /* polished; of this round's search                 */
-    lw_found  *found;                        /* LW_KEEP of each job                              */
-    double     started, best_raw;            /* the latter in the search's own scale             */
-    long       hits;                         /* how often the best of the search was found       */
-    long      *evals, *improved;             /* of each job                                      */
+    lw_sweep   sweep;
+    lw_workbench *bench;                     /* of each thread                                      */
+    lw_pool    pool, raw;                    /* polished; of this round's search                    */
+    lw_found  *found;                        /* LW_KEEP of each job                        (n_found) */
+    int        n_found;
+    double     started, best_raw;            /* the latter in the search's own scale                */
+    long       hits;                         /* how often the best of the search was found          */
+    long       evals, improved;
 } lw_search;
 
 /* Make the arms of the families that are asked for, and the thinner target of a long one. */
 lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e);
 
-/* The problem of a find in its branch, in the memory of one thread; work follows. */
-lw_problem *lw_search_problem(lw_search *s, int thread, const lw_found *c, bool coarse);
+/* The problem of an arm, for the search (coarse) or for the full target; it stays until LW_SLOTS others were made in this
+ * thread.  NULL: *st says why. */
+const lw_problem *lw_search_made(lw_search *s, int thread, int arm, bool coarse, lw_status *st);
 
-/* The jobs of a round; none when memory fails. */
-void lw_search_share(lw_search *s, int round);
+/* A copy of it whose branch may be changed, the thread's only one, with scratch.  NULL as above. */
+lw_problem *lw_search_problem(lw_search *s, int thread, int arm, bool coarse, lw_status *st);
 
-/* Draw, improve, polish; the pool gets what was found. */
-void lw_search_round(lw_search *s);
+/* Why the problem of an arm could not be made, with a text. */
+lw_status lw_search_fault(lw_search *s, int arm, lw_error *e);
+
+/* Family of an arm: the row of its type, or made in `made`. */
+lw_status lw_search_family(const lw_search *s, int arm, lw_family_made *made, const lw_family **family);
+
+lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);
+
+/* Begin to share; LW_E_MEMORY.  Then the jobs of a round, after what the arms have found. */
+lw_status lw_search_share_begin(lw_search *s);
+void      lw_search_share(lw_search *s);
+
+/* Draw, improve, polish; the pool gets what was found.  LW_E_MEMORY, or as lw_problem_make what a family cannot be
+ * excused for. */
+lw_status lw_search_round(lw_search *s, lw_error *e);
 
 /* Time over, or asked to stop. */
 bool lw_search_stopped(const lw_search *s);

@@ -35,7 +35,7 @@ static int by_rest(const void *a, const void *b)
 }
 
 /* Which draws of a block are worth settling: all where that is cheap, else the best by a first look. */
-static int choose_draws(const lw_arm *a, lw_problem *p, const double *u, int d, void *work, glance *g)
+static int choose_draws(const lw_effort *a, lw_problem *p, const double *u, int d, void *work, glance *g)
 {
     for (int i = 0; i < a->block; i++) {
         g[i].which = i;
@@ -60,7 +60,7 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 }
 
 /* The best starts of a block, in order. */
-static int screen(const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int screen(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     double u[LW_BLOCK*LW_START_DRAWS];
     glance g[LW_BLOCK];
@@ -78,11 +78,12 @@ static int screen(const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_fo
 }
 
 /* Starts around what the arm found: all variables moved a little, or some of them farther. */
-static int look_around(const lw_arm *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int look_around(const lw_few *few, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
-    int n = 0, known = a->best->n < LW_ARM_BEST ? a->best->n : LW_ARM_BEST;
-    for (int i = 0; known > 0 && i < a->settle; i++) {
-        lw_found c = a->best->item[(int)(lw_rng_uniform(rng)*known)];
+    int n = 0;
+    for (int i = 0; few && i < a->settle; i++) {
+        lw_found c;
+        lw_few_get(few, (int)(lw_rng_uniform(rng)*few->n), &c);
         double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
         p->branch = c.branch;
         lw_problem_work_branch(p, work);
@@ -150,54 +151,40 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     }
 }
 
-lw_problem *lw_search_problem(lw_search *s, int thread, const lw_found *c, bool coarse)
-{
-    const lw_arm *a = &s->arm[c->arm];
-    lw_problem *p = &s->local[thread];
-    *p = coarse && a->has_coarse ? a->coarse : a->fine;
-    p->branch = c->branch;
-    return p;
-}
-
 /* The starts of one job, in order of f. */
-static int starts_of(lw_search *s, size_t job, lw_problem *p, void *work, lw_found *best)
+static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, void *work, lw_found *best)
 {
     const lw_arm *a = &s->arm[s->job[job].arm];
     lw_rng rng;
-    uint64_t round = (uint64_t)s->round*(s->o->family ? LW_JOB_MAX : LW_ARM_MAX*8);
+    uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_ARM_MAX*8);
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
-        return look_around(a, p, &rng, work, best);
-    int n = screen(a, p, &rng, work, best);
-    if (p->family->posture && s->round == 0) {
+        return look_around(a->best, effort, p, &rng, work, best);
+    int n = screen(effort, p, &rng, work, best);
+    if (p->family->posture && a->starts == 0) {
         lw_found c;
         c.f = lw_member_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.branch = p->branch;
-        n = put_in_order(best, n, a->improve, &c);
+        n = put_in_order(best, n, effort->improve, &c);
     }
     return n;
 }
 
 /* Local fits of the best starts of one job: all of them a little, the best of these further; LW_KEEP
  * go to the pool. */
-static void search_job(void *context, size_t job, int thread)
+static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
 {
-    lw_search *s = context;
-    lw_found best[IMPROVE], *keep = s->found + job*LW_KEEP;
-    void *work = s->work[thread];
-    for (int i = 0; i < LW_KEEP; i++)
-        keep[i].f = INFINITY;
-    if (lw_search_stopped(s))
-        return;
-    lw_problem *p = &s->local[thread];
-    const lw_arm *a = &s->arm[s->job[job].arm];
-    *p = a->has_coarse ? a->coarse : a->fine;
-    lw_problem_work_init(p, work);
-    int n = starts_of(s, job, p, work, best);
-    s->evals[job] += a->cost*a->block;
-    s->improved[job] += n;
+    lw_search_job *job = &s->job[at];
+    lw_found best[IMPROVE], *keep = s->found + at*LW_KEEP;
+    lw_effort effort = lw_search_effort(s, p);
+    int n = starts_of(s, at, &effort, p, work, best);
+    job->block = effort.block;
+    job->of = lw_pool_variables(p);
+    job->n_mode = p->plan.n_mode;
+    job->evals += (long)effort.cost*effort.block;
+    job->improved += n;
     for (int i = 0; i < n; i++) {
-        best[i].arm = s->job[job].arm;
+        best[i].arm = job->arm;
         best[i].evals = 0;
         best[i].polished = false;
         best[i].hits = 1;
@@ -209,36 +196,76 @@ static void search_job(void *context, size_t job, int thread)
     improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
     for (int i = 0; i < n; i++) {
         best[i].seconds = lw_clock_wall() - s->started;
-        s->evals[job] += a->cost*best[i].evals;
+        job->evals += effort.cost*best[i].evals;
         if (i < LW_KEEP)
             keep[i] = best[i];
     }
 }
 
+static void search_job(void *context, size_t at, int thread)
+{
+    lw_search *s = context;
+    lw_search_job *job = &s->job[at];
+    for (int i = 0; i < LW_KEEP; i++)
+        s->found[at*LW_KEEP + (size_t)i].f = INFINITY;
+    if (lw_search_stopped(s))
+        return;
+    lw_problem *p = lw_search_problem(s, thread, job->arm, true, &job->status);
+    if (p)
+        search_in(s, at, p, s->bench[thread].work);
+}
+
+/* A find on the full target: what is polished, and what came of it. */
+typedef struct polish {
+    lw_found     find;
+    long         spent;                      /* evaluations of the polish alone                  */
+    lw_variables of;
+    lw_status    status;
+} polish;
+
 typedef struct polish_list {
     lw_search *s;
     int n;
-    lw_found item[LW_POOL_MAX];
-    long spent[LW_POOL_MAX];                 /* evaluations of the polish alone                  */
+    polish item[LW_POOL_MAX];
 } polish_list;
 
-/* To the end, on the full target. */
+/* Coarse and fine targets are scaled by themselves: go through the user's frame. */
+static void refine_variables(const lw_problem *coarse, const lw_problem *fine, double *x)
+{
+    double dim[LW_DIM_MAX], to[LW_VAR_MAX];
+    lw_problem_to_dims(coarse, x, dim);
+    lw_problem_from_dims(fine, dim, to);
+    memcpy(x, to, sizeof *x*(size_t)fine->n_dim);
+}
+
+/* To the end. */
 static void polish_one(void *context, size_t job, int thread)
 {
     polish_list *list = context;
     lw_search *s = list->s;
-    lw_found *c = &list->item[job];
-    lw_problem *p = lw_search_problem(s, thread, c, false);
+    polish *l = &list->item[job];
+    lw_found *c = &l->find;
+    lw_problem *p = lw_search_problem(s, thread, c->arm, false, &l->status);
+    const lw_problem *searched = p ? lw_search_made(s, thread, c->arm, true, &l->status) : NULL;
+    void *work = s->bench[thread].work;
     lw_lm_options o = lw_lm_options_default();
+    if (!searched)
+        return;
     o.max_steps = 1500;
     o.f_tol = 1e-12;
-    lw_problem_work_init(p, s->work[thread]);
-    list->spent[job] = -c->evals;
-    improve(s, p, &o, true, s->work[thread], c);
-    list->spent[job] += c->evals;
+    l->of = lw_pool_variables(p);
+    if (s->thin.n > 0)
+        refine_variables(searched, p, c->x);
+    lw_lm_feasible(p, c->x);
+    p->branch = c->branch;
+    lw_problem_work_branch(p, work);
+    l->spent = -c->evals;
+    improve(s, p, &o, true, work, c);
+    l->spent += c->evals;
+    l->spent *= lw_search_effort(s, p).cost;
     if (p->timing != LW_TIMING_PRESCRIBED)               /* what x is worth with no more known     */
-        c->f = lw_problem_value(p, c->x, NULL, s->work[thread]);
-    if (isfinite(c->f) && !lw_problem_stays(p, c->x, s->work[thread]))
+        c->f = lw_problem_value(p, c->x, NULL, work);
+    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
         c->f = INFINITY;
     c->polished = true;
 }
@@ -253,29 +280,14 @@ static void count_hits(lw_search *s, double f)
         s->hits++;
 }
 
-/* Coarse and fine targets are scaled by themselves: go through the user's frame. */
-static void refine_variables(const lw_arm *a, const double *coarse, double *x)
+static void take(const lw_found *c, polish_list *list)
 {
-    double dim[LW_DIM_MAX];
-    lw_problem_to_dims(&a->coarse, coarse, dim);
-    lw_problem_from_dims(&a->fine, dim, x);
-    for (int i = a->fine.n_dim; i < a->fine.n_var; i++)
-        x[i] = coarse[i];
-}
-
-static void take(lw_search *s, const lw_found *c, polish_list *list)
-{
-    lw_found *to = &list->item[list->n++];
-    const lw_arm *a = &s->arm[c->arm];
-    *to = *c;
-    if (a->has_coarse)
-        refine_variables(a, c->x, to->x);
-    lw_lm_feasible(&a->fine, to->x);
+    list->item[list->n++].find = *c;
 }
 
 static const char *type_of(const lw_search *s, const lw_found *c)
 {
-    return lw_family_type(s->arm[c->arm].fine.family);
+    return lw_family_type(s->arm[c->arm].row);
 }
 
 /* The best of each type that the search found, best[0 ..]; returns how many types. */
@@ -309,40 +321,85 @@ static void pick(lw_search *s, polish_list *list)
         if (!isfinite(c->f))
             continue;
         count_hits(s, c->f);
-        lw_pool_put(raw, c, &s->arm[c->arm].fine);
+        lw_pool_put(raw, c, &s->job[i/LW_KEEP].of);
     }
     for (int i = 0; i < raw->n && i < POLISH; i++)
-        take(s, &raw->item[i], list);
-    int n_type = s->o->family ? 0 : best_of_types(s, best), n_raw = list->n;
+        take(&raw->item[i], list);
+    int n_type = s->o->families ? 0 : best_of_types(s, best), n_raw = list->n;
     for (int k = 0; k < n_type; k++) {
         bool taken = false;
         for (int i = 0; i < n_raw; i++)
             taken |= type_of(s, &raw->item[i]) == type_of(s, best[k]);
         if (!taken)
-            take(s, best[k], list);
+            take(best[k], list);
     }
 }
 
-/* What the arms remember of a round. */
-static void keep_of_arms(lw_search *s)
+/* What the finds of a job add to what its arm remembers. */
+static void remember(lw_search *s, const lw_search_job *job, const lw_found *found, lw_arm *a)
+{
+    lw_pool *few = &s->raw;
+    few->n = 0;
+    for (int i = 0; a->best && i < a->best->n; i++)
+        lw_few_get(a->best, i, &few->item[few->n++]);
+    for (int i = 0; i < LW_KEEP; i++)
+        lw_pool_put(few, &found[i], &job->of);
+    lw_few *more = lw_few_of(few, LW_ARM_BEST, &job->of, job->n_mode);
+    if (more) {
+        free(a->best);
+        a->best = more;
+    }
+}
+
+/* What the arms learnt in a round, and what it took. */
+static lw_status keep_of_arms(lw_search *s, lw_error *e)
 {
     for (int j = 0; j < s->n_job; j++) {
-        lw_arm *a = &s->arm[s->job[j].arm];
-        a->starts += a->block;
-        for (int i = 0; i < LW_KEEP && a->best; i++)
-            lw_pool_put(a->best, &s->found[j*LW_KEEP + i], a->has_coarse ? &a->coarse : &a->fine);
+        const lw_search_job *job = &s->job[j];
+        lw_arm *a = &s->arm[job->arm];
+        s->evals += job->evals;
+        s->improved += job->improved;
+        a->starts += job->block;
+        if (job->status == LW_E_KIND && s->o->families)
+            a->state = LW_FIT_UNABLE;
+        else if (job->status != LW_OK)
+            return lw_search_fault(s, job->arm, e);
+        if (job->block == 0)
+            continue;
+        if (s->o->families)
+            remember(s, job, s->found + j*LW_KEEP, a);
+        a->state = a->best ? LW_FIT_CLOSED : LW_FIT_LOOKED;
     }
+    return LW_OK;
 }
 
-void lw_search_round(lw_search *s)
+static lw_status make_room(lw_search *s, lw_error *e)
+{
+    if (s->n_job <= s->n_found)
+        return LW_OK;
+    free(s->found);
+    s->n_found = s->n_job;
+    s->found = malloc(sizeof *s->found*LW_KEEP*(size_t)s->n_job);
+    return s->found ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the finds of a round");
+}
+
+lw_status lw_search_round(lw_search *s, lw_error *e)
 {
     polish_list list = { .s = s };
+    lw_status st = make_room(s, e);
+    if (st != LW_OK)
+        return st;
     lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
-    keep_of_arms(s);
+    if ((st = keep_of_arms(s, e)) != LW_OK)
+        return st;
     pick(s, &list);
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
     for (int i = 0; i < list.n; i++) {
-        lw_pool_put(&s->pool, &list.item[i], &s->arm[list.item[i].arm].fine);
-        s->evals[0] += s->arm[list.item[i].arm].cost*list.spent[i];
+        const polish *l = &list.item[i];
+        if (l->status != LW_OK)
+            return lw_search_fault(s, l->find.arm, e);
+        lw_pool_put(&s->pool, &l->find, &l->of);
+        s->evals += l->spent;
     }
+    return LW_OK;
 }

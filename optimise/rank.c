@@ -38,10 +38,12 @@ static bool same_curves(const trail *a, const trail *b, size_t n)
 
 /* One generator of a function: links of the same proportions.  An offset to the other side with the slide
  * turned round is the same. */
-static bool same_links(const lw_search *s, const lw_found *a, const lw_found *b)
+static bool same_links(lw_search *s, const lw_found *a, const lw_found *b)
 {
-    const lw_problem *p = &s->arm[a->arm].fine, *q = &s->arm[b->arm].fine;
-    if (strcmp(lw_family_type(p->family), lw_family_type(q->family)) != 0 || p->n_dim != q->n_dim)
+    lw_status st;
+    const lw_problem *p = lw_search_made(s, 0, a->arm, false, &st);
+    const lw_problem *q = p ? lw_search_made(s, 0, b->arm, false, &st) : NULL;
+    if (!q || strcmp(lw_family_type(p->family), lw_family_type(q->family)) != 0 || p->n_dim != q->n_dim)
         return false;
     int first = p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]);
     for (int i = 0; i < p->n_dim; i++) {
@@ -52,13 +54,25 @@ static bool same_links(const lw_search *s, const lw_found *a, const lw_found *b)
     return true;
 }
 
+/* The problem of a find in its branch, its stations at the inputs that suit them; NULL: there are none. */
+static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
+{
+    lw_status st;
+    lw_problem *p = lw_search_problem(s, 0, c->arm, false, &st);
+    if (!p)
+        return NULL;
+    *w = s->bench[0].work;
+    p->branch = c->branch;
+    lw_problem_work_branch(p, *w);
+    return lw_problem_settle(p, c->x, *w) ? p : NULL;
+}
+
 static bool follow(lw_search *s, const lw_found *c, trail *t)
 {
+    lw_work *w;
+    const lw_problem *p = settled(s, c, &w);
     t->of = c;
-    lw_work *w = s->work[0];
-    const lw_problem *p = lw_search_problem(s, 0, c, false);
-    lw_problem_work_init(p, w);
-    if (!lw_problem_settle(p, c->x, w))
+    if (!p)
         return false;
     for (int i = 0; i <= p->n_also; i++) {
         memcpy(t->px + (size_t)i*p->n, lw_work_jac(w, i)->x, sizeof *t->px*p->n);
@@ -77,15 +91,21 @@ static bool follow(lw_search *s, const lw_found *c, trail *t)
     return true;
 }
 
+/* The family of a candidate, with families in memory of its own. */
+static bool give_family(const lw_search *s, int arm, lw_candidate *out)
+{
+    out->own = s->o->families ? malloc(sizeof *out->own) : NULL;
+    return (out->own || !s->o->families) && lw_search_family(s, arm, out->own, &out->family) == LW_OK;
+}
+
 /* What the caller gets of one find. */
 static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
 {
-    const lw_problem *p = lw_search_problem(s, 0, c, false);
-    lw_work *w = s->work[0];
-    lw_problem_work_init(p, w);
-    if (!lw_problem_settle(p, c->x, w))
+    lw_work *w;
+    const lw_problem *p = settled(s, c, &w);
+    if (!p)
         return false;
-    *out = (lw_candidate){ .family = p->family, .branch = p->branch,
+    *out = (lw_candidate){ .branch = p->branch,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
                            .seconds = c->seconds, .stop = c->stop };
     lw_problem_to_dims(p, c->x, out->dim);
@@ -96,9 +116,8 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
     bool both_modes = lw_problem_has_modes(p);
     out->input = malloc(sizeof *out->input*p->n);
     out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n) : NULL;
-    if (!out->input || (both_modes && !out->mode_of)) {
-        free(out->input);
-        free(out->mode_of);
+    if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->arm, out)) {
+        lw_candidate_free(out);
         return false;
     }
     for (size_t k = 0; k < p->n; k++)

@@ -10,11 +10,11 @@
 
 enum { PARENTS = 4, CHILDREN = 24 };       /* of a stage that are grown, and into how many in all   */
 
-struct lw_grown {
-    lw_family  family;
-    lw_linkage linkage;
-    char       name[64];
-};
+typedef struct grown {
+    int            n;
+    lw_family_made made[CHILDREN];
+    lw_family      family[CHILDREN];
+} grown;
 
 int lw_candidate_links(const lw_candidate *c)
 {
@@ -33,20 +33,22 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
     }
 }
 
-static bool grow_one(const lw_target *t, const lw_stage *stage, const lw_candidate *c, const lw_report *r,
-                     lw_rng *rng, struct lw_grown *g)
+static void grow_one(const lw_target *t, const lw_stage *stage, const lw_candidate *c, const lw_report *r,
+                     lw_rng *rng, grown *to)
 {
     double first, last;
+    lw_family_made *g = &to->made[to->n];
+    char name[sizeof g->name];
     used_range(t, c, &first, &last);
     if (lw_linkage_grow(&r->linkage, c->branch.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
-        return false;
-    snprintf(g->name, sizeof g->name, "%.40s with a dyad more", lw_family_title(c->family));
-    if (stage->name && !stage->name(stage->context, &g->linkage, g->name, sizeof g->name))
-        return false;
-    snprintf(g->linkage.name, sizeof g->linkage.name, "%s", g->name);
-    g->family = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
-                             .links = lw_candidate_links(c) + 2 };
-    return true;
+        return;
+    snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
+    if (stage->name && !stage->name(stage->context, &g->linkage, name, sizeof name))
+        return;
+    snprintf(g->linkage.name, sizeof g->linkage.name, "%.*s", (int)sizeof g->linkage.name - 1, name);
+    memcpy(g->name, name, sizeof name);
+    to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
+                                       .links = lw_candidate_links(c) + 2 };
 }
 
 static bool changes_mode(const lw_target *t, const lw_candidate *c)
@@ -57,11 +59,11 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
     return false;
 }
 
-/* Children of the best results with `links` links; a child points into `to`, which must stay. */
-static int grow(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, const lw_fit *from, int links,
-                struct lw_grown *to)
+/* Children of the best results with `links` links. */
+static void grow(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, const lw_fit *from, int links,
+                 grown *to)
 {
-    int n = 0, parents = 0;
+    int parents = 0;
     lw_rng rng;
     lw_report *r = malloc(sizeof *r);
     lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
@@ -72,11 +74,10 @@ static int grow(const lw_target *t, const lw_fit_options *o, const lw_stage *sta
             continue;
         int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
         parents++;
-        for (int k = 0; k < want && n < CHILDREN; k++)
-            n += grow_one(t, stage, c, r, &rng, &to[n]);
+        for (int k = 0; k < want && to->n < CHILDREN; k++)
+            grow_one(t, stage, c, r, &rng, to);
     }
     free(r);
-    return n;
 }
 
 /* ---- the list of results --------------------------------------------------------------------------- */
@@ -114,52 +115,45 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
+/* What the survey keeps of a stage's fit. */
+static lw_status take(lw_survey *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
+{
+    r->starts = fit->starts;
+    r->improved = fit->improved;
+    r->evals = fit->evals;
+    r->stop = fit->stop;
+    r->best = fit->n ? fit->candidate[0].objective : INFINITY;
+    r->state = fit->state;
+    r->n_state = fit->n_state > 0 ? fit->n_state - r->n_grown : 0;
+    fit->state = NULL;
+    lw_status st = merge(&out->fit, fit) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the results");
+    lw_fit_free(fit);
+    return st;
+}
+
 static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int before,
                            double seconds, lw_survey *out, lw_error *e)
 {
     lw_fit_options mine = *o;
-    lw_stage_result *r = &out->stage[out->n_stage];
+    lw_stage_result *r = &out->stage[out->n_stage++];
     lw_fit fit;
-    lw_family *list = calloc((size_t)stage->n_family + CHILDREN + 1, sizeof *list);
+    grown *more = calloc(1, sizeof *more);
     *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
-    if (!list)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for %d families", stage->n_family);
-    if (stage->family) {
-        memcpy(list, stage->family, sizeof *list*(size_t)stage->n_family);
-        if (before > 0 && o->spec.task == LW_TASK_PATH)
-            r->n_grown = grow(t, o, stage, &out->fit, before, out->grown + out->n_grown);
-        for (int i = 0; i < r->n_grown; i++)
-            list[stage->n_family + i] = out->grown[out->n_grown + i].family;
-        mine.family = list;
-        mine.n_family = stage->n_family + r->n_grown;
-    }
+    if (!more)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to grow");
+    if (stage->families.make && before > 0 && o->spec.task == LW_TASK_PATH)
+        grow(t, o, stage, &out->fit, before, more);
+    r->n_grown = more->n;
+    lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
+    lw_families all = lw_families_join(&pair);
     double start = lw_clock_wall();
+    mine.families = stage->families.make ? &all : NULL;
     mine.max_seconds = seconds;
     lw_status st = lw_fit_run(t, &mine, &fit, e);
     r->seconds = lw_clock_wall() - start;
-    out->n_stage++;
-    if (st >= 0) {
-        r->starts = fit.starts;
-        r->improved = fit.improved;
-        r->evals = fit.evals;
-        r->stop = fit.stop;
-        r->best = fit.n ? fit.candidate[0].objective : INFINITY;
-        r->tried = fit.tried;
-        r->n_tried = stage->family ? stage->n_family : 0;
-        fit.tried = NULL;
-    }
-    /* candidates point to families: the caller's, or those kept in `grown` */
-    for (int i = 0; st >= 0 && i < fit.n && stage->family; i++) {
-        size_t at = (size_t)(fit.candidate[i].family - list);
-        fit.candidate[i].family = at < (size_t)stage->n_family ? &stage->family[at]
-                                : &out->grown[out->n_grown + (int)at - stage->n_family].family;
-    }
-    out->n_grown += r->n_grown;
-    if (st >= 0 && merge(&out->fit, &fit) != LW_OK)
-        st = lw_error_set(e, LW_E_MEMORY, "no memory for the results");
-    if (st >= 0)
-        lw_fit_free(&fit);
-    free(list);
+    if (st >= 0 && take(out, r, &fit, e) != LW_OK)
+        st = LW_E_MEMORY;
+    free(more);
     return st;
 }
 
@@ -184,8 +178,7 @@ static void shorten(lw_survey *s, int most)
             f->candidate[n++] = *c;
             seen[links]++;
         } else {
-            free(c->input);
-            free(c->mode_of);
+            lw_candidate_free(c);
         }
     }
     f->n = n;
@@ -197,9 +190,6 @@ lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_st
     lw_status st = LW_OK;
     double start = lw_clock_wall();
     memset(out, 0, sizeof *out);
-    out->grown = calloc((size_t)n_stage*CHILDREN + 1, sizeof *out->grown);
-    if (!out->grown)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
         double left = o->max_seconds - (lw_clock_wall() - start), share = left/(n_stage - i);
         lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
@@ -220,7 +210,6 @@ void lw_survey_free(lw_survey *s)
 {
     lw_fit_free(&s->fit);
     for (int i = 0; i < s->n_stage; i++)
-        free(s->stage[i].tried);
-    free(s->grown);
+        free(s->stage[i].state);
     memset(s, 0, sizeof *s);
 }

@@ -9,11 +9,10 @@
 
 #define LW_STAGE_MAX 24
 
-/* The families of one number of links; family NULL: four-link types, as lw_fit_options.types says. */
+/* The families of one number of links; families.make NULL: four-link types, as lw_fit_options.types says. */
 typedef struct lw_stage {
     int              links;
-    const lw_family *family;
-    int              n_family;
+    lw_families      families;
     /* What a grown linkage of the stage is called; false: it is not wanted.  NULL: by its parent. */
     bool           (*name)(void *context, const lw_linkage *k, char *name, size_t size);
     void            *context;
@@ -25,8 +24,8 @@ typedef struct lw_stage_result {
     double     best;                 /* objective; INFINITY: nothing                                */
     long       starts, improved, evals;
     double     seconds;              /* of the stage                                                */
-    int        n_tried;
-    lw_fit_try *tried;               /* of the stage's families, NULL for types             (n_tried) */
+    int        n_state;
+    unsigned char *state;            /* lw_fit_state of the stage's families, without grown ones (n_state) */
     lw_stop    stop;
 } lw_stage_result;
 
@@ -34,11 +33,9 @@ typedef struct lw_survey {
     lw_fit          fit;             /* candidates of all stages, best first; of every stage its best  */
     int             n_stage;
     lw_stage_result stage[LW_STAGE_MAX];
-    int             n_grown;         /* families made here, which candidates point to               */
-    struct lw_grown *grown;
 } lw_survey;
 
-/* o->family is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
+/* o->families is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
 lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
                         lw_survey *out, lw_error *e);
 void      lw_survey_free(lw_survey *s);

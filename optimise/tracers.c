@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/room.h"
+
 unsigned lw_tracers_mask(const lw_target *t)
 {
     return (1u << (1 + t->n_also)) - 1;
@@ -90,11 +92,11 @@ lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fi
 /* ---- every choice of links --------------------------------------------------------------------------------- */
 
 typedef struct choice {
-    const lw_family   *family;
+    const lw_linkage  *linkage;                      /* of the family                                */
     const lw_target   *t;
     const lw_fit_spec *s;
     lw_tracer_spread  *out;
-    int                link[1 + LW_ALSO_MAX];
+    lw_tracer_choice   now;
     bool               partial[LW_LINK_MAX];         /* a point there feels fewer links              */
 } choice;
 
@@ -109,7 +111,7 @@ static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
 /* May point i (0: the first) lie on this link? */
 static bool suits(const choice *c, int i, int link)
 {
-    const lw_linkage *k = c->family->linkage;
+    const lw_linkage *k = c->linkage;
     const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
     lw_carrier is = carrier_of(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
     bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
@@ -123,53 +125,29 @@ static bool suits(const choice *c, int i, int link)
     return place ? is == LW_CARRIER_COUPLER || (i == 0 && link == k->tracer[0].link) : is != LW_CARRIER_INPUT;
 }
 
-static lw_status make_room(lw_tracer_spread *s)
-{
-    if (s->n < s->capacity)
-        return LW_OK;
-    int most = s->capacity ? 2*s->capacity : 64;
-    lw_family *f = realloc(s->family, sizeof *f*(size_t)most);
-    s->family = f ? f : s->family;
-    lw_linkage **k = realloc(s->linkage, sizeof *k*(size_t)most);
-    s->linkage = k ? k : s->linkage;
-    s->capacity = f && k ? most : s->capacity;
-    return f && k ? LW_OK : LW_E_MEMORY;
-}
-
 static lw_status add_choice(choice *c)
 {
     lw_tracer_spread *s = c->out;
-    lw_linkage *own = malloc(sizeof *own);
-    if (!own || make_room(s) != LW_OK) {
-        free(own);
+    if (s->n == LW_SPREAD_MAX)
+        return LW_E_ARG;
+    lw_tracer_choice *more = lw_room(s->choice, s->n, &s->capacity, sizeof *more);
+    if (!more)
         return LW_E_MEMORY;
-    }
-    *own = *c->family->linkage;
-    for (int i = 0; i <= c->t->n_also; i++)
-        if (i > 0 || c->link[0] != own->tracer[0].link)
-            put_tracer(own, i, c->link[i]);
-    snprintf(own->name, sizeof own->name, "%.*s", (int)(strcspn(c->family->name, ",")), c->family->name);
-    for (int i = 0; i <= c->t->n_also; i++) {
-        size_t at = strlen(own->name);
-        snprintf(own->name + at, sizeof own->name - at, "%s%d", i == 0 ? ", points on links " : ", ", c->link[i] + 1);
-    }
-    s->linkage[s->n] = own;
-    s->family[s->n] = *c->family;
-    s->family[s->n].linkage = own;
-    s->family[s->n++].name = own->name;
+    s->choice = more;
+    s->choice[s->n++] = c->now;
     return LW_OK;
 }
 
 /* Links for point i and those behind it; one of all lies where the family's tracer does. */
 static lw_status choose(choice *c, int i, bool met)
 {
-    const lw_linkage *k = c->family->linkage;
+    const lw_linkage *k = c->linkage;
     lw_status st = LW_OK;
-    if (i > c->t->n_also)
-        return !met ? LW_OK : c->out->n < LW_SPREAD_MAX ? add_choice(c) : LW_E_ARG;
+    if (i > c->t->n_also || i > LW_ALSO_MAX)
+        return met ? add_choice(c) : LW_OK;
     for (int l = 0; l < k->n_link && st == LW_OK; l++)
         if (suits(c, i, l)) {
-            c->link[i] = l;
+            c->now.link[i] = (signed char)l;
             st = choose(c, i + 1, met || l == k->tracer[0].link);
         }
     return st;
@@ -177,29 +155,28 @@ static lw_status choose(choice *c, int i, bool met)
 
 static lw_status spread_one(choice *c, lw_plan *plan)
 {
-    const lw_linkage *k = c->family->linkage;
+    const lw_linkage *k = c->linkage;
+    c->now.link[0] = -1;
+    if (k->n_tracer > c->t->n_also)
+        return add_choice(c);
     for (int l = 0; l < k->n_link; l++)
         c->partial[l] = l != k->ground && feels_fewer(k, l, plan);
-    if (k->n_tracer <= c->t->n_also)
-        return choose(c, 0, false);
-    for (int i = 0; i <= c->t->n_also; i++)
-        c->link[i] = k->tracer[i].link;
-    lw_status st = add_choice(c);
-    if (st == LW_OK)                                     /* its own tracers, where they are          */
-        memcpy(c->out->linkage[c->out->n - 1]->tracer, k->tracer, sizeof k->tracer);
-    return st;
+    return choose(c, 0, false);
 }
 
-lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, const lw_fit_spec *s,
+lw_status lw_tracers_spread(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
                             lw_tracer_spread *out, lw_error *e)
 {
     lw_plan *plan = malloc(sizeof *plan);
-    lw_status st = plan ? LW_OK : LW_E_MEMORY;
-    memset(out, 0, sizeof *out);
-    for (int i = 0; i < n && st == LW_OK; i++) {
-        choice c = { .family = &family[i], .t = t, .s = s, .out = out };
-        st = spread_one(&c, plan);
+    lw_family_made *made = malloc(sizeof *made);
+    lw_status st = plan && made ? LW_OK : LW_E_MEMORY;
+    *out = (lw_tracer_spread){ .of = *of, .n_point = 1 + t->n_also };
+    for (int i = 0; i < of->n && st == LW_OK; i++) {
+        choice c = { .linkage = &made->linkage, .t = t, .s = s, .out = out, .now.family = i };
+        if ((st = of->make(of->of, i, made)) == LW_OK)
+            st = spread_one(&c, plan);
     }
+    free(made);
     free(plan);
     if (st == LW_OK)
         return LW_OK;
@@ -213,9 +190,37 @@ lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, 
 
 void lw_tracer_spread_free(lw_tracer_spread *s)
 {
-    for (int i = 0; i < s->n; i++)
-        free(s->linkage[i]);
-    free(s->linkage);
-    free(s->family);
+    free(s->choice);
     memset(s, 0, sizeof *s);
+}
+
+static lw_status make_choice(const void *of, int i, lw_family_made *made)
+{
+    const lw_tracer_spread *s = of;
+    const lw_tracer_choice *c = &s->choice[i];
+    lw_linkage *k = &made->linkage;
+    lw_status st = s->of.make(s->of.of, c->family, made);
+    if (st != LW_OK)
+        return st;
+    made->name[strcspn(made->name, ",")] = 0;
+    for (int p = 0; p < s->n_point && p <= LW_ALSO_MAX; p++) {
+        int link = c->link[0] < 0 ? k->tracer[p].link : c->link[p];
+        if (c->link[0] >= 0 && (p > 0 || link != k->tracer[0].link))
+            put_tracer(k, p, link);
+        size_t at = strlen(made->name);
+        snprintf(made->name + at, sizeof made->name - at, "%s%d", p == 0 ? ", points on links " : ", ", link + 1);
+    }
+    snprintf(k->name, sizeof k->name, "%.*s", (int)sizeof k->name - 1, made->name);
+    return LW_OK;
+}
+
+static lw_turn turn_of_choice(const void *of, int i)
+{
+    const lw_tracer_spread *s = of;
+    return s->of.turn(s->of.of, s->choice[i].family);
+}
+
+lw_families lw_tracer_spread_families(const lw_tracer_spread *s)
+{
+    return (lw_families){ s->n, make_choice, turn_of_choice, s };
 }

@@ -6,7 +6,7 @@
 #ifndef LW_OPTIMISE_TRACERS_H
 #define LW_OPTIMISE_TRACERS_H
 
-#include "optimise/family.h"
+#include "optimise/families.h"
 
 /* The linkage of a family with a tracer for every point of the target.  LW_E_KIND: it has no such link, or its
  * output only slides and has no angle. */
@@ -22,15 +22,22 @@ unsigned lw_tracers_mask(const lw_target *t);
  * unless the task says otherwise. */
 #define LW_SPREAD_MAX 4000
 
+/* The family it is made from, the link of each point; -1 of the first: all tracers as the family brings them. */
+typedef struct lw_tracer_choice { int family; signed char link[1 + LW_ALSO_MAX]; } lw_tracer_choice;
+
 typedef struct lw_tracer_spread {
     int          n, capacity;
-    lw_family   *family;             /* (n) owned, with names and linkages                          */
-    lw_linkage **linkage;            /* (n)                                                        */
+    lw_tracer_choice *choice;        /* (n) owned                                                   */
+    lw_families  of;
+    int          n_point;
 } lw_tracer_spread;
 
 /* LW_E_ARG: more than LW_SPREAD_MAX; LW_E_MEMORY.  Families of four links by type are not among the given ones. */
-lw_status lw_tracers_spread(const lw_family *family, int n, const lw_target *t, const lw_fit_spec *s,
+lw_status lw_tracers_spread(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
                             lw_tracer_spread *out, lw_error *e);
 void      lw_tracer_spread_free(lw_tracer_spread *spread);
+
+/* What it holds as families; it must stay, as must those it was made from. */
+lw_families lw_tracer_spread_families(const lw_tracer_spread *spread);
 
 #endif

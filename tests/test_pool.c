@@ -35,9 +35,10 @@ static void keeps_the_best_in_order(void)
     double all[300];
     lw_rng_seed(&rng, check_seed(), 1);
     make_problem(&p);
+    lw_variables v = lw_pool_variables(&p);
     for (int i = 0; i < 300; i++) {
         lw_found c = find(all[i] = lw_rng_uniform(&rng), i);
-        lw_pool_put(&pool, &c, &p);
+        lw_pool_put(&pool, &c, &v);
         check_order(&pool);
         CHECK_INT(pool.n, i + 1 < LW_POOL_MAX ? i + 1 : LW_POOL_MAX);
     }
@@ -55,6 +56,7 @@ static void counts_what_comes_again(void)
     static lw_pool pool;
     lw_problem p;
     make_problem(&p);
+    lw_variables v = lw_pool_variables(&p);
     lw_found a = find(1, 3), again = a, turned = a, other = a, arm = a, none = a;
     again.f *= 1 - 1e-6;
     again.x[2] *= 1 + 1e-6;
@@ -62,16 +64,16 @@ static void counts_what_comes_again(void)
     other.x[1] += 0.01;
     arm.arm = 1;
     none.f = INFINITY;
-    lw_pool_put(&pool, &a, &p);
-    lw_pool_put(&pool, &again, &p);
+    lw_pool_put(&pool, &a, &v);
+    lw_pool_put(&pool, &again, &v);
     CHECK_INT(pool.n, 1);
     CHECK(pool.item[0].f == again.f && pool.item[0].hits == 2);
-    lw_pool_put(&pool, &turned, &p);                     /* worse: the better one stays              */
+    lw_pool_put(&pool, &turned, &v);                     /* worse: the better one stays              */
     CHECK_INT(pool.n, 1);
     CHECK(pool.item[0].f == again.f && pool.item[0].hits == 3);
-    lw_pool_put(&pool, &other, &p);
-    lw_pool_put(&pool, &arm, &p);
-    lw_pool_put(&pool, &none, &p);
+    lw_pool_put(&pool, &other, &v);
+    lw_pool_put(&pool, &arm, &v);
+    lw_pool_put(&pool, &none, &v);
     CHECK_INT(pool.n, 3);
     check_order(&pool);
     lw_problem_free(&p);

@@ -28,7 +28,7 @@ static void the_true_topology_gives_the_curve_back(void)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .family = &f, .n_family = 1 } };
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
     lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
     lw_target t;
     lw_survey s;
@@ -52,8 +52,8 @@ static void more_links_are_never_worse(void)
     static const double px[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, py[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
     lw_linkage k = six_bar();
     lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .family = &six, .n_family = 1 },
-                         { .links = 8, .family = &six } };     /* of eight only grown ones */
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
+                         { .links = 8, .families = lw_families_of(NULL, 0) } };     /* of eight only grown ones */
     lw_fit_options o = options(LW_TIMING_FREE, 0);
     lw_target t;
     lw_survey s;
@@ -76,7 +76,7 @@ static void threads_do_not_change_the_answer(void)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .family = &f, .n_family = 1 } };
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
     lw_target t;
     lw_survey s[2];
     six_bar_target(&k, 12, false, &t);

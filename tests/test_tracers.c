@@ -365,22 +365,29 @@ static void choices_of_links_are_counted_by_hand(void)
         lw_target t = { .n = 2, .n_also = 1, .also = { { .x = row[i].place ? one : NULL, .theta = row[i].place ? NULL : one } } };
         lw_tracer_spread spread;
         s.carrier[0] = row[i].carrier;
-        CHECK_INT(lw_tracers_spread(&f, 1, &t, &s, &spread, NULL), LW_OK);
+        lw_families only = lw_families_of(&f, 1), all;
+        lw_family_made *made = malloc(sizeof *made);
+        CHECK_INT(lw_tracers_spread(&only, &t, &s, &spread, NULL), LW_OK);
         CHECK_INT(spread.n, row[i].n);
+        all = lw_tracer_spread_families(&spread);
         for (int c = 0; c < spread.n && c < row[i].n; c++) {
-            CHECK_INT(spread.linkage[c]->n_tracer, 2);
-            CHECK_INT(spread.linkage[c]->tracer[0].link, row[i].link[c][0]);
-            CHECK_INT(spread.linkage[c]->tracer[1].link, row[i].link[c][1]);
-            CHECK(spread.family[c].linkage == spread.linkage[c] && spread.family[c].links == 6);
+            CHECK_INT(all.make(all.of, c, made), LW_OK);
+            CHECK_INT(made->linkage.n_tracer, 2);
+            CHECK_INT(made->linkage.tracer[0].link, row[i].link[c][0]);
+            CHECK_INT(made->linkage.tracer[1].link, row[i].link[c][1]);
+            CHECK(made->family.linkage == &made->linkage && made->family.links == 6);
+            CHECK_HAS(made->family.name, "Stephenson III, points on links ");
         }
-        CHECK_HAS(spread.family[0].name, "Stephenson III, points on links ");
         lw_tracer_spread_free(&spread);
         k.n_tracer = 2;                                  /* one that brings its tracers stays as it is */
         k.tracer[1] = (lw_tracer){ .name = "Q", .link = 3, .at = { 7, 8 } };
-        CHECK_INT(lw_tracers_spread(&f, 1, &t, &s, &spread, NULL), LW_OK);
+        CHECK_INT(lw_tracers_spread(&only, &t, &s, &spread, NULL), LW_OK);
         CHECK_INT(spread.n, 1);
-        CHECK(spread.linkage[0]->tracer[1].link == 3 && spread.linkage[0]->tracer[1].at.x == 7);
+        all = lw_tracer_spread_families(&spread);
+        CHECK_INT(all.make(all.of, 0, made), LW_OK);
+        CHECK(made->linkage.tracer[1].link == 3 && made->linkage.tracer[1].at.x == 7);
         lw_tracer_spread_free(&spread);
+        free(made);
     }
 }
 
@@ -416,9 +423,10 @@ static void points_on_two_links_are_found_again(void)
     start.joint[6].at.y -= 0.2;
     lw_family f = { .name = "six-bar, point on link 5", .linkage = &start, .posture = true, .links = 6 };
     o.spec.timing = LW_TIMING_PRESCRIBED;
-    CHECK_INT(lw_tracers_spread(&f, 1, &t, &o.spec, &spread, &e), LW_OK);
-    o.family = spread.family;
-    o.n_family = spread.n;
+    lw_families one = lw_families_of(&f, 1), all;
+    CHECK_INT(lw_tracers_spread(&one, &t, &o.spec, &spread, &e), LW_OK);
+    all = lw_tracer_spread_families(&spread);
+    o.families = &all;
     o.budget = 30000;
     CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
     CHECK(fit.n > 0);

@@ -1,0 +1,21 @@
+/* base/room.h - arrays that grow by doubling. */
+#ifndef LW_BASE_ROOM_H
+#define LW_BASE_ROOM_H
+
+#include <stdlib.h>
+
+/* The array with room for one more than n items of `size` bytes; it may have moved.  NULL: out of memory, the array as
+ * it was.  *capacity is 0 for an array that is NULL. */
+static inline void *lw_room(void *array, int n, int *capacity, size_t size)
+{
+    int most = *capacity > 0 ? *capacity : 64;
+    if (n < *capacity)
+        return array;
+    while (most <= n)
+        most *= 2;
+    void *more = realloc(array, size*(size_t)most);
+    *capacity = more ? most : *capacity;
+    return more;
+}
+
+#endif

@@ -1,0 +1,213 @@
+#include "cli/fit_topology.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/sketch.h"
+
+static const char letters[] = "rtpg";
+
+cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
+{
+    cli_topology f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
+                       .input = CLI_TOPOLOGY_NO_INPUT, .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
+    for (int j = 0; j < m->n_joint; j++)
+        f.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
+    return f;
+}
+
+lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topology *f)
+{
+    lw_mechanism m = c->m;
+    m.ground = f->ground;
+    m.output = f->tracer;
+    for (int j = 0; j < m.n_joint; j++)
+        m.kind[j] = letters[f->kinds >> 2*j & 3];
+    if (f->input != CLI_TOPOLOGY_NO_INPUT)
+        m.input[m.n_input++] = f->input;
+    return m;
+}
+
+lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, lw_linkage *k)
+{
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_rng rng;
+    unsigned bit = 1;
+    lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | f->chain,
+                (uint64_t)f->kinds << 24 | (uint64_t)f->ground << 16 | (uint64_t)f->tracer << 8 | f->turned);
+    lw_status st = lw_linkage_sketch(&m, &rng, k);
+    for (int j = 0; j < k->n_joint && st == LW_OK; j++)
+        if (k->joint[j].kind == LW_JOINT_GEAR && f->ratio > 0)
+            k->joint[j].ratio = ratio[f->ratio - 1].value;
+        else if (k->joint[j].kind == LW_JOINT_SLOT) {
+            bool later = f->turned & bit;
+            k->joint[j].link[0] = m.link[j][later];
+            k->joint[j].link[1] = m.link[j][!later];
+            bit <<= 1;
+        }
+    return st;
+}
+
+/* ---- names -------------------------------------------------------------------------------------------- */
+
+static int degree(const lw_mechanism *m, int link)
+{
+    int n = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        n += m->link[j][0] == link || m->link[j][1] == link;
+    return n;
+}
+
+/* Watt I, II, Stephenson I, II, III by the place of the ground. */
+static bool is_watt(const lw_mechanism *m, int ground, int *number)
+{
+    int ternary[2], n = 0, beside = 0;
+    for (int i = 0; i < 6; i++)
+        if (degree(m, i) == 3)
+            ternary[n++] = i;
+    for (int i = 0; i < 2; i++)
+        beside += lw_mechanism_joint(m, ground, ternary[i]) != LW_NONE;
+    bool watt = lw_mechanism_joint(m, ternary[0], ternary[1]) != LW_NONE, three = degree(m, ground) == 3;
+    *number = watt ? 1 + three : three ? 3 : beside == 2 ? 1 : 2;
+    return watt;
+}
+
+void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *key, size_t size)
+{
+    int number;
+    if (c->n2 > 0)
+        snprintf(key, size, "%d.%d.%d", c->m.n_link, c->n2, c->number);
+    else if (c->m.n_link != 6)
+        snprintf(key, size, "%d.%d", c->m.n_link, c->number);
+    else {
+        const char *chain = is_watt(&c->m, f->ground, &number) ? "watt" : "stephenson";
+        snprintf(key, size, "%s%d", chain, number);
+    }
+}
+
+/* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
+ * carry the slots. */
+static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, char *name, size_t size)
+{
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    unsigned bit = 1;
+    int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
+    for (int j = 0; j < m.n_joint; j++)
+        if (m.kind[j] == 'p') {
+            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
+                          m.link[j][(f->turned & bit) != 0] + 1);
+            bit <<= 1;
+        }
+    if (f->ratio > 0)
+        n += snprintf(name + n, size - (size_t)n, ", ratio %s", ratio[f->ratio - 1].text);
+    return n + snprintf(name + n, size - (size_t)n, ", ground %d", f->ground + 1);
+}
+
+/* With the kinds of all joints where these are not all pins. */
+static int title(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, char *name, size_t size)
+{
+    static const char *const roman[] = { "", "I", "II", "III" };
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    int number, n_kind = f->kinds ? m.n_joint : 0;
+    const char *blank = n_kind ? " " : "";
+    if (c->n2 > 0)
+        return higher_title(c, f, ratio, name, size);
+    if (m.n_link != 6)
+        return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
+                        m.ground + 1);
+    const char *chain = is_watt(&m, m.ground, &number) ? "Watt" : "Stephenson";
+    return snprintf(name, size, "%s %s%s%.*s", chain, roman[number], blank, n_kind, m.kind);
+}
+
+void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, bool input, char *name,
+                       size_t size)
+{
+    int n = title(c, f, ratio, name, size);
+    if (input)
+        n += snprintf(name + n, size - (size_t)n, ", input %d", f->input + 1);
+    snprintf(name + n, size - (size_t)n, ", point on link %d", f->tracer + 1);
+}
+
+/* ---- canonical form --------------------------------------------------------------------------------------- */
+
+/* A vertex between the links of a joint. */
+static void put_between(lw_graph *g, const lw_joint *q, int colour, int first, int second)
+{
+    int at = g->n++;
+    g->colour[at] = (uint8_t)colour;
+    g->tie[q->link[0]][at] = g->tie[at][q->link[0]] = (uint8_t)first;
+    g->tie[q->link[1]][at] = g->tie[at][q->link[1]] = (uint8_t)second;
+}
+
+/* Of a ratio of small whole numbers the upper one, and 128 more. */
+static int part_of_ratio(double ratio)
+{
+    for (int lower = 1; lower < LW_LAP_MAX; lower++)
+        if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < 1e-9 && fabs(ratio)*lower < 100)
+            return 128 + (int)lround(fabs(ratio)*lower);
+    return 128;
+}
+
+bool cli_topology_form(const lw_linkage *k, lw_graph *form)
+{
+    lw_graph g = { .n = k->n_link };
+    uint8_t to[LW_GRAPH_MAX];
+    g.colour[k->ground] = 1;
+    g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *q = &k->joint[j];
+        if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
+        else
+            g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
+    }
+    if (lw_graph_label(&g, to) != LW_OK)
+        return false;
+    *form = (lw_graph){ .n = g.n };
+    for (int i = 0; i < g.n; i++) {
+        form->colour[to[i]] = g.colour[i];
+        for (int l = 0; l < g.n; l++)
+            form->tie[to[i]][to[l]] = g.tie[i][l];
+    }
+    return true;
+}
+
+/* ---- ratios ---------------------------------------------------------------------------------------------- */
+
+static lw_status read_ratio(const char *word, cli_ratio *r, lw_error *e)
+{
+    char *end, *over = NULL;
+    double a = strtod(word, &end), b = 1;
+    if (*end == '/')
+        b = strtod(end + 1, &over);
+    end = over ? over : end;
+    r->value = a/b;
+    snprintf(r->text, sizeof r->text, "%s", word);
+    bool whole = a == round(a) && b == round(b) && fabs(a) >= 1 && fabs(b) >= 1 && fabs(a) <= LW_LAP_MAX
+              && fabs(b) <= LW_LAP_MAX;
+    if (end != word && *end == 0 && whole && (!over || over != word))
+        return LW_OK;
+    return lw_error_set(e, LW_E_ARG, "--gear-ratios takes whole numbers and fractions of whole numbers up to %d with commas "
+                        "between, as -1,2,-1/2; '%s' is none", LW_LAP_MAX, word);
+}
+
+lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e)
+{
+    lw_status st = LW_OK;
+    *n = 0;
+    for (const char *at = text; st == LW_OK && *at; ) {
+        char word[12] = "";
+        size_t length = strcspn(at, ",");
+        if (*n == CLI_RATIO_MAX)
+            return lw_error_set(e, LW_E_ARG, "--gear-ratios takes %d ratios at most", CLI_RATIO_MAX);
+        snprintf(word, sizeof word, "%.*s", (int)length, at);
+        st = read_ratio(word, &ratio[*n], e);
+        ++*n;
+        at += length + (at[length] == ',');
+    }
+    return st == LW_OK && *n == 0 ? lw_error_set(e, LW_E_ARG, "--gear-ratios is empty") : st;
+}

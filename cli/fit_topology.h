@@ -1,0 +1,57 @@
+/* cli/fit_topology.h - one mechanism of a search in a few bytes, and what is made of it when somebody wants it: its
+ * linkage, its name. */
+#ifndef LW_CLI_FIT_TOPOLOGY_H
+#define LW_CLI_FIT_TOPOLOGY_H
+
+#include "enumerate/canon.h"
+#include "grammar/mechanism.h"
+#include "optimise/families.h"
+
+/* Ratios that gear pairs are tried with. */
+#define CLI_RATIO_MAX 24
+typedef struct cli_ratio { double value; char text[12]; } cli_ratio;
+
+/* "-1,1/2,3": whole numbers and fractions of two to 24, in either way.  LW_E_ARG with a text. */
+lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e);
+
+/* A chain of the list it is enumerated in. */
+typedef struct cli_topology_chain {
+    lw_mechanism m;            /* nothing chosen                                                  */
+    int          number, n2;   /* in the list, from 1; joints of two freedoms of these chains     */
+} cli_topology_chain;
+
+/* Joints that a cli_topology can hold: ten links have 13. */
+#define CLI_TOPOLOGY_JOINTS 16
+#define CLI_TOPOLOGY_NO_INPUT 255
+
+/* What is chosen on a chain. */
+typedef struct cli_topology {
+    uint32_t kinds;            /* of the joints, two bits each, the first joint's lowest: place in "rtpg" */
+    uint16_t chain;            /* index                                                           */
+    uint8_t  ground, tracer;   /* links                                                           */
+    uint8_t  input;            /* joint, or CLI_TOPOLOGY_NO_INPUT                                 */
+    uint8_t  turned;           /* slots on the later link, bit i: the i-th                        */
+    uint8_t  ratio;            /* of the gear, from 1; 0: there is none                           */
+    uint8_t  turn;             /* lw_turn                                                         */
+} cli_topology;
+
+/* Of a mechanism with ground and output, its input left open. */
+cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio);
+
+lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topology *f);
+
+/* A linkage of it, without a name: the same each time. */
+lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, lw_linkage *k);
+
+/* "Watt I, point on link 5", with `input` "Watt I, input 2, point on link 5". */
+void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, bool input, char *name,
+                       size_t size);
+
+/* What --topology calls its ground choice: "watt1", "8.5", "5.1.2". */
+void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *key, size_t size);
+
+/* Links as vertices, coloured by ground and tracer, dies in slots too; the kinds of joints between them: canonical.
+ * false: out of memory. */
+bool cli_topology_form(const lw_linkage *k, lw_graph *form);
+
+#endif
