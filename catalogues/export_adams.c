@@ -164,7 +164,7 @@ static bool input_way(const lw_linkage *k, int input, double *down, double *up)
         *up = in->last - in->value;
         return true;
     }
-    if (k->n_input != 1 || lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = 181, .n_curve_point = 8 }, &scene,
+    if (lw_linkage_free_inputs(k) != 1 || lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = 181, .n_curve_point = 8 }, &scene,
                                          NULL) != LW_OK)
         return true;
     double here = scene.input[scene.first_frame], least = here, most = here;
@@ -211,6 +211,19 @@ static void put_motion(writer *w, int input)
     put(w, ")\n");
 }
 
+/* A tied input goes with the first: ratio q_0 - q_i = 0. */
+static void put_tie(writer *w, int input)
+{
+    const lw_input *in = &w->k->input[input];
+    put_name(w, w->k->joint[in->joint].name, " tie");
+    put_id(w, "COUPLER/", w->k->n_joint + input, 2);
+    put_id(w, ", JOINTS = ", w->k->input[0].joint + 1, 2);
+    put_id(w, ", ", in->joint + 1, 2);
+    put(w, ", SCALES = ");
+    put_number(w, in->ratio);
+    put(w, ", -1\n");
+}
+
 static void put_requests(writer *w)
 {
     static const char *const kind[] = { "DISPLACEMENT", "VELOCITY", "ACCELERATION" };
@@ -247,7 +260,10 @@ lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e)
     if (s == LW_OK) {
         put(w, "!\n");
         for (int i = 0; i < k->n_input; i++)
-            put_motion(w, i);
+            if (k->input[i].ratio != 0)
+                put_tie(w, i);
+            else
+                put_motion(w, i);
         put_requests(w);
         put(w, "!\nRESULTS/\n!\nEND\n");
         s = lw_bytes_end(out, e);

@@ -345,6 +345,17 @@ static lw_status put_gear(writer *w, int gear, lw_error *e)
     return LW_OK;
 }
 
+static void put_tie(writer *w, int input)
+{
+    put_indent(w, 2);
+    put(w, "<joint");
+    put_name(w, "joint1", w->k->joint[w->k->input[input].joint].name, "");
+    put_name(w, "joint2", w->k->joint[w->k->input[0].joint].name, "");
+    put(w, " polycoef=\"0 ");
+    put_number(w, w->k->input[input].ratio);
+    put(w, " 0 0 0\"/>");
+}
+
 static lw_status put_closures(writer *w, lw_error *e)
 {
     lw_status s = LW_OK;
@@ -360,6 +371,8 @@ static lw_status put_closures(writer *w, lw_error *e)
         case LW_JOINT_GEAR:     s = put_gear(w, j, e);                    break;
         }
     }
+    for (int i = lw_linkage_free_inputs(w->k); s == LW_OK && i < w->k->n_input; i++)
+        put_tie(w, i);
     put(w, "\n  </equality>");
     return s;
 }
@@ -370,7 +383,7 @@ static void put_drives(writer *w)
 {
     const lw_linkage *k = w->k;
     put(w, "\n  <actuator>");
-    for (int i = 0; i < k->n_input; i++) {
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
         put(w, "\n    <position kp=\"100\"");
         put_name(w, "name", k->joint[in->joint].name, " drive");

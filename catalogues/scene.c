@@ -346,7 +346,7 @@ static bool show_walk(lw_work *w, const lw_scene_options *o)
 static void sweep(void *linkage, double t, int order, double *u)
 {
     const lw_linkage *k = linkage;
-    for (int i = 0; i < k->n_input; i++) {
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
         double *out = u + i*(order + 1), way = in->last - in->first;
         memset(out, 0, (size_t)(order + 1)*sizeof *out);
@@ -361,7 +361,7 @@ static bool inputs_are_alike(const lw_model *m, double a, double b)
     double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
     lw_drive_of_model((void *)m, a, 1, u);
     lw_drive_of_model((void *)m, b, 1, v);
-    for (int i = 0; i < 2*m->linkage.n_input; i++)
+    for (int i = 0; i < 2*lw_linkage_free_inputs(&m->linkage); i++)
         if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
             return false;
     return true;
@@ -406,7 +406,7 @@ static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *w
 {
     const lw_linkage *k = &w->linkage;
     bool motions = false, ranges = false;
-    for (int i = 0; i < k->n_input && k->n_input > 1; i++) {
+    for (int i = 0; i < k->n_input && lw_linkage_free_inputs(k) > 1; i++) {
         motions = motions || (o->model && o->model->motion[i]);
         ranges = ranges || k->input[i].first != k->input[i].last;
     }

@@ -60,9 +60,13 @@ static void write_freedoms(FILE *f, const lw_linkage *k, const lw_mobility *m)
 {
     if (m->least_freedom < m->freedom)
         fprintf(f, "%-16s%d on another branch through the posture\n", "", m->least_freedom);
-    if (k->n_input > 0)
+    int own = lw_linkage_free_inputs(k);
+    if (own > 0)
         fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,
-                m->freedom == 1 ? "" : "s", k->n_input, k->n_input == 1 ? "" : "s");
+                m->freedom == 1 ? "" : "s", own, own == 1 ? "" : "s");
+    if (own < k->n_input)
+        fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", k->n_input - own,
+                k->n_input - own == 1 ? "" : "s");
     if (m->idle > 0) {
         fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, m->idle == 1 ? "" : "s",
                 m->idle == 1 ? "es" : "", k->n_tracer > 0 ? "tracer" : "other link");

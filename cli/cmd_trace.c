@@ -357,9 +357,10 @@ static int choose_way(const cli_call *call, const lw_model *m, double start)
         cli_note(call, "followed in time by Newton's method");
         return run_curves(call, m, tracers, range, start);
     }
-    if (k->n_input > 1)
+    int own = lw_linkage_free_inputs(k);
+    if (own > 1)
         cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions",
-                 k->n_input > 2 ? "s rest" : " rests");
+                 own > 2 ? "s rest" : " rests");
     if (s->cycle)
         return run_curves(call, m, tracers, NULL, start);
     cli_trace *t = calloc(1, sizeof *t);

@@ -26,7 +26,7 @@ static void begin(cli_curve_trace *t)
         for (int i = 0; i < t->k->n_input; i++) {
             const lw_expression *x = t->model->motion[i];
             fprintf(t->rows.f, "# input %d, %s: %s\n", i + 1, t->k->joint[t->k->input[i].joint].name,
-                    x ? lw_expression_text(x) : "rests");
+                    x ? lw_expression_text(x) : t->k->input[i].ratio != 0 ? "goes with input 1" : "rests");
         }
     }
     lead_text(t, false, text, sizeof text);

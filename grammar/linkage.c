@@ -1,4 +1,4 @@
-/* Mobility, and the directions that a posture gives to its inputs. */
+/* Mobility, inputs and the directions that a posture gives them. */
 #include "grammar/linkage.h"
 
 #include <math.h>
@@ -12,6 +12,26 @@ int lw_linkage_mobility(const lw_linkage *k)
         freedom -= kind == LW_JOINT_FIXED ? 3 : kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
     }
     return freedom;
+}
+
+int lw_linkage_free_inputs(const lw_linkage *k)
+{
+    int n = 0;
+    while (n < k->n_input && k->input[n].ratio == 0)
+        n++;
+    return n;
+}
+
+double lw_linkage_tied_input(const lw_linkage *k, int i, double first)
+{
+    return k->input[i].value + k->input[i].ratio*(first - k->input[0].value);
+}
+
+double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre)
+{
+    bool slides = k->joint[k->input[i].joint].kind == LW_JOINT_SLIDER;
+    bool first_slides = k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
+    return (slides ? metre : 1.0)/(first_slides ? metre : 1.0);
 }
 
 static bool carries(const lw_joint *j, int link) { return j->link[0] == link || j->link[1] == link; }

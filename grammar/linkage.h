@@ -39,11 +39,16 @@ typedef struct lw_joint {
 /* A driven joint, a pin or a slider.  For a pin the input is the direction [rad, counter-clockwise from
  * +x of the plane] of the driven link's x axis, see lw_linkage_posture_input; mbs/plan.h counts it from the
  * ground frame instead.  For a slider it is the displacement [m] of link[1] relative to link[0]
- * along `along`, 0 in the given posture unless `value` says otherwise. */
+ * along `along`, 0 in the given posture unless `value` says otherwise.
+ *
+ * A tied input does not move by itself but with the first one, `ratio` times as far from the posture: a second motor
+ * that is told so, a belt or a train of gears at the frame.  Tied inputs stand after those that move by
+ * themselves. */
 typedef struct lw_input {
     int    joint;
     double value;              /* in the given posture                     [rad] or [m]         */
     double first, last;        /* the motion wanted; first == last: all of it                    */
+    double ratio;              /* tied: its way over that of the first [rad/rad], [m/m], ...; 0: free */
 } lw_input;
 
 typedef struct lw_tracer {
@@ -66,6 +71,16 @@ typedef struct lw_linkage {
 
 /* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2); a welded joint takes 3. */
 int lw_linkage_mobility(const lw_linkage *k);
+
+/* How many inputs move by themselves: the first so many; the others are tied. */
+int lw_linkage_free_inputs(const lw_linkage *k);
+
+/* Where tied input i is when the first one is at `first` [rad] or [m]. */
+double lw_linkage_tied_input(const lw_linkage *k, int i, double first);
+
+/* What the ratio of input i counts in, `metre` the length unit: metre where it slides and the first one turns,
+ * 1/metre the other way. */
+double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre);
 
 /* What a gear joint runs on.  Speeds are relative to the carrier, so the ratio is that of the turns, > 0
  * for an internal gear and < 0 for an external one; with a rack it is [m/rad] of the rack along its slide

@@ -104,9 +104,15 @@ static lw_status check_input(const lw_linkage *k, int i, lw_error *e)
     for (int h = 0; h < i; h++)
         if (k->input[h].joint == in->joint)
             return lw_error_set(e, LW_E_ARG, "joint \"%s\" is driven twice; drop one input", j->name);
-    if (!sane(in->value) || !sane(in->first) || !sane(in->last))
+    if (!sane(in->value) || !sane(in->first) || !sane(in->last) || !sane(in->ratio))
         return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" has a number that is not finite",
                             j->name);
+    if (i == 0 && in->ratio != 0)
+        return lw_error_set(e, LW_E_ARG, "the first input, at joint \"%s\", has a ratio: there is none before it "
+                            "that it could be tied to", j->name);
+    if (i > 0 && in->ratio == 0 && k->input[i - 1].ratio != 0)
+        return lw_error_set(e, LW_E_ARG, "the input at joint \"%s\" moves by itself and stands after one that is "
+                            "tied to the first by its ratio; put it before that one", j->name);
     return LW_OK;
 }
 

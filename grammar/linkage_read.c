@@ -313,9 +313,28 @@ static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *
 
 /* ---- inputs and tracers ------------------------------------------------------------------------ */
 
+/* An input that goes with the first has no motion of its own. */
+static lw_status read_tie(const lw_json_node *input, const lw_linkage *k, lw_input *in, lw_error *e)
+{
+    static const char *const own[] = { "first", "last", "motion", "speed" };
+    lw_json_node n;
+    bool given;
+    if (!lw_json_member(input, "ratio", &n))
+        return LW_OK;
+    double unit = lw_linkage_tie_unit(k, (int)(in - k->input), k->units.metre);
+    lw_status s = lw_read_optional(input, "ratio", unit, &in->ratio, &given, e);
+    if (s == LW_OK && in->ratio == 0)
+        return lw_json_fault(&n, e, "a ratio of 0 would hold the joint still; weld it, or leave \"ratio\" out");
+    for (size_t i = 0; s == LW_OK && i < COUNT(own); i++)
+        if (lw_json_member(input, own[i], &n))
+            s = lw_json_fault(&n, e, "\"%s\" is for inputs that move by themselves; this one is tied to the first by "
+                              "its ratio", own[i]);
+    return s;
+}
+
 static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *in, bool *has_value, lw_error *e)
 {
-    static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed" };
+    static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed", "ratio" };
     lw_json_node joint;
     bool has_first = false, has_last = false;
     lw_status s = lw_json_want(input, LW_JSON_OBJECT, e);
@@ -332,7 +351,7 @@ static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *
         s = lw_read_optional(input, "last", unit, &in->last, &has_last, e);
     if (s == LW_OK && has_first != has_last)
         s = lw_json_fault(input, e, "\"first\" and \"last\" bound the motion together; give both or none");
-    return s;
+    return s == LW_OK ? read_tie(input, k, in, e) : s;
 }
 
 static lw_status read_inputs(const lw_json_node *root, lw_linkage *k, bool has_value[LW_INPUT_MAX], lw_error *e)

@@ -102,6 +102,10 @@ static void put_input(const writer *w, const lw_linkage *k, const lw_input *in)
         fputs(", \"last\": ", w->f);
         put_number(w, in->last, unit);
     }
+    if (in->ratio != 0) {
+        fputs(", \"ratio\": ", w->f);
+        put_number(w, in->ratio, lw_linkage_tie_unit(k, (int)(in - k->input), w->units->metre));
+    }
     fputc('}', w->f);
 }
 

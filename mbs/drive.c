@@ -353,8 +353,10 @@ void lw_drive_of_model(void *context, double t, int order, double *u)
             lw_expression_series(m->motion[i], order, at, out);
             continue;
         }
-        memset(out, 0, (size_t)(order + 1)*sizeof *out);
-        out[0] = m->linkage.input[i].value;
+        double ratio = m->linkage.input[i].ratio;
+        for (int k = 0; k <= order; k++)
+            out[k] = ratio != 0 ? ratio*u[k] : 0;
+        out[0] = ratio != 0 ? lw_linkage_tied_input(&m->linkage, i, u[0]) : m->linkage.input[i].value;
     }
 }
 

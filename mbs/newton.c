@@ -474,14 +474,14 @@ static bool allocate(lw_newton *s)
 static lw_status count_equations(const lw_linkage *k, lw_newton *s, lw_error *e)
 {
     s->n = s->system.n_q;
-    s->m = s->system.n_row + k->n_input;
+    s->m = s->system.n_row + s->system.n_input;
     s->w = s->n + 1;
     s->rows = s->m + 1;
     if (k->n_input < 1)
         return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
     if (s->m < s->n)
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d inputs; drive %d more joints",
-                            lw_linkage_mobility(k), k->n_input, s->n - s->m);
+                            s->n - s->system.n_row, s->system.n_input, s->n - s->m);
     return LW_OK;
 }
 

@@ -11,9 +11,9 @@
 
 typedef struct lw_newton lw_newton;
 
-/* Overconstrained linkages are accepted if they can move.  The inputs after the first stay where they
- * are.  LW_E_ARG: fewer inputs than freedoms; failures of lw_system_make; LW_E_NUMERIC: the linkage is rigid, or its posture is a dead point of the input,
- * where two branches meet and none can be chosen. */
+/* Overconstrained linkages are accepted if they can move.  Inputs after the first stay where they are,
+ * but tied ones go with it.  LW_E_ARG: fewer inputs than freedoms; failures of lw_system_make; LW_E_NUMERIC: the
+ * linkage is rigid, or its posture is a dead point of the input, where two branches meet and none can be chosen. */
 lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e);
 void      lw_newton_free(lw_newton *s);
 

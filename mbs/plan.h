@@ -14,6 +14,8 @@
  *                   displacements over lw_plan_size; and last the input of that posture.  n_mode is n_dyad
  *                   for linkages made of dyads.
  *     the input     as a unit vector (cos, sin) for a pin, as (displacement, 0) for a slider.
+ * Linkages of several freedoms have plans where all inputs but the first are tied to it (grammar/linkage.h) and all
+ * turn on the ground: a tied link is a wheel of constant rate, its phase a dimension.
  *
  * Higher groups.  Unknown are one turn a link (links that slide on each other share one) and one
  * displacement a slider; the equations are the group's independent loops, two rows each.  From the seed
@@ -245,8 +247,9 @@ typedef struct lw_want {
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
 lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
-/* The same with gear pairs too, wherever the carrier and one wheel are known before the other wheel; mind plan->laps.
- * LW_E_KIND also for racks, and for ratios that are not of small whole numbers. */
+/* The same with gear pairs too, wherever the carrier and one wheel are known before the other wheel, and for F > 1 with all
+ * inputs but one tied, where all turn on the ground; mind plan->laps.  LW_E_KIND also for racks, and for ratios
+ * that are not of small whole numbers. */
 lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
 /* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;

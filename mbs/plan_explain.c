@@ -61,6 +61,11 @@ static void add_group(lw_text *out, const lw_linkage *k, told *t, int number)
     }
 }
 
+static void add_wheel(lw_text *out, const lw_joint *by)
+{
+    lw_text_add(out, "; turned by %s \"%s\"\n", by->kind == LW_JOINT_GEAR ? "gear" : "the tied input", by->name);
+}
+
 static void add_dyad(lw_text *out, const lw_step *s)
 {
     static const char *const name[] = { [LW_STEP_RRR] = "RRR", [LW_STEP_RRP] = "RRP", [LW_STEP_RPR] = "RPR",
@@ -121,7 +126,7 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
         if (s->kind == LW_STEP_HIGHER)
             add_higher(&out, &p->higher[s->dim[0]]);
         else if (s->kind == LW_STEP_GEAR)
-            lw_text_add(&out, "; turned by gear \"%s\"\n", k.joint[p->dim[s->dim[0]].joint].name);
+            add_wheel(&out, &k.joint[p->dim[s->dim[0]].joint]);
         else
             add_dyad(&out, s);
         known |= t.links;

@@ -5,7 +5,10 @@
  *     u = e^{i phi} c^{1 - ratio} w^{ratio},   c of the carrier, w of the known wheel, phi the phase,
  * for whole ratios.  Wheels whose carrier and partner turn with the input at constant rates do so themselves, at any
  * ratio of whole numbers: where a rate is a fraction, the plan counts its input in so many turns (plan->laps) that all
- * rates become whole numbers m, u = e^{i (phi + m input)}. */
+ * rates become whole numbers m, u = e^{i (phi + m input)}.
+ *
+ * A tied input (grammar/linkage.h) turns its link so many times as fast as the first input does its own, both seen
+ * from the ground: the ground carries the two, as if a belt or wheels went from the one to the other. */
 #include "mbs/plan_build_internal.h"
 
 #include <math.h>
@@ -53,6 +56,18 @@ bool lw_plan_find_gear(lw_topology *t, lw_group *g)
     return false;
 }
 
+void lw_plan_tie_inputs(lw_topology *t, int *known)
+{
+    const lw_linkage *k = t->k;
+    for (int i = 1; i < k->n_input; i++) {
+        int j = k->input[i].joint, link = lw_joint_other(&k->joint[j], k->ground), pin = t->pin[j];
+        t->group[t->n_group++] = (lw_group){ .kind = LW_STEP_GEAR, .link = { link, link }, .joint = { pin, j, pin },
+                                             .base = { k->ground, t->driven }, .ratio = k->input[i].ratio };
+        t->n_gear++;
+        t->rank[link] = (*known)++;
+    }
+}
+
 static bool has_rate(const lw_topology *t, const lw_group *g)
 {
     return isfinite(t->rate[g->base[0]]) && isfinite(t->rate[g->base[1]]);
@@ -83,8 +98,9 @@ lw_status lw_plan_gear_rates(lw_topology *t, lw_error *e)
         bool good = isfinite(rate) ? laps <= LW_LAP_MAX && fabs(laps*rate) <= LW_POWER_MAX
                                    : is_whole(g->ratio) && fabs(g->ratio) <= LW_POWER_MAX;
         if (!good)
-            return lw_error_set(e, LW_E_KIND, "gear \"%s\": plans take ratios of whole numbers where the wheels turn "
-                                "evenly with the input, in at most %d of its turns, else whole numbers", k->joint[g->joint[1]].name,
+            return lw_error_set(e, LW_E_KIND, "%s \"%s\": plans take ratios of whole numbers where the wheels turn "
+                                "evenly with the input, in at most %d of its turns, else whole numbers",
+                                k->joint[g->joint[1]].kind == LW_JOINT_GEAR ? "gear" : "tied input", k->joint[g->joint[1]].name,
                                 LW_LAP_MAX);
         t->laps = laps;
     }

@@ -55,7 +55,8 @@ lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_er
 /* Find the smallest group that known links determine (mbs/plan_assur.c). */
 lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e);
 
-/* A wheel that is known by its gear; then how fast wheels turn (mbs/plan_gear.c). */
+/* Links that tied inputs turn; a wheel that is known by its gear; then how fast wheels turn (mbs/plan_gear.c). */
+void      lw_plan_tie_inputs(lw_topology *t, int *known);
 bool      lw_plan_find_gear(lw_topology *t, lw_group *g);
 lw_status lw_plan_gear_rates(lw_topology *t, lw_error *e);
 

@@ -118,16 +118,31 @@ static bool find_dyad(const lw_topology *t, lw_group *g)
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-/* Freedom with multiple joints counted as they are: a pin of m links takes 2 (m - 1). */
+/* Freedom with multiple joints counted as they are: a pin of m links takes 2 (m - 1), a tied input 1. */
 static int mobility(const lw_topology *t)
 {
-    int f = 3*(t->k->n_link - 1);
+    int f = 3*(t->k->n_link - 1) - (t->k->n_input - 1);
     for (int j = 0; j < t->k->n_joint; j++)
         if (!is_pin(t, j))
             f -= is_gear(t, j) ? 1 : 2;
         else if (t->pin[j] == j)
             f -= 2*(__builtin_popcount(t->on_pin[j]) - 1);
     return f;
+}
+
+static lw_status check_inputs(const lw_linkage *k, bool tied, lw_error *e)
+{
+    int own = lw_linkage_free_inputs(k);
+    if (own != 1)
+        return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", own);
+    for (int i = 0; i < k->n_input && k->n_input > 1; i++) {
+        const lw_joint *j = &k->joint[k->input[i].joint];
+        if (!tied || j->kind != LW_JOINT_REVOLUTE || !lw_joint_has(j, k->ground))
+            return lw_error_set(e, LW_E_KIND, "inputs \"%s\" and \"%s\" are tied%s", k->joint[k->input[0].joint].name,
+                                k->joint[k->input[i > 0 ? i : 1].joint].name,
+                                tied ? "; plans take such inputs only where they turn on the ground" : "");
+    }
+    return LW_OK;
 }
 
 static lw_status check_joints(const lw_linkage *k, bool higher, bool gears, lw_error *e)
@@ -141,9 +156,7 @@ static lw_status check_joints(const lw_linkage *k, bool higher, bool gears, lw_e
                             k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",
                             higher ? " and pins in slots ('p')" : "");
     }
-    if (k->n_input != 1)
-        return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", k->n_input);
-    return LW_OK;
+    return check_inputs(k, gears, e);
 }
 
 /* An input at the ground drives its link; one between two moving links is left to their group. */
@@ -200,6 +213,7 @@ void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
 static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
 {
     int known = t->driven < 0 ? 1 : 2;
+    lw_plan_tie_inputs(t, &known);
     while (known < t->k->n_link) {
         lw_group g;
         if (lw_plan_find_gear(t, &g)) {
@@ -281,7 +295,9 @@ lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_er
 
 static lw_status no_freedom(const lw_topology *t, lw_error *e)
 {
-    return lw_error_set(e, LW_E_KIND, "the linkage has freedom F = %d; one input needs F = 1", mobility(t));
+    int n = t->k->n_input;
+    return lw_error_set(e, LW_E_KIND, "the linkage has freedom F = %d; %s F = %d", mobility(t) + n - 1,
+                        n == 1 ? "one input needs" : "its inputs need", n);
 }
 
 static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool higher, lw_plan *plan, lw_error *e)

@@ -336,11 +336,16 @@ lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode,
         s = write_wide(p, dim, mode, input, &wide);
     if (s != LW_OK)
         return s;
+    double before[LW_INPUT_MAX];
+    for (int i = 1; i < k->n_input; i++)
+        before[i] = lw_linkage_posture_input(k, k->input[i].joint);
     for (int j = 0; j < k->n_joint; j++) {
         k->joint[j].at = wide.joint[j].at;
         k->joint[j].along = wide.joint[slot[j] >= 0 ? slot[j] : j].along;
     }
     memcpy(k->tracer, wide.tracer, sizeof k->tracer);
     k->input[0].value = wide.input[0].value;
+    for (int i = 1; i < k->n_input; i++)
+        k->input[i].value += remainder(lw_linkage_posture_input(k, k->input[i].joint) - before[i], 2*LW_PI);
     return LW_OK;
 }

@@ -112,6 +112,22 @@ static lw_status make_joint(const lw_linkage *k, int j, lw_system *s, lw_error *
     return LW_OK;
 }
 
+static void make_inputs(const lw_linkage *k, lw_system *s)
+{
+    s->n_input = lw_linkage_free_inputs(k);
+    s->n_tie = k->n_input - s->n_input;
+    s->tie_row = s->n_row;
+    for (int i = 0; i < k->n_input; i++) {
+        s->input_joint[i] = k->input[i].joint;
+        s->input_value[i] = k->input[i].value;
+    }
+    for (int i = 0; i < s->n_tie; i++) {
+        int tied = s->n_input + i;
+        s->tie[i] = k->input[tied].ratio/lw_linkage_tie_unit(k, tied, s->unit);
+        add_rows(s, k->input[tied].joint, "tie", NULL, NULL);
+    }
+}
+
 lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
 {
     memset(s, 0, sizeof *s);
@@ -128,11 +144,7 @@ lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double u
     s->n_joint = k->n_joint;
     for (int j = 0; status == LW_OK && j < k->n_joint; j++)
         status = make_joint(k, j, s, e);
-    s->n_input = k->n_input;
-    for (int i = 0; i < k->n_input; i++) {
-        s->input_joint[i] = k->input[i].joint;
-        s->input_value[i] = k->input[i].value;
-    }
+    make_inputs(k, s);
     s->n_tracer = k->n_tracer;
     for (int i = 0; i < k->n_tracer; i++) {
         s->tracer_body[i] = s->body[k->tracer[i].link];
@@ -181,7 +193,7 @@ void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
         k->tracer[i].at = lw_system_point(s, s->tracer_body[i], s->tracer_arm[i], q);
         k->tracer[i].angle += turn_of(s->tracer_body[i], q);
     }
-    for (int i = 0; i < s->n_input; i++) {
+    for (int i = 0; i < s->n_input + s->n_tie; i++) {
         bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
         k->input[i].value = s->input_value[i] + lw_system_measure(s, s->input_joint[i], q, NULL)*(pin ? 1.0 : s->unit);
     }

@@ -2,7 +2,8 @@
  *
  *     q      3 numbers a moving link: place x, y of its reference point, turn phi since the drawn
  *            posture [rad].  Lengths are counted from `origin` and in multiples of `unit` [m].
- *     Phi(q) = 0    two rows a pin or slider, one a pin in a slot or a gear, three a fixed joint
+ *     Phi(q) = 0    two rows a pin or slider, one a pin in a slot or a gear, three a fixed joint; then one a
+ *                   tied input, which is no input here but a condition: h_tied = ratio h_first
  *     h_i(q)        what input i counts: turn of a pin, displacement of a slider, 0 in the posture
  *
  * Series.  Along any curve q(s) = sum of q_k s^k the rows have a series too; its coefficient k is
@@ -19,10 +20,10 @@
 
 #define LW_SYSTEM_ORDER_MAX LW_SERIES_ORDER_MAX
 #define LW_SYSTEM_Q_MAX   (3*(LW_LINK_MAX - 1))
-#define LW_SYSTEM_ROW_MAX (3*LW_JOINT_MAX)
+#define LW_SYSTEM_ROW_MAX (3*LW_JOINT_MAX + LW_INPUT_MAX)
 #define LW_SYSTEM_ENTRY_MAX 9              /* entries that are not 0 in a row, at most                */
 
-/* One row: which joint, and what it says ("x", "y", "across", "turn", "ratio"). */
+/* One row: which joint, and what it says ("x", "y", "across", "turn", "ratio", "tie"). */
 typedef struct lw_system_row { int joint; const char *what; } lw_system_row;
 
 /* What an input (or any joint) counts, and its row of derivatives. */
@@ -42,7 +43,8 @@ typedef struct lw_system_joint {
 } lw_system_joint;
 
 typedef struct lw_system {
-    int     n_body, n_q, n_row, n_joint, n_input, n_tracer;
+    int     n_body, n_q, n_row, n_joint, n_tracer;
+    int     n_input, n_tie;                /* inputs that move by themselves; tied ones               */
     int     link[LW_LINK_MAX];             /* of body b                                               */
     int     body[LW_LINK_MAX];             /* of link l; -1: ground                                   */
     lw_vec2 origin;                        /* [m]                                                     */
@@ -50,8 +52,10 @@ typedef struct lw_system {
     lw_vec2 reference[LW_LINK_MAX];        /* of body b, in the posture, scaled                       */
     lw_system_joint joint[LW_JOINT_MAX];
     lw_system_row   row[LW_SYSTEM_ROW_MAX];
-    int     input_joint[LW_INPUT_MAX];
+    int     input_joint[LW_INPUT_MAX];     /* (n_input + n_tie)                                       */
     double  input_value[LW_INPUT_MAX];     /* what the input counts in the posture                    */
+    double  tie[LW_INPUT_MAX];             /* (n_tie) ratios to the first input, of turns or units     */
+    int     tie_row;                       /* the first of their rows                                 */
     int     tracer_body[LW_TRACER_MAX];
     lw_vec2 tracer_arm[LW_TRACER_MAX];
 } lw_system;

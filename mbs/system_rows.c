@@ -8,6 +8,7 @@
  *     slot      i u . d = 0
  *     fixed     d = 0,         phi_1 - phi_0 = 0
  *     gear      (m_1 - ratio m_0)/(1 + |ratio|) = 0,   m_i = phi_i - phi_c, or what the slider of a rack counts
+ *     tie       (h_1 - ratio h_0)/(1 + |ratio|) = 0,   h_i what the tied and the first input count
  *
  * What a slider counts is u . d.  The derivatives of v . d for a v that is carried by link 0 or fixed are
  *     by x_1: v,  by phi_1: v . i r_1,  by x_0: -v,  by phi_0: dv . d - v . i r_0.                       */
@@ -116,6 +117,13 @@ static double gear_row(const lw_system *s, const lw_system_joint *j, const lw_sy
     return left;
 }
 
+static double tie_row(const lw_system *s, int i, const lw_system_frames *f, target t)
+{
+    double ratio = s->tie[i], scale = 1.0/(1.0 + fabs(ratio));
+    return count(&s->joint[s->input_joint[s->n_input + i]], f, scale, t)
+         + count(&s->joint[s->input_joint[0]], f, -ratio*scale, t);
+}
+
 void lw_system_fill(const lw_system *s, const lw_system_frames *f, double *phi, double *jac, long row_step,
                     long column_step)
 {
@@ -152,6 +160,11 @@ void lw_system_fill(const lw_system *s, const lw_system_frames *f, double *phi, 
         if (turn)
             add_turn(j, 1.0, (target){ jac + next*row_step, column_step });
     }
+    for (int i = 0, r = s->tie_row; i < s->n_tie; i++, r++) {
+        double left = tie_row(s, i, f, (target){ jac ? jac + r*row_step : NULL, column_step });
+        if (phi)
+            phi[r] = left;
+    }
 }
 
 void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac)
@@ -172,6 +185,12 @@ double lw_system_measure(const lw_system *s, int j, const double *q, double *row
     return lw_system_count(s, &f, j, row, 1);
 }
 
+/* What an input counts of whole turns. */
+static double whole_count(const lw_system_joint *j, const lw_system_frames *f)
+{
+    return j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, f) : 0.0;
+}
+
 void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs)
 {
     lw_system_frames f;
@@ -189,8 +208,9 @@ void lw_system_turns(const lw_system *s, const int *turns, double *rows, double 
                     rows[j->row] += side_factor(j, side)
                                   * (f.turn[j->body[side] + 1] - f.turn[j->carrier + 1]);
     }
-    for (int i = 0; i < s->n_input; i++) {
-        const lw_system_joint *j = &s->joint[s->input_joint[i]];
-        inputs[i] = j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, &f) : 0.0;
-    }
+    for (int i = 0; i < s->n_input; i++)
+        inputs[i] = whole_count(&s->joint[s->input_joint[i]], &f);
+    for (int i = 0; i < s->n_tie; i++)
+        rows[s->tie_row + i] = (whole_count(&s->joint[s->input_joint[s->n_input + i]], &f)
+                                - s->tie[i]*whole_count(&s->joint[s->input_joint[0]], &f))/(1.0 + fabs(s->tie[i]));
 }

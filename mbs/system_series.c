@@ -116,11 +116,22 @@ static void joint_rows(const lw_system *s, const lw_system_joint *j, int order, 
     }
 }
 
+static void tie_series(const lw_system *s, int i, int order, const double *q, double *phi)
+{
+    double tied[N], first[N], scale = 1.0/(1.0 + fabs(s->tie[i]));
+    lw_system_measure_series(s, s->input_joint[s->n_input + i], order, q, tied);
+    lw_system_measure_series(s, s->input_joint[0], order, q, first);
+    for (int k = 0; k <= order; k++)
+        phi[(long)k*s->n_row] = scale*(tied[k] - s->tie[i]*first[k]);
+}
+
 void lw_system_series(const lw_system *s, int order, const double *q, double *phi)
 {
     memset(phi, 0, (size_t)(order + 1)*(size_t)s->n_row*sizeof *phi);
     for (int j = 0; j < s->n_joint; j++)
         joint_rows(s, &s->joint[j], order, q, phi + s->joint[j].row);
+    for (int i = 0; i < s->n_tie; i++)
+        tie_series(s, i, order, q, phi + s->tie_row + i);
 }
 
 void lw_system_point_series(const lw_system *s, int body, lw_vec2 arm, int order, const double *q, lw_vec2 *out)
