@@ -48,7 +48,8 @@ typedef struct lw_rrr { lw_vec2 span; double d2, p1, p2, y, h, r1, r2; } lw_rrr;
  * for coordinates above 1e-54. */
 LW_INLINE lw_vec2 lw_reach(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
 
-LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode)
+/* met: the circles are known to meet, a constant wherever this is inlined. */
+LW_INLINE lw_rrr lw_rrr_solve_met(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode, const int met)
 {
     lw_rrr z;
     z.span = lw_reach(a, b);
@@ -57,7 +58,7 @@ LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double
     z.r2 = lw_away_from_zero(r2);
     double sum = z.r1 + z.r2, dif = z.r1 - z.r2;
     z.h = (sum*sum - z.d2)*(z.d2 - dif*dif);
-    int meet = z.h >= 0;
+    int meet = met || z.h >= 0;
     double q = sqrt(meet ? z.h : 4*z.d2);
     z.y = meet ? mode*q : 0;
     z.p1 = z.d2 + sum*dif;
@@ -65,6 +66,24 @@ LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double
     z.p1 = meet ? z.p1 : copysign(z.r1*q, z.p1);
     z.p2 = meet ? z.p2 : copysign(z.r2*q, z.p2);
     return z;
+}
+
+LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode)
+{
+    return lw_rrr_solve_met(a, b, r1, r2, mode, 0);
+}
+
+/* c - a, and c - b of which is known what it is where the circles meet: each as long as its link */
+LW_INLINE lw_vec2 lw_rrr_arm(const lw_rrr *z)
+{
+    return lw_v2_scale(lw_v2_turn(z->span, lw_v2(z->p1, z->y)), 0.5/z->d2);
+}
+
+LW_INLINE lw_vec2 lw_rrr_other(const lw_rrr *z, lw_vec2 where_met, const int met)
+{
+    lw_vec2 apart = lw_v2_scale(lw_v2_turn(z->span, lw_v2(-z->p2, z->y)), 0.5/z->d2);
+    int meet = met || z->h >= 0;
+    return lw_v2(meet ? where_met.x : apart.x, meet ? where_met.y : apart.y);
 }
 
 LW_INLINE lw_vec2 lw_rrr_first(const lw_rrr *z)

@@ -53,25 +53,41 @@ LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, cons
         *aux = (m > LW_MARGIN_FLAT ? 1.0 : 0.0)/(m > LW_MARGIN_FLAT ? y : 1.0);
 }
 
-LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int second)
+/* Lanes of an RRR dyad, of which out[0] and out[1] are kept when `turns` says so (1, 2).  met: all circles are
+ * known to meet; false when some do not. */
+LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int turns,
+                         const int met)
 {
     const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
-    const out_rows u = out_reg(k, s->out[0]), v = second ? out_reg(k, s->out[1]) : u, c = out_reg(k, s->out[2]);
+    const out_rows c = out_reg(k, s->out[2]);
+    const out_rows u = turns & 1 ? out_reg(k, s->out[0]) : c, v = turns & 2 ? out_reg(k, s->out[1]) : c;
     const double *r1 = dim_of(k, s->dim[0]), *r2 = dim_of(k, s->dim[1]), *mode = mode_of(k, s->dyad);
     const double r10 = *r1, r20 = *r2, mode0 = *mode, flat0 = lw_rrr_flat(r10, r20);
+    const double by_r10 = 1/lw_away_from_zero(r10), by_r20 = 1/lw_away_from_zero(r20);
     double *margin = k->margin, *aux = aux_row(k, s->dyad);
+    long long open = 0;
     LW_LANES(n) {
         double p = per_lane ? r1[i] : r10, q = per_lane ? r2[i] : r20;
-        lw_vec2 from = get(a, i);
-        lw_rrr z = lw_rrr_solve(from, get(b, i), p, q, per_lane ? mode[i] : mode0);
-        lw_vec2 first = lw_rrr_first(&z), tip = lw_point(from, first, p, 0);
-        if (second)
-            put(v, i, lw_rrr_second(&z));
+        lw_vec2 from = get(a, i), to = get(b, i);
+        lw_rrr z = lw_rrr_solve_met(from, to, p, q, per_lane ? mode[i] : mode0, met);
+        lw_vec2 arm = lw_rrr_arm(&z), tip = lw_v2_add(from, arm);
+        open |= z.h >= 0 ? 0 : 1;
         if (want)
             keep_margin(&margin[i], &aux[i], lw_rrr_margin(&z, per_lane ? lw_rrr_flat(p, q) : flat0), z.y, want);
-        put(u, i, first);
+        if (turns & 1)
+            put(u, i, lw_v2_scale(arm, per_lane ? 1/z.r1 : by_r10));
+        if (turns & 2)
+            put(v, i, lw_v2_scale(lw_rrr_other(&z, lw_v2_sub(tip, to), met), per_lane ? 1/z.r2 : by_r20));
         put(c, i, tip);
     }
+    return !(met && open);
+}
+
+/* Mostly all circles meet, which is cheaper to work out; the lanes that have done so then keep their bits. */
+LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int turns)
+{
+    if (!rrr_lanes(k, s, n, per_lane, want, turns, 1))
+        rrr_lanes(k, s, n, per_lane, want, turns, 0);
 }
 
 LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
@@ -139,7 +155,7 @@ LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane
 }
 
 /* One copy of each loop for every constant combination: dimensions shared or per lane, and what is kept. */
-LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
+LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int want)
 {
     switch (s->kind) {
     case LW_STEP_INPUT_PIN:   input_pin(k, s, n); break;
@@ -147,10 +163,14 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int 
     case LW_STEP_POINT:       point(k, s, n, per_lane); break;
     case LW_STEP_LINE:        line(k, s, n, per_lane); break;
     case LW_STEP_RRR:
-        if (s->out[1] < 0)
-            rrr(k, s, n, per_lane, want, 0);
-        else
-            rrr(k, s, n, per_lane, want, 1);
+        if (want == WITH_ROOTS)
+            keep |= 1;
+        switch (s->out[1] < 0 ? keep & 1 : keep & 3) {
+        case 0:  rrr(k, s, n, per_lane, want, 0); break;
+        case 1:  rrr(k, s, n, per_lane, want, 1); break;
+        case 2:  rrr(k, s, n, per_lane, want, 2); break;
+        default: rrr(k, s, n, per_lane, want, 3);
+        }
         break;
     case LW_STEP_RRP:         rrp(k, s, n, per_lane, want); break;
     case LW_STEP_RPR:         rpr(k, s, n, per_lane, want); break;
@@ -164,7 +184,7 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, size_t n, const int 
 }
 
 #define FORWARD(name, per_lane, want) \
-    static void name(const run *k, const lw_step *s, size_t n) { step_forward(k, s, n, per_lane, want); }
+    static void name(const run *k, const lw_step *s, int keep, size_t n) { step_forward(k, s, keep, n, per_lane, want); }
 FORWARD(forward_shared_pose, 0, POSE_ONLY)
 FORWARD(forward_shared_margin, 0, WITH_MARGIN)
 FORWARD(forward_shared_roots, 0, WITH_ROOTS)
@@ -174,7 +194,7 @@ FORWARD(forward_lanes_margin, 1, WITH_MARGIN)
 /* All steps output `which` depends on. */
 static void forward(const run *k, int which, size_t n, int per_lane, int want)
 {
-    static void (*const step[2][3])(const run *, const lw_step *, size_t) = {
+    static void (*const step[2][3])(const run *, const lw_step *, int, size_t) = {
         { forward_shared_pose, forward_shared_margin, forward_shared_roots },
         { forward_lanes_pose, forward_lanes_margin, NULL }
     };
@@ -187,7 +207,7 @@ static void forward(const run *k, int which, size_t n, int per_lane, int want)
         if (s->kind == LW_STEP_HIGHER)
             higher(k, s, n, per_lane, want);
         else
-            step[per_lane][want](k, s, n);
+            step[per_lane][want](k, s, p->output_keep[which][i], n);
     }
 }
 

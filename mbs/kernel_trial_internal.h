@@ -418,7 +418,7 @@ static void trial(follower *f, pack t)
     for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
         if (s->kind != LW_STEP_HIGHER) {
-            forward_shared_margin(&f->k, s, LW_GROUP);
+            forward_shared_margin(&f->k, s, ~0, LW_GROUP);
             continue;
         }
         eight *w = &f->group[s->dim[0]];

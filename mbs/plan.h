@@ -227,6 +227,7 @@ typedef struct lw_plan {
     int         output_tracer[LW_TRACER_MAX];     /* index in the linkage                         */
     int         n_output_step[LW_TRACER_MAX];     /* the steps an output depends on, in order     */
     unsigned char output_step[LW_TRACER_MAX][LW_STEP_MAX];
+    unsigned char output_keep[LW_TRACER_MAX][LW_STEP_MAX];  /* bit h: out[h] of that step is wanted for it */
     lw_short    output_short[LW_TRACER_MAX];
     int         i_cx[LW_TRACER_MAX], i_cy[LW_TRACER_MAX];   /* its coordinates in dim, or -1      */
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */

@@ -471,6 +471,7 @@ static void emit_outputs(builder *b, lw_want want)
 static void slice_output(lw_plan *p, int o)
 {
     bool need[LW_REG_MAX] = { false }, step[LW_STEP_MAX] = { false };
+    unsigned char keep[LW_STEP_MAX] = { 0 };
     need[p->output_point[o]] = need[p->output_dir[o]] = need[p->link_origin[p->output_link[o]]] = true;
     for (int i = p->n_step - 1; i >= 0; i--) {
         const lw_step *s = &p->step[i];
@@ -480,14 +481,17 @@ static void slice_output(lw_plan *p, int o)
         }
         for (int h = 0; h < 4; h++)
             if (s->out[h] >= 0 && need[s->out[h]])
-                step[i] = true;
+                keep[i] |= (unsigned char)(1 << h);
+        step[i] = keep[i] != 0;
         for (int h = 0; step[i] && h < 4; h++)
             if (s->in[h] >= 0)
                 need[s->in[h]] = true;
     }
     for (int i = 0; i < p->n_step; i++)
-        if (step[i])
+        if (step[i]) {
+            p->output_keep[o][p->n_output_step[o]] = keep[i];
             p->output_step[o][p->n_output_step[o]++] = (unsigned char)i;
+        }
 }
 
 /* ---- finish ------------------------------------------------------------------------------------- */

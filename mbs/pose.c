@@ -20,7 +20,7 @@ static double solve_rrr(const lw_step *s, const double *dim, double mode, lw_vec
     reg[s->out[0]] = lw_rrr_first(&z);
     if (s->out[1] >= 0)
         reg[s->out[1]] = lw_rrr_second(&z);
-    reg[s->out[2]] = lw_point(reg[s->in[0]], reg[s->out[0]], r1, 0);
+    reg[s->out[2]] = lw_v2_add(reg[s->in[0]], lw_rrr_arm(&z));
     return lw_rrr_margin(&z, lw_rrr_flat(r1, r2));
 }
 

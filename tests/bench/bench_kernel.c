@@ -386,6 +386,21 @@ static void run_higher(bench *b)
     }
 }
 
+/* Linkages of several dyads. */
+static void run_dyads(bench *b)
+{
+    set_sixbar(b, false);
+    over_angles(b, LANES);
+    report(b, "stephenson III points over angles", ours_point, hand_stephenson);
+    set_sixbar(b, true);
+    over_angles(b, LANES);
+    report(b, "watt I points over angles", ours_point, hand_watt);
+    set_jansen(b);
+    over_angles(b, LANES);
+    report(b, "jansen foot over angles", ours_point, hand_jansen);
+    report(b, "jansen sum+gradient by seventeen", ours_sum, NULL);
+}
+
 static void run_all(bench *b)
 {
     static const double fourbar[9] = { 3, 1, 2.5, 2.8, 1.2, 0.7, 0.1, 0.2, 0.3 };
@@ -410,16 +425,7 @@ static void run_all(bench *b)
     report(b, "inverted points over angles", ours_point, hand_inverted);
     report(b, "inverted sum+gradient by eight", ours_sum, NULL);
     few_lanes(b, "inverted");
-    set_sixbar(b, false);
-    over_angles(b, LANES);
-    report(b, "stephenson III points over angles", ours_point, hand_stephenson);
-    set_sixbar(b, true);
-    over_angles(b, LANES);
-    report(b, "watt I points over angles", ours_point, hand_watt);
-    set_jansen(b);
-    over_angles(b, LANES);
-    report(b, "jansen foot over angles", ours_point, hand_jansen);
-    report(b, "jansen sum+gradient by seventeen", ours_sum, NULL);
+    run_dyads(b);
     few_lanes(b, "jansen");
     run_higher(b);
 }
@@ -439,6 +445,8 @@ int main(int argc, char **argv)
         b.plan.kernels = lw_kernels_supported(i);
         if (argc > 1 && strcmp(argv[1], "higher") == 0)
             run_higher(&b);
+        else if (argc > 1 && strcmp(argv[1], "dyads") == 0)
+            run_dyads(&b);
         else
             run_all(&b);
     }
