@@ -460,6 +460,21 @@ static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_pose
         put_point(k, &reg[plan->output_point[o]], pose->tracer[o]);
 }
 
+/* Places alone, without jets. */
+static void put_places(const lw_plan *plan, const sink *k, const lw_vec2 *reg, lw_pose *pose)
+{
+    for (int j = 0; j < LW_JOINT_MAX; j++)
+        if (plan->joint_point[j] >= 0)
+            pose->joint[j][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->joint_point[j]], k->turn));
+    for (int i = 0; i < plan->n_link; i++)
+        if (plan->link_dir[plan->link[i]] >= 0) {
+            lw_vec2 u = reg[plan->link_dir[plan->link[i]]];
+            pose->angle[plan->link[i]][0] = atan2(u.y, u.x) + k->theta0;
+        }
+    for (int o = 0; o < plan->n_output; o++)
+        pose->tracer[o][0] = lw_v2_add(k->z0, lw_v2_turn(reg[plan->output_point[o]], k->turn));
+}
+
 static bool all_finite(const jet2 *reg, int n)
 {
     for (int r = 0; r < n; r++)
@@ -481,15 +496,19 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
     lw_seat seat;
     double least = plan->n_higher ? find_seat(plan, dim, mode, input, &seat) : 1;
     pose->margin = fmin(least, registers(plan, dim, mode, input, &seat, flat));
+    sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };
+    if (order == 0) {
+        put_places(plan, &k, flat, pose);
+        return pose->margin < 0 ? LW_OPEN : LW_OK;
+    }
     for (int r = 0; r < plan->n_reg; r++)
         reg[r] = constant2(flat[r].x, flat[r].y);
-    if (order > 0 && pose->margin > LW_MARGIN_FLAT)
+    if (pose->margin > LW_MARGIN_FLAT)
         jet_steps(plan, dim, mode, input, &seat, reg);
     /* a dyad that closes by rounding in one of the two ways of reckoning and not in the other */
     if (!all_finite(reg, plan->n_reg))
         for (int r = 0; r < plan->n_reg; r++)
             reg[r] = constant2(flat[r].x, flat[r].y);
-    sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };
     put_all(plan, &k, reg, pose);
     return pose->margin < 0 ? LW_OPEN : LW_OK;
 }
