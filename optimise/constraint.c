@@ -161,3 +161,12 @@ void lw_problem_constraints(const lw_problem *p, const double *x, double *g, dou
     if (j)
         derivatives(p, x, j, work);
 }
+
+bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w)
+{
+    lw_problem_constraints(p, x, w->g_now, NULL, w);
+    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
+        if (!(w->g_now[i] >= -off))
+            return false;
+    return true;
+}

@@ -19,6 +19,8 @@ enum {
     DEAR = 2,               /* that go on where conditions on the motion cost most                */
     POLISH = 8              /* of a round's finds, polished                                       */
 };
+#define GRACE 0.5           /* for the polish of what was found when time is over [s]                */
+#define MET   1e-6          /* conditions of what is handed on are met to this                       */
 
 bool lw_search_stopped(const lw_search *s)
 {
@@ -97,7 +99,7 @@ static int look_around(const lw_few *few, const lw_effort *a, lw_problem *p, lw_
 }
 
 /* The user's solver from where the start stands. */
-static void run_solver(const lw_search *s, const lw_solver *solver, const lw_problem *p, long evals,
+static void run_solver(const lw_search *s, const lw_solver *solver, const lw_problem *p, long evals, double until,
                        lw_found *c)
 {
     lw_solver_options o = lw_solver_options_default();
@@ -105,6 +107,7 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
     o.seed = s->o->seed;
     o.max_evals = evals;
     o.interrupt = s->o->interrupt;
+    o.max_seconds = until > 0 ? fmax(1e-3, until - lw_clock_wall()) : 0;
     lw_status st = solver->run(p, &o, c->x, &r);
     c->f = st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
     c->evals += r.evals;
@@ -118,7 +121,7 @@ static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options
 {
     const lw_solver *mine = s->o->solver;
     if (mine && mine->run != lw_lm_run) {
-        run_solver(s, mine, p, 10L*o->max_steps, c);
+        run_solver(s, mine, p, 10L*o->max_steps, o->until, c);
         return;
     }
     c->f = conditions ? lw_lm_conditioned(p, o, c->x, work, &c->evals, &c->stop)
@@ -226,6 +229,7 @@ typedef struct polish {
 typedef struct polish_list {
     lw_search *s;
     int n;
+    double until;                            /* wall clock; 0: no end                            */
     polish item[LW_POOL_MAX];
 } polish_list;
 
@@ -253,6 +257,7 @@ static void polish_one(void *context, size_t job, int thread)
         return;
     o.max_steps = 1500;
     o.f_tol = 1e-12;
+    o.until = list->until;
     l->of = lw_pool_variables(p);
     if (s->thin.n > 0)
         refine_variables(searched, p, c->x);
@@ -263,9 +268,9 @@ static void polish_one(void *context, size_t job, int thread)
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;
     l->spent *= lw_search_effort(s, p).cost;
-    if (p->timing != LW_TIMING_PRESCRIBED)               /* what x is worth with no more known     */
+    if (isfinite(c->f) && p->timing != LW_TIMING_PRESCRIBED)       /* what x is worth with no more known */
         c->f = lw_problem_value(p, c->x, NULL, work);
-    if (isfinite(c->f) && !lw_problem_stays(p, c->x, work))
+    if (isfinite(c->f) && !(lw_problem_stays(p, c->x, work) && lw_problem_admissible(p, c->x, MET, work)))
         c->f = INFINITY;
     c->polished = true;
 }
@@ -393,6 +398,8 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
     if ((st = keep_of_arms(s, e)) != LW_OK)
         return st;
     pick(s, &list);
+    if (s->o->max_seconds > 0 || lw_search_stopped(s))
+        list.until = fmax(lw_clock_wall(), s->started + s->o->max_seconds) + GRACE;
     lw_parallel(s->n_thread, (size_t)list.n, polish_one, &list);
     for (int i = 0; i < list.n; i++) {
         const polish *l = &list.item[i];

@@ -279,21 +279,11 @@ bool lw_lm_feasible(const lw_problem *p, double *x)
     return true;
 }
 
-static bool admissible(const lw_problem *p, const double *x, void *work)
-{
-    lw_work *w = work;
-    lw_problem_constraints(p, x, w->g_now, NULL, work);
-    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
-        if (!(w->g_now[i] >= -1e-12))
-            return false;
-    return true;
-}
-
 double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
                          long *evals, lw_stop *stop)
 {
     double f = lw_lm_improve(p, o, x, false, work, evals, stop);
-    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || admissible(p, x, work))
+    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, 1e-12, work))
         return f;
     lw_solver_options so = lw_solver_options_default();
     lw_solver_result r;

@@ -62,6 +62,9 @@ void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, doub
 /* Are there conditions besides bounds and linear ones? */
 bool lw_problem_is_nonlinear(const lw_problem *p);
 
+/* Are all of them met at x, to `off`? */
+bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w);
+
 /* Do stations have assembly modes of their own: a four-link circuit through both? */
 bool lw_problem_has_modes(const lw_problem *p);
 
