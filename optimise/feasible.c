@@ -112,7 +112,7 @@ static bool move_inside(lw_record *r, double *x, double margin, double enough, s
 /* The largest margin that can be met from x. */
 static bool search_from(lw_record *r, double *x, scratch *s)
 {
-    for (double margin = 1e-2; margin > 1e-12; margin *= 1e-2)
+    for (double margin = 1e-2; margin > 1e-12 && !lw_record_must_stop(r); margin *= 1e-2)
         if (move_inside(r, x, margin, 0.5*margin, s))
             return true;
     double least;

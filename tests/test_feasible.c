@@ -8,11 +8,12 @@
 #define M 20
 
 /* g_j = a_j . (x - inside) + room_j: satisfied with room at `inside`; the last one is a ball. */
-typedef struct body { double a[M][N], room[M], inside[N], radius; } body;
+typedef struct body { double a[M][N], room[M], inside[N], radius; int asked; } body;
 
 static void body_conditions(void *context, const double *x, double *g, double *j)
 {
-    const body *b = context;
+    body *b = context;
+    b->asked++;
     for (int i = 0; i < M; i++) {
         g[i] = b->room[i];
         for (int k = 0; k < N; k++) {
@@ -97,6 +98,29 @@ static void says_when_there_is_none(void)
     }
 }
 
+/* A user who asks to stop does not wait for all the random points. */
+static void stops_when_asked(void)
+{
+    static const volatile int stop = 1;
+    lw_rng rng;
+    lw_solver_options o = lw_solver_options_default();
+    body b;
+    o.interrupt = &stop;
+    lw_rng_seed(&rng, check_seed(), 2);
+    draw_body(&rng, &b);
+    for (int k = 0; k < N; k++)
+        b.a[1][k] = -b.a[0][k];
+    b.room[1] = -b.room[0] - 0.01;
+    b.asked = 0;
+    lw_function fn = body_function(&b);
+    lw_record r;
+    CHECK_INT(lw_record_open(&r, &fn, &o), LW_OK);
+    double x[N] = { 0 };
+    CHECK(!lw_feasible_start(&r, x));
+    CHECK(b.asked <= 3);
+    lw_record_close(&r);
+}
+
 /* From d outside the ball of HS65 the way back is d, to first order. */
 static void repairs_by_the_shortest_way(void)
 {
@@ -120,6 +144,7 @@ int main(void)
 {
     RUN(finds_the_inside);
     RUN(says_when_there_is_none);
+    RUN(stops_when_asked);
     RUN(repairs_by_the_shortest_way);
     return check_end();
 }
