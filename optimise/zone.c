@@ -6,7 +6,10 @@
 #include "optimise/family.h"
 #include "optimise/problem_internal.h"
 
-enum { POSES = 24 };                  /* over the motion, in which forbidden zones are looked at      */
+enum {
+    POSES = 24,                       /* steps of the motion in which forbidden zones are looked at      */
+    HALVINGS = 24                     /* of the way between two poses beside a box                      */
+};
 
 static bool forbids(const lw_zone *z) { return z->kind == LW_ZONE_NO_BOX || z->kind == LW_ZONE_NO_CIRCLE; }
 
@@ -56,13 +59,39 @@ static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, doub
     return g;
 }
 
+/* Scaled lengths have no need of hypot's care, which is a fifth of the time here. */
+static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
+
 /* How far outside a zone a point is; negative inside. */
 static double outside(const lw_zone *z, lw_vec2 at)
 {
     if (z->kind == LW_ZONE_NO_CIRCLE)
-        return lw_v2_norm(lw_v2_sub(at, z->at)) - z->reach;
+        return length_of(lw_v2_sub(at, z->at)) - z->reach;
     double dx = fmax(z->at.x - at.x, at.x - z->to.x), dy = fmax(z->at.y - at.y, at.y - z->to.y);
-    return dx > 0 && dy > 0 ? hypot(dx, dy) : fmax(dx, dy);
+    return dx > 0 && dy > 0 ? length_of(lw_v2(dx, dy)) : fmax(dx, dy);
+}
+
+/* The least of `outside` on the way from a to b, taken as straight: it is convex along a line, and falls no faster
+ * than the way is long. */
+static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough)
+{
+    lw_vec2 way = lw_v2_sub(b, a);
+    double from = outside(z, a), to = outside(z, b), lo = 0, hi = 1, least = fmin(from, to);
+    double length = length_of(way);
+    if (length == 0 || !(0.5*(from + to - length) < enough))
+        return least;
+    if (z->kind == LW_ZONE_NO_CIRCLE)
+        return lw_v2_segment_distance(z->at, a, b) - z->reach;
+    for (int i = 0; i < HALVINGS; i++) {
+        double third = (hi - lo)/3, p = outside(z, lw_v2_add(a, lw_v2_scale(way, lo + third)));
+        double q = outside(z, lw_v2_add(a, lw_v2_scale(way, hi - third)));
+        least = fmin(least, fmin(p, q));
+        if (p < q)
+            hi -= third;
+        else
+            lo += third;
+    }
+    return least;
 }
 
 /* All round, or from station to station as they were last: where exactly the motion ends does not matter
@@ -74,40 +103,70 @@ static void input_range(const lw_problem *p, const lw_work *w, double *lo, doubl
         *lo = fmin(*lo, w->input[k]);
         *hi = fmax(*hi, w->input[k]);
     }
-    if (p->branch.turns && p->closed)
+    if (p->branch.turns && (p->closed || p->must_turn))
         *hi = *lo + 2*LW_PI;
 }
 
-/* The least distance of all pins that turn and of the tracer, in poses between the stations. */
-static double *forbidden(const lw_problem *p, const double *x, const lw_work *w, const lw_zone *z, double *g)
+typedef struct places { int n; lw_vec2 at[LW_JOINT_MAX + 1 + LW_ALSO_MAX]; } places;
+
+/* All pins that turn, and the tracers; none where it does not close. */
+static void find_places(const lw_problem *p, const double *x, const double *mode, double input, places *out)
 {
+    lw_pose pose;
+    out->n = 0;
+    if (lw_pose_solve(&p->plan, x, mode, input, 0, &pose) != LW_OK)
+        return;
+    for (int j = 0; j < LW_JOINT_MAX; j++)
+        if (p->plan.joint_point[j] >= 0)
+            out->at[out->n++] = pose.joint[j][0];
+    for (int i = 0; i <= p->n_also; i++)
+        out->at[out->n++] = pose.tracer[i][0];
+}
+
+/* Between two poses; 0 where one does not close, which is another condition. */
+static double least_between(const lw_zone *z, const places *a, const places *b)
+{
+    double least = INFINITY;
+    for (int i = 0; i < a->n && b->n == a->n; i++)
+        least = fmin(least, outside_between(z, a->at[i], b->at[i], least));
+    return isfinite(least) ? least : 0;
+}
+
+/* The least distances of all pins and points from the forbidden zones, from pose to pose. */
+static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
+{
+    places before = { .n = 0 }, now;
     double lo, hi, mode[LW_MODE_MAX];
     input_range(p, w, &lo, &hi);
     memcpy(mode, p->branch.mode, sizeof mode);
-    for (int k = 0; k < POSES; k++) {
-        lw_pose pose;
-        double least = INFINITY;
+    for (int k = 0; k <= POSES; k++) {
+        double mode_before = mode[0];
         if (lw_problem_has_modes(p))
-            mode[0] = w->mode[(size_t)k*p->n/POSES];
-        bool there = lw_pose_solve(&p->plan, x, mode, lo + (hi - lo)*(k + 0.5)/POSES, 0, &pose) == LW_OK;
-        for (int j = 0; there && j < LW_JOINT_MAX; j++)
-            if (p->plan.joint_point[j] >= 0)
-                least = fmin(least, outside(z, pose.joint[j][0]));
-        for (int i = 0; there && i <= p->n_also; i++)
-            least = fmin(least, outside(z, pose.tracer[i][0]));
-        *g++ = there ? least : 0;                        /* closing is another condition            */
+            mode[0] = w->mode[k < POSES ? (size_t)k*p->n/POSES : p->n - 1];
+        find_places(p, x, mode, lo + (hi - lo)*k/POSES, &now);
+        if (mode[0] != mode_before)                      /* over a limit: not straight on               */
+            before = now;
+        for (int i = 0; i < p->n_zone && k > 0; i++)
+            if (forbids(&p->zone[i]))
+                g[i][k - 1] = least_between(&p->zone[i], &before, &now);
+        before = now;
     }
-    return g;
 }
 
 void lw_zone_conditions(const lw_problem *p, const double *x, lw_work *w, double *g)
 {
     lw_vec2 at[LW_DIM_MAX + 1], turn = lw_v2_polar(1, x[p->plan.i_theta0]);
+    double *of[LW_ZONE_MAX];
     int n = p->n_zone > 0 ? fixed_pivots(p, x, at) : 0;
+    bool any = false;
     for (int k = 0; k < n; k++)
         at[k] = lw_v2_add(lw_v2(x[p->plan.i_x0], x[p->plan.i_y0]), lw_v2_turn(at[k], turn));
     for (int i = 0; i < p->n_zone; i++) {
         const lw_zone *z = &p->zone[i];
-        g = forbids(z) ? forbidden(p, x, w, z, g) : pivot_conditions(z, at, n, g);
+        of[i] = g;
+        any |= forbids(z);
+        g = forbids(z) ? g + POSES : pivot_conditions(z, at, n, g);
     }
+    if (any)
+        forbidden(p, x, w, of);
 }

@@ -2,6 +2,7 @@
 #include "mbs/newton.h"
 #include "optimise/report.h"
 #include "tests/check.h"
+#include "tests/fit_problem.h"
 
 static const double px[] = { 0, 1, 2, 3, 3.2, 2.6, 1.5, 0.4 }, py[] = { 0, 0.1, 0, 0.3, 1.2, 1.8, 1.7, 1.1 };
 
@@ -79,6 +80,69 @@ static void nothing_enters_a_circle(void)
     free(r);
 }
 
+/* A zone much smaller than the way from pose to pose, in the middle of it: the conditions see it, and only then. */
+static void a_small_zone_is_not_stepped_over(void)
+{
+    member m;
+    lw_rng rng;
+    lw_problem p;
+    lw_target t;
+    stations st;
+    double x[LW_VAR_MAX], g[4*LW_CURVE_SAMPLES + LW_LINEAR_MAX];
+    lw_rng_seed(&rng, check_seed(), 4);
+    draw_member("crank-rocker", 1, false, &rng, &m);
+    trace_member(&m, 12, &st);
+    for (int k = 0; k < 60; k++) {
+        lw_fit_spec s = lw_fit_spec_default();
+        lw_pose pose;
+        CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, m.first + 2*LW_PI*(k + 0.3)/60, 0, &pose), LW_OK);
+        lw_vec2 at = pose.tracer[0][0];
+        bool box = k & 1;
+        s.n_zone = 1;
+        s.zone[0] = box ? (lw_zone){ LW_ZONE_NO_BOX, { at.x - 0.02, at.y - 0.02 }, { at.x + 0.02, at.y + 0.02 }, 0 }
+                        : (lw_zone){ LW_ZONE_NO_CIRCLE, at, { 0, 0 }, 0.02 };
+        for (int far = 0; far < 2; far++) {
+            double least = INFINITY;
+            target_of(&st, &s, &t);
+            CHECK_INT(lw_problem_make(&t, &s, m.family, m.mode, 1, &p, NULL), LW_OK);
+            variables_of(&p, &m, x);
+            void *work = new_work(&p);
+            CHECK(isfinite(lw_problem_value(&p, x, NULL, work)));
+            size_t n = lw_problem_constraint_count(&p);
+            lw_problem_constraints(&p, x, g, NULL, work);
+            for (size_t i = (size_t)p.n_linear; i < n; i++)
+                least = fmin(least, g[i]);
+            CHECK(far ? least > 0 : least < 0);
+            s.zone[0].at = lw_v2_add(s.zone[0].at, lw_v2(100, 0));           /* and the same, far away      */
+            s.zone[0].to = lw_v2_add(s.zone[0].to, lw_v2(100, 0));
+            free(work);
+            lw_problem_free(&p);
+            lw_target_free(&t);
+        }
+    }
+}
+
+/* Conditions that contradict each other have no linkage, and none that breaks one of them is handed out. */
+static void nothing_meets_a_contradiction(void)
+{
+    lw_fit_options o = lw_fit_options_default();
+    lw_target t;
+    lw_fit f;
+    o.spec = cranks();
+    o.spec.position_lo = 0;
+    o.spec.position_hi = 1;
+    o.spec.n_zone = 1;
+    o.spec.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 5, 5 }, { 6, 6 }, 0 };
+    o.max_rounds = 1;
+    o.max_seconds = 0.5;
+    CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    lw_status st = lw_fit_run(&t, &o, &f, NULL);
+    CHECK(st == LW_NOTHING || st == LW_STOPPED);
+    CHECK_INT(f.n, 0);
+    lw_fit_free(&f);
+    lw_target_free(&t);
+}
+
 static void lengths_of_one_order(void)
 {
     lw_report *r = malloc(sizeof *r);
@@ -101,6 +165,8 @@ int main(void)
 {
     RUN(pivots_in_a_box_and_on_a_line);
     RUN(nothing_enters_a_circle);
+    RUN(a_small_zone_is_not_stepped_over);
     RUN(lengths_of_one_order);
+    RUN(nothing_meets_a_contradiction);
     return check_end();
 }
