@@ -26,7 +26,7 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
       "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too", 4, 10, NULL, NULL },
     { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom: 1", 0, 9, NULL, NULL },
-    { "joints", 'j', CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
+    { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
       "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for a gear pair",
       0, 0, NULL, NULL },
     { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3",
