@@ -19,6 +19,15 @@ typedef struct settings {
 
 enum { MODE_BOTH, MODE_FILE };
 
+/* What all ways of tracing need. */
+typedef struct job {
+    const cli_call *call;
+    const settings *s;
+    const lw_model *m;
+    unsigned        tracers;          /* bit i: tracer i is wanted                                 */
+    double          until;            /* clock [s] at which to stop; 0: never                      */
+} job;
+
 static const cli_option options[] = {
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "360",
       "intervals per arc; their ends are exact", 1, 10000000, NULL, NULL },
@@ -93,15 +102,16 @@ static void set_tools(cli_trace *t)
 
 /* ---- by the plan ------------------------------------------------------------------------------- */
 
-static cli_rows make_rows(const cli_call *call, const lw_linkage *k, unsigned tracers, double start)
+static cli_rows make_rows(const job *j, const lw_linkage *k)
 {
-    return (cli_rows){ .k = k, .tracers = tracers, .stop = cli_stop_flag(),
-                       .until = call->common.time > 0 ? start + call->common.time : 0 };
+    return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until };
 }
 
-static lw_status prepare(const cli_call *call, cli_trace *t, lw_error *e)
+/* t->k, t->plan are made. */
+static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
 {
-    const settings *s = call->settings;
+    const settings *s = j->s;
+    const cli_call *call = j->call;
     const char *file = call->parsed.word[0];
     lw_status st = lw_plan_read(&t->plan, &t->k, t->dim, t->mode, &t->input, e);
     if (st != LW_OK)
@@ -116,18 +126,25 @@ static lw_status prepare(const cli_call *call, cli_trace *t, lw_error *e)
     t->speed = cli_given(&call->parsed, "speed") ? s->speed : 0;
     t->timed = cli_given(&call->parsed, "speed");
     t->steps = s->steps;
+    t->rows = make_rows(j, &t->k);
     cli_trace_pieces(t, s->mode == MODE_FILE);
     t->rows.total = (double)t->n_piece*(t->steps + 1);
     return LW_OK;
 }
 
-/* t->k, t->plan are made. */
-static int run_plan(const cli_call *call, cli_trace *t, unsigned tracers, double start)
+/* Is not all of it printed?  Arcs that are left out are told. */
+static bool cut_short(const cli_call *call, const cli_rows *r, bool dropped, int most)
+{
+    if (dropped)
+        cli_note(call, "there are more arcs than the %d that are traced; narrow --from and --to", most);
+    return r->cut_short || dropped;
+}
+
+static int print_plan(const cli_call *call, cli_trace *t)
 {
     lw_error e = { 0 };
     lw_output o;
-    t->rows = make_rows(call, &t->k, tracers, start);
-    if (prepare(call, t, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
+    if (cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     t->rows.f = o.f;
     t->line = call->line;
@@ -138,7 +155,7 @@ static int run_plan(const cli_call *call, cli_trace *t, unsigned tracers, double
     else
         cli_trace_csv(t);
     cli_progress_end(&progress);
-    int code = t->rows.cut_short ? CLI_LIMIT : t->n_piece > 0 ? CLI_DONE : CLI_NOTHING;
+    int code = cut_short(call, &t->rows, t->dropped, CLI_PIECE_MAX) ? CLI_LIMIT : t->n_piece ? CLI_DONE : CLI_NOTHING;
     if (code == CLI_NOTHING)
         cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
                                              : "the linkage closes nowhere");
@@ -189,12 +206,11 @@ static void keep_posture(cli_curve_trace *t)
     }
 }
 
-static lw_status find_curves(const cli_call *call, cli_curve_trace *t, lw_error *e)
+static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, lw_error *e)
 {
-    const settings *s = call->settings;
     lw_branch_options o = { .input = 0 };
     lw_status st = LW_OK;
-    if (s->all) {
+    if (all) {
         st = lw_circuits_find(&t->s, &o, 300, call->common.seed, cli_stop_flag(), &t->curves, e);
         if (st == LW_OK)
             cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
@@ -245,14 +261,25 @@ static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
     cli_json_end(j);
 }
 
-static int print_curves(const cli_call *call, cli_curve_trace *t, const double *range, lw_output *o)
+static bool all_rest(const cli_curve_trace *t)
+{
+    bool rest = true;
+    for (int i = 0; i < t->curves.n; i++)
+        rest = rest && lw_branch_rests(t->curves.curve[i]);
+    return rest;
+}
+
+static int print_curves(const cli_call *call, cli_curve_trace *t, const double *range)
 {
     const settings *s = call->settings;
-    cli_progress progress = cli_progress_begin(call, "trace", "rows");
-    cli_json json = cli_json_begin(o->f, 1);
+    lw_output o;
     lw_error e = { 0 };
+    if (cli_open(call, &o, &e) != LW_OK)
+        return fail_in(call, &e);
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    cli_json json = cli_json_begin(o.f, 1);
     lw_status st = LW_OK;
-    t->rows.f = o->f;
+    t->rows.f = o.f;
     t->rows.progress = &progress;
     t->line = call->line;
     if (call->common.json) {
@@ -269,44 +296,57 @@ static int print_curves(const cli_call *call, cli_curve_trace *t, const double *
     if (st != LW_OK) {
         int code = fail_in(call, &e);
         if (t->rows.done == 0) {
-            lw_output_abandon(o);
+            lw_output_abandon(&o);
             return code;
         }
-        return cli_close(call, o, st == LW_OPEN ? CLI_LIMIT : code);
+        return cli_close(call, &o, st == LW_OPEN ? CLI_LIMIT : code);
     }
     bool nothing = !range && !s->cycle && t->n_stretch == 0;
     if (nothing)
-        cli_note(call, "the linkage does not reach that range of the input");
-    return cli_close(call, o, t->rows.cut_short ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
+        cli_note(call, all_rest(t) ? "the input stands still while parts move; --cycle shows how"
+                                   : "the linkage does not reach that range of the input");
+    bool some = cut_short(call, &t->rows, t->dropped, CLI_STRETCH_MAX);
+    return cli_close(call, &o, some ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
 }
 
-static int run_curves(const cli_call *call, const lw_model *m, unsigned tracers, const double *range, double start)
+static void free_curves(cli_curve_trace *t)
 {
-    const settings *s = call->settings;
-    lw_error e = { 0 };
-    lw_output o;
-    cli_curve_trace *t = calloc(1, sizeof *t);
     if (!t)
-        return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
-    t->model = m;
-    t->k = &m->linkage;
-    t->rows = make_rows(call, t->k, tracers, start);
-    lw_status st = lw_system_make(t->k, NULL, 0, &t->s, &e);
-    if (st == LW_OK) {
-        curve_window(call, t);
-        st = range ? LW_OK : find_curves(call, t, &e);
-    }
-    if (st == LW_OK && !range) {
-        t->groups = s->cycle ? NULL : cli_groups_make(t->k, tracers);
-        cli_curve_stretches(t);
-        if (s->mode == MODE_FILE)
-            keep_posture(t);
-    }
-    int code = st == LW_OK && (st = cli_open(call, &o, &e)) == LW_OK ? print_curves(call, t, range, &o)
-                                                                     : fail_in(call, &e);
+        return;
     lw_circuits_free(&t->curves);
     free(t->groups);
     free(t);
+}
+
+/* Ready to print; all: every circuit, not only that of the posture. */
+static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace **out, lw_error *e)
+{
+    cli_curve_trace *t = *out = calloc(1, sizeof *t);
+    if (!t)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    t->model = j->m;
+    t->k = &j->m->linkage;
+    t->rows = make_rows(j, t->k);
+    lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
+    if (st == LW_OK)
+        curve_window(j->call, t);
+    if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
+        return st;
+    t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
+    cli_curve_stretches(t);
+    if (j->s->mode == MODE_FILE)
+        keep_posture(t);
+    return LW_OK;
+}
+
+/* By range in time, or NULL. */
+static int run_curves(const job *j, const double *range)
+{
+    cli_curve_trace *t;
+    lw_error e = { 0 };
+    lw_status st = make_curves(j, range != NULL, j->s->all, &t, &e);
+    int code = st == LW_OK ? print_curves(j->call, t, range) : fail_in(j->call, &e);
+    free_curves(t);
     return code;
 }
 
@@ -326,7 +366,7 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
         fprintf(o.f, "traced along its curve of postures, all links at once: %s\n", e.text);
     else {
         lw_plan_explain(&plan, k, text, sizeof text);
-        fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs"
+        fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs, unless they pass change points"
                 : "along its curve of postures, which leads over limits; between its postures by these groups");
     }
     return cli_close(call, &o, CLI_DONE);
@@ -334,47 +374,71 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
 
 /* ---- which way --------------------------------------------------------------------------------- */
 
-static int choose_way(const cli_call *call, const lw_model *m, double start)
+static int in_time(const job *j)
 {
-    const settings *s = call->settings;
-    const lw_linkage *k = &m->linkage;
+    const lw_linkage *k = &j->m->linkage;
     lw_error e = { 0 };
-    unsigned tracers = 0;
     double range[3];
     bool moved = false;
-    if (choose_tracers(s, call->parsed.word[0], k, &tracers, &e) != LW_OK)
-        return cli_fail(call, &e);
-    if (s->explain)
-        return explain(call, k, tracers);
     for (int i = 0; i < k->n_input; i++)
-        moved = moved || m->motion[i];
-    if (s->range) {
-        if (read_range(s, range, &e) != LW_OK)
-            return cli_usage(call, "%s", e.text);
-        if (!moved)
-            return lw_error_at(&e, LW_E_ARG, call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing "
-                               "moves in time; give one, or leave --time-range out"), cli_fail(call, &e);
-        cli_note(call, "followed in time by Newton's method");
-        return run_curves(call, m, tracers, range, start);
+        moved = moved || j->m->motion[i];
+    if (read_range(j->s, range, &e) != LW_OK)
+        return cli_usage(j->call, "%s", e.text);
+    if (!moved)
+        return lw_error_at(&e, LW_E_ARG, j->call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing "
+                           "moves in time; give one, or leave --time-range out"), cli_fail(j->call, &e);
+    cli_note(j->call, "followed in time by Newton's method");
+    return run_curves(j, range);
+}
+
+/* Dyad by dyad.  A mode of a dyad goes round the corner at a change point, where the linkage itself goes straight on
+ * into the other mode: then along the curves, unless the posture is a branch point of too many branches. */
+static int by_plan(const job *j, cli_trace *t)
+{
+    cli_curve_trace *c = NULL;
+    lw_error e = { 0 };
+    int code;
+    if (prepare(j, t, &e) != LW_OK)
+        return cli_fail(j->call, &e);
+    if (t->motion.change_point && make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) == LW_OK) {
+        cli_note(j->call, "followed along its curves of postures, as it passes change points");
+        code = print_curves(j->call, c, NULL);
+    } else {
+        cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
+        if (t->motion.change_point)
+            cli_note(j->call, "it passes change points, where it is not followed straight on: %s", e.text);
+        code = print_plan(j->call, t);
     }
+    free_curves(c);
+    return code;
+}
+
+static int choose_way(const job *j)
+{
+    const cli_call *call = j->call;
+    const lw_linkage *k = &j->m->linkage;
+    lw_error e = { 0 };
+    if (j->s->explain)
+        return explain(call, k, j->tracers);
+    if (j->s->range)
+        return in_time(j);
     int own = lw_linkage_free_inputs(k);
     if (own > 1)
         cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions",
                  own > 2 ? "s rest" : " rests");
-    if (s->cycle)
-        return run_curves(call, m, tracers, NULL, start);
+    if (j->s->cycle)
+        return run_curves(j, NULL);
     cli_trace *t = calloc(1, sizeof *t);
     if (!t)
         return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
     t->k = *k;
-    lw_status st = lw_plan_make(k, (lw_want){ .tracers = tracers, .all_joints = true }, &t->plan, &e);
+    lw_status st = lw_plan_make(k, (lw_want){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
     int code;
-    if (st == LW_OK) {
-        cli_note(call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
-        code = run_plan(call, t, tracers, start);
-    } else if (st == LW_E_KIND) {
+    if (st == LW_OK)
+        code = by_plan(j, t);
+    else if (st == LW_E_KIND) {
         cli_note(call, "followed along its curve of postures, as it is not made of dyads (%s)", e.text);
-        code = run_curves(call, m, tracers, NULL, start);
+        code = run_curves(j, NULL);
     } else
         code = cli_fail(call, &e);
     free(t);
@@ -386,7 +450,7 @@ static int run(const cli_call *call)
     const settings *s = call->settings;
     if (cli_given(&call->parsed, "from") && !(s->from < s->to))
         return cli_usage(call, "--from must be less than --to");
-    double start = lw_clock_wall();
+    double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
     lw_model *m = calloc(1, sizeof *m);
     if (!m)
@@ -395,7 +459,9 @@ static int run(const cli_call *call)
         free(m);
         return cli_fail(call, &e);
     }
-    int code = choose_way(call, m, start);
+    job j = { call, s, m, 0, until };
+    int code = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK ? choose_way(&j)
+                                                                                             : cli_fail(call, &e);
     lw_model_free(m);
     free(m);
     return code;
@@ -414,10 +480,10 @@ const cli_command cli_trace_command = {
         "  linkwright trace model.json --tracer foot --explain      the groups it is solved by\n"
         "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
     .about =
-        "Any linkage is traced: one of dyads in closed form, every other along its curve of postures, in\n"
-        "steps that provably stay on their branch, and between these by its Assur groups where it has any\n"
-        "(standard error and --explain tell which). Of the others only the circuit\n"
-        "of the posture is traced, with --all-assemblies all that are found.\n"
+        "Any linkage is traced: one of dyads in closed form, every other - and one that passes change points -\n"
+        "along its curve of postures, in steps that provably stay on their branch, and between these by its\n"
+        "Assur groups where it has any (standard error and --explain tell which). Where there is no closed\n"
+        "form only the circuit of the posture is traced, with --all-assemblies all that are found.\n"
         "An arc is a range of the input in one assembly mode; its ends, where they are limits of\n"
         "the motion, are found to 1e-10 and are the first and last row. Lengths and angles are in\n"
         "the units of the file, derivatives (v, a, j) by the input in rad or in its length unit,\n"

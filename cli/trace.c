@@ -28,8 +28,12 @@ static double turn_of(const cli_trace *t) { return t->plan.input_is_slider ? 0 :
 static void add_piece(cli_trace *t, int arc, double first, double last, double turns)
 {
     const lw_arc *a = &t->motion.arc[arc];
-    if (last < first || t->n_piece == CLI_PIECE_MAX)
+    if (last < first)
         return;
+    if (t->n_piece == CLI_PIECE_MAX) {
+        t->dropped = true;
+        return;
+    }
     double move = turns*turn_of(t);
     t->piece[t->n_piece++] = (cli_piece){ arc, first + move, last + move,
                                           { a->limit[0] && first == a->first, a->limit[1] && last == a->last } };
@@ -59,7 +63,7 @@ static void cut_arc(cli_trace *t, int arc)
     }
     double n0 = turn > 0 ? ceil((from - a->last)/turn) : 0;
     double n1 = turn > 0 ? floor((to - a->first)/turn) : 0;
-    for (double n = n0; n <= n1 && t->n_piece < CLI_PIECE_MAX; n++)
+    for (double n = n0; n <= n1 && !t->dropped; n++)
         add_piece(t, arc, fmax(a->first, from - n*turn), fmin(a->last, to - n*turn), n);
 }
 
@@ -67,6 +71,7 @@ void cli_trace_pieces(cli_trace *t, bool only_file)
 {
     int file_arc = lw_motion_arc(&t->plan, &t->motion, t->mode, t->input);
     t->n_piece = 0;
+    t->dropped = false;
     for (int i = 0; i < t->motion.n_arc; i++) {
         if (only_file && i != file_arc)
             continue;

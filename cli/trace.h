@@ -7,7 +7,7 @@
 #include "mbs/motion.h"
 #include "mbs/pose.h"
 
-#define CLI_PIECE_MAX (3*LW_ARC_MAX)
+#define CLI_PIECE_MAX 1024
 
 /* What is left of an arc after cutting it to the wanted range of the input; the ends are limits of
  * motion when they are the arc's own. */
@@ -28,6 +28,7 @@ typedef struct cli_trace {
     bool       timed;                   /* derivatives by time, input speed                        */
     double     speed;                   /* [rad/s] or [m/s]                                        */
     int        steps;
+    bool       dropped;                 /* there are more pieces than CLI_PIECE_MAX                */
     int        n_piece;
     cli_piece  piece[CLI_PIECE_MAX];
     cli_rows   rows;

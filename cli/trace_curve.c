@@ -53,22 +53,26 @@ static double input_at(lw_branch *b, double station)
 
 static void add_stretch(cli_curve_trace *t, cli_stretch s)
 {
-    if (t->n_stretch < CLI_STRETCH_MAX)
+    if (t->n_stretch == CLI_STRETCH_MAX)
+        t->dropped = true;
+    else
         t->stretch[t->n_stretch++] = s;
 }
 
-/* The whole curve from one input to another, cut to the wanted range and moved by whole turns, or by all that it takes
- * to close. */
+/* A stretch cut to the wanted range of the input, moved by whole turns. */
 static void cut_stretch(cli_curve_trace *t, cli_stretch s)
 {
-    double low = fmin(s.first, s.last), high = fmax(s.first, s.last);
-    double turn = is_slider(t, 0) ? 0 : s.turns && high - low > LW_PI ? high - low : 2*LW_PI;
-    if (t->whole) {
+    double low = fmin(s.first, s.last), high = fmax(s.first, s.last), turn = is_slider(t, 0) ? 0 : 2*LW_PI;
+    if (!t->whole && s.lap != 0) {
+        s.first = t->from;
+        s.last = t->to;
+    }
+    if (t->whole || s.lap != 0) {
         add_stretch(t, s);
         return;
     }
     double n0 = turn > 0 ? ceil((t->from - high)/turn) : 0, n1 = turn > 0 ? floor((t->to - low)/turn) : 0;
-    for (double n = n0; n <= n1; n++) {
+    for (double n = n0; n <= n1 && !t->dropped; n++) {
         cli_stretch c = s;
         double lo = fmax(low + n*turn, t->from), hi = fmin(high + n*turn, t->to);
         if (!(lo <= hi))
@@ -100,69 +104,80 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
     } else
         s.last = input_at(b, to);
     s.turns = lw_branch_ended(b) == LW_BRANCH_CLOSED && !limit0 && !limit1;
+    s.zero = s.first;
+    s.lap = s.turns && lw_branch_turns(b, -1) != 0 ? s.last - s.first : 0;
     cut_stretch(t, s);
 }
 
+/* From limit to limit; what lies before the first is, on a closed curve, what lies behind the last. */
 static void cut_curve(cli_curve_trace *t, int curve)
 {
     lw_branch *b = t->curves.curve[curve];
-    double limit[CLI_STRETCH_MAX + 2], end = lw_branch_segments(b);
-    int n, found = 0;
+    double first = -1, last = -1, end = lw_branch_segments(b);
+    int n;
     const lw_branch_event *e = lw_branch_events(b, &n);
     bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
-    for (int i = 0; i < n && found < CLI_STRETCH_MAX; i++)
-        if (e[i].kind == LW_EVENT_LIMIT)
-            limit[found++] = e[i].station;
-    if (found == 0) {
-        stretch_from_to(t, curve, 0, end, false, false);
+    if (lw_branch_rests(b))
         return;
+    for (int i = 0; i < n; i++) {
+        if (e[i].kind != LW_EVENT_LIMIT)
+            continue;
+        if (last >= 0)
+            stretch_from_to(t, curve, last, e[i].station, true, true);
+        else if (!closed)
+            stretch_from_to(t, curve, 0, e[i].station, false, true);
+        last = e[i].station;
+        first = first < 0 ? last : first;
     }
-    if (!closed)
-        stretch_from_to(t, curve, 0, limit[0], false, true);
-    for (int i = 0; i + 1 < found; i++)
-        stretch_from_to(t, curve, limit[i], limit[i + 1], true, true);
-    if (closed)
-        stretch_from_to(t, curve, limit[found - 1], limit[0] + end, true, true);
+    if (last < 0)
+        stretch_from_to(t, curve, 0, end, false, false);
     else
-        stretch_from_to(t, curve, limit[found - 1], end, true, false);
+        stretch_from_to(t, curve, last, closed ? first + end : end, true, closed);
 }
 
 void cli_curve_stretches(cli_curve_trace *t)
 {
     t->n_stretch = 0;
+    t->dropped = false;
     for (int i = 0; i < t->curves.n; i++)
         cut_curve(t, i);
 }
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
-/* Which part of a stretch holds the input u. */
-static int part_at(lw_branch *b, const cli_stretch *s, double u)
+/* How often a closed curve has been gone round where the input of a stretch is u. */
+static double laps_at(lw_branch *b, const cli_stretch *s, double u)
 {
-    double seam = s->n_part > 1 ? input_at(b, s->part[0].to) + s->part[0].more : s->last;
-    return s->n_part > 1 && (u - seam)*(s->last - s->first) > 0;
+    if (s->lap != 0)
+        return floor((u - s->zero)/s->lap);
+    return s->n_part > 1 && (u - input_at(b, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
 }
 
 /* Station of the curve where the input is u, on a stretch that holds it. */
-static double station_at(lw_branch *b, const cli_stretch *s, double u)
+static double station_at(lw_branch *b, const cli_stretch *s, double u, double laps)
 {
-    int part = part_at(b, s, u);
-    return lw_branch_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more);
+    int part = s->lap == 0 && laps > 0;
+    return lw_branch_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - laps*s->lap);
 }
 
-/* Beyond the end of a closed curve's stations links have turned as often as they do until it closes. */
-static void count_turns(const cli_curve_trace *t, const lw_branch *b, double *q)
+/* In every lap of a closed curve links turn as often as they do until it closes. */
+static void count_turns(const cli_curve_trace *t, const lw_branch *b, double laps, double *q)
 {
     for (int body = 0; body < t->s.n_body; body++)
-        q[3*body + 2] += 2*LW_PI*lw_branch_turns(b, t->s.link[body]);
+        q[3*body + 2] += 2*LW_PI*laps*lw_branch_turns(b, t->s.link[body]);
 }
 
-/* Derivatives by the free input in its own unit, or by time. */
-static bool fill_rates(cli_curve_trace *t, lw_branch *b, double *series)
+/* What derivatives are by: the free input in its own unit, or time. */
+static double rate_unit(const cli_curve_trace *t)
 {
-    double motion[LW_INPUT_MAX*(CLI_ROW_ORDER + 1)] = { 0 };
-    motion[1] = t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
-    bool good = lw_branch_rates(b, CLI_ROW_ORDER, motion, series);
+    return t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
+}
+
+/* The posture of a station and its derivatives; false where there are none. */
+static bool fill_series(cli_curve_trace *t, lw_branch *b, double station, double *series)
+{
+    double motion[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
+    bool good = lw_branch_motion(b, station, CLI_ROW_ORDER, motion, series);
     if (!good)
         memset(series + t->s.n_q, 0, (size_t)(CLI_ROW_ORDER*t->s.n_q)*sizeof *series);
     return good;
@@ -174,10 +189,9 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
     lw_branch *b = t->curves.curve[s->curve];
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
     bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
-    lw_branch_pose(b, station_at(b, s, u), series, NULL);
-    if (part_at(b, s, u))
-        count_turns(t, b, series);
-    row->rates = fill_rates(t, b, series) && !limit;
+    double laps = laps_at(b, s, u);
+    row->rates = fill_series(t, b, station_at(b, s, u, laps), series) && !limit;
+    count_turns(t, b, laps, series);
     cli_curve_values(t, series, i == 0, row);
     if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
         t->groups->seeded = false;                            /* both sides of a limit are near it */
@@ -185,18 +199,30 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
         cli_groups_seed(t->groups, &t->s, series, u, &t->rows, row);
 }
 
+/* Behind a branch point a group may be in another assembly mode than its seed before it. */
+static bool crosses(const lw_branch *b)
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    for (int i = 0; i < n; i++)
+        if (e[i].kind == LW_EVENT_CROSSING)
+            return true;
+    return false;
+}
+
 static void stretch_rows(cli_curve_trace *t, int index)
 {
     const cli_stretch *s = &t->stretch[index];
     lw_branch *b = t->curves.curve[s->curve];
-    double by = t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
-    int side = lw_branch_side(b, station_at(b, s, 0.5*(s->first + s->last)));
+    double middle = 0.5*(s->first + s->last);
+    int side = lw_branch_side(b, station_at(b, s, middle, laps_at(b, s, middle)));
+    bool groups = t->groups && !crosses(b);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
-        bool between = t->groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
+        bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
         double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
         cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1 };
         row.lead[0] = u/cli_curve_unit(t, 0);
-        if (!between || !cli_groups_row(t->groups, u, by, &t->rows, &row))
+        if (!between || !cli_groups_row(t->groups, u, rate_unit(t), &t->rows, &row))
             curve_row(t, s, i, u, &row);
         cli_rows_put(&t->rows, &row);
     }
@@ -212,10 +238,9 @@ static void cycle_rows(cli_curve_trace *t, int curve)
         double station = i == t->steps ? lw_branch_segments(b) : lw_branch_station(b, arc);
         int side = lw_branch_side(b, station);
         row.mode = side > 0 ? "+" : side < 0 ? "-" : "0";
-        lw_branch_pose(b, station, series, NULL);
+        row.rates = fill_series(t, b, station, series);
         row.lead[0] = arc;
         row.lead[1] = lw_branch_input(b, series)/cli_curve_unit(t, 0);
-        row.rates = fill_rates(t, b, series);
         cli_curve_values(t, series, i == 0, &row);
         cli_rows_put(&t->rows, &row);
     }
@@ -230,6 +255,8 @@ static const char *end_text(const cli_curve_trace *t, const lw_branch *b, char t
     case LW_BRANCH_CLOSED:
         if (turns != 0)
             snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
+        else if (lw_branch_rests(b))
+            snprintf(text, 128, "closes, the input stands still");
         else
             snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
         return text;

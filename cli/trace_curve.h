@@ -7,14 +7,16 @@
 #include "mbs/circuits.h"
 #include "mbs/drive.h"
 
-#define CLI_STRETCH_MAX 256
+#define CLI_STRETCH_MAX 1024
 
 /* A stretch of a curve on which the free input goes one way: from limit to limit, or all of it.  On a closed curve
- * it may go over the end of the stations: then in two parts. */
+ * it may go over the end of the stations: then in two parts.  Where the input turns on and on the stretch goes round
+ * the curve as often as it likes. */
 typedef struct cli_stretch {
     int    curve;
     double first, last;               /* input [rad] or [m]                                        */
     bool   limit[2], turns;
+    double zero, lap;                 /* turns: input at station 0, and what it gains in a lap; else 0 */
     int    n_part;
     struct { double from, to, more; } part[2];    /* stations; what the input counts more than there  */
 } cli_stretch;
@@ -32,6 +34,7 @@ typedef struct cli_curve_trace {
     bool        timed;                /* derivatives by time                                       */
     double      speed;                /* of the input [rad/s] or [m/s]                             */
     int         steps;
+    bool        dropped;              /* there are more stretches than CLI_STRETCH_MAX               */
     int         n_stretch;
     cli_stretch stretch[CLI_STRETCH_MAX];
     double      shift[LW_TRACER_MAX]; /* whole turns that angles are told less                     */

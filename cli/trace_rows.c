@@ -24,7 +24,7 @@ static bool wanted(const cli_rows *r, int tracer) { return r->tracers >> tracer 
 void cli_row_number(FILE *f, double v)
 {
     char text[LW_NUMBER_SIZE];
-    lw_number_print(v, text);
+    lw_number_print(v + 0.0, text);                       /* -0 is 0 */
     fputs(text, f);
 }
 
@@ -67,10 +67,10 @@ static void put_json(cli_rows *r, const cli_row *row)
     double flat[CLI_ROW_LEAD + LW_TRACER_MAX*CLI_ROW_VALUES];
     size_t n = 0;
     for (int i = 0; i < row->n_lead; i++)
-        flat[n++] = row->lead[i];
+        flat[n++] = row->lead[i] + 0.0;
     for (int k = 0; k < r->k->n_tracer; k++)
         for (int v = 0; v < CLI_ROW_VALUES && wanted(r, k); v++)
-            flat[n++] = row->rates || !is_rate(v) ? row->value[k][v] : NAN;
+            flat[n++] = row->rates || !is_rate(v) ? row->value[k][v] + 0.0 : NAN;
     cli_json_reals(r->json, NULL, flat, n);
 }
 

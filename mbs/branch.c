@@ -257,6 +257,7 @@ double lw_branch_find(lw_branch *b, double first, double last, double input)
 
 lw_branch_end lw_branch_ended(const lw_branch *b)   { return b->end; }
 int           lw_branch_segments(const lw_branch *b) { return b->n_segment; }
+bool          lw_branch_rests(const lw_branch *b)   { return b->rests; }
 double        lw_branch_length(const lw_branch *b)  { return b->before[b->n_segment]; }
 double        lw_branch_start(const lw_branch *b)   { return b->start; }
 double        lw_branch_worst(const lw_branch *b)   { return b->worst*b->s->unit; }
@@ -327,18 +328,4 @@ int lw_branch_side(lw_branch *b, double station)
     if (b->driven.m != b->driven.n)
         return 0;
     return lw_qr_determinant(b->n, b->driven.diag) < 0.0 ? -1 : 1;
-}
-
-bool lw_branch_rates(lw_branch *b, int order, const double *motion, double *q)
-{
-    double scaled[LW_INPUT_MAX*(LW_SYSTEM_ORDER_MAX + 1)];
-    for (int i = 0; i < b->s->n_input; i++) {
-        bool pin = b->s->joint[b->s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
-        for (int k = 0; k <= order; k++)
-            scaled[i*(order + 1) + k] = motion[i*(order + 1) + k]/(pin ? 1.0 : b->s->unit);
-    }
-    if (!(lw_follow_factor(&b->driven, q) > 1e-13))
-        return false;
-    lw_follow_series(&b->driven, order, scaled, q);
-    return true;
 }

@@ -44,10 +44,11 @@ typedef struct lw_branch_options {
 typedef struct lw_branch lw_branch;
 
 /* Follow the curve through posture q (NULL: the drawn one) of the linkage that s was made from; s must outlive
- * it.  Station 0 is the posture if the curve is closed; the curve begins with a growing input there.
+ * it.  Station 0 is the posture if the curve is closed; the curve begins with a growing input there.  Where the
+ * posture is a branch point of two branches, that on which the input moves faster is followed, from a little way off.
  *
  * LW_E_ARG: the linkage has not one input more than the inputs at rest leave freedoms, in number; LW_E_NUMERIC: it
- * cannot move, or the posture is a branch point. */
+ * cannot move, or more than two branches meet in the posture. */
 lw_status lw_branch_create(const lw_system *s, const double *q, const lw_branch_options *o, lw_branch **out,
                            lw_error *e);
 void      lw_branch_free(lw_branch *b);
@@ -91,5 +92,13 @@ int    lw_branch_side(lw_branch *b, double station);
  * there plus the sum of motion[i*(order + 1) + k] x^k [rad] or [m], k >= 1.  False at a dead point of the
  * inputs, where there is none. */
 bool   lw_branch_rates(lw_branch *b, int order, const double *motion, double *q);
+
+/* The same through the posture of a station, which is put into q[0 ..]: the free input moves by motion[k] x^k, k = 1 ..
+ * order <= 8, the others rest.  Branch points are no exception: there the derivatives are those of the curve,
+ * which goes straight on. */
+bool   lw_branch_motion(lw_branch *b, double station, int order, const double *motion, double *q);
+
+/* Does the free input stand still on the whole curve, while links move? */
+bool   lw_branch_rests(const lw_branch *b);
 
 #endif

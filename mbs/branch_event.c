@@ -95,8 +95,6 @@ static bool stands_still(const lw_branch *b, int joint)
 
 static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
 {
-    if (stands_still(b, joint))
-        return LW_OK;
     for (int i = 0; i < b->n_segment; i++) {
         const lw_branch_segment *s = &b->segment[i];
         double r0[2], r1[2];
@@ -140,7 +138,8 @@ lw_status lw_branch_find_events(lw_branch *b)
     for (int i = 0; status == LW_OK && i < b->n_segment; i++)
         if (b->segment[i].singular >= 0.0)
             status = add_event(b, LW_EVENT_CROSSING, -1, &b->segment[i], b->segment[i].singular);
-    if (status == LW_OK)
+    b->rests = stands_still(b, input);
+    if (status == LW_OK && !b->rests)
         status = watch(b, input, LW_EVENT_LIMIT);
     for (int j = 0; status == LW_OK && j < b->s->n_joint; j++) {
         const lw_system_joint *p = &b->s->joint[j];
@@ -148,7 +147,7 @@ lw_status lw_branch_find_events(lw_branch *b)
         for (int i = 0; i < b->s->n_input; i++)
             driven = driven || b->s->input_joint[i] == j;
         bool counts = p->kind == LW_JOINT_REVOLUTE || p->kind == LW_JOINT_SLIDER;
-        if (!driven && counts && (p->body[0] < 0 || p->body[1] < 0))
+        if (!driven && counts && (p->body[0] < 0 || p->body[1] < 0) && !stands_still(b, j))
             status = watch(b, j, LW_EVENT_TURNING);
     }
     if (b->n_event > 0)

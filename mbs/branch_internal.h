@@ -33,6 +33,7 @@ struct lw_branch {
     int               n_node, n_segment;
     int               start;               /* segments before the posture                             */
     lw_branch_end     end;
+    bool              rests;               /* the free input, all along                               */
     double            worst;
     lw_branch_event  *event;
     int               n_event;
@@ -48,6 +49,10 @@ lw_status lw_branch_walk(lw_branch *b, lw_error *e);
 
 /* Posture at distance h from the base of a segment; tangent on the side of growing stations. */
 void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q, double *tangent);
+
+/* From q, a simple branch point, a little way along the branch on which the input moves faster: into q, which is
+ * left as it was when there is none (branch_cross.c). */
+bool lw_branch_leave(lw_branch *b, double *q);
 
 /* Fill b->event, sorted (branch_event.c). */
 lw_status lw_branch_find_events(lw_branch *b);

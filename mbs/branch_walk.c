@@ -68,6 +68,8 @@ static lw_status begin(lw_branch *b, lw_error *e)
 {
     int freedoms = lw_follow_freedoms(&b->f, b->node[0].q, b->f.row), inputs = b->s->n_input;
     int counted = b->s->n_q - b->s->n_row;
+    if (freedoms == 2 && lw_branch_leave(b, b->node[0].q))
+        freedoms = lw_follow_freedoms(&b->f, b->node[0].q, b->f.row);
     if (freedoms < 0)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (freedoms == 0 && counted > 0 && inputs > counted)

@@ -193,6 +193,80 @@ static void straight_on_through_change_points(void)
     drop(v);
 }
 
+/* Derivatives do not mind the change point: the parallelogram's rocker turns as its crank. */
+static void rates_through_change_points(void)
+{
+    double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[4*9];
+    const double motion[4] = { 0, 1, 0, 0 };
+    static const double most[4] = { 0, 1e-11, 1e-9, 1e-6 };
+    lw_linkage l;
+    fourbar_linkage(&l, k, 1, 0.5);
+    curve *v = follow(&l);
+    int n;
+    const lw_branch_event *e = lw_branch_events(v->b, &n);
+    CHECK_INT(n, 2);
+    for (int i = 0; i < 60; i++) {
+        double off = i < 2 ? 0 : 0.1*pow(0.6, i)*(i%4 < 2 ? 1 : -1);
+        CHECK(lw_branch_motion(v->b, e[i%2].station + off, 3, motion, q));
+        for (int order = 1; order <= 3; order++) {
+            double *c = q + 9*order;
+            CHECK_NEAR(c[2], order == 1, most[order], 0);  /* turns of crank, coupler, rocker */
+            CHECK_NEAR(c[5], 0, most[order], 0);
+            CHECK_NEAR(c[8], order == 1, most[order], 0);
+        }
+    }
+    drop(v);
+}
+
+/* Drawn at a change point, one branch is followed, and through the point again. */
+static void drawn_at_change_points(void)
+{
+    for (int i = 0; i < 4; i++) {
+        double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9], turn = i/2*LW_PI;
+        lw_linkage l;
+        fourbar_linkage(&l, k, 1, turn);
+        if (i%2) {                                          /* or of equal crank and rod */
+            blank_linkage(&l, 4);
+            add_pin(&l, 0, 1, lw_v2(0, 0));
+            add_pin(&l, 1, 2, lw_v2(0, cos(turn)));
+            add_pin(&l, 2, 3, lw_v2(0, 0));
+            add_slide(&l, 0, 3, lw_v2(0, 0), 0);
+            add_input(&l, 0, 0.5*LW_PI + turn);
+        }
+        curve *v = follow(&l);
+        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+        CHECK_INT(abs(lw_branch_turns(v->b, -1)), 1);
+        CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
+        CHECK(!lw_branch_rests(v->b));
+        for (int j = 0; j <= 100; j++) {
+            lw_branch_pose(v->b, lw_branch_segments(v->b)*j/100.0, q, NULL);
+            CHECK(residual(v, q) <= 1e-12);
+        }
+        lw_system_posture(&v->s, q);
+        CHECK(lw_branch_holds(v->b, q));
+        drop(v);
+    }
+}
+
+/* A bar of no length spins, and the crank it hangs on stands still. */
+static void the_input_stands_still(void)
+{
+    lw_linkage l;
+    double q[2*9];
+    blank_linkage(&l, 4);
+    add_pin(&l, 0, 1, lw_v2(0, 0));
+    add_pin(&l, 1, 2, lw_v2(1, 0));
+    add_pin(&l, 2, 3, lw_v2(1, 0));
+    add_pin(&l, 3, 0, lw_v2(2, 1));
+    add_input(&l, 0, 0);
+    curve *v = follow(&l);
+    CHECK(lw_branch_rests(v->b));
+    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+    CHECK_INT(abs(lw_branch_turns(v->b, 2)), 1);
+    CHECK(!lw_branch_motion(v->b, 0.5, 1, (double[]){ 0, 1 }, q));
+    drop(v);
+}
+
 /* Drawn next to a change point, before or behind it: the last leap ends where the curve began. */
 static void starts_next_to_change_points(void)
 {
@@ -434,11 +508,17 @@ static void refuses_with_reasons(void)
     lw_system_make(&l, NULL, 0, &s, &e);
     CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "cannot move");
-    double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 };
-    fourbar_linkage(&l, k, 1, 0);
-    lw_system_make(&l, NULL, 0, &s, &e);
+    blank_linkage(&l, 6);                                   /* two parallelograms drawn flat */
+    for (int i = 0; i < 3; i++)
+        add_pin(&l, 0, 1 + i, lw_v2(2*i, 0));
+    for (int i = 0; i < 2; i++) {
+        add_pin(&l, 1 + i, 4 + i, lw_v2(2*i + 1, 0));
+        add_pin(&l, 2 + i, 4 + i, lw_v2(2*i + 3, 0));
+    }
+    add_input(&l, 0, 0);
+    CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
     CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
-    CHECK_HAS(e.text, "branch point");
+    CHECK_HAS(e.text, "it is a branch point");
     lw_branch_free(NULL);
 }
 
@@ -448,6 +528,9 @@ int main(void)
     RUN(arcs_and_stations_agree);
     RUN(near_change_points);
     RUN(straight_on_through_change_points);
+    RUN(rates_through_change_points);
+    RUN(drawn_at_change_points);
+    RUN(the_input_stands_still);
     RUN(starts_next_to_change_points);
     RUN(equal_slider_crank);
     RUN(gears_close_after_several_turns);

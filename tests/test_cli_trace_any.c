@@ -237,8 +237,46 @@ static void the_way_is_told(void)
     expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'", NULL);
 }
 
+/* Two parallelograms are dyads, but a mode of a dyad goes round the corner at a change point: the file's circuit goes
+ * straight on, with every crank turning as the first. */
+static void change_points_are_passed_straight_on(void)
+{
+    static double v[2*61][13];
+    const char *named = "# circuit 1: branch point, passed straight on; circuit 2 crosses, at input 3.14159265358";
+    expect("$P trace examples/two-four-bars.json -n 2", 0, named, "as it passes change points");
+    CHECK_INT(rows_of("sed 's/\"link\": \"crank0\"/\"link\": \"crank2\"/' examples/two-four-bars.json |"
+                      "$P trace - -m file -n 60 --from 0 --to 12", v, 61), 61);
+    for (int i = 0; i <= 60; i++) {
+        CHECK_NEAR(v[i][0], 0.2*i, 1e-14, 0);
+        CHECK_NEAR(v[i][9], v[i][0] - 0.5*M_PI, 1e-12, 0);
+        CHECK_NEAR(v[i][10], 1, 1e-11, 0);
+        CHECK_NEAR(v[i][11], 0, 1e-9, 0);
+        CHECK_NEAR(v[i][12], 0, 1e-6, 0);
+        CHECK_NEAR(v[i][1], 2 + cos(v[i][0]) - 2*sin(v[i][0]), 1e-11, 0);   /* (0, 1), 2 left of the crank's pin */
+    }
+}
+
+#define NO_BAR "{\"name\":\"A\",\"links\":[\"g\",\"a\"],\"at\":[0,0]}," \
+    "{\"name\":\"B\",\"links\":[\"a\",\"b\"],\"at\":[1,0]},{\"name\":\"C\",\"links\":[\"b\",\"c\"],\"at\":[1,0]}," \
+    "{\"name\":\"D\",\"links\":[\"c\",\"g\"],\"at\":[2,1]}"
+
+/* A bar without length spins while all else stands; a window may hold many turns, but not any number of swings. */
+static void odd_ranges_of_the_input(void)
+{
+    static double v[4][13];
+    expect(MODEL(NO_BAR, "\"input\":{\"joint\":\"A\"}"), 1, "closes, the input stands still", "--cycle shows how");
+    CHECK_INT(rows_of("$P trace examples/geared-five-bar.json -n 3 --from -1395 --to 765", v, 4), 4);
+    for (int c = 1; c < 13; c++)
+        if (c != 9)
+            CHECK_NEAR(v[0][c], v[3][c], 1e-8, 1e-9);           /* three times two turns later */
+    expect("echo " TRIAD " | $P trace - -n 1 --from -1e12 --to 1e12 -o /dev/null", 5, NULL, "more arcs than the 1024");
+    expect("$P trace examples/chebyshev.json -n 1 --from -1e12 --to 1e12 -o /dev/null", 5, NULL, "more arcs than");
+}
+
 int main(void)
 {
+    RUN(change_points_are_passed_straight_on);
+    RUN(odd_ranges_of_the_input);
     RUN(a_cycle_over_both_limits);
     RUN(two_ways_agree);
     RUN(a_geared_five_bar_closes_after_two_turns);
