@@ -9,10 +9,17 @@ enum { M = LW_CURVE_SAMPLES };
 void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
-    if (!p->branch.turns) {
-        lw_circuit_inputs(p, w, M, w->turn, w->turn_c, w->turn_s, w->turn_mode, NULL, NULL);
-        in.mode = lw_problem_has_modes(p) ? w->turn_mode : p->branch.mode;
-        in.mode_stride = lw_problem_has_modes(p) ? M : 0;
+    bool modes = lw_problem_has_modes(p);
+    for (int j = 0; j < M && !p->branch.turns; j++) {
+        lw_spot at = lw_circuit_spot(p, w, w->turn[j]);
+        w->turn_c[j] = at.c;
+        w->turn_s[j] = at.s;
+        if (modes)
+            lw_circuit_put_mode(p, w, at.leg, w->turn_mode + j, M);
+    }
+    if (modes) {
+        in.mode = w->turn_mode;
+        in.mode_stride = M;
     }
     lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
                    w->curve_m);

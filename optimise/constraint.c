@@ -88,11 +88,10 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
         tangents_of_mode(p, x, w, 0, n, p->branch.mode, tx, ty);
         return;
     }
-    for (size_t first = 0, k = 1; k <= n; k++)
-        if (k == n || w->mode[k] != w->mode[first]) {
-            tangents_of_mode(p, x, w, first, k, w->mode + first, tx, ty);
-            first = k;
-        }
+    for (size_t first = 0, next; first < n; first = next) {
+        next = lw_circuit_run(w, first, n);
+        tangents_of_mode(p, x, w, first, next, w->swing.stroke[w->leg[first]].mode, tx, ty);
+    }
 }
 
 /* 1 - |P''|^2 / limit^2; P'' is differenced from exact tangents 1e-4 rad apart (error 1e-8). */

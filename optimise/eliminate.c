@@ -61,10 +61,9 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
             continue;
         lw_problem_tangent(p, w, k, t);
         w->slip[k] = slip/t2;
-        bool limits_move = !w->turning && w->rate[k] != 0;       /* and the input with them       */
+        bool limits_move = !w->swing.turning && w->rate[k] != 0;       /* and the input with them       */
         for (size_t d = 0; d < nv; d++) {
-            double drift = limits_move && d < (size_t)p->n_dim
-                ? (w->mid_by[d] - w->half_by[d]*cos(w->phase[k]))/w->rate[k] : 0;
+            double drift = limits_move && d < (size_t)p->n_dim ? lw_circuit_drift(w, k, d)/w->rate[k] : 0;
             w->slide[d*ld + k] = by[d]/t2 + drift;
             for (int i = 0; i < w->n_row; i++)
                 w->row[((size_t)i*nv + d)*ld + k] -= t[i]*by[d]/t2;
@@ -99,8 +98,7 @@ static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
 void lw_problem_eliminate(const lw_problem *p, const double *x, lw_work *w)
 {
     size_t n = p->n, start = 0, count;
-    if (!w->turning)
-        lw_circuit_slopes(p, x, w);
+    lw_circuit_slopes(p, x, w);
     while (start < n && lw_assign_joined(p, w, (n - start - 1) % n))
         start++;                                         /* back to where a block begins          */
     for (size_t done = 0; done < n; done += count) {

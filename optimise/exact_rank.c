@@ -405,6 +405,7 @@ static bool own_arrays(lw_ranking *r, entry *now)
     size_t bytes = r->t->n*sizeof(double);
     now->c.input = malloc(bytes);
     now->c.mode_of = malloc(bytes);
+    now->c.n_dyad = 1;
     if (!now->c.input || !now->c.mode_of) {
         entry_free(now);
         return false;

@@ -47,7 +47,8 @@ typedef struct lw_candidate {
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in the user's units (SI)                                 */
     double *input;               /* of each station [rad] or [m]                     (n_station)    */
-    double *mode_of;             /* assembly at each station                         (n_station)    */
+    double *mode_of;             /* assembly at each station, one after the other; NULL: branch.mode (n_station*n_dyad) */
+    int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */
     double  seconds;             /* when it was found                                               */
     lw_stop stop;                /* why its improvement ended                                       */

@@ -264,6 +264,21 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
     return hi > lo + 2;
 }
 
+/* A closed curve asks for a way there and another way back: over the limits of the motion, where these join what
+ * becomes a circuit.  What has none goes to and fro. */
+static bool find_way(lw_problem *p, const double *shape, double reach, lw_work *w)
+{
+    if (!find_range(p, shape, reach, w))
+        return false;
+    p->branch.through = p->closed && p->timing != LW_TIMING_PRESCRIBED && p->plan.n_higher == 0;
+    lw_problem_work_branch(p, w);
+    if (p->branch.through && !(lw_circuit_find(p, shape, w) && !w->swing.turning)) {
+        p->branch.through = false;
+        lw_problem_work_branch(p, w);
+    }
+    return true;
+}
+
 /* Does it close at every sample of a turn? */
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
@@ -287,13 +302,14 @@ bool lw_member_posture(lw_problem *p, double *x, void *work)
     if (p->i_input0 >= 0 && p->datum == LW_DATUM_FREE)
         x[p->i_input0] = input;
     p->branch.mid = p->plan.input_is_slider ? input/p->unit : input;
+    p->branch.through = false;
     p->branch.turns = true;
     lw_problem_work_branch(p, work);
     p->branch.turns = !p->plan.input_is_slider && closes_all_round(p, x, work);
     if (p->must_turn && !p->branch.turns)
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_range(p, x, p->plan.input_is_slider ? 8 : LW_PI, work);
+    return p->branch.turns || find_way(p, x, p->plan.input_is_slider ? 8 : LW_PI, work);
 }
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
@@ -336,7 +352,7 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
             return false;
         if (!p->branch.turns) {
             p->branch.mid = input;
-            return find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
+            return find_way(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
         }
         if (closes_all_round(p, shape, w))
             return true;
@@ -349,6 +365,7 @@ bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, v
     drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
     bool slides = p->plan.input_is_slider;
     p->branch.turns = !slides && (turns || u[0] < 0.5);
+    p->branch.through = false;
     p->branch.mid = slides ? 6*u[1] - 3 : 2*LW_PI*u[1];
     d.n = p->branch.turns ? M : 1;
     for (int k = 0; k < d.n; k++)
@@ -363,5 +380,5 @@ bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, v
     if (!run_steps(&d))
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_range(p, shape, slides ? 8 : LW_PI, work);
+    return p->branch.turns || find_way(p, shape, slides ? 8 : LW_PI, work);
 }

@@ -63,17 +63,16 @@ static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size
     }
 }
 
-/* A circuit: run by run of equal mode; then derivatives by the phase. */
+/* A circuit: run by run of one stroke; then derivatives by the phase. */
 static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
 {
-    bool modes = lw_problem_has_modes(p);
-    for (size_t first = 0, k = 1; k <= w->n_lane && modes; k++)
-        if (k == w->n_lane || w->mode[k] != w->mode[first]) {
-            lanes_of_mode(p, x, w, first, k, w->mode + first);
-            first = k;
-        }
-    if (!modes)
+    if (!lw_problem_has_modes(p))
         lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
+    else
+        for (size_t first = 0, next; first < w->n_lane; first = next) {
+            next = lw_circuit_run(w, first, w->n_lane);
+            lanes_of_mode(p, x, w, first, next, w->swing.stroke[w->leg[first]].mode);
+        }
     for (int i = 0; i <= p->n_also; i++) {
         const lw_jacobian *j = lw_work_jac(w, i);
         for (size_t k = 0; k < w->n_lane; k++) {
@@ -112,13 +111,36 @@ static double margin_between(const lw_problem *p, const double *x, double shift,
  * samples. */
 #define LEAST_MARGIN 1e-4
 
+/* Over limits: the least margin at samples of the circuit, over what it is next to a limit. */
+static double margin_of_circuit(const lw_problem *p, const double *x, double shift, lw_work *w)
+{
+    size_t n = LW_CURVE_SAMPLES;
+    double least = 1, part[LW_CURVE_SAMPLES];
+    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = w->turn_mode, .mode_stride = n };
+    if (!lw_circuit_find(p, x, w))
+        return -1;
+    for (size_t k = 0; k < n; k++) {
+        lw_spot at = lw_circuit_spot(p, w, 2*LW_PI*((double)k + shift)/(double)n);
+        w->pose_c[k] = at.c;
+        w->pose_s[k] = at.s;
+        part[k] = w->swing.turning ? 1 : fmax(at.psi_s*at.psi_s, 1e-9);
+        lw_circuit_put_mode(p, w, at.leg, w->turn_mode + k, n);
+    }
+    lw_problem_margin(p, &in, w, w->pose.margin);
+    for (size_t k = 0; k < n; k++)
+        least = fmin(least, w->pose.margin[k]/part[k]);
+    return least;
+}
+
 bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
 {
     enum { TIMES = 12 };
-    for (int i = 0; p->family->linkage && i < TIMES; i++)
-        if (!(margin_between(p, x, (i + 0.5)/TIMES, w) > 0.1*LEAST_MARGIN))
-            return false;
-    return true;
+    double least = 1;
+    for (int i = 0; p->family->linkage && i < TIMES && least > 0.1*LEAST_MARGIN; i++) {
+        double shift = (i + 0.5)/TIMES;
+        least = fmin(least, lw_problem_has_modes(p) ? margin_of_circuit(p, x, shift, w) : margin_between(p, x, shift, w));
+    }
+    return least > 0.1*LEAST_MARGIN;
 }
 
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
@@ -131,7 +153,9 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
     for (int i = 0; i <= p->n_also; i++)
         for (size_t k = 0; k < w->n_lane; k++)
             least = fmin(least, lw_work_jac(w, i)->margin[k]);
-    return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
+    if (!p->family->linkage || lw_problem_has_modes(p))      /* circuits over limits were found closing all along */
+        return least >= w->least_margin;
+    return least >= w->least_margin && margin_between(p, x, 0.5, w) > LEAST_MARGIN;
 }
 
 bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
@@ -140,7 +164,7 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
         return false;
     bool samples_stand = p->branch.turns;                    /* their inputs are those of the turn       */
     size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
-    lw_circuit_inputs(p, w, n, w->phase, w->c, w->s, w->mode, w->input, w->rate);
+    lw_circuit_lanes(p, w, n);
     memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);
     memcpy(w->s + n, w->turn_s, sizeof *w->s*rest);
     return true;
@@ -222,7 +246,7 @@ static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const 
     size_t ld = w->ld, nv = (size_t)p->n_var;
     memset(w->by_input, 0, sizeof *w->by_input*w->n_lane);
     lw_circuit_slopes(p, x, w);
-    for (size_t k = p->n; k < w->n_lane && !w->turning; k++)
+    for (size_t k = p->n; k < w->n_lane && !w->swing.turning; k++)
         if (w->rate[k] != 0)
             w->by_input[k] = (nx[k]*w->jac.tx[k] + ny[k]*w->jac.ty[k])/w->rate[k];
     for (size_t c = 0; c < nv*(size_t)w->n_row; c++) {
@@ -234,8 +258,8 @@ static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const 
         const double *jx = w->jac.jx + c*w->jac.ld, *jy = w->jac.jy + c*w->jac.ld;
         for (size_t k = p->n; k < w->n_lane; k++)
             row[k] = nx[k]*jx[k] + ny[k]*jy[k];
-        for (size_t k = p->n; k < w->n_lane && !w->turning; k++)
-            row[k] += w->by_input[k]*(w->mid_by[c] - w->half_by[c]*cos(w->phase[k]));
+        for (size_t k = p->n; k < w->n_lane && !w->swing.turning; k++)
+            row[k] += w->by_input[k]*lw_circuit_drift(w, k, c);
     }
 }
 

@@ -98,6 +98,7 @@ typedef struct lw_course {
     bool   turns;                        /* the input must turn fully                              */
     double mid, half;                    /* of any linkage whose input does not: its way, mid +- half, in
                                           * which it must close, [rad] or scaled                   */
+    bool   through;                      /* over its limits instead, the circuit through `mid` in `mode` */
 } lw_course;
 
 /* What one point has to do at the stations, scaled. */

@@ -4,6 +4,7 @@
 #define LW_OPTIMISE_PROBLEM_INTERNAL_H
 
 #include "mbs/batch.h"
+#include "mbs/cycle.h"
 #include "optimise/problem.h"
 
 #define LW_CURVE_SAMPLES 64      /* poses over one turn from which an assignment starts            */
@@ -13,11 +14,31 @@
 /* Of a further point: its lanes, and its curve at the samples. */
 typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
 
+/* The circuit of a linkage whose input does not turn fully, stroke by stroke.  Over stroke j, of odd number on the way
+ * down, from phase `from` on:  input = mid - half cos(psi),  psi = rate phase + shift  in [j pi, (j + 1) pi]. */
+typedef struct lw_stroke { double from, mid, half, rate, shift, mode[LW_DYAD_MAX]; } lw_stroke;
+typedef struct lw_swing {
+    bool      known, closes, has_slopes;   /* of the dimensions `of`: worked out; closes somewhere; by the dimensions */
+    double    of[LW_DIM_MAX];
+    bool      turning;                     /* the phase is the input, in the mode of stroke 0          */
+    int       n;
+    double    gain;                        /* of the input over all strokes: whole turns, of a pin       */
+    lw_stroke stroke[LW_LEG_MAX];
+    double    mid_by[LW_LEG_MAX][LW_DIM_MAX], half_by[LW_LEG_MAX][LW_DIM_MAX];   /* by the dimensions     */
+    double    rate_by[LW_LEG_MAX][LW_DIM_MAX], shift_by[LW_LEG_MAX][LW_DIM_MAX];
+} lw_swing;
+
+/* A place on it: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the phase,
+ * the stroke, the phase within the first turn of it, cos and sin of psi. */
+typedef struct lw_spot { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_spot;
+
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
     double *phase;               /* where each lane is on its circuit [rad]; the input if that turns */
     double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
-    double *mode;                /* assembly of each lane                                          */
+    double *mode;                /* assembly of each lane, where they have their own: mode[dyad*ld + lane] */
+    short  *leg;                 /* its stroke                                                     */
+    double *around, *psi_c, *psi_s;      /* as of lw_spot                                          */
     double *c, *s;               /* cosine and sine of the input                                   */
     lw_jacobian jac;             /* of every lane                                                  */
     lw_also_work also[LW_ALSO_MAX];
@@ -28,10 +49,9 @@ typedef struct lw_work {
     double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
-    /* the circuit: the input turns, or goes to and fro about mid */
-    bool    turning, flips;      /* flips: at the ends of its way the assembly mode changes        */
-    double  mid, half, least_margin;
-    double  mid_by[LW_DIM_MAX], half_by[LW_DIM_MAX];     /* their derivatives by the dimensions    */
+    lw_swing swing;
+    lw_cycle cycle;
+    double   least_margin;
     /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
     double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
@@ -65,7 +85,7 @@ bool lw_problem_is_nonlinear(const lw_problem *p);
 /* Are all of them met at x, to `off`? */
 bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w);
 
-/* Do stations have assembly modes of their own: a four-link circuit through both? */
+/* Do stations have assembly modes of their own: a circuit through limits? */
 bool lw_problem_has_modes(const lw_problem *p);
 
 /* The first length of the plan, what a size is told by; -1: there is none. */
@@ -92,16 +112,25 @@ bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w);
 size_t lw_zone_count(const lw_problem *p);
 void   lw_zone_conditions(const lw_problem *p, const double *x, lw_work *w, double *g);
 
-/* The circuit of the linkage x: its input turns, or goes from limit to limit in one assembly mode
- * and back in the other,  input = mid - half cos(phase).  false when it closes nowhere. */
+/* w->swing: the circuit of the linkage x.  Its input turns, or goes from limit to limit, the assembly changing at
+ * each.  false when it closes nowhere, or its strokes lead nowhere. */
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);
 
-/* mid_by and half_by at x: samples of the curve stay at their phases when the limits move. */
+/* How strokes move with the dimensions at x: what stays at its phase goes with them. */
 void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 
-/* Inputs (cos and sin, or displacement) and modes at n phases; input and rate may be NULL. */
-void lw_circuit_inputs(const lw_problem *p, const lw_work *w, size_t n, const double *phase,
-                       double *c, double *s, double *mode, double *input, double *rate);
+/* Derivative of the input of lane k by dimension d at its phase; needs the slopes. */
+double lw_circuit_drift(const lw_work *w, size_t k, size_t d);
+
+/* Where a phase lies; the assembly of a stroke into mode[dyad*stride]. */
+lw_spot lw_circuit_spot(const lw_problem *p, const lw_work *w, double phase);
+void    lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride);
+
+/* Lanes 0 .. n - 1 at their phases. */
+void lw_circuit_lanes(const lw_problem *p, lw_work *w, size_t n);
+
+/* One past the last of the lanes from `first` on, of n, that are on its stroke. */
+size_t lw_circuit_run(const lw_work *w, size_t first, size_t n);
 
 /* Give lanes of stations their own modes where the circuit has both. */
 void lw_circuit_modes(const lw_problem *p, const lw_work *w, lw_lanes *in);

@@ -11,7 +11,7 @@ size_t lw_problem_lane_count(const lw_problem *p)
 
 bool lw_problem_has_modes(const lw_problem *p)
 {
-    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && !p->family->linkage;
+    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->branch.through);
 }
 
 int lw_problem_component_count(const lw_problem *p)
@@ -64,7 +64,7 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->ld = ld;
     w->n_row = lw_problem_component_count(p);
     double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->normal_x, &w->normal_y,
-                               &w->by_input, &w->c, &w->s };
+                               &w->by_input, &w->c, &w->s, &w->around, &w->psi_c, &w->psi_s };
     for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
         *lane_arrays[i] = piece(base, &at, ld*v);
     lay_out_lanes(p, ld, p->theta, &w->jac, base, &at);
@@ -75,12 +75,15 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
         for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
             *curve[i] = piece(base, &at, m*v);
     }
-    w->mode = piece(base, &at, ld*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
+    size_t dyads = (size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1);
+    w->mode = piece(base, &at, ld*v*dyads);
+    w->turn_mode = piece(base, &at, m*v*dyads);
+    w->leg = piece(base, &at, ld*sizeof *w->leg);
     w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
                          &w->curve_u, &w->curve_v,
-                         &w->foot_x, &w->foot_y, &w->turn, &w->turn_mode };
+                         &w->foot_x, &w->foot_y, &w->turn };
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
     size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
@@ -132,4 +135,5 @@ void lw_problem_work_branch(const lw_problem *p, lw_work *w)
         w->turn_s[j] = sin(w->turn[j]);
     }
     w->least_margin = lw_problem_has_modes(p) ? -1e-9 : 0;
+    w->swing.known = false;
 }

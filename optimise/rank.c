@@ -115,15 +115,16 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
         out->tool[i] = p->also[i].i_tool >= 0 ? c->x[p->also[i].i_tool] : 0;
     bool both_modes = lw_problem_has_modes(p);
     out->input = malloc(sizeof *out->input*p->n);
-    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n) : NULL;
+    size_t dyads = (size_t)(out->n_dyad = p->plan.n_dyad);
+    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n*dyads) : NULL;
     if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->arm, out)) {
         lw_candidate_free(out);
         return false;
     }
     for (size_t k = 0; k < p->n; k++)
         out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
-    if (both_modes)
-        memcpy(out->mode_of, w->mode, sizeof *out->mode_of*p->n);
+    for (size_t k = 0; both_modes && k < p->n; k++)
+        lw_circuit_put_mode(p, w, w->leg[k], out->mode_of + k*dyads, 1);
     return true;
 }
 

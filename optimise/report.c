@@ -31,7 +31,7 @@ void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t stati
 {
     memcpy(modes, c->branch.mode, sizeof c->branch.mode);
     for (int d = 0; c->mode_of && d < plan->n_dyad; d++)
-        modes[d] = c->mode_of[station];
+        modes[d] = c->mode_of[station*(size_t)plan->n_dyad + (size_t)d];
 }
 
 /* ---- errors at the stations ------------------------------------------------------------------- */

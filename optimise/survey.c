@@ -53,8 +53,9 @@ static void grow_one(const lw_target *t, const lw_stage *stage, const lw_candida
 
 static bool changes_mode(const lw_target *t, const lw_candidate *c)
 {
-    for (size_t i = 1; c->mode_of && i < t->n; i++)
-        if (c->mode_of[i] != c->mode_of[0])
+    size_t dyads = (size_t)c->n_dyad;
+    for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
+        if (c->mode_of[i] != c->mode_of[i - dyads])
             return true;
     return false;
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mbs/motion.h"
+#include "mbs/branch.h"
 #include "mbs/newton.h"
 #include "mbs/pose.h"
 #include "optimise/report_internal.h"
@@ -16,114 +16,157 @@ typedef struct replay {
     const lw_candidate *c;
     const lw_plan      *plan;
     lw_report          *r;
-    lw_linkage          k;          /* as read back from its text                        */
-    lw_newton          *newton;
-    double              mode;       /* assembly of the posture it started from           */
+    lw_linkage          k, now;     /* as read back from its text; its posture at a station */
     double              shift;      /* input of the file minus input in the ground frame */
+    lw_newton          *newton;     /* moved from station to station, or ...             */
+    lw_system           system;
+    lw_branch          *curve;      /* ... all of its motion, through limits             */
+    double              q[LW_SYSTEM_Q_MAX];
 } replay;
 
-/* The posture at a station through text, as a file would carry it. */
-static bool open_at(replay *v, size_t station)
+/* The first posture through text, as a file would carry it. */
+static bool open_file(replay *v)
 {
-    double modes[LW_MODE_MAX];
-    lw_linkage k = v->r->linkage;
     lw_error why = { .text = "" };
-    lw_candidate_modes(v->c, v->plan, station, modes);
-    v->mode = modes[0];
-    lw_pose pose;
-    if (station > 0) {
-        if (lw_plan_write(v->plan, v->c->dim, modes, v->c->input[station], &k) != LW_OK)
-            return false;
-        lw_pose_solve(v->plan, v->c->dim, modes, v->c->input[station], 0, &pose);
-        lw_candidate_tools(v->c, v->t, &pose, &k);
-    }
-    char *text = lw_linkage_write(&k, 0);
-    lw_newton_free(v->newton);
-    v->newton = NULL;
-    bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK
-           && lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
+    char *text = lw_linkage_write(&v->r->linkage, 0);
+    bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK;
     free(text);
-    v->shift = v->k.input[0].value - v->plan->laps*v->c->input[station];
+    if (ok && v->c->mode_of)
+        ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
+          && lw_branch_create(&v->system, NULL, &(lw_branch_options){ .input = 0 }, &v->curve, &why) == LW_OK;
+    else if (ok)
+        ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
+    v->now = v->k;
+    v->shift = v->k.input[0].value - v->plan->laps*v->c->input[0];
     if (!ok)
         snprintf(v->r->fault, sizeof v->r->fault, "its file does not read back: %.200s", why.text);
     return ok;
 }
 
-/* How far an input may have to go for all of its way: a turn, or a little more than its range. */
-static double whole_way(const replay *v)
-{
-    lw_range r;
-    if (!v->plan->input_is_slider)
-        return 2*LW_PI*v->plan->laps;
-    if (lw_motion_range(v->plan, v->c->dim, v->mode, &r) != LW_OK)
-        return 0;
-    return 1.1*(r.last - r.first);
-}
+/* What distances of points count against: a function has no path. */
+static double size_of(const replay *v) { return v->s->task == LW_TASK_FUNCTION ? 1 : v->t->length; }
 
-/* Do both come to one limit of motion, moved up (or down)?  Pins and tracer tell; where a slide line has its
- * point is another matter in every file. */
-static bool meet(lw_newton *a, lw_newton *b, const replay *v, double by)
-{
-    double size = 0;
-    if (lw_newton_move(a, lw_newton_input(a) + by, NULL) != LW_OPEN
-        || lw_newton_move(b, lw_newton_input(b) + by, NULL) != LW_OPEN)
-        return false;
-    lw_vec2 here = lw_newton_tracer(a, 0);
-    double gap = lw_v2_norm(lw_v2_sub(here, lw_newton_tracer(b, 0)));
-    for (int j = 0; j < v->k.n_joint; j++) {
-        lw_vec2 p = lw_newton_joint(a, j);
-        size = fmax(size, lw_v2_norm(lw_v2_sub(p, here)));
-        if (v->k.joint[j].kind != LW_JOINT_REVOLUTE)
-            continue;
-        gap = fmax(gap, lw_v2_norm(lw_v2_sub(p, lw_newton_joint(b, j))));
-    }
-    return gap <= 1e-5*size;                     /* half of the digits count at a limit      */
-}
+/* ---- from station to station without a limit -------------------------------------------------------- */
 
-/* A station in the other assembly: simulated from its own posture, when that comes to the same limit of
- * motion as the posture before. */
-static bool change_assembly(replay *v, size_t i)
+static bool move_to(replay *v, size_t i, double to)
 {
-    lw_newton *before = v->newton;
-    v->newton = NULL;
-    bool ok = open_at(v, i);
-    if (ok && !meet(before, v->newton, v, whole_way(v)) && !meet(before, v->newton, v, -whole_way(v))) {
-        snprintf(v->r->fault, sizeof v->r->fault,
-                 "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
-        ok = false;
-    }
-    lw_newton_free(before);
-    if (ok)
-        lw_newton_reset(v->newton);
-    return ok;
-}
-
-static bool go_to(replay *v, size_t i)
-{
-    double mode = v->c->mode_of ? v->c->mode_of[i] : v->mode, reached;
-    if (i > 0 && mode != v->mode && !change_assembly(v, i))
-        return false;
-    double to = v->plan->laps*v->c->input[i] + v->shift, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    double reached, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
     lw_status st = lw_newton_move(v->newton, to, &reached);
-    if (st != LW_OK && !(fabs(reached - to) <= near))
+    if (st != LW_OK && !(fabs(reached - to) <= near)) {
         snprintf(v->r->fault, sizeof v->r->fault,
                  "station %zu cannot be reached from the one before: the motion ends at input %.9g of %.9g",
                  i + 1, reached, to);
+        return false;
+    }
+    for (int k = 0; k <= v->t->n_also; k++) {
+        lw_tracer *p = &v->now.tracer[k];
+        p->at = lw_newton_tracer(v->newton, k);
+        p->angle = v->k.tracer[k].angle + lw_newton_angle(v->newton, p->link);
+    }
+    return true;
+}
+
+/* ---- on the curve of all postures, through limits ---------------------------------------------------- */
+
+/* The posture at a place of the curve: how far its points are from those stated, at the most. */
+static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
+{
+    double most = 0;
+    lw_branch_pose(v->curve, place, v->q, NULL);
+    v->now = v->k;
+    lw_system_write(&v->system, v->q, &v->now);
+    for (int k = 0; k <= v->t->n_also; k++)
+        most = fmax(most, lw_v2_norm(lw_v2_sub(v->now.tracer[k].at, at[(size_t)k*v->t->n + i])));
+    return most;
+}
+
+/* Next to a limit the input says little of where a linkage is: the place nearby at which the first point is nearest. */
+static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i)
+{
+    double end = lw_branch_segments(v->curve), h = 1e-4;
+    for (int step = 0; step < 4; step++) {
+        double lo = fmax(0, place - h), hi = fmin(end, place + h);
+        distance_at(v, lo, at, i);
+        lw_vec2 first = v->now.tracer[0].at;
+        distance_at(v, hi, at, i);
+        lw_vec2 by = lw_v2_scale(lw_v2_sub(v->now.tracer[0].at, first), 1/(hi - lo));
+        distance_at(v, place, at, i);
+        double move = lw_v2_dot(lw_v2_sub(at[i], v->now.tracer[0].at), by)/(lw_v2_dot(by, by) + 1e-300);
+        place = fmin(fmax(place + fmin(fmax(move, -0.1), 0.1), 0), end);
+        h = fmax(1e-7, fmin(h, 10*fabs(move)));
+    }
+    return place;
+}
+
+/* Between two limits the input goes one way: where it is `input` there, some whole turns off, or as near as an end is.
+ * Better than *least becomes *best. */
+static void search_piece(replay *v, double first, double last, double input, const lw_vec2 *at, size_t i, double *least,
+                         double *best)
+{
+    double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    for (int e = 0; e < 2; e++) {
+        lw_branch_pose(v->curve, place[e], v->q, NULL);
+        ends[e] = lw_branch_input(v->curve, v->q);
+    }
+    double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->laps;
+    bool slider = v->plan->input_is_slider;
+    int turns = slider ? 0 : (int)((hi - lo)/turn) + 1;
+    double from = slider ? input : input + turn*ceil((lo - near - input)/turn);
+    for (int k = 0; k <= turns; k++) {
+        double want = from + turn*k, here;
+        if (want < lo - near || want > hi + near || !(first < last))
+            continue;
+        if (want <= lo || want >= hi)
+            here = place[(want <= lo) == (ends[0] < ends[1]) ? 0 : 1];
+        else
+            here = lw_branch_find(v->curve, first, last, want);
+        double away = distance_at(v, here, at, i);
+        if (away < *least) {
+            *least = away;
+            *best = here;
+        }
+    }
+}
+
+static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(v->curve, &n);
+    double end = lw_branch_segments(v->curve), from = 0, best = 0, least = INFINITY;
+    for (int k = 0; k <= n; k++) {
+        if (k < n && e[k].kind != LW_EVENT_LIMIT)
+            continue;
+        double to = k < n ? e[k].station : end;
+        search_piece(v, from, to, input, at, i, &least, &best);
+        from = to;
+    }
+    if (least <= 1e-3*size_of(v))
+        distance_at(v, nearest_place(v, best, at, i), at, i);
+    else
+        snprintf(v->r->fault, sizeof v->r->fault,
+                 "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
     return v->r->fault[0] == 0;
+}
+
+/* ---- errors ------------------------------------------------------------------------------------------ */
+
+static bool go_to(replay *v, size_t i, const lw_vec2 *at)
+{
+    double to = v->plan->laps*v->c->input[i] + v->shift;
+    return v->curve ? look_up(v, i, to, at) : move_to(v, i, to);
 }
 
 /* What the angle of a tool is off. */
 static double turn_error(const replay *v, int point, double want)
 {
-    const lw_tracer *p = &v->k.tracer[point];
-    return remainder(p->angle + lw_newton_angle(v->newton, p->link) - want, 2*LW_PI);
+    return remainder(v->now.tracer[point].angle - want, 2*LW_PI);
 }
 
 /* Eq. 17 at a station; distance is that of the first point. */
 static double square_error(const replay *v, size_t i, double *distance)
 {
     const lw_target *t = v->t;
-    lw_vec2 p = lw_newton_tracer(v->newton, 0);
+    lw_vec2 p = v->now.tracer[0].at;
     double f = 0, a = v->s->a, b = v->s->b;
     if (v->s->task != LW_TASK_FUNCTION) {
         *distance = hypot(p.x - t->x[i], p.y - t->y[i]);
@@ -133,7 +176,7 @@ static double square_error(const replay *v, size_t i, double *distance)
         f += b*t->weight[i]*pow(turn_error(v, 0, t->theta[i]), 2);
     for (int k = 0; k < t->n_also; k++) {
         const lw_also *also = &t->also[k];
-        p = lw_newton_tracer(v->newton, k + 1);
+        p = v->now.tracer[k + 1].at;
         if (also->x)
             f += a*also->weight[i]*(pow(p.x - also->x[i], 2) + pow(p.y - also->y[i], 2));
         if (also->theta)
@@ -145,7 +188,7 @@ static double square_error(const replay *v, size_t i, double *distance)
 /* What the coordinates' own digits cannot hold is no disagreement. */
 static double allowed(const replay *v)
 {
-    double size = v->t->length, reach = 0;
+    double reach = 0;
     for (int j = 0; j < v->k.n_joint; j++)
         reach = fmax(reach, fmax(fabs(v->k.joint[j].at.x), fabs(v->k.joint[j].at.y)));
     for (size_t i = 0; v->t->x && i < v->t->n; i++)
@@ -153,9 +196,7 @@ static double allowed(const replay *v)
     for (int k = 0; k < v->t->n_also; k++)
         for (size_t i = 0; v->t->also[k].x && i < v->t->n; i++)
             reach = fmax(reach, fmax(fabs(v->t->also[k].x[i]), fabs(v->t->also[k].y[i])));
-    if (v->s->task == LW_TASK_FUNCTION)
-        size = 1;
-    return 1e-9*size + 256*DBL_EPSILON*reach;
+    return 1e-9*size_of(v) + 256*DBL_EPSILON*reach;
 }
 
 /* Does what the search said of the candidate agree, when each station is off by `off` at most?  With both
@@ -191,22 +232,29 @@ static void judge(const replay *v, bool followed)
 void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
                const lw_vec2 *at, lw_report *r)
 {
-    replay v = { .t = t, .s = s, .c = c, .plan = plan, .r = r };
-    bool followed = open_at(&v, 0);
+    replay *v = malloc(sizeof *v);
+    if (!v) {
+        snprintf(r->fault, sizeof r->fault, "no memory to simulate it again");
+        return;
+    }
+    *v = (replay){ .t = t, .s = s, .c = c, .plan = plan, .r = r };
+    bool followed = open_file(v);
     for (size_t i = 0; i < t->n && followed; i++) {
         double distance = 0;
-        followed = go_to(&v, i);
+        followed = go_to(v, i, at);
         if (!followed)
             break;
         for (int k = 0; k <= t->n_also; k++) {
-            lw_vec2 p = lw_newton_tracer(v.newton, k), here = at[(size_t)k*t->n + i];
+            lw_vec2 p = v->now.tracer[k].at, here = at[(size_t)k*t->n + i];
             double away = hypot(p.x - here.x, p.y - here.y);
             if (!isnan(r->difference) && !(away <= r->difference))
                 r->difference = away;
         }
-        r->verified_objective += square_error(&v, i, &distance);
+        r->verified_objective += square_error(v, i, &distance);
         r->verified_mean += distance/(double)t->n;
     }
-    lw_newton_free(v.newton);
-    judge(&v, followed);
+    lw_newton_free(v->newton);
+    lw_branch_free(v->curve);
+    judge(v, followed);
+    free(v);
 }
