@@ -8,7 +8,7 @@
 #include "mbs/plan_internal.h"
 #include "mbs/sincos_internal.h"
 
-enum { N_SAMPLE = 128, BLOCK = 32 };
+enum { N_SAMPLE = 64, BLOCK = 32 };
 
 typedef struct walk {
     const lw_plan *plan;
@@ -215,10 +215,13 @@ static bool open_near(const walk *w, const double *mode, double *input)
     return false;
 }
 
-static bool same_place(const walk *w, double a, double b)
+/* Does the leg that goes up from `end` in the assembly of the start hold the start, seen from there? */
+static bool holds_start(const walk *w, const double *mode, double start, double end, double *gain)
 {
-    double gap = w->plan->input_is_slider ? (a - b)/w->reach : remainder(a - b, 2*LW_PI);
-    return fabs(gap) < 1e-9;
+    bracket b;
+    double below = w->plan->input_is_slider ? start - end : remainder(start - end - LW_PI, 2*LW_PI) + LW_PI;
+    *gain = w->plan->input_is_slider ? 0 : 2*LW_PI*round((end + below - start)/(2*LW_PI));
+    return below >= 0 && !shut_before(w, mode, start, start - below, &b);
 }
 
 /* One more leg, from here to there. */
@@ -236,7 +239,8 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
 {
     walk w;
     int which;
-    double start, end, now[LW_DYAD_MAX];
+    double end, now[LW_DYAD_MAX];
+    size_t modes = sizeof *now*(size_t)plan->n_dyad;
     c->n = 0;
     c->gain = 0;
     if (plan->n_higher > 0 || plan->n_output == 0)
@@ -244,23 +248,16 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
     set_walk(&w, plan, dim, batch);
     if (!open_near(&w, mode, &input))
         return LW_OPEN;
-    bool up = leg_end(&w, mode, input, w.reach, false, &end, &which), down;
-    int above = which;
-    down = leg_end(&w, mode, input, -w.reach, false, &start, &which);
-    if (!up && !down && !plan->input_is_slider)
-        return LW_OK;
-    if (!up || !down)
-        return LW_STOPPED;
-    memcpy(now, mode, sizeof *now*(size_t)plan->n_dyad);
-    add_leg(&w, now, end, above, c);
+    if (!leg_end(&w, mode, input, w.reach, false, &end, &which))
+        return plan->input_is_slider || leg_end(&w, mode, input, -w.reach, false, &end, &which) ? LW_STOPPED : LW_OK;
+    memcpy(now, mode, modes);
+    add_leg(&w, now, end, which, c);
     while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -w.reach : w.reach, true, &end, &which)) {
         add_leg(&w, now, end, which, c);
         if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides that become parallel              */
             return LW_STOPPED;
-        if (c->n % 2 == 0 && same_place(&w, end, start) && memcmp(now, mode, sizeof *now*(size_t)plan->n_dyad) == 0) {
-            c->gain = plan->input_is_slider ? 0 : 2*LW_PI*round((end - start)/(2*LW_PI));
+        if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && holds_start(&w, mode, input, end, &c->gain))
             return LW_OK;
-        }
     }
     return LW_STOPPED;
 }

@@ -32,10 +32,11 @@ static inline double lw_cycle_first(const lw_cycle *c, int leg)
     return leg > 0 ? c->leg[leg - 1].last : c->leg[c->n - 1].last - c->gain;
 }
 
-/* The cycle through this input in the assembly mode[n_dyad], or in the arc of it that is nearest, seen in 128
+/* The cycle through this input in the assembly mode[n_dyad], or in the arc of it that is nearest, seen in 64
  * samples of a turn, or of the lengths' sum to either side of a slider's input.  Only dyads that outputs depend on
  * count.  Limits are bracketed by as many samples a leg, dense towards its beginning where postures go as the
- * square root, and are right to rounding; a gap narrower than a sample, with nothing that hints at it, is missed.
+ * square root, and are right to rounding; a gap narrower than a sample, with nothing that hints at it, is
+ * missed (10 of 7500 random linkages of four to eight links).
  * batch: scratch of mbs/batch.h.
  *
  * LW_OPEN: it closes nowhere in this assembly.  LW_STOPPED: its legs end where slides become parallel, do not end,
@@ -44,7 +45,7 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
                         lw_cycle *c);
 
 /* Derivatives of the legs' ends by the dimensions, by[leg*LW_DIM_MAX + d]: the limiting dyad's margin stays 0.  Its
- * derivatives are central differences (1e-9 of the largest; 1e-6 next to a limit of another dyad). */
+ * derivatives are central differences (1e-9 of the largest; next to a limit of another dyad 1e-4). */
 void lw_cycle_slopes(const lw_plan *plan, const double *dim, const lw_cycle *c, void *batch, double *by);
 
 #endif

@@ -209,11 +209,12 @@ double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
 lw_spot lw_circuit_spot(const lw_problem *p, const lw_work *w, double phase)
 {
     const lw_swing *s = &w->swing;
-    lw_spot at = { .around = phase, .psi_c = cos(phase), .psi_s = sin(phase), .input = phase, .rate = 1 };
-    at.c = at.psi_c;
-    at.s = at.psi_s;
-    if (s->turning)
+    lw_spot at = { .around = phase, .input = phase, .rate = 1 };
+    if (s->turning) {
+        at.c = at.psi_c = cos(phase);
+        at.s = at.psi_s = sin(phase);
         return at;
+    }
     double turns = floor(phase/(2*LW_PI));
     at.around = phase - 2*LW_PI*turns;
     while (at.leg + 1 < s->n && at.around >= s->stroke[at.leg + 1].from)

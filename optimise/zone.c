@@ -132,20 +132,30 @@ static double least_between(const lw_zone *z, const places *a, const places *b)
     return isfinite(least) ? least : 0;
 }
 
+/* Pose k of these, 0 .. POSES: between the first and the last input in one assembly, or along the circuit from the
+ * first station to the last, over limits. */
+static double pose_at(const lw_problem *p, const lw_work *w, int k, double *mode)
+{
+    double lo, hi, share = (double)k/POSES;
+    if (lw_problem_has_modes(p)) {
+        double way = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
+        lw_spot at = lw_circuit_spot(p, w, w->phase[0] + way*share);
+        lw_circuit_put_mode(p, w, at.leg, mode, 1);
+        return at.input;
+    }
+    input_range(p, w, &lo, &hi);
+    return lo + (hi - lo)*share;
+}
+
 /* The least distances of all pins and points from the forbidden zones, from pose to pose. */
 static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
 {
     places before = { .n = 0 }, now;
-    double lo, hi, mode[LW_MODE_MAX];
-    input_range(p, w, &lo, &hi);
+    double mode[LW_MODE_MAX];
     memcpy(mode, p->branch.mode, sizeof mode);
     for (int k = 0; k <= POSES; k++) {
-        double mode_before = mode[0];
-        if (lw_problem_has_modes(p))
-            mode[0] = w->mode[k < POSES ? (size_t)k*p->n/POSES : p->n - 1];
-        find_places(p, x, mode, lo + (hi - lo)*k/POSES, &now);
-        if (mode[0] != mode_before)                      /* over a limit: not straight on               */
-            before = now;
+        double input = pose_at(p, w, k, mode);
+        find_places(p, x, mode, input, &now);
         for (int i = 0; i < p->n_zone && k > 0; i++)
             if (forbids(&p->zone[i]))
                 g[i][k - 1] = least_between(&p->zone[i], &before, &now);
