@@ -258,7 +258,7 @@ static void draw_input(sketch *k, int input)
         double link_at = atan2(-along.y, along.x);
         bool below = on_ground(k->m, joint) && fmin(sin(link_at + 0.4), sin(link_at + 2.3))
                                                < fmin(sin(link_at - 2.3), sin(link_at - 0.4));
-        lw_symbol_turning(k->d, b, at, link_at + (below ? -2.3 : 0.4), k->u);
+        lw_symbol_turning(k->d, b, at, link_at + (below ? -2.3 : 0.4), false, k->u);
         return;
     }
     along = direction_of(k, k->m->link[joint][rail_side(k, joint)], joint);

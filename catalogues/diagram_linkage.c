@@ -260,20 +260,21 @@ static void draw_input(lw_sketch *k, int input)
 {
     const lw_linkage *l = linkage(k);
     int joint = l->input[input].joint;
+    bool back = l->input[input].ratio < 0;               /* tied, against the first */
     const lw_joint *j = &l->joint[joint];
     int driven = driven_link(l, j), base = j->link[0] == driven ? j->link[1] : j->link[0];
     lw_bearer carrier = bearer(l, input, base);
     if (j->kind == LW_JOINT_REVOLUTE) {
         lw_vec2 at = lw_sketch_pixel(k, 0, j->at);
         double from = driven_direction(k, driven, j->at) + 0.4;
-        lw_symbol_turning(k->d, carrier, at, from, k->u);
+        lw_symbol_turning(k->d, carrier, at, from, back, k->u);
         for (int i = 0; i < 12; i++)
             lw_label_map_disc(&k->map, lw_v2_add(at, lw_v2_polar(27*k->u, -(from + 0.16*i))),
                               4*k->u, 2);
         return;
     }
     lw_slide w = lw_anatomy_slide(k->s, joint);
-    double sign = w.block == driven ? 1 : -1;
+    double sign = (w.block == driven) != back ? 1 : -1;
     carrier.link = w.guide == l->ground ? -1 : w.guide;
     lw_vec2 along = lw_v2(sign*w.along.x, -sign*w.along.y);
     lw_vec2 at = lw_v2_add(lw_sketch_pixel(k, 0, w.at), lw_v2_scale(lw_v2_perp(along), -21*k->u));

@@ -93,16 +93,17 @@ static void head(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double u)
     bear(lw_drawing_path(d, LW_ROLE_INPUT, corner, 3, true), b)->fill = LW_INK_PURPLE;
 }
 
-void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, double u)
+void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, bool back, double u)
 {
     enum { N = 24 };
     lw_vec2 arc[N];
     const double radius = 27*u, sweep = 1.9;                            /* [rad], head included */
+    double begin = back ? from + sweep : from, sense = back ? -1 : 1;
     for (int i = 0; i < N; i++)
-        arc[i] = lw_v2_add(at, lw_v2_polar(radius, -(from + (sweep - 0.35)*i/(N - 1))));
+        arc[i] = lw_v2_add(at, lw_v2_polar(radius, -(begin + sense*(sweep - 0.35)*i/(N - 1))));
     stroke(lw_drawing_path(d, LW_ROLE_INPUT, arc, N, false), b, LW_INK_PURPLE, 2.2*u);
     b.item = -1;
-    lw_vec2 tip = lw_v2_add(at, lw_v2_polar(radius, -(from + sweep)));
+    lw_vec2 tip = lw_v2_add(at, lw_v2_polar(radius, -(begin + sense*sweep)));
     lw_vec2 along = lw_v2_sub(tip, arc[N - 1]);
     head(d, b, tip, lw_v2_scale(along, 1/lw_v2_norm(along)), u);
 }

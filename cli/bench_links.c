@@ -84,7 +84,7 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     cli_fit_stages stages;
     cli_fit_known none = { 0 };
     lw_survey survey;
-    cli_topology_wish wish = { .links = o->links, .kinds = "r", .only = "all", .task = p->spec.task,
+    cli_topology_wish wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
                                .timed = p->spec.task == LW_TASK_FUNCTION
                                      || p->spec.timing == LW_TIMING_PRESCRIBED };
     lw_status st = cli_topologies_make(&wish, &topologies, e);

@@ -9,7 +9,7 @@
 
 typedef struct settings {
     const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas, *gear_ratios,
-               *point_links;
+               *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
     double      weight_path, weight_angle, min_transmission, max_acceleration;
@@ -24,8 +24,14 @@ static const cli_option options[] = {
       "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
-      "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too", 4, 10, NULL, NULL },
-    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1", "their degree of freedom: 1", 0, 9, NULL, NULL },
+      "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too; with --dof 2 from 5", 4, 10,
+      NULL, NULL },
+    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1",
+      "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, with 3 of 8; "
+      "all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99, NULL, NULL },
+    { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", "1,-1,2,-2,3,-3",
+      "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two motors, a "
+      "belt or wheels at the frame", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
       "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for a gear pair",
       0, 0, NULL, NULL },
@@ -283,7 +289,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_fit_options o = lw_fit_options_default();
     o.spec = set->spec;
-    bool sliders = (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    bool sliders = s->dof == 1 && (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
     o.types = sliders ? "all" : s->type;
     o.solver = lw_solver_find(s->solver);
     o.seed = set->seed = call->common.seed;
@@ -304,6 +310,13 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     return st;
 }
 
+/* With F inputs at the ground that link has F joints, and the fewest links are two for each loop more (Makkonen 1999, eq.
+ * 2): P = F + 1 + 2 L, L = F - 1. */
+static int least_links(int dof)
+{
+    return dof > 1 ? 3*dof - 1 : 4;
+}
+
 /* Which topologies there are for this target. */
 static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
 {
@@ -315,11 +328,15 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
         if (strchr("rtpg", *at) && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
-    cli_topology_wish w = { .links = links, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
+    if (s->dof > 1 && links < least_links(s->dof))
+        links = least_links(s->dof);
+    cli_topology_wish w = { .links = links, .dof = s->dof, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
                             .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = cli_ratios_read(s->gear_ratios, w.ratio, &w.n_ratio, e);
+    lw_status st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
+    if (st == LW_OK)
+        st = cli_ratios_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
     if (st == LW_OK && (links > 4 || cli_topology_higher(kinds)))
         st = cli_topologies_make(&w, &set->topologies, e);
     if (st == LW_OK && s->resume)
@@ -483,23 +500,42 @@ static int list_solvers(void)
     return CLI_DONE;
 }
 
+/* Can there be mechanisms of so many freedoms, with all that is said beside? */
+static lw_status check_dof(const cli_call *call, lw_error *e)
+{
+    const settings *s = call->settings;
+    const cli_parsed *said = &call->parsed;
+    if (s->dof == 0)
+        return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
+    if (s->dof > CLI_TOPOLOGY_INPUTS)
+        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and --links "
+                            "goes to 10, which is F = %d", s->dof, s->dof, least_links(s->dof), CLI_TOPOLOGY_INPUTS);
+    if (s->dof == 1)
+        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several inputs: "
+                                                              "give --dof 2") : LW_OK;
+    if (cli_given(said, "links") && s->links < least_links(s->dof))
+        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
+                            s->dof, s->links, s->dof, least_links(s->dof));
+    if (cli_given(said, "type") || s->exact)
+        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and F = 1",
+                            s->dof, s->exact ? "exact" : "type");
+    return LW_OK;
+}
+
 static int check(const cli_call *call)
 {
     const settings *s = call->settings;
     lw_error e = { 0 };
     if (!lw_solver_find(s->solver))
         return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
-    if (s->dof != 1)
-        return cli_usage(call, "--dof %d: a search moves each linkage by one input, whose angle at a station is given or "
-                         "found; plans, curves and derivatives (mbs/plan.h) are of one freedom, so inputs given in pairs "
-                         "cannot be fitted. A drawn linkage with several inputs is moved by 'linkwright trace MODEL.json --time-range A:B:STEP' "
-                         "(examples/five-bar.json); for the same path by one motor take --links 6 or 8", s->dof);
     for (const char *at = s->joints; *at; at++)
         if (!strchr("rtpg,", *at))
             return cli_usage(call, "--joints takes r, or r with t, p and g and commas between, not '%s'", s->joints);
-    cli_ratio ratio[CLI_RATIO_MAX];
-    int n_ratio;
-    if (cli_ratios_read(s->gear_ratios, ratio, &n_ratio, &e) != LW_OK)
+    cli_ratios ratios;
+    if (cli_ratios_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
+        || cli_ratios_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (check_dof(call, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (check_types(s->type, &e) != LW_OK
         || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)

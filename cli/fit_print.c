@@ -120,13 +120,18 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
         const cli_topology_stage *t = &s->topologies.stage[k];
         const char *between = "";
         long found = n_with_fit(s, t);
-        fprintf(f, "%d links%s: %ld chains, %ld ground choices, %ld with tracer link, %ld with any input: ", t->links,
-                t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_ground, t->n_pair, t->n_driven);
+        fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", t->links,
+                t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
+                t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
+        fprintf(f, s->topologies.dof > 1 ? "s (F = %d): " : ": ", s->topologies.dof);
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
             if (t->fate[i] > 0) {
                 fprintf(f, "%s%ld %s", between, t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
                 between = ", ";
             }
+        if (s->topologies.dof > 1)
+            fprintf(f, "; %ld with all inputs at the ground, %ld of them left out, the others by %d ratios", t->n_set,
+                    t->n_set_out, s->topologies.ratio.tie.n);
         if (found >= 0)
             fprintf(f, "; %d searched, %ld of them with a linkage that closes\n", t->n_family, found);
         else
@@ -322,6 +327,11 @@ static void json_topologies(const cli_fit_set *s, cli_json *j)
         cli_json_int(j, "grounds", t->n_ground);
         cli_json_int(j, "with_tracer_link", t->n_pair);
         cli_json_int(j, "with_input", t->n_driven);
+        if (s->topologies.dof > 1) {
+            cli_json_int(j, "freedoms", s->topologies.dof);
+            cli_json_int(j, "with_inputs_at_ground", t->n_set);
+            cli_json_int(j, "of_these_left_out", t->n_set_out);
+        }
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
             cli_json_int(j, key[i], t->fate[i]);
         cli_json_int(j, "searched", t->n_family);

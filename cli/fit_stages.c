@@ -18,13 +18,15 @@ static lw_status add_known(cli_fit_known *k, const lw_linkage *linkage)
     return LW_OK;
 }
 
-/* May this linkage be a start?  It needs an input and a point. */
+/* May this linkage be a start?  It needs an input that moves by itself and a point. */
 static lw_status check_known(const lw_linkage *k, const char *path, lw_error *e)
 {
-    if (k->n_input == 1 && k->n_tracer > 0)
+    int own = lw_linkage_free_inputs(k);
+    if (own == 1 && k->n_tracer > 0)
         return LW_OK;
-    return lw_error_at(e, LW_E_ARG, path, 0, 0, "a linkage to start from has one input and a tracer; \"%.40s\" has %d "
-                       "inputs and %d tracers", k->name, k->n_input, k->n_tracer);
+    return lw_error_at(e, LW_E_ARG, path, 0, 0, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d "
+                       "inputs and %d tracers", own > 1 ? ", beside those tied to it by a ratio," : "", k->name, own,
+                       k->n_tracer);
 }
 
 static int by_links(const void *a, const void *b)
@@ -133,7 +135,7 @@ static void add_stage(cli_topologies *all, cli_topology_stage *t, lw_families kn
 
 void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s)
 {
-    s->n = 1;
+    s->n = t->dof <= 1;                                  /* the types have F = 1                   */
     s->stage[0] = (lw_stage){ .links = 4 };
     for (int links = 2; links <= LW_LINK_MAX; links++) {
         cli_topology_stage *own = NULL;

@@ -1,5 +1,5 @@
-/* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of six, eight, ...; and
- * linkages to start from, each with those of its own number of links; last the topologies with slots and gears, so
+/* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of six, eight, ... (of several
+ * freedoms: these alone); and linkages to start from, each with those of its own number of links; last the topologies with slots and gears, so
  * that what comes before is the same search as without them. */
 #ifndef LW_CLI_FIT_STAGES_H
 #define LW_CLI_FIT_STAGES_H

@@ -19,6 +19,7 @@ typedef struct maker {
     unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
     int                      ratio;              /* of the gear, from 1; 0: there is none          */
     bool                     met[64];            /* names of `only` that something bore            */
+    cli_topology_fate        best;               /* of the sets of tied inputs of one mechanism    */
     lw_plan                 *plan;
     lw_status                status;
 } maker;
@@ -79,17 +80,23 @@ static int links_of(const lw_plan *plan, const lw_linkage *k)
     return n;
 }
 
-/* May this joint drive it?  Then *f has the input and says by what it is worked out; *links that the point feels. */
-static bool try_input(maker *mk, int joint, cli_topology *f, int *links)
+/* May these inputs drive it?  Then *f says by what it is worked out; *links that the point feels. */
+static bool try_inputs(maker *mk, cli_topology *f, int *links)
 {
     lw_linkage k;
-    f->input = (uint8_t)joint;
-    if (cli_topology_sketch(mk->chain, f, mk->w->ratio, &k) != LW_OK
+    if (cli_topology_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
         || lw_plan_make_geared(&k, (lw_want){ .tracers = 1 }, mk->plan, NULL) != LW_OK)
         return false;
     f->turn = mk->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
     *links = links_of(mk->plan, &k);
     return true;
+}
+
+static bool try_input(maker *mk, int joint, cli_topology *f, int *links)
+{
+    f->n_input = 1;
+    f->input[0] = (uint8_t)joint;
+    return try_inputs(mk, f, links);
 }
 
 /* Of the joints that may drive the one that makes the plainest plan: pins at the ground first, slides there.  false:
@@ -137,18 +144,11 @@ static lw_status add_timed(void *context, const lw_mechanism *m)
     return add_family(mk, &f);
 }
 
-static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+/* By the plainest of its inputs; with a timing, all of them. */
+static lw_status add_driven(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
 {
-    char key[64];
     cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
     int links = 0, before = mk->own.n_family;
-    cli_topology_key(mk->chain, &f, key, sizeof key);
-    *fate = CLI_TOPOLOGY_NOT_ASKED;
-    if (!asked_for(mk, key))
-        return LW_OK;
-    *fate = CLI_TOPOLOGY_CIRCLE;
-    if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
-        return LW_OK;
     bool driven = best_input(mk, m, &f, &links), fewer = driven && links < m->n_link;
     *fate = !driven ? CLI_TOPOLOGY_NO_PLAN : fewer ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
     if (*fate == CLI_TOPOLOGY_FITTED && too_dear(mk, &f))
@@ -162,6 +162,98 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
     return st;
 }
 
+/* ---- tied inputs ---------------------------------------------------------------------------------------- */
+
+/* The set of m with input `first` in front, the others tied by the digits of `code`. */
+static void tie_inputs(const maker *mk, const lw_mechanism *m, int first, int code, cli_topology *f)
+{
+    f->n_input = (uint8_t)m->n_input;
+    f->input[0] = m->input[first];
+    for (int i = 1; i < m->n_input && i < CLI_TOPOLOGY_INPUTS; i++) {
+        f->input[i] = m->input[i <= first ? i - 1 : i];
+        f->tie[i] = (uint8_t)(code % mk->w->ratio.tie.n);
+        code /= mk->w->ratio.tie.n;
+    }
+}
+
+/* Is this, seen from another input or through a symmetry, one of those before? */
+static bool tied_before(const maker *mk, const cli_topology *f, lw_graph *form, int *n)
+{
+    lw_linkage k;
+    if (cli_topology_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK || !cli_topology_form(&k, &form[*n]))
+        return false;
+    for (int i = 0; i < *n; i++)
+        if (memcmp(&form[i], &form[*n], sizeof *form) == 0)
+            return true;
+    ++*n;
+    return false;
+}
+
+static lw_status add_tied(maker *mk, const cli_topology *f, cli_topology_fate *fate)
+{
+    cli_topology now = *f;
+    int links;
+    if (!try_inputs(mk, &now, &links))
+        return LW_OK;
+    bool fewer = links < mk->chain->m.n_link;
+    cli_topology_fate what = fewer ? CLI_TOPOLOGY_SMALLER : too_dear(mk, &now) ? CLI_TOPOLOGY_GROUP : CLI_TOPOLOGY_FITTED;
+    if (*fate != CLI_TOPOLOGY_FITTED)
+        *fate = what;
+    return what == CLI_TOPOLOGY_FITTED ? add_family(mk, &now) : LW_OK;
+}
+
+/* Inputs at the ground, all of them pins: each in front, the others tied by every ratio.  Which is in front matters with a
+ * timing only. */
+static lw_status add_ties(void *context, const lw_mechanism *m)
+{
+    maker *mk = context;
+    cli_topology_fate fate = CLI_TOPOLOGY_NO_PLAN;
+    lw_status st = LW_OK;
+    int codes = 1, n = 0;
+    bool pins = true;
+    for (int i = 0; i < m->n_input; i++) {
+        codes *= i > 0 ? mk->w->ratio.tie.n : 1;
+        pins = pins && m->kind[m->input[i]] == 'r';
+    }
+    lw_graph *form = malloc(sizeof *form*(size_t)(m->n_input*codes + 1));
+    if (!form)
+        return LW_E_MEMORY;
+    for (int first = 0; first < m->n_input && pins; first++) {
+        n = mk->w->timed ? 0 : n;
+        for (int code = 0; code < codes && st == LW_OK; code++) {
+            cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+            tie_inputs(mk, m, first, code, &f);
+            if (!tied_before(mk, &f, form, &n))
+                st = add_tied(mk, &f, &fate);
+        }
+    }
+    free(form);
+    mk->own.n_set++;
+    mk->own.n_set_out += fate != CLI_TOPOLOGY_FITTED;
+    if (mk->best == CLI_TOPOLOGY_NO_PLAN || fate == CLI_TOPOLOGY_FITTED)
+        mk->best = fate;
+    return st;
+}
+
+static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+{
+    char key[64];
+    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+    cli_topology_key(mk->chain, &f, key, sizeof key);
+    *fate = CLI_TOPOLOGY_NOT_ASKED;
+    if (!asked_for(mk, key))
+        return LW_OK;
+    *fate = CLI_TOPOLOGY_CIRCLE;
+    if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
+        return LW_OK;
+    if (mk->w->dof == 1)
+        return add_driven(mk, m, fate);
+    mk->best = CLI_TOPOLOGY_NO_PLAN;
+    lw_status st = lw_inputs_each(m, mk->w->dof, true, add_ties, mk);
+    *fate = mk->best;
+    return st;
+}
+
 /* ---- variants ------------------------------------------------------------------------------------------- */
 
 /* A mechanism with a gear, with each ratio: what becomes of it with the one with which it does best. */
@@ -169,7 +261,7 @@ static lw_status add_geared(maker *mk, const lw_mechanism *m, int gears, cli_top
 {
     lw_status st = LW_OK;
     *fate = CLI_TOPOLOGY_GEAR;
-    for (int i = 0; st == LW_OK && gears == 1 && i < mk->w->n_ratio; i++) {
+    for (int i = 0; st == LW_OK && gears == 1 && i < mk->w->ratio.gear.n; i++) {
         cli_topology_fate now;
         mk->ratio = i + 1;
         st = add_pair(mk, m, &now);
@@ -190,7 +282,7 @@ static lw_status visit_variant(maker *mk, const lw_mechanism *m)
     lw_status st = gears ? add_geared(mk, m, gears, &fate) : add_pair(mk, m, &fate);
     mk->own.n_pair++;
     mk->own.fate[fate]++;
-    return st == LW_OK ? lw_inputs_each(m, 1, false, count_input, mk) : st;
+    return st == LW_OK ? lw_inputs_each(m, mk->w->dof, false, count_input, mk) : st;
 }
 
 /* Is this choice of slots, up to symmetry, one of those before? */
@@ -198,7 +290,7 @@ static bool seen(maker *mk, const lw_mechanism *m, lw_graph *form, int n)
 {
     lw_linkage k;
     cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
-    if (cli_topology_sketch(mk->chain, &f, NULL, &k) != LW_OK || !cli_topology_form(&k, &form[n]))
+    if (cli_topology_sketch(mk->chain, &f, &mk->w->ratio, &k) != LW_OK || !cli_topology_form(&k, &form[n]))
         return false;
     for (int i = 0; i < n; i++)
         if (memcmp(&form[i], &form[n], sizeof *form) == 0)
@@ -240,9 +332,9 @@ static lw_status make_family(const void *of, int i, lw_family_made *made)
     const cli_topology_stage *s = of;
     const cli_topology *f = &s->family[i];
     const cli_topology_chain *c = &s->list[f->chain];
-    cli_topology_name(c, f, s->all->ratio, s->all->timed, made->name, sizeof made->name);
+    cli_topology_name(c, f, &s->all->ratio, s->all->timed, made->name, sizeof made->name);
     made->family = (lw_family){ .name = made->name, .linkage = &made->linkage, .links = s->links };
-    lw_status st = cli_topology_sketch(c, f, s->all->ratio, &made->linkage);
+    lw_status st = cli_topology_sketch(c, f, &s->all->ratio, &made->linkage);
     snprintf(made->linkage.name, sizeof made->linkage.name, "%.*s", (int)sizeof made->linkage.name - 1, made->name);
     return st;
 }
@@ -294,9 +386,9 @@ bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size
         for (int n = 0; t->stage[i].links == k->n_link && n < t->stage[i].n_family; n++) {
             const cli_topology *f = &t->stage[i].family[n];
             const cli_topology_chain *c = &t->stage[i].list[f->chain];
-            if (outline_of(c, f) == outline && cli_topology_sketch(c, f, t->ratio, &l) == LW_OK
+            if (outline_of(c, f) == outline && cli_topology_sketch(c, f, &t->ratio, &l) == LW_OK
                 && cli_topology_form(&l, &have) && memcmp(&want, &have, sizeof want) == 0) {
-                cli_topology_name(c, f, t->ratio, false, name, size);
+                cli_topology_name(c, f, &t->ratio, false, name, size);
                 return true;
             }
         }
@@ -337,14 +429,14 @@ static lw_status visit_chain(void *context, const lw_chain *c)
     return list_chain(l->to, c, ++l->number, l->n2);
 }
 
-/* Chains with so many links of which n2 joints have two freedoms (Makkonen 1999, eq. 2, with F = 1). */
+/* Chains with so many links of which n2 joints have two freedoms (Makkonen 1999, eq. 2). */
 static lw_status list_chains(cli_topology_stage *to, int n2, lw_error *e)
 {
-    int links = to->links, twice = 3*(links - 1) - 1 - n2;
+    int links = to->links, dof = to->all->dof, twice = 3*(links - 1) - dof - n2;
     listing l = { to, 0, n2 };
     if (twice < 2 || twice % 2 || twice/2 + n2 > links*(links - 1)/2)
         return LW_OK;
-    return lw_higher_each(links, 1, n2, 1, visit_chain, &l, e);
+    return lw_higher_each(links, dof, n2, 1, visit_chain, &l, e);
 }
 
 /* What a chain adds to its stage, and to the names met. */
@@ -356,6 +448,8 @@ static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
     to->n_labelled += (long)part->counts.n_labelled;
     to->n_pair += own->n_pair;
     to->n_driven += own->n_driven;
+    to->n_set += own->n_set;
+    to->n_set_out += own->n_set_out;
     to->n_group += own->n_group;
     for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
         to->fate[i] += own->fate[i];
@@ -433,8 +527,9 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
     memset(t, 0, sizeof *t);
     t->wish_all = strcmp(w->only, "all") == 0;
     t->timed = w->timed;
-    memcpy(t->ratio, w->ratio, sizeof t->ratio);
-    for (int links = 6; links <= w->links; links += 2)
+    t->ratio = w->ratio;
+    t->dof = w->dof;
+    for (int links = w->dof == 1 ? 6 : w->dof + 3; links <= w->links; links += 2)
         st = st == LW_OK ? add_stage(w, t, links, false, met, &why) : st;
     int most = w->links < CLI_TOPOLOGY_EXPANDED ? w->links : CLI_TOPOLOGY_EXPANDED - 1;
     if (!cli_topology_higher(w->kinds))

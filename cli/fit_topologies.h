@@ -11,7 +11,7 @@ typedef enum cli_topology_fate {
     CLI_TOPOLOGY_FITTED,
     CLI_TOPOLOGY_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
     CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
-    CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out                                  */
+    CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out; F > 1: no F pins at the ground  */
     CLI_TOPOLOGY_GEAR,         /* nor one that turns a wheel of its gear first; or more than one gear, or none on pins */
     CLI_TOPOLOGY_GROUP,        /* with slots and gears: its plan holds groups beyond dyads, and nobody named it */
     CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
@@ -28,7 +28,9 @@ typedef struct cli_topology_stage {
     bool        higher;                                            /* chains with slots or gears    */
     int         stage;                                             /* of the search, see cli_fit_stages_make */
     long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link, slots either way;
-                                                                    * with an input                 */
+                                                                    * with F inputs                 */
+    long        n_set, n_set_out;                                  /* F > 1, of the pairs not left out: with all inputs
+                                                                    * at the ground; of these left out */
     long        fate[CLI_TOPOLOGY_FATES];                          /* of the pairs                  */
     long        n_group;                                           /* fitted that hold a group beyond dyads */
     int         n_family, capacity;
@@ -40,17 +42,17 @@ typedef struct cli_topology_stage {
 
 /* Stays where it is made: its stages point to it. */
 typedef struct cli_topologies {
-    int                n;
+    int                n, dof;
     bool               wish_all, timed;
-    cli_ratio          ratio[CLI_RATIO_MAX];
+    cli_topology_ratios ratio;
     cli_topology_stage stage[LW_STAGE_MAX];
 } cli_topologies;
 
 typedef struct cli_topology_wish {
-    int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too      */
+    int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too; F = 2: 5, 7, 9 */
+    int         dof;           /* F, 1 .. CLI_TOPOLOGY_INPUTS: so many inputs, all but the first tied */
     const char *kinds;         /* letters of joints, of "rtpg"                                    */
-    int         n_ratio;       /* of gears                                                        */
-    cli_ratio   ratio[CLI_RATIO_MAX];
+    cli_topology_ratios ratio;
     const char *only;          /* "watt1,stephenson3", "8.5", "5.1.2", or "all"                    */
     lw_task     task;
     bool        timed;         /* the input matters: every input at the ground by itself           */
@@ -60,7 +62,7 @@ typedef struct cli_topology_wish {
 /* Do these kinds of joints hold one of two freedoms? */
 bool cli_topology_higher(const char *kinds);
 
-/* Those of pins and sliders by rising number of links from six, then those with slots and gears from three.
+/* Those of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three.
  * LW_E_ARG with a text: a name in `only` that nothing bears. */
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);

@@ -12,7 +12,7 @@ static const char letters[] = "rtpg";
 cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
 {
     cli_topology f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
-                       .input = CLI_TOPOLOGY_NO_INPUT, .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
+                       .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
     for (int j = 0; j < m->n_joint; j++)
         f.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
     return f;
@@ -25,12 +25,18 @@ lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topol
     m.output = f->tracer;
     for (int j = 0; j < m.n_joint; j++)
         m.kind[j] = letters[f->kinds >> 2*j & 3];
-    if (f->input != CLI_TOPOLOGY_NO_INPUT)
-        m.input[m.n_input++] = f->input;
     return m;
 }
 
-lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, lw_linkage *k)
+static void put_inputs(const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
+{
+    k->n_input = f->n_input;
+    for (int i = 0; i < f->n_input; i++)
+        k->input[i] = (lw_input){ .joint = f->input[i], .value = lw_linkage_posture_input(k, f->input[i]),
+                                  .ratio = i > 0 ? r->tie.of[f->tie[i]].value : 0 };
+}
+
+lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
 {
     lw_mechanism m = cli_topology_mechanism(c, f);
     lw_rng rng;
@@ -40,13 +46,15 @@ lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f
     lw_status st = lw_linkage_sketch(&m, &rng, k);
     for (int j = 0; j < k->n_joint && st == LW_OK; j++)
         if (k->joint[j].kind == LW_JOINT_GEAR && f->ratio > 0)
-            k->joint[j].ratio = ratio[f->ratio - 1].value;
+            k->joint[j].ratio = r->gear.of[f->ratio - 1].value;
         else if (k->joint[j].kind == LW_JOINT_SLOT) {
             bool later = f->turned & bit;
             k->joint[j].link[0] = m.link[j][later];
             k->joint[j].link[1] = m.link[j][!later];
             bit <<= 1;
         }
+    if (st == LW_OK)
+        put_inputs(f, r, k);
     return st;
 }
 
@@ -89,7 +97,7 @@ void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *
 
 /* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
  * carry the slots. */
-static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, char *name, size_t size)
+static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_ratios *gear, char *name, size_t size)
 {
     lw_mechanism m = cli_topology_mechanism(c, f);
     unsigned bit = 1;
@@ -101,19 +109,19 @@ static int higher_title(const cli_topology_chain *c, const cli_topology *f, cons
             bit <<= 1;
         }
     if (f->ratio > 0)
-        n += snprintf(name + n, size - (size_t)n, ", ratio %s", ratio[f->ratio - 1].text);
+        n += snprintf(name + n, size - (size_t)n, ", ratio %s", gear->of[f->ratio - 1].text);
     return n + snprintf(name + n, size - (size_t)n, ", ground %d", f->ground + 1);
 }
 
 /* With the kinds of all joints where these are not all pins. */
-static int title(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, char *name, size_t size)
+static int title(const cli_topology_chain *c, const cli_topology *f, const cli_ratios *gear, char *name, size_t size)
 {
     static const char *const roman[] = { "", "I", "II", "III" };
     lw_mechanism m = cli_topology_mechanism(c, f);
     int number, n_kind = f->kinds ? m.n_joint : 0;
     const char *blank = n_kind ? " " : "";
     if (c->n2 > 0)
-        return higher_title(c, f, ratio, name, size);
+        return higher_title(c, f, gear, name, size);
     if (m.n_link != 6)
         return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
                         m.ground + 1);
@@ -121,12 +129,24 @@ static int title(const cli_topology_chain *c, const cli_topology *f, const cli_r
     return snprintf(name, size, "%s %s%s%.*s", chain, roman[number], blank, n_kind, m.kind);
 }
 
-void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, bool input, char *name,
-                       size_t size)
+/* ", input 2", ", inputs 1+4 by -2", ", inputs 1+4+6 by -2 and 3". */
+static int inputs_text(const cli_topology *f, const cli_ratios *tie, char *name, size_t size)
 {
-    int n = title(c, f, ratio, name, size);
-    if (input)
-        n += snprintf(name + n, size - (size_t)n, ", input %d", f->input + 1);
+    int n = 0;
+    for (int i = 0; i < f->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : f->n_input > 1 ? ", inputs " : ", input ",
+                      f->input[i] + 1);
+    for (int i = 1; i < f->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%s", i == 1 ? " by " : " and ", tie->of[f->tie[i]].text);
+    return n;
+}
+
+void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, bool input,
+                       char *name, size_t size)
+{
+    int n = title(c, f, &r->gear, name, size);
+    if (input || f->n_input > 1)
+        n += inputs_text(f, &r->tie, name + n, size - (size_t)n);
     snprintf(name + n, size - (size_t)n, ", point on link %d", f->tracer + 1);
 }
 
@@ -150,6 +170,39 @@ static int part_of_ratio(double ratio)
     return 128;
 }
 
+/* How fast the inputs go, as whole numbers without a common divisor; false: they are too large. */
+static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
+{
+    for (int lower = 1; lower < 128; lower++) {
+        bool whole = true;
+        for (int i = 0; i < k->n_input; i++) {
+            double r = lower*(i > 0 ? k->input[i].ratio : 1);
+            rate[i] = (int)lround(r);
+            whole = whole && fabs(r - rate[i]) < 1e-9 && abs(rate[i]) < 128;
+        }
+        if (whole)
+            return true;
+    }
+    return false;
+}
+
+/* Two vertices that are joined: driven links are joined to the one or the other by the sense in which they go. */
+static bool put_rates(const lw_linkage *k, lw_graph *g)
+{
+    int rate[LW_INPUT_MAX], box = g->n;
+    if (g->n + 2 > LW_GRAPH_MAX || !whole_rates(k, rate))
+        return false;
+    g->n += 2;
+    g->colour[box] = g->colour[box + 1] = 32;
+    g->tie[box][box + 1] = g->tie[box + 1][box] = 1;
+    for (int i = 0; i < k->n_input; i++) {
+        const lw_joint *j = &k->joint[k->input[i].joint];
+        int link = j->link[j->link[0] == k->ground], at = box + (rate[i] < 0);
+        g->tie[link][at] = g->tie[at][link] = (uint8_t)(128 + abs(rate[i]));
+    }
+    return true;
+}
+
 bool cli_topology_form(const lw_linkage *k, lw_graph *form)
 {
     lw_graph g = { .n = k->n_link };
@@ -165,7 +218,7 @@ bool cli_topology_form(const lw_linkage *k, lw_graph *form)
         else
             g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
     }
-    if (lw_graph_label(&g, to) != LW_OK)
+    if ((k->n_input > 1 && !put_rates(k, &g)) || lw_graph_label(&g, to) != LW_OK)
         return false;
     *form = (lw_graph){ .n = g.n };
     for (int i = 0; i < g.n; i++) {
@@ -178,7 +231,7 @@ bool cli_topology_form(const lw_linkage *k, lw_graph *form)
 
 /* ---- ratios ---------------------------------------------------------------------------------------------- */
 
-static lw_status read_ratio(const char *word, cli_ratio *r, lw_error *e)
+static lw_status read_ratio(const char *option, const char *word, cli_ratio *r, lw_error *e)
 {
     char *end, *over = NULL;
     double a = strtod(word, &end), b = 1;
@@ -191,23 +244,22 @@ static lw_status read_ratio(const char *word, cli_ratio *r, lw_error *e)
               && fabs(b) <= LW_LAP_MAX;
     if (end != word && *end == 0 && whole && (!over || over != word))
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "--gear-ratios takes whole numbers and fractions of whole numbers up to %d with commas "
-                        "between, as -1,2,-1/2; '%s' is none", LW_LAP_MAX, word);
+    return lw_error_set(e, LW_E_ARG, "--%s takes whole numbers and fractions of whole numbers up to %d with commas "
+                        "between, as -1,2,-1/2; '%s' is none", option, LW_LAP_MAX, word);
 }
 
-lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e)
+lw_status cli_ratios_read(const char *option, const char *text, cli_ratios *r, lw_error *e)
 {
     lw_status st = LW_OK;
-    *n = 0;
+    r->n = 0;
     for (const char *at = text; st == LW_OK && *at; ) {
         char word[12] = "";
         size_t length = strcspn(at, ",");
-        if (*n == CLI_RATIO_MAX)
-            return lw_error_set(e, LW_E_ARG, "--gear-ratios takes %d ratios at most", CLI_RATIO_MAX);
+        if (r->n == CLI_RATIO_MAX)
+            return lw_error_set(e, LW_E_ARG, "--%s takes %d ratios at most", option, CLI_RATIO_MAX);
         snprintf(word, sizeof word, "%.*s", (int)length, at);
-        st = read_ratio(word, &ratio[*n], e);
-        ++*n;
+        st = read_ratio(option, word, &r->of[r->n++], e);
         at += length + (at[length] == ',');
     }
-    return st == LW_OK && *n == 0 ? lw_error_set(e, LW_E_ARG, "--gear-ratios is empty") : st;
+    return st == LW_OK && r->n == 0 ? lw_error_set(e, LW_E_ARG, "--%s is empty", option) : st;
 }

@@ -7,12 +7,16 @@
 #include "grammar/mechanism.h"
 #include "optimise/families.h"
 
-/* Ratios that gear pairs are tried with. */
+/* Ratios that gear pairs, or tied inputs, are tried with. */
 #define CLI_RATIO_MAX 24
 typedef struct cli_ratio { double value; char text[12]; } cli_ratio;
+typedef struct cli_ratios { int n; cli_ratio of[CLI_RATIO_MAX]; } cli_ratios;
 
-/* "-1,1/2,3": whole numbers and fractions of two to 24, in either way.  LW_E_ARG with a text. */
-lw_status cli_ratios_read(const char *text, cli_ratio *ratio, int *n, lw_error *e);
+/* "-1,1/2,3": whole numbers and fractions of two to 24, in either way.  LW_E_ARG with a text that names the option. */
+lw_status cli_ratios_read(const char *option, const char *text, cli_ratios *r, lw_error *e);
+
+/* Those of both; a cli_topology holds numbers in them. */
+typedef struct cli_topology_ratios { cli_ratios gear, tie; } cli_topology_ratios;
 
 /* A chain of the list it is enumerated in. */
 typedef struct cli_topology_chain {
@@ -22,36 +26,42 @@ typedef struct cli_topology_chain {
 
 /* Joints that a cli_topology can hold: ten links have 13. */
 #define CLI_TOPOLOGY_JOINTS 16
-#define CLI_TOPOLOGY_NO_INPUT 255
+
+/* Inputs that it can hold: with F of them at the ground a mechanism has 3 F - 1 links or more. */
+#define CLI_TOPOLOGY_INPUTS 3
 
 /* What is chosen on a chain. */
 typedef struct cli_topology {
     uint32_t kinds;            /* of the joints, two bits each, the first joint's lowest: place in "rtpg" */
     uint16_t chain;            /* index                                                           */
     uint8_t  ground, tracer;   /* links                                                           */
-    uint8_t  input;            /* joint, or CLI_TOPOLOGY_NO_INPUT                                 */
+    uint8_t  n_input;
+    uint8_t  input[CLI_TOPOLOGY_INPUTS];       /* joints, those after the first tied to it        */
+    uint8_t  tie[CLI_TOPOLOGY_INPUTS];         /* ratios of these, from 0                         */
     uint8_t  turned;           /* slots on the later link, bit i: the i-th                        */
     uint8_t  ratio;            /* of the gear, from 1; 0: there is none                           */
     uint8_t  turn;             /* lw_turn                                                         */
 } cli_topology;
 
-/* Of a mechanism with ground and output, its input left open. */
+/* Of a mechanism with ground and output, its inputs left open. */
 cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio);
 
+/* Without inputs. */
 lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topology *f);
 
 /* A linkage of it, without a name: the same each time. */
-lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, lw_linkage *k);
+lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k);
 
-/* "Watt I, point on link 5", with `input` "Watt I, input 2, point on link 5". */
-void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_ratio *ratio, bool input, char *name,
-                       size_t size);
+/* "Watt I, point on link 5", with `input` or several inputs "Watt I, input 2, point on link 5", "5-link chain 1, ground 1,
+ * inputs 1+4 by -2, point on link 4". */
+void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, bool input,
+                       char *name, size_t size);
 
 /* What --topology calls its ground choice: "watt1", "8.5", "5.1.2". */
 void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *key, size_t size);
 
-/* Links as vertices, coloured by ground and tracer, dies in slots too; the kinds of joints between them: canonical.
- * false: out of memory. */
+/* Links as vertices, coloured by ground and tracer, dies in slots too; the kinds of joints between them, and ties of
+ * inputs: canonical.  false: out of memory, or ratios that no form tells apart. */
 bool cli_topology_form(const lw_linkage *k, lw_graph *form);
 
 #endif

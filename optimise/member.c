@@ -314,31 +314,63 @@ bool lw_member_posture(lw_problem *p, double *x, void *work)
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
 
-/* Joints anywhere in a square of four cranks to each side, those of the driven link at about one crank. */
+static int driven_link(const lw_linkage *k, int input)
+{
+    const lw_joint *j = &k->joint[k->input[input].joint];
+    return j->link[j->link[0] == k->ground];
+}
+
+/* The input whose link carries the joint beside its own, -1: none. */
+static int crank_with(const lw_linkage *k, int joint)
+{
+    for (int i = 0; i < k->n_input; i++) {
+        int driven = driven_link(k, i);
+        if (joint != k->input[i].joint && (k->joint[joint].link[0] == driven || k->joint[joint].link[1] == driven))
+            return i;
+    }
+    return -1;
+}
+
+/* Where a driven link turns; of one that slides the middle of the square. */
+static lw_vec2 hub(const lw_linkage *k, int input)
+{
+    const lw_joint *j = &k->joint[k->input[input].joint];
+    return j->kind == LW_JOINT_REVOLUTE ? j->at : lw_v2(0, 0);
+}
+
+/* Joints anywhere in a square of four cranks to each side, the first input's pin in its middle, those of driven links at
+ * about one crank from theirs. */
 static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
 {
     *k = *p->family->linkage;
-    int input = k->input[0].joint, driven = k->joint[input].link[k->joint[input].link[0] == k->ground];
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint *i = &k->joint[j];
         const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
-        bool on_crank = i->link[0] == driven || i->link[1] == driven;
         i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
-        if (on_crank && i->kind == LW_JOINT_REVOLUTE)
-            i->at = lw_v2_polar(j == input ? 0 : ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]);
+        if (j == k->input[0].joint && i->kind == LW_JOINT_REVOLUTE)
+            i->at = lw_v2(0, 0);
         if (i->kind != LW_JOINT_REVOLUTE)
             i->along = lw_v2_polar(1, LW_PI*v[2]);
+    }
+    for (int j = 0; j < k->n_joint; j++) {
+        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        int crank = crank_with(k, j);
+        if (crank >= 0 && k->joint[j].kind == LW_JOINT_REVOLUTE)
+            k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
     }
     k->tracer[0].at = lw_v2(1, 1);
 }
 
-/* The driven link made smaller, about its pin at the ground. */
-static void shorten_crank(lw_linkage *k, double by)
+/* The driven links made smaller, about their pins at the ground. */
+static void shorten_cranks(lw_linkage *k, double by)
 {
-    int input = k->input[0].joint, driven = k->joint[input].link[k->joint[input].link[0] == k->ground];
-    for (int j = 0; j < k->n_joint; j++)
-        if (j != input && (k->joint[j].link[0] == driven || k->joint[j].link[1] == driven))
-            k->joint[j].at = lw_v2_scale(k->joint[j].at, by);
+    for (int j = 0; j < k->n_joint; j++) {
+        int crank = crank_with(k, j);
+        if (crank < 0)
+            continue;
+        lw_vec2 pin = hub(k, crank);
+        k->joint[j].at = lw_v2_add(pin, lw_v2_scale(lw_v2_sub(k->joint[j].at, pin), by));
+    }
 }
 
 /* A posture's dimensions; its crank turns fully, or it goes to and fro about the posture. */
@@ -347,7 +379,7 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
     lw_linkage k;
     double input;
     scatter(p, u, &k);
-    for (int i = 0; i < 5; i++, shorten_crank(&k, 0.5)) {
+    for (int i = 0; i < 5; i++, shorten_cranks(&k, 0.5)) {
         if (lw_plan_read(&p->plan, &k, shape, p->branch.mode, &input, NULL) != LW_OK)
             return false;
         if (!p->branch.turns) {

@@ -265,8 +265,7 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
     if (p->plan.laps > 1 && p->timing == LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_KIND, "its gears come back after %d turns of the input, and a timing is prescribed for "
-                            "one", p->plan.laps);
+        return lw_error_set(e, LW_E_KIND, "all comes back after %d turns of its input only, and a timing is prescribed for one", p->plan.laps);
     if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
