@@ -29,7 +29,7 @@ struct lw_curve_maker {
     kind   kind[FAMILY_MAX];
 };
 
-typedef struct scratch { double c[POINTS], s[POINTS], x[POINTS], y[POINTS]; } scratch;
+typedef struct scratch { double c[POINTS], s[POINTS], x[POINTS], y[POINTS], margin[POINTS]; } scratch;
 
 /* ---- making ---------------------------------------------------------------------------------------- */
 
@@ -179,6 +179,37 @@ size_t lw_curve_work_size(const lw_curve_maker *maker)
     return batch_end(maker) + (maker->topology_size + 63)/64*64;
 }
 
+/* ---- postures ------------------------------------------------------------------------------------- */
+
+/* Inputs of lanes from..to-1 run from a to b as a cosine does, dense at the ends, where the linkage may be at a
+ * limit and run fast. */
+static void set_inputs(const kind *k, scratch *w, int from, int to, double first, double last, bool ends)
+{
+    int n = to - from;
+    for (int i = 0; i < n; i++) {
+        double t = ends ? i/(double)(n - 1) : i/(double)n;
+        double input = 0.5*(first + last) - 0.5*(last - first)*cos(LW_PI*t);
+        w->c[from + i] = k->plan.input_is_slider ? input : cos(input);
+        w->s[from + i] = k->plan.input_is_slider ? 0 : sin(input);
+    }
+}
+
+static void solve_modes(const kind *k, const double *dim, const double *modes, const double *c, const double *s,
+                        int from, int to, scratch *w, void *batch)
+{
+    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
+    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, w->margin + from);
+}
+
+static void solve(const kind *k, const double *dim, double mode, const double *c, const double *s, int from, int to,
+                  scratch *w, void *batch)
+{
+    double modes[LW_DYAD_MAX];
+    for (int i = 0; i < k->plan.n_dyad; i++)
+        modes[i] = mode;
+    solve_modes(k, dim, modes, c, s, from, to, w, batch);
+}
+
 /* ---- drawing --------------------------------------------------------------------------------------- */
 
 static void set_dims(const kind *k, const lw_curve_row *row, double *dim)
@@ -222,6 +253,31 @@ static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *wo
                                   range);
 }
 
+/* Does a dyad open on the way?  In one of the postures, or between two of them: its margin is smooth, and the parabola
+ * through a least one and its neighbours has a vertex below 0 then. */
+static bool opens(const double *margin, bool round)
+{
+    for (int i = 0; i < POINTS; i++) {
+        double here = margin[i], to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
+        if (here < 0)
+            return true;
+        if (!round && (i == 0 || i == POINTS - 1))
+            continue;
+        if (to_last > 0 && to_next > 0 && here < (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)))
+            return true;
+    }
+    return false;
+}
+
+static void solve_member(const lw_curve_maker *m, const lw_curve_row *row, bool closed, const double *dim,
+                         const double *mode, scratch *w)
+{
+    const kind *k = &m->kind[row->family];
+    if (!closed)
+        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
+    solve_modes(k, dim, mode, closed ? m->c : w->c, closed ? m->s : w->s, 0, POINTS, w, w + 1);
+}
+
 static lw_status draw_member(const lw_curve_maker *m, const double *u, bool closed, void *work, lw_curve_row *row)
 {
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
@@ -236,7 +292,8 @@ static lw_status draw_member(const lw_curve_maker *m, const double *u, bool clos
     row->last = (float)range.last;
     if (!closed)
         draw_piece(u + 6, range.first, range.last, range.turns, row);
-    return LW_OK;
+    solve_member(m, row, closed, dim, mode, work);
+    return opens(((scratch *)work)->margin, closed) ? LW_OPEN : LW_OK;
 }
 
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row)
@@ -274,47 +331,15 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
     return LW_OK;
 }
 
-/* ---- points ---------------------------------------------------------------------------------------- */
-
-/* Inputs of lanes from..to-1 run from a to b as a cosine does, dense at the ends, where the linkage may be at a
- * limit and run fast. */
-static void set_inputs(const kind *k, scratch *w, int from, int to, double first, double last, bool ends)
-{
-    int n = to - from;
-    for (int i = 0; i < n; i++) {
-        double t = ends ? i/(double)(n - 1) : i/(double)n;
-        double input = 0.5*(first + last) - 0.5*(last - first)*cos(LW_PI*t);
-        w->c[from + i] = k->plan.input_is_slider ? input : cos(input);
-        w->s[from + i] = k->plan.input_is_slider ? 0 : sin(input);
-    }
-}
-
-static void solve_modes(const kind *k, const double *dim, const double *modes, const double *c, const double *s,
-                        int from, int to, scratch *w, void *batch)
-{
-    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
-    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, NULL);
-}
-
-static void solve(const kind *k, const double *dim, double mode, const double *c, const double *s, int from, int to,
-                  scratch *w, void *batch)
-{
-    double modes[LW_DYAD_MAX];
-    for (int i = 0; i < k->plan.n_dyad; i++)
-        modes[i] = mode;
-    solve_modes(k, dim, modes, c, s, from, to, w, batch);
-}
+/* ---- points ----------------------------------------------------------------------------------------- */
 
 static lw_status member_points(const lw_curve_maker *m, const lw_curve_row *row, bool closed, scratch *w, lw_vec2 *p)
 {
-    const kind *k = &m->kind[row->family];
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     lw_range range;
     if (!member_of(m, row, w, dim, mode, &range))
         return LW_OPEN;
-    if (!closed)
-        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
-    solve_modes(k, dim, mode, closed ? m->c : w->c, closed ? m->s : w->s, 0, POINTS, w, w + 1);
+    solve_member(m, row, closed, dim, mode, w);
     for (int i = 0; i < POINTS; i++)
         p[i] = lw_v2(w->x[i], w->y[i]);
     return LW_OK;
