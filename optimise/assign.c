@@ -286,7 +286,8 @@ static double shorten(const lw_problem *p, lw_work *w)
 
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
-    double least = INFINITY, *kept = w->keep_theta;
+    const double rounding = 1e-9;               /* f this much above the least is not worse: near its least f is flat, */
+    double least = INFINITY, *kept = w->keep_theta;   /* so that the least f of all has inputs right to half the digits only */
     bool back = false;
     for (int i = 0;; i++) {
         if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
@@ -296,7 +297,7 @@ bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int step
             least = f;
             memcpy(kept, w->phase, p->n*sizeof *kept);
         }
-        if (i >= steps && (f <= least || back))
+        if (i >= steps && (f <= least*(1 + rounding) || back))
             return true;
         if (i >= steps) {                                /* Newton went astray: back to the best, once, */
                                                          /* as groups that are followed give f but for rounding */

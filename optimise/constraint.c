@@ -141,7 +141,7 @@ static void derivatives(const lw_problem *p, const double *x, double *j, lw_work
     double at[LW_VAR_MAX];
     memcpy(at, x, sizeof at[0]*nv);
     for (size_t v = 0; v < nv && m > (size_t)p->n_linear; v++) {
-        double h = 1e-6*fmax(1, fabs(x[v]));
+        double h = 2e-7*fmax(1, fabs(x[v]));
         at[v] = x[v] + h;
         values(p, at, w->g_up, w);
         at[v] = x[v] - h;
