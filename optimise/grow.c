@@ -88,23 +88,41 @@ static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 kne
     child->tracer[point].link = arm;
 }
 
+/* Least and greatest distance over the motion, from squares (which have no kink where the distance has one): at the samples,
+ * and between them at the vertex of the parabola through three. */
+static void extremes(const double d2[SAMPLES + 1], bool turns, double *least, double *most)
+{
+    double lo = d2[SAMPLES], hi = d2[SAMPLES];
+    for (int i = 0; i < SAMPLES; i++) {
+        bool inside = turns || (i > 0 && i < SAMPLES - 1);
+        double here = d2[i], to_last = d2[(i + SAMPLES - 1)%SAMPLES] - here, to_next = d2[(i + 1)%SAMPLES] - here;
+        double bend = to_last + to_next, vertex = here;
+        if (inside && to_last*to_next > 0)
+            vertex -= (to_next - to_last)*(to_next - to_last)/(8*bend);
+        lo = fmin(lo, fmin(here, vertex));
+        hi = fmax(hi, fmax(here, vertex));
+    }
+    *least = sqrt(fmax(lo, 0));
+    *most = sqrt(hi);
+}
+
 /* One try: where the stay is held, and two lengths that reach and fold far enough. */
-static bool try_once(const course *c, const lw_linkage *parent, double size, lw_rng *rng, lw_linkage *child)
+static bool try_once(const course *c, const lw_linkage *parent, bool turns, double size, lw_rng *rng, lw_linkage *child)
 {
     int base = lw_rng_uniform(rng) < 0.6 ? parent->ground : (int)(lw_rng_uniform(rng)*parent->n_link);
     double far = size*0.3*exp(2.5*lw_rng_uniform(rng)), turn = lw_rng_range(rng, 0, 2*LW_PI);
     lw_vec2 p = c->pose[SAMPLES].tracer[0][0], hold = lw_v2_add(p, lw_v2_polar(far, turn));
-    double least = INFINITY, most = 0, here = lw_v2_norm(lw_v2_sub(hold, p));
+    double d2[SAMPLES + 1], least, most, here = lw_v2_norm(lw_v2_sub(hold, p));
     double reach = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);
     double side = lw_rng_uniform(rng) < 0.5 ? -1 : 1;
     if (base == parent->tracer[c->point].link || c->plan.link_origin[base] < 0
         || (base != parent->ground && joint_of(parent, base) < 0))
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
-        double d = lw_v2_norm(lw_v2_sub(carried(c, parent, base, hold, i), c->pose[i].tracer[0][0]));
-        least = fmin(least, d);
-        most = fmax(most, d);
+        lw_vec2 d = lw_v2_sub(carried(c, parent, base, hold, i), c->pose[i].tracer[0][0]);
+        d2[i] = lw_v2_dot(d, d);
     }
+    extremes(d2, turns, &least, &most);
     double sum = most*(1 + reach), differ = least*fold, a = 0.5*(sum + differ), b = 0.5*(sum - differ);
     double along = (here*here + a*a - b*b)/(2*here), h2 = a*a - along*along;
     if (!(least > 1e-3*size) || !(h2 > 0))
@@ -125,7 +143,7 @@ lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, do
         return LW_OPEN;
     double size = size_of(&c);
     for (int i = 0; i < TRIES; i++)
-        if (try_once(&c, parent, size, rng, child))
+        if (try_once(&c, parent, turns, size, rng, child))
             return LW_OK;
     return LW_OPEN;
 }

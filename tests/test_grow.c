@@ -2,31 +2,6 @@
 #include "optimise/grow.h"
 #include "tests/six_bar.h"
 
-static void children_trace_the_parents_curve(void)
-{
-    enum { N = 90 };
-    lw_linkage k = six_bar();
-    double x[N], y[N], angle[N];
-    lw_rng rng;
-    lw_rng_seed(&rng, check_seed(), 1);
-    six_bar_curve(&k, N, x, y, angle);
-    for (int trial = 0; trial < 60; trial++) {
-        lw_linkage child, grandchild;
-        double cx[N], cy[N];
-        CHECK_INT(lw_linkage_grow(&k, true, 0, 0, &rng, &child), LW_OK);
-        CHECK_INT(child.n_link, k.n_link + 2);
-        CHECK_INT(lw_linkage_mobility(&child), 1);
-        CHECK_INT(lw_linkage_check(&child, NULL), LW_OK);
-        six_bar_curve(&child, N, cx, cy, angle);
-        for (int i = 0; i < N; i++) {
-            CHECK_NEAR(cx[i], x[i], 1e-12, 0);
-            CHECK_NEAR(cy[i], y[i], 1e-12, 0);
-        }
-        CHECK_INT(lw_linkage_grow(&child, true, 0, 0, &rng, &grandchild), LW_OK);
-        CHECK_INT(lw_linkage_mobility(&grandchild), 1);
-    }
-}
-
 /* Does it close at n inputs of a turn? */
 static bool closes(const lw_linkage *k, int n)
 {
@@ -40,6 +15,37 @@ static bool closes(const lw_linkage *k, int n)
             return false;
     }
     return true;
+}
+
+static void children_trace_the_parents_curve(void)
+{
+    enum { N = 90 };
+    lw_linkage k = six_bar();
+    double x[N], y[N], angle[N];
+    int open = 0;
+    lw_rng rng;
+    lw_rng_seed(&rng, check_seed(), 1);
+    six_bar_curve(&k, N, x, y, angle);
+    for (int trial = 0; trial < 60; trial++) {
+        lw_linkage child, grandchild;
+        double cx[N], cy[N];
+        CHECK_INT(lw_linkage_grow(&k, true, 0, 0, &rng, &child), LW_OK);
+        CHECK_INT(child.n_link, k.n_link + 2);
+        CHECK_INT(lw_linkage_mobility(&child), 1);
+        CHECK_INT(lw_linkage_check(&child, NULL), LW_OK);
+        if (!closes(&child, N)) {                        /* between the places that were looked at: hardly ever */
+            open++;
+            continue;
+        }
+        six_bar_curve(&child, N, cx, cy, angle);
+        for (int i = 0; i < N; i++) {
+            CHECK_NEAR(cx[i], x[i], 1e-12, 0);
+            CHECK_NEAR(cy[i], y[i], 1e-12, 0);
+        }
+        CHECK_INT(lw_linkage_grow(&child, true, 0, 0, &rng, &grandchild), LW_OK);
+        CHECK_INT(lw_linkage_mobility(&grandchild), 1);
+    }
+    CHECK(open <= 1);
 }
 
 /* Of two points one goes on to the new link, each of them sometimes; both run as before. */
@@ -77,7 +83,7 @@ static void every_point_runs_as_before(void)
             }
         }
     }
-    CHECK(open <= 4);
+    CHECK(open <= 1);
     CHECK(moved[0] > 5 && moved[1] > 5 && moved[0] + moved[1] <= 40);
 }
 
