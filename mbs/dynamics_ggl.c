@@ -30,7 +30,7 @@ static void push(const lw_dynamics *d, const double *l, double *out)
 {
     memset(out, 0, (size_t)d->n_q*sizeof *out);
     for (int k = 0; k < d->n_kept; k++)
-        for (int b = 0; b < 3 && d->row_body[d->kept[k]][b] >= 0; b++)
+        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[k]][b] >= 0; b++)
             for (int i = 3*d->row_body[d->kept[k]][b], n = i + 3; i < n; i++)
                 out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
 }
@@ -78,7 +78,7 @@ static lw_status residual(void *context, double t, const double *y, const double
     for (int k = 0; k < c; k++) {
         int row = d->kept[k];
         double rate = -d->rhs[row];
-        for (int b = 0; b < 3 && d->row_body[row][b] >= 0; b++)
+        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
             for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++)
                 rate += d->jac[row*n + i]*v[i];
         r[2*n + k] = d->phi[row];
@@ -135,7 +135,7 @@ static void add_row_derivatives(const ggl *g, int k, const double *y, double *ja
     const double *v = y + n;
     double l = y[2*n + k], m = y[2*n + c + k];
     bend each[8];
-    for (int b = 0; b < 3 && d->row_body[row][b] >= 0; b++)
+    for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
         for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++) {
             double x = d->jac[row*n + i];
             jac[i + size*(2*n + c + k)] += x/mass_of(g, i);

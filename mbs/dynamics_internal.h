@@ -38,7 +38,7 @@ struct lw_dynamics {
     int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows of the fast way; -1: left out */
     int     *after, after_at[LW_MBS_ROW_MAX + 1];    /* pattern of U, S = U^T U: columns right of the diagonal */
     unsigned char *near;                      /* (n_c*n_c) while that is found                         */
-    int     row_body[LW_MBS_ROW_MAX][3];
+    int     row_body[LW_MBS_ROW_MAX][LW_SYSTEM_ROW_BODIES];
     /* at the posture last factored */
     lw_system_frames frames;
     double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c)                 */

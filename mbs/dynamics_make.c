@@ -51,7 +51,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
     d->most_pair = (int)(c*c);
     d->work = calloc(all, sizeof *d->work);
     d->rank_ints = calloc(lw_rank_ints((int)q, (int)speeds), sizeof *d->rank_ints);
-    d->pair = calloc((size_t)d->most_pair*3, sizeof *d->pair);
+    d->pair = calloc((size_t)d->most_pair*LW_SYSTEM_ROW_BODIES, sizeof *d->pair);
     d->after = calloc(c*c + 1, sizeof *d->after);
     d->near = calloc(c*c + 1, 1);
     if (!d->work || !d->rank_ints || !d->pair || !d->after || !d->near)
@@ -82,33 +82,24 @@ void lw_dynamics_free(lw_dynamics *d)
 
 /* ---- rows and who shares bodies ------------------------------------------------------------------ */
 
-static void bodies_of_joint(const lw_dynamics *d, int joint, int out[3])
-{
-    const lw_system_joint *j = &d->s.joint[joint];
-    int all[3] = { j->body[0], j->body[1], j->carrier }, n = 0;
-    for (int i = 0; i < 3; i++)
-        if (all[i] >= 0 && (n == 0 || all[i] != out[0]) && (n < 2 || all[i] != out[1]))
-            out[n++] = all[i];
-    while (n < 3)
-        out[n++] = -1;
-}
-
 static void find_row_bodies(lw_dynamics *d)
 {
     int row = d->n_row;
     for (int r = 0; r < d->n_row; r++)
-        bodies_of_joint(d, d->s.row[r].joint, d->row_body[r]);
+        lw_system_row_bodies(&d->s, r, d->row_body[r]);
     for (int i = 0; i < d->n_driven; i++)
-        bodies_of_joint(d, d->s.input_joint[d->driven[i]], d->row_body[row++]);
+        lw_system_joint_bodies(&d->s, d->s.input_joint[d->driven[i]], d->row_body[row++]);
     for (int i = 0; i < d->n_touching; i++)
-        bodies_of_joint(d, d->contact[d->touching[i]].joint, d->row_body[row++]);
+        lw_system_joint_bodies(&d->s, d->contact[d->touching[i]].joint, d->row_body[row++]);
 }
 
-/* Do two rows share body k%3 of the second, k/3 of the first? */
+enum { SHARED = LW_SYSTEM_ROW_BODIES*LW_SYSTEM_ROW_BODIES };
+
+/* Which body two rows share as number k/4 of the first and k%4 of the second; -1: none. */
 static int shared_body(const lw_dynamics *d, int row, int other, int k)
 {
-    int b = d->row_body[row][k/3];
-    return b >= 0 && b == d->row_body[other][k%3] ? b : -1;
+    int b = d->row_body[row][k/LW_SYSTEM_ROW_BODIES];
+    return b >= 0 && b == d->row_body[other][k%LW_SYSTEM_ROW_BODIES] ? b : -1;
 }
 
 /* Who meets whom in J M^-1 J^T: near[i*n + j], i, j places among the kept rows. */
@@ -118,7 +109,7 @@ static void find_meetings(const lw_dynamics *d, unsigned char *near)
     memset(near, 0, (size_t)n*(size_t)n);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            for (int k = 0; i != j && k < 9; k++)
+            for (int k = 0; i != j && k < SHARED; k++)
                 near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
 }
 
@@ -149,7 +140,7 @@ static void find_pairs(lw_dynamics *d)
     d->n_pair = 0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++)
-            for (int k = 0; k < 9; k++) {
+            for (int k = 0; k < SHARED; k++) {
                 int b = shared_body(d, d->kept[i], d->kept[j], k);
                 if (b >= 0)
                     d->pair[d->n_pair++] = (lw_pair){ d->kept[i], d->kept[j], b, j*n + i };

@@ -39,7 +39,7 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
     int row = s->n_row;
     lw_system_place(s, q, &d->frames);
     for (int r = 0; r < d->n_c; r++)                 /* elsewhere it is 0 since the rows were arranged */
-        for (int k = 0; k < 3 && d->row_body[r][k] >= 0; k++)
+        for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
             memset(d->jac + r*d->n_q + 3*d->row_body[r][k], 0, 3*sizeof *d->jac);
     lw_system_fill(s, &d->frames, d->phi, d->jac, d->n_q, 1);
     for (int i = 0; i < d->n_driven; i++, row++) {
@@ -120,7 +120,7 @@ static void joint_bias(lw_dynamics *d, const lw_system_joint *j, const double *v
     case LW_JOINT_GEAR:
         for (int side = 0; side < 2; side++)
             if (j->slider[side] >= 0)
-                to[0] -= (side == 1 ? 1 : -j->ratio)*j->slider_sign[side]*count_bias(d, j->slider[side], v);
+                to[0] -= lw_system_gear_factor(j, side)*j->slider_sign[side]*count_bias(d, j->slider[side], v);
     }
 }
 
@@ -212,7 +212,7 @@ static double row_dot(const lw_dynamics *d, int row, const double *x)
 {
     const double *jac = d->jac + row*d->n_q;
     double sum = 0;
-    for (int k = 0; k < 3 && d->row_body[row][k] >= 0; k++) {
+    for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[row][k] >= 0; k++) {
         int at = 3*d->row_body[row][k];
         sum += jac[at]*x[at] + jac[at + 1]*x[at + 1] + jac[at + 2]*x[at + 2];
     }
@@ -224,7 +224,7 @@ static void add_rows(const lw_dynamics *d, double sign, const double *l, double 
 {
     for (int r = 0; r < d->n_c; r++) {
         const double *jac = d->jac + r*d->n_q;
-        for (int k = 0; l[r] != 0 && k < 3 && d->row_body[r][k] >= 0; k++) {
+        for (int k = 0; l[r] != 0 && k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++) {
             int at = 3*d->row_body[r][k];
             for (int i = at; i < at + 3; i++)
                 x[i] += sign*l[r]*jac[i];

@@ -164,6 +164,42 @@ void lw_system_posture(const lw_system *s, double *q)
     }
 }
 
+static void add_body(int body[LW_SYSTEM_ROW_BODIES], int b)
+{
+    int n = 0;
+    while (body[n] >= 0 && body[n] != b)
+        n++;
+    if (b >= 0)
+        body[n] = b;
+}
+
+static void add_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES])
+{
+    const lw_system_joint *q = &s->joint[j];
+    for (int side = 0; side < 2; side++)
+        if (q->kind == LW_JOINT_GEAR && q->slider[side] >= 0) {
+            add_body(body, s->joint[q->slider[side]].body[0]);
+            add_body(body, s->joint[q->slider[side]].body[1]);
+        } else {
+            add_body(body, q->body[side]);
+            add_body(body, q->kind == LW_JOINT_GEAR ? q->carrier : -1);
+        }
+}
+
+void lw_system_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES])
+{
+    for (int i = 0; i < LW_SYSTEM_ROW_BODIES; i++)
+        body[i] = -1;
+    add_joint_bodies(s, j, body);
+}
+
+void lw_system_row_bodies(const lw_system *s, int row, int body[LW_SYSTEM_ROW_BODIES])
+{
+    lw_system_joint_bodies(s, s->row[row].joint, body);
+    if (row >= s->tie_row)
+        add_joint_bodies(s, s->input_joint[0], body);
+}
+
 lw_vec2 lw_system_arm(const lw_system *s, int body, lw_vec2 at)
 {
     lw_vec2 p = scaled(s, at);

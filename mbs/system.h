@@ -21,7 +21,7 @@
 #define LW_SYSTEM_ORDER_MAX LW_SERIES_ORDER_MAX
 #define LW_SYSTEM_Q_MAX   (3*(LW_LINK_MAX - 1))
 #define LW_SYSTEM_ROW_MAX (3*LW_JOINT_MAX + LW_INPUT_MAX)
-#define LW_SYSTEM_ENTRY_MAX 9              /* entries that are not 0 in a row, at most                */
+#define LW_SYSTEM_ROW_BODIES 4             /* bodies whose coordinates a row knows, at most           */
 
 /* One row: which joint, and what it says ("x", "y", "across", "turn", "ratio", "tie"). */
 typedef struct lw_system_row { int joint; const char *what; } lw_system_row;
@@ -72,6 +72,15 @@ void lw_system_posture(const lw_system *s, double *q);
 
 /* Phi (n_row), and its derivatives jac[row*n_q + i] when given (zeroed first). */
 void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac);
+
+/* What the turn (or way) of side 0, 1 is multiplied by in the row of gear j, which is their sum: divided so that rounding
+ * of the row is that of a turn, whatever the ratio. */
+double lw_system_gear_factor(const lw_system_joint *j, int side);
+
+/* The bodies whose coordinates a row knows, or what joint j counts, each once, -1 behind the last: those that are
+ * joined; of a gear those that turn or slide on each other, four where racks are welded to what they are. */
+void lw_system_row_bodies(const lw_system *s, int row, int body[LW_SYSTEM_ROW_BODIES]);
+void lw_system_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES]);
 
 /* Series of the rows, phi[k*n_row + r], from that of the coordinates, q[k*n_q + i], k = 0 .. order. */
 void lw_system_series(const lw_system *s, int order, const double *q, double *phi);

@@ -95,8 +95,7 @@ double lw_system_count(const lw_system *s, const lw_system_frames *f, int j, dou
     return count(&s->joint[j], f, 1.0, (target){ row, step });
 }
 
-/* Divided so that rounding of the row is that of a turn, whatever the ratio. */
-static double side_factor(const lw_system_joint *j, int side)
+double lw_system_gear_factor(const lw_system_joint *j, int side)
 {
     return (side == 1 ? 1.0 : -j->ratio)/(1.0 + fabs(j->ratio));
 }
@@ -105,7 +104,7 @@ static double gear_row(const lw_system *s, const lw_system_joint *j, const lw_sy
 {
     double left = 0.0;
     for (int side = 0; side < 2; side++) {
-        double factor = side_factor(j, side);
+        double factor = lw_system_gear_factor(j, side);
         if (j->slider[side] >= 0) {
             left += count(&s->joint[j->slider[side]], f, factor*j->slider_sign[side], t);
             continue;
@@ -205,7 +204,7 @@ void lw_system_turns(const lw_system *s, const int *turns, double *rows, double 
         if (j->kind == LW_JOINT_GEAR)
             for (int side = 0; side < 2; side++)
                 if (j->slider[side] < 0)
-                    rows[j->row] += side_factor(j, side)
+                    rows[j->row] += lw_system_gear_factor(j, side)
                                   * (f.turn[j->body[side] + 1] - f.turn[j->carrier + 1]);
     }
     for (int i = 0; i < s->n_input; i++)

@@ -81,7 +81,7 @@ void lw_system_measure_series(const lw_system *s, int j, int order, const double
 static void gear_series(const lw_system *s, const lw_system_joint *j, int order, const double *q, double *phi)
 {
     for (int side = 0; side < 2; side++) {
-        double factor = (side == 1 ? 1.0 : -j->ratio)/(1.0 + fabs(j->ratio)), count[N];
+        double factor = lw_system_gear_factor(j, side), count[N];
         if (j->slider[side] >= 0) {
             lw_system_measure_series(s, j->slider[side], order, q, count);
             factor *= j->slider_sign[side];

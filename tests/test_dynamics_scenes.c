@@ -248,6 +248,42 @@ static void agree(const char *text, double a, double b)
     lw_model_free(&d.model);
 }
 
+/* A rack and the arm it slides on, each welded of two halves, move as those in one piece: the gear knows four bodies
+ * and the pinion. */
+static void welded_rack(void)
+{
+    static const char halves[] =
+        "{'linkwright': 1, 'links': ['ground', {'name': 'arm', 'mass': 1, 'centre': [0.5, 0]},"
+        "{'name': 'wheel', 'mass': 1, 'centre': [1.1, 0.5], 'inertia': 0.1},"
+        "{'name': 'rack', 'mass': 2, 'centre': [1, 0.2], 'inertia': 0.3}%s],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'arm'], 'at': [0, 0]},"
+        "{'name': 'P', 'links': ['arm', 'wheel'], 'at': [1, 0.5]},"
+        "{'name': 'S', 'kind': 't', 'links': ['%s', '%s'], 'at': [1, 0.2], 'along': [1, 0]},"
+        "{'name': 'G', 'kind': 'g', 'links': ['wheel', 'rack'], 'at': [1, 0.2], 'ratio': 0.3}%s],"
+        "'inputs': [{'joint': 'A', 'speed': 1}, {'joint': 'P', 'speed': 2}], 'gravity': [0, -9.81],"
+        "'tracers': [{'name': 'Q', 'link': 'rack', 'at': [1.5, 0.2]}]}";
+    static const char more[] = ", {'name': 'arm2', 'mass': 0, 'centre': [0, 0]}, {'name': 'rack2', 'mass': 0, 'centre': [0, 0]}";
+    static const char welds[] = ", {'name': 'W', 'kind': 'f', 'links': ['arm', 'arm2'], 'at': [1, 0]},"
+                                "{'name': 'X', 'kind': 'f', 'links': ['rack', 'rack2'], 'at': [1.2, 0.3]}";
+    char text[2000];
+    for (int f = 0; f < 4; f++) {
+        snprintf(text, sizeof text, halves, "", "arm", "rack", "");
+        drun_read_format(&first, text, 0, 0);
+        CHECK_INT(drun_to(&first, LW_FORMULATION_INDEX1, 1e-11, 1, 10), LW_OK);
+        snprintf(text, sizeof text, halves, more, "arm2", "rack2", welds);
+        drun_read_format(&d, text, 0, 0);
+        lw_status s = drun_to(&d, f ? all[f] : LW_FORMULATION_AUTO, 1e-11, 1, 10);
+        CHECK_INT(s, LW_OK);
+        CHECK(fabs(d.tracer[10].x - d.tracer[0].x) > 0.1);
+        for (int i = 0; i <= 10; i++) {
+            CHECK_NEAR(d.tracer[i].x, first.tracer[i].x, f < 2 ? 1e-9 : 1e-6, 0);
+            CHECK_NEAR(d.tracer[i].y, first.tracer[i].y, f < 2 ? 1e-9 : 1e-6, 0);
+        }
+        lw_model_free(&d.model);
+        lw_model_free(&first.model);
+    }
+}
+
 static void kinds_of_joints(void)
 {
     agree(geared, -0.5, 1);
@@ -451,6 +487,7 @@ int main(void)
     RUN(motor_and_law);
     RUN(starts);
     RUN(kinds_of_joints);
+    RUN(welded_rack);
     RUN(free_and_fixed);
     RUN(long_runs);
     RUN(kept_energy_is_no_mask);
