@@ -258,7 +258,8 @@ static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *wo
 static bool opens(const double *margin, bool round)
 {
     for (int i = 0; i < POINTS; i++) {
-        double here = margin[i], to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
+        double here = margin[i];
+        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
         if (here < 0)
             return true;
         if (!round && (i == 0 || i == POINTS - 1))

@@ -73,8 +73,8 @@ void lw_system_posture(const lw_system *s, double *q);
 /* Phi (n_row), and its derivatives jac[row*n_q + i] when given (zeroed first). */
 void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac);
 
-/* What the turn (or way) of side 0, 1 is multiplied by in the row of gear j, which is their sum: divided so that rounding
- * of the row is that of a turn, whatever the ratio. */
+/* What the turn (or way) of side 0, 1 is multiplied by in the row of gear j, which is their sum: divided so that
+ * rounding of the row is that of a turn, whatever the ratio. */
 double lw_system_gear_factor(const lw_system_joint *j, int side);
 
 /* The bodies whose coordinates a row knows, or what joint j counts, each once, -1 behind the last: those that are

@@ -286,8 +286,9 @@ static double shorten(const lw_problem *p, lw_work *w)
 
 bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
-    const double rounding = 1e-9;               /* f this much above the least is not worse: near its least f is flat, */
-    double least = INFINITY, *kept = w->keep_theta;   /* so that the least f of all has inputs right to half the digits only */
+    const double rounding = 1e-9;      /* f so little above the least is as good: f is flat there, and going back to its */
+                                       /* least would keep only half the digits of the inputs                           */
+    double least = INFINITY, *kept = w->keep_theta;
     bool back = false;
     for (int i = 0;; i++) {
         if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))

@@ -88,8 +88,8 @@ static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 kne
     child->tracer[point].link = arm;
 }
 
-/* Least and greatest distance over the motion, from squares (which have no kink where the distance has one): at the samples,
- * and between them at the vertex of the parabola through three. */
+/* Least and greatest distance over the motion, from squares (which have no kink where the distance has one): at the
+ * samples, and between them at the vertex of the parabola through three. */
 static void extremes(const double d2[SAMPLES + 1], bool turns, double *least, double *most)
 {
     double lo = d2[SAMPLES], hi = d2[SAMPLES];

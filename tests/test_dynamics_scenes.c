@@ -262,7 +262,8 @@ static void welded_rack(void)
         "{'name': 'G', 'kind': 'g', 'links': ['wheel', 'rack'], 'at': [1, 0.2], 'ratio': 0.3}%s],"
         "'inputs': [{'joint': 'A', 'speed': 1}, {'joint': 'P', 'speed': 2}], 'gravity': [0, -9.81],"
         "'tracers': [{'name': 'Q', 'link': 'rack', 'at': [1.5, 0.2]}]}";
-    static const char more[] = ", {'name': 'arm2', 'mass': 0, 'centre': [0, 0]}, {'name': 'rack2', 'mass': 0, 'centre': [0, 0]}";
+    static const char more[] = ", {'name': 'arm2', 'mass': 0, 'centre': [0, 0]},"
+                               "{'name': 'rack2', 'mass': 0, 'centre': [0, 0]}";
     static const char welds[] = ", {'name': 'W', 'kind': 'f', 'links': ['arm', 'arm2'], 'at': [1, 0]},"
                                 "{'name': 'X', 'kind': 'f', 'links': ['rack', 'rack2'], 'at': [1.2, 0.3]}";
     char text[2000];
@@ -362,10 +363,10 @@ static void free_and_fixed(void)
 
 /* ---- long runs and order ------------------------------------------------------------------------- */
 
-/* Energy over 100 s, at the tolerance that is taken when none is given and at a hundredth of it: kept to rounding at the
- * ends of steps; what was put back is no more than the steps' errors.  Moments lie between the ends, on a polynomial
- * through each step that leaves the motion by the eighth power of the step (integrate.h), as does the estimate that
- * makes the steps so long that it is the tolerance.  So energy is off by a few tolerances there, 4.5 at the most. */
+/* Energy over 100 s, at the tolerance that is taken when none is given and at a hundredth of it: kept to rounding at
+ * the ends of steps; what was put back is no more than the steps' errors.  Moments lie between the ends, on a
+ * polynomial through each step that leaves the motion by the eighth power of the step (integrate.h), as does the
+ * estimate that makes the steps so long that it is the tolerance.  So energy is off by a few tolerances, 4.5 here. */
 static void drift(lw_formulation f)
 {
     double usual = lw_dynamics_options_default().relative;
@@ -440,8 +441,8 @@ static double slope(int n, const double *x, const double *y)
     return top/bottom;
 }
 
-/* How errors of place fall with the tolerance and with the number of steps, as powers, from 1e-8 to 1e-12.  The error is the
- * greatest of 30 moments: at one moment it may pass 0.
+/* How errors of place fall with the tolerance and with the number of steps, as powers, from 1e-8 to 1e-12.  The error
+ * is the greatest of 30 moments: at one moment it may pass 0.
  * Explicit: an estimate that falls as h^8 is held at the tolerance, so does the error: steps as its -1/8 power, errors
  * with the tolerance and with the 8th power of the steps.
  * Implicit: the error of a step, h^6 at order 5, is held there; what they add up to, h^5, falls with its 5/6 power. */

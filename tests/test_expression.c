@@ -350,8 +350,8 @@ static void series_against_values(void)
                     sum = sum*s*sign + c[k];
                     scale = fmax(scale, fabs(c[k])*pow(2*s, k));
                 }
-                /* what is cut off is of order s^9; c_7 and c_8, one of which may be 0, tell its size; rounding is that of
-                 * the numbers in between, some of order one */
+                /* what is cut off is of order s^9; c_7 and c_8, one of which may be 0, tell its size; rounding is
+                 * that of the numbers in between, some of order one */
                 double cut = 50*(fabs(c[N-2]) + fabs(c[N-1]))*pow(s, N);
                 CHECK_NEAR(sum, lw_expression_value(x, w), 4e-14*fmax(scale, 0.1) + cut, 1e-15);
             }
