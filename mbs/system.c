@@ -167,9 +167,11 @@ void lw_system_posture(const lw_system *s, double *q)
 /* b < 0: the ground, which has no coordinates. */
 static void add_body(int body[LW_SYSTEM_ROW_BODIES], int b)
 {
-    for (int n = 0; b >= 0 && n < LW_SYSTEM_ROW_BODIES && body[n] != b; n++)
-        if (body[n] < 0)
-            body[n] = b;
+    int n = 0;
+    while (n < LW_SYSTEM_ROW_BODIES && body[n] >= 0 && body[n] != b)
+        n++;
+    if (b >= 0 && n < LW_SYSTEM_ROW_BODIES)
+        body[n] = b;
 }
 
 static void add_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES])
