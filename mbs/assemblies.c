@@ -323,6 +323,8 @@ lw_status lw_assemblies_find(const lw_plan *plan, const double *dim, const doubl
     memset(found, 0, sizeof *found);
     if (group < 0 || group >= plan->n_higher)
         return lw_error_set(e, LW_E_ARG, "there is no higher group %d; the plan has %d", group + 1, plan->n_higher);
+    if (plan->higher[group].n_gear > 0)
+        return lw_error_set(e, LW_E_KIND, "assemblies are found of groups of pins and slides; this one has gears");
     search *q = calloc(1, sizeof *q);
     if (!q)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for the assemblies of a group");

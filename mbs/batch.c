@@ -49,7 +49,7 @@ size_t lw_inverse_rows(const lw_plan *p)
 {
     size_t rows = 0;
     for (int i = 0; i < p->n_higher; i++)
-        rows += (size_t)(4*p->higher[i].n_loop*p->higher[i].n_loop);
+        rows += (size_t)(p->higher[i].n_unknown*p->higher[i].n_unknown);
     return rows;
 }
 

@@ -18,7 +18,7 @@
 
 /* ---- the way -------------------------------------------------------------------------------------------- */
 
-static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1; }
+static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1.0/f->plan->laps; }
 
 /* work: lw_follow_size doubles. */
 static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
@@ -54,9 +54,11 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
             *row++ = *from++*f->size;
         take_group(&f->group[g], h);
         f->group[g].size = f->size;
+        f->group[g].ends = !plan->input_is_slider;
         f->pushed |= f->group[g].driven;
         load_vectors(&f->k, &f->group[g], 0, 0);
         load_angles(&f->k, &f->group[g]);
+        load_meshes(&f->k, h, 0, 0, &f->group[g].mesh);
     }
     trial(f, all8(input));
     f->lost = !f->sure[0];

@@ -11,7 +11,7 @@
 #ifndef LW_MBS_KERNEL_HIGHER_INTERNAL_H
 #define LW_MBS_KERNEL_HIGHER_INTERNAL_H
 
-#include "mbs/kernel_pack_internal.h"
+#include "mbs/kernel_gear_internal.h"
 
 /* Loops over the unknowns whose values stay in registers, for the commonest sizes. */
 #if defined(__clang__)
@@ -31,18 +31,15 @@ typedef struct eight {
     pack   k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];
     pack   jac[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], inv[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];      /* row by row */
     pack   margin;
+    meshes mesh;                                                     /* its gears                     */
     int    at[LW_UNKNOWN_MAX];                                       /* direction of each turn        */
     int    order[LW_UNKNOWN_MAX];                                    /* rows by the pivots they give  */
     bool   driven;                                                   /* the input is a joint of it    */
+    bool   ends;                                                     /* racks do: the input turns     */
     bool   moves[LW_HIGHER_DIR_MAX];                                 /* directions that it turns      */
 } eight;
 
 /* ---- what the lanes have ------------------------------------------------------------------------------ */
-
-LW_INLINE pack lane_row(const double *from, size_t i, const int per_lane)
-{
-    return per_lane ? get8(from + i) : all8(from[0]);
-}
 
 /* Number of the direction of unknown turn a: the only one without a base and with this root. */
 static int direction_of(const lw_higher *g, int a)
@@ -56,7 +53,7 @@ static int direction_of(const lw_higher *g, int a)
 static void take_group(eight *w, const lw_higher *g)
 {
     w->g = g;
-    w->n = 2*g->n_loop;
+    w->n = g->n_unknown;
     for (int a = 0; a < g->n_turn; a++)
         w->at[a] = direction_of(g, a);
     for (int r = 0; r < w->n; r++)
@@ -145,6 +142,22 @@ LW_INLINE void add_turned(eight *w, const int n, int loop, int root, pack x, pac
     j[n] += x;
 }
 
+/* The rows of gears, past those of the loops. */
+static void gear_equations(eight *w, int n, bool both)
+{
+    const lw_higher *g = w->g;
+    for (int a = 0; a < g->n_gear; a++) {
+        const lw_higher_gear *q = &g->gear[a];
+        int r = 2*g->n_loop + a;
+        w->f[r] = mesh_left(q, &w->mesh, a, w->ux, w->uy, w->d);
+        for (int h = 0; both && h < q->n_term; h++)
+            if (g->dir[q->dir[h]].root >= 0)
+                w->jac[r*n + g->dir[q->dir[h]].root] += (double)q->power[h]/q->count;
+        if (both && q->disp >= 0 && q->disp < g->n_disp)
+            w->jac[r*n + g->n_turn + q->disp] -= w->mesh.by_rho[a];
+    }
+}
+
 /* Residuals f, and their Jacobian (both). */
 LW_INLINE void equations(eight *w, const int n, const int both)
 {
@@ -175,6 +188,8 @@ LW_INLINE void equations(eight *w, const int n, const int both)
             w->jac[(2*q->loop + 1)*n + g->n_turn + q->disp] += y;
         }
     }
+    if (g->n_gear)
+        gear_equations(w, n, both);
 }
 
 /* ---- the inverse -------------------------------------------------------------------------------------- */
@@ -272,20 +287,47 @@ LW_INLINE void invert(eight *w, const int n)
             invert_lane(w, n, j);
 }
 
-/* Margin at the Jacobian and inverse of w. */
-LW_INLINE void measure(eight *w, const int n)
+/* Rows of gears count angles, those of loops lengths: what makes the ones the others, squared, is the mean square of
+ * the vectors that turn. */
+static pack gear_weight(const eight *w, int n)
 {
+    const lw_higher *g = w->g;
     pack sum = { 0 };
+    for (int r = 0; r < 2*g->n_loop; r++)
+        for (int c = 0; c < g->n_turn; c++)
+            sum += w->jac[r*n + c]*w->jac[r*n + c];
+    mask some = (mask)(sum > 0);
+    return choose8(some, sum*(1.0/(g->n_turn ? g->n_turn : 1)), all8(1));
+}
+
+/* Margin at the Jacobian and inverse of w; weight (2): of the first `loops` rows, of those after them. */
+LW_INLINE void measure_rows(eight *w, const int n, const int loops, pack weight)
+{
+    pack sum = { 0 }, by_weight = 1/weight;
     for (int c = 0; c < n; c++) {
         pack length = { 0 }, row = { 0 };
-        for (int r = 0; r < n; r++) {
+        for (int r = 0; r < loops; r++) {
             length += w->jac[r*n + c]*w->jac[r*n + c];
             row += w->inv[c*n + r]*w->inv[c*n + r];
+        }
+        for (int r = loops; r < n; r++) {
+            length += weight*w->jac[r*n + c]*w->jac[r*n + c];
+            row += by_weight*w->inv[c*n + r]*w->inv[c*n + r];
         }
         sum += row*length;
     }
     mask some = (mask)(sum > 0);
     w->margin = where8(some, n/choose8(some, sum, all8(1)));
+}
+
+LW_INLINE void measure(eight *w, const int n)
+{
+    if (!w->g->n_gear) {
+        measure_rows(w, n, n, all8(1));
+        return;
+    }
+    measure_rows(w, n, 2*w->g->n_loop, gear_weight(w, n));
+    w->margin = w->ends ? less8(rack_room(w->g, &w->mesh, w->d), w->margin) : w->margin;
 }
 
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
@@ -351,7 +393,7 @@ static double *inverse_rows(const run *k, const lw_higher *g)
 {
     double *at = k->inverse;
     for (const lw_higher *h = k->plan->higher; h < g; h++)
-        at += (size_t)(4*h->n_loop*h->n_loop)*k->nb;
+        at += (size_t)(h->n_unknown*h->n_unknown)*k->nb;
     return at;
 }
 
@@ -409,14 +451,17 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
     eight w;
     take_group(&w, g);
     w.size = 1;
+    w.ends = !k->plan->input_is_slider;
     w.margin = (pack){ 0 };
     if (!per_lane) {
         load_vectors(k, &w, 0, 0);
         load_angles(k, &w);
+        load_meshes(k, g, 0, 0, &w.mesh);
     }
     for (size_t i = 0; i < n; i += LW_GROUP) {
         if (per_lane) {
             load_vectors(k, &w, i, 1);
+            load_meshes(k, g, i, 1, &w.mesh);
             load_known(k, &w, i, 1);
         } else
             load_known(k, &w, i, 0);
@@ -502,6 +547,27 @@ static void back_directions(const run *k, eight *w, size_t i, pack *turn)
     }
 }
 
+/* What phases, racks and known directions do to the rows of gears. */
+static void back_gears(const run *k, const eight *w, size_t i, pack *turn)
+{
+    const lw_higher *g = w->g;
+    for (int a = 0; a < g->n_gear; a++) {
+        const lw_higher_gear *q = &g->gear[a];
+        pack f = w->f[2*g->n_loop + a];
+        for (int h = 0; h < q->n_term; h++)
+            turn[q->dir[h]] += (double)q->power[h]/q->count*f;
+        if (q->phase >= 0)
+            add8(dim_bar(k, q->phase) + i, -f);
+        if (q->disp < 0)
+            continue;
+        pack by_rho = f*w->mesh.by_rho[a];
+        add8(dim_bar(k, q->shift) + i, by_rho);
+        add8(dim_bar(k, q->rho) + i, by_rho*rolled(&w->mesh, a, w->d[q->disp]));
+        if (q->disp == g->n_disp)
+            add8(bar_x(k, g->disp_reg[q->disp]) + i, -by_rho);
+    }
+}
+
 static void back_eight(const run *k, eight *w, size_t i)
 {
     const lw_higher *g = w->g;
@@ -536,6 +602,7 @@ static void back_eight(const run *k, eight *w, size_t i)
         if (q->disp == g->n_disp)
             add8(bar_x(k, g->disp_reg[q->disp]) + i, sign*(fx*ux + fy*uy));
     }
+    back_gears(k, w, i, turn);
     back_directions(k, w, i, turn);
 }
 
@@ -546,6 +613,7 @@ static void back_higher(const run *k, const lw_step *s, size_t n)
     take_group(&w, g);
     load_vectors(k, &w, 0, 0);
     load_angles(k, &w);
+    load_meshes(k, g, 0, 0, &w.mesh);
     for (size_t i = 0; i < n; i += LW_GROUP) {
         load_known(k, &w, i, 0);
         for (int a = 0; a < g->n_turn; a++) {

@@ -154,6 +154,38 @@ LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane
             times(o, in_reg(k, s->in[h]), s->power[h] < 0 ? -1 : 1, n);
 }
 
+static void along(const run *k, const lw_step *s, size_t n)
+{
+    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), p = in_reg(k, s->in[2]);
+    const out_rows o = out_reg(k, s->out[0]);
+    LW_LANES(n) put(o, i, lw_v2(lw_v2_dot(lw_v2_sub(get(p, i), get(q, i)), get(w, i)), 0));
+}
+
+LW_INLINE void roll(const run *k, const lw_step *s, size_t n, const int per_lane)
+{
+    const in_rows u = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
+    const out_rows o = out_reg(k, s->out[0]);
+    const double *rho = dim_of(k, s->dim[0]), *shift = dim_of(k, s->dim[1]), rho0 = *rho, shift0 = *shift;
+    LW_LANES(n) put(o, i, lw_v2_turn(get(u, i), lw_sincos(lw_rolled(d.x[i], per_lane ? rho[i] : rho0,
+                                                                    per_lane ? shift[i] : shift0))));
+}
+
+LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
+{
+    const in_rows v = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]);
+    const out_rows o = out_reg(k, s->out[0]);
+    const double *rho = dim_of(k, s->dim[0]), *shift = dim_of(k, s->dim[1]), *middle = dim_of(k, s->dim[2]);
+    const double rho0 = *rho, shift0 = *shift, middle0 = *middle;
+    double *margin = k->margin;
+    LW_LANES(n) {
+        lw_vec2 a = lw_v2_unturn(get(v, i), get(u, i));
+        double m = per_lane ? middle[i] : middle0, by = lw_off_middle(lw_bearing(a.x, a.y), m);
+        if (want)
+            margin[i] = lw_at_most(lw_rack_margin(by), margin[i]);
+        put(o, i, lw_v2((per_lane ? shift[i] : shift0) + (per_lane ? rho[i] : rho0)*(m + by), 0));
+    }
+}
+
 /* One copy of each loop for every constant combination: dimensions shared or per lane, and what is kept. */
 LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int want)
 {
@@ -180,6 +212,9 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, 
     case LW_STEP_TURN:        turn_step(k, s, n); break;
     case LW_STEP_SLIDE:       slide_step(k, s, n); break;
     case LW_STEP_GEAR:        gear(k, s, n, per_lane); break;
+    case LW_STEP_ALONG:       along(k, s, n); break;
+    case LW_STEP_ROLL:        roll(k, s, n, per_lane); break;
+    case LW_STEP_RACK:        rack(k, s, n, per_lane, want); break;
     }
 }
 
@@ -356,6 +391,49 @@ static void back_gear(const run *k, const lw_step *s, size_t n)
     }
 }
 
+static void back_along(const run *k, const lw_step *s, size_t n)
+{
+    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), p = in_reg(k, s->in[2]);
+    const out_rows q_bar = out_bar(k, s->in[0]), p_bar = out_bar(k, s->in[2]);
+    const double *d_bar = bar_x(k, s->out[0]);
+    double *w_bar = bar_x(k, s->in[1]);
+    LW_LANES(n) {
+        lw_vec2 u = get(w, i), way = lw_v2_sub(get(p, i), get(q, i));
+        add_to(p_bar, i, lw_v2_scale(u, d_bar[i]));
+        add_to(q_bar, i, lw_v2_scale(u, -d_bar[i]));
+        w_bar[i] += d_bar[i]*lw_v2_dot(way, lw_v2_perp(u));
+    }
+}
+
+static void back_roll(const run *k, const lw_step *s, size_t n)
+{
+    const double *o = bar_x(k, s->out[0]), *d = reg_x(k, s->in[1]);
+    const double rho = *dim_of(k, s->dim[0]), shift = *dim_of(k, s->dim[1]), by_rho = 1/lw_away_from_zero(rho);
+    double *u_bar = bar_x(k, s->in[0]), *d_bar = bar_x(k, s->in[1]);
+    double *rho_bar = dim_bar(k, s->dim[0]), *shift_bar = dim_bar(k, s->dim[1]);
+    LW_LANES(n) {
+        u_bar[i] += o[i];
+        d_bar[i] += o[i]*by_rho;
+        shift_bar[i] -= o[i]*by_rho;
+        rho_bar[i] -= o[i]*by_rho*lw_rolled(d[i], rho, shift);
+    }
+}
+
+/* The middle chooses a turn and moves nothing. */
+static void back_rack(const run *k, const lw_step *s, size_t n)
+{
+    const double *d_bar = bar_x(k, s->out[0]), *d = reg_x(k, s->out[0]);
+    const double rho = *dim_of(k, s->dim[0]), shift = *dim_of(k, s->dim[1]);
+    double *v_bar = bar_x(k, s->in[0]), *u_bar = bar_x(k, s->in[1]);
+    double *rho_bar = dim_bar(k, s->dim[0]), *shift_bar = dim_bar(k, s->dim[1]);
+    LW_LANES(n) {
+        v_bar[i] += rho*d_bar[i];
+        u_bar[i] -= rho*d_bar[i];
+        shift_bar[i] += d_bar[i];
+        rho_bar[i] += d_bar[i]*lw_rolled(d[i], rho, shift);
+    }
+}
+
 /* From the adjoints of output `which`, set in k->bar, to k->row and the input's row. */
 static void backward(const run *k, int which, size_t n, double *input_bar)
 {
@@ -376,6 +454,9 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
         case LW_STEP_TURN:        back_turn(k, s, n); break;
         case LW_STEP_SLIDE:       back_slide(k, s, n); break;
         case LW_STEP_GEAR:        back_gear(k, s, n); break;
+        case LW_STEP_ALONG:       back_along(k, s, n); break;
+        case LW_STEP_ROLL:        back_roll(k, s, n); break;
+        case LW_STEP_RACK:        back_rack(k, s, n); break;
         }
     }
 }

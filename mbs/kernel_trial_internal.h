@@ -25,6 +25,7 @@
 #define FINE 1e-24                         /* where none follows                                      */
 #define ROUNDING 1e-30                     /* over the margin: what rounding leaves of a squared step */
 #define CONTRACTION 0.7
+#define GEARED_MOST 0.5                    /* a turn in a group with gears, as far as boxes go        */
 
 /* A posture of the higher groups. */
 typedef struct place { double t, row[LW_ROW_MAX]; } place;
@@ -213,7 +214,7 @@ static size_t inverse_at(const follower *f, const lw_higher *g)
 {
     size_t at = 0;
     for (const lw_higher *h = f->plan->higher; h < g; h++)
-        at += (size_t)(4*h->n_loop*h->n_loop);
+        at += (size_t)(h->n_unknown*h->n_unknown);
     return at;
 }
 
@@ -241,7 +242,7 @@ typedef struct drift { pack input, known[LW_HIGHER_DIR_MAX]; } drift;
 static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
 {
     int number = (int)(g - f->plan->higher);
-    to->input = abs8(t - before8(t, back(&f->at, 0)->t));
+    to->input = f->plan->laps*abs8(t - before8(t, back(&f->at, 0)->t));
     for (int e = 0; e < g->n_slide; e++) {
         int dir = g->slide[e].dir;
         if (g->dir[dir].root >= 0)
@@ -287,15 +288,34 @@ LW_INLINE void bent(const eight *w, const int n, const pack *b, const pack *push
     }
 }
 
-/* B = J^-1 K J */
-LW_INLINE void quarter(const eight *w, const int n, pack *b)
+/* B = J^-1 K J, where K turns the rows of loops. */
+LW_INLINE void quarter_of(const eight *w, const int n, const int loops, pack *b)
 {
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++) {
             pack s = { 0 };
-            for (int l = 0; l < n; l += 2)
+            for (int l = 0; l < loops; l += 2)
                 s += w->inv[r*n + l + 1]*w->jac[l*n + c] - w->inv[r*n + l]*w->jac[(l + 1)*n + c];
             b[r*n + c] = abs8(s);
+        }
+}
+
+/* The rows G of gears stay as they are when a column is turned, so that of its second order, (1 - cos t) e_j, a part
+ * J^-1 (0, G) is missing: at most t/4 of it and t^2 for turns below GEARED_MOST, which are all that are let. */
+LW_INLINE void quarter(const eight *w, const int n, pack *b)
+{
+    if (!w->g->n_gear) {
+        quarter_of(w, n, n, b);
+        return;
+    }
+    const int loops = 2*w->g->n_loop;
+    quarter_of(w, n, loops, b);
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < n; c++) {
+            pack s = { 0 };
+            for (int l = loops; l < n; l++)
+                s += w->inv[r*n + l]*w->jac[l*n + c];
+            b[r*n + c] += 0.25*abs8(s);
         }
 }
 
@@ -350,6 +370,8 @@ LW_INLINE void regular(const eight *w, const int n, const pack *b, const pack *p
             pack needs = (s[i] + turned*r[i]*r[i]*r[i])*(1/CONTRACTION);
             *need = more8(needs/more8(r[i], all8(LW_TINY)), *need);
             r[i] = more8(1.1*needs, r[i]);
+            if (w->g->n_gear && i < w->g->n_turn)
+                *need = choose8((mask)(r[i] <= GEARED_MOST), *need, all8(INFINITY));
         }
         if (!any8(~(mask)(*need <= 1)))
             break;

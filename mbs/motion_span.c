@@ -6,6 +6,7 @@
  * formula  tan^2(v/2) = (1 - cos v)/(1 + cos v)  they are quotients of sums of lengths.  Driven by a
  * slider, v is a displacement and the distance is |w + i v|. */
 #include "mbs/motion_internal.h"
+#include "mbs/sincos_internal.h"
 #include "base/sum.h"
 #include "mbs/dyad_internal.h"
 #include "mbs/plan_internal.h"
@@ -225,6 +226,7 @@ lw_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step
     case LW_STEP_RRR:
     case LW_STEP_RPR: return span_of_pins(&c, dim);
     case LW_STEP_RRP: return span_of_pin_and_line(&c, dim);
+    case LW_STEP_RACK: return (lw_span){ .kind = LW_SPAN_UNKNOWN };
     default:          return span_of_slides(&c);
     }
 }
@@ -292,6 +294,11 @@ lw_opening lw_dyad_opening(const double *dim, const lw_step *s, const lw_vec2 *r
         double t = dim[s->dim[1]], d = lw_v2_norm(lw_v2_sub(reg[s->in[1]], reg[s->in[0]]));
         double twice = 2.0*lw_away_from_zero(r*t);
         return (lw_opening){ (d - r + t)*(d + r - t)/twice, (r + t - d)*(r + t + d)/twice };
+    }
+    if (s->kind == LW_STEP_RACK) {
+        lw_vec2 a = lw_v2_unturn(reg[s->in[0]], reg[s->in[1]]);
+        double t = lw_off_middle(atan2(a.y, a.x), dim[s->dim[2]])/LW_RACK_REACH;
+        return (lw_opening){ 1.0 - t, 1.0 + t };
     }
     double cosine;
     if (s->kind == LW_STEP_RRP) {

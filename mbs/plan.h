@@ -5,8 +5,9 @@
  * points; only what the wanted outputs depend on is in it.  Dyads (RRR, RRP, RPR, PRP, PPR) are steps in
  * closed form; higher groups (triads, tetrads, ..., and groups the input itself is a joint of) are solved by
  * Newton's method on the loops of the group alone, followed from a seed posture.  A pin in a slot counts as
- * a pin and a slider with a die between them; a gear pair turns a wheel of which carrier and partner are known
- * (mbs/plan_gear.c).  The plan knows no numbers.  The numbers are
+ * a pin and a slider with a die between them; a gear pair turns a wheel, a rack its pinion or a pinion its rack, of which
+ * carrier and partner are known (mbs/plan_gear.c), else it is an equation of a group.  The plan knows no numbers but the
+ * ratios of wheels.  The numbers are
  *     dim[n_dim]    dimensions, read off a posture by lw_plan_read or chosen by an optimiser,
  *     mode[n_mode]  for each of the n_dyad dyads +1 or -1, which of its two assemblies (ignored for PRP and
  *                   PPR); then, when there are higher groups, a seed for each: a posture near which the
@@ -18,8 +19,8 @@
  * turn on the ground: a tied link is a wheel of constant rate, its phase a dimension.
  *
  * Higher groups.  Unknown are one turn a link (links that slide on each other share one) and one
- * displacement a slider; the equations are the group's independent loops, two rows each.  From the seed
- * a posture is followed to the input asked for, see mbs/batch.h on how it is kept from jumping.
+ * displacement a slider; the equations are the group's independent loops, two rows each, and its gears, one each.  From
+ * the seed a posture is followed to the input asked for, see mbs/batch.h on how it is kept from jumping.
  *
  * Frames.  Everything is worked out in the ground frame of the linkage (origin: first ground pin;
  * x axis: towards the second ground pin, else along the first ground slide; see lw_plan_make), where
@@ -55,6 +56,9 @@
  *     e<k>_<j> beta<k>_<j>  those of a further line (joint number j, from 1) on link k
  *     x<k>_<j> y<k>_<j>     a further pin (joint number j, from 1) on link k  coordinate
  *     phi<k>   phase of wheel k in its gear pair                               angle
+ *     rho<k> s<k>  a rack on link k moves by rho as its pinion turns by 1 rad: d = s + rho angle     coordinates
+ *     mu<k>    angle of the pinion that the rack's middle is at, which chooses among the angles that differ by
+ *              turns and moves nothing                                         angle
  *     cx cy    the first tracer in the frame of its link (cx2 cy2 the next)  coordinate
  *     x0 y0    place of the ground frame                                     coordinate
  *     theta0   its angle                                                     angle
@@ -85,6 +89,7 @@ typedef enum lw_dim_role {
     LW_ROLE_R, LW_ROLE_X, LW_ROLE_Y,                  /* of pin `joint`, in the frame of `link`  */
     LW_ROLE_E, LW_ROLE_BETA,                          /* of the line of slider `joint`           */
     LW_ROLE_PHASE,                                    /* of wheel `link` in gear `joint`          */
+    LW_ROLE_PITCH, LW_ROLE_SHIFT, LW_ROLE_MIDDLE,     /* of rack `link` in gear `joint`           */
     LW_ROLE_CX, LW_ROLE_CY,                           /* of tracer `joint`                       */
     LW_ROLE_X0, LW_ROLE_Y0, LW_ROLE_THETA0            /* of the whole                            */
 } lw_dim_role;
@@ -126,7 +131,10 @@ typedef enum lw_step_kind {
     LW_STEP_HIGHER,           /* a higher group: its directions and displacements                */
     LW_STEP_TURN,             /* direction turned by another                                     */
     LW_STEP_SLIDE,            /* point along a line, by a displacement                           */
-    LW_STEP_GEAR              /* direction of a wheel                                            */
+    LW_STEP_GEAR,             /* direction of a wheel                                            */
+    LW_STEP_ALONG,            /* displacement of a slider between known links                    */
+    LW_STEP_ROLL,             /* direction of a pinion from its rack                             */
+    LW_STEP_RACK              /* displacement of a rack from its pinion                          */
 } lw_step_kind;
 
 /* in[], out[] are register numbers, dim[] dimension numbers, -1 where unused.  A register is a point
@@ -144,6 +152,10 @@ typedef enum lw_step_kind {
  *     TURN          u, v                    u v                       dim[0]: +1, or -1 for u conj(v)
  *     SLIDE         q, w, (d, 0)            q + d w
  *     GEAR          u, v                    u^m v^n e^{i phi}  phi    m, n in power[]; v -1: 1; dim[2] as of LINE
+ *     ALONG         q, w, p                 (d, 0)                    d = (p - q) . w
+ *     ROLL          u, (d, 0)               u e^{i (d - s)/rho}  rho, s        u of the carrier
+ *     RACK          v, u                    (s + rho (mu + a), 0)  rho, s, mu
+ *                                                                     mu + a the angle from u (carrier) to v (pinion), |a| <= pi
  *     HIGHER        see lw_higher                                     dim[0]: number in plan.higher
  * out u2 of RRR is -1 when nobody needs it.  PPR is handed the line of its inner slider as second. */
 typedef struct lw_step {
@@ -167,26 +179,49 @@ typedef struct lw_higher_slide { short loop, sign, dir, disp; } lw_higher_slide;
 typedef struct lw_higher_point { short loop, sign, reg; } lw_higher_point;
 typedef struct lw_higher_entry { short loop, dir; } lw_higher_entry;    /* vectors of one direction in a loop */
 
+/* A gear in a higher group:  sum of power angle(dir) - count phi = 0  for wheels, whole numbers, divided by `count`;
+ * angle(pinion) - angle(carrier) - (d - s)/rho = 0  for a rack.  It is worked out as the product of the directions to
+ * their powers, an angle without its whole turns: which of the postures that differ by these it is, the way tells. */
+typedef struct lw_higher_gear {
+    short n_term, dir[3], link[3], power[3], count;
+    short phase, angle;       /* wheels: dimension, number in plan.angle; else -1                 */
+    short disp;               /* racks: displacement, else -1                                     */
+    short rho, shift, middle; /* their dimensions                                                 */
+} lw_higher_gear;
+
 #define LW_HIGHER_DIR_MAX  48
 #define LW_HIGHER_TERM_MAX 160
+#define LW_HIGHER_GEAR_MAX 8
 
 typedef struct lw_higher {
     int              n_link, link[LW_LINK_MAX];       /* in the order in which they are reached   */
-    int              n_loop, n_turn, n_disp;          /* n_turn + n_disp = 2 n_loop               */
+    int              n_loop, n_turn, n_disp;
+    int              n_unknown;                       /* n_turn + n_disp = 2 n_loop + n_gear      */
     int              turn_reg[LW_UNKNOWN_MAX];        /* register each unknown turn's direction goes to */
     int              turn_link[LW_UNKNOWN_MAX];       /* the link whose direction it is           */
     int              disp_reg[LW_UNKNOWN_MAX + 1];    /* (d, 0); the one after the unknown ones is the input */
     int              disp_joint[LW_UNKNOWN_MAX];      /* the slider                               */
     bool             disp_input;                      /* is there that one after the unknown ones */
-    int              n_dir, n_vector, n_slide, n_point, n_entry;
+    int              n_dir, n_vector, n_slide, n_point, n_entry, n_gear;
     lw_higher_dir    dir[LW_HIGHER_DIR_MAX];
     lw_higher_vector vector[LW_HIGHER_TERM_MAX];
     lw_higher_slide  slide[LW_HIGHER_TERM_MAX];
     lw_higher_point  point[LW_HIGHER_TERM_MAX];
     lw_higher_entry  entry[LW_HIGHER_TERM_MAX];
+    lw_higher_gear   gear[LW_HIGHER_GEAR_MAX];
     int              first_mode;                      /* of its seed in mode[]                    */
     int              first_row;                       /* of its unknowns among those of the plan: x, y a turn, d a disp */
 } lw_higher;
+
+/* A gear between a pinion and a rack. */
+#define LW_RACK_MAX 8
+#define LW_RACK_REACH (0.9*LW_PI)  /* a rack that its pinion moves ends where the pinion has turned by this from the middle  */
+typedef struct lw_rack {
+    int joint, slider;        /* the gear; the slide of the rack on the carrier                   */
+    int link, pinion, carrier;
+    int side;                 /* link[side] of the gear is the rack                               */
+    double sign;              /* of rho over the metres that the rack moves along `along`         */
+} lw_rack;
 
 /* The commonest plans, recognised so that one loop does all steps: a point A driven by the input (a pin
  * of the crank, or of a slider) and one dyad from A to ground, its tracer on the link at A.  Numbers
@@ -214,6 +249,8 @@ typedef struct lw_plan {
     int         input_joint;
     int         input_link[2];                    /* it counts the second against the first        */
     lw_higher   higher[LW_HIGHER_MAX];
+    int         n_rack;
+    lw_rack     rack[LW_RACK_MAX];
     int         joint_pin[LW_JOINT_MAX];          /* of pins: the first joint of the same pin     */
     int         slider_base[LW_JOINT_MAX];        /* the link the slide line is a line of         */
     int         slider_ref[LW_JOINT_MAX];         /* the pin whose path a slide line is, or -1    */
@@ -248,9 +285,9 @@ typedef struct lw_want {
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
 lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
-/* The same with gear pairs too, wherever the carrier and one wheel are known before the other wheel, and for F > 1 with all
- * inputs but one tied, where all turn on the ground; mind plan->laps.  LW_E_KIND also for racks, and for ratios
- * that are not of small whole numbers. */
+/* The same with gear pairs and racks too, and for F > 1 with all inputs but one tied, where all turn on the ground; mind
+ * plan->laps.  LW_E_KIND also for ratios of wheels that are not of small whole numbers, or need more than LW_LAP_MAX
+ * turns, for racks on racks, and for gears without a carrier. */
 lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
 
 /* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;

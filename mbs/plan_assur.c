@@ -1,33 +1,63 @@
 /* Which links are determined together by those known so far, when no two of them are.
  *
- * Every condition of a joint (two a pin or slider, one more at the input) is given to one of the two bodies
- * it ties so that each body owns as many conditions as it has freedoms; the strong components of "owns a
- * condition to" are the Assur groups, whatever assignment was found (Servatius, Shai & Whiteley 2010).
- * Bodies are the unknown links, and pins of three or more of them (two freedoms). */
+ * A link has two freedoms of place and one of turning.  Every condition of a joint (two a pin or slider, one a gear, one
+ * more at the input) is given to one of the places and turns it is about so that each owns as many conditions as it has
+ * freedoms; the strong components of "owns a condition about", both parts of a link in one, are the Assur groups,
+ * whatever assignment was found (Servatius, Shai & Whiteley 2010).  Gears are about turns alone, so that two gears cannot
+ * hold a place, nor two slides.  Pins of three or more unknown links are bodies of two freedoms. */
 #include "mbs/plan_internal.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#define NODE_MAX (LW_LINK_MAX + LW_JOINT_MAX)
+#define NODE_MAX (2*LW_LINK_MAX + LW_JOINT_MAX)
 #define UNIT_MAX (4*LW_JOINT_MAX)
+#define END_MAX  6
+
+/* A condition, and the nodes it is about. */
+typedef struct unit { int n, end[END_MAX], owner; } unit;
 
 typedef struct graph {
     const lw_topology *t;
-    int n_node, n_unit;
-    int freedom[NODE_MAX], load[NODE_MAX];
-    int node_of_link[LW_LINK_MAX];           /* -1: known                                           */
-    struct { int end[2], owner; } unit[UNIT_MAX];
+    int  n_node, n_unit;
+    int  freedom[NODE_MAX], load[NODE_MAX];
+    int  place[LW_LINK_MAX];                 /* node of each link, its turn the one after; -1: known */
+    unit unit[UNIT_MAX];
     bool reach[NODE_MAX][NODE_MAX];
 } graph;
 
 static bool is_pin(const lw_topology *t, int j) { return t->k->joint[j].kind == LW_JOINT_REVOLUTE; }
 
-static void add_units(graph *g, int a, int b, int n)
+static void add_end(unit *u, int node)
 {
-    for (int i = 0; i < n && (a >= 0 || b >= 0); i++)
-        if (g->n_unit < UNIT_MAX)
-            g->unit[g->n_unit++] = (__typeof__(g->unit[0])){ { a, b }, -1 };
+    if (node >= 0)
+        u->end[u->n++] = node;
+}
+
+static void add_turn(const graph *g, unit *u, int link) { add_end(u, g->place[link] < 0 ? -1 : g->place[link] + 1); }
+
+static void add_place(const graph *g, unit *u, int link)
+{
+    add_end(u, g->place[link]);
+    add_turn(g, u, link);
+}
+
+static void add_unit(graph *g, const unit *u)
+{
+    if (u->n > 0 && g->n_unit < UNIT_MAX)
+        g->unit[g->n_unit++] = *u;
+}
+
+/* Two points of links a and b (or a body without turning) are one. */
+static void add_point(graph *g, int a, int b, int body)
+{
+    unit u = { .owner = -1 };
+    add_place(g, &u, a);
+    if (b >= 0)
+        add_place(g, &u, b);
+    add_end(&u, body);
+    add_unit(g, &u);
+    add_unit(g, &u);
 }
 
 /* The unknown links on a pin. */
@@ -45,7 +75,7 @@ static void add_pin(graph *g, int pin)
     const lw_topology *t = g->t;
     int link[LW_LINK_MAX], n = free_links(t, pin, link);
     if (n == 2 && lw_known_link(t, pin) < 0) {
-        add_units(g, g->node_of_link[link[0]], g->node_of_link[link[1]], 2);
+        add_point(g, link[0], link[1], -1);
         return;
     }
     int centre = -1;
@@ -54,63 +84,109 @@ static void add_pin(graph *g, int pin)
         g->freedom[centre] = 2;
     }
     for (int i = 0; i < n; i++)
-        add_units(g, g->node_of_link[link[i]], centre, 2);
+        add_point(g, link[i], -1, centre);
+}
+
+/* The links do not turn against each other; the one does not move across (or along) the other's line. */
+static void add_parallel(graph *g, const lw_joint *q)
+{
+    unit u = { .owner = -1 };
+    add_turn(g, &u, q->link[0]);
+    add_turn(g, &u, q->link[1]);
+    add_unit(g, &u);
+}
+
+static void add_way(graph *g, const lw_joint *q)
+{
+    unit u = { .owner = -1 };
+    add_place(g, &u, q->link[0]);
+    add_place(g, &u, q->link[1]);
+    add_unit(g, &u);
+}
+
+/* Turns of the wheels and the carrier; what a rack slides is about its place and the carrier's. */
+static void add_gear(graph *g, int j)
+{
+    const lw_gear *gear = &g->t->gear[j];
+    bool rack = gear->slider[0] >= 0 || gear->slider[1] >= 0;
+    unit u = { .owner = -1 };
+    for (int side = 0; side < 2; side++)
+        if (gear->slider[side] >= 0)
+            add_place(g, &u, g->t->k->joint[j].link[side]);
+        else
+            add_turn(g, &u, g->t->k->joint[j].link[side]);
+    if (rack)
+        add_place(g, &u, gear->carrier);
+    else
+        add_turn(g, &u, gear->carrier);
+    add_unit(g, &u);
+}
+
+static void add_links(graph *g)
+{
+    for (int i = 0; i < g->t->k->n_link; i++) {
+        g->place[i] = g->t->rank[i] < 0 ? g->n_node : -1;
+        if (g->t->rank[i] >= 0)
+            continue;
+        g->freedom[g->n_node++] = 2;
+        g->freedom[g->n_node++] = 1;
+    }
 }
 
 static void build(graph *g)
 {
     const lw_topology *t = g->t;
-    const lw_linkage *k = t->k;
-    for (int i = 0; i < k->n_link; i++) {
-        g->node_of_link[i] = t->rank[i] < 0 ? g->n_node : -1;
-        if (t->rank[i] < 0)
-            g->freedom[g->n_node++] = 3;
-    }
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *q = &k->joint[j];
+    add_links(g);
+    for (int j = 0; j < t->k->n_joint; j++) {
+        const lw_joint *q = &t->k->joint[j];
+        bool driven = j == t->input_joint && t->driven < 0;
         if (is_pin(t, j) && t->pin[j] == j)
             add_pin(g, j);
-        if (q->kind == LW_JOINT_SLIDER)
-            add_units(g, g->node_of_link[q->link[0]], g->node_of_link[q->link[1]], 2);
-        if (j == t->input_joint && t->driven < 0)
-            add_units(g, g->node_of_link[q->link[0]], g->node_of_link[q->link[1]], 1);
+        if (q->kind == LW_JOINT_SLIDER) {
+            add_parallel(g, q);
+            add_way(g, q);
+        }
+        if (driven && is_pin(t, j))
+            add_parallel(g, q);
+        else if (driven)
+            add_way(g, q);
+        if (q->kind == LW_JOINT_GEAR && !t->geared[j])
+            add_gear(g, j);
     }
 }
 
-/* Make room for one more condition at a body, by moving others away (augmenting path). */
+/* Make room for one more condition at a node, by moving others away (augmenting path). */
 static bool make_room(graph *g, int node, bool *seen)
 {
-    if (node < 0 || seen[node])
+    if (seen[node])
         return false;
     seen[node] = true;
     if (g->load[node] < g->freedom[node])
         return true;
-    for (int u = 0; u < g->n_unit; u++) {
-        if (g->unit[u].owner != node)
-            continue;
-        int other = g->unit[u].end[0] == node ? g->unit[u].end[1] : g->unit[u].end[0];
-        if (make_room(g, other, seen)) {
-            g->unit[u].owner = other;
-            g->load[other]++;
-            g->load[node]--;
-            return true;
-        }
+    for (int i = 0; i < g->n_unit; i++) {
+        unit *u = &g->unit[i];
+        for (int h = 0; u->owner == node && h < u->n; h++)
+            if (u->end[h] != node && make_room(g, u->end[h], seen)) {
+                u->owner = u->end[h];
+                g->load[u->end[h]]++;
+                g->load[node]--;
+                return true;
+            }
     }
     return false;
 }
 
 static bool assign(graph *g)
 {
-    for (int u = 0; u < g->n_unit; u++) {
+    for (int i = 0; i < g->n_unit; i++) {
+        unit *u = &g->unit[i];
         bool seen[NODE_MAX] = { false };
-        int to = -1;
-        for (int h = 0; h < 2 && to < 0; h++)
-            if (make_room(g, g->unit[u].end[h], seen))
-                to = g->unit[u].end[h];
-        if (to < 0)
+        for (int h = 0; h < u->n && u->owner < 0; h++)
+            if (make_room(g, u->end[h], seen))
+                u->owner = u->end[h];
+        if (u->owner < 0)
             return false;
-        g->unit[u].owner = to;
-        g->load[to]++;
+        g->load[u->owner]++;
     }
     for (int i = 0; i < g->n_node; i++)
         if (g->load[i] != g->freedom[i])
@@ -118,16 +194,17 @@ static bool assign(graph *g)
     return true;
 }
 
-/* Which bodies each body needs, itself included. */
+/* Which nodes each node needs, itself included. */
 static void close_needs(graph *g)
 {
     for (int i = 0; i < g->n_node; i++)
         g->reach[i][i] = true;
-    for (int u = 0; u < g->n_unit; u++) {
-        int a = g->unit[u].owner, b = g->unit[u].end[0] == a ? g->unit[u].end[1] : g->unit[u].end[0];
-        if (b >= 0)
-            g->reach[a][b] = true;
-    }
+    for (int l = 0; l < g->t->k->n_link; l++)
+        if (g->place[l] >= 0)
+            g->reach[g->place[l]][g->place[l] + 1] = g->reach[g->place[l] + 1][g->place[l]] = true;
+    for (int i = 0; i < g->n_unit; i++)
+        for (int h = 0; h < g->unit[i].n; h++)
+            g->reach[g->unit[i].owner][g->unit[i].end[h]] = true;
     for (int m = 0; m < g->n_node; m++)
         for (int i = 0; i < g->n_node; i++)
             for (int j = 0; g->reach[i][m] && j < g->n_node; j++)
@@ -144,7 +221,7 @@ static uint32_t smallest(const graph *g)
             closed = closed && (!g->reach[i][j] || g->reach[j][i]);
         uint32_t links = 0;
         for (int l = 0; l < g->t->k->n_link; l++)
-            if (g->node_of_link[l] >= 0 && g->reach[i][g->node_of_link[l]])
+            if (g->place[l] >= 0 && g->reach[i][g->place[l]])
                 links |= 1u << l;
         if (closed && links && (!best || __builtin_popcount(links) < __builtin_popcount(best)))
             best = links;
@@ -221,7 +298,7 @@ static void collect_ties(tree *r)
     const lw_topology *t = r->t;
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (q->kind == LW_JOINT_GEAR)                    /* its wheels are known, or it is of no help yet */
+        if (q->kind == LW_JOINT_GEAR)                    /* no way from link to link */
             continue;
         if (!is_pin(t, j)) {
             if (on_links(r, q->link[0], q->link[1]))
@@ -286,9 +363,30 @@ static void walk(const tree *r, lw_cluster *c)
 static lw_status cannot_own(const lw_topology *t, lw_error *e)
 {
     char list[400];
+    bool turns = false;
     lw_plan_list_unknown(t, list, sizeof list);
-    return lw_error_set(e, LW_E_KIND, "some of the links %s are held more than once and others not at all, so that the input "
-                        "does not say where they are", list);
+    for (int j = 0; j < t->k->n_joint; j++)
+        turns = turns || !is_pin(t, j);
+    return lw_error_set(e, LW_E_KIND, "some of the links %s are held more than once and others not at all%s, so that the input "
+                        "does not say where they are", list, turns ? " (rings of slides, or gears, may hold turns alone)" : "");
+}
+
+/* The gears that hold a link of the group. */
+static void collect_gears(const lw_topology *t, lw_cluster *c)
+{
+    for (int j = 0; j < t->k->n_joint; j++) {
+        const lw_joint *q = &t->k->joint[j];
+        if (q->kind != LW_JOINT_GEAR || t->geared[j])
+            continue;
+        uint32_t links = 1u << q->link[0] | 1u << q->link[1] | 1u << t->gear[j].carrier;
+        bool inside = links & c->links;
+        for (int l = 0; l < t->k->n_link; l++)
+            inside = inside && (!(links >> l & 1) || c->links >> l & 1 || t->rank[l] >= 0);
+        if (!inside)
+            continue;
+        c->gear[c->n_gear++] = j;
+        c->bases |= links & ~c->links;
+    }
 }
 
 lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e)
@@ -306,8 +404,9 @@ lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e)
     if (s != LW_OK)
         return s;
     walk(&r, c);
-    if (c->n_loop > LW_PLAN_LOOP_MAX)
-        return lw_error_set(e, LW_E_KIND, "a group of %d links with %d loops has to be solved at once; plans go up to %d",
-                            c->n_link, c->n_loop, LW_PLAN_LOOP_MAX);
+    collect_gears(t, c);
+    if (2*c->n_loop + c->n_gear > LW_UNKNOWN_MAX)
+        return lw_error_set(e, LW_E_KIND, "a group of %d links with %d loops and %d gears has to be solved at once; plans go up "
+                            "to %d equations", c->n_link, c->n_loop, c->n_gear, LW_UNKNOWN_MAX);
     return LW_OK;
 }

@@ -11,7 +11,7 @@ typedef struct lw_builder {
     int      number[LW_LINK_MAX];          /* in the names of dimensions: ground 1, input 2, ...    */
     int      pin_reg[LW_JOINT_MAX];        /* register of each pin (first joint), -1: not yet        */
     int      place[LW_DIM_MAX];            /* sort key of each dimension                             */
-    int      n_line[LW_LINK_MAX][2];       /* offsets and angles named so far                        */
+    int      n_named[LW_LINK_MAX][LW_ROLE_MIDDLE - LW_ROLE_E + 1];     /* of each role from e on, so far */
     int      input_reg;                    /* of an input between moving links                       */
     int      lap_reg;                      /* unit vector of the plan's input, what even gears turn by */
     bool     full;                         /* a table of the plan overflowed                         */
@@ -39,14 +39,25 @@ void lw_build_line(lw_builder *b, int j, int base, int *q, int *w);
 void lw_build_link(lw_builder *b, int link, int origin, int dir);
 void lw_build_slider(lw_builder *b, int j, int base, int ref);
 
-/* The direction of a driven link from the input's; a wheel. */
+/* The frame of a link that turns on this pin. */
+lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin);
+
+/* The direction of a driven link from the input's; a wheel, pinion or rack; a row of a higher group, from the numbers of
+ * the directions of the gear's links and its carrier (-1: they do not turn) and of a rack's displacement (-1: wheels). */
 int  lw_build_laps(lw_builder *b, int input);
 void lw_build_gear(lw_builder *b, const lw_group *g);
+void lw_build_gear_frame(lw_builder *b, const lw_group *g);
+lw_higher_gear lw_build_gear_row(lw_builder *b, int joint, const int *dir, int disp);
+
+/* A link at a displacement along a line. */
+void lw_build_ride(lw_builder *b, int link, int q, int w, int along);
 
 /* Frames of a higher group's links; then its step and those that follow from it. */
 void lw_build_higher_frames(lw_builder *b, const lw_cluster *c);
+void lw_build_rack_frame(lw_builder *b, const lw_group *g);
 void lw_build_higher(lw_builder *b, const lw_cluster *c);
 void lw_build_higher_renumber(lw_higher *g, const int *to);
+void lw_build_higher_angle(lw_higher *g, int dim, int number);
 /* Is one of the registers the group puts out needed?  Then so are those it takes. */
 bool lw_build_higher_needs(const lw_higher *g, bool *need);
 

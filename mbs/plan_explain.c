@@ -61,9 +61,10 @@ static void add_group(lw_text *out, const lw_linkage *k, told *t, int number)
     }
 }
 
-static void add_wheel(lw_text *out, const lw_joint *by)
+static void add_wheel(lw_text *out, lw_step_kind kind, const lw_joint *by)
 {
-    lw_text_add(out, "; turned by %s \"%s\"\n", by->kind == LW_JOINT_GEAR ? "gear" : "the tied input", by->name);
+    lw_text_add(out, "; %s by %s \"%s\"\n", kind == LW_STEP_RACK ? "moved" : "turned",
+                by->kind == LW_JOINT_GEAR ? "gear" : "the tied input", by->name);
 }
 
 static void add_dyad(lw_text *out, const lw_step *s)
@@ -76,9 +77,26 @@ static void add_dyad(lw_text *out, const lw_step *s)
 
 static void add_higher(lw_text *out, const lw_higher *g)
 {
-    lw_text_add(out, "; Newton's method with %d unknown%s (%d turn%s, %d displacement%s) on %d loop%s\n", 2*g->n_loop,
-                g->n_loop ? "s" : "", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp, g->n_disp == 1 ? "" : "s", g->n_loop,
-                g->n_loop == 1 ? "" : "s");
+    lw_text_add(out, "; Newton's method with %d unknown%s (%d turn%s, %d displacement%s) on %d loop%s", g->n_unknown,
+                g->n_unknown == 1 ? "" : "s", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp, g->n_disp == 1 ? "" : "s",
+                g->n_loop, g->n_loop == 1 ? "" : "s");
+    if (g->n_gear)
+        lw_text_add(out, " and %d gear%s", g->n_gear, g->n_gear == 1 ? "" : "s");
+    lw_text_add(out, "\n");
+}
+
+/* The gear by which a step makes a link known, and that link; -1: it does not. */
+static int gear_of(const lw_plan *p, const lw_step *s, int *link)
+{
+    bool gear = (s->kind == LW_STEP_GEAR && s->dim[0] >= 0) || s->kind == LW_STEP_ROLL || s->kind == LW_STEP_RACK;
+    if (!gear)
+        return -1;
+    const lw_dim_info *d = &p->dim[s->dim[0]];
+    *link = d->link;
+    for (int r = 0; s->kind == LW_STEP_ROLL && r < p->n_rack; r++)
+        if (p->rack[r].joint == d->joint)
+            *link = p->rack[r].pinion;
+    return d->joint;
 }
 
 static void add_left_out(lw_text *out, const lw_plan *p, const lw_linkage *k, uint32_t known)
@@ -113,11 +131,12 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
     for (int i = 0; i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
         told t = { .before = known };
+        int wheel;
         if (s->kind == LW_STEP_HIGHER)
             for (int l = 0; l < p->higher[s->dim[0]].n_link; l++)
                 t.links |= 1u << p->higher[s->dim[0]].link[l];
-        else if (s->kind == LW_STEP_GEAR && s->dim[0] >= 0)
-            t.links = 1u << p->dim[s->dim[0]].link;
+        else if (gear_of(p, s, &wheel) >= 0)
+            t.links = 1u << wheel;
         else if (s->dyad >= 0)
             t.links = 1u << p->dyad[s->dyad].link[0] | 1u << p->dyad[s->dyad].link[1];
         if (!t.links)
@@ -125,8 +144,8 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
         add_group(&out, &k, &t, number++);
         if (s->kind == LW_STEP_HIGHER)
             add_higher(&out, &p->higher[s->dim[0]]);
-        else if (s->kind == LW_STEP_GEAR)
-            add_wheel(&out, &k.joint[p->dim[s->dim[0]].joint]);
+        else if (gear_of(p, s, &wheel) >= 0)
+            add_wheel(&out, s->kind, &k.joint[gear_of(p, s, &wheel)]);
         else
             add_dyad(&out, s);
         known |= t.links;

@@ -58,6 +58,14 @@ void lw_build_higher_frames(builder *b, const lw_cluster *c)
     }
 }
 
+/* As of a link that is reached by a slide. */
+void lw_build_rack_frame(builder *b, const lw_group *g)
+{
+    const lw_cluster c = { .n_link = 1, .reach = { { g->base[0], g->link[0], g->joint[0] } }, .links = 1u << g->link[0],
+                           .bases = 1u << g->base[0] };
+    lw_build_higher_frames(b, &c);
+}
+
 /* ---- loops -------------------------------------------------------------------------------------------- */
 
 /* One vector of a path: known point, (x + iy) u, or d u. */
@@ -230,6 +238,43 @@ static void set_loops(group_builder *q)
             g->slide[i].disp = (short)g->n_disp;
 }
 
+/* ---- gears -------------------------------------------------------------------------------------------- */
+
+/* The number of a link's direction, -1 for the ground's. */
+static int direction_of(group_builder *q, int link)
+{
+    const lw_topology *t = q->b->t;
+    if (in_group(q, link))
+        return q->dir[link];
+    return link == t->k->ground ? -1 : add_dir(q, (lw_higher_dir){ -1, -1, (short)q->b->p->link_dir[link], -1, -1, 0 });
+}
+
+static int disp_number(const group_builder *q, int joint)
+{
+    int i = 0;
+    while (i < q->g->n_disp && q->g->disp_joint[i] != joint)
+        i++;
+    return i;                                            /* past the unknown ones: the input */
+}
+
+static void set_gears(group_builder *q)
+{
+    const lw_topology *t = q->b->t;
+    for (int i = 0; i < q->c->n_gear; i++) {
+        int joint = q->c->gear[i], disp = -1;
+        const lw_gear *gear = &t->gear[joint];
+        const int *link = t->k->joint[joint].link;
+        int dir[3] = { direction_of(q, link[0]), direction_of(q, link[1]), direction_of(q, gear->carrier) };
+        for (int side = 0; side < 2; side++)
+            if (gear->slider[side] >= 0)
+                disp = disp_number(q, gear->slider[side]);
+        if (q->g->n_gear == LW_HIGHER_GEAR_MAX)
+            q->b->full = true;
+        else
+            q->g->gear[q->g->n_gear++] = lw_build_gear_row(q->b, joint, dir, disp);
+    }
+}
+
 /* ---- what follows ------------------------------------------------------------------------------------- */
 
 static int disp_of(const group_builder *q, int joint)
@@ -240,6 +285,18 @@ static int disp_of(const group_builder *q, int joint)
     return q->b->input_reg;
 }
 
+void lw_build_ride(builder *b, int link, int q, int w, int along)
+{
+    int pin = b->p->frame[link].origin;
+    lw_step *s = lw_build_step(b, LW_STEP_SLIDE);
+    s->in[0] = q;
+    s->in[1] = w;
+    s->in[2] = along;
+    lw_build_link(b, link, s->out[0] = lw_build_reg(b), w);
+    if (pin >= 0 && b->pin_reg[pin] < 0)
+        b->pin_reg[pin] = s->out[0];
+}
+
 /* Frames of the links, one after the other, from those by which they are reached. */
 static void emit_links(group_builder *q)
 {
@@ -248,16 +305,10 @@ static void emit_links(group_builder *q)
         const lw_tie *r = &q->c->reach[i];
         const lw_higher_dir *d = &q->g->dir[q->dir[r->b]];
         if (lw_build_is_slider(b, r->joint)) {
-            int *line = q->line[r->b], pin = b->p->frame[r->b].origin;
+            int *line = q->line[r->b];
             if (in_group(q, r->a))
                 lw_build_line(b, r->joint, r->a, &line[0], &line[1]);
-            lw_step *s = lw_build_step(b, LW_STEP_SLIDE);
-            s->in[0] = line[0];
-            s->in[1] = line[1];
-            s->in[2] = disp_of(q, r->joint);
-            lw_build_link(b, r->b, s->out[0] = lw_build_reg(b), line[1]);
-            if (pin >= 0 && b->pin_reg[pin] < 0)
-                b->pin_reg[pin] = s->out[0];
+            lw_build_ride(b, r->b, line[0], line[1], disp_of(q, r->joint));
             continue;
         }
         int origin = lw_build_pin(b, r->joint, r->a), dir = d->reg;
@@ -278,7 +329,7 @@ void lw_build_higher(builder *b, const lw_cluster *c)
 {
     path at[LW_LINK_MAX];
     group_builder q = { .b = b, .c = c, .g = &b->p->higher[b->p->n_higher], .at = at };
-    if (2*c->n_loop > LW_UNKNOWN_MAX) {
+    if (2*c->n_loop + c->n_gear > LW_UNKNOWN_MAX || c->n_link > LW_UNKNOWN_MAX) {
         b->full = true;
         return;
     }
@@ -287,6 +338,8 @@ void lw_build_higher(builder *b, const lw_cluster *c)
         at[i].n = 0;
     }
     set_loops(&q);
+    set_gears(&q);
+    q.g->n_unknown = q.g->n_turn + q.g->n_disp;
     lw_step *s = lw_build_step(b, LW_STEP_HIGHER);
     s->dim[0] = b->p->n_higher++;
     emit_links(&q);
@@ -308,6 +361,22 @@ void lw_build_higher_renumber(lw_higher *g, const int *to)
     }
     for (int i = 0; i < g->n_dir; i++)
         renumber(&g->dir[i].dim, to);
+    for (int i = 0; i < g->n_gear; i++) {
+        renumber(&g->gear[i].phase, to);
+        renumber(&g->gear[i].rho, to);
+        renumber(&g->gear[i].shift, to);
+        renumber(&g->gear[i].middle, to);
+    }
+}
+
+void lw_build_higher_angle(lw_higher *g, int dim, int number)
+{
+    for (int i = 0; i < g->n_dir; i++)
+        if (g->dir[i].dim == dim)
+            g->dir[i].angle = (short)number;
+    for (int i = 0; i < g->n_gear; i++)
+        if (g->gear[i].phase == dim)
+            g->gear[i].angle = (short)number;
 }
 
 bool lw_build_higher_needs(const lw_higher *g, bool *need)

@@ -179,7 +179,7 @@ static lw_status add_cluster(lw_topology *t, int *known, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "more than %d higher Assur groups", LW_HIGHER_MAX);
     lw_cluster *c = &t->cluster[t->n_cluster];
     lw_status s = lw_plan_find_cluster(t, c, e);
-    if (s != LW_OK)
+    if (s != LW_OK || (s = lw_plan_gear_laps(t, c, e)) != LW_OK)
         return s;
     t->group[t->n_group++] = (lw_group){ .kind = LW_STEP_HIGHER, .cluster = t->n_cluster++ };
     for (int i = 0; i < c->n_link; i++)
@@ -213,19 +213,15 @@ void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
 static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
 {
     int known = t->driven < 0 ? 1 : 2;
-    lw_plan_tie_inputs(t, &known);
-    while (known < t->k->n_link) {
+    lw_status s = lw_plan_tie_inputs(t, &known, e);
+    while (s == LW_OK && known < t->k->n_link) {
         lw_group g;
-        if (lw_plan_find_gear(t, &g)) {
-            t->group[t->n_group++] = g;
-            t->n_gear++;
-            t->rank[g.link[0]] = known++;
+        bool geared;
+        s = lw_plan_find_gear(t, &known, &geared, e);
+        if (s != LW_OK || geared)
             continue;
-        }
         if (!find_dyad(t, &g)) {
-            lw_status s = higher ? add_cluster(t, &known, e) : left_over(t, e);
-            if (s != LW_OK)
-                return s;
+            s = higher ? add_cluster(t, &known, e) : left_over(t, e);
             continue;
         }
         if (t->n_group - t->n_cluster - t->n_gear == LW_DYAD_MAX)
@@ -234,7 +230,7 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
         t->rank[g.link[0]] = known++;
         t->rank[g.link[1]] = known++;
     }
-    return LW_OK;
+    return s;
 }
 
 /* Backward slice: a link is needed by an output on it, or by a needed dyad that hangs on it.  The
@@ -311,7 +307,8 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool hi
     join_pins(t);
     if (higher && mobility(t) != 1)                 /* else dyads show what is wrong more plainly */
         return no_freedom(t, e);
-    if ((s = find_groups(t, higher, e)) != LW_OK || (s = lw_plan_gear_rates(t, e)) != LW_OK)
+    if ((s = lw_plan_start_gears(t, e)) != LW_OK || (s = find_groups(t, higher, e)) != LW_OK
+        || (s = lw_plan_check_gears(t, e)) != LW_OK)
         return s;
     if (mobility(t) != 1)
         return no_freedom(t, e);

@@ -1,5 +1,6 @@
 /* Numbers from a posture and a posture from numbers. */
 #include "mbs/plan_internal.h"
+#include "mbs/dyad_internal.h"
 
 #include <string.h>
 
@@ -102,10 +103,25 @@ lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw
 
 static double angle_of(lw_vec2 u) { return atan2(u.y, u.x); }
 
+/* How a rack stands to its pinion. */
+typedef struct meshing { double rho, angle, along; } meshing;
+
+static meshing read_rack(const lw_plan *p, const lw_linkage *k, const lw_frames *f, int joint)
+{
+    const lw_rack *r = p->rack;
+    while (r->joint != joint)
+        r++;
+    int base = p->slider_base[r->slider], rider = lw_joint_other(&k->joint[r->slider], base);
+    double ratio = k->joint[joint].ratio, metres = r->side ? ratio : 1/ratio;
+    return (meshing){ r->sign*metres, angle_of(lw_v2_unturn(f->d[r->pinion], f->d[r->carrier])),
+                      lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), slide_direction(p, k, r->slider)) };
+}
+
 static double read_dim(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const lw_dim_info *d)
 {
     lw_vec2 o = f->o[d->link], u = f->d[d->link], w;
     int j = d->joint;
+    meshing m;
     switch (d->role) {
     case LW_ROLE_R:  return lw_v2_norm(lw_v2_sub(k->joint[j].at, o));
     case LW_ROLE_X:  return lw_v2_unturn(lw_v2_sub(k->joint[j].at, o), u).x;
@@ -114,6 +130,11 @@ static double read_dim(const lw_plan *p, const lw_linkage *k, const lw_frames *f
         w = slide_direction(p, k, j);
         return lw_v2_cross(w, lw_v2_sub(line_point(p, k, j, d->link, f), o));
     case LW_ROLE_BETA: return angle_of(lw_v2_unturn(slide_direction(p, k, j), u));
+    case LW_ROLE_PITCH:  return read_rack(p, k, f, j).rho;
+    case LW_ROLE_MIDDLE: return read_rack(p, k, f, j).angle;
+    case LW_ROLE_SHIFT:
+        m = read_rack(p, k, f, j);
+        return m.along - m.rho*m.angle;
     case LW_ROLE_CX: return lw_v2_unturn(lw_v2_sub(k->tracer[j].at, o), u).x;
     case LW_ROLE_CY: return lw_v2_unturn(lw_v2_sub(k->tracer[j].at, o), u).y;
     case LW_ROLE_X0: return o.x;
@@ -140,6 +161,20 @@ static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s,
     for (int h = 0; h < 2; h++)
         turn -= s->power[h]*angle_of(lw_v2_unturn(f->d[link_with(p, s->in[h])], ground));
     return remainder(turn, 2*LW_PI);
+}
+
+/* Of wheels in higher groups. */
+static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
+{
+    for (int i = 0; i < p->n_higher; i++)
+        for (int h = 0; h < p->higher[i].n_gear; h++) {
+            const lw_higher_gear *g = &p->higher[i].gear[h];
+            double turn = 0;
+            for (int a = 0; a < g->n_term; a++)
+                turn += g->power[a]*angle_of(lw_v2_unturn(f->d[g->link[a]], f->d[p->link[0]]));
+            if (g->phase >= 0)
+                dim[g->phase] = remainder(turn, 2*LW_PI)/g->count;
+        }
 }
 
 /* Signs as at lw_dyad in mbs/plan.h. */
@@ -216,6 +251,7 @@ static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, d
     for (int i = 0; i < p->n_step; i++)
         if (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] >= 0)
             dim[p->step[i].dim[0]] = read_phase(p, &f, &p->step[i], *input);
+    read_phases(p, &f, dim);
     read_seeds(p, k, &f, dim, *input, mode);
     return LW_OK;
 }
@@ -281,10 +317,18 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
     }
 }
 
-/* Contacts of gears, once the pins of their wheels stand. */
-static void move_gears(lw_linkage *k)
+/* Ratios of racks; contacts of gears, once the pins of their wheels stand. */
+static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
 {
     lw_gear g;
+    for (int i = 0; i < p->n_dim; i++) {
+        const lw_rack *r = p->rack;
+        if (p->dim[i].role != LW_ROLE_PITCH)
+            continue;
+        while (r->joint != p->dim[i].joint)
+            r++;
+        k->joint[r->joint].ratio = r->side ? r->sign*dim[i] : r->sign/lw_away_from_zero(dim[i]);
+    }
     for (int j = 0; j < k->n_joint; j++)
         if (k->joint[j].kind == LW_JOINT_GEAR && lw_linkage_gear(k, j, &g, NULL) == LW_OK)
             k->joint[j].at = lw_linkage_contact(k, j, &g);
@@ -320,7 +364,7 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     if (p->input_link[0] != k->ground)
         turned = 0;
     move_joints(&f, &q, dim, k);
-    move_gears(k);
+    move_gears(p, dim, k);
     move_tracers(&f, &q, dim, k);
     k->input[0].value += p->input_is_slider ? input - before
                                                   : remainder(p->laps*(input - before) + turned, 2*LW_PI);
@@ -341,6 +385,7 @@ lw_status lw_plan_write(const lw_plan *p, const double *dim, const double *mode,
         before[i] = lw_linkage_posture_input(k, k->input[i].joint);
     for (int j = 0; j < k->n_joint; j++) {
         k->joint[j].at = wide.joint[j].at;
+        k->joint[j].ratio = wide.joint[j].ratio;
         k->joint[j].along = wide.joint[slot[j] >= 0 ? slot[j] : j].along;
     }
     memcpy(k->tracer, wide.tracer, sizeof k->tracer);

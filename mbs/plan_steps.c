@@ -33,12 +33,12 @@ lw_step *lw_build_step(builder *b, lw_step_kind kind)
 /* The names of mbs/plan.h. */
 static void name_dim(const builder *b, lw_dim_info *d, int number, int count)
 {
-    static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "cx", "cy", "x0", "y0", "theta0" };
+    static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "rho", "s", "mu", "cx", "cy", "x0", "y0", "theta0" };
     const char *s = stem[d->role];
     switch (d->role) {
-    case LW_ROLE_R: case LW_ROLE_PHASE: snprintf(d->name, sizeof d->name, "%s%d", s, b->number[d->link]); break;
     case LW_ROLE_X: case LW_ROLE_Y: snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number); break;
-    case LW_ROLE_E: case LW_ROLE_BETA:
+    case LW_ROLE_R: case LW_ROLE_E: case LW_ROLE_BETA:
+    case LW_ROLE_PHASE: case LW_ROLE_PITCH: case LW_ROLE_SHIFT: case LW_ROLE_MIDDLE:
         if (count == 0)
             snprintf(d->name, sizeof d->name, "%s%d", s, b->number[d->link]);
         else
@@ -66,7 +66,7 @@ int lw_build_dim(builder *b, lw_dim_role role, int link, int joint, int count)
 {
     static const lw_dim_kind kind[] = {
         LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_ANGLE,
-        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE
+        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE
     };
     lw_plan *p = b->p;
     for (int d = 0; d < p->n_dim; d++)
@@ -78,8 +78,8 @@ int lw_build_dim(builder *b, lw_dim_role role, int link, int joint, int count)
     }
     lw_dim_info *d = &p->dim[p->n_dim];
     *d = (lw_dim_info){ .kind = kind[role], .link = link, .role = role, .joint = joint };
-    if (role == LW_ROLE_E || role == LW_ROLE_BETA)
-        count = b->n_line[link][role == LW_ROLE_BETA]++;
+    if (role >= LW_ROLE_E && role <= LW_ROLE_MIDDLE)
+        count = b->n_named[link][role - LW_ROLE_E]++;
     name_dim(b, d, joint + 1, count);
     b->place[p->n_dim] = place_of(b, d) + p->n_dim;
     return p->n_dim++;
@@ -102,7 +102,7 @@ static int ground_joints(const lw_topology *t, int *joint)
     for (int i = 0; i < t->n_group; i++) {
         const lw_group *g = &t->group[i];
         const lw_cluster *c = &t->cluster[g->cluster];
-        for (int side = 0; side < (g->kind == LW_STEP_GEAR ? 1 : 2) && g->kind != LW_STEP_HIGHER; side++)
+        for (int side = 0; side < (lw_group_is_gear(g) ? 1 : 2) && g->kind != LW_STEP_HIGHER; side++)
             if ((g->need[0] || g->need[1]) && g->base[side] == t->k->ground)
                 joint[n++] = g->joint[2*side];
         for (int h = 0; g->kind == LW_STEP_HIGHER && c->need && h < c->n_link + c->n_loop; h++) {
@@ -133,43 +133,11 @@ static void ground_frame(builder *b)
     b->p->frame[t->k->ground] = (lw_frame){ pin[0], { line[0], line[1] }, n_pin > 1 ? pin[1] : line[0], -1 };
 }
 
-/* The first joint of a link beside the one it turns on, as lw_linkage_posture_input has it. */
-static int next_joint(const lw_topology *t, int link, int pin)
-{
-    const lw_linkage *k = t->k;
-    lw_vec2 at = k->joint[pin].at;
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *q = &k->joint[j];
-        if (t->slot[j] >= 0 && lw_joint_has(&k->joint[t->slot[j]], link))
-            return t->slot[j];
-        if (j != pin && q->kind != LW_JOINT_GEAR && lw_joint_has(q, link) &&
-            (q->kind == LW_JOINT_SLIDER || q->at.x != at.x || q->at.y != at.y))
-            return j;
-    }
-    return -1;
-}
-
-static int first_tracer(const lw_topology *t, int link)
-{
-    for (int i = 0; i < t->k->n_tracer; i++)
-        if (t->k->tracer[i].link == link)
-            return i;
-    return -1;
-}
-
-/* Of a link that turns on a pin: the driven one, a wheel. */
-static lw_frame turning_frame(const builder *b, int link, int pin)
-{
-    const lw_topology *t = b->t;
-    int j = next_joint(t, link, pin);
-    return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || is_slider(b, j) ? j : t->pin[j], first_tracer(t, link) };
-}
-
 static lw_frame input_frame(const builder *b)
 {
     const lw_topology *t = b->t;
     if (!is_slider(b, t->input_joint))
-        return turning_frame(b, t->driven, t->input_joint);
+        return lw_build_turning_frame(b, t->driven, t->input_joint);
     lw_frame f = { -1, { t->input_joint, -1 }, t->input_joint, -1 };
     for (int j = t->k->n_joint - 1; j >= 0; j--)
         if (j != t->input_joint && lw_joint_has(&t->k->joint[j], t->driven)) {
@@ -217,8 +185,8 @@ static void set_frames(builder *b)
             lw_build_higher_frames(b, &t->cluster[g->cluster]);
             continue;
         }
-        if (g->kind == LW_STEP_GEAR) {
-            frame[g->link[0]] = turning_frame(b, g->link[0], g->joint[0]);
+        if (lw_group_is_gear(g)) {
+            lw_build_gear_frame(b, g);
             continue;
         }
         const int *j = g->joint;
@@ -316,7 +284,8 @@ static void emit_input(builder *b)
             s->in[0] = LW_ORIGIN_REG;
             s->in[1] = LW_AXIS_REG;
         }
-        b->input_reg = s->out[0] = lw_build_reg(b);
+        s->out[0] = lw_build_reg(b);
+        b->input_reg = is_slider(b, j) ? s->out[0] : lw_build_laps(b, s->out[0]);
         return;
     }
     if (!is_slider(b, j)) {
@@ -437,8 +406,8 @@ static void emit_groups(builder *b)
         case LW_STEP_RRP: emit_rrp(b, g); break;
         case LW_STEP_RPR: emit_rpr(b, g); break;
         case LW_STEP_PRP: emit_prp(b, g); break;
-        case LW_STEP_GEAR: lw_build_gear(b, g); break;
-        default:          emit_ppr(b, g);
+        case LW_STEP_PPR: emit_ppr(b, g); break;
+        default:          lw_build_gear(b, g);
         }
         if (b->p->n_step > before && b->p->step[b->p->n_step - 1].dyad == b->p->n_dyad)
             b->p->dyad[b->p->n_dyad++] = (lw_dyad){ { g->link[0], g->link[1] },
@@ -539,9 +508,7 @@ static void number_angles(lw_plan *p)
                 || (p->step[i].kind == LW_STEP_GEAR && p->step[i].dim[0] == d))
                 p->step[i].dim[2] = p->n_angle;
         for (int g = 0; g < p->n_higher; g++)
-            for (int i = 0; i < p->higher[g].n_dir; i++)
-                if (p->higher[g].dir[i].dim == d)
-                    p->higher[g].dir[i].angle = (short)p->n_angle;
+            lw_build_higher_angle(&p->higher[g], d, p->n_angle);
         p->angle[p->n_angle++] = d;
     }
 }
@@ -575,7 +542,7 @@ static void number_links(builder *b)
         for (int l = 0; g->kind == LW_STEP_HIGHER && c->need && l < c->n_link; l++)
             p->link[p->n_link++] = c->reach[l].b;
         bool any = g->need[0] || g->need[1], alone = g->kind == LW_STEP_PPR;
-        for (int s = 0; s < (g->kind == LW_STEP_GEAR ? 1 : 2); s++)
+        for (int s = 0; s < (lw_group_is_gear(g) ? 1 : 2); s++)
             if (any && (g->need[s] || !alone || !is_slider(b, g->joint[2*s])))
                 p->link[p->n_link++] = g->link[s];
     }

@@ -5,6 +5,7 @@
 #include "mbs/dyad_internal.h"
 #include "mbs/kernels_internal.h"
 #include "mbs/plan_internal.h"
+#include "mbs/sincos_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +38,15 @@ static lw_vec2 solve_gear(const lw_step *s, const double *dim, const lw_vec2 *re
 {
     lw_vec2 u = times_power(lw_v2_polar(1, value(dim, s->dim[0])), reg[s->in[0]], s->power[0]);
     return s->in[1] < 0 ? u : times_power(u, reg[s->in[1]], s->power[1]);
+}
+
+/* The displacement of a rack; returns its margin. */
+static double solve_rack(const lw_step *s, const double *dim, lw_vec2 *reg)
+{
+    lw_vec2 a = lw_v2_unturn(reg[s->in[0]], reg[s->in[1]]);
+    double middle = dim[s->dim[2]], off = remainder(atan2(a.y, a.x) - middle, 2*LW_PI);
+    reg[s->out[0]] = lw_v2(dim[s->dim[1]] + dim[s->dim[0]]*(middle + off), 0);
+    return lw_rack_margin(off);
 }
 
 /* One step; returns the margin of a dyad, 1 for other steps. */
@@ -80,6 +90,14 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     case LW_STEP_SLIDE:
         reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
         return 1;
+    case LW_STEP_ALONG:
+        reg[out[0]] = lw_v2(lw_v2_dot(lw_v2_sub(reg[in[2]], reg[in[0]]), reg[in[1]]), 0);
+        return 1;
+    case LW_STEP_ROLL:
+        reg[out[0]] = lw_v2_turn(reg[in[0]], lw_v2_polar(1, lw_rolled(reg[in[1]].x, dim[s->dim[0]], dim[s->dim[1]])));
+        return 1;
+    case LW_STEP_RACK:
+        return solve_rack(s, dim, reg);
     default: {
         lw_prp z = lw_prp_solve(reg[in[0]], reg[in[1]], reg[in[2]], reg[in[3]]);
         reg[out[0]] = z.c;
@@ -288,6 +306,42 @@ static jet2 jet_gear(const lw_step *s, const double *dim, const jet2 *reg)
     return s->in[1] < 0 ? u : jet_times_power(u, reg[s->in[1]], s->power[1]);
 }
 
+/* Angle of a direction, from that of its first coefficients on: u' = i angle' u, u a unit vector. */
+static jet jet_angle(const jet2 *u, double first)
+{
+    jet a = constant(first);
+    for (int m = 1; m < N; m++)
+        for (int l = 1; l <= m; l++)
+            a.c[m] += l*(u->x.c[m - l]*u->y.c[l] - u->y.c[m - l]*u->x.c[l])/m;
+    return a;
+}
+
+/* The direction of an angle. */
+static jet2 jet_polar(jet a)
+{
+    jet2 u = constant2(cos(a.c[0]), sin(a.c[0]));
+    for (int m = 1; m < N; m++)
+        for (int l = 1; l <= m; l++) {
+            u.x.c[m] -= l*a.c[l]*u.y.c[m - l]/m;
+            u.y.c[m] += l*a.c[l]*u.x.c[m - l]/m;
+        }
+    return u;
+}
+
+static jet2 jet_roll(const lw_step *s, const double *dim, const jet2 *reg)
+{
+    jet way = sub(reg[s->in[1]].x, constant(dim[s->dim[1]]));
+    return turn2(reg[s->in[0]], jet_polar(scale(way, 1/lw_away_from_zero(dim[s->dim[0]]))));
+}
+
+static jet2 jet_rack(const lw_step *s, const double *dim, const jet2 *reg)
+{
+    jet2 a = turn2(reg[s->in[0]], conjugate(reg[s->in[1]])), d = constant2(0, 0);
+    double middle = dim[s->dim[2]], off = remainder(atan2(a.y.c[0], a.x.c[0]) - middle, 2*LW_PI);
+    d.x = add(constant(dim[s->dim[1]]), scale(jet_angle(&a, middle + off), dim[s->dim[0]]));
+    return d;
+}
+
 static void jet_step(const lw_step *s, const double *dim, const double *mode, double input, jet2 *reg)
 {
     const int *in = s->in, *out = s->out;
@@ -308,6 +362,11 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
         break;
     case LW_STEP_GEAR:  reg[out[0]] = jet_gear(s, dim, reg); break;
     case LW_STEP_SLIDE: reg[out[0]] = add2(reg[in[0]], scale2(reg[in[1]], reg[in[2]].x)); break;
+    case LW_STEP_ALONG:
+        reg[out[0]] = (jet2){ dot2(sub2(reg[in[2]], reg[in[0]]), reg[in[1]]), constant(0) };
+        break;
+    case LW_STEP_ROLL:  reg[out[0]] = jet_roll(s, dim, reg); break;
+    case LW_STEP_RACK:  reg[out[0]] = jet_rack(s, dim, reg); break;
     case LW_STEP_RRP: jet_rrp(s, dim, mode[s->dyad], reg); break;
     case LW_STEP_RPR: jet_rpr(s, dim, mode[s->dyad], reg); break;
     default:          jet_prp(s, reg);
@@ -357,6 +416,21 @@ static void jet_loops(const closing *q, const double *dim, const jet2 *reg, int 
     }
 }
 
+/* The same of the rows of gears, m > 0: phases and the place of a rack are of order 0. */
+static void jet_gears(const closing *q, const double *dim, const jet2 *reg, int m, double *f)
+{
+    const lw_higher *g = q->g;
+    for (int i = 0; i < g->n_gear; i++) {
+        const lw_higher_gear *v = &g->gear[i];
+        double left = 0;
+        for (int h = 0; h < v->n_term; h++)
+            left += (double)v->power[h]/v->count*jet_angle(&q->dir[v->dir[h]], 0).c[m];
+        if (v->disp >= 0)
+            left -= reg[g->disp_reg[v->disp]].x.c[m]/lw_away_from_zero(dim[v->rho]);
+        f[2*g->n_loop + i] = left;
+    }
+}
+
 /* Coefficient m of direction a from its turn's coefficients: u' = i turn' u. */
 static void jet_direction(closing *q, int a, int m)
 {
@@ -372,7 +446,7 @@ static void jet_direction(closing *q, int a, int m)
 static void jet_higher(const lw_higher *g, const double *inverse, const double *dim, jet2 *reg)
 {
     closing q = { .g = g };
-    int n = 2*g->n_loop;
+    int n = g->n_unknown;
     double f[LW_UNKNOWN_MAX];
     for (int a = 0; a < g->n_dir; a++)
         if (g->dir[a].base < 0 && g->dir[a].root >= 0)
@@ -383,6 +457,7 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
                 jet_direction(&q, a, m);
         jet_turned(&q, dim, reg);
         jet_loops(&q, dim, reg, m, f);
+        jet_gears(&q, dim, reg, m, f);
         for (int c = 0; c < n; c++) {
             double x = 0;
             for (int r = 0; r < n; r++)
@@ -413,7 +488,7 @@ static void jet_steps(const lw_plan *plan, const double *dim, const double *mode
         }
         const lw_higher *g = &plan->higher[s->dim[0]];
         jet_higher(g, inverse, dim, reg);
-        inverse += 4*g->n_loop*g->n_loop;
+        inverse += g->n_unknown*g->n_unknown;
     }
 }
 

@@ -8,6 +8,7 @@
 #define LW_MBS_SINCOS_INTERNAL_H
 
 #include "mbs/dyad_internal.h"
+#include "mbs/plan.h"
 
 #define LW_SINCOS_MAX 1e6
 
@@ -62,6 +63,25 @@ LW_INLINE double lw_bearing(double c, double s)
     turn = steep ? LW_PI/2 - turn : turn;
     turn = c < 0 ? LW_PI - turn : turn;
     return copysign(turn, s);
+}
+
+/* ---- racks -------------------------------------------------------------------------------------- */
+
+/* The angle by which a rack has turned its pinion. */
+LW_INLINE double lw_rolled(double d, double rho, double shift) { return (d - shift)/lw_away_from_zero(rho); }
+
+/* How far an angle is from the rack's middle, within half a turn. */
+LW_INLINE double lw_off_middle(double angle, double middle)
+{
+    double a = angle - middle;
+    return a - 2*LW_PI*lw_nearest_integer(a*(0.5/LW_PI));
+}
+
+/* 1 in the middle, 0 at the ends of the rack. */
+LW_INLINE double lw_rack_margin(double off)
+{
+    double t = off*(1/LW_RACK_REACH);
+    return 1 - t*t;
 }
 
 #endif

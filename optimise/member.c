@@ -198,6 +198,66 @@ static bool step_gear(drawing *d, const lw_step *s)
     return true;
 }
 
+/* ---- racks ----------------------------------------------------------------------------------------- */
+
+/* A pitch radius of either sign. */
+static double radius(double u, double lo, double hi)
+{
+    double v = 2*u - 1;
+    return copysign(ratio(fabs(v), lo, hi), v);
+}
+
+static void step_slide(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + creal(d->reg[s->in[2]][k])*d->reg[s->in[1]][k];
+}
+
+static void step_along(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = creal((d->reg[s->in[2]][k] - d->reg[s->in[0]][k])*conj(d->reg[s->in[1]][k]));
+}
+
+/* The pinion goes to and fro by a third of 1 rad to two turns. */
+static void step_roll(drawing *d, const lw_step *s)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (int k = 0; k < d->n; k++) {
+        least = fmin(least, creal(d->reg[s->in[1]][k]));
+        most = fmax(most, creal(d->reg[s->in[1]][k]));
+    }
+    double way = most - least > 1e-3 ? most - least : 2;
+    choose(d, s->dim[0], radius(*d->u++, way/12, 3*way));
+    choose(d, s->dim[1], least - d->shape[s->dim[0]]*2*LW_PI**d->u++);
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k]*cexp(I*(creal(d->reg[s->in[1]][k]) - d->shape[s->dim[1]])/d->shape[s->dim[0]]);
+}
+
+/* The middle of the rack is that of its pinion's way, which is less than a turn. */
+static bool step_rack(drawing *d, const lw_step *s)
+{
+    double angle[M], least = INFINITY, most = -INFINITY;
+    for (int k = 0; k < d->n; k++) {
+        double a = carg(d->reg[s->in[0]][k]*conj(d->reg[s->in[1]][k]));
+        angle[k] = k > 0 ? angle[k - 1] + remainder(a - angle[k - 1], 2*LW_PI) : a;
+        least = fmin(least, angle[k]);
+        most = fmax(most, angle[k]);
+    }
+    double back = angle[0] - angle[d->n - 1];
+    if (most - least > 2*LW_RACK_REACH || fabs(back - remainder(back, 2*LW_PI)) > 1)
+        return false;
+    double middle = 0.5*(least + most), v = 2*d->u[1] - 1;
+    choose(d, s->dim[0], radius(d->u[0], 0.15, 3));
+    choose(d, s->dim[1], 4*v*v*v - d->shape[s->dim[0]]*middle);
+    choose(d, s->dim[2], middle);
+    d->mode[s->dyad] = 1;
+    d->u += 2;
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->shape[s->dim[1]] + d->shape[s->dim[0]]*angle[k];
+    return true;
+}
+
 /* ---- all of it ---------------------------------------------------------------------------------------- */
 
 static bool take_step(drawing *d, const lw_step *s)
@@ -219,6 +279,10 @@ static bool take_step(drawing *d, const lw_step *s)
     case LW_STEP_PRP:
     case LW_STEP_PPR:   return step_lines(d, s);
     case LW_STEP_GEAR:  return step_gear(d, s);
+    case LW_STEP_SLIDE: step_slide(d, s); return true;
+    case LW_STEP_ALONG: step_along(d, s); return true;
+    case LW_STEP_ROLL:  step_roll(d, s); return true;
+    case LW_STEP_RACK:  return step_rack(d, s);
     default:            return false;
     }
 }
@@ -357,6 +421,11 @@ static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
         int crank = crank_with(k, j);
         if (crank >= 0 && k->joint[j].kind == LW_JOINT_REVOLUTE)
             k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
+    }
+    for (int r = 0; r < p->plan.n_rack; r++) {
+        const lw_rack *q = &p->plan.rack[r];
+        double rho = radius(u[(3*q->joint) % (LW_MEMBER_DRAW_MAX - 2)], 0.15, 3);
+        k->joint[q->joint].ratio = q->side ? rho : 1/rho;
     }
     k->tracer[0].at = lw_v2(1, 1);
 }
