@@ -326,6 +326,10 @@ lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e)
         if (k->joint[j].kind == LW_JOINT_GEAR)
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
                                 k->joint[j].name);
+    int own = lw_linkage_free_inputs(k);
+    if (own < k->n_input)
+        return lw_error_set(e, LW_E_KIND, "the input at joint \"%s\" is tied to the first, which has no form in this notation",
+                            k->joint[k->input[own].joint].name);
     for (int j = 0; j < k->n_joint; j++)
         while (!g.used[j] && k->joint[j].kind != LW_JOINT_FIXED)
             group_joint(&g, j, p);

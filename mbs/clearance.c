@@ -132,6 +132,9 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
         s = check_masses(m, e);
     if (s == LW_OK)
         s = lw_forces_system(m, &c->s, e);
+    if (s == LW_OK && c->s.n_tie > 0)
+        s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which runs with clearance do not know; give "
+                         "each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
     if (s != LW_OK) {
         free(c);
         return s;

@@ -425,7 +425,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)
 {
     double all_phi[LW_SYSTEM_ROW_MAX];
-    int first = d->s.joint[joint].row, next = joint + 1 < d->s.n_joint ? d->s.joint[joint + 1].row : d->n_row;
+    int first = d->s.joint[joint].row, next = joint + 1 < d->s.n_joint ? d->s.joint[joint + 1].row : d->s.tie_row;
     lw_system_rows(&d->s, q, all_phi, d->hold_rows);
     memcpy(phi, all_phi + first, (size_t)(next - first)*sizeof *phi);
     memcpy(jac, d->hold_rows + first*d->n_q, (size_t)(next - first)*(size_t)d->n_q*sizeof *jac);

@@ -34,10 +34,6 @@ lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
 {
     const lw_linkage *k = &m->linkage;
     lw_vec2 centre[LW_LINK_MAX] = { { 0, 0 } };
-    int own = lw_linkage_free_inputs(k);
-    if (own < k->n_input)
-        return lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one: forces know no ties; give each input "
-                            "its \"motion\", or join their links by a gear pair", k->joint[k->input[own].joint].name);
     for (int l = 0; l < k->n_link; l++) {
         centre[l] = m->body[l].centre;
         for (int j = 0; !(m->body[l].mass > 0) && j < k->n_joint; j++)

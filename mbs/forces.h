@@ -30,7 +30,7 @@ typedef struct lw_forces {
 /* The size of what is drawn, masses and loads included [m]; 1 for a model without extent.  */
 double lw_forces_unit(const lw_model *m);
 
-/* The system of a model as these forces want it: reference points in the centres of mass.  LW_E_KIND: tied inputs. */
+/* The system of a model as these forces want it: reference points in the centres of mass. */
 lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e);
 
 void lw_forces_make(const lw_model *m, const lw_system *s, lw_forces *f);

@@ -190,6 +190,8 @@ lw_status lw_modes_listen(const lw_forces *f, const lw_modes_options *o, double 
 {
     for (int k = 0; k < modes->n_mode; k++)
         peak[k] = NAN;
+    if (f->system->n_tie > 0)
+        return lw_error_set(e, LW_E_KIND, "linkages with tied inputs are not listened to (--fft)");
     listener *l = calloc(1, sizeof *l);
     if (!l)
         return lw_error_set(e, LW_E_MEMORY, "no memory to listen");

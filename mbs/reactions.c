@@ -1,5 +1,6 @@
 #include "mbs/reactions.h"
 
+#include <math.h>
 #include <string.h>
 
 /* -J^T l of some rows on one body: force, and moment about its reference point. */
@@ -38,14 +39,23 @@ void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *
     }
 }
 
+static double input_unit(const lw_system *s, int input)
+{
+    return s->joint[s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1 : s->unit;
+}
+
 void lw_reactions_drives(const lw_dynamics *d, const lw_moment *m, double *out)
 {
     const lw_system *s = lw_dynamics_system(d);
     const lw_model *k = lw_dynamics_forces(d)->model;
     int row = s->n_row;
     for (int i = 0; i < s->n_input; i++) {
-        bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
-        out[i] = k->motion[i] ? -m->l[row++]/(pin ? 1 : s->unit) : 0;
+        out[i] = k->motion[i] ? -m->l[row++]/input_unit(s, i) : 0;
+    }
+    for (int i = 0; i < s->n_tie; i++) {                     /* (h_tied - ratio h_first)/(1 + |ratio|) = 0 */
+        double pull = -m->l[s->tie_row + i]/(1 + fabs(s->tie[i]));
+        out[s->n_input + i] = pull/input_unit(s, s->n_input + i);
+        out[0] -= s->tie[i]*pull/input_unit(s, 0);
     }
 }
 

@@ -11,7 +11,8 @@ typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /*
 /* out (n_joint). */
 void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out);
 
-/* Torque [N m] or force [N] of the drives, out (n_input), 0 for inputs without a motion: positive drives its input up. */
+/* Torque [N m] or force [N] on the driven joints, in the order of the linkage's inputs, positive where it drives the input
+ * up: what the motion takes, 0 without one, and what the ties take, as if each input had a motor of its own. */
 void lw_reactions_drives(const lw_dynamics *d, const lw_moment *m, double *out);
 
 /* Force on the frame and moment about the origin of the plane that masses in motion cause: -d/dt of momentum and

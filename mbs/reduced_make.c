@@ -75,6 +75,8 @@ static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
     lw_error e;
     lw_want want = { .all_joints = true };
     bool fits = false;
+    if (d->s.n_tie > 0)
+        return no(why, "inputs that are tied to the first");
     for (int n = 0, joint; (joint = candidate(&d->model->linkage, n)) >= 0; n++) {
         if (!loads_fit(d->model, joint))
             continue;

@@ -185,7 +185,7 @@ static double apart(const lw_linkage *k, double way, int n)
     m->opt.jacobian = mjJAC_DENSE;
     run r = { .m = m, .d = mj.make(m) };
     CHECK(m->nv <= DOF_MAX && m->nq == m->nv);
-    for (int i = 0; i < k->n_input; i++)
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++)
         r.held[m->jnt_qposadr[mj.find(m, mjOBJ_JOINT, k->joint[k->input[i].joint].name)]] = true;
     int drive = m->jnt_qposadr[mj.find(m, mjOBJ_JOINT, k->joint[k->input[0].joint].name)];
     CHECK_NEAR(r.d->qpos[drive], start, 1e-12, 1e-12);             /* counts as ours does */
@@ -214,7 +214,7 @@ static void examples_move_alike(void)
     static const struct { const char *name; double way; } rows[] = {
         { "hoeken", 2*LW_PI }, { "chebyshev", 0.4 }, { "inverted-slider-crank", 2*LW_PI }, { "jansen", -2*LW_PI },
         { "klann", 2*LW_PI }, { "scott-russell", 0.5 }, { "slider-crank", 2*LW_PI }, { "trammel", 0.03 },
-        { "geared-five-bar", 4*LW_PI }, { "five-bar", 0.3 }, { "loader", 0.4 }
+        { "geared-five-bar", 4*LW_PI }, { "tied-five-bar", 2*LW_PI }, { "five-bar", 0.3 }, { "loader", 0.4 }
     };
     for (size_t i = 0; i < sizeof rows/sizeof *rows; i++) {
         lw_linkage k = example(rows[i].name);

@@ -11,11 +11,12 @@
 #include "grammar/model.h"
 #include "grammar/sketch.h"
 #include "mbs/batch.h"
+#include "mbs/clearance.h"
 #include "mbs/drive.h"
-#include "mbs/forces.h"
 #include "mbs/mobility.h"
 #include "mbs/newton.h"
 #include "mbs/pose.h"
+#include "mbs/reactions.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
@@ -219,6 +220,119 @@ static void one_freedom_is_left(void)
     free(m);
 }
 
+/* ---- forces ----------------------------------------------------------------------------------------- */
+
+typedef struct sampled { const lw_dynamics *d; int n; double drive[21][2], rate[21][2], tracer[21], energy; } sampled;
+
+static lw_status sample(void *context, const lw_moment *m)
+{
+    sampled *s = context;
+    const lw_system *y = lw_dynamics_system(s->d);
+    lw_reactions_drives(s->d, m, s->drive[s->n]);
+    for (int i = 0; i < 2 && i < y->n_input + y->n_tie; i++) {
+        double row[LW_SYSTEM_Q_MAX];
+        bool pin = y->joint[y->input_joint[i]].kind == LW_JOINT_REVOLUTE;
+        lw_system_measure(y, y->input_joint[i], m->q, row);
+        for (int c = 0; c < y->n_q; c++)
+            s->rate[s->n][i] += (pin ? 1 : y->unit)*row[c]*m->v[c];
+    }
+    s->energy = m->kinetic + m->potential;
+    s->tracer[s->n++] = lw_system_point(y, y->tracer_body[0], y->tracer_arm[0], m->q).x;
+    return LW_OK;
+}
+
+static void run_model(lw_model *m, lw_analysis analysis, lw_formulation formulation, sampled *out)
+{
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_dynamics *d = NULL;
+    lw_report r;
+    lw_error e = { .text = "" };
+    memset(out, 0, sizeof *out);
+    o.analysis = analysis;
+    o.formulation = formulation;
+    o.intervals = 20;
+    CHECK_INT(lw_dynamics_make(m, &o, &d, &e), LW_OK);
+    out->d = d;
+    CHECK_INT(d ? lw_dynamics_run(d, sample, out, &r, &e) : LW_E_ARG, LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(out->n, 21);
+    lw_dynamics_free(d);
+}
+
+static void load(const lw_linkage *k, lw_model *m)
+{
+    lw_model_from_linkage(k, m);
+    for (int i = 1; i < k->n_link; i++)
+        m->body[i] = (lw_body){ true, 0.1 + 0.1*i, lw_v2(10.0*i, 5.0 + 3*i), 20.0*i };
+    m->gravity = lw_v2(0, -98);
+}
+
+/* Torques of two motors that keep a ratio are those of two motions that do; a slide too. */
+static void motors_as_with_two_motions(void)
+{
+    for (int slides = 0; slides < 2; slides++) {
+        static sampled tied, two;
+        static lw_model m;
+        lw_linkage k;
+        char text[200];
+        if (slides)
+            crank_and_slide(&k);
+        else
+            five_bar(&k, -2, false);
+        load(&k, &m);
+        CHECK_INT(lw_model_drive(&m, 0, "0.7853981633974483 + 0.3*sin(2*t)", NULL), LW_OK);
+        run_model(&m, LW_ANALYSIS_KINEMATIC, LW_FORMULATION_AUTO, &tied);
+        snprintf(text, sizeof text, "%.17g + %.17g*0.3*sin(2*t)", k.input[1].value, k.input[1].ratio);
+        m.linkage.input[1].ratio = 0;
+        CHECK_INT(lw_model_drive(&m, 1, text, NULL), LW_OK);
+        run_model(&m, LW_ANALYSIS_KINEMATIC, LW_FORMULATION_AUTO, &two);
+        for (int i = 0; i < 21; i++)
+            for (int h = 0; h < 2; h++) {
+                CHECK_NEAR(tied.drive[i][h], two.drive[i][h], 1e-8, 1e-9);
+                CHECK_NEAR(tied.rate[i][h], two.rate[i][h], 1e-9, 1e-9);
+            }
+        lw_model_free(&m);
+    }
+}
+
+/* Left to itself it falls as with a pair of wheels, and what the tie takes from one side it gives to the other. */
+static void falls_as_a_gear_pair(void)
+{
+    static const lw_formulation way[] = { LW_FORMULATION_INDEX1, LW_FORMULATION_GGL, LW_FORMULATION_CVODE };
+    for (int i = 0; i < 3; i++) {
+        static sampled tied, geared;
+        static lw_model m;
+        lw_linkage k;
+        double off = i == 0 ? 1e-6 : 1e-3;
+        five_bar(&k, 2, false);
+        load(&k, &m);
+        run_model(&m, LW_ANALYSIS_DYNAMIC, way[i], &tied);
+        five_bar(&k, 2, true);
+        load(&k, &m);
+        run_model(&m, LW_ANALYSIS_DYNAMIC, way[i], &geared);
+        CHECK_NEAR(tied.energy, geared.energy, off, 0);
+        CHECK(fabs(tied.tracer[20] - tied.tracer[0]) > 1);
+        for (int s = 0; s < 21; s++) {
+            CHECK_NEAR(tied.tracer[s], geared.tracer[s], off, 0);
+            CHECK_NEAR(tied.rate[s][1], 2*tied.rate[s][0], 1e-8, 1e-8);
+            CHECK_NEAR(tied.drive[s][0] + 2*tied.drive[s][1], 0, 1e-9, 1e-9);
+        }
+    }
+}
+
+static void clearance_knows_no_ties(void)
+{
+    static lw_model m;
+    lw_linkage k;
+    lw_clearance_scene *scene;
+    lw_error e = { .text = "" };
+    five_bar(&k, 2, false);
+    load(&k, &m);
+    m.clearance[3] = (lw_clearance){ .model = LW_CLEARANCE_MLSD, .gap = 1e-3, .stiffness = 1e6, .exponent = 1 };
+    CHECK_INT(lw_clearance_make(&m, &scene, &e), LW_E_KIND);
+    CHECK_HAS(e.text, "input \"J2\" is tied to the first one");
+}
+
 /* ---- plans ------------------------------------------------------------------------------------------ */
 
 static void planned_as_a_gear_pair(void)
@@ -270,11 +384,6 @@ static void what_has_no_plan_says_why(void)
     CHECK_HAS(e.text, "F = 0; its inputs need F = 2");
     crank_and_slide(&k);
     CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
-    lw_model m;
-    lw_system s;
-    lw_model_from_linkage(&k, &m);
-    CHECK_INT(lw_forces_system(&m, &s, &e), LW_E_KIND);
-    CHECK_HAS(e.text, "forces know no ties");
 }
 
 static void explained(void)
@@ -473,6 +582,9 @@ int main(void)
     RUN(moves_as_a_gear_pair);
     RUN(goes_with_the_first_in_time);
     RUN(one_freedom_is_left);
+    RUN(motors_as_with_two_motions);
+    RUN(falls_as_a_gear_pair);
+    RUN(clearance_knows_no_ties);
     RUN(planned_as_a_gear_pair);
     RUN(what_has_no_plan_says_why);
     RUN(explained);
