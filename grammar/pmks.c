@@ -5,11 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include "base/number.h"
 #include "base/vec2.h"
 #include "grammar/points_internal.h"
 
-#define DEGREE    (LW_PI/180)
 #define TOKEN_MAX (LW_LINK_MAX + 8)
 
 /* A joint's pieces: what stands between commas and blanks. */
@@ -17,22 +15,15 @@ typedef struct entry { int n; lw_cursor at[TOKEN_MAX]; size_t size[TOKEN_MAX]; }
 
 /* ---- tokens ------------------------------------------------------------------------------------- */
 
-static bool is_coded_blank(const lw_cursor *c)
-{
-    return c->size - c->at >= 3 && memcmp(c->text + c->at, "%20", 3) == 0;
-}
-
 static bool ends_entry(int byte) { return byte < 0 || byte == '\n' || byte == '|'; }
 
 static bool take_separator(lw_cursor *c)
 {
     int byte = lw_cursor_peek(c);
-    if (is_coded_blank(c)) {
-        lw_cursor_next(c);
-        lw_cursor_next(c);
-    } else if (byte != ',' && byte != ' ' && byte != '\t' && byte != '\r') {
+    if (lw_cursor_begins(c, "%20"))
+        lw_cursor_step(c, 2);
+    else if (byte != ',' && byte != ' ' && byte != '\t' && byte != '\r')
         return false;
-    }
     lw_cursor_next(c);
     return true;
 }
@@ -68,11 +59,10 @@ static bool is(const entry *t, int i, const char *word)
 
 static int type_of(const entry *t, int i)
 {
-    static const char *const types[] = { "R", "P", "RP", "G" };
-    for (int k = 0; k < 4; k++)
-        if (is(t, i, types[k]))
+    for (int k = 0; k < 3; k++)
+        if (is(t, i, lw_point_type_text[k]))
             return k;
-    return -1;
+    return is(t, i, "G") ? 3 : -1;
 }
 
 static bool is_flags(const entry *t, int i)
@@ -125,7 +115,7 @@ static lw_status read_numbers(const entry *t, int first, const lw_cursor *end, d
     if (s == LW_OK && i < t->n)
         s = lw_cursor_fail(&t->at[i], "links, kind, x, y, angle and four letters t or f make a joint; this is more");
     q->at = lw_v2(x*metre, y*metre);
-    q->angle = angle*DEGREE;
+    q->angle = angle*(LW_PI/180);
     return s;
 }
 
@@ -148,23 +138,16 @@ static lw_status read_entry(lw_points *p, const entry *t, const lw_cursor *end, 
     return read_numbers(t, kind + 1, end, metre, q);
 }
 
-static bool begins(const lw_cursor *c, const char *word)
-{
-    size_t n = strlen(word);
-    return c->size - c->at >= n && memcmp(c->text + c->at, word, n) == 0;
-}
-
 /* Step over "mech=", and over the web address before it.  True when a whole line, a setting such as d=0, was
  * stepped over. */
 static bool take_setting(lw_cursor *c)
 {
     lw_cursor ahead = *c;
-    while (begins(c, "http") && lw_cursor_peek(&ahead) >= 0 && lw_cursor_peek(&ahead) != '\n'
-           && !begins(&ahead, "mech="))
+    while (lw_cursor_begins(c, "http") && lw_cursor_peek(&ahead) >= 0 && lw_cursor_peek(&ahead) != '\n'
+           && !lw_cursor_begins(&ahead, "mech="))
         lw_cursor_next(&ahead);
-    if (begins(&ahead, "mech=")) {
-        for (int i = 0; i < 5; i++)
-            lw_cursor_next(&ahead);
+    if (lw_cursor_begins(&ahead, "mech=")) {
+        lw_cursor_step(&ahead, 5);
         *c = ahead;
         return false;
     }
@@ -229,38 +212,18 @@ lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw
 
 /* ---- writing ----------------------------------------------------------------------------------- */
 
-static void write_point(FILE *f, const lw_points *p, const lw_point *q, double metre)
+static void print_points(FILE *f, const lw_points *p, double metre)
 {
-    static const char *const types[] = { "R", "P", "RP" };
-    char x[LW_NUMBER_SIZE], y[LW_NUMBER_SIZE], angle[LW_NUMBER_SIZE];
-    lw_number_print_in(q->at.x, metre, x);
-    lw_number_print_in(q->at.y, metre, y);
-    lw_number_print_in(q->angle, DEGREE, angle);
-    for (int i = 0; i < q->n_link; i++)
-        fprintf(f, "%s,", p->name[q->link[i]]);
-    fprintf(f, "%s,%s,%s", types[q->type], x, y);
-    if (q->type != LW_POINT_PIN)
-        fprintf(f, ",%s", angle);
-    fprintf(f, ",%cff%c\n", q->n_link == 1 ? 't' : 'f', q->driven ? 't' : 'f');
+    for (int i = 0; i < p->n_point; i++) {
+        const lw_point *q = &p->point[i];
+        lw_point_numbers n = lw_point_print(q, metre);
+        for (int l = 0; l < q->n_link; l++)
+            fprintf(f, "%s,", p->name[q->link[l]]);
+        fprintf(f, "%s,%s,%s", lw_point_type_text[q->type], n.x, n.y);
+        if (q->type != LW_POINT_PIN)
+            fprintf(f, ",%s", n.angle);
+        fprintf(f, ",%cff%c\n", q->n_link == 1 ? 't' : 'f', q->driven ? 't' : 'f');
+    }
 }
 
-char *lw_pmks_write(const lw_linkage *k, lw_error *e)
-{
-    char *text = NULL;
-    size_t size = 0;
-    lw_points *p = calloc(1, sizeof *p);
-    lw_status s = p ? lw_points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
-    FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
-    if (f) {
-        for (int i = 0; i < p->n_point; i++)
-            write_point(f, p, &p->point[i], k->units.metre);
-        if (fclose(f) != 0) {
-            free(text);
-            text = NULL;
-        }
-    }
-    free(p);
-    if (!text && s == LW_OK)
-        lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
-    return text;
-}
+char *lw_pmks_write(const lw_linkage *k, lw_error *e) { return lw_points_text(k, print_points, e); }

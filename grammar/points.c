@@ -3,6 +3,7 @@
 
 #include <ctype.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include "base/number.h"
@@ -344,4 +345,37 @@ lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e)
         p->point[p->n_point++] = (lw_point){ .at = k->tracer[i].at, .n_link = 1, .link = { k->tracer[i].link },
                                              .driven_link = -1 };
     return LW_OK;
+}
+
+/* ---- as text ------------------------------------------------------------------------------------- */
+
+const char *const lw_point_type_text[3] = { "R", "P", "RP" };
+
+lw_point_numbers lw_point_print(const lw_point *q, double metre)
+{
+    lw_point_numbers n;
+    lw_number_print_in(q->at.x, metre, n.x);
+    lw_number_print_in(q->at.y, metre, n.y);
+    lw_number_print_in(q->angle, LW_PI/180, n.angle);
+    return n;
+}
+
+char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_points *p = calloc(1, sizeof *p);
+    lw_status s = p ? lw_points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
+    if (f) {
+        print(f, p, k->units.metre);
+        if (fclose(f) != 0) {
+            free(text);
+            text = NULL;
+        }
+    }
+    free(p);
+    if (!text && s == LW_OK)
+        lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    return text;
 }

@@ -8,6 +8,8 @@
 #ifndef LW_GRAMMAR_POINTS_INTERNAL_H
 #define LW_GRAMMAR_POINTS_INTERNAL_H
 
+#include <stdio.h>
+#include "base/number.h"
 #include "grammar/linkage.h"
 #include "grammar/text_internal.h"
 
@@ -43,6 +45,14 @@ lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_
 /* Linkage to points.  Names become letters, digits and underscores, different even without capitals,
  * the ground "ground".  LW_E_KIND: gears, welds that are not at a slider. */
 lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e);
+
+/* The same as a text of the caller's format, which prints the points; free() it.  NULL: failures of _from, no memory. */
+char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
+
+/* How both notations say a point's type, and its numbers: lengths in units of `metre`, the angle in degrees. */
+extern const char *const lw_point_type_text[3];
+typedef struct lw_point_numbers { char x[LW_NUMBER_SIZE], y[LW_NUMBER_SIZE], angle[LW_NUMBER_SIZE]; } lw_point_numbers;
+lw_point_numbers lw_point_print(const lw_point *q, double metre);
 
 /* A number in a text: bytes that may belong to one.  A fault at its place otherwise. */
 lw_status lw_points_number(lw_cursor *c, const char *what, double *v);

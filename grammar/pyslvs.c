@@ -3,12 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/number.h"
 #include "base/suggest.h"
 #include "base/vec2.h"
 #include "grammar/points_internal.h"
-
-#define DEGREE (LW_PI/180)
 
 typedef struct reader {
     lw_cursor c;
@@ -19,18 +16,6 @@ typedef struct reader {
 } reader;
 
 /* ---- comments ---------------------------------------------------------------------------------- */
-
-static bool starts(const lw_cursor *c, const char *word)
-{
-    size_t n = strlen(word);
-    return c->size - c->at >= n && memcmp(c->text + c->at, word, n) == 0;
-}
-
-static void step(lw_cursor *c, size_t n)
-{
-    while (n-- > 0)
-        lw_cursor_next(c);
-}
 
 /* Behind "# input": two numbers of points. */
 static lw_status read_pair(reader *r, const lw_cursor *start)
@@ -57,16 +42,16 @@ static lw_status skip(reader *r)
     for (;;) {
         lw_cursor_skip(c, true, 0);
         lw_cursor start = *c;
-        if (starts(c, "#[")) {
-            while (lw_cursor_peek(c) >= 0 && !starts(c, "#]"))
+        if (lw_cursor_begins(c, "#[")) {
+            while (lw_cursor_peek(c) >= 0 && !lw_cursor_begins(c, "#]"))
                 lw_cursor_next(c);
             if (lw_cursor_peek(c) < 0)
                 return lw_cursor_fail(&start, "this comment is not closed by #]");
         } else if (lw_cursor_peek(c) == '#') {
             lw_cursor_next(c);
             lw_cursor_skip(c, false, 0);
-            if (starts(c, "input ")) {
-                step(c, 6);
+            if (lw_cursor_begins(c, "input ")) {
+                lw_cursor_step(c, 6);
                 lw_status s = read_pair(r, &start);
                 if (s != LW_OK)
                     return s;
@@ -116,16 +101,15 @@ static lw_status number(reader *r, const char *what, double *v)
 
 static lw_status read_type(reader *r, lw_point *q)
 {
-    static const char *const types[] = { "R", "P", "RP" };
     lw_status s = skip(r);
     size_t n = word(r);
     char name[8] = "";
     if (s != LW_OK)
         return s;
     for (int i = 0; i < 3; i++)
-        if (strlen(types[i]) == n && starts(&r->c, types[i])) {
+        if (strlen(lw_point_type_text[i]) == n && lw_cursor_begins(&r->c, lw_point_type_text[i])) {
             q->type = (lw_point_type)i;
-            step(&r->c, n);
+            lw_cursor_step(&r->c, n);
             return LW_OK;
         }
     snprintf(name, sizeof name, "%.*s", n < sizeof name ? (int)n : 7, r->c.text + r->c.at);
@@ -150,7 +134,7 @@ static lw_status read_angle(reader *r, lw_point *q)
     lw_status s = want(r, "A[", "here");
     if (s == LW_OK)
         s = number(r, "an angle", &v);
-    q->angle = v*DEGREE;
+    q->angle = v*(LW_PI/180);
     return s == LW_OK ? want(r, "]", "behind an angle") : s;
 }
 
@@ -201,7 +185,7 @@ static lw_status read_link(reader *r, lw_point *q)
         return lw_cursor_fail(&r->c, "a link's name is expected (letters, digits, _), not %s",
                               lw_byte_name(lw_cursor_peek(&r->c), buf));
     lw_status s = lw_points_join(r->p, q, &r->c, n);
-    step(&r->c, n);
+    lw_cursor_step(&r->c, n);
     return s;
 }
 
@@ -218,9 +202,9 @@ static lw_status read_joint(reader *r, lw_point *unused)
         s = read_type(r, q);
     if (s == LW_OK)
         s = want(r, ",", "behind the kind of a joint");
-    while (s == LW_OK && (s = skip(r)) == LW_OK && (starts(&r->c, "A[") || starts(&r->c, "color["))) {
-        turned = turned || starts(&r->c, "A[");
-        s = starts(&r->c, "A[") ? read_angle(r, q) : read_color(r);
+    while (s == LW_OK && (s = skip(r)) == LW_OK && (lw_cursor_begins(&r->c, "A[") || lw_cursor_begins(&r->c, "color["))) {
+        turned = turned || lw_cursor_begins(&r->c, "A[");
+        s = lw_cursor_begins(&r->c, "A[") ? read_angle(r, q) : read_color(r);
         if (s == LW_OK)
             s = want(r, ",", "here");
     }
@@ -285,17 +269,13 @@ lw_status lw_pyslvs_read(const char *text, size_t size, const char *file, const 
 
 /* ---- writing ----------------------------------------------------------------------------------- */
 
-static void write_point(FILE *f, const lw_points *p, const lw_point *q, double metre)
+static void print_point(FILE *f, const lw_points *p, const lw_point *q, double metre)
 {
-    static const char *const types[] = { "R", "P", "RP" };
-    char x[LW_NUMBER_SIZE], y[LW_NUMBER_SIZE], angle[LW_NUMBER_SIZE];
-    lw_number_print_in(q->at.x, metre, x);
-    lw_number_print_in(q->at.y, metre, y);
-    lw_number_print_in(q->angle, DEGREE, angle);
-    fprintf(f, "J[%s", types[q->type]);
+    lw_point_numbers n = lw_point_print(q, metre);
+    fprintf(f, "J[%s", lw_point_type_text[q->type]);
     if (q->type != LW_POINT_PIN)
-        fprintf(f, ", A[%s]", angle);
-    fprintf(f, ", color[%s], P[%s, %s], L[", q->n_link == 1 ? "Blue" : "Green", x, y);
+        fprintf(f, ", A[%s]", n.angle);
+    fprintf(f, ", color[%s], P[%s, %s], L[", q->n_link == 1 ? "Blue" : "Green", n.x, n.y);
     for (int i = 0; i < q->n_link; i++)
         fprintf(f, "%s%s", i ? ", " : "", p->name[q->link[i]]);
     fputs("]]", f);
@@ -312,29 +292,16 @@ static int tip_of(const lw_points *p, int base)
     return base;
 }
 
-char *lw_pyslvs_write(const lw_linkage *k, lw_error *e)
+static void print_points(FILE *f, const lw_points *p, double metre)
 {
-    char *text = NULL;
-    size_t size = 0;
-    lw_points *p = calloc(1, sizeof *p);
-    lw_status s = p ? lw_points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
-    FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
-    if (f) {
-        for (int i = 0; i < p->n_point; i++) {
-            fputs(i ? ",\n  " : "M[", f);
-            write_point(f, p, &p->point[i], k->units.metre);
-        }
-        fputs("]\n", f);
-        for (int i = 0; i < p->n_point; i++)
-            if (p->point[i].driven)
-                fprintf(f, "# input %d %d\n", i, tip_of(p, i));
-        if (fclose(f) != 0) {
-            free(text);
-            text = NULL;
-        }
+    for (int i = 0; i < p->n_point; i++) {
+        fputs(i ? ",\n  " : "M[", f);
+        print_point(f, p, &p->point[i], metre);
     }
-    free(p);
-    if (!text && s == LW_OK)
-        lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
-    return text;
+    fputs("]\n", f);
+    for (int i = 0; i < p->n_point; i++)
+        if (p->point[i].driven)
+            fprintf(f, "# input %d %d\n", i, tip_of(p, i));
 }
+
+char *lw_pyslvs_write(const lw_linkage *k, lw_error *e) { return lw_points_text(k, print_points, e); }

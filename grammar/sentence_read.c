@@ -282,9 +282,8 @@ static lw_status read_opening(lw_cursor *c, lw_sentence *s)
                               lw_byte_name(lw_cursor_peek(c), name));
     lw_cursor_next(c);
     lw_cursor_skip(c, true, ';');
-    if (c->size - c->at >= 5 && !memcmp(c->text + c->at, "basis", 5)) {
-        c->at += 5;
-        c->column += 5;
+    if (lw_cursor_begins(c, "basis")) {
+        lw_cursor_step(c, 5);
         s->basis = true;
     }
     return LW_OK;

@@ -2,6 +2,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 lw_cursor lw_cursor_start(const char *text, size_t size, const char *file, lw_error *e)
 {
@@ -25,6 +26,18 @@ int lw_cursor_next(lw_cursor *c)
         c->column = 1;
     }
     return byte;
+}
+
+bool lw_cursor_begins(const lw_cursor *c, const char *word)
+{
+    size_t n = strlen(word);
+    return c->size - c->at >= n && memcmp(c->text + c->at, word, n) == 0;
+}
+
+void lw_cursor_step(lw_cursor *c, size_t n)
+{
+    while (n-- > 0)
+        lw_cursor_next(c);
 }
 
 void lw_cursor_skip(lw_cursor *c, bool lines, char comment)

@@ -22,6 +22,10 @@ lw_cursor lw_cursor_start(const char *text, size_t size, const char *file, lw_er
 int lw_cursor_peek(const lw_cursor *c);
 int lw_cursor_next(lw_cursor *c);
 
+/* Does what comes next begin with `word`? */
+bool lw_cursor_begins(const lw_cursor *c, const char *word);
+void lw_cursor_step(lw_cursor *c, size_t n);            /* n times _next */
+
 /* Step over blanks and tabs; with `lines` also over line ends and, where `comment` is not 0, over
  * what follows that byte on a line. */
 void lw_cursor_skip(lw_cursor *c, bool lines, char comment);

@@ -351,16 +351,11 @@ typedef struct element {
 
 static bool skip_past(lw_cursor *c, const char *what)
 {
-    size_t n = strlen(what);
-    while (c->at + n <= c->size) {
-        if (memcmp(c->text + c->at, what, n) == 0) {
-            while (n-- > 0)
-                lw_cursor_next(c);
-            return true;
-        }
+    while (c->at < c->size && !lw_cursor_begins(c, what))
         lw_cursor_next(c);
-    }
-    return false;
+    bool found = c->at < c->size;
+    lw_cursor_step(c, found ? strlen(what) : 0);
+    return found;
 }
 
 static size_t take_name(lw_cursor *c, char *name, size_t size)
