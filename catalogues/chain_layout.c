@@ -57,7 +57,7 @@ lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t)
 }
 
 /* Less is better: energy, with a little credit for symmetry. */
-double lw_trial_score(const lw_trial *t)
+static double score(const lw_trial *t)
 {
     return t->energy*(1 - 0.1*fmin(2, log2(t->web.n_group)));
 }
@@ -131,7 +131,7 @@ static lw_status lay_out(const lw_mechanism *m, const lw_way *way, int n_way, lw
             break;
         t[i].energy = lw_relax_run(&t[i].web, &t[i].relax, FIRST_RUN, t[i].p);
         for (int k = 0, mine = i; k < 2; k++)
-            if (mine >= 0 && (best[k] < 0 || lw_trial_score(&t[mine]) < lw_trial_score(&t[best[k]]))) {
+            if (mine >= 0 && (best[k] < 0 || score(&t[mine]) < score(&t[best[k]]))) {
                 int other = best[k];
                 best[k] = mine;
                 mine = other;
@@ -140,7 +140,7 @@ static lw_status lay_out(const lw_mechanism *m, const lw_way *way, int n_way, lw
     for (int k = 0; s == LW_OK && k < 2 && best[k] >= 0; k++)
         t[best[k]].energy = lw_relax_run(&t[best[k]].web, &t[best[k]].relax, LAST_RUN, t[best[k]].p);
     if (s == LW_OK) {
-        bool second = best[1] >= 0 && lw_trial_score(&t[best[1]]) < lw_trial_score(&t[best[0]]);
+        bool second = best[1] >= 0 && score(&t[best[1]]) < score(&t[best[0]]);
         lw_trial *b = &t[best[second]];
         if (m->ground == LW_NONE)
             lw_trial_stand_up(b);

@@ -95,7 +95,6 @@ typedef struct lw_trial {
 
 /* Web, first places at the right scale, and springs. */
 lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t);
-double    lw_trial_score(const lw_trial *t);                          /* less is better             */
 void      lw_trial_stand_up(lw_trial *t);                             /* turn it as it reads best   */
 void      lw_trial_places(const lw_trial *t, lw_chain_layout *l);     /* joints, rings and ends     */
 

@@ -47,9 +47,6 @@ lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
-/* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
-void lw_export_file_name(const lw_linkage *k, char *name, size_t size);
-
 /* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
  * joint's count enters the movement of side i against the carrier, so that
  *     sign[1] count(joint[1]) = ratio sign[0] count(joint[0]).

@@ -274,7 +274,8 @@ lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e)
     return s;
 }
 
-void lw_export_file_name(const lw_linkage *k, char *name, size_t size)
+/* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
+static void file_name(const lw_linkage *k, char *name, size_t size)
 {
     size_t n = 0;
     for (const char *c = k->name; *c && n + 1 < size; c++)
@@ -292,7 +293,7 @@ void lw_export_file_name(const lw_linkage *k, char *name, size_t size)
 lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e)
 {
     char name[64];
-    lw_export_file_name(k, name, sizeof name);
+    file_name(k, name, sizeof name);
     lw_bytes_text(out, name);
     lw_bytes_text(out, ".adm\n");
     lw_bytes_text(out, name);

@@ -62,7 +62,8 @@ size_t lw_walk_size(const lw_chains *chains, const lw_chain_walk *how)
     return n > part ? (n - part + n_part - 1)/n_part : 0;
 }
 
-lw_chain lw_walk_ring(const lw_chains *chains)
+/* The ring of a set with L = 1. */
+static lw_chain the_ring(const lw_chains *chains)
 {
     lw_chain ring;
     int n = chains->numbers.n_link;
@@ -98,7 +99,7 @@ lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, s
     relay r = { .wanted = f && !f->structure ? f->chain : NULL, .visit = visit, .context = context };
     r.item = (lw_chain_item){ .chain = &r.chain, .index = lw_walk_index(how, k), .weighting = w };
     if (!chains->structures) {
-        r.chain = lw_walk_ring(chains);
+        r.chain = the_ring(chains);
         return !f || f->chain(&r.chain) ? visit(context, &r.item) : LW_OK;
     }
     lw_structure s;

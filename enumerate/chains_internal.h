@@ -30,7 +30,4 @@ lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_
 typedef struct lw_walk_start { size_t structure; uint64_t skip; } lw_walk_start;
 lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start);
 
-/* The ring of a set with L = 1. */
-lw_chain lw_walk_ring(const lw_chains *chains);
-
 #endif

@@ -313,7 +313,7 @@ static void name_links(const lw_linkage *k, lw_points *p)
     }
 }
 
-lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e)
+static lw_status points_from(const lw_linkage *k, lw_points *p, lw_error *e)
 {
     grouping g = { .k = k, .lost = -1 };
     memset(p, 0, sizeof *p);
@@ -365,7 +365,7 @@ char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points
     char *text = NULL;
     size_t size = 0;
     lw_points *p = calloc(1, sizeof *p);
-    lw_status s = p ? lw_points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    lw_status s = p ? points_from(k, p, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
     FILE *f = s == LW_OK ? open_memstream(&text, &size) : NULL;
     if (f) {
         print(f, p, k->units.metre);

@@ -42,11 +42,9 @@ lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size
 /* Points to linkage; faults at the point.  Inputs have the value of the posture. */
 lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k);
 
-/* Linkage to points.  Names become letters, digits and underscores, different even without capitals,
- * the ground "ground".  LW_E_KIND: gears, welds that are not at a slider. */
-lw_status lw_points_from(const lw_linkage *k, lw_points *p, lw_error *e);
-
-/* The same as a text of the caller's format, which prints the points; free() it.  NULL: failures of _from, no memory. */
+/* The linkage as points, in a text of the caller's format, which prints them; free() it.  Names become letters, digits
+ * and underscores, different even without capitals, the ground "ground".  NULL, LW_E_KIND: gears, welds that are not
+ * at a slider; LW_E_MEMORY. */
 char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
 
 /* How both notations say a point's type, and its numbers: lengths in units of `metre`, the angle in degrees. */

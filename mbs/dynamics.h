@@ -116,7 +116,6 @@ const lw_report *lw_dynamics_choice(const lw_dynamics *d);
 
 const lw_system *lw_dynamics_system(const lw_dynamics *d);
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d);
-int lw_dynamics_rows(const lw_dynamics *d);                  /* n_c                                    */
 
 /* Rows of one joint at q: phi (1 to 3), jac (as many times n_q). */
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac);

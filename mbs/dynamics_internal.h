@@ -69,9 +69,8 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);
 /* Factor what lw_mbs_rows left.  LW_OPEN: a singular posture. */
 lw_status lw_mbs_factor(lw_dynamics *d, bool sure);
 
-/* d->rhs: what J v must be; what J a must be. */
+/* d->rhs: what J v must be. */
 lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t);
-lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v);
 
 /* a and l at (t, q, v), all of it.  LW_OPEN: singular. */
 lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,

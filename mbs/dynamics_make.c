@@ -23,8 +23,6 @@ const char *lw_formulation_name(lw_formulation f)
 const lw_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }
-int lw_dynamics_rows(const lw_dynamics *d) { return d->n_c; }
-
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
 {
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);

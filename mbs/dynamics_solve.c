@@ -124,7 +124,7 @@ static void joint_bias(lw_dynamics *d, const lw_system_joint *j, const double *v
     }
 }
 
-lw_status lw_mbs_acceleration_wanted(lw_dynamics *d, double t, const double *v)
+static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
 {
     int row = d->n_row;
     memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
@@ -383,7 +383,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
         if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",
                                 d->model->linkage.link_name[d->s.link[i/3]], t);
-    if (lw_mbs_acceleration_wanted(d, t, v) != LW_OK)
+    if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = lw_mbs_linear(d, d->force, d->rhs, a, l);
     return s == LW_OK && d->n_friction ? lw_mbs_friction(d, q, v, a, l, power) : s;

@@ -15,7 +15,8 @@ static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
     box[1] = lw_v2(fmax(box[1].x, at.x), fmax(box[1].y, at.y));
 }
 
-double lw_forces_unit(const lw_model *m)
+/* The size of what is drawn, masses and loads included [m]; 1 for a model without extent. */
+static double size_of_model(const lw_model *m)
 {
     const lw_linkage *k = &m->linkage;
     lw_vec2 box[2];
@@ -42,7 +43,7 @@ lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
                 break;
             }
     }
-    return lw_system_make(k, centre, lw_forces_unit(m), s, e);
+    return lw_system_make(k, centre, size_of_model(m), s, e);
 }
 
 static void make_stops(lw_forces *f)

@@ -27,9 +27,6 @@ typedef struct lw_forces {
     bool    any_state;                      /* loads other than gravity                                */
 } lw_forces;
 
-/* The size of what is drawn, masses and loads included [m]; 1 for a model without extent.  */
-double lw_forces_unit(const lw_model *m);
-
 /* The system of a model as these forces want it: reference points in the centres of mass. */
 lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e);
 

@@ -96,10 +96,6 @@ static inline int lw_joint_other(const lw_joint *j, int link)
     return j->link[0] == link ? j->link[1] : j->link[0];
 }
 
-/* The frames of the plan's links in the posture of k, in the plane (mbs/plan_read.c). */
-typedef struct lw_frames { lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX]; } lw_frames;
-lw_status lw_plan_frames(const lw_plan *plan, const lw_linkage *k, lw_frames *f, lw_error *e);
-
 /* Every register of the plan at one input, in the ground frame; returns the margin (mbs/pose.c). */
 double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
                          lw_vec2 reg[LW_REG_MAX]);

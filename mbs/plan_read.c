@@ -4,6 +4,9 @@
 
 #include <string.h>
 
+/* The frames of the plan's links in the posture of a linkage, in the plane. */
+typedef struct frames { lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX]; } frames;
+
 /* ---- frames in a posture ------------------------------------------------------------------------ */
 
 static lw_vec2 slide_direction(const lw_plan *p, const lw_linkage *k, int j)
@@ -19,7 +22,7 @@ static lw_vec2 unit(lw_vec2 a)
 
 /* A point of slide line j: the pin whose path it is; else the origin of the link that has the line,
  * unless that origin is what we are after (link == base). */
-static lw_vec2 line_point(const lw_plan *p, const lw_linkage *k, int j, int link, const lw_frames *f)
+static lw_vec2 line_point(const lw_plan *p, const lw_linkage *k, int j, int link, const frames *f)
 {
     if (p->slider_ref[j] >= 0)
         return k->joint[p->slider_ref[j]].at;
@@ -32,7 +35,7 @@ static lw_vec2 meeting_point(lw_vec2 p, lw_vec2 u, lw_vec2 q, lw_vec2 v)
     return lw_v2_add(p, lw_v2_scale(u, lw_v2_cross(lw_v2_sub(q, p), v)/s));
 }
 
-static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *k, int link, const lw_frames *f)
+static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *k, int link, const frames *f)
 {
     const lw_frame *r = &p->frame[link];
     if (r->origin >= 0)
@@ -46,7 +49,7 @@ static lw_vec2 frame_origin(const lw_plan *p, const lw_linkage *k, int link, con
                              : lw_v2_add(f->o[k->ground], lw_v2_scale(w, k->input[0].value));
 }
 
-static lw_status frame_axis(const lw_plan *p, const lw_linkage *k, int link, lw_frames *f, lw_error *e)
+static lw_status frame_axis(const lw_plan *p, const lw_linkage *k, int link, frames *f, lw_error *e)
 {
     const lw_frame *r = &p->frame[link];
     lw_vec2 d = lw_v2(1, 0);
@@ -82,7 +85,7 @@ static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
 }
 
 /* Of a linkage with dies in its slots. */
-static lw_status frames_of(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
+static lw_status frames_of(const lw_plan *p, const lw_linkage *k, frames *f, lw_error *e)
 {
     lw_status s = check_same(p, k, e);
     for (int i = 0; s == LW_OK && i < p->n_link; i++) {
@@ -92,13 +95,6 @@ static lw_status frames_of(const lw_plan *p, const lw_linkage *k, lw_frames *f, 
     return s;
 }
 
-lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
-{
-    lw_linkage wide;
-    lw_status s = lw_plan_expand(k, &wide, NULL, e);
-    return s == LW_OK ? frames_of(p, &wide, f, e) : s;
-}
-
 /* ---- reading ------------------------------------------------------------------------------------ */
 
 static double angle_of(lw_vec2 u) { return atan2(u.y, u.x); }
@@ -106,7 +102,7 @@ static double angle_of(lw_vec2 u) { return atan2(u.y, u.x); }
 /* How a rack stands to its pinion. */
 typedef struct meshing { double rho, angle, along; } meshing;
 
-static meshing read_rack(const lw_plan *p, const lw_linkage *k, const lw_frames *f, int joint)
+static meshing read_rack(const lw_plan *p, const lw_linkage *k, const frames *f, int joint)
 {
     const lw_rack *r = p->rack;
     while (r->joint != joint)
@@ -117,7 +113,7 @@ static meshing read_rack(const lw_plan *p, const lw_linkage *k, const lw_frames 
                       lw_v2_dot(lw_v2_sub(f->o[rider], f->o[base]), slide_direction(p, k, r->slider)) };
 }
 
-static double read_dim(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const lw_dim_info *d)
+static double read_dim(const lw_plan *p, const lw_linkage *k, const frames *f, const lw_dim_info *d)
 {
     lw_vec2 o = f->o[d->link], u = f->d[d->link], w;
     int j = d->joint;
@@ -152,7 +148,7 @@ static int link_with(const lw_plan *p, int reg)
 }
 
 /* What a wheel is turned beyond what its gear makes of the input, or of carrier and partner. */
-static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s, double input)
+static double read_phase(const lw_plan *p, const frames *f, const lw_step *s, double input)
 {
     lw_vec2 ground = f->d[p->link[0]];
     double turn = angle_of(lw_v2_unturn(f->d[p->dim[s->dim[0]].link], ground));
@@ -164,7 +160,7 @@ static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s,
 }
 
 /* Of wheels in higher groups. */
-static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
+static void read_phases(const lw_plan *p, const frames *f, double *dim)
 {
     for (int i = 0; i < p->n_higher; i++)
         for (int h = 0; h < p->higher[i].n_gear; h++) {
@@ -194,7 +190,7 @@ static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
     return side < 0 ? -1 : 1;
 }
 
-static double read_input(const lw_plan *p, const lw_linkage *k, const lw_frames *f)
+static double read_input(const lw_plan *p, const lw_linkage *k, const frames *f)
 {
     int from = p->input_link[0], to = p->input_link[1];
     if (!p->input_is_slider)
@@ -215,7 +211,7 @@ double lw_plan_size(const lw_plan *p, const double *dim)
 }
 
 /* The seeds of the higher groups: where their links are in this posture. */
-static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input, double *mode)
+static void read_seeds(const lw_plan *p, const lw_linkage *k, const frames *f, const double *dim, double input, double *mode)
 {
     double size = lw_plan_size(p, dim);
     for (int i = 0; i < p->n_higher; i++) {
@@ -234,7 +230,7 @@ static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f
 
 static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, double *mode, double *input, lw_error *e)
 {
-    lw_frames f;
+    frames f;
     lw_status s = frames_of(p, k, &f, e);
     if (s != LW_OK)
         return s;
@@ -287,7 +283,7 @@ static lw_vec2 in_plane(const placed *q, const double *dim, int reg)
 
 /* A slide line keeps its place on the path when it was drawn at the pin; otherwise its distance from
  * the path and its place along it, in the frame of link[0]. */
-static lw_vec2 move_slide(const lw_linkage *k, const lw_frames *f, const placed *q, const double *dim, int j)
+static lw_vec2 move_slide(const lw_linkage *k, const frames *f, const placed *q, const double *dim, int j)
 {
     const lw_plan *p = q->p;
     int link = k->joint[j].link[0], rider = lw_joint_other(&k->joint[j], p->slider_base[j]);
@@ -301,7 +297,7 @@ static lw_vec2 move_slide(const lw_linkage *k, const lw_frames *f, const placed 
     return lw_v2_add(ref1, lw_v2_turn(lw_v2(along, across), w1));
 }
 
-static void move_joints(const lw_frames *f, const placed *q, const double *dim, lw_linkage *k)
+static void move_joints(const frames *f, const placed *q, const double *dim, lw_linkage *k)
 {
     const lw_linkage old = *k;
     for (int j = 0; j < k->n_joint; j++) {
@@ -334,7 +330,7 @@ static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
             k->joint[j].at = lw_linkage_contact(k, j, &g);
 }
 
-static void move_tracers(const lw_frames *f, const placed *q, const double *dim, lw_linkage *k)
+static void move_tracers(const frames *f, const placed *q, const double *dim, lw_linkage *k)
 {
     const lw_plan *p = q->p;
     for (int i = 0; i < k->n_tracer; i++) {
@@ -349,7 +345,7 @@ static void move_tracers(const lw_frames *f, const placed *q, const double *dim,
 
 static lw_status write_wide(const lw_plan *p, const double *dim, const double *mode, double input, lw_linkage *k)
 {
-    lw_frames f;
+    frames f;
     placed q;
     lw_status s = frames_of(p, k, &f, NULL);
     if (s != LW_OK)

@@ -46,14 +46,6 @@ lw_status lw_method_run(const lw_method *m, const lw_function *fn, const lw_solv
 /* The method of a row of the table that is built on one; NULL for other names. */
 const lw_method *lw_method_find(const char *name);
 
-/* f and g of a problem; work as for lw_problem_value, of this thread, initialised. */
-struct lw_problem_call { const lw_problem *p; void *work; };
-lw_function lw_function_of(struct lw_problem_call *call);
-
-/* Finite bounds for a search of the whole box: those of fn where finite, else lengths in [lo, 10],
- * coordinates in [-10, 10], angles in [-pi, pi] (scaled units, the target has size one); x is inside. */
-void lw_problem_box(const lw_problem *p, const double *x, double *lo, double *hi);
-
 lw_minimise lw_gsl_lm, lw_gradient, lw_gradient_fixed;
 lw_minimise lw_nlopt_slsqp, lw_nlopt_mma, lw_nlopt_ccsaq, lw_nlopt_lbfgs, lw_nlopt_tnewton,
             lw_nlopt_cobyla, lw_nlopt_bobyqa, lw_nlopt_neldermead, lw_nlopt_sbplx, lw_nlopt_crs,

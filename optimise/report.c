@@ -21,13 +21,15 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
                        : st;
 }
 
-void lw_candidate_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k)
+/* Angles of the tracers' tools in the posture of a pose of the candidate. */
+static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k)
 {
     for (int i = 0; i <= t->n_also; i++)
         k->tracer[i].angle = pose->angle[k->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
 }
 
-void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
+/* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
+static void modes_at(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
 {
     memcpy(modes, c->branch.mode, sizeof c->branch.mode);
     for (int d = 0; c->mode_of && d < plan->n_dyad; d++)
@@ -117,7 +119,7 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
     for (size_t i = 0; i < t->n; i++) {
         double modes[LW_MODE_MAX];
         lw_pose pose;
-        lw_candidate_modes(c, plan, i, modes);
+        modes_at(c, plan, i, modes);
         if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
             return LW_OPEN;
         add_station(t, s, c, &r->linkage, i, &pose, at, sum);
@@ -166,7 +168,7 @@ static void run_through(const lw_target *t, const lw_plan *plan, const lw_candid
 static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c)
 {
     double modes[LW_MODE_MAX];
-    lw_candidate_modes(c, plan, 0, modes);
+    modes_at(c, plan, 0, modes);
     int at = lw_motion_arc(plan, m, modes, c->input[0]);
     for (int d = 0; d < plan->n_dyad; d++)             /* dyads of two slides have one mode       */
         modes[d] = 1;
@@ -247,7 +249,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
     bool used[2] = { false, false };
     for (size_t i = 0; i < t->n; i++) {
         double modes[LW_MODE_MAX];
-        lw_candidate_modes(c, plan, i, modes);
+        modes_at(c, plan, i, modes);
         if (!used[modes[0] > 0])
             run_through(t, plan, c, modes, from, to, true, false, r);
         used[modes[0] > 0] = true;
@@ -290,7 +292,7 @@ static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, doub
 {
     double modes[LW_MODE_MAX];
     size_t n = 0;
-    lw_candidate_modes(c, plan, a, modes);
+    modes_at(c, plan, a, modes);
     for (int k = 0; k < steps; k++) {
         lw_pose pose;
         if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/steps, 0, &pose) == LW_OK)
@@ -313,8 +315,8 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
         n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
-        lw_candidate_modes(c, plan, i, here);
-        lw_candidate_modes(c, plan, (i + 1) % t->n, next);
+        modes_at(c, plan, i, here);
+        modes_at(c, plan, (i + 1) % t->n, next);
         n += stretch(c, plan, i, way_on(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
     }
     if (!t->closed && !piece)
@@ -349,7 +351,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         memcpy(r->dim_name[i], plan.dim[i].name, sizeof r->dim_name[i]);
         r->dim_kind[i] = plan.dim[i].kind;
     }
-    lw_candidate_modes(c, &plan, 0, modes);
+    modes_at(c, &plan, 0, modes);
     lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
@@ -362,7 +364,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
     else {
         lw_pose pose;
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
-        lw_candidate_tools(c, t, &pose, &r->linkage);
+        turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
         describe_motion(t, s, c, &plan, r);
         if (s->task != LW_TASK_FUNCTION)

@@ -5,12 +5,6 @@
 #include "mbs/pose.h"
 #include "optimise/report.h"
 
-/* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
-void lw_candidate_modes(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes);
-
-/* Angles of the tracers' tools in the posture of a pose of the candidate. */
-void lw_candidate_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k);
-
 /* Turns, limits, dead points, circuits, transmission and acceleration of a result with higher groups, whose posture
  * is r->linkage: the last two over the whole curve when the input turns, else from input `from` to `to`. */
 void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r);

@@ -8,25 +8,28 @@
 #include "optimise/lm.h"
 #include "optimise/method_internal.h"
 
+/* f and g of a problem; work as for lw_problem_value, of this thread, initialised. */
+typedef struct problem_call { const lw_problem *p; void *work; } problem_call;
+
 static double call_value(void *context, const double *x, double *grad)
 {
-    struct lw_problem_call *c = context;
+    problem_call *c = context;
     return lw_problem_value(c->p, x, grad, c->work);
 }
 
 static bool call_residuals(void *context, const double *x, double *r, double *j)
 {
-    struct lw_problem_call *c = context;
+    problem_call *c = context;
     return lw_problem_residuals(c->p, x, r, j, c->work);
 }
 
 static void call_conditions(void *context, const double *x, double *g, double *j)
 {
-    struct lw_problem_call *c = context;
+    problem_call *c = context;
     lw_problem_constraints(c->p, x, g, j, c->work);
 }
 
-lw_function lw_function_of(struct lw_problem_call *call)
+static lw_function function_of(problem_call *call)
 {
     const lw_problem *p = call->p;
     return (lw_function){
@@ -36,7 +39,9 @@ lw_function lw_function_of(struct lw_problem_call *call)
     };
 }
 
-void lw_problem_box(const lw_problem *p, const double *x, double *lo, double *hi)
+/* Finite bounds for a search of the whole box: those of fn where finite, else lengths in [lo, 10],
+ * coordinates in [-10, 10], angles in [-pi, pi] (scaled units, the target has size one); x is inside. */
+static void search_box(const lw_problem *p, const double *x, double *lo, double *hi)
 {
     for (int i = 0; i < p->n_var; i++) {
         lw_dim_kind kind = i < p->n_dim ? p->plan.dim[i].kind : LW_DIM_ANGLE;
@@ -58,10 +63,10 @@ static lw_status run(const lw_method *m, const lw_problem *p, const lw_solver_op
     if (!work)
         return LW_E_MEMORY;
     lw_problem_work_init(p, work);
-    struct lw_problem_call call = { p, work };
-    lw_function fn = lw_function_of(&call);
+    problem_call call = { p, work };
+    lw_function fn = function_of(&call);
     if (m->global) {
-        lw_problem_box(p, x, lo, hi);
+        search_box(p, x, lo, hi);
         fn.lo = lo;
         fn.hi = hi;
     }
