@@ -101,16 +101,36 @@ static void print_stages(const cli_fit_set *s, FILE *f)
     }
 }
 
-/* Topologies of a stage for which a linkage was found; -1: it was not reached. */
-static long n_with_fit(const cli_fit_set *s, const cli_topology_stage *t)
+/* What became of the mechanisms of a stage (of several points: of the choices of links for them). */
+typedef struct searched { long n, of[LW_FIT_STATES]; } searched;
+
+static void count_stage(const cli_fit_set *s, int stage, int n, searched *c)
 {
-    long n = 0;
-    if (t->stage >= s->survey.n_stage)
-        return -1;
-    const lw_stage_result *r = &s->survey.stage[t->stage];
-    for (int i = 0; i < r->n_state && i < t->n_family; i++)
-        n += r->state[i] == LW_FIT_CLOSED;
-    return n;
+    const lw_stage_result *r = stage < s->survey.n_stage ? &s->survey.stage[stage] : NULL;
+    n = s->target.n_also > 0 ? s->spread[stage].n : n;
+    c->n += n;
+    for (int i = 0; i < n; i++)
+        c->of[r && r->state && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
+}
+
+static searched count_searched(const cli_fit_set *s, const cli_topology_stage *t)
+{
+    searched c = { 0 };
+    count_stage(s, t->stage, t->n_pins, &c);
+    if (t->slides != t->stage || t->n_pins == 0)
+        count_stage(s, t->slides, t->n_family - t->n_pins, &c);
+    return c;
+}
+
+static void print_searched(const searched *c, FILE *f)
+{
+    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", c->of[LW_FIT_LOOKED] + c->of[LW_FIT_CLOSED],
+            c->of[LW_FIT_CLOSED]);
+    if (c->of[LW_FIT_UNABLE] > 0)
+        fprintf(f, "; %ld that cannot do this task", c->of[LW_FIT_UNABLE]);
+    if (c->of[LW_FIT_UNREACHED] > 0)
+        fprintf(f, "; %ld not reached by the budget", c->of[LW_FIT_UNREACHED]);
+    fputc('\n', f);
 }
 
 /* What was looked through, and what not, with the reason. */
@@ -119,7 +139,7 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];
         const char *between = "";
-        long found = n_with_fit(s, t);
+        searched c = count_searched(s, t);
         fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", t->links,
                 t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
                 t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
@@ -132,10 +152,7 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
         if (s->topologies.dof > 1)
             fprintf(f, "; %ld with all inputs at the ground, %ld of them left out, the others by %d ratios", t->n_set,
                     t->n_set_out, s->topologies.ratio.tie.n);
-        if (found >= 0)
-            fprintf(f, "; %d searched, %ld of them with a linkage that closes\n", t->n_family, found);
-        else
-            fprintf(f, "; not reached\n");
+        print_searched(&c, f);
     }
 }
 
@@ -316,10 +333,11 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
 static void json_topologies(const cli_fit_set *s, cli_json *j)
 {
     static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
-                                                         "no_gear", "groups", "not_asked" };
+                                                         "no_gear", "not_asked" };
     cli_json_array(j, "topologies");
     for (int k = 0; k < s->topologies.n; k++) {
         const cli_topology_stage *t = &s->topologies.stage[k];
+        searched c = count_searched(s, t);
         cli_json_object(j, NULL);
         cli_json_int(j, "links", t->links);
         cli_json_bool(j, "two_freedoms", t->higher);
@@ -334,8 +352,12 @@ static void json_topologies(const cli_fit_set *s, cli_json *j)
         }
         for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
             cli_json_int(j, key[i], t->fate[i]);
-        cli_json_int(j, "searched", t->n_family);
-        cli_json_int(j, "with_linkage", n_with_fit(s, t));
+        cli_json_int(j, "families", c.n);
+        cli_json_int(j, "groups", t->n_group);
+        cli_json_int(j, "searched", c.of[LW_FIT_LOOKED] + c.of[LW_FIT_CLOSED]);
+        cli_json_int(j, "with_linkage", c.of[LW_FIT_CLOSED]);
+        cli_json_int(j, "unable", c.of[LW_FIT_UNABLE]);
+        cli_json_int(j, "not_reached", c.of[LW_FIT_UNREACHED]);
         cli_json_end(j);
     }
     cli_json_end(j);

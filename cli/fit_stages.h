@@ -1,6 +1,7 @@
-/* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of six, eight, ... (of several
- * freedoms: these alone); and linkages to start from, each with those of its own number of links; last the topologies with slots and gears, so
- * that what comes before is the same search as without them. */
+/* cli/fit_stages.h - what a search goes through: four links by type, then the topologies of pins with six, eight, ...
+ * links (of several freedoms: these alone), and linkages to start from, each with those of its own number; then the
+ * topologies with sliders, last those with slots and gears, so that what comes before is the same search as without
+ * them. */
 #ifndef LW_CLI_FIT_STAGES_H
 #define LW_CLI_FIT_STAGES_H
 
@@ -26,8 +27,8 @@ typedef struct cli_fit_stages {
     lw_families_pair pair[LW_STAGE_MAX];     /* topologies of a stage, and what is known            */
 } cli_fit_stages;
 
-/* Four links first, then by rising number, then those of t with slots and gears; t, k and s must stay where they are.
- * Tells t's stages which stage of the search they are. */
+/* In this order; t, k and s must stay where they are.  Tells t's stages which stages of the search their mechanisms of
+ * pins alone, and the others, are in. */
 void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
 
 #endif

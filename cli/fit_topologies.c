@@ -29,7 +29,7 @@ const char *cli_topology_fate_text(cli_topology_fate f)
     static const char *const text[CLI_TOPOLOGY_FATES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
         "no input by which it can be worked out", "no gear pair whose carrier and one wheel are known first",
-        "worked out by groups beyond dyads", "not asked for"
+        "not asked for"
     };
     return text[f];
 }
@@ -126,20 +126,13 @@ static bool joined_to_ground(const lw_mechanism *m)
     return j != LW_NONE && lw_kind_freedom(m->kind[j]) == 1;
 }
 
-/* Groups beyond dyads are followed with care and cost a hundred times as much: with slots and gears, of which there
- * are thousands, they are searched only where somebody names them. */
-static bool too_dear(const maker *mk, const cli_topology *f)
-{
-    return f->turn == LW_TURN_GROUPS && mk->chain->n2 > 0 && strcmp(mk->w->only, "all") == 0;
-}
-
 /* All inputs at the ground that a prescribed timing may mean. */
 static lw_status add_timed(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
     cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
     int links;
-    if (m->kind[m->input[0]] != 'r' || !try_input(mk, m->input[0], &f, &links) || links < m->n_link || too_dear(mk, &f))
+    if (m->kind[m->input[0]] != 'r' || !try_input(mk, m->input[0], &f, &links) || links < m->n_link)
         return LW_OK;
     return add_family(mk, &f);
 }
@@ -151,8 +144,6 @@ static lw_status add_driven(maker *mk, const lw_mechanism *m, cli_topology_fate 
     int links = 0, before = mk->own.n_family;
     bool driven = best_input(mk, m, &f, &links), fewer = driven && links < m->n_link;
     *fate = !driven ? CLI_TOPOLOGY_NO_PLAN : fewer ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
-    if (*fate == CLI_TOPOLOGY_FITTED && too_dear(mk, &f))
-        *fate = CLI_TOPOLOGY_GROUP;
     if (*fate != CLI_TOPOLOGY_FITTED && !(fewer && mk->w->timed))
         return LW_OK;
     if (!mk->w->timed)
@@ -195,8 +186,7 @@ static lw_status add_tied(maker *mk, const cli_topology *f, cli_topology_fate *f
     int links;
     if (!try_inputs(mk, &now, &links))
         return LW_OK;
-    bool fewer = links < mk->chain->m.n_link;
-    cli_topology_fate what = fewer ? CLI_TOPOLOGY_SMALLER : too_dear(mk, &now) ? CLI_TOPOLOGY_GROUP : CLI_TOPOLOGY_FITTED;
+    cli_topology_fate what = links < mk->chain->m.n_link ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
     if (*fate != CLI_TOPOLOGY_FITTED)
         *fate = what;
     return what == CLI_TOPOLOGY_FITTED ? add_family(mk, &now) : LW_OK;
@@ -349,6 +339,26 @@ lw_families cli_topology_families(const cli_topology_stage *s)
     return (lw_families){ s->n_family, make_family, turn_of, s };
 }
 
+lw_families cli_topology_pins(const cli_topology_stage *s)
+{
+    return (lw_families){ s->n_pins, make_family, turn_of, s };
+}
+
+static lw_status make_slide(const void *of, int i, lw_family_made *made)
+{
+    return make_family(of, ((const cli_topology_stage *)of)->n_pins + i, made);
+}
+
+static lw_turn turn_of_slide(const void *of, int i)
+{
+    return turn_of(of, ((const cli_topology_stage *)of)->n_pins + i);
+}
+
+lw_families cli_topology_slides(const cli_topology_stage *s)
+{
+    return (lw_families){ s->n_family - s->n_pins, make_slide, turn_of_slide, s };
+}
+
 /* How many joints of each kind, and what is joined to ground and tracer link: alike where mechanisms are. */
 static unsigned outline_of_joint(char kind, int a, int b, int ground, int tracer)
 {
@@ -439,7 +449,7 @@ static lw_status list_chains(cli_topology_stage *to, int n2, lw_error *e)
     return lw_higher_each(links, dof, n2, 1, visit_chain, &l, e);
 }
 
-/* What a chain adds to its stage, and to the names met. */
+/* What a chain adds to the numbers of its stage, and to the names met. */
 static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
 {
     const cli_topology_stage *own = &part->own;
@@ -455,14 +465,24 @@ static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
         to->fate[i] += own->fate[i];
     for (int i = 0; i < 64; i++)
         met[i] |= part->met[i];
-    for (int i = 0; i < own->n_family; i++) {
-        cli_topology *more = lw_room(to->family, to->n_family, &to->capacity, sizeof *more);
-        if (!more)
-            return LW_E_MEMORY;
-        to->family = more;
-        to->family[to->n_family++] = own->family[i];
-    }
     return part->status;
+}
+
+/* The families of all chains, those of pins alone first. */
+static lw_status join_families(const maker *part, cli_topology_stage *to)
+{
+    for (int i = 0; i < to->n_list; i++)
+        to->n_family += part[i].own.n_family;
+    to->family = malloc(sizeof *to->family*((size_t)to->n_family + 1));
+    to->n_family = 0;
+    for (int slides = 0; to->family && slides < 2; slides++) {
+        for (int i = 0; i < to->n_list; i++)
+            for (int f = 0; f < part[i].own.n_family; f++)
+                if ((part[i].own.family[f].kinds != 0) == slides)
+                    to->family[to->n_family++] = part[i].own.family[f];
+        to->n_pins = slides ? to->n_pins : to->n_family;
+    }
+    return to->family ? LW_OK : LW_E_MEMORY;
 }
 
 /* Those of pins and sliders alone (higher false), or those with slots and gears. */
@@ -477,10 +497,11 @@ static lw_status make_stage(const cli_topology_wish *w, cli_topology_stage *to, 
     for (int i = 0; i < to->n_list; i++)
         part[i] = (maker){ .w = w, .chain = &to->list[i], .index = i };
     st = lw_parallel(w->jobs, (size_t)to->n_list, make_chain, part);
-    for (int i = 0; i < to->n_list; i++) {
+    for (int i = 0; i < to->n_list; i++)
         st = st == LW_OK ? join(&part[i], to, met) : st;
+    st = st == LW_OK ? join_families(part, to) : st;
+    for (int i = 0; i < to->n_list; i++)
         free(part[i].own.family);
-    }
     free(part);
     return st;
 }

@@ -13,7 +13,6 @@ typedef enum cli_topology_fate {
     CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
     CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out; F > 1: no F pins at the ground  */
     CLI_TOPOLOGY_GEAR,         /* nor one that turns a wheel of its gear first; or more than one gear, or none on pins */
-    CLI_TOPOLOGY_GROUP,        /* with slots and gears: its plan holds groups beyond dyads, and nobody named it */
     CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
     CLI_TOPOLOGY_FATES
 } cli_topology_fate;
@@ -26,14 +25,14 @@ typedef enum cli_topology_fate {
 typedef struct cli_topology_stage {
     int         links;
     bool        higher;                                            /* chains with slots or gears    */
-    int         stage;                                             /* of the search, see cli_fit_stages_make */
+    int         stage, slides;                                     /* of the search, see cli_fit_stages_make */
     long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link, slots either way;
                                                                     * with F inputs                 */
     long        n_set, n_set_out;                                  /* F > 1, of the pairs not left out: with all inputs
                                                                     * at the ground; of these left out */
     long        fate[CLI_TOPOLOGY_FATES];                          /* of the pairs                  */
     long        n_group;                                           /* fitted that hold a group beyond dyads */
-    int         n_family, capacity;
+    int         n_family, n_pins, capacity;                        /* those of pins alone come first */
     cli_topology *family;                                          /* (n_family) owned              */
     int         n_list, list_capacity;
     cli_topology_chain *list;                                      /* (n_list) owned                */
@@ -67,8 +66,10 @@ bool cli_topology_higher(const char *kinds);
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
 
-/* The mechanisms of a stage, as families. */
+/* The mechanisms of a stage, as families: all, those of pins alone, the others. */
 lw_families cli_topology_families(const cli_topology_stage *s);
+lw_families cli_topology_pins(const cli_topology_stage *s);
+lw_families cli_topology_slides(const cli_topology_stage *s);
 
 /* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_stage.name with a
  * cli_topologies as context); false: it is not among those to be fitted. */

@@ -20,6 +20,8 @@ typedef struct lw_fit_options {
     long        budget;          /* evaluations of f after which no further round begins, with `families`; one
                                   * of a linkage with higher groups counts LW_HIGHER_COST of them; 0: by
                                   * default                                                          */
+    long        sweep;           /* evaluations that the first look of the first sweep over families may cost, and as
+                                  * many the rest of it; each further sweep twice as many; 0: 500000   */
     const lw_solver *solver;     /* local solver of the improvement; NULL: lm                       */
     uint64_t    seed;            /* 1                                                               */
     int         jobs;            /* threads; < 1: one per core                                      */
@@ -59,7 +61,8 @@ typedef enum lw_fit_state {
     LW_FIT_UNREACHED,            /* the budget ended before its turn                                */
     LW_FIT_UNABLE,               /* it cannot do this task (LW_E_KIND)                              */
     LW_FIT_LOOKED,               /* starts were drawn; no linkage that closes was found             */
-    LW_FIT_CLOSED                /* a linkage that closes was found                                 */
+    LW_FIT_CLOSED,               /* a linkage that closes was found                                 */
+    LW_FIT_STATES
 } lw_fit_state;
 
 typedef struct lw_fit {

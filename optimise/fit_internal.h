@@ -63,6 +63,9 @@ typedef struct lw_workbench {
 typedef struct lw_sweep {
     int *order, next;                        /* of all arms; the next that has not had its turn (n_arm) */
     int *arm, n, rung;                       /* those of this sweep, n at its beginning             */
+    int go_on, n_sweep;                      /* after the first look; sweeps begun                  */
+    bool apart;                              /* those with groups beyond dyads by themselves        */
+    long mean_job;                           /* else what a job costs in the mean                   */
 } lw_sweep;
 
 typedef struct lw_search {

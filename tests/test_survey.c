@@ -96,10 +96,52 @@ static void threads_do_not_change_the_answer(void)
     lw_target_free(&t);
 }
 
+/* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
+static void families_beyond_a_sweep(void)
+{
+    enum { N = 120 };
+    static lw_family list[N];
+    lw_linkage k = six_bar();
+    lw_target t;
+    lw_fit fit[2];
+    six_bar_target(&k, 24, false, &t);
+    for (int i = 0; i < 24; i += 3)                      /* not to be met: no search ends early       */
+        t.x[i] += i % 2 ? 0.4 : -0.4;
+    for (int i = 0; i < N; i++)
+        list[i] = (lw_family){ .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_families f = lw_families_of(list, N);
+    for (int i = 0; i < 2; i++) {
+        lw_fit_options o = options(LW_TIMING_FREE, 1 + 2*i);
+        o.families = &f;
+        o.sweep = 100;
+        o.budget = 1000000;
+        o.max_rounds = 6;
+        CHECK_INT(lw_fit_run(&t, &o, &fit[i], NULL), LW_OK);
+    }
+    int count[LW_FIT_STATES] = { 0 };
+    CHECK_INT(fit[0].n_state, N);
+    for (int i = 0; i < N; i++)
+        count[fit[0].state[i]]++;
+    CHECK_INT(count[LW_FIT_CLOSED], 64);                 /* two sweeps of the 32 that keep threads busy */
+    CHECK_INT(count[LW_FIT_UNREACHED], N - 64);
+    CHECK(memcmp(fit[0].state, fit[1].state, N) == 0);
+    CHECK_INT(fit[0].evals, fit[1].evals);
+    CHECK_INT(fit[0].n, fit[1].n);
+    for (int i = 0; i < fit[0].n && i < fit[1].n; i++) {
+        const lw_candidate *a = &fit[0].candidate[i], *b = &fit[1].candidate[i];
+        CHECK(a->family == &a->own->family && a->family->linkage == &a->own->linkage);
+        CHECK(memcmp(a->dim, b->dim, sizeof(double)*(size_t)a->n_dim) == 0);
+    }
+    lw_fit_free(&fit[0]);
+    lw_fit_free(&fit[1]);
+    lw_target_free(&t);
+}
+
 int main(void)
 {
     RUN(the_true_topology_gives_the_curve_back);
     RUN(more_links_are_never_worse);
     RUN(threads_do_not_change_the_answer);
+    RUN(families_beyond_a_sweep);
     return check_end();
 }
