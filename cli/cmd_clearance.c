@@ -156,18 +156,13 @@ static int work(const cli_call *call, cli_clearance *c)
 static int run(const cli_call *call)
 {
     lw_error e = { 0 };
-    lw_model *m = calloc(1, sizeof *m);
+    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
     if (!m)
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
-        free(m);
         return cli_fail(call, &e);
-    }
     cli_clearance c = { .call = call, .model = m };
     int code = work(call, &c);
     cli_clearance_free(&c);
-    lw_model_free(m);
-    free(m);
+    cli_free_model(m);
     return code;
 }
 

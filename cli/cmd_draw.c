@@ -84,19 +84,15 @@ static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, 
 {
     static const lw_target_options by_file = { -1, NULL, NULL };
     const settings *s = call->settings;
-    lw_model *m = calloc(1, sizeof *m);
     lw_target t = { 0 };
-    lw_status st = m ? cli_read_model(call->parsed.word[0], s->result, m, e)
-                     : lw_error_set(e, LW_E_MEMORY, "out of memory");
-    bool read = st == LW_OK;
+    lw_model *m = cli_read_model(call->parsed.word[0], s->result, e);
+    lw_status st = m ? LW_OK : e->status;
     if (st == LW_OK && s->target)
         st = cli_read_target(s->target, &by_file, &t, e);
     if (st == LW_OK)
         st = make_picture(call, m, s->target ? &t : NULL, kind, bytes, e);
     lw_target_free(&t);
-    if (read)
-        lw_model_free(m);
-    free(m);
+    cli_free_model(m);
     return st;
 }
 

@@ -84,16 +84,9 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     c->call = call;
     c->json = call->common.json;
     c->keep = s->balance || s->plot || s->gif;
-    c->model = calloc(1, sizeof *c->model);
-    if (!c->model)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = cli_read_model(call->parsed.word[0], 0, c->model, e);
-    if (st != LW_OK) {
-        free(c->model);
-        c->model = NULL;
-        return st;
-    }
-    if ((st = drive(call, c->model, e)) != LW_OK)
+    c->model = cli_read_model(call->parsed.word[0], 0, e);
+    lw_status st = c->model ? drive(call, c->model, e) : e->status;
+    if (st != LW_OK)
         return st;
     o.analysis = (lw_analysis)s->analysis;
     o.formulation = (lw_formulation)s->formulation;
@@ -151,18 +144,10 @@ static int linear(const cli_call *call)
 {
     cli_linear o = ((const settings *)call->settings)->linear;
     lw_error e = { 0 };
-    lw_model *m = calloc(1, sizeof *m);
-    int code;
+    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
     o.t = ((const settings *)call->settings)->from;
-    if (!m)
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
-        free(m);
-        return cli_fail(call, &e);
-    }
-    code = cli_simulate_linear(call, m, &o);
-    lw_model_free(m);
-    free(m);
+    int code = m ? cli_simulate_linear(call, m, &o) : cli_fail(call, &e);
+    cli_free_model(m);
     return code;
 }
 

@@ -452,18 +452,13 @@ static int run(const cli_call *call)
         return cli_usage(call, "--from must be less than --to");
     double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
-    lw_model *m = calloc(1, sizeof *m);
+    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
     if (!m)
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-    if (!m || cli_read_model(call->parsed.word[0], 0, m, &e) != LW_OK) {
-        free(m);
         return cli_fail(call, &e);
-    }
     job j = { call, s, m, 0, until };
     int code = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK ? choose_way(&j)
                                                                                              : cli_fail(call, &e);
-    lw_model_free(m);
-    free(m);
+    cli_free_model(m);
     return code;
 }
 

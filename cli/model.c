@@ -64,17 +64,28 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
     return s;
 }
 
-lw_status cli_read_model(const char *path, int which, lw_model *m, lw_error *e)
+lw_model *cli_read_model(const char *path, int which, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
+    lw_model *m = calloc(1, sizeof *m);
+    lw_status s = m ? lw_file_read(path, &text, &size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = unwrap(path, which, &text, &size, e);
     if (s == LW_OK)
         s = lw_model_read(text, size, path, m, e);
     free(text);
-    return s;
+    if (s == LW_OK)
+        return m;
+    free(m);
+    return NULL;
+}
+
+void cli_free_model(lw_model *m)
+{
+    if (m)
+        lw_model_free(m);
+    free(m);
 }
 
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e)

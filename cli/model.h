@@ -10,9 +10,10 @@
  * (1 is the best) is taken.  which 0: the first, and files without results are fine. */
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
 
-/* The same with motions, masses and loads (grammar/model.h); lw_model_free it after LW_OK. */
+/* The same with motions, masses and loads (grammar/model.h), cli_free_model it; NULL: e tells why. */
 struct lw_model;
-lw_status cli_read_model(const char *path, int which, struct lw_model *m, lw_error *e);
+struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
+void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
 /* The same from text that is there already (malloc), which may be replaced by that of the result. */
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);

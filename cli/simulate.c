@@ -6,6 +6,7 @@
 #include <string.h>
 #include "base/number.h"
 #include "catalogues/draw.h"
+#include "cli/model.h"
 #include "cli/output.h"
 
 /* ---- columns ----------------------------------------------------------------------------------------- */
@@ -303,9 +304,7 @@ void cli_simulate_report(const cli_simulate *s)
 void cli_simulate_free(cli_simulate *s)
 {
     lw_dynamics_free(s->d);
-    if (s->model)
-        lw_model_free(s->model);
-    free(s->model);
+    cli_free_model(s->model);
     free(s->row);
     free(s->q);
 }

@@ -233,7 +233,9 @@ static lw_status go_to_start(lw_dynamics *d, double *q)
             double off = 0;
             s = lw_mbs_rows(d, d->o.from, q);
             for (int r = 0; r < d->n_c; r++) {
-                d->rhs[r] = -d->phi[r] - (r < d->n_row ? 0 : way[r - d->n_row]*(1 - (double)k/steps));
+                int driven = r - d->n_row;
+                double left = driven >= 0 && driven < d->n_driven ? way[driven]*(1 - (double)k/steps) : 0;
+                d->rhs[r] = -d->phi[r] - left;
                 off = fmax(off, fabs(d->rhs[r]));
             }
             if (off < 1e-13)

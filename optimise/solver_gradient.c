@@ -86,7 +86,7 @@ static lw_stop descend(descent *s)
             return LW_STOP_GRADIENT;
         double f, move = direction(s, k);
         if (move > 1.0)                               /* no variable moves further than one */
-            direction(s, k /= move);
+            direction(s, k/move);
         if (!line_search(s, &f))
             return lw_stage_over(s->stage) ? LW_STOP_EVALS : LW_STOP_X_TOL;
         k = accept(s, f, i);

@@ -120,9 +120,9 @@ lw_status lw_outline_target(lw_outline *c, const char *file, const char *unit, c
     lw_units units = lw_units_si();
     lw_status s = check(c, file, e);
     *t = (lw_target){ .n = 0 };
-    if (s == LW_OK && !lw_units_set_length(&units, o && o->length_unit ? o->length_unit : unit))
-        s = lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known",
-                         o->length_unit);
+    const char *length = o && o->length_unit ? o->length_unit : unit;
+    if (s == LW_OK && !lw_units_set_length(&units, length))
+        s = lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known", length);
     if (s == LW_OK && o && o->angle_unit && !lw_units_set_angle(&units, o->angle_unit))
         s = lw_error_set(e, LW_E_ARG, "there is no angle unit '%s'; rad, deg and turn are known", o->angle_unit);
     double size = 0;
