@@ -57,7 +57,9 @@ typedef struct lw_work {
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
     double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
-    /* poses in which conditions on the motion are looked at (samples or stations) */
+    /* poses in which conditions on the motion are looked at: samples of the turn, or of the way between the stations */
+    double *way_c, *way_s, *way_mode;        /* way_mode[dyad*LW_CURVE_SAMPLES + pose]               */
+    short  *way_leg;             /* their strokes                                                  */
     double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
     lw_jacobian pose;
     double *g_now, *g_up, *g_down;
@@ -107,6 +109,9 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
 /* Of any linkage: does it stay clear of dead points between the stations of w->input, looked at closely? */
 bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w);
+
+/* The input at 0 .. 1 of the way from the first station to the last, or all round; its assembly and stroke. */
+double lw_problem_way(const lw_problem *p, const lw_work *w, double share, double *mode, int *leg);
 
 /* Conditions of zones (zone.c): how many, and their values g >= 0 at the inputs that x's stations have. */
 size_t lw_zone_count(const lw_problem *p);

@@ -94,19 +94,6 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
     return least;
 }
 
-/* All round, or from station to station as they were last: where exactly the motion ends does not matter
- * much, and finding out would cost more than all the rest. */
-static void input_range(const lw_problem *p, const lw_work *w, double *lo, double *hi)
-{
-    *lo = *hi = w->input[0];
-    for (size_t k = 1; k < p->n; k++) {
-        *lo = fmin(*lo, w->input[k]);
-        *hi = fmax(*hi, w->input[k]);
-    }
-    if (p->branch.turns && (p->closed || p->must_turn))
-        *hi = *lo + 2*LW_PI;
-}
-
 typedef struct places { int n; lw_vec2 at[LW_JOINT_MAX + 1 + LW_ALSO_MAX]; } places;
 
 /* All pins that turn, and the tracers; none where it does not close. */
@@ -132,29 +119,14 @@ static double least_between(const lw_zone *z, const places *a, const places *b)
     return isfinite(least) ? least : 0;
 }
 
-/* Pose k of these, 0 .. POSES: between the first and the last input in one assembly, or along the circuit from the
- * first station to the last, over limits. */
-static double pose_at(const lw_problem *p, const lw_work *w, int k, double *mode)
-{
-    double lo, hi, share = (double)k/POSES;
-    if (lw_problem_has_modes(p)) {
-        double way = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
-        lw_spot at = lw_circuit_spot(p, w, w->phase[0] + way*share);
-        lw_circuit_put_mode(p, w, at.leg, mode, 1);
-        return at.input;
-    }
-    input_range(p, w, &lo, &hi);
-    return lo + (hi - lo)*share;
-}
-
 /* The least distances of all pins and points from the forbidden zones, from pose to pose. */
 static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
 {
     places before = { .n = 0 }, now;
     double mode[LW_MODE_MAX];
-    memcpy(mode, p->branch.mode, sizeof mode);
+    int leg;
     for (int k = 0; k <= POSES; k++) {
-        double input = pose_at(p, w, k, mode);
+        double input = lw_problem_way(p, w, (double)k/POSES, mode, &leg);
         find_places(p, x, mode, input, &now);
         for (int i = 0; i < p->n_zone && k > 0; i++)
             if (forbids(&p->zone[i]))

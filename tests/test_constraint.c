@@ -52,7 +52,7 @@ static void counts_are_those_asked_for(void)
     CHECK_INT(lw_problem_constraint_count(&p), 3 + 2*LW_CURVE_SAMPLES);
     lw_problem_free(&p);
     CHECK(make_case("any four-bar", LW_TIMING_PRESCRIBED, 0.5, 3, &rng, &m, &p, x));
-    CHECK_INT(lw_problem_constraint_count(&p), 9 + 9 + 9);
+    CHECK_INT(lw_problem_constraint_count(&p), 9 + 2*LW_CURVE_SAMPLES);
     CHECK(lw_problem_is_nonlinear(&p));
     lw_problem_free(&p);
 }
@@ -116,7 +116,20 @@ static bool at_home(const lw_problem *p, const double *x)
     return f < 1e-20;
 }
 
-/* Poses in which conditions are looked at, from scratch: of the turn, or those of the stations, which
+/* A sample's condition, or what lies below it between samples where it is the least of its neighbours. */
+static void check_sample(const double *g, const double *want, size_t k, bool round, double off)
+{
+    enum { N = LW_CURVE_SAMPLES };
+    bool end = !round && (k == 0 || k == N - 1);
+    bool least = want[k] <= want[(k + 1) % N] + off && want[k] <= want[(k + N - 1) % N] + off;
+    if (end || !least)
+        CHECK_NEAR(g[k], want[k], off, off);
+    else
+        CHECK(g[k] <= want[k] + off*(1 + fabs(want[k]))
+              && g[k] >= want[k] - fmax(want[(k + 1) % N], want[(k + N - 1) % N]) + fmin(want[k], 0) - off);
+}
+
+/* Poses in which conditions are looked at, from scratch: of the turn, or of the way between the stations, which
  * here are the member's own. */
 static void conditions_are_those_of_single_poses(void)
 {
@@ -138,21 +151,71 @@ static void conditions_are_those_of_single_poses(void)
             continue;
         }
         seen++;
-        size_t n = p.branch.turns ? LW_CURVE_SAMPLES : st.n, closure = !p.branch.turns && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
-        double *g = conditions(&p, x, NULL), *at = g + p.n_linear;
-        for (size_t k = 0; k < n; k++) {
-            double input = p.branch.turns ? 2*LW_PI*(double)k/LW_CURVE_SAMPLES : st.input[k];
-            CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, input, 2, &pose), LW_OK);
-            if (closure)
-                CHECK_NEAR(at[k], pose.margin, 1e-12, 1e-10);
-            CHECK_NEAR(at[closure + k], pose.margin - pow(sin(limit), 2), 1e-7, 0);
-            double a = lw_v2_norm(pose.tracer[0][2])/most;
-            CHECK_NEAR(at[closure + n + k], 1 - a*a, 1e-5, 1e-5);      /* differenced twice */
+        enum { N = LW_CURVE_SAMPLES };
+        bool round = p.branch.turns;
+        size_t closure = !round && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
+        double *g = conditions(&p, x, NULL), *at = g + p.n_linear, sine[N], acceleration[N];
+        void *work = new_work(&p);
+        if (timing == LW_TIMING_PRESCRIBED)
+            lw_problem_prescribe(&p, x, work);
+        else
+            CHECK(lw_problem_settle(&p, x, work));
+        for (size_t k = 0; k < closure; k++) {
+            CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, st.input[k], 2, &pose), LW_OK);
+            CHECK_NEAR(at[k], pose.margin, 1e-12, 1e-10);
         }
+        for (size_t k = 0; k < N; k++) {
+            double mode[LW_MODE_MAX];
+            int leg;
+            double input = round ? 2*LW_PI*(double)k/N : lw_problem_way(&p, work, (double)k/(N - 1), mode, &leg);
+            if (!round && (k == 0 || k == N - 1))
+                CHECK(fmin(fabs(input - st.input[0]), fabs(input - st.input[8])) < 1e-6);
+            CHECK_INT(lw_pose_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &pose), LW_OK);
+            sine[k] = pose.margin - pow(sin(limit), 2);
+            acceleration[k] = 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2);
+        }
+        for (size_t k = 0; k < N; k++) {
+            check_sample(at + closure, sine, k, round, 1e-7);
+            check_sample(at + closure + N, acceleration, k, round, 1e-5);      /* differenced twice */
+        }
+        free(work);
         free(g);
         lw_problem_free(&p);
     }
     CHECK(seen > 10*N_FAMILY);
+}
+
+/* The least over the whole turn of a linkage whose extremes are at no sample, by 5000 poses. */
+static void extremes_between_samples_are_found(void)
+{
+    lw_rng rng;
+    double off = 0, gap = 0;
+    lw_rng_seed(&rng, check_seed(), 7);
+    for (int trial = 0; trial < 40; trial++) {
+        enum { FINE = 5000 };
+        member m;
+        lw_problem p;
+        double x[LW_VAR_MAX] = { 0 }, most = 2, want = INFINITY, least = INFINITY, sampled = INFINITY;
+        make_case(trial % 2 ? "crank-rocker" : "slider-crank", LW_TIMING_FREE, 0, most, &rng, &m, &p, x);
+        double *g = conditions(&p, x, NULL);
+        for (int k = 0; k < FINE; k++) {
+            lw_pose pose;
+            CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*k/FINE, 2, &pose), LW_OK);
+            want = fmin(want, 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2));
+        }
+        for (size_t k = 0; k < LW_CURVE_SAMPLES; k++) {
+            lw_pose pose;
+            lw_pose_solve(&m.plan, m.dim, &m.mode, 2*LW_PI*(double)k/LW_CURVE_SAMPLES, 2, &pose);
+            sampled = fmin(sampled, 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2));
+            least = fmin(least, g[(size_t)p.n_linear + k]);
+        }
+        CHECK(fabs(least - want) <= 1.5*(sampled - want) + 1e-5*(1 + fabs(want)));
+        off += fabs(least - want)/(1 + fabs(want));
+        gap += (sampled - want)/(1 + fabs(want));
+        free(g);
+        lw_problem_free(&p);
+    }
+    CHECK(off < 0.7*gap);
 }
 
 static void derivatives_are_those_of_differences(void)
@@ -221,6 +284,7 @@ int main(void)
     RUN(linear_ones_are_grashofs);
     RUN(transmission_is_that_of_the_triangle);
     RUN(conditions_are_those_of_single_poses);
+    RUN(extremes_between_samples_are_found);
     RUN(derivatives_are_those_of_differences);
     RUN(answers_do_not_depend_on_the_past);
     return check_end();
