@@ -77,7 +77,8 @@ static const cli_option options[] = {
     { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", NULL,
       "least transmission angle over the motion [degrees]", 0, 89.9, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
-      "greatest acceleration of the point by the input [unit/rad^2]", 0, 1e300, NULL, NULL },
+      "greatest acceleration of the point by the input [unit/rad^2], of a function of the output angle", 0, 1e300,
+      NULL, NULL },
     { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
       "linkages through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points; sorted by "
       "defects (circuit, branch, order)", 0, 0, NULL, "links" },
@@ -184,6 +185,8 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
         spec->min_transmission = s->min_transmission*LW_PI/180;
     if (mine(call, set, "max-acceleration"))
         spec->max_acceleration = s->max_acceleration*m;
+    if (spec->task == LW_TASK_FUNCTION)                              /* an angle's: it has no unit of length */
+        spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->brief.units.metre;
     if (mine(call, set, "length-range")) {
         spec->length_lo = s->length_range[0]*m;
         spec->length_hi = s->length_range[1]*m;

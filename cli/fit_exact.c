@@ -38,7 +38,7 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
         lw_status st = lw_report_make(&s->target, &s->spec, &s->survey.fit.candidate[i], r, e);
         if (st != LW_OK)
             return st;
-        if (r->verified || s->exact.defect[i]) {
+        if (r->verified || (s->exact.defect[i] && r->meets)) {
             s->which[s->n++] = i;
             continue;
         }

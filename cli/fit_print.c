@@ -265,7 +265,8 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_re
     cli_json_int(j, "branch", c->branch.mode[0] > 0 ? 1 : -1);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
-    cli_json_real(j, "acceleration_max", length(s, r->acceleration_max));
+    cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
+                                                                         : length(s, r->acceleration_max));
     cli_json_int(j, "sense", c->branch.sense);
     cli_json_real(j, "input0", r->laps*c->input0);
     cli_json_real(j, "tool0", c->tool0);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "grammar/read_internal.h"
+#include "optimise/problem_internal.h"
 #include "optimise/target_internal.h"
 
 /* ---- pieces --------------------------------------------------------------------------------------------- */
@@ -503,18 +504,11 @@ void lw_brief_free(lw_brief *b)
 
 /* ---- the target ------------------------------------------------------------------------------------------------- */
 
-static bool inside(const lw_zone *z, lw_vec2 p)
-{
-    if (z->kind == LW_ZONE_NO_BOX)
-        return p.x > z->at.x && p.x < z->to.x && p.y > z->at.y && p.y < z->to.y;
-    return z->kind == LW_ZONE_NO_CIRCLE && lw_v2_norm(lw_v2_sub(p, z->at)) < z->reach;
-}
-
 static lw_status check_point(const lw_brief *b, const double *x, const double *y, size_t n, int point, lw_error *e)
 {
     for (int i = 0; i < b->spec.n_zone; i++)
         for (size_t k = 0; x && k < n; k++)
-            if (inside(&b->spec.zone[i], lw_v2(x[k], y[k])))
+            if (lw_zone_forbids(&b->spec.zone[i]) && lw_zone_outside(&b->spec.zone[i], lw_v2(x[k], y[k])) < 0)
                 return lw_error_set(e, LW_E_ARG, point > 0 ? "station %zu of point %d lies inside a forbidden zone: no "
                                     "linkage can do both" : "station %zu lies inside a forbidden zone: no linkage can "
                                     "do both", k + 1, point + 1);

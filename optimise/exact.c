@@ -25,8 +25,9 @@ typedef struct exact_run {
 
 /* ---- what is asked for --------------------------------------------------------------------------------- */
 
-static lw_status check_count(const lw_target *t, lw_task task, lw_error *e)
+static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, lw_error *e)
 {
+    lw_task task = spec->task;
     static const struct { lw_task task; size_t least, most; const char *what; } range[] = {
         { LW_TASK_MOTION, 2, 5, "poses (points with a tool angle)" },
         { LW_TASK_FUNCTION, 3, 5, "pairs of angles" },
@@ -37,10 +38,15 @@ static lw_status check_count(const lw_target *t, lw_task task, lw_error *e)
             return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the "
                                 "target has %zu; without --exact it is fitted as well as can be", range[i].least,
                                 range[i].most, range[i].what, t->n);
+    if (task == LW_TASK_FUNCTION && !(t->angle && t->theta))
+        return lw_error_set(e, LW_E_ARG, "a function needs columns angle,theta");
     if (task == LW_TASK_MOTION && !(t->x && t->theta))
         return lw_error_set(e, LW_E_ARG, "a motion needs columns x,y,theta");
     if (task == LW_TASK_PATH && !t->x)
         return lw_error_set(e, LW_E_ARG, "a path needs columns x,y");
+    if (task == LW_TASK_FUNCTION && spec->n_zone > 0)
+        return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
+                            "mean nothing to it; leave them out");
     return LW_OK;
 }
 
@@ -288,7 +294,7 @@ lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *ou
     memset(out, 0, sizeof *out);
     if (!own.types)
         own.types = task == LW_TASK_MOTION && t->n == 5 ? "all" : "fourbar";
-    lw_status st = t->n_also == 0 ? check_count(t, task, e)
+    lw_status st = t->n_also == 0 ? check_task(t, &o->spec, e)
                                   : lw_error_set(e, LW_E_ARG, "linkages through precision points have one point; the "
                                                  "target has %d: leave its columns x2, ... out, or fit without --exact",
                                                  1 + t->n_also);

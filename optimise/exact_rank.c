@@ -8,6 +8,7 @@
 #include "mbs/motion.h"
 #include "mbs/pose.h"
 #include "optimise/report.h"
+#include "optimise/way.h"
 
 enum { KIND_MAX = 16, WAY = 24 };
 #define LONG_LINK 10.0         /* sizes of the target: from here on the length of links begins to count */
@@ -258,16 +259,42 @@ static double extent(const lw_ranking *r, const kind *w, const lw_candidate *c)
     return most;
 }
 
-/* Does it meet bounds and conditions that were asked for? */
-static bool allowed(const lw_ranking *r, const kind *w, const lw_candidate *c, double margin)
+/* Conditions on the motion: over the turn where the input turns, else from station to station. */
+static bool moves_as_asked(const lw_ranking *r, const kind *w, const lw_candidate *c)
+{
+    enum { ROUND = 180 };
+    const lw_fit_spec *s = &r->o->spec;
+    lw_range range;
+    lw_way way = lw_way_begin();
+    if (!(s->min_transmission > 0 || s->max_acceleration > 0 || s->n_zone > 0))
+        return true;
+    bool turns = !w->plan.input_is_slider && lw_motion_range(&w->plan, c->dim, r->mode[0], &range) == LW_OK
+              && range.turns;
+    for (size_t i = 0; i + 1 < r->t->n && !turns; i++) {
+        double mode[LW_DYAD_MAX] = { r->mode[i] };
+        lw_way_run(&w->plan, s, c->dim, mode, r->input[i], r->input[i + 1], WAY, &way);
+        if (r->mode[i] != r->mode[i + 1]) {                  /* over a dead point                      */
+            way.margin_least = 0;
+            way.acceleration = INFINITY;
+        }
+    }
+    if (turns)
+        lw_way_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &way);
+    return lw_way_meets(&way, s, &w->k, r->size, NULL, 0);
+}
+
+/* Does it meet the bounds that were asked for? */
+static bool within_bounds(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_fit_spec *s = &r->o->spec;
-    double sine = sin(s->min_transmission);
-    if (s->min_transmission > 0 && !(margin >= sine*sine))
-        return false;
+    double least = INFINITY, most = 0;
     for (int d = 0; d < w->plan.n_dim; d++) {
         const lw_dim_info *info = &w->plan.dim[d];
         double v = c->dim[d], lo = -INFINITY, hi = INFINITY;
+        if (info->kind == LW_DIM_LENGTH) {
+            least = fmin(least, v);
+            most = fmax(most, v);
+        }
         if (info->kind == LW_DIM_LENGTH && s->length_hi > 0) {
             lo = s->length_lo;
             hi = s->length_hi;
@@ -283,7 +310,7 @@ static bool allowed(const lw_ranking *r, const kind *w, const lw_candidate *c, d
         if (!(v >= lo && v <= hi))
             return false;
     }
-    return true;
+    return !(s->length_ratio > 0 && most > s->length_ratio*least);
 }
 
 /* With --crank-only and the like: does the input turn, and is it the shortest link? */
@@ -391,7 +418,7 @@ static bool judge(lw_ranking *r, const kind *w, entry *now)
     now->defect = find_defects(r, w, &now->c, s);
     double margin = now->defect & LW_DEFECT_CIRCUIT ? 0 : least_margin(r, w, &now->c);
     now->quality = sqrt(fmax(0, margin))/(1 + extent(r, w, &now->c)/(LONG_LINK*r->size));
-    return allowed(r, w, &now->c, margin) && turns_as_asked(r, w, &now->c);
+    return within_bounds(r, w, &now->c) && turns_as_asked(r, w, &now->c) && moves_as_asked(r, w, &now->c);
 }
 
 /* Is there any use for it in the list? */

@@ -74,7 +74,8 @@ typedef struct lw_fit_spec {
     bool      crank_only;              /* the input must turn fully                               */
     bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
     double    min_transmission;        /* [rad], 0: not asked                                     */
-    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], 0: not asked */
+    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
+                                        * angle [rad/rad^2]; 0: not asked                         */
     double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
     double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
     double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */

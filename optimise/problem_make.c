@@ -244,6 +244,9 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
         if (t->also[i].x)
             return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; "
                                 "use the path task, with the output angle as a further point", i + 2);
+    if (s->task == LW_TASK_FUNCTION && s->n_zone > 0)
+        return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
+                            "mean nothing to it; leave them out, or use the path task");
     if (s->task != LW_TASK_FUNCTION && !t->x)
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");

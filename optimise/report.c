@@ -147,21 +147,16 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
     return least;
 }
 
-/* Poses over [from, to] in one mode: the farthest the tracer goes from the target, its acceleration. */
-static void run_through(const lw_target *t, const lw_plan *plan, const lw_candidate *c,
-                        const double *modes, double from, double to, bool target, bool acceleration, lw_report *r)
+enum { LOOKS = 720 };             /* at a motion                                                  */
+
+/* Over [from, to] in one mode: the farthest the tracer goes from the target. */
+static void stray(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes, double from,
+                  double to, lw_report *r)
 {
-    enum { STEPS = 720 };
-    for (int k = 0; k <= STEPS; k++) {
-        lw_pose pose;
-        double at = from + (to - from)*k/STEPS;
-        if (lw_pose_solve(plan, c->dim, modes, at, acceleration ? 2 : 0, &pose) != LW_OK)
-            continue;
-        if (target)
+    lw_pose pose;
+    for (int k = 0; k <= LOOKS; k++)
+        if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/LOOKS, 0, &pose) == LW_OK)
             r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
-        if (acceleration)
-            r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose.tracer[0][2])/plan->laps/plan->laps);
-    }
 }
 
 /* The arc in which station 0 is; -1: none. */
@@ -200,26 +195,6 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
         lw_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
 }
 
-/* What holds all along the circuit of station 0: of both its assemblies where it has two. */
-static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_candidate *c,
-                             const lw_motion *m, lw_report *r)
-{
-    int at = arc_of(plan, m, c);
-    r->circuits = m->n_circuit;
-    if (at < 0)
-        return;
-    r->turns = m->arc[at].turns;
-    describe_arc(plan, c, &m->arc[at], r);
-    for (int i = 0; i < m->n_arc; i++) {
-        const lw_arc *a = &m->arc[i];
-        if (i != at && (r->turns || a->circuit != m->arc[at].circuit))
-            continue;
-        r->transmission_min = fmin(r->transmission_min, a->transmission_min);   /* NaN gives way  */
-        r->transmission_max = fmax(r->transmission_max, a->transmission_max);
-        run_through(t, plan, c, a->mode, a->first, a->last, false, true, r);
-    }
-}
-
 /* Inputs the stations span: the whole turn for closed targets. */
 static void covered(const lw_target *t, const lw_candidate *c, double *from, double *to)
 {
@@ -230,16 +205,65 @@ static void covered(const lw_target *t, const lw_candidate *c, double *from, dou
     }
 }
 
+/* From station to station where the input does not turn, of closed targets back to the first; where the assembly
+ * changes the way is over a limit, where it is 0 and grows beyond all bounds. */
+static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
+                       lw_way *way)
+{
+    size_t spans = t->closed ? t->n : t->n - 1;
+    int looks = spans < LOOKS/8 ? LOOKS/(int)spans : 8;
+    for (size_t i = 0; i < spans; i++) {
+        double here[LW_MODE_MAX], next[LW_MODE_MAX];
+        size_t k = (i + 1) % t->n;
+        modes_at(c, plan, i, here);
+        modes_at(c, plan, k, next);
+        bool on = memcmp(here, next, sizeof *here*(size_t)plan->n_dyad) == 0;
+        lw_way_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], looks, way);
+        if (!on) {
+            way->margin_least = fmin(way->margin_least, 0);
+            way->acceleration = INFINITY;
+        }
+    }
+}
+
+/* What holds on the circuit of station 0. */
+static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
+                             const lw_motion *m, lw_way *way, lw_report *r)
+{
+    int at = arc_of(plan, m, c);
+    r->circuits = m->n_circuit;
+    if (at < 0)
+        return;
+    const lw_arc *a = &m->arc[at];
+    r->turns = a->turns;
+    describe_arc(plan, c, a, r);
+    if (r->turns)
+        lw_way_run(plan, s, c->dim, a->mode, a->first, a->last, LOOKS, way);
+    else
+        go_the_way(t, plan, s, c, way);
+    if (!r->turns)
+        return;
+    r->transmission_min = a->transmission_min;           /* in [0, pi], and to the last digit        */
+    r->transmission_max = a->transmission_max;
+}
+
+static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
+
 static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                            const lw_plan *plan, lw_report *r)
+                            const lw_plan *plan, lw_way *way, lw_report *r)
 {
     lw_motion m;
     double from, to;
     covered(t, c, &from, &to);
     if (plan->n_higher)
-        lw_report_curve(plan, c, from, to, r);
+        lw_report_curve(plan, s, c, from, to, way, r);
     else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
-        describe_circuit(t, plan, c, &m, r);
+        describe_circuit(t, plan, s, c, &m, way, r);
+    r->acceleration_max = way->acceleration;
+    if (isnan(r->transmission_min) && !isnan(way->margin_least)) {
+        r->transmission_min = angle_of(way->margin_least);
+        r->transmission_max = angle_of(way->margin_most);
+    }
     if (s->task == LW_TASK_FUNCTION) {
         r->curve_max = NAN;
         return;
@@ -251,7 +275,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         double modes[LW_MODE_MAX];
         modes_at(c, plan, i, modes);
         if (!used[modes[0] > 0])
-            run_through(t, plan, c, modes, from, to, true, false, r);
+            stray(t, plan, c, modes, from, to, r);
         used[modes[0] > 0] = true;
     }
 }
@@ -342,6 +366,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
                          lw_report *r, lw_error *e)
 {
     lw_plan plan;
+    lw_way way = lw_way_begin();
     double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
     lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
@@ -366,11 +391,13 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        describe_motion(t, s, c, &plan, r);
+        describe_motion(t, s, c, &plan, &way, r);
         if (s->task != LW_TASK_FUNCTION)
             compare_curves(t, s, c, &plan, r);
         classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);
+        r->meets = lw_way_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
+        r->verified &= r->meets;
     }
     free(at);
     return LW_OK;

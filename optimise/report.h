@@ -49,23 +49,26 @@ typedef struct lw_report {
                                     * lw_candidate.input times laps; turning: until the motion closes; NaN: not known    */
     int      n_reversal;
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
-    double   transmission_min, transmission_max;    /* over the motion of this branch [rad]; of plans with higher
-                                    * groups the angle in [0, pi/2] whose squared sine is the margin of mbs/batch.h,
-                                    * over the whole turn, or between the stations where it does not turn */
-    double   acceleration_max;     /* of the tracer by the input, over the motion [m/rad^2]         */
+    double   transmission_min, transmission_max;    /* over the whole turn of this branch, or from station to station
+                                    * where the input does not turn [rad]: the angle in [0, pi/2] whose squared sine
+                                    * is the margin of mbs/batch.h; of dyads that turn in [0, pi]             */
+    double   acceleration_max;     /* over the same, by the input: of the tracer [m/rad^2], of a function of the
+                                    * output angle [rad/rad^2]                                     */
     bool     has_class;            /* a four-bar that could be classified                           */
     lw_fourbar_class barker;
     int      n_cognate;            /* 0 or 2                                                        */
     double   cognate[2][9], cognate_mode[2];
     /* simulated again: the linkage written as a file, read back, moved by Newton's method */
-    bool     verified;
+    bool     meets;                /* the conditions on its motion and pivots (optimise/way.h)       */
+    bool     verified;             /* and they agree                                                */
     double   verified_objective, verified_mean;
     double   difference;           /* largest distance between the two simulations at a station [m] */
     char     fault[256];           /* why it was not verified; "" when it was                       */
 } lw_report;
 
 /* Work it out.  A result whose simulation disagrees by more than 1e-9 of the path's length (and the
- * rounding of its coordinates) has verified == false and says why.  LW_E_MEMORY. */
+ * rounding of its coordinates), or that does not meet the conditions of s, has verified == false and says why.
+ * LW_E_MEMORY. */
 lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                          lw_report *r, lw_error *e);
 

@@ -17,16 +17,9 @@ typedef struct work {
     double     q[LW_SYSTEM_Q_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX];
 } work;
 
-static void keep(const lw_plan *plan, const lw_pose *pose, lw_report *r)
-{
-    double angle = asin(sqrt(fmin(fmax(pose->margin, 0), 1)));
-    r->transmission_min = fmin(r->transmission_min, angle);              /* NaN gives way            */
-    r->transmission_max = fmax(r->transmission_max, angle);
-    r->acceleration_max = fmax(r->acceleration_max, lw_v2_norm(pose->tracer[0][2])/plan->laps/plan->laps);
-}
-
 /* Postures of the whole curve, even in the input; each is the seed of its own pose. */
-static void whole_curve(const lw_plan *plan, const lw_candidate *c, lw_branch *b, work *w, lw_report *r)
+static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_branch *b, work *w,
+                        lw_way *way)
 {
     double end = lw_branch_segments(b), input, ends[2];
     for (int i = 0; i < 2; i++) {
@@ -39,15 +32,8 @@ static void whole_curve(const lw_plan *plan, const lw_candidate *c, lw_branch *b
         lw_system_write(&w->s, w->q, &w->k);
         if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
             && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
-            keep(plan, &w->pose, r);
+            lw_way_pose(plan, s, &w->pose, way);
     }
-}
-
-static void part_of_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, work *w, lw_report *r)
-{
-    for (int i = 0; i <= STEPS; i++)
-        if (lw_pose_solve(plan, c->dim, c->branch.mode, from + (to - from)*i/STEPS, 2, &w->pose) == LW_OK)
-            keep(plan, &w->pose, r);
 }
 
 /* Stations of the stretch from limit to limit that holds the start, limit[end] telling whether it ends at one; on a
@@ -128,7 +114,8 @@ static bool turns_without_limit(const lw_branch *b)
     return lw_branch_ended(b) == LW_BRANCH_CLOSED && lw_branch_turns(b, -1) != 0;
 }
 
-void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r)
+void lw_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
+                     lw_way *way, lw_report *r)
 {
     enum { PATIENCE = 100 };                             /* postures without a new circuit            */
     const lw_branch_options o = { .input = 0 };
@@ -141,10 +128,10 @@ void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, do
         r->turns = turns_without_limit(all.curve[0]);
         tell_reversals(all.curve[0], r->linkage.input[0].value - plan->laps*c->input[0], w, r);
         if (r->turns && plan->laps == 1)
-            whole_curve(plan, c, all.curve[0], w, r);
+            whole_curve(plan, s, c, all.curve[0], w, way);
     }
     lw_circuits_free(&all);
     if (w && !(r->turns && plan->laps == 1))
-        part_of_curve(plan, c, from, to, w, r);
+        lw_way_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, way);
     free(w);
 }

@@ -4,10 +4,12 @@
 
 #include "mbs/pose.h"
 #include "optimise/report.h"
+#include "optimise/way.h"
 
-/* Turns, limits, dead points, circuits, transmission and acceleration of a result with higher groups, whose posture
- * is r->linkage: the last two over the whole curve when the input turns, else from input `from` to `to`. */
-void lw_report_curve(const lw_plan *plan, const lw_candidate *c, double from, double to, lw_report *r);
+/* Turns, limits, dead points and circuits of a result with higher groups, whose posture is r->linkage, and its way:
+ * over the whole curve when the input turns, else from input `from` to `to`. */
+void lw_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
+                     lw_way *way, lw_report *r);
 
 /* One more reversal, unless there is no room. */
 void lw_report_reversal(lw_report *r, bool limit, int joint, double input);

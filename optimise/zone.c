@@ -11,7 +11,7 @@ enum {
     HALVINGS = 24                     /* of the way between two poses beside a box                      */
 };
 
-static bool forbids(const lw_zone *z) { return z->kind == LW_ZONE_NO_BOX || z->kind == LW_ZONE_NO_CIRCLE; }
+bool lw_zone_forbids(const lw_zone *z) { return z->kind == LW_ZONE_NO_BOX || z->kind == LW_ZONE_NO_CIRCLE; }
 
 /* Fixed pivots: their places in the ground frame; the first is its origin.  Returns how many. */
 static int fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at)
@@ -38,7 +38,7 @@ size_t lw_zone_count(const lw_problem *p)
     lw_vec2 at[LW_DIM_MAX + 1];
     size_t n = 0, pivots = p->n_zone > 0 ? (size_t)fixed_pivots(p, x, at) : 0;
     for (int i = 0; i < p->n_zone; i++)
-        n += forbids(&p->zone[i]) ? POSES : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
+        n += lw_zone_forbids(&p->zone[i]) ? POSES : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
     return n;
 }
 
@@ -62,8 +62,7 @@ static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, doub
 /* Scaled lengths have no need of hypot's care, which is a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
-/* How far outside a zone a point is; negative inside. */
-static double outside(const lw_zone *z, lw_vec2 at)
+double lw_zone_outside(const lw_zone *z, lw_vec2 at)
 {
     if (z->kind == LW_ZONE_NO_CIRCLE)
         return length_of(lw_v2_sub(at, z->at)) - z->reach;
@@ -71,20 +70,20 @@ static double outside(const lw_zone *z, lw_vec2 at)
     return dx > 0 && dy > 0 ? length_of(lw_v2(dx, dy)) : fmax(dx, dy);
 }
 
-/* The least of `outside` on the way from a to b, taken as straight: it is convex along a line, and falls no faster
+/* The least distance from it on the way from a to b, taken as straight: it is convex along a line, and falls no faster
  * than the way is long. */
 static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough)
 {
     lw_vec2 way = lw_v2_sub(b, a);
-    double from = outside(z, a), to = outside(z, b), lo = 0, hi = 1, least = fmin(from, to);
+    double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), lo = 0, hi = 1, least = fmin(from, to);
     double length = length_of(way);
     if (length == 0 || !(0.5*(from + to - length) < enough))
         return least;
     if (z->kind == LW_ZONE_NO_CIRCLE)
         return lw_v2_segment_distance(z->at, a, b) - z->reach;
     for (int i = 0; i < HALVINGS; i++) {
-        double third = (hi - lo)/3, p = outside(z, lw_v2_add(a, lw_v2_scale(way, lo + third)));
-        double q = outside(z, lw_v2_add(a, lw_v2_scale(way, hi - third)));
+        double third = (hi - lo)/3, p = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(way, lo + third)));
+        double q = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(way, hi - third)));
         least = fmin(least, fmin(p, q));
         if (p < q)
             hi -= third;
@@ -110,27 +109,36 @@ static void find_places(const lw_problem *p, const double *x, const double *mode
         out->at[out->n++] = pose.tracer[i][0];
 }
 
-/* Between two poses; 0 where one does not close, which is another condition. */
-static double least_between(const lw_zone *z, const places *a, const places *b)
+/* How far a way may bulge out from between its poses b and c, by how it bends at b. */
+static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
+{
+    return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
+}
+
+/* Between poses b and c, a the one before; 0 where one does not close, which is another condition. */
+static double least_between(const lw_zone *z, const places *a, const places *b, const places *c)
 {
     double least = INFINITY;
-    for (int i = 0; i < a->n && b->n == a->n; i++)
-        least = fmin(least, outside_between(z, a->at[i], b->at[i], least));
+    for (int i = 0; i < b->n && c->n == b->n; i++) {
+        double out = a->n == b->n ? bulge(a->at[i], b->at[i], c->at[i]) : 0;
+        least = fmin(least, outside_between(z, b->at[i], c->at[i], least + out) - out);
+    }
     return isfinite(least) ? least : 0;
 }
 
 /* The least distances of all pins and points from the forbidden zones, from pose to pose. */
 static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
 {
-    places before = { .n = 0 }, now;
+    places earlier = { .n = 0 }, before = { .n = 0 }, now;
     double mode[LW_MODE_MAX];
     int leg;
     for (int k = 0; k <= POSES; k++) {
         double input = lw_problem_way(p, w, (double)k/POSES, mode, &leg);
         find_places(p, x, mode, input, &now);
         for (int i = 0; i < p->n_zone && k > 0; i++)
-            if (forbids(&p->zone[i]))
-                g[i][k - 1] = least_between(&p->zone[i], &before, &now);
+            if (lw_zone_forbids(&p->zone[i]))
+                g[i][k - 1] = least_between(&p->zone[i], &earlier, &before, &now);
+        earlier = before;
         before = now;
     }
 }
@@ -146,8 +154,8 @@ void lw_zone_conditions(const lw_problem *p, const double *x, lw_work *w, double
     for (int i = 0; i < p->n_zone; i++) {
         const lw_zone *z = &p->zone[i];
         of[i] = g;
-        any |= forbids(z);
-        g = forbids(z) ? g + POSES : pivot_conditions(z, at, n, g);
+        any |= lw_zone_forbids(z);
+        g = lw_zone_forbids(z) ? g + POSES : pivot_conditions(z, at, n, g);
     }
     if (any)
         forbidden(p, x, w, of);

@@ -129,6 +129,11 @@ static void check_sample(const double *g, const double *want, size_t k, bool rou
               && g[k] >= want[k] - fmax(want[(k + 1) % N], want[(k + N - 1) % N]) + fmin(want[k], 0) - off);
 }
 
+static double apart(const lw_problem *p, double a, double b)
+{
+    return fabs(p->plan.input_is_slider ? a - b : remainder(a - b, 2*LW_PI));
+}
+
 /* Poses in which conditions are looked at, from scratch: of the turn, or of the way between the stations, which
  * here are the member's own. */
 static void conditions_are_those_of_single_poses(void)
@@ -168,9 +173,12 @@ static void conditions_are_those_of_single_poses(void)
             double mode[LW_MODE_MAX];
             int leg;
             double input = round ? 2*LW_PI*(double)k/N : lw_problem_way(&p, work, (double)k/(N - 1), mode, &leg);
+            if (p.plan.input_is_slider)
+                input *= p.unit;
             if (!round && (k == 0 || k == N - 1))
-                CHECK(fmin(fabs(input - st.input[0]), fabs(input - st.input[8])) < 1e-6);
-            CHECK_INT(lw_pose_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &pose), LW_OK);
+                CHECK(fmin(apart(&p, input, st.input[0]), apart(&p, input, st.input[8])) < 1e-6);
+            lw_pose_solve(&m.plan, m.dim, round ? &m.mode : mode, input, 2, &pose);
+            CHECK(pose.margin > -1e-9);
             sine[k] = pose.margin - pow(sin(limit), 2);
             acceleration[k] = 1 - pow(lw_v2_norm(pose.tracer[0][2])/most, 2);
         }

@@ -289,6 +289,71 @@ static void linkages_move_through_all_stations(void)
     }
 }
 
+static double ratio_of(const double *dim)
+{
+    return fmax(fmax(dim[0], dim[1]), fmax(dim[2], dim[3]))/fmin(fmin(dim[0], dim[1]), fmin(dim[2], dim[3]));
+}
+
+static lw_exact solve_with(const lw_target *t, const lw_fit_spec *s)
+{
+    lw_fit_options o = lw_fit_options_default();
+    lw_exact x;
+    o.spec = *s;
+    o.types = "fourbar";
+    o.n_result = 64;
+    lw_status st = lw_exact_run(t, &o, &x, NULL);
+    CHECK(st == LW_OK || st == LW_NOTHING);
+    return x;
+}
+
+/* Linkages under a condition are those without it that meet it. */
+static void conditions_leave_linkages_out(void)
+{
+    int left_out = 0, stayed = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        sample s = draw_good(5);
+        lw_target t;
+        lw_fit_spec all = lw_fit_spec_default(), lengths, zone, quick;
+        CHECK_INT(lw_target_make(5, s.x, s.y, s.turn, NULL, NULL, 0, &t, NULL), LW_OK);
+        all.task = LW_TASK_MOTION;
+        all.timing = LW_TIMING_FREE;
+        lengths = zone = quick = all;
+        lengths.length_ratio = 4;
+        quick.max_acceleration = 1.5*t.size;
+        zone.n_zone = 1;
+        zone.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { -3, -3 }, { 3, 3 }, 0 };
+        lw_exact x = solve_with(&t, &all), by_length = solve_with(&t, &lengths), by_zone = solve_with(&t, &zone);
+        lw_exact by_speed = solve_with(&t, &quick);
+        int n_length = 0, n_zone = 0, n_quick = 0;
+        for (int i = 0; i < x.fit.n; i++) {
+            const lw_candidate *c = &x.fit.candidate[i];
+            lw_report r;
+            n_length += ratio_of(c->dim) <= 4;
+            double bx = c->dim[6] + c->dim[0]*cos(c->dim[8]), by = c->dim[7] + c->dim[0]*sin(c->dim[8]);
+            n_zone += fmax(fmax(fabs(c->dim[6]), fabs(c->dim[7])), fmax(fabs(bx), fabs(by))) <= 3;
+            CHECK_INT(lw_report_make(&t, &all, c, &r, NULL), LW_OK);
+            n_quick += r.acceleration_max <= quick.max_acceleration && !(x.defect[i] & ~1u);
+        }
+        for (int i = 0; i < by_speed.fit.n; i++) {
+            lw_report r;
+            CHECK_INT(lw_report_make(&t, &quick, &by_speed.fit.candidate[i], &r, NULL), LW_OK);
+            CHECK(r.meets || (by_speed.defect[i] & ~1u));
+            n_quick -= !(by_speed.defect[i] & ~1u);
+        }
+        CHECK_INT(by_length.n_real, n_length);
+        CHECK_INT(by_zone.n_real, n_zone);
+        CHECK(n_quick <= 0);                             /* less: some may be driven from the other side */
+        left_out += 2*x.n_real - n_length - n_zone > 0;
+        stayed += n_length + n_zone > 0;
+        lw_exact_free(&x);
+        lw_exact_free(&by_length);
+        lw_exact_free(&by_zone);
+        lw_exact_free(&by_speed);
+        lw_target_free(&t);
+    }
+    CHECK(left_out > 10 && stayed > 10);
+}
+
 static void threads_do_not_matter(void)
 {
     sample s = draw_good(4);
@@ -334,6 +399,7 @@ int main(void)
     RUN(dependent_poses_are_refused);
     RUN(functions_of_random_linkages);
     RUN(linkages_move_through_all_stations);
+    RUN(conditions_leave_linkages_out);
     RUN(threads_do_not_matter);
     RUN(wrong_numbers_of_stations);
     return check_end();
