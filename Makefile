@@ -89,6 +89,14 @@ test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
 run-test: $B/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
+pictures: $B/linkwright            # those of README.md
+	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
+	    --results 1 --quiet --json -o $B/foot.json
+	$B/linkwright draw $B/foot.json --target examples/walking-foot.csv --size 480x400 \
+	    --title "four-bar, fitted to 24 points" -o docs/pictures/foot.svg
+	$B/linkwright draw examples/jansen.json --size 480x400 -o docs/pictures/leg.svg
+	$B/linkwright chains --links 8 | $B/linkwright draw --grid 8x2 --caption none --size 960x280 \
+	    -o docs/pictures/eight.svg
 run-demo: $B/linkwright
 	@mkdir -p $B/demo
 	$B/linkwright fit examples/*.csv --type all --results 5 --save $B/demo
@@ -135,6 +143,6 @@ install: all $B/$(SONAME) $B/linkwright.1
 
 clean:
 	rm -rf $B
-.PHONY: all deps deps-bench peers test demo run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
+.PHONY: all deps deps-bench peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)
