@@ -292,12 +292,17 @@ static lw_status name_of(parser *p, char name[WORD_SIZE], size_t *name_at)
     return stop == '\'' && !take(p, ')') ? fault(p, p->at, "')' is missing behind a name") : LW_OK;
 }
 
-static lw_status unknown(const parser *p, const char *word, size_t at)
+static const char *near_function(const char *word)
 {
     const char *words[N_FUNCTION + 1] = { "pi" };
     for (int i = 0; i < N_FUNCTION; i++)
         words[i + 1] = functions[i].name;
-    const char *near = lw_suggest(word, words, N_FUNCTION + 1);
+    return lw_suggest(word, words, N_FUNCTION + 1);
+}
+
+static lw_status unknown(const parser *p, const char *word, size_t at)
+{
+    const char *near = near_function(word);
     return fault(p, at, "there is no function or variable %s here%s%s%s", word,
                  near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }
@@ -339,17 +344,17 @@ static lw_status word(parser *p, lw_operand *out)
     for (int i = 0; i < N_FUNCTION; i++)
         if (strcmp(text, functions[i].name) == 0)
             return function_call(p, at, &functions[i], out);
-    bool named = peek(p) == '(';
+    bool named = peek(p) == '(', function = named && near_function(text);
     if (named) {
         p->at++;
         lw_status s = name_of(p, name, &name_at);
-        if (s != LW_OK)
-            return s;
+        if (s != LW_OK)                                   /* the arguments of a misspelt function are no name */
+            return function ? unknown(p, text, at) : s;
     }
     int id = p->lookup ? p->lookup(p->context, text, named ? name : NULL, why) : -1;
     if (id >= 0)
         return variable(p, at, id, out);
-    return why[0] ? fault(p, named ? name_at : at, "%s", why) : unknown(p, text, at);
+    return why[0] && !function ? fault(p, named ? name_at : at, "%s", why) : unknown(p, text, at);
 }
 
 static lw_status read_number(parser *p, lw_operand *out)

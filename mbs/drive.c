@@ -189,7 +189,7 @@ static outcome advance(lw_drive *d, double last)
         if (speed < LW_FOLLOW_LEAST && 1.0 < d->f.kappa*2.0*LW_FOLLOW_LEAST)
             return leap(d, d->t + h, last) ? MOVED : LIMIT;
         if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
-            return isfinite(speed) ? LIMIT : LOST;
+            return LOST;                                  /* an input jumps here, or is no number        */
     }
     double kappa = d->f.kappa;
     make_series(d, d->t, d->q, 4);

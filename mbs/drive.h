@@ -25,8 +25,8 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
 void      lw_drive_free(lw_drive *d);
 
 /* On to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of theirs), whose time is
- * lw_drive_time then, to 1e-10 of the time the motion takes; LW_E_NUMERIC: the branch was lost, or a motion is no
- * number.  The posture is the last good one. */
+ * lw_drive_time then, to 1e-10 of the time the motion takes; LW_E_NUMERIC: the branch was lost, or a motion jumps
+ * or is no number.  The posture is the last good one. */
 lw_status lw_drive_to(lw_drive *d, double t);
 
 double        lw_drive_time(const lw_drive *d);
