@@ -22,7 +22,6 @@ static void children_trace_the_parents_curve(void)
     enum { N = 90 };
     lw_linkage k = six_bar();
     double x[N], y[N], angle[N];
-    int open = 0;
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 1);
     six_bar_curve(&k, N, x, y, angle);
@@ -33,10 +32,7 @@ static void children_trace_the_parents_curve(void)
         CHECK_INT(child.n_link, k.n_link + 2);
         CHECK_INT(lw_linkage_mobility(&child), 1);
         CHECK_INT(lw_linkage_check(&child, NULL), LW_OK);
-        if (!closes(&child, N)) {                        /* between the places that were looked at: hardly ever */
-            open++;
-            continue;
-        }
+        CHECK(closes(&child, 5000));                        /* between the places that are looked at too */
         six_bar_curve(&child, N, cx, cy, angle);
         for (int i = 0; i < N; i++) {
             CHECK_NEAR(cx[i], x[i], 1e-12, 0);
@@ -45,7 +41,6 @@ static void children_trace_the_parents_curve(void)
         CHECK_INT(lw_linkage_grow(&child, true, 0, 0, &rng, &grandchild), LW_OK);
         CHECK_INT(lw_linkage_mobility(&grandchild), 1);
     }
-    CHECK(open <= 1);
 }
 
 /* Of two points one goes on to the new link, each of them sometimes; both run as before. */
@@ -53,7 +48,7 @@ static void every_point_runs_as_before(void)
 {
     enum { N = 40 };
     lw_linkage k = six_bar();
-    int moved[2] = { 0, 0 }, open = 0;
+    int moved[2] = { 0, 0 };
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 3);
     k.n_tracer = 2;
@@ -63,11 +58,7 @@ static void every_point_runs_as_before(void)
         if (lw_linkage_grow(&k, true, 0, 0, &rng, &child) != LW_OK)
             continue;
         CHECK_INT(child.n_tracer, 2);
-        CHECK(closes(&child, 48));
-        if (!closes(&child, N)) {
-            open++;
-            continue;
-        }
+        CHECK(closes(&child, 5000));
         for (int i = 0; i < 2; i++) {
             lw_linkage of[2] = { k, child };
             double x[2][N], y[2][N], angle[N];
@@ -83,7 +74,6 @@ static void every_point_runs_as_before(void)
             }
         }
     }
-    CHECK(open <= 1);
     CHECK(moved[0] > 5 && moved[1] > 5 && moved[0] + moved[1] <= 40);
 }
 
