@@ -108,12 +108,17 @@ static void row_values(const cli_trace *t, const lw_pose *pose, int tracer, doub
 static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, double *angle)
 {
     cli_row r = { .arc = p->arc + 1, .mode = mode, .n_lead = 1 };
-    bool end0 = i == 0, end1 = i == t->steps;
+    bool end0 = i == 0, end1 = i == t->steps, limit = (end0 && p->limit[0]) || (end1 && p->limit[1]);
+    const lw_arc *arc = &t->motion.arc[p->arc];
+    double signs[LW_MODE_MAX];
     double input = end0 ? p->first : end1 ? p->last : p->first + (p->last - p->first)*i/t->steps;
     lw_pose pose;
-    lw_status s = lw_pose_solve(&t->plan, t->dim, t->motion.arc[p->arc].mode, input, LW_ORDER_MAX, &pose);
+    memcpy(signs, arc->mode, sizeof signs);
+    if (limit)
+        signs[arc->flips[end1]] = 0;
+    lw_status s = lw_pose_solve(&t->plan, t->dim, signs, input, LW_ORDER_MAX, &pose);
     r.lead[0] = shown_input(t, input);
-    r.rates = s == LW_OK && pose.margin > 0 && !(end0 && p->limit[0]) && !(end1 && p->limit[1]);
+    r.rates = s == LW_OK && pose.margin > 0 && !limit;
     for (int k = 0; k < t->k.n_tracer; k++) {
         if (!(t->rows.tracers >> k & 1))
             continue;

@@ -126,8 +126,10 @@ static void add_arc(walk *w, const lw_piece *p)
     a->last = p->end[1].at;
     a->turns = p->turns;
     memcpy(a->mode, p->mode, sizeof a->mode);
-    for (int e = 0; e < 2; e++)
-        a->limit[e] = !p->turns && p->end[e].dyad >= 0;
+    for (int e = 0; e < 2; e++) {
+        a->flips[e] = p->turns ? -1 : p->end[e].dyad;
+        a->limit[e] = a->flips[e] >= 0;
+    }
     double angle[2] = { 0.5*LW_PI, 0.5*LW_PI };
     if (last >= 0)
         lw_piece_transmission(w->plan, w->dim, last, w->step[last], p, angle);

@@ -23,6 +23,8 @@ typedef struct lw_arc {
     bool   limit[2];                /* first, last: a limit of motion, where the mode of a dyad   */
                                     /* flips; false: a turn closes there, slides become parallel, */
                                     /* or the range goes on and is cut where the plan says        */
+    int    flips[2];                /* that dyad, else -1.  Its mode 0 is the posture of the limit to */
+                                    /* rounding, which +1 and -1 meet to the root of it only      */
 } lw_arc;
 
 typedef struct lw_motion {

@@ -114,6 +114,17 @@ static void limits_are_found(void)
     CHECK(isfinite(t->v[0][X]) && isfinite(t->v[2][JY]));
     free(t);
     expect("$P trace examples/chebyshev.json -m file", 0, "(limit) to ", NULL);
+    t = trace("examples/jansen.json --steps 2");          /* both modes meet in the posture of the limit */
+    for (int end = 0; end < 3; end += 2)
+        for (int c = INPUT; c <= ANGLE; c++)
+            if (c < VX || c > JY)
+                CHECK_NEAR(t->v[end][c], t->v[3 + end][c], c == ANGLE ? 1e-10 : 1e-11, 0);
+    free(t);
+    t = trace("examples/chebyshev.json --steps 2");
+    CHECK_NEAR(t->v[2][X], 20, 1e-13, 0);                 /* coupler and rocker in line: below the pin */
+    CHECK_NEAR(t->v[5][X], 20, 1e-13, 0);
+    CHECK_NEAR(remainder(t->v[2][ANGLE] - 90, 360), 0, 1e-12, 0);
+    free(t);
 }
 
 /* Hoeken, crank 20, frame 40, coupler and rocker 50: rocker turns back where crank and coupler are in
