@@ -9,7 +9,8 @@
 static bool has_place(const lw_joint *j) { return j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED; }
 
 /* Middle and size of what is drawn.  Differences are taken before sums, so that a posture far from
- * the origin keeps its digits. */
+ * the origin keeps its digits.  With all joints at one point the tracers tell the size, and without them any will do:
+ * links turn about it, whatever their length. */
 static void measure_posture(const lw_linkage *k, lw_system *s)
 {
     lw_vec2 first = { 0.0, 0.0 }, sum = { 0.0, 0.0 };
@@ -25,6 +26,9 @@ static void measure_posture(const lw_linkage *k, lw_system *s)
     for (int j = 0; j < k->n_joint; j++)
         if (has_place(&k->joint[j]))
             s->unit = fmax(s->unit, lw_v2_norm(lw_v2_sub(k->joint[j].at, s->origin)));
+    for (int i = 0; i < k->n_tracer && s->unit == 0.0; i++)
+        s->unit = lw_v2_norm(lw_v2_sub(k->tracer[i].at, s->origin));
+    s->unit = s->unit > 0.0 ? s->unit : 1.0;
 }
 
 static lw_vec2 scaled(const lw_system *s, lw_vec2 at)
@@ -138,8 +142,6 @@ lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double u
         s->unit = unit;
     else
         measure_posture(k, s);
-    if (!(s->unit > 0.0))
-        return lw_error_set(e, LW_E_ARG, "all joints of the posture are at one point");
     make_bodies(k, reference, s);
     s->n_joint = k->n_joint;
     for (int j = 0; status == LW_OK && j < k->n_joint; j++)

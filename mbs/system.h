@@ -61,9 +61,9 @@ typedef struct lw_system {
 } lw_system;
 
 /* reference (n_link), [m]: reference points of the links, NULL: the middle of each link's joints.
- * unit 0: the size of the posture (the farthest joint from their middle), and origin its middle; else
- * origin (0, 0).  LW_E_ARG: a posture without extent; LW_E_KIND: a gear without carrier
- * (lw_linkage_gear); failures of lw_linkage_check. */
+ * unit 0: the size of the posture (the farthest joint from their middle; where all are at one point the distance of a
+ * tracer, or 1 m), and origin its middle; else origin (0, 0).  LW_E_KIND: a gear without carrier (lw_linkage_gear);
+ * failures of lw_linkage_check. */
 lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s,
                          lw_error *e);
 

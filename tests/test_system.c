@@ -347,8 +347,11 @@ static void scale_and_references_may_be_given(void)
     CHECK_INT(lw_system_make(&k, reference, 1.0, &s, &e), LW_OK);
     lw_system_posture(&s, q);
     CHECK(q[0] == 5 && q[1] == 6 && q[2] == 0 && s.unit == 1 && s.origin.x == 0 && s.origin.y == 0);
-    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_E_ARG);
-    CHECK_HAS(e.text, "one point");
+    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);   /* no extent: any unit, or that of a tracer */
+    CHECK(s.unit == 1 && s.origin.x == 1 && s.origin.y == 1);
+    add_tracer(&k, 1, lw_v2(4, 5));
+    CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);
+    CHECK(s.unit == 5);
     k.joint[0].link[1] = 7;
     CHECK_INT(lw_system_make(&k, NULL, 1, &s, &e), LW_E_ARG);
     CHECK_HAS(e.text, "J1");
