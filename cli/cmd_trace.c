@@ -9,6 +9,7 @@
 #include "cli/output.h"
 #include "cli/trace.h"
 #include "cli/trace_curve.h"
+#include "mbs/mobility.h"
 
 typedef struct settings {
     int         steps, mode;
@@ -445,6 +446,19 @@ static int choose_way(const job *j)
     return code;
 }
 
+/* Freedoms that reach no tracer need no input: they are held, and that is told. */
+static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
+{
+    uint64_t held = 0;
+    if (lw_linkage_mobility(k) <= lw_linkage_free_inputs(k))
+        return LW_OK;
+    lw_status st = lw_mobility_hold_idle(k, &held, e);
+    for (int j = 0; j < k->n_joint; j++)
+        if (held >> j & 1)
+            cli_note(call, "a freedom that reaches no tracer is held still at %s", k->joint[j].name);
+    return st;
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -456,8 +470,9 @@ static int run(const cli_call *call)
     if (!m)
         return cli_fail(call, &e);
     job j = { call, s, m, 0, until };
-    int code = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK ? choose_way(&j)
-                                                                                             : cli_fail(call, &e);
+    bool good = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK
+                && hold_idle(call, &m->linkage, &e) == LW_OK;
+    int code = good ? choose_way(&j) : fail_in(call, &e);
     cli_free_model(m);
     return code;
 }

@@ -63,6 +63,11 @@ lw_mobility_options lw_mobility_options_default(void);     /* 1e-12, seed 1 */
 lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw_mobility *m,
                            lw_error *e);
 
+/* Weld joints of k, *joints as bits, until no freedom is idle: a roller that spins, a lever nobody looks at. What
+ * inputs and tracers notice moves as before.  Idle freedoms that no single pin or slider takes away stay.  Failures
+ * of lw_mobility_find. */
+lw_status lw_mobility_hold_idle(lw_linkage *k, uint64_t *joints, lw_error *e);
+
 const char *lw_mobility_kind_text(lw_mobility_kind kind);  /* "rigid", "shaky", "moves" */
 
 #endif

@@ -262,6 +262,13 @@ static void change_points_are_passed_straight_on(void)
     "{\"name\":\"B\",\"links\":[\"a\",\"b\"],\"at\":[1,0]},{\"name\":\"C\",\"links\":[\"b\",\"c\"],\"at\":[1,0]}," \
     "{\"name\":\"D\",\"links\":[\"c\",\"g\"],\"at\":[2,1]}"
 
+/* The roller of a yoke spins unseen. */
+static void idle_freedoms_are_held(void)
+{
+    expect("$P trace examples/mobility/roller.json -n 2", 0, "closes after 1 turn", "no tracer is held still at R");
+    expect("$P trace examples/mobility/roller.json --explain", 0, "links at once", "held still at R");
+}
+
 /* A bar without length spins while all else stands; a window may hold many turns, but not any number of swings. */
 static void odd_ranges_of_the_input(void)
 {
@@ -278,6 +285,7 @@ static void odd_ranges_of_the_input(void)
 int main(void)
 {
     RUN(change_points_are_passed_straight_on);
+    RUN(idle_freedoms_are_held);
     RUN(odd_ranges_of_the_input);
     RUN(a_cycle_over_both_limits);
     RUN(two_ways_agree);

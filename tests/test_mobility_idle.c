@@ -1,0 +1,88 @@
+/* tests/test_mobility_idle.c - what nobody looks at is held, and the rest moves as before. */
+#include "mbs/mobility.h"
+#include "mbs/branch.h"
+#include "tests/check.h"
+#include "tests/mbs_linkage.h"
+
+static lw_mobility find(const lw_linkage *k)
+{
+    const lw_mobility_options o = lw_mobility_options_default();
+    lw_mobility m;
+    CHECK_INT(lw_mobility_find(k, &o, &m, NULL), LW_OK);
+    return m;
+}
+
+/* A Scotch yoke whose pin is a roller: x of the yoke is that of the pin. */
+static void a_roller_is_held(void)
+{
+    lw_linkage k;
+    uint64_t held;
+    lw_system s;
+    lw_branch *b;
+    double q[9];
+    blank_linkage(&k, 4);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
+    add_slide(&k, 3, 2, lw_v2(0.6, 0.8), 0.5*LW_PI);
+    k.joint[2].kind = LW_JOINT_SLOT;
+    add_slide(&k, 0, 3, lw_v2(2, 0), 0);
+    add_input(&k, 0, atan2(0.8, 0.6));
+    add_tracer(&k, 3, lw_v2(3, 0));
+    CHECK_INT(find(&k).freedom, 2);
+    CHECK_INT(lw_mobility_hold_idle(&k, &held, NULL), LW_OK);
+    CHECK_INT(held, 1 << 1);
+    CHECK_INT(find(&k).freedom, 1);
+    CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
+    CHECK_INT(lw_branch_create(&s, NULL, &(lw_branch_options){ .input = 0 }, &b, NULL), LW_OK);
+    for (int i = 0; i <= 50; i++) {
+        lw_branch_pose(b, lw_branch_segments(b)*i/50.0, q, NULL);
+        CHECK_NEAR(lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q).x, 2.4 + cos(lw_branch_input(b, q)), 1e-13, 0);
+    }
+    lw_branch_free(b);
+}
+
+/* Two bars hang on a crank-rocker, a block slides on its coupler: three joints, not the four-bar's. */
+static void all_that_hangs_on_it(void)
+{
+    lw_linkage k;
+    uint64_t held;
+    blank_linkage(&k, 7);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 1, 2, lw_v2(0.5, 1));
+    add_pin(&k, 2, 3, lw_v2(3, 1.5));
+    add_pin(&k, 3, 0, lw_v2(2.5, 0));
+    add_pin(&k, 3, 4, lw_v2(3, 2));
+    add_pin(&k, 4, 5, lw_v2(4, 2));
+    add_slide(&k, 2, 6, lw_v2(1, 2), 0.3);
+    add_input(&k, 0, 0);
+    add_tracer(&k, 2, lw_v2(1, 1));
+    CHECK_INT(find(&k).idle, 3);
+    CHECK_INT(lw_mobility_hold_idle(&k, &held, NULL), LW_OK);
+    CHECK_INT(held, 1 << 4 | 1 << 5 | 1 << 6);
+    CHECK_INT(find(&k).freedom, 1);
+}
+
+/* A freedom that a tracer notices is not idle, and with a tracer on the last bar nothing is. */
+static void what_is_noticed_is_left(void)
+{
+    lw_linkage k;
+    uint64_t held;
+    blank_linkage(&k, 5);
+    for (int i = 0; i < 5; i++)
+        add_pin(&k, i, (i + 1)%5, lw_v2_polar(1, 1.2*i));
+    add_input(&k, 0, 0);
+    add_tracer(&k, 2, lw_v2(1, 1));
+    CHECK_INT(lw_mobility_hold_idle(&k, &held, NULL), LW_OK);
+    CHECK_INT(held, 0);
+    CHECK_INT(find(&k).freedom, 2);
+    k.joint[1].link[0] = 9;
+    CHECK_INT(lw_mobility_hold_idle(&k, &held, NULL), LW_E_ARG);
+}
+
+int main(void)
+{
+    RUN(a_roller_is_held);
+    RUN(all_that_hangs_on_it);
+    RUN(what_is_noticed_is_left);
+    return check_end();
+}
