@@ -156,8 +156,8 @@ static void points_at(const subject *q, const double *dim, const double *t, int 
     lw_batch_point(&q->p, &(lw_lanes){ LANES, c, s, dim, 0, q->mode, 0 }, which, work, x, y, u, v, m);
 }
 
-/* Central differences of two widths, extrapolated. */
-static void differences(const subject *q, const double *t, int which, int d, double h, double *gx, double *gy)
+/* Central differences of two widths, extrapolated; false when a lane is not reached at one of them. */
+static bool differences(const subject *q, const double *t, int which, int d, double h, double *gx, double *gy)
 {
     double x[4][LANES], y[4][LANES], m[LANES], dim[LW_DIM_MAX];
     memcpy(dim, q->dim, sizeof dim);
@@ -168,14 +168,42 @@ static void differences(const subject *q, const double *t, int which, int d, dou
         if (d >= 0)
             dim[d] = q->dim[d] + e;
         points_at(q, dim, shift, which, x[i], y[i], m);
+        for (int l = 0; l < LANES; l++)
+            if (!(m[l] > 0))
+                return false;
     }
     for (int l = 0; l < LANES; l++) {
         gx[l] = (8*(x[0][l] - x[1][l]) - (x[2][l] - x[3][l]))/(12*h);
         gy[l] = (8*(y[0][l] - y[1][l]) - (y[2][l] - y[3][l]))/(12*h);
     }
+    return true;
 }
 
-static int n_compared;
+/* What differences must be right to: the inverse Jacobian enters them twice. */
+static double allowed(double m, double g) { return 1e-8/(m*m) + 1e-7*fabs(g); }
+
+/* The same by steps shorter and shorter, until a step four times as long says the same: a limit of some group, of which
+ * the output need not depend, may be nearer than a step.  false: rounding hides them. */
+static bool settled_differences(const subject *q, const double *t, int which, int d, const double *m, double *gx, double *gy)
+{
+    double longer[2][LANES] = { { 0 } };
+    bool before = false;
+    for (double h = 2e-5; h > 1e-8; h *= 0.25) {
+        bool now = differences(q, t, which, d, h, gx, gy), agree = now && before;
+        for (int l = 0; agree && l < LANES; l++)
+            agree = fabs(gx[l] - longer[0][l]) < 0.5*allowed(m[l], gx[l]) && fabs(gy[l] - longer[1][l]) < 0.5*allowed(m[l], gy[l]);
+        if (agree)
+            return true;
+        before = now;
+        if (now) {
+            memcpy(longer[0], gx, sizeof longer[0]);
+            memcpy(longer[1], gy, sizeof longer[1]);
+        }
+    }
+    return false;
+}
+
+static int n_compared, n_hidden;
 
 static void gradients(subject *q, lw_rng *r)
 {
@@ -194,11 +222,12 @@ static void gradients(subject *q, lw_rng *r)
             return;
     n_compared++;
     for (int d = -1; d < q->p.n_dim; d++) {
-        differences(q, t, which, d, 2e-5, gx, gy);
-        for (int l = 0; l < LANES; l++) {
+        bool told = settled_differences(q, t, which, d, m, gx, gy);
+        n_hidden += !told;
+        for (int l = 0; told && l < LANES; l++) {
             double wantx = d < 0 ? tx[l] : jx[d*LANES + l], wanty = d < 0 ? ty[l] : jy[d*LANES + l];
-            CHECK_NEAR(gx[l], wantx, 1e-8/(m[l]*m[l]), 1e-7);
-            CHECK_NEAR(gy[l], wanty, 1e-8/(m[l]*m[l]), 1e-7);
+            CHECK_NEAR(gx[l], wantx, allowed(m[l], wantx), 0);
+            CHECK_NEAR(gy[l], wanty, allowed(m[l], wanty), 0);
         }
     }
 }
@@ -208,6 +237,7 @@ static void gradients_are_differences(void)
     eight_bars(gradients, 0, 0.15);
     eight_bars(gradients, 3, 0.15);
     CHECK(n_compared > 60);
+    CHECK(n_hidden < n_compared/2);                   /* of some twenty dimensions each                     */
 }
 
 /* ---- the way -------------------------------------------------------------------------------------------- */
