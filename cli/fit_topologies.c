@@ -17,7 +17,7 @@ typedef struct maker {
     cli_topology_stage       own;                /* families and numbers of this chain alone       */
     lw_mechanism_counts      counts;
     unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
-    int                      ratio;              /* of the gear, from 1; 0: there is none          */
+    int                      ratio;              /* set of the gears' ratios, from 1; 0: no gears  */
     bool                     met[64];            /* names of `only` that something bore            */
     cli_topology_fate        best;               /* of the sets of tied inputs of one mechanism    */
     lw_plan                 *plan;
@@ -28,7 +28,7 @@ const char *cli_topology_fate_text(cli_topology_fate f)
 {
     static const char *const text[CLI_TOPOLOGY_FATES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
-        "no input by which it can be worked out", "no gear pair whose carrier and one wheel are known first",
+        "no input by which it can be worked out", "a gear pair without a link that carries it, or with several",
         "not asked for"
     };
     return text[f];
@@ -246,21 +246,33 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
 
 /* ---- variants ------------------------------------------------------------------------------------------- */
 
-/* A mechanism with a gear, with each ratio: what becomes of it with the one with which it does best. */
-static lw_status add_geared(maker *mk, const lw_mechanism *m, int gears, cli_topology_fate *fate)
+/* Is this set of ratios, through a symmetry, one of those before? */
+static bool same_ratios(maker *mk, const lw_mechanism *m, lw_graph *form, int *n)
 {
-    lw_status st = LW_OK;
-    *fate = CLI_TOPOLOGY_GEAR;
-    for (int i = 0; st == LW_OK && gears == 1 && i < mk->w->ratio.gear.n; i++) {
+    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+    return tied_before(mk, &f, form, n);
+}
+
+/* A mechanism with gears, with each set of ratios: what becomes of it with the one with which it does best. */
+static lw_status add_geared(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+{
+    lw_linkage k;
+    cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
+    lw_status st = cli_topology_sketch(mk->chain, &f, &mk->w->ratio, &k);
+    int sets = st == LW_OK ? cli_topology_sets(&k, &mk->w->ratio.gear) : 0, n = 0;
+    lw_graph *form = malloc(sizeof *form*(size_t)(sets + 1));
+    *fate = sets > 0 ? CLI_TOPOLOGY_NO_PLAN : CLI_TOPOLOGY_GEAR;
+    for (mk->ratio = 1; form && st == LW_OK && mk->ratio <= sets; mk->ratio++) {
         cli_topology_fate now;
-        mk->ratio = i + 1;
+        if (same_ratios(mk, m, form, &n))
+            continue;
         st = add_pair(mk, m, &now);
-        now = now == CLI_TOPOLOGY_NO_PLAN ? CLI_TOPOLOGY_GEAR : now;
-        if (*fate != CLI_TOPOLOGY_FITTED && now != CLI_TOPOLOGY_GEAR)
+        if (*fate != CLI_TOPOLOGY_FITTED && now != CLI_TOPOLOGY_NO_PLAN)
             *fate = now;
     }
+    free(form);
     mk->ratio = 0;
-    return st;
+    return form ? st : LW_E_MEMORY;
 }
 
 static lw_status visit_variant(maker *mk, const lw_mechanism *m)
@@ -269,7 +281,7 @@ static lw_status visit_variant(maker *mk, const lw_mechanism *m)
     int gears = 0;
     for (int j = 0; j < m->n_joint; j++)
         gears += m->kind[j] == 'g';
-    lw_status st = gears ? add_geared(mk, m, gears, &fate) : add_pair(mk, m, &fate);
+    lw_status st = gears ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
     mk->own.n_pair++;
     mk->own.fate[fate]++;
     return st == LW_OK ? lw_inputs_each(m, mk->w->dof, false, count_input, mk) : st;

@@ -12,7 +12,7 @@ typedef enum cli_topology_fate {
     CLI_TOPOLOGY_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
     CLI_TOPOLOGY_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
     CLI_TOPOLOGY_NO_PLAN,      /* no input lets it be worked out; F > 1: no F pins at the ground  */
-    CLI_TOPOLOGY_GEAR,         /* nor one that turns a wheel of its gear first; or more than one gear, or none on pins */
+    CLI_TOPOLOGY_GEAR,         /* no link, or more than one, on which both sides of a gear turn or slide */
     CLI_TOPOLOGY_NOT_ASKED,    /* --topology leaves it out                                        */
     CLI_TOPOLOGY_FATES
 } cli_topology_fate;

@@ -28,6 +28,72 @@ lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topol
     return m;
 }
 
+/* ---- gears ---------------------------------------------------------------------------------------------- */
+
+/* The joints of a linkage that are pairs of wheels; -1: a gear has no carrier, or several. */
+static int wheel_pairs(const lw_linkage *k, int joint[LW_JOINT_MAX])
+{
+    int n = 0;
+    lw_gear g;
+    for (int j = 0; j < k->n_joint; j++) {
+        if (k->joint[j].kind != LW_JOINT_GEAR)
+            continue;
+        if (lw_linkage_gear(k, j, &g, NULL) != LW_OK)
+            return -1;
+        if (g.slider[0] < 0 && g.slider[1] < 0)
+            joint[n++] = j;
+    }
+    return n;
+}
+
+/* n^pairs, or something above CLI_GEAR_SETS. */
+static int all_sets(int pairs, int n)
+{
+    int sets = 1;
+    for (int g = 0; g < pairs && sets <= CLI_GEAR_SETS; g++)
+        sets *= n;
+    return sets;
+}
+
+int cli_topology_sets(const lw_linkage *k, const cli_ratios *gear)
+{
+    int joint[LW_JOINT_MAX], pairs = wheel_pairs(k, joint), sets = all_sets(pairs, gear->n);
+    return pairs < 0 ? 0 : sets < CLI_GEAR_SETS ? sets : CLI_GEAR_SETS;
+}
+
+/* Number of the ratio of pair g in a set, both from 0. */
+static int ratio_of(int set, int g, int pairs, int n)
+{
+    if (all_sets(pairs, n) > CLI_GEAR_SETS)
+        return (set + set/n*g) % n;
+    while (g-- > 0)
+        set /= n;
+    return set % n;
+}
+
+static void put_ratios(const cli_topology *f, const cli_ratios *gear, lw_linkage *k)
+{
+    int joint[LW_JOINT_MAX], pairs = f->ratio > 0 ? wheel_pairs(k, joint) : 0;
+    for (int g = 0; g < pairs; g++)
+        k->joint[joint[g]].ratio = gear->of[ratio_of(f->ratio - 1, g, pairs, gear->n)].value;
+}
+
+/* ", ratio 2", ", ratios 2, -1". */
+static int ratios_text(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
+{
+    lw_linkage k;
+    int joint[LW_JOINT_MAX], n = 0;
+    if (f->ratio == 0 || cli_topology_sketch(c, f, r, &k) != LW_OK)
+        return 0;
+    int pairs = wheel_pairs(&k, joint);
+    for (int g = 0; g < pairs; g++)
+        n += snprintf(name + n, size - (size_t)n, "%s%s", g > 0 ? ", " : pairs > 1 ? ", ratios " : ", ratio ",
+                      r->gear.of[ratio_of(f->ratio - 1, g, pairs, r->gear.n)].text);
+    return n;
+}
+
+/* ---- a linkage ------------------------------------------------------------------------------------------ */
+
 static void put_inputs(const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
 {
     k->n_input = f->n_input;
@@ -45,17 +111,17 @@ lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f
                 (uint64_t)f->kinds << 24 | (uint64_t)f->ground << 16 | (uint64_t)f->tracer << 8 | f->turned);
     lw_status st = lw_linkage_sketch(&m, &rng, k);
     for (int j = 0; j < k->n_joint && st == LW_OK; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR && f->ratio > 0)
-            k->joint[j].ratio = r->gear.of[f->ratio - 1].value;
-        else if (k->joint[j].kind == LW_JOINT_SLOT) {
+        if (k->joint[j].kind == LW_JOINT_SLOT) {
             bool later = f->turned & bit;
             k->joint[j].link[0] = m.link[j][later];
             k->joint[j].link[1] = m.link[j][!later];
             bit <<= 1;
         }
-    if (st == LW_OK)
-        put_inputs(f, r, k);
-    return st;
+    if (st != LW_OK)
+        return st;
+    put_ratios(f, &r->gear, k);
+    put_inputs(f, r, k);
+    return LW_OK;
 }
 
 /* ---- names -------------------------------------------------------------------------------------------- */
@@ -97,7 +163,8 @@ void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *
 
 /* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
  * carry the slots. */
-static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_ratios *gear, char *name, size_t size)
+static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name,
+                        size_t size)
 {
     lw_mechanism m = cli_topology_mechanism(c, f);
     unsigned bit = 1;
@@ -108,20 +175,19 @@ static int higher_title(const cli_topology_chain *c, const cli_topology *f, cons
                           m.link[j][(f->turned & bit) != 0] + 1);
             bit <<= 1;
         }
-    if (f->ratio > 0)
-        n += snprintf(name + n, size - (size_t)n, ", ratio %s", gear->of[f->ratio - 1].text);
+    n += ratios_text(c, f, r, name + n, size - (size_t)n);
     return n + snprintf(name + n, size - (size_t)n, ", ground %d", f->ground + 1);
 }
 
 /* With the kinds of all joints where these are not all pins. */
-static int title(const cli_topology_chain *c, const cli_topology *f, const cli_ratios *gear, char *name, size_t size)
+static int title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
 {
     static const char *const roman[] = { "", "I", "II", "III" };
     lw_mechanism m = cli_topology_mechanism(c, f);
     int number, n_kind = f->kinds ? m.n_joint : 0;
     const char *blank = n_kind ? " " : "";
     if (c->n2 > 0)
-        return higher_title(c, f, gear, name, size);
+        return higher_title(c, f, r, name, size);
     if (m.n_link != 6)
         return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
                         m.ground + 1);
@@ -144,7 +210,7 @@ static int inputs_text(const cli_topology *f, const cli_ratios *tie, char *name,
 void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, bool input,
                        char *name, size_t size)
 {
-    int n = title(c, f, &r->gear, name, size);
+    int n = title(c, f, r, name, size);
     if (input || f->n_input > 1)
         n += inputs_text(f, &r->tie, name + n, size - (size_t)n);
     snprintf(name + n, size - (size_t)n, ", point on link %d", f->tracer + 1);
@@ -203,6 +269,13 @@ static bool put_rates(const lw_linkage *k, lw_graph *g)
     return true;
 }
 
+/* Its ratio, a length, is a dimension. */
+static bool is_rack(const lw_linkage *k, int joint)
+{
+    lw_gear g;
+    return lw_linkage_gear(k, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
+}
+
 bool cli_topology_form(const lw_linkage *k, lw_graph *form)
 {
     lw_graph g = { .n = k->n_link };
@@ -213,6 +286,8 @@ bool cli_topology_form(const lw_linkage *k, lw_graph *form)
         const lw_joint *q = &k->joint[j];
         if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
             put_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX && is_rack(k, j))
+            put_between(&g, q, 18, 1, 1);
         else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
             put_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
         else

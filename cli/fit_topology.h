@@ -39,9 +39,18 @@ typedef struct cli_topology {
     uint8_t  input[CLI_TOPOLOGY_INPUTS];       /* joints, those after the first tied to it        */
     uint8_t  tie[CLI_TOPOLOGY_INPUTS];         /* ratios of these, from 0                         */
     uint8_t  turned;           /* slots on the later link, bit i: the i-th                        */
-    uint8_t  ratio;            /* of the gear, from 1; 0: there is none                           */
+    uint8_t  ratio;            /* set of ratios of the gear pairs, from 1; 0: there are none      */
     uint8_t  turn;             /* lw_turn                                                         */
 } cli_topology;
+
+/* Sets of ratios that one mechanism is tried with.  Of g gear pairs and n ratios there are n^g sets; where that is more,
+ * the first of those that give all pairs the same ratio, then of those in which the second pair is one, the third two
+ * further on in the list, and so on: every pair meets every ratio equally often. */
+#define CLI_GEAR_SETS 32
+
+/* How many sets of ratios a linkage with gears is tried with, 1 when all are racks, whose pitch is a dimension; 0: one of
+ * its gears has no carrier, or several. */
+int cli_topology_sets(const lw_linkage *k, const cli_ratios *gear);
 
 /* Of a mechanism with ground and output, its inputs left open. */
 cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio);
