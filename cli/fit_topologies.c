@@ -227,12 +227,6 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
 
 static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
 {
-    char key[64];
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
-    cli_topology_key(mk->chain, &f, key, sizeof key);
-    *fate = CLI_TOPOLOGY_NOT_ASKED;
-    if (!asked_for(mk, key))
-        return LW_OK;
     *fate = CLI_TOPOLOGY_CIRCLE;
     if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
         return LW_OK;
@@ -277,11 +271,13 @@ static lw_status add_geared(maker *mk, const lw_mechanism *m, cli_topology_fate 
 
 static lw_status visit_variant(maker *mk, const lw_mechanism *m)
 {
-    cli_topology_fate fate;
-    int gears = 0;
-    for (int j = 0; j < m->n_joint; j++)
-        gears += m->kind[j] == 'g';
-    lw_status st = gears ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
+    cli_topology_fate fate = CLI_TOPOLOGY_NOT_ASKED;
+    const cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
+    lw_status st = LW_OK;
+    char key[64];
+    cli_topology_key(mk->chain, &f, key, sizeof key);
+    if (asked_for(mk, key))
+        st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
     mk->own.n_pair++;
     mk->own.fate[fate]++;
     return st == LW_OK ? lw_inputs_each(m, mk->w->dof, false, count_input, mk) : st;

@@ -96,14 +96,22 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
         p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);   /* each way one half    */
         if (p->theta)
             p->theta[i] = t->theta[i];
-        p->angle[i] = t->angle ? t->angle[i] : 0;
-        p->c[i] = cos(p->angle[i]);
-        p->s[i] = sin(p->angle[i]);
     }
     p->n_also = t->n_also;
     for (int i = 0; i < t->n_also; i++)
         make_aim(t, &t->also[i], p, a + n*(9 + 5*(size_t)i), &p->also[i]);
     return LW_OK;
+}
+
+/* Prescribed inputs, as the plan counts them: over p->plan.laps.  Which of its laps a station is in, where the timing is
+ * that of one turn, is a matter of the phases of the wheels, which are dimensions. */
+static void make_timing(const lw_target *t, lw_problem *p)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        p->angle[i] = t->angle ? t->angle[i]/p->plan.laps : 0;
+        p->c[i] = cos(p->angle[i]);
+        p->s[i] = sin(p->angle[i]);
+    }
 }
 
 static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem *p, lw_error *e)
@@ -267,8 +275,6 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
-    if (p->plan.laps > 1 && p->timing == LW_TIMING_PRESCRIBED)
-        return lw_error_set(e, LW_E_KIND, "all comes back after %d turns of its input only, and a timing is prescribed for one", p->plan.laps);
     if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
@@ -348,6 +354,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         lw_problem_free(p);
         return st;
     }
+    make_timing(t, p);
     weigh(t, s, p);
     p->min_transmission = s->min_transmission;
     p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */

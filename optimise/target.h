@@ -36,7 +36,7 @@ typedef struct lw_target {
     size_t   n;                 /* stations                                                        */
     double  *x, *y;             /* [m]; NULL for a function                             (n)        */
     double  *theta;             /* tool or output angle [rad]; NULL when not given      (n)        */
-    double  *angle;             /* input angle [rad], rising or falling throughout over one turn at most
+    double  *angle;             /* input angle [rad], rising or falling throughout, over LW_LAP_MAX turns at most
                                  * (a wrap at the full turn is undone); NULL when not given (n)    */
     double  *weight;            /* >= 0, not all 0; 1 when not given                    (n)        */
     long    *line;              /* line of the file, for messages; 0 by _make           (n)        */

@@ -1,4 +1,5 @@
 /* Input angles of the stations: one point for one angle, in cyclic order. */
+#include "mbs/plan.h"
 #include "optimise/target_internal.h"
 
 #include <math.h>
@@ -57,20 +58,32 @@ static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_plac
                         where(t, first, text));
 }
 
+/* Turns of the input that a timing goes over: what comes again in another of them need not be the same. */
+static double span(const lw_target *t)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < t->n; i++) {
+        least = fmin(least, t->angle[i]);
+        most = fmax(most, t->angle[i]);
+    }
+    return (most - least)/TURN;
+}
+
 static lw_status check_repeats(const lw_target *t, lw_target_place *place, lw_error *e)
 {
     crank *c = malloc(t->n*sizeof *c);
     lw_status s = LW_OK;
     if (!c)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", t->n);
+    bool once = span(t) <= 1 + ANGLE_EPS;
     for (size_t i = 0; i < t->n; i++)
-        c[i] = (crank){ t->angle[i] - TURN*floor(t->angle[i]/TURN), i };
+        c[i] = (crank){ t->angle[i] - (once ? TURN*floor(t->angle[i]/TURN) : 0), i };
     qsort(c, t->n, sizeof *c, by_angle);
     for (size_t i = 0; s == LW_OK && i + 1 < t->n; i++)
         if (c[i+1].angle - c[i].angle <= ANGLE_EPS && !same_station(t, c[i].i, c[i+1].i))
             s = repeated(t, c[i].i, c[i+1].i, place, e);
     size_t last = t->n - 1;                      /* just below a full turn is just above none */
-    if (s == LW_OK && last > 0 && c[0].angle + TURN - c[last].angle <= ANGLE_EPS &&
+    if (s == LW_OK && once && last > 0 && c[0].angle + TURN - c[last].angle <= ANGLE_EPS &&
         !same_station(t, c[0].i, c[last].i))
         s = repeated(t, c[0].i, c[last].i, place, e);
     free(c);
@@ -90,14 +103,17 @@ static void find_turns(const lw_target *t, int sense, size_t turn[2])
             turn[found++] = i;
 }
 
-/* With the part behind turn[0] moved by a full turn: is that a step forwards, and all one turn or less? */
+/* With the part behind turn[0] moved by a full turn: is that a step forwards, and all one turn or less?  Or do they go on
+ * throughout, over as many turns as gears may take to come back? */
 static bool fits(const lw_target *t, int sense, const size_t turn[2])
 {
     const double *a = t->angle;
     bool wraps = turn[0] < t->n;
     if (wraps && !(sense*(a[turn[0]] - a[turn[0]-1]) + TURN >= 0))
         return false;
-    return turn[1] == t->n && sense*(a[t->n-1] - a[0]) + (wraps ? TURN : 0) <= TURN + ANGLE_EPS;
+    if (!wraps)
+        return span(t) <= LW_LAP_MAX + ANGLE_EPS;
+    return turn[1] == t->n && sense*(a[t->n-1] - a[0]) + TURN <= TURN + ANGLE_EPS;
 }
 
 static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], lw_target_place *place, lw_error *e)
@@ -108,8 +124,8 @@ static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], l
     char text[40];
     *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_FIELD_ANGLE };
     if (i == t->n)
-        return lw_error_set(e, LW_E_ARG, "the input angles run over more than one turn (%.4g turns); a target is "
-                            "one turn of the input at most", fabs(t->angle[t->n-1] - t->angle[0])/TURN);
+        return lw_error_set(e, LW_E_ARG, "the input angles run over %.4g turns; a target is %d turns of the input at most, "
+                            "without turning back", span(t), LW_LAP_MAX);
     return lw_error_set(e, LW_E_ARG, "the input angles %s up to %s and turn back here, from %.9g to %.9g %s; put the "
                         "lines in the order of their angles, or leave the column out if the timing does not matter",
                         sense > 0 ? "rise" : "fall", where(t, i - 1, text), t->angle[i-1]/t->units.radian,

@@ -312,8 +312,10 @@ static void slots_are_fitted_and_traced(void)
 
 /* By hand.  Three links: carrier and two wheels; only a point of the wheel that runs on a fixed one is no circle.
  * Five links, c the carrier, i and j the wheels, five pins: the ring c i x y j, ground and tracer c x and i y fit (i j
- * is that of three links, with ground x neither wheel is known first); or a four-bar c i x y with the wheel j on c,
- * with ground and tracer x j, y j, j x, j y. */
+ * is that of three links), and with ground x, where neither wheel is known first, by a group: x i and x c; or a four-bar
+ * c i x y with the wheel j on c, with ground and tracer x j, y j, j x, j y, on a coupler by a group where the ratio is no
+ * whole number.  Three gear pairs on a tree of four pins: the path of five links from end to end, and three more, each
+ * with all 27 sets of ratios. */
 static void gear_pairs_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
@@ -326,12 +328,33 @@ static void gear_pairs_are_counted(void)
     CHECK_INT(integer(three, "fitted"), 1);
     CHECK_INT(integer(three, "searched"), 3);
     CHECK_INT(integer(five, "links"), 5);
-    CHECK_INT(integer(five, "fitted"), 6 + 2);                   /* by groups c and j with ground x   */
+    CHECK_INT(integer(five, "fitted"), 6 + 2 + 4);               /* by groups c and i with ground x   */
     CHECK_INT(integer(five, "groups"), 2*3 + 2);                 /* these, and fractions on a coupler */
     CHECK_INT(integer(five, "not_reached"), integer(five, "groups"));
-    CHECK_INT(integer(five, "searched"), 4*3 + 2*2);             /* on a coupler whole ratios only   */
+    CHECK_INT(integer(five, "searched"), 4*3 + 2*2 + 4*27);
     CHECK(integer(five, "no_gear") >= 2);
     CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
+    json_decref(root);
+    root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 8 --budget 1000 "
+                   "--topology 5.1.1,5.1.3 --json");
+    five = json_array_get(json_object_get(root, "topologies"), 2);
+    CHECK_INT(integer(five, "fitted"), 6 + 2);
+    CHECK_INT(integer(five, "searched"), 8*3);
+    CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
+    json_decref(root);
+}
+
+/* Three links with a slide: the trochoids with every ratio, and a wheel that rolls on the ground or, upside down, carries
+ * the point of a rack, both once: their pitch is a dimension. */
+static void racks_are_counted(void)
+{
+    json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
+                           "--budget 1000 --json");
+    json_t *three = json_array_get(json_object_get(root, "topologies"), 0);
+    CHECK_INT(integer(three, "links"), 3);
+    CHECK_INT(integer(three, "fitted"), 1 + 2);
+    CHECK_INT(integer(three, "searched"), 3 + 2);
+    CHECK_INT(integer(three, "with_linkage"), integer(three, "searched"));
     json_decref(root);
 }
 
@@ -358,6 +381,7 @@ int main(void)
     RUN(slots_are_counted_as_blocks);
     RUN(slots_are_fitted_and_traced);
     RUN(gear_pairs_are_counted);
+    RUN(racks_are_counted);
     RUN(gears_are_fitted_and_traced);
     return check_end();
 }

@@ -301,12 +301,14 @@ static void cyclic_order_is_order(void)
     check_angles("x,y,angle_deg\n0,0,0\n1,0,180\n0,0,0\n", 3, (double[]){ 0, 180, 360 });
     check_angles("x,y,angle_deg\n0,0,5\n0,0,5\n1,0,7\n", 3, (double[]){ 5, 5, 7 });
     check_angles("x,y,angle_deg\n0,0,5\n", 1, (double[]){ 5 });
+    check_angles("x,y,angle_deg\n0,0,0\n1,0,200\n2,0,400\n3,0,720\n", 4, (double[]){ 0, 200, 400, 720 });
+    check_angles("x,y,t\n0,0,1.5\n1,0,0.7\n2,0,0\n", 3, (double[]){ 540, 252, 0 });
     check_angles("angle_deg,theta_deg\n0,0\n350,20\n", 2, (double[]){ 0, 350 });
 }
 
 static double whole_turns(double a) { return floor(a/360)*360; }
 
-/* Any sequence that a slow search finds to be cyclic within one turn is read, and no other. */
+/* Any sequence that a slow search finds to be cyclic within one turn, or to go on throughout, is read, and no other. */
 static void order_against_brute_force(void)
 {
     lw_rng r;
@@ -320,6 +322,12 @@ static void order_against_brute_force(void)
             x[i] = i;
             y[i] = 0;
         }
+        double least = a[0], most = a[0];
+        for (int i = 1; i < n; i++) {
+            least = fmin(least, a[i]);
+            most = fmax(most, a[i]);
+        }
+        bool once = most - least <= 360;
         for (int sense = -1; sense <= 1; sense += 2)          /* wrap behind place k, n: nowhere */
             for (int k = 1; k <= n; k++) {
                 int good = 1;
@@ -328,11 +336,11 @@ static void order_against_brute_force(void)
                     b[i] = sense*a[i] + (i >= k ? 360 : 0);
                 for (int i = 1; i < n; i++)
                     good &= b[i] >= b[i-1];
-                ok |= good && b[n-1] - b[0] <= 360;
+                ok |= good && (k == n || b[n-1] - b[0] <= 360);
             }
         for (int i = 0; i < n; i++)                           /* every point is another one */
             for (int j = 0; j < i; j++)
-                ok &= a[i] - whole_turns(a[i]) != a[j] - whole_turns(a[j]);
+                ok &= once ? a[i] - whole_turns(a[i]) != a[j] - whole_turns(a[j]) : a[i] != a[j];
         lw_target t;
         lw_error e = { .text = "" };
         lw_status s = lw_target_make((size_t)n, x, y, NULL, rad, NULL, -1, &t, &e);
@@ -420,8 +428,9 @@ static void every_fault_has_its_place(void)
         { "x,y,angle_deg\n0,0,0\n1,0,20\n2,0,10\n3,0,30\n", 4, 5, "rise up to line 3 and turn back here, from 20 to 10" },
         { "x,y,angle_deg\n0,0,30\n1,0,20\n2,0,25\n3,0,10\n", 4, 5, "fall up to line 3" },
         { "x,y,angle_deg\n0,0,200\n1,0,350\n2,0,10\n3,0,30\n4,0,20\n", 6, 5, "rise up to line 5" },
-        { "x,y,angle_deg\n0,0,0\n1,0,200\n2,0,400\n", 4, 5, "more than one turn" },
-        { "x,y,t\n0,0,0\n1,0,0.7\n2,0,1.5\n", 4, 5, "more than one turn" },
+        { "x,y,angle_deg\n0,0,0\n1,0,200\n2,0,9000\n", 4, 5, "run over 25 turns" },
+        { "x,y,t\n0,0,0\n1,0,0.7\n2,0,24.5\n", 4, 5, "run over 24.5 turns" },
+        { "x,y,angle_deg\n0,0,0\n1,0,400\n2,0,300\n", 4, 5, "rise up to line 3 and turn back here, from 400 to 300" },
     };
     for (size_t i = 0; i < sizeof faults/sizeof *faults; i++) {
         lw_target t;

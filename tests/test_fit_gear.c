@@ -1,0 +1,147 @@
+/* Searches of mechanisms with gears: the curve of each is found again from its topology alone, to rounding, and the
+ * report, which simulates it from its file, agrees. */
+#include "grammar/linkage.h"
+#include "mbs/pose.h"
+#include "optimise/survey.h"
+#include "tests/check.h"
+#include "tests/mbs_linkage.h"
+
+enum { STATIONS = 36 };
+
+static void drive(lw_linkage *k, int joint)
+{
+    add_input(k, joint, 0);
+    k->input[0].value = lw_linkage_posture_input(k, joint);
+}
+
+/* Wheels on the ground in the ratio -1/2, two bars: comes back after two turns. */
+static lw_linkage geared_five_bar(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 5);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_gear(&k, 1, 2, lw_v2(2, 0), -0.5);
+    add_pin(&k, 0, 2, lw_v2(3, 0));
+    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
+    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
+    add_pin(&k, 4, 2, lw_v2(3.5, 0.8));
+    drive(&k, 0);
+    add_tracer(&k, 3, lw_v2(1.8, 2.9));
+    return k;
+}
+
+/* A slider-crank pushes a carriage whose wheel rolls on the ground. */
+static lw_linkage rolling_carriage(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 5);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 1, 2, lw_v2(0.8, 0.6));
+    add_pin(&k, 2, 3, lw_v2(3.2, 0.4));
+    add_slide(&k, 0, 3, lw_v2(3.2, 0.4), 0.1);
+    add_pin(&k, 3, 4, lw_v2(3.4, 1));
+    add_gear(&k, 0, 4, lw_v2(3.4, 0.4), 1/0.65);
+    drive(&k, 0);
+    add_tracer(&k, 4, lw_v2(3.8, 1.5));
+    return k;
+}
+
+/* Two gear pairs, one behind the other, and two bars. */
+static lw_linkage wheel_train(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 6);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 0, 5, lw_v2(1.5, -0.5));
+    add_pin(&k, 0, 2, lw_v2(3, 0));
+    add_gear(&k, 1, 5, lw_v2(0.5, -0.2), 2);
+    add_gear(&k, 5, 2, lw_v2(2, -0.2), -1);
+    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
+    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
+    add_pin(&k, 4, 2, lw_v2(3.4, 0.5));
+    drive(&k, 0);
+    add_tracer(&k, 3, lw_v2(1.8, 2.9));
+    return k;
+}
+
+/* A wheel on the coupler of a four-bar, turned by the crank at half its turns against the coupler: neither turns evenly,
+ * so that the wheel is a group of its own, followed over two turns. */
+static lw_linkage half_on_coupler(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 5);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
+    add_pin(&k, 2, 3, lw_v2(2.6, 2.1));
+    add_pin(&k, 3, 0, lw_v2(3, 0));
+    add_pin(&k, 2, 4, lw_v2(1.5, 2.4));
+    add_gear(&k, 1, 4, lw_v2(1, 1.4), 0.5);
+    drive(&k, 0);
+    add_tracer(&k, 4, lw_v2(2, 2.8));
+    return k;
+}
+
+/* Stations at equal steps of as many turns of the input as bring all back, with their input angles. */
+static int make_target(const lw_linkage *k, lw_target *t)
+{
+    lw_plan plan;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, x[STATIONS], y[STATIONS], angle[STATIONS];
+    lw_error e = { .text = "" };
+    CHECK_INT(lw_plan_make_geared(k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
+    for (int i = 0; i < STATIONS; i++) {
+        lw_pose pose;
+        double turn = 2*LW_PI*i/STATIONS;
+        CHECK_INT(lw_pose_solve(&plan, dim, mode, input + turn, 0, &pose), LW_OK);
+        angle[i] = turn*plan.laps;
+        x[i] = pose.tracer[0][0].x;
+        y[i] = pose.tracer[0][0].y;
+    }
+    CHECK_INT(lw_target_make(STATIONS, x, y, NULL, angle, NULL, 1, t, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    return plan.laps;
+}
+
+static void found_again(lw_linkage k, int laps, long budget)
+{
+    lw_family f = { .name = "geared", .linkage = &k, .links = k.n_link };
+    lw_stage stage[] = { { .links = k.n_link, .families = lw_families_of(&f, 1) } };
+    lw_fit_options o = lw_fit_options_default();
+    lw_target t;
+    lw_survey s;
+    lw_error e = { .text = "" };
+    CHECK_INT(make_target(&k, &t), laps);
+    o.spec.timing = LW_TIMING_PRESCRIBED;
+    o.max_rounds = 40;
+    o.budget = budget;
+    o.n_result = 3;
+    CHECK_INT(lw_survey_run(&t, &o, stage, 1, &s, &e), LW_OK);
+    CHECK_TEXT(e.text, "");
+    CHECK(s.fit.n > 0 && s.fit.candidate[0].objective < 1e-18);
+    printf("# %s %g, %ld evaluations\n", k.name, s.fit.n ? s.fit.candidate[0].objective : NAN, s.fit.evals);
+    lw_report *r = malloc(sizeof *r);
+    if (s.fit.n > 0) {
+        CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
+        CHECK(r->verified && r->error_max < 1e-8);
+        CHECK_TEXT(r->fault, "");
+        CHECK_INT(r->laps, laps);
+    }
+    free(r);
+    lw_survey_free(&s);
+    lw_target_free(&t);
+}
+
+static void over_two_turns(void) { found_again(geared_five_bar(), 2, 1000000); }
+static void a_rack_turns_its_pinion(void) { found_again(rolling_carriage(), 1, 1000000); }
+static void two_gear_pairs(void) { found_again(wheel_train(), 1, 1000000); }
+static void a_gear_in_a_group(void) { found_again(half_on_coupler(), 2, 1000000); }
+
+int main(void)
+{
+    RUN(over_two_turns);
+    RUN(a_rack_turns_its_pinion);
+    RUN(two_gear_pairs);
+    RUN(a_gear_in_a_group);
+    return check_end();
+}
