@@ -330,8 +330,8 @@ static void gear_pairs_are_counted(void)
     CHECK_INT(integer(five, "links"), 5);
     CHECK_INT(integer(five, "fitted"), 6 + 2 + 4);               /* by groups c and i with ground x   */
     CHECK_INT(integer(five, "groups"), 2*3 + 2);                 /* these, and fractions on a coupler */
-    CHECK_INT(integer(five, "not_reached"), integer(five, "groups"));
-    CHECK_INT(integer(five, "searched"), 4*3 + 2*2 + 4*27);
+    CHECK_INT(integer(five, "searched") + integer(five, "not_reached"), 8*3 + 4*27);
+    CHECK(integer(five, "not_reached") <= integer(five, "groups"));
     CHECK(integer(five, "no_gear") >= 2);
     CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
     json_decref(root);
@@ -339,7 +339,7 @@ static void gear_pairs_are_counted(void)
                    "--topology 5.1.1,5.1.3 --json");
     five = json_array_get(json_object_get(root, "topologies"), 2);
     CHECK_INT(integer(five, "fitted"), 6 + 2);
-    CHECK_INT(integer(five, "searched"), 8*3);
+    CHECK_INT(integer(five, "searched") + integer(five, "not_reached"), 8*3);
     CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
     json_decref(root);
 }
