@@ -340,7 +340,11 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
     lw_status st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
     if (st == LW_OK)
         st = cli_ratios_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
-    if (st == LW_OK && (links > 4 || cli_topology_higher(kinds)))
+    bool more = links > 4 || cli_topology_higher(kinds);
+    if (st == LW_OK && !more && !s->exact && strcmp(w.only, "all") != 0)
+        st = lw_error_set(e, LW_E_ARG, "topology '%s' is one of more than four links; say how many with --links, or with "
+                          "\"links\" in a task file", w.only);
+    if (st == LW_OK && more)
         st = cli_topologies_make(&w, &set->topologies, e);
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
@@ -402,6 +406,8 @@ static void warn(const cli_call *call, const cli_fit_set *set)
     const lw_report *r = &set->report[0];
     if (set->survey.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->survey.fit.skipped);
+    if (set->n == 0 && set->left_out == 0)
+        cli_note(call, "%s: no linkage that meets all conditions was found in this time", set->path);
     if (set->n && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
@@ -562,7 +568,7 @@ static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
             memset(now, 0, sizeof *now);
             continue;
         }
-        code = st == LW_STOPPED ? CLI_LIMIT : now->n == 0 ? CLI_NOTHING : code;
+        code = now->n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
         ++*done;
     }
     return code;

@@ -12,7 +12,7 @@
 #include "mbs/mobility.h"
 
 typedef struct settings {
-    int         steps, mode;
+    int         steps, mode, result;
     const char *tracer, *range;
     double      from, to, speed;
     bool        cycle, all, explain;
@@ -32,6 +32,9 @@ typedef struct job {
 static const cli_option options[] = {
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "360",
       "intervals per arc; their ends are exact", 1, 10000000, NULL, NULL },
+    { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
+      "which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is", 0, 1000000, NULL,
+      NULL },
     { "tracer", 't', CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
       "only this tracer; without it all of them", 0, 0, NULL, NULL },
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
@@ -466,7 +469,7 @@ static int run(const cli_call *call)
         return cli_usage(call, "--from must be less than --to");
     double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
-    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
+    lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
     if (!m)
         return cli_fail(call, &e);
     job j = { call, s, m, 0, until };

@@ -520,7 +520,7 @@ static lw_status check_names(const cli_topology_wish *w, const bool met[64], lw_
     for (const char *at = w->only; strcmp(w->only, "all") != 0 && *at; k++) {
         size_t n = strcspn(at, ",");
         if (k < 64 && !met[k])
-            return lw_error_set(e, LW_E_ARG, "--topology: nothing up to %d links is called '%.*s'; there are watt1, "
+            return lw_error_set(e, LW_E_ARG, "topology: nothing up to %d links is called '%.*s'; there are watt1, "
                                 "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and by links, "
                                 "number of slots and gears, and number as 5.1.2", w->links, (int)n, at);
         at += n + (at[n] == ',');

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "grammar/read_internal.h"
+#include "optimise/contradiction.h"
 #include "optimise/problem_internal.h"
 #include "optimise/target_internal.h"
 
@@ -170,29 +171,6 @@ static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_brief *b, l
     return s == LW_OK ? add_zone(o, b, z, e) : s;
 }
 
-/* Does a forbidden zone hold the whole of a box where the pivots have to be? */
-static bool swallows(const lw_zone *no, const lw_zone *box)
-{
-    if (no->kind == LW_ZONE_NO_BOX)
-        return no->at.x <= box->at.x && no->at.y <= box->at.y && no->to.x >= box->to.x && no->to.y >= box->to.y;
-    lw_vec2 far = lw_v2(fmax(fabs(box->at.x - no->at.x), fabs(box->to.x - no->at.x)),
-                        fmax(fabs(box->at.y - no->at.y), fabs(box->to.y - no->at.y)));
-    return lw_v2_norm(far) <= no->reach;
-}
-
-static lw_status check_zones(const lw_json_node *forbidden, const lw_brief *b, lw_error *e)
-{
-    for (int i = 0; i < b->spec.n_zone; i++)
-        for (int k = 0; k < b->spec.n_zone; k++) {
-            const lw_zone *no = &b->spec.zone[i], *box = &b->spec.zone[k];
-            if ((no->kind == LW_ZONE_NO_BOX || no->kind == LW_ZONE_NO_CIRCLE) && box->kind == LW_ZONE_PIVOTS_BOX
-                && swallows(no, box))
-                return lw_json_fault(forbidden, e, "a forbidden zone holds the whole box in which the pivots have to be: "
-                                     "no linkage can do both");
-        }
-    return LW_OK;
-}
-
 static lw_status read_zones(const lw_json_node *root, lw_brief *b, lw_error *e)
 {
     lw_json_node pivots, list;
@@ -206,7 +184,7 @@ static lw_status read_zones(const lw_json_node *root, lw_brief *b, lw_error *e)
         lw_json_node zone = lw_json_element(&list, i);
         s = read_zone(&zone, true, b, e);
     }
-    return s == LW_OK ? check_zones(&list, b, e) : s;
+    return s;
 }
 
 /* ---- what has to be done ------------------------------------------------------------------------------------ */
@@ -452,6 +430,9 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
         && (s = read_text(root, "topology", b->topology, sizeof b->topology, e)) == LW_OK
         && (s = read_lengths(root, b, e)) == LW_OK && (s = read_positions(root, b, e)) == LW_OK)
         s = read_zones(root, b, e);
+    const char *why = s == LW_OK ? lw_contradiction(f) : NULL;
+    if (why && (lw_json_member(root, "forbidden", &o) || lw_json_member(root, "pivots", &o)))
+        s = lw_json_fault(&o, e, "%s: no linkage can do both", why);
     b->links = (int)links;
     if (s == LW_OK && (links != b->links || (b->links % 2 && !strpbrk(b->joints, "pg")))) {
         lw_json_member(root, "links", &o);

@@ -57,6 +57,12 @@ static void faults_have_a_place(void)
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
           "[{\"circle\":[[0,0],2]}]}", 1, 78, "no linkage can do both" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
+          "[{\"box\":[[-1,-1],[1.2,2]]},{\"circle\":[[1.6,0.5],0.8]}]}", 1, 78, "whole box" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[5,0],[6,1]]},\"positions\":{\"least\":0,\"most\":4}}",
+          1, 44, "range of positions" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"line\":[[0,9],[9,0]]},\"positions\":{\"least\":0,\"most\":4}}",
+          1, 44, "range of positions" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":2,\"to\":1}]}", 1, 44, "smaller to a greater" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"dwell\":[{\"from\":1,\"to\":2},{\"from\":2,\"to\":3}]}", 1, 62,
           "rest at two places" },
@@ -78,6 +84,25 @@ static void faults_have_a_place(void)
         CHECK_INT(e.line, bad[i].line);
         CHECK_INT(e.column, bad[i].column);
         CHECK_HAS(e.text, bad[i].says);
+    }
+}
+
+/* What only seems to contradict is read: zones that leave a corner of the box, a line through one of the range. */
+static void what_can_be_done_is_no_contradiction(void)
+{
+    static const char *const good[] = {
+        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
+        "[{\"box\":[[-1,-1],[1.2,2]]},{\"circle\":[[1.6,0.5],0.6]}]}",
+        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[2,1]]},\"forbidden\":"
+        "[{\"box\":[[-1,-1],[0.9,2]]},{\"box\":[[1,-1],[3,2]]}]}",
+        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"line\":[[0,7],[7,0]]},\"positions\":{\"least\":0,\"most\":4}}",
+        "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[3,3],[6,6]]},\"positions\":{\"least\":0,\"most\":4}}"
+    };
+    for (size_t i = 0; i < sizeof good/sizeof *good; i++) {
+        lw_brief b;
+        lw_error e;
+        CHECK_INT(read(good[i], &b, &e), LW_OK);
+        lw_brief_free(&b);
     }
 }
 
@@ -159,6 +184,7 @@ int main(void)
 {
     RUN(everything_is_read);
     RUN(faults_have_a_place);
+    RUN(what_can_be_done_is_no_contradiction);
     RUN(dwells_become_stations);
     RUN(tracers_have_targets_of_their_own);
     RUN(a_station_in_a_forbidden_zone);

@@ -114,6 +114,10 @@ static void only_the_topologies_asked_for(void)
     expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
     expect("$P fit $D/t.csv --links 6 --joints r,g --gear-ratios 1,1/0", 2, NULL, "'1/0' is none");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
+    expect("$P fit $D/t.csv -n 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0, "arc,mode", NULL);
+    expect("$P trace $D/two.json --result 9", 3, NULL, "result 9 is wanted");
+    expect("$P fit $D/t.csv --topology watt1", 3, NULL, "more than four links");
+    expect("$P fit $D/t.csv --bounds r1=5:5,r2=5:5,r3=5:5,r4=1e-3:1e-3 --crank-only --rounds 1 -j 1", 1, NULL, NULL);
 }
 
 static void results_are_gone_on_from(void)
