@@ -628,7 +628,8 @@ const cli_command cli_fit_command = {
     .about =
         "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; x2,y2[,theta2] of\n"
         "further points of the same mechanism, or theta2 of an output that goes with the path; - is standard\n"
-        "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\"). Minimises, over dimensions,\n"
+        "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\").\n"
+        "Minimises, over dimensions,\n"
         "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
         "Every result is simulated a second time from its file by independent code. -o FILE gets\n"
         "the results as JSON while the table goes to standard output; --json prints the JSON.\n"

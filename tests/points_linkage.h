@@ -10,6 +10,27 @@ typedef lw_status points_read(const char *text, size_t size, const char *file, c
                               lw_error *e);
 typedef char *points_write(const lw_linkage *k, lw_error *e);
 
+/* A four-bar as text; and a driven slider at 20 mm, 30 degrees, whose file is in millimetres. */
+static inline char *fourbar_text(points_write *write)
+{
+    const double dim[9] = { 4, 1, 3, 3.5, 1, 1, 0, 0, 0 };
+    lw_linkage k;
+    lw_error e;
+    fourbar_linkage(&k, dim, 1, 1.5707963267948966);
+    return write(&k, &e);
+}
+
+static inline char *slide_text(points_write *write)
+{
+    lw_linkage k;
+    lw_error e;
+    blank_linkage(&k, 2);
+    add_slide(&k, 0, 1, lw_v2(0.02, 0), LW_PI/6);
+    add_input(&k, 0, 0);
+    lw_units_set_length(&k.units, "mm");
+    return write(&k, &e);
+}
+
 /* Written and read; false, and a failed check, when one of them does not work. */
 static inline bool there_and_back(points_write *write, points_read *read, const lw_linkage *k, lw_linkage *back)
 {

@@ -47,20 +47,12 @@ static void a_web_address(void)
 
 static void written_as_pmks_writes(void)
 {
-    const double dim[9] = { 4, 1, 3, 3.5, 1, 1, 0, 0, 0 };
-    lw_linkage k;
-    lw_error e;
-    fourbar_linkage(&k, dim, 1, 1.5707963267948966);
-    char *text = lw_pmks_write(&k, &e);
+    char *text = fourbar_text(lw_pmks_write);
     CHECK_HAS(text, "ground,L2,R,0,0,ffft\nL2,L3,R,");
     CHECK_HAS(text, ",ffff\nL3,R,");
     CHECK_HAS(text, ",tfff\n");
     free(text);
-    blank_linkage(&k, 2);
-    add_slide(&k, 0, 1, lw_v2(0.02, 0), LW_PI/6);
-    add_input(&k, 0, 0);
-    lw_units_set_length(&k.units, "mm");
-    text = lw_pmks_write(&k, &e);
+    text = slide_text(lw_pmks_write);
     CHECK_TEXT(text, "ground,L2,P,20,0,30,ffft\n");
     free(text);
 }

@@ -57,19 +57,11 @@ static void several_links_on_the_ground_pin(void)
 
 static void written_as_pyslvs_writes(void)
 {
-    const double dim[9] = { 4, 1, 3, 3.5, 1, 1, 0, 0, 0 };
-    lw_linkage k;
-    lw_error e;
-    fourbar_linkage(&k, dim, 1, 1.5707963267948966);
-    char *text = lw_pyslvs_write(&k, &e);
+    char *text = fourbar_text(lw_pyslvs_write);
     CHECK_HAS(text, "M[J[R, color[Green], P[0, 0], L[ground, L2]],\n");
     CHECK_HAS(text, "L[L3]]]\n# input 0 1\n");
     free(text);
-    blank_linkage(&k, 2);
-    add_slide(&k, 0, 1, lw_v2(0.02, 0), LW_PI/6);
-    add_input(&k, 0, 0);
-    lw_units_set_length(&k.units, "mm");
-    text = lw_pyslvs_write(&k, &e);
+    text = slide_text(lw_pyslvs_write);
     CHECK_TEXT(text, "M[J[P, A[30], color[Green], P[20, 0], L[ground, L2]]]\n# input 0 0\n");
     free(text);
 }
