@@ -194,7 +194,8 @@ static void draw_linkage(lw_rng *r, lw_linkage *k)
             j->ratio = any_number(r);
         snprintf(j->name, LW_NAME_SIZE, "J%d", i);
         if (k->n_input < LW_INPUT_MAX && strchr("rt", (char)j->kind))
-            k->input[k->n_input++] = (lw_input){ i, any_number(r), any_number(r), any_number(r) };
+            k->input[k->n_input++] = (lw_input){ .joint = i, .value = any_number(r), .first = any_number(r),
+                                                   .last = any_number(r) };
     }
     k->n_tracer = (int)(lw_rng_bits(r)%(LW_TRACER_MAX + 1));
     for (int i = 0; i < k->n_tracer; i++) {
