@@ -33,7 +33,7 @@ static const cli_option options[] = {
       "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two motors, a "
       "belt or wheels at the frame", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
-      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for a gear pair",
+      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for gear pairs, with t racks",
       0, 0, NULL, NULL },
     { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3",
       "ratios of gear pairs with --joints g, < 0 for external gears: turns of the later link over those of the earlier, "

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/rng.h"
 #include "mbs/batch.h"
 #include "mbs/newton.h"
 #include "mbs/pose.h"
@@ -252,6 +253,43 @@ static void turns_as_the_loop_equations(void)
     }
 }
 
+/* The same mechanisms with their joints elsewhere, at random: a way of 1 rad in small steps, until a limit or where the
+ * posture is near one. */
+static void random_ones_too(void)
+{
+    lw_rng r;
+    int compared = 0;
+    lw_rng_seed(&r, check_seed(), 3);
+    for (int trial = 0; trial < 8*CASES; trial++) {
+        planned p;
+        lw_pose pose;
+        lw_newton *n;
+        int i = trial % CASES;
+        cases[i].make(&p.k, cases[i].ratio);
+        for (int j = 0; j < p.k.n_joint; j++)
+            p.k.joint[j].at = lw_v2_add(p.k.joint[j].at, lw_v2(lw_rng_range(&r, -12, 12), lw_rng_range(&r, -12, 12)));
+        p.k.input[0].value = lw_linkage_posture_input(&p.k, p.k.input[0].joint);
+        bool good = lw_plan_make_geared(&p.k, all, &p.plan, NULL) == LW_OK
+                 && lw_plan_read(&p.plan, &p.k, p.dim, p.mode, &p.input, NULL) == LW_OK;
+        CHECK(good);
+        if (!good || lw_newton_create(&p.k, &n, NULL) != LW_OK)
+            continue;
+        for (int s = -10; s <= 10; s++) {
+            double turn = (p.plan.input_is_slider ? 1 : 0.1/p.plan.laps)*s;
+            lw_newton_reset(n);
+            bool there = lw_newton_move(n, p.k.input[0].value + p.plan.laps*turn, NULL) == LW_OK;
+            if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK || pose.margin < 1e-4)
+                continue;
+            CHECK(there);
+            CHECK_NEAR(lw_v2_norm(lw_v2_sub(pose.tracer[0][0], lw_newton_tracer(n, 0))), 0, 1e-9/pose.margin, 0);
+            compared++;
+        }
+        lw_newton_free(n);
+    }
+    printf("# %d postures of %d\n", compared, 21*8*CASES);
+    CHECK(compared > 21*8*CASES/2);
+}
+
 /* Written at another input, the linkage is the same one: read back it has the same dimensions, and its wheels touch at
  * the pitch point. */
 static void a_posture_elsewhere_is_the_same_linkage(void)
@@ -436,6 +474,7 @@ static void explained(void)
 int main(void)
 {
     RUN(turns_as_the_loop_equations);
+    RUN(random_ones_too);
     RUN(a_posture_elsewhere_is_the_same_linkage);
     RUN(wheels_turn_by_their_ratio);
     RUN(derivatives_are_differences);
