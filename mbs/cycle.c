@@ -215,13 +215,12 @@ static bool open_near(const walk *w, const double *mode, double *input)
     return false;
 }
 
-/* Does the leg that goes up from `end` in the assembly of the start hold the start, seen from there? */
-static bool holds_start(const walk *w, const double *mode, double start, double end, double *gain)
+/* Is `end` the limit below the start, which lies in this bracket, some whole turns off? */
+static bool is_below(const walk *w, bracket below, double end, double *gain)
 {
-    bracket b;
-    double below = w->plan->input_is_slider ? start - end : remainder(start - end - LW_PI, 2*LW_PI) + LW_PI;
-    *gain = w->plan->input_is_slider ? 0 : 2*LW_PI*round((end + below - start)/(2*LW_PI));
-    return below >= 0 && !shut_before(w, mode, start, start - below, &b);
+    double turns = w->plan->input_is_slider ? 0 : round((end - below.open)/(2*LW_PI)), near = 1e-12*w->reach;
+    *gain = 2*LW_PI*turns + 0.0;                             /* never -0                                 */
+    return end - *gain >= below.shut - near && end - *gain <= below.open + near;
 }
 
 /* One more leg, from here to there. */
@@ -238,6 +237,7 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
                         lw_cycle *c)
 {
     walk w;
+    bracket below;
     int which;
     double end, now[LW_DYAD_MAX];
     size_t modes = sizeof *now*(size_t)plan->n_dyad;
@@ -248,15 +248,19 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
     set_walk(&w, plan, dim, batch);
     if (!open_near(&w, mode, &input))
         return LW_OPEN;
-    if (!leg_end(&w, mode, input, w.reach, false, &end, &which))
-        return plan->input_is_slider || leg_end(&w, mode, input, -w.reach, false, &end, &which) ? LW_STOPPED : LW_OK;
+    bool up = leg_end(&w, mode, input, w.reach, false, &end, &which);
+    bool down = next_limit(&w, mode, input, -w.reach, &below);
+    if (!up && !down && !plan->input_is_slider)
+        return LW_OK;
+    if (!up || !down)
+        return LW_STOPPED;
     memcpy(now, mode, modes);
     add_leg(&w, now, end, which, c);
     while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -w.reach : w.reach, true, &end, &which)) {
         add_leg(&w, now, end, which, c);
         if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides that become parallel              */
             return LW_STOPPED;
-        if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && holds_start(&w, mode, input, end, &c->gain))
+        if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && is_below(&w, below, end, &c->gain))
             return LW_OK;
     }
     return LW_STOPPED;

@@ -328,19 +328,28 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
     return hi > lo + 2;
 }
 
-/* A closed curve asks for a way there and another way back: over the limits of the motion, where these join what
- * becomes a circuit.  What has none goes to and fro. */
-static bool find_way(lw_problem *p, const double *shape, double reach, lw_work *w)
+/* The circuit through the branch's `mid`, over the limits of the motion; mid and half become those of its first stroke. */
+static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
 {
-    if (!find_range(p, shape, reach, w))
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    double unit = size >= 0 ? shape[size] : 1, mid = p->branch.mid;
+    if (!p->closed || p->timing == LW_TIMING_PRESCRIBED || p->plan.n_higher > 0)
         return false;
-    p->branch.through = p->closed && p->timing != LW_TIMING_PRESCRIBED && p->plan.n_higher == 0;
+    p->branch.through = true;
+    p->branch.mid = mid/unit;
     lw_problem_work_branch(p, w);
-    if (p->branch.through && !(lw_circuit_find(p, shape, w) && !w->swing.turning)) {
-        p->branch.through = false;
-        lw_problem_work_branch(p, w);
-    }
-    return true;
+    bool found = lw_circuit_find(p, shape, w) && !w->swing.turning;
+    p->branch.through = found;
+    p->branch.mid = found ? w->swing.stroke[0].mid/unit : mid;
+    p->branch.half = found ? w->swing.stroke[0].half/unit : 0;
+    lw_problem_work_branch(p, w);
+    return found;
+}
+
+/* A closed curve asks for a way there and another way back; what has none goes to and fro. */
+static bool find_way(lw_problem *p, const double *shape, lw_work *w)
+{
+    return find_circuit(p, shape, w) || find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
 }
 
 /* Does it close at every sample of a turn? */
@@ -373,7 +382,7 @@ bool lw_member_posture(lw_problem *p, double *x, void *work)
     if (p->must_turn && !p->branch.turns)
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_way(p, x, p->plan.input_is_slider ? 8 : LW_PI, work);
+    return p->branch.turns || find_way(p, x, work);
 }
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
@@ -453,7 +462,7 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
             return false;
         if (!p->branch.turns) {
             p->branch.mid = input;
-            return find_way(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
+            return find_way(p, shape, w);
         }
         if (closes_all_round(p, shape, w))
             return true;
@@ -481,5 +490,5 @@ bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, v
     if (!run_steps(&d))
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_way(p, shape, slides ? 8 : LW_PI, work);
+    return p->branch.turns || find_way(p, shape, work);
 }
