@@ -17,6 +17,7 @@ typedef struct walk {
     const lw_step *step[LW_DYAD_MAX];            /* of the dyads that count, in the order of the plan */
     int            n_step;
     double         reach;                        /* a turn, or as far as a slide is followed        */
+    bool           touches;                      /* a dyad that goes on all but reached its limit   */
 } walk;
 
 /* What a sample says: open there and before, closed there. */
@@ -85,26 +86,38 @@ static double one_margin(const walk *w, const double *mode, double input, int *w
 
 /* ---- limits -------------------------------------------------------------------------------------- */
 
-/* Three samples, all open, fall towards 0 in the middle: is it shut somewhere between them? */
-static bool dips(const walk *w, const double *mode, const double at[3], const double m[3], bracket *b)
+/* Three samples, all open, fall towards 0 in the middle: is it shut somewhere between them?  Looked at closer and
+ * closer as long as a parabola through the lowest three says so. */
+static bool dips(walk *w, const double *mode, const double *at, const double *m, bracket *b)
 {
-    double input[BLOCK], margin[BLOCK], bend = m[0] - 2*m[1] + m[2], slope = m[2] - m[0];
-    if (m[1] >= m[0] || m[1] > m[2] || m[1] - slope*slope/(8*bend) > 0.2*m[1])
-        return false;
-    for (int i = 0; i < BLOCK; i++)
-        input[i] = at[0] + (at[2] - at[0])*i/(BLOCK - 1);
-    lane_margins(w, w->dim, 0, mode, BLOCK, input, margin);
-    for (int i = 1; i < BLOCK; i++)
-        if (margin[i] < 0) {
-            *b = (bracket){ input[i - 1], input[i] };
-            return true;
-        }
+    double input[BLOCK], margin[BLOCK], first = at[0], last = at[2], v[3] = { m[0], m[1], m[2] };
+    for (int level = 0; level < 4; level++) {
+        double bend = v[0] - 2*v[1] + v[2], slope = v[2] - v[0];
+        int least = 1;
+        if (v[1] >= v[0] || v[1] > v[2] || v[1] - slope*slope/(8*bend) > 0.2*v[1])
+            return false;
+        for (int i = 0; i < BLOCK; i++)
+            input[i] = first + (last - first)*i/(BLOCK - 1);
+        lane_margins(w, w->dim, 0, mode, BLOCK, input, margin);
+        for (int i = 1; i < BLOCK; i++)
+            if (margin[i] < 0) {
+                *b = (bracket){ input[i - 1], input[i] };
+                return true;
+            }
+        for (int i = 2; i < BLOCK - 1; i++)
+            if (margin[i] < margin[least])
+                least = i;
+        first = input[least - 1];
+        last = input[least + 1];
+        memcpy(v, margin + least - 1, sizeof v);
+        w->touches |= v[1] < LW_CYCLE_TOUCH;
+    }
     return false;
 }
 
 /* The first limit on the way from an open posture or a limit, by samples as dense near it as the square root asks for.
  * false: there is none. */
-static bool next_limit(const walk *w, const double *mode, double from, double way, bracket *b)
+static bool next_limit(walk *w, const double *mode, double from, double way, bracket *b)
 {
     double at[BLOCK + 2] = { from, from }, m[BLOCK + 2] = { 0, 0 };
     for (int block = 0; block < N_SAMPLE/BLOCK; block++) {
@@ -180,7 +193,7 @@ static bool shut_before(const walk *w, const double *mode, double from, double e
 }
 
 /* The end of the leg from here: where it is and whose limit. false: it has none. */
-static bool leg_end(const walk *w, const double *mode, double from, double way, bool limit, double *end, int *which)
+static bool leg_end(walk *w, const double *mode, double from, double way, bool limit, double *end, int *which)
 {
     bracket b = { from, from };
     for (int tries = 0; tries < 3 && b.open == from; tries++) {      /* short ones ask for closer looks  */
@@ -251,7 +264,7 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
     bool up = leg_end(&w, mode, input, w.reach, false, &end, &which);
     bool down = next_limit(&w, mode, input, -w.reach, &below);
     if (!up && !down && !plan->input_is_slider)
-        return LW_OK;
+        return w.touches ? LW_STOPPED : LW_OK;
     if (!up || !down)
         return LW_STOPPED;
     memcpy(now, mode, modes);
@@ -261,7 +274,7 @@ lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mo
         if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides that become parallel              */
             return LW_STOPPED;
         if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && is_below(&w, below, end, &c->gain))
-            return LW_OK;
+            return w.touches ? LW_STOPPED : LW_OK;
     }
     return LW_STOPPED;
 }

@@ -11,7 +11,8 @@
 
 #include "mbs/plan.h"
 
-#define LW_LEG_MAX 16
+#define LW_LEG_MAX     16
+#define LW_CYCLE_TOUCH 1e-5         /* margin: next to a change point nobody can say which way a linkage goes */
 
 typedef struct lw_leg {
     double last;                    /* input at its end [rad] or [m]                              */
@@ -40,7 +41,7 @@ static inline double lw_cycle_first(const lw_cycle *c, int leg)
  * batch: scratch of mbs/batch.h.
  *
  * LW_OPEN: it closes nowhere in this assembly.  LW_STOPPED: its legs end where slides become parallel, do not end,
- * touch (change points), or are too many or too short.  LW_E_KIND: there are higher groups, or no outputs. */
+ * come nearer to a change point than LW_CYCLE_TOUCH, or are too many or too short.  LW_E_KIND: there are higher groups, or no outputs. */
 lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
                         lw_cycle *c);
 

@@ -84,8 +84,8 @@ static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Least margin in between: all round, or from the first station's input to the last's; `shift` of a sample. */
-static double margin_between(const lw_problem *p, const double *x, double shift, lw_work *w)
+/* All round, or from the first station's input to the last's. */
+static double margin_of_range(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
     double lo = w->input[0], hi = w->input[0], least = 1;
@@ -107,11 +107,7 @@ static double margin_between(const lw_problem *p, const double *x, double shift,
     return least;
 }
 
-/* Nearer to a dead point of a dyad than its square root [rad], a linkage may leave its branch between two
- * samples. */
-#define LEAST_MARGIN 1e-4
-
-/* Over limits: the least margin at samples of the circuit, over what it is next to a limit. */
+/* Over limits: all along the circuit, over what it is next to a limit. */
 static double margin_of_circuit(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
@@ -132,15 +128,23 @@ static double margin_of_circuit(const lw_problem *p, const double *x, double shi
     return least;
 }
 
+/* Least margin in between, at samples put off by `shift` of one. */
+static double margin_between(const lw_problem *p, const double *x, double shift, lw_work *w)
+{
+    return lw_problem_has_modes(p) ? margin_of_circuit(p, x, shift, w) : margin_of_range(p, x, shift, w);
+}
+
+/* Nearer to a dead point of a dyad than its square root [rad], a linkage may leave its branch between two
+ * samples. */
+#define LEAST_MARGIN 1e-4
+
 bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
 {
     enum { TIMES = 12 };
-    double least = 1;
-    for (int i = 0; p->family->linkage && i < TIMES && least > 0.1*LEAST_MARGIN; i++) {
-        double shift = (i + 0.5)/TIMES;
-        least = fmin(least, lw_problem_has_modes(p) ? margin_of_circuit(p, x, shift, w) : margin_between(p, x, shift, w));
-    }
-    return least > 0.1*LEAST_MARGIN;
+    for (int i = 0; p->family->linkage && i < TIMES; i++)
+        if (!(margin_between(p, x, (i + 0.5)/TIMES, w) > 0.1*LEAST_MARGIN))
+            return false;
+    return true;
 }
 
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
@@ -153,9 +157,7 @@ bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
     for (int i = 0; i <= p->n_also; i++)
         for (size_t k = 0; k < w->n_lane; k++)
             least = fmin(least, lw_work_jac(w, i)->margin[k]);
-    if (!p->family->linkage || lw_problem_has_modes(p))      /* circuits over limits were found closing all along */
-        return least >= w->least_margin;
-    return least >= w->least_margin && margin_between(p, x, 0.5, w) > LEAST_MARGIN;
+    return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
 }
 
 bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)

@@ -6,6 +6,7 @@
 
 #include "base/rng.h"
 #include "mbs/branch.h"
+#include "optimise/fit.h"
 #include "optimise/member.h"
 #include "optimise/problem_internal.h"
 #include "optimise/report.h"
@@ -18,7 +19,7 @@ static const struct { const char *name; int tracer, pair[7][2]; } net[] = {
     { "Watt I", 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 3 } } },
     { "Watt II", 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 3, 4 }, { 4, 5 }, { 5, 0 } } },
 };
-enum { N_NET = sizeof net/sizeof *net, STATIONS = 40 };
+enum { N_NET = sizeof net/sizeof *net, STATIONS = 40, BUDGET = 100000 };
 
 static lw_linkage draw(int which, lw_rng *rng)
 {
@@ -192,9 +193,48 @@ static void derivatives_hold_over_limits(void)
     CHECK(checked > 100 && rough < checked/5 && idle < 8);
 }
 
+/* A search that knows the topology and none of the dimensions. */
+static void a_search_finds_the_curve(void)
+{
+    lw_rng rng;
+    lw_report *r = malloc(sizeof *r);
+    lw_rng_seed(&rng, 20260101, 4);
+    for (int which = 0; which < 2; which++) {
+        lw_linkage k;
+        journey way;
+        lw_target t;
+        lw_fit fit;
+        lw_error e = { .text = "" };
+        lw_fit_options o = lw_fit_options_default();
+        do
+            k = draw(which, &rng);
+        while (!travel(&k, 30, &way));
+        CHECK_INT(lw_target_make(30, way.x, way.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+        lw_family f = { .name = net[which].name, .linkage = &k, .links = 6 };
+        lw_families all = lw_families_of(&f, 1);
+        o.families = &all;
+        o.budget = BUDGET;
+        o.jobs = 1;
+        o.n_result = 1;
+        CHECK_INT(lw_fit_run(&t, &o, &fit, &e), LW_OK);
+        CHECK_INT(fit.n, 1);
+        if (fit.n > 0) {
+            const lw_candidate *c = &fit.candidate[0];
+            CHECK(sqrt(c->objective/30) < 0.01*t.size);
+            CHECK_INT(lw_report_make(&t, &o.spec, c, r, &e), LW_OK);
+            CHECK_TEXT(r->fault, "");
+            CHECK(r->verified);
+        }
+        lw_fit_free(&fit);
+        lw_target_free(&t);
+    }
+    free(r);
+}
+
 int main(void)
 {
     RUN(the_true_dimensions_have_no_error);
     RUN(derivatives_hold_over_limits);
+    RUN(a_search_finds_the_curve);
     return check_end();
 }
