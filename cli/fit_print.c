@@ -252,6 +252,22 @@ static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_re
     cli_json_end(j);
 }
 
+/* Through limits: how many legs its motion has, and on which of them the stations are, by their assemblies. */
+static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    if (r->legs == 0)
+        return;
+    cli_json_int(j, "legs", r->legs);
+    cli_json_array(j, "modes");
+    for (size_t i = 0; i < s->target.n; i++) {
+        char text[LW_DYAD_MAX + 1] = "";
+        for (int d = 0; d < c->n_dyad && d < LW_DYAD_MAX; d++)
+            text[d] = c->mode_of[i*(size_t)c->n_dyad + (size_t)d] < 0 ? '-' : '+';
+        cli_json_text(j, NULL, text);
+    }
+    cli_json_end(j);
+}
+
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
@@ -262,7 +278,8 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_re
     cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
     json_reversals(r, true, j);
     json_reversals(r, false, j);
-    cli_json_int(j, "branch", c->branch.mode[0] > 0 ? 1 : -1);
+    cli_json_int(j, "branch", (c->mode_of ? c->mode_of[0] : c->branch.mode[0]) > 0 ? 1 : -1);
+    json_modes(s, c, r, j);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
     cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max

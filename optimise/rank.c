@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "mbs/pose.h"
 #include "optimise/fit_internal.h"
 #include "optimise/problem_internal.h"
 
@@ -98,6 +99,17 @@ static bool give_family(const lw_search *s, int arm, lw_candidate *out)
     return (out->own || !s->o->families) && lw_search_family(s, arm, out->own, &out->family) == LW_OK;
 }
 
+/* Rounding may put a station at a limit just beyond it: back inside, by as little as it takes. */
+static void pull_inside(const lw_problem *p, const lw_work *w, size_t k, lw_candidate *c)
+{
+    double mode[LW_MODE_MAX], from = c->input[k];
+    double step = copysign(1e-16*w->swing.stroke[w->leg[k]].half, w->psi_c[k])*(p->plan.input_is_slider ? p->unit : 1);
+    lw_pose pose;
+    memcpy(mode, c->mode_of + k*(size_t)c->n_dyad, sizeof *mode*(size_t)c->n_dyad);
+    for (int i = 0; i < 20 && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
+        c->input[k] = from + step;
+}
+
 /* What the caller gets of one find. */
 static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
 {
@@ -123,8 +135,11 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
     }
     for (size_t k = 0; k < p->n; k++)
         out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
-    for (size_t k = 0; both_modes && k < p->n; k++)
+    for (size_t k = 0; both_modes && k < p->n; k++) {
         lw_circuit_put_mode(p, w, w->leg[k], out->mode_of + k*dyads, 1);
+        if (!w->swing.turning)
+            pull_inside(p, w, k, out);
+    }
     return true;
 }
 

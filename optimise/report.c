@@ -250,7 +250,7 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
 static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
 
 static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                            const lw_plan *plan, lw_way *way, lw_report *r)
+                            const lw_plan *plan, const lw_cycle *cycle, lw_way *way, lw_report *r)
 {
     lw_motion m;
     double from, to;
@@ -268,10 +268,12 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         r->curve_max = NAN;
         return;
     }
+    for (int j = 0; j < cycle->n; j++)
+        stray(t, plan, c, cycle->leg[j].mode, lw_cycle_first(cycle, j), cycle->leg[j].last, r);
     if (t->closed && r->turns)
         to = from + 2*LW_PI;
     bool used[2] = { false, false };
-    for (size_t i = 0; i < t->n; i++) {
+    for (size_t i = 0; i < t->n && cycle->n == 0; i++) {
         double modes[LW_MODE_MAX];
         modes_at(c, plan, i, modes);
         if (!used[modes[0] > 0])
@@ -327,15 +329,17 @@ static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, doub
 
 /* The curve as it is run through: from station to station where they have an order. */
 static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
-                           lw_report *r)
+                           const lw_cycle *cycle, lw_report *r)
 {
     enum { STEPS = 12, WHOLE = 400 };
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
     lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
     if (!curve)
         return;
-    bool piece = s->timing == LW_TIMING_NONE && !c->mode_of;
-    if (piece)
+    bool circuit = cycle->n > 0, piece = circuit || (s->timing == LW_TIMING_NONE && !c->mode_of);
+    if (circuit)
+        n = lw_report_cycle_points(plan, c, cycle, WHOLE, curve);
+    else if (piece)
         n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
@@ -367,6 +371,7 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
 {
     lw_plan plan;
     lw_way way = lw_way_begin();
+    lw_cycle cycle;
     double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
     lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
@@ -391,9 +396,11 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        describe_motion(t, s, c, &plan, &way, r);
+        lw_report_cycle(t, &plan, c, modes, &cycle);
+        r->legs = cycle.n;
+        describe_motion(t, s, c, &plan, &cycle, &way, r);
         if (s->task != LW_TASK_FUNCTION)
-            compare_curves(t, s, c, &plan, r);
+            compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);
         r->meets = lw_way_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);

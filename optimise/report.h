@@ -47,6 +47,8 @@ typedef struct lw_report {
                                     * postures drawn by chance were on (mbs/circuits.h): as many or more     */
     double   input_first, input_last;  /* how far the input goes from the first station without passing a limit, as
                                     * lw_candidate.input times laps; turning: until the motion closes; NaN: not known    */
+    int      legs;                 /* of a closed result through limits: ways from limit to limit until its motion
+                                    * closes; else 0                                                */
     int      n_reversal;
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
     double   transmission_min, transmission_max;    /* over the whole turn of this branch, or from station to station

@@ -2,6 +2,7 @@
 #ifndef LW_OPTIMISE_REPORT_INTERNAL_H
 #define LW_OPTIMISE_REPORT_INTERNAL_H
 
+#include "mbs/cycle.h"
 #include "mbs/pose.h"
 #include "optimise/report.h"
 #include "optimise/way.h"
@@ -10,6 +11,15 @@
  * over the whole curve when the input turns, else from input `from` to `to`. */
 void lw_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
                      lw_way *way, lw_report *r);
+
+/* Of a closed target, a result through limits: the cycle of its first station, in that assembly; false: it is no such
+ * result. */
+bool lw_report_cycle(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes,
+                     lw_cycle *cycle);
+
+/* Points of its curve, `most` or fewer, as many each leg, from its leg 0 on.  Returns how many. */
+size_t lw_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_cycle *cycle, size_t most,
+                              lw_vec2 *curve);
 
 /* One more reversal, unless there is no room. */
 void lw_report_reversal(lw_report *r, bool limit, int joint, double input);
