@@ -328,7 +328,8 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
     return hi > lo + 2;
 }
 
-/* The circuit through the branch's `mid`, over the limits of the motion; mid and half become those of its first stroke. */
+/* The circuit through the branch's `mid`, over the limits of the motion; mid and half become those of its first stroke,
+ * all but the very limits. */
 static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
 {
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
@@ -341,7 +342,7 @@ static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
     bool found = lw_circuit_find(p, shape, w) && !w->swing.turning;
     p->branch.through = found;
     p->branch.mid = found ? w->swing.stroke[0].mid/unit : mid;
-    p->branch.half = found ? w->swing.stroke[0].half/unit : 0;
+    p->branch.half = found ? (1 - 1e-6)*w->swing.stroke[0].half/unit : 0;
     lw_problem_work_branch(p, w);
     return found;
 }
