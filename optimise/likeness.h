@@ -1,7 +1,9 @@
 /* optimise/likeness.h - how alike two curves are, as tools that learn linkages from curves report it.
  *
- * Both curves are cut into LW_LIKENESS_POINTS points at equal steps of their length; distances are
- * means, divided by the RMS radius of the target (of its points about their mean).
+ * The curve of a target goes through its stations, smoothly but at corners: a polygon of chords would lie beside
+ * the curve it was taken from, by more than good linkages do.  Both curves are cut into LW_LIKENESS_POINTS points at
+ * equal steps of their length; distances are means, divided by the RMS radius of the target (of its points about
+ * their mean).
  *     chamfer    half of: from each target point to the nearest place of the curve, and the other way
  *     ordered    between points of equal rank, at the best shift (closed curves) and sense
  * (Nobari et al. 2024, "LInK", report both; they add the two directions of the Chamfer distance.) */
@@ -15,7 +17,7 @@
 
 typedef struct lw_likeness {
     double to_curve, to_target;     /* the two directions of the Chamfer distance                   */
-    double chamfer, ordered;        /* NaN for targets without extent                               */
+    double chamfer, ordered;        /* NaN for targets without extent, or without memory            */
 } lw_likeness;
 
 /* curve (n) is a polyline, closed if the target is.  n >= 2. */
