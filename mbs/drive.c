@@ -25,6 +25,11 @@ struct lw_drive {
     double           weight[2][2];          /* of the last two steps: time, 1/kappa^2                  */
     int              crossings;
     double           crossing;
+    bool             leapt;                 /* the last leap: its series about time `from` holds up to `to` */
+    double           from, to;
+    double          *over;                  /* (ORDER + 1) x n                                         */
+    double           asked;                 /* time and posture that are told; within a leap not those */
+    double          *pose;                  /* the next step starts from                               */
 };
 
 static double unit_of(const lw_drive *d, int input)
@@ -130,40 +135,78 @@ static const double *look_back(const lw_drive *d, double away)
     return at;
 }
 
+/* Does the series of d->series about from lead to the posture at time t, behind the branch point?  It is d->next
+ * then. */
+static bool leads_to(lw_drive *d, double from, double t)
+{
+    double *q = d->next, *kept = d->series + (ORDER + 1)*d->n;
+    lw_follow_sum(&d->f, ORDER, d->series, t - from, q);
+    memcpy(kept, q, (size_t)d->n*sizeof *q);
+    return hold(d, t) && lw_follow_correct(&d->f, q) && lw_follow_factor(&d->f, q) > 1e-12
+           && lw_follow_distance(&d->f, kept, q)*lw_follow_bound(&d->f, q) < 0.01;
+}
+
 /* Ahead the equations lose rank at about `ahead`.  Where branches cross, the motion is smooth there, and its series
- * from a place before agrees with a posture beyond; at a limit of the inputs there is none. */
+ * from a place before agrees with a posture beyond, whether or not one is asked for there; at a limit of the inputs
+ * there is none. */
 static bool leap(lw_drive *d, double ahead, double last)
 {
     const double *from = look_back(d, LW_FOLLOW_BACK);
     if (!from || !make_series(d, from[0], from + 1, ORDER))
         return false;
-    double distance = ahead - from[0];
-    for (double share = 2.0; share <= 4.0; share += 0.5) {
-        double t = from[0] + share*distance;
-        if ((last - t)*distance < 0.0) {
-            t = last;
-            share = 9.0;
-            if ((t - ahead)*distance <= 0.0)
-                return false;
-        }
-        lw_follow_sum(&d->f, ORDER, d->series, t - from[0], d->next);
-        double *p = d->q, *q = d->next;                   /* p: the series, q: the posture; d->q is dropped if good */
-        double *kept = d->series + (ORDER + 1)*d->n;
-        memcpy(kept, q, (size_t)d->n*sizeof *q);
-        if (!hold(d, t) || !lw_follow_correct(&d->f, q) || !(lw_follow_factor(&d->f, q) > 1e-12))
-            continue;
-        if (!(lw_follow_distance(&d->f, kept, q)*lw_follow_bound(&d->f, q) < 0.01))
-            continue;
-        from_here place = { d, from[0] };
-        d->crossing = from[0] + lw_follow_locate(&d->f, ORDER, d->series, distance, hold_at, &place);
-        d->crossings++;
-        memcpy(p, q, (size_t)d->n*sizeof *q);
-        d->t = t;
-        d->n_track = 0;
-        d->step = 0.1*distance;
-        return true;
+    double distance = ahead - from[0], t = from[0];
+    bool found = false;
+    for (double share = 2.0; share <= 4.0 && !found; share += 0.5) {
+        t = from[0] + share*distance;
+        found = leads_to(d, from[0], t);
     }
-    return false;
+    if (!found && (last - ahead)*distance > 0.0 && fabs(last - from[0]) < 4.0*fabs(distance)) {
+        t = last;                                         /* behind it the motion may be another one */
+        found = leads_to(d, from[0], t);
+    }
+    if (!found)
+        return false;
+    from_here place = { d, from[0] };
+    d->from = from[0];
+    d->to = t;
+    d->leapt = true;
+    memcpy(d->over, d->series, (size_t)((ORDER + 1)*d->n)*sizeof *d->over);
+    d->crossing = d->from + lw_follow_locate(&d->f, ORDER, d->over, distance, hold_at, &place);
+    d->crossings++;
+    memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
+    d->t = t;
+    d->n_track = 0;
+    d->step = 0.1*distance;
+    return true;
+}
+
+/* ---- what is told ------------------------------------------------------------------------------ */
+
+static bool leapt_over(const lw_drive *d, double t)
+{
+    return d->leapt && (t - d->from)*(d->to - t) >= 0.0;
+}
+
+/* As a share of the way from where the leap began. */
+static double from_crossing(const lw_drive *d, double t)
+{
+    return fabs((t - d->crossing)/(d->crossing - d->from));
+}
+
+static void tell(lw_drive *d, double t, const double *q)
+{
+    memcpy(d->pose, q, (size_t)d->n*sizeof *q);
+    d->asked = t;
+}
+
+/* The posture at time t within the leap: by Newton's method, next to the branch point by the series alone. */
+static void tell_leapt(lw_drive *d, double t)
+{
+    lw_follow_sum(&d->f, ORDER, d->over, t - d->from, d->next);
+    tell(d, t, d->next);
+    if (from_crossing(d, t) > 0.1 && hold(d, t) && lw_follow_correct(&d->f, d->next)
+        && lw_follow_distance(&d->f, d->next, d->pose) < 1e-6)
+        tell(d, t, d->next);
 }
 
 /* ---- steps ------------------------------------------------------------------------------------- */
@@ -238,14 +281,19 @@ lw_status lw_drive_to(lw_drive *d, double t)
         return LW_E_ARG;
     if (d->stuck && d->t != t)
         come_free(d);
-    while (d->t != t) {
+    while (d->t != t && !leapt_over(d, t)) {
         outcome o = advance(d, t);
         if (o != MOVED) {
             hold(d, d->t);
+            tell(d, d->t, d->q);
             find_limit(d, t);
             return o == LIMIT ? LW_OPEN : LW_E_NUMERIC;
         }
     }
+    if (d->t == t)
+        tell(d, t, d->q);
+    else
+        tell_leapt(d, t);
     hold(d, d->t);
     return LW_OK;
 }
@@ -297,12 +345,17 @@ static lw_status begin(lw_drive *d, double t, lw_error *e)
     if (s != LW_OK)
         return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it "
                             "comes %.6g %% of the way, straight in its inputs", t, 100.0*d->t);
+    if (d->t != 1.0 && from_crossing(d, 1.0) < 0.1)
+        return lw_error_set(e, LW_E_NUMERIC, "the motions begin at a branch point at t = %g; begin a little before", t);
+    memcpy(d->q, d->pose, (size_t)d->n*sizeof *d->q);
     d->motion = motion;
     d->context = context;
     d->t = t;
     d->step = 0.0;
     d->n_track = d->crossings = 0;
+    d->leapt = false;
     hold(d, t);
+    tell(d, t, d->q);
     return LW_OK;
 }
 
@@ -323,7 +376,8 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
         d->n = s->n_q;
         d->motion = motion;
         d->context = context;
-        d->q = calloc((size_t)(2 + ORDER + 2)*(size_t)d->n + (size_t)TRACK*(size_t)(1 + d->n), sizeof *d->q);
+        size_t vectors = 3 + (ORDER + 2) + (ORDER + 1);
+        d->q = calloc(vectors*(size_t)d->n + (size_t)TRACK*(size_t)(1 + d->n), sizeof *d->q);
     }
     if (!d || !d->q || !lw_follow_create(s, all, s->n_input, false, &d->f)) {
         lw_drive_free(d);
@@ -331,7 +385,9 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
     }
     d->next = d->q + d->n;
     d->series = d->next + d->n;
-    d->track = d->series + (ORDER + 2)*d->n;
+    d->over = d->series + (ORDER + 2)*d->n;
+    d->pose = d->over + (ORDER + 1)*d->n;
+    d->track = d->pose + d->n;
     lw_status status = check_inputs(d, e);
     if (status == LW_OK)
         status = begin(d, t, e);
@@ -369,12 +425,23 @@ void lw_drive_free(lw_drive *d)
     free(d);
 }
 
-double        lw_drive_time(const lw_drive *d) { return d->stuck ? d->limit : d->t; }
-const double *lw_drive_pose(const lw_drive *d) { return d->q; }
+double        lw_drive_time(const lw_drive *d) { return d->stuck ? d->limit : d->asked; }
+const double *lw_drive_pose(const lw_drive *d) { return d->pose; }
 
 bool lw_drive_rates(lw_drive *d, int order, double *q)
 {
-    if (!make_series(d, d->t, d->q, order))
+    memcpy(q, d->pose, (size_t)d->n*sizeof *q);
+    if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
+        for (int k = 1; k <= order; k++) {                /* the series over the leap, about this time */
+            double choose = 1.0;
+            memset(q + k*d->n, 0, (size_t)d->n*sizeof *q);
+            for (int m = k; m <= ORDER; choose *= (m + 1.0)/(m + 1.0 - k), m++)
+                for (int i = 0; i < d->n; i++)
+                    q[k*d->n + i] += choose*pow(d->asked - d->from, m - k)*d->over[m*d->n + i];
+        }
+        return true;
+    }
+    if (!make_series(d, d->asked, d->pose, order))
         return false;
     memcpy(q, d->series, (size_t)(order + 1)*(size_t)d->n*sizeof *q);
     return true;

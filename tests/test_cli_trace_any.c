@@ -102,6 +102,8 @@ static void inputs_move_in_time(void)
     CHECK_NEAR(v[3], 0, 1e-11, 0);
     CHECK_NEAR(v[4], 100, 1e-11, 0);
     expect("$P trace examples/five-bar.json --time-range 0:1:0.5", 0, "time,input,input_2,x,y", "in time by Newton");
+    expect("sed 's/\"speed\": -1/\"motion\": \"pi*(t + 0.5)\"/' examples/two-four-bars.json |"     /* a row at a change point */
+           "$P trace - --time-range 0:2:0.5", 0, "# branch points passed straight on: 2, the last at time 1.5", NULL);
 }
 
 static void json_can_be_read(void)

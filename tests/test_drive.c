@@ -174,6 +174,38 @@ static void parallelograms_go_straight_on(void)
     }
 }
 
+/* Asked for at the very times of its change points, and next to them, a parallelogram is there, as fast as ever. */
+static void stops_at_branch_points(void)
+{
+    double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[4*9];
+    static const double off[] = { -1e-3, -1e-8, 0, 1e-12, 1e-7, 1e-3, 0.01 };
+    lw_linkage l;
+    fourbar_linkage(&l, k, 1, 0.5);
+    ride *r = start(&l, steady, NULL, 0);
+    CHECK_INT(r->status, LW_OK);
+    for (int turn = 1; turn <= 4; turn++)
+        for (size_t i = 0; i < sizeof off/sizeof *off; i++) {
+            double t = (turn*LW_PI - 0.5)/3 + off[i], u = 0.5 + 3*t;
+            CHECK_INT(lw_drive_to(r->d, t), LW_OK);
+            CHECK_NEAR(lw_drive_time(r->d), t, 0, 0);
+            CHECK(residual(r) <= 1e-12);
+            CHECK_NEAR(remainder(lw_drive_pose(r->d)[5], 2*LW_PI), 0, 1e-11, 0);
+            lw_vec2 at = lw_v2_add(fourbar_at(k, 1, 0.5).p, lw_v2_sub(lw_v2_polar(1, u), lw_v2_polar(1, 0.5)));
+            CHECK_NEAR(distance(tracer(r, 0), at), 0, 1e-11, 0);
+            if (i < 2)
+                continue;
+            CHECK(lw_drive_rates(r->d, 3, q));              /* turns of crank and rocker */
+            for (int order = 1; order <= 3; order++) {
+                CHECK_NEAR(q[9*order + 2], order == 1 ? 3 : 0, 1e-4, 0);
+                CHECK_NEAR(q[9*order + 8], order == 1 ? 3 : 0, 1e-4, 0);
+            }
+        }
+    CHECK_INT(lw_drive_crossings(r->d, NULL), 4);
+    CHECK_INT(lw_drive_to(r->d, 0), LW_OK);                 /* and back */
+    CHECK_NEAR(lw_drive_pose(r->d)[2], 0, 1e-11, 0);
+    stop(r);
+}
+
 /* A boom raised by a cylinder whose ends both move: cylinder between arm and a crank that stands. */
 static void stroke(void *context, double t, int order, double *u)
 {
@@ -247,6 +279,7 @@ int main(void)
     RUN(two_inputs_of_a_five_bar);
     RUN(the_time_of_a_limit);
     RUN(parallelograms_go_straight_on);
+    RUN(stops_at_branch_points);
     RUN(a_cylinder_between_moving_links);
     RUN(says_what_is_wrong);
     return check_end();
