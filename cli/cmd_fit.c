@@ -42,7 +42,7 @@ static const cli_option options[] = {
       "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
       "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
-      "evaluations for each number of links above four", 1e3, 1e12, NULL, NULL },
+      "evaluations for each number of links above four, as many again with sliders, and with slots or gears", 1e3, 1e12, NULL, NULL },
     { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
       "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
     { "atlas", 0, CLI_TEXT, offsetof(settings, atlas), "FILE", NULL,

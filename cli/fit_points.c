@@ -49,9 +49,9 @@ int cli_fit_points_choices(const cli_fit_set *s, int links)
 
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f)
 {
-    for (int i = 0; i < s->stages.n; i++)
-        if (s->spread[i].n > 0)
-            fprintf(f, "%d links: %d choices of links for the points\n", s->stages.stage[i].links, s->spread[i].n);
+    for (int links = 1; links <= LW_LINK_MAX; links++)
+        if (cli_fit_points_choices(s, links) > 0)
+            fprintf(f, "%d links: %d choices of links for the points\n", links, cli_fit_points_choices(s, links));
 }
 
 static double length(const cli_fit_set *s, double metres)

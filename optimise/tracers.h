@@ -20,7 +20,7 @@ unsigned lw_tracers_mask(const lw_target *t);
  * so also the first, on links that feel fewer links than the family has (a point that feels all is the tracer of a
  * family of its own).  A point lies on links not joined to the ground, an angle is that of any but the driven link,
  * unless the task says otherwise. */
-#define LW_SPREAD_MAX 4000
+#define LW_SPREAD_MAX 1000000
 
 /* The family it is made from, the link of each point; -1 of the first: all tracers as the family brings them. */
 typedef struct lw_tracer_choice { int family; signed char link[1 + LW_ALSO_MAX]; } lw_tracer_choice;
