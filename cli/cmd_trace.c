@@ -52,7 +52,8 @@ static const cli_option options[] = {
     { "all-assemblies", 'a', CLI_FLAG, offsetof(settings, all), NULL, NULL,
       "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
     { "explain", 0, CLI_FLAG, offsetof(settings, explain), NULL, NULL,
-      "say how the linkage would be solved for its tracers - group by group, what is left out - and end", 0, 0, NULL, NULL },
+      "say how the linkage would be solved for its tracers - group by group, what is left out - and end",
+      0, 0, NULL, NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
       "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "from" },
     { .name = NULL }

@@ -65,8 +65,8 @@ int           lw_branch_turns(const lw_branch *b, int link);
 /* Events in the order of their stations; *n their number. */
 const lw_branch_event *lw_branch_events(const lw_branch *b, int *n);
 
-/* A posture q (n_q) on the other branch at event number `event`, a crossing, a little way off.  False where more than two
- * branches meet, or where it touches. */
+/* A posture q (n_q) on the other branch at event number `event`, a crossing, a little way off.  False where more than
+ * two branches meet, or where it touches. */
 bool   lw_branch_other(lw_branch *b, int event, double *q);
 
 /* Coordinates (n_q) of a station, and the unit tangent there when given. */

@@ -32,8 +32,8 @@ lw_status lw_drive_to(lw_drive *d, double t);
 double        lw_drive_time(const lw_drive *d);
 const double *lw_drive_pose(const lw_drive *d);           /* coordinates (n_q)                        */
 
-/* Coefficients q[k*n_q + i], k = 0 .. order, of the motion by time; false at a dead point.  At branch points those of the
- * motion straight on, the third to 1e-6; just before them digits are lost as long as the way over is not known. */
+/* Coefficients q[k*n_q + i], k = 0 .. order, of the motion by time; false at a dead point.  At branch points those of
+ * the motion straight on, the third to 1e-6; just before them digits are lost as long as the way over is not known. */
 bool          lw_drive_rates(lw_drive *d, int order, double *q);
 
 /* Branch points passed straight on: their number and the time of the last one (to 1e-10). */
