@@ -72,7 +72,8 @@ static lw_status begin(job *j)
 static lw_status add_topologies(job *j, int links)
 {
     cli_topologies all;
-    cli_topology_wish w = { .links = links, .kinds = "r", .only = "all", .task = LW_TASK_PATH, .jobs = j->call->common.jobs };
+    cli_topology_wish w = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
+                            .jobs = j->call->common.jobs };
     lw_family_made *made = malloc(sizeof *made);
     lw_status status = made ? cli_topologies_make(&w, &all, &j->e) : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     if (status != LW_OK) {
