@@ -280,7 +280,7 @@ static lw_status visit_variant(maker *mk, const lw_mechanism *m)
         st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
     mk->own.n_pair++;
     mk->own.fate[fate]++;
-    return st == LW_OK ? lw_inputs_each(m, mk->w->dof, false, count_input, mk) : st;
+    return st;
 }
 
 /* Is this choice of slots, up to symmetry, one of those before? */
@@ -296,12 +296,13 @@ static bool seen(maker *mk, const lw_mechanism *m, lw_graph *form, int n)
     return false;
 }
 
-/* Each pin in a slot both ways: the slot on the one link, the pin on the other. */
+/* Each pin in a slot both ways: the slot on the one link, the pin on the other.  Its inputs are the same. */
 static lw_status visit_pair(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
     int slots = 0, n = 0;
-    lw_status st = LW_OK;
+    long before = mk->own.n_driven;
+    lw_status st = lw_inputs_each(m, mk->w->dof, false, count_input, mk);
     for (int j = 0; j < m->n_joint; j++)
         slots += m->kind[j] == 'p';
     lw_graph *form = malloc(sizeof *form << slots);
@@ -312,6 +313,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
             n++;
             st = visit_variant(mk, m);
         }
+    mk->own.n_driven = before + n*(mk->own.n_driven - before);
     free(form);
     mk->turned = 0;
     return st;
