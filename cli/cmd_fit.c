@@ -292,7 +292,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_fit_options o = lw_fit_options_default();
     o.spec = set->spec;
-    bool sliders = s->dof == 1 && (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    bool sliders = (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
     o.types = sliders ? "all" : s->type;
     o.solver = lw_solver_find(s->solver);
     o.seed = set->seed = call->common.seed;
@@ -320,24 +320,55 @@ static int least_links(int dof)
     return dof > 1 ? 3*dof - 1 : 4;
 }
 
+/* What is said of them here, or else in the task. */
+static int said(const cli_call *call, const char *option, int here, int in_task)
+{
+    return in_task > 0 && !cli_given(&call->parsed, option) ? in_task : here;
+}
+
+/* Can there be mechanisms of so many freedoms, with all that is said beside?  links 0: not said. */
+static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e)
+{
+    const settings *s = call->settings;
+    const cli_parsed *said = &call->parsed;
+    if (dof == 0)
+        return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
+    if (dof > CLI_TOPOLOGY_INPUTS)
+        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and --links "
+                            "goes to 10, which is F = %d", dof, dof, least_links(dof), CLI_TOPOLOGY_INPUTS);
+    if (dof == 1)
+        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several inputs: "
+                                                              "give --dof 2") : LW_OK;
+    if (links > 0 && links < least_links(dof))
+        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
+                            dof, links, dof, least_links(dof));
+    if (cli_given(said, "type") || s->exact)
+        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and F = 1",
+                            dof, s->exact ? "exact" : "type");
+    return LW_OK;
+}
+
 /* Which topologies there are for this target. */
 static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
     const lw_brief *b = &set->brief;
     char kinds[8] = "";
-    int links = b->links > 0 && !cli_given(&call->parsed, "links") ? b->links : s->links;
+    int links = said(call, "links", s->links, b->links), dof = said(call, "dof", s->dof, b->dof);
+    bool counted = b->links > 0 || cli_given(&call->parsed, "links");
     bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
     for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
         if (strchr("rtpg", *at) && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
-    if (s->dof > 1 && links < least_links(s->dof))
-        links = least_links(s->dof);
-    cli_topology_wish w = { .links = links, .dof = s->dof, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
+    if (!counted && links < least_links(dof))
+        links = least_links(dof);
+    cli_topology_wish w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
                             .task = set->spec.task,
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
+    lw_status st = check_dof(call, dof, counted ? links : 0, e);
+    if (st == LW_OK)
+        st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
     if (st == LW_OK)
         st = cli_ratios_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
     bool more = links > 4 || cli_topology_higher(kinds);
@@ -509,28 +540,6 @@ static int list_solvers(void)
     return CLI_DONE;
 }
 
-/* Can there be mechanisms of so many freedoms, with all that is said beside? */
-static lw_status check_dof(const cli_call *call, lw_error *e)
-{
-    const settings *s = call->settings;
-    const cli_parsed *said = &call->parsed;
-    if (s->dof == 0)
-        return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
-    if (s->dof > CLI_TOPOLOGY_INPUTS)
-        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and --links "
-                            "goes to 10, which is F = %d", s->dof, s->dof, least_links(s->dof), CLI_TOPOLOGY_INPUTS);
-    if (s->dof == 1)
-        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several inputs: "
-                                                              "give --dof 2") : LW_OK;
-    if (cli_given(said, "links") && s->links < least_links(s->dof))
-        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
-                            s->dof, s->links, s->dof, least_links(s->dof));
-    if (cli_given(said, "type") || s->exact)
-        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and F = 1",
-                            s->dof, s->exact ? "exact" : "type");
-    return LW_OK;
-}
-
 static int check(const cli_call *call)
 {
     const settings *s = call->settings;
@@ -544,7 +553,8 @@ static int check(const cli_call *call)
     if (cli_ratios_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
         || cli_ratios_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    if (check_dof(call, &e) != LW_OK)
+    bool of_task = cli_given(&call->parsed, "input-ratios") && !cli_given(&call->parsed, "dof");
+    if (!of_task && check_dof(call, s->dof, cli_given(&call->parsed, "links") ? s->links : 0, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (check_types(s->type, &e) != LW_OK
         || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)

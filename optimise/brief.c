@@ -408,13 +408,31 @@ static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
     return s;
 }
 
+/* F = 3 (P - 1) - 2 n1 without joints of two freedoms (Makkonen 1999, eq. 2). */
+static bool links_suit(const lw_brief *b)
+{
+    int dof = b->dof > 0 ? b->dof : 1;
+    return b->links == 0 || strpbrk(b->joints, "pg") || (3*(b->links - 1) - dof) % 2 == 0;
+}
+
+static lw_status links_fault(const lw_json_node *root, const lw_brief *b, lw_error *e)
+{
+    static const char *const links[] = { "one freedom and pins have 4, 6, 8 or 10", "two freedoms and pins have 5, 7 or 9",
+                                         "three freedoms and pins have 8 or 10" };
+    lw_json_node o;
+    if (!lw_json_member(root, "links", &o))
+        lw_json_member(root, "dof", &o);
+    return lw_json_fault(&o, e, "linkages of %s links; with joints of two freedoms, p or g, others too",
+                         links[b->dof > 0 ? b->dof - 1 : 0]);
+}
+
 static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error *e)
 {
     static const char *const known[] = { "path", "angle" };
     lw_fit_spec *f = &b->spec;
     lw_json_node o;
     int crank = -1;
-    double m = b->units.metre, links = 0;
+    double m = b->units.metre, links = 0, dof = 0;
     lw_status s = read_yes(root, "crank", &crank, e);
     f->crank_only = crank == 1;
     f->a /= m*m;
@@ -426,6 +444,7 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
                                         &f->min_transmission, e)) == LW_OK
         && (s = read_bounded(root, "acceleration", m, 0, 1e90, &f->max_acceleration, e)) == LW_OK
         && (s = read_bounded(root, "links", 1, 4, 10, &links, e)) == LW_OK
+        && (s = read_bounded(root, "dof", 1, 1, 3, &dof, e)) == LW_OK
         && (s = read_text(root, "joints", b->joints, sizeof b->joints, e)) == LW_OK
         && (s = read_text(root, "topology", b->topology, sizeof b->topology, e)) == LW_OK
         && (s = read_lengths(root, b, e)) == LW_OK && (s = read_positions(root, b, e)) == LW_OK)
@@ -434,18 +453,16 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
     if (why && (lw_json_member(root, "forbidden", &o) || lw_json_member(root, "pivots", &o)))
         s = lw_json_fault(&o, e, "%s: no linkage can do both", why);
     b->links = (int)links;
-    if (s == LW_OK && (links != b->links || (b->links % 2 && !strpbrk(b->joints, "pg")))) {
-        lw_json_member(root, "links", &o);
-        s = lw_json_fault(&o, e, "linkages of one freedom and pins have 4, 6, 8 or 10 links; with joints of two freedoms, p or g, "
-                          "5 or 7 too");
-    }
+    b->dof = (int)dof;
+    if (s == LW_OK && (links != b->links || dof != b->dof || !links_suit(b)))
+        s = links_fault(root, b, e);
     return s;
 }
 
 static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
 {
     static const char *const known[] = {
-        "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task", "timing", "links", "joints",
+        "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task", "timing", "links", "dof", "joints",
         "topology", "crank", "weights", "transmission", "acceleration", "lengths", "positions", "pivots", "forbidden", "dwell"
     };
     lw_json_node version;

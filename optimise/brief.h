@@ -32,7 +32,7 @@ typedef struct lw_brief {
     int         closed;                     /* 1, 0, -1: not said                                  */
     lw_fit_spec spec;
     bool        has_task, has_timing;       /* said, else as the target's columns suggest          */
-    int         links;                      /* 0: not said                                         */
+    int         links, dof;                 /* 0: not said                                         */
     char        joints[16], topology[LW_BRIEF_TEXT];      /* "": not said                           */
     int         n_dwell;
     lw_dwell    dwell[LW_DWELL_MAX];

@@ -53,6 +53,8 @@ static void faults_have_a_place(void)
         { "{\"linkwright-task\":1,\"target\":\"a\",\"timing\":\"fre\"}", 1, 44, "free" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"lengths\":{\"least\":5,\"most\":4}}", 1, 45, "no linkage can do both" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"links\":5}", 1, 43, "4, 6, 8 or 10" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":2,\"links\":6}", 1, 51, "5, 7 or 9 links" },
+        { "{\"linkwright-task\":1,\"target\":\"a\",\"dof\":4}", 1, 41, "3" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"transmission\":2}", 1, 50, "between" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[1,1],[0,2]]}}", 1, 51, "holds nothing" },
         { "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[0,0],[1,1]]},\"forbidden\":"
