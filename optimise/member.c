@@ -353,7 +353,35 @@ static bool find_way(lw_problem *p, const double *shape, lw_work *w)
     return find_circuit(p, shape, w) || find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
 }
 
-/* Does it close at every sample of a turn? */
+/* A group with gears is followed from its seed by half a turn either way: is it at the same place there?  Places just
+ * before and behind tell, between which the step is like those on both sides.  (Lanes in order would be one way.) */
+static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
+{
+    enum { N = 4 };
+    static const double off[N] = { -1e-4, 1e-4, -2e-4, 2e-4 };
+    static const int before[N - 1] = { 2, 0, 1 }, behind[N - 1] = { 0, 1, 3 };
+    const lw_plan *plan = &p->plan;
+    double c[N], s[N], px[N], py[N], u[N], v[N], step[N - 1];
+    bool gears = false;
+    for (int g = 0; g < plan->n_higher; g++)
+        gears = gears || plan->higher[g].n_gear > 0;
+    if (!gears)
+        return true;
+    for (int k = 0; k < N; k++) {
+        double t = p->branch.mode[plan->n_mode - 1] + LW_PI + off[k];
+        c[k] = cos(t);
+        s[k] = sin(t);
+    }
+    lw_lanes in = { .n = N, .c = c, .s = s, .dim = x, .mode = p->branch.mode };
+    lw_batch_point(plan, &in, 0, w->batch, px, py, u, v, NULL);
+    for (int k = 0; k < N - 1; k++) {
+        int a = before[k], b = behind[k];
+        step[k] = hypot(px[b] - px[a], py[b] - py[a])/lw_plan_size(plan, x) + hypot(u[b] - u[a], v[b] - v[a]);
+    }
+    return step[1] <= 10*(step[0] + step[2]) + 1e-9;
+}
+
+/* Does it close at every sample of a turn, and come back? */
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
@@ -361,7 +389,7 @@ static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
     for (int k = 0; k < M; k++)
         if (!(w->pose.margin[k] > 0))
             return false;
-    return true;
+    return comes_back(p, x, w);
 }
 
 bool lw_member_posture(lw_problem *p, double *x, void *work)

@@ -1,7 +1,11 @@
 /* Searches of mechanisms with gears: the curve of each is found again from its topology alone, to rounding, and the
  * report, which simulates it from its file, agrees. */
+#include "base/rng.h"
 #include "grammar/linkage.h"
+#include "mbs/newton.h"
 #include "mbs/pose.h"
+#include "optimise/member.h"
+#include "optimise/problem_internal.h"
 #include "optimise/survey.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
@@ -81,6 +85,25 @@ static lw_linkage half_on_coupler(void)
     return k;
 }
 
+/* The rocker of a four-bar is a pinion; its rack slides on the ground and carries, by a pin, the wheel of a second rack,
+ * which is cut into the ground: the rack's way turns it. */
+static lw_linkage rocker_moves_rack(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 6);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_pin(&k, 1, 2, lw_v2(0.6, 0.8));
+    add_pin(&k, 2, 3, lw_v2(2.6, 2.1));
+    add_pin(&k, 3, 0, lw_v2(3, 0));
+    add_slide(&k, 0, 4, lw_v2(4, -1), 0.2);
+    add_gear(&k, 3, 4, lw_v2(3, -0.9), 0.9);
+    add_pin(&k, 4, 5, lw_v2(4.5, -0.5));
+    add_gear(&k, 0, 5, lw_v2(4.5, -1), 1/0.7);
+    drive(&k, 0);
+    add_tracer(&k, 5, lw_v2(5, 0.2));
+    return k;
+}
+
 /* Stations at equal steps of as many turns of the input as bring all back, with their input angles. */
 static int make_target(const lw_linkage *k, lw_target *t)
 {
@@ -134,14 +157,85 @@ static void found_again(lw_linkage k, int laps, long budget)
 
 static void over_two_turns(void) { found_again(geared_five_bar(), 2, 1000000); }
 static void a_rack_turns_its_pinion(void) { found_again(rolling_carriage(), 1, 1000000); }
+static void a_pinion_moves_its_rack(void) { found_again(rocker_moves_rack(), 1, 1000000); }
 static void two_gear_pairs(void) { found_again(wheel_train(), 1, 1000000); }
 static void a_gear_in_a_group(void) { found_again(half_on_coupler(), 2, 1000000); }
+
+/* Five bars whose crank is geared to the last bar, on the bar that carries both. */
+static lw_linkage floating(void)
+{
+    lw_linkage k;
+    blank_linkage(&k, 5);
+    add_pin(&k, 0, 1, lw_v2(0, 0));
+    add_gear(&k, 1, 4, lw_v2(1, 1.5), 2);
+    add_pin(&k, 0, 2, lw_v2(3, 0));
+    add_pin(&k, 1, 3, lw_v2(0.6, 0.8));
+    add_pin(&k, 3, 4, lw_v2(1.4, 3.5));
+    add_pin(&k, 4, 2, lw_v2(3.5, 0.8));
+    drive(&k, 0);
+    add_tracer(&k, 3, lw_v2(1.8, 2.9));
+    return k;
+}
+
+/* Does the linkage of these dimensions come back after a turn of the plan's input, by its loop equations? */
+static bool comes_back(const lw_problem *p, const lw_linkage *topology, const double *shape)
+{
+    lw_linkage k = *topology;
+    lw_plan plan;
+    lw_newton *n;
+    CHECK_INT(lw_plan_make_geared(topology, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    double seed = p->branch.mode[plan.n_mode - 1];
+    if (lw_plan_write(&plan, shape, p->branch.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
+        return false;
+    lw_vec2 from = lw_newton_tracer(n, 0);
+    bool ok = lw_newton_move(n, lw_newton_input(n) + 2*LW_PI*plan.laps, NULL) == LW_OK
+           && lw_v2_norm(lw_v2_sub(lw_newton_tracer(n, 0), from)) < 1e-6*lw_plan_size(&plan, shape);
+    lw_newton_free(n);
+    return ok;
+}
+
+/* Members that are drawn to turn fully are at the same place afterwards. */
+static void members_come_back(void)
+{
+    const lw_linkage of[2] = { half_on_coupler(), floating() };
+    for (int i = 0; i < 2; i++) {
+        lw_family f = { .name = "geared", .linkage = &of[i], .links = 5 };
+        lw_fit_spec spec = lw_fit_spec_default();
+        lw_target t;
+        lw_problem p;
+        lw_rng rng;
+        int drawn = 0, back = 0;
+        make_target(&of[0], &t);
+        spec.timing = LW_TIMING_PRESCRIBED;
+        CHECK_INT(lw_problem_make(&t, &spec, &f, 1, 1, &p, NULL), LW_OK);
+        void *work = aligned_alloc(64, (lw_problem_work_size(&p) + 127) & ~(size_t)63);
+        lw_problem_work_init(&p, work);
+        lw_rng_seed(&rng, check_seed(), (uint64_t)i);
+        for (int trial = 0; trial < 150; trial++) {
+            double u[LW_MEMBER_DRAW_MAX], shape[LW_VAR_MAX];
+            for (int d = 0; d < LW_MEMBER_DRAW_MAX; d++)
+                u[d] = lw_rng_uniform(&rng);
+            if (!lw_member_draw(&p, u, true, shape, work))
+                continue;
+            drawn++;
+            back += comes_back(&p, &of[i], shape);
+        }
+        printf("# %d members, %d come back\n", drawn, back);
+        CHECK(drawn > 20);
+        CHECK(back >= drawn - drawn/50);             /* what opens between two of the 64 inputs looked at */
+        free(work);
+        lw_problem_free(&p);
+        lw_target_free(&t);
+    }
+}
 
 int main(void)
 {
     RUN(over_two_turns);
     RUN(a_rack_turns_its_pinion);
+    RUN(a_pinion_moves_its_rack);
     RUN(two_gear_pairs);
     RUN(a_gear_in_a_group);
+    RUN(members_come_back);
     return check_end();
 }
