@@ -302,6 +302,8 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
     double shape[LW_SHAPE_MAX] = { 0 }, dim[LW_DIM_MAX];
     int which = 0;
     lw_range range = { .first = 0, .last = 2*LW_PI, .turns = true };
+    if (maker->n == 0)
+        return LW_OPEN;
     while (which + 1 < maker->n && u[0]*maker->kind[maker->n - 1].upto >= maker->kind[which].upto)
         which++;
     const kind *k = &maker->kind[which];

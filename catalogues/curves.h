@@ -53,8 +53,8 @@ const lw_family *lw_curve_family(const lw_curve_maker *maker, const lw_curve_row
 /* Scratch for the calls below, one a thread, 64-byte aligned. */
 size_t lw_curve_work_size(const lw_curve_maker *maker);
 
-/* The sample at u (LW_CURVE_DRAWS).  LW_OPEN: it cannot close, or its circuit is cut by sliders without end: no
- * such curve. */
+/* The sample at u (LW_CURVE_DRAWS).  LW_OPEN: it cannot close, or its circuit is cut by sliders without end, or
+ * opens on the way: no such curve. */
 lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row);
 
 /* Its points, in order.  p (LW_CURVE_POINTS).  LW_OPEN when the numbers are no linkage. */

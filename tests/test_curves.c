@@ -96,6 +96,7 @@ static void topologies_as_text(void)
     CHECK_INT(lw_curve_linkage(m, &row, &k), LW_OK);
     CHECK(lw_curve_family(m, &row)->type == NULL);
     CHECK_INT(lw_curve_maker_create(NULL, &again, &e), LW_OK);
+    CHECK_INT(lw_curve_draw(again, u, true, work, &row), LW_OPEN);         /* of no family, no curve */
     CHECK_INT(lw_curve_maker_add(again, "Stephenson III", &k, &e), LW_OK);
     CHECK_TEXT(lw_curve_maker_families(again), STEPHENSON);
     CHECK_INT(lw_curve_linkage(again, &row, &same), LW_OK);
