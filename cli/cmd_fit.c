@@ -27,11 +27,12 @@ static const cli_option options[] = {
       "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too; with --dof 2 from 5", 4, 10,
       NULL, NULL },
     { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1",
-      "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, with 3 of 8; "
-      "all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99, NULL, NULL },
+      "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, "
+      "with 3 of 8; all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99,
+      NULL, NULL },
     { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", "1,-1,2,-2,3,-3",
-      "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two motors, a "
-      "belt or wheels at the frame", 0, 0, NULL, NULL },
+      "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two "
+      "motors, a belt or wheels at the frame", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
       "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for gear pairs, with t racks",
       0, 0, NULL, NULL },
@@ -334,17 +335,17 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
     if (dof == 0)
         return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
     if (dof > CLI_TOPOLOGY_INPUTS)
-        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and --links "
-                            "goes to 10, which is F = %d", dof, dof, least_links(dof), CLI_TOPOLOGY_INPUTS);
+        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and "
+                            "--links goes to 10, which is F = %d", dof, dof, least_links(dof), CLI_TOPOLOGY_INPUTS);
     if (dof == 1)
-        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several inputs: "
-                                                              "give --dof 2") : LW_OK;
+        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several "
+                                                              "inputs: give --dof 2") : LW_OK;
     if (links > 0 && links < least_links(dof))
         return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
                             dof, links, dof, least_links(dof));
     if (cli_given(said, "type") || s->exact)
-        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and F = 1",
-                            dof, s->exact ? "exact" : "type");
+        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and "
+                            "F = 1", dof, s->exact ? "exact" : "type");
     return LW_OK;
 }
 

@@ -10,15 +10,17 @@
 
 enum { STATIONS = 24 };
 
-static json_t *json_of(const char *command)
+static json_t *json_ending(const char *command, int code)
 {
     ran r = run(command);
-    CHECK_INT(r.code, 0);
+    CHECK_INT(r.code, code);
     json_t *root = json_loads(r.out, 0, NULL);
     CHECK(root != NULL);
     ran_free(&r);
     return root;
 }
+
+static json_t *json_of(const char *command) { return json_ending(command, 0); }
 
 static long integer(const json_t *o, const char *key) { return (long)json_integer_value(json_object_get(o, key)); }
 static double real(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
@@ -159,9 +161,9 @@ static void every_choice_is_accounted_for(void)
     write_target("m1.csv", -1, false);
     for (int given = 0; given < 2; given++) {
         char line[256];
-        snprintf(line, sizeof line, "$P fit $D/m1.csv --dof 2 --links 7 --starts 32 --rounds 1 --budget 1000 --json -q%s",
+        snprintf(line, sizeof line, "$P fit $D/m1.csv --dof 2 --links 7 --time 0.3 --json -q%s",
                  given ? " --input-ratios 2,1/2,-3/2" : "");
-        json_t *root = json_of(line);
+        json_t *root = json_ending(line, 5);
         CHECK_INT(json_array_size(json_object_get(root, "topologies")), 2);
         for (size_t i = 0; i < 2; i++) {
             static const char *const fates[] = { "fitted", "joined_to_ground", "smaller", "no_plan", "no_gear",
@@ -183,7 +185,6 @@ static void every_choice_is_accounted_for(void)
         CHECK_INT(integer(five, "joined_to_ground"), 1);
         CHECK_INT(integer(five, "with_input"), 2*5*4/2);                   /* any two of five joints          */
         CHECK_INT(integer(five, "families"), given ? 4 : 10);              /* 1, -1 are the same either way   */
-        CHECK_INT(integer(five, "with_linkage"), integer(five, "searched"));
         json_decref(root);
     }
 }
@@ -261,8 +262,10 @@ static void found_again(void)
 
 static void threads_change_nothing(void)
 {
-    expect("$P fit $D/m1.csv --dof 2 --links 7 --budget 1500 --json -q -j 1 | grep -v 'command\\|seconds' > $D/one; "
-           "$P fit $D/m1.csv --dof 2 --links 7 --budget 1500 --json -q -j 2 | grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
+    expect("$P fit $D/m1.csv --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 1 | "
+           "grep -v 'command\\|seconds' > $D/one; "
+           "$P fit $D/m1.csv --dof 2 --links 7 --topology 7.1 --budget 1000 --json -q -j 2 | "
+           "grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
 }
 
 static void gone_on_from(void)
