@@ -443,6 +443,15 @@ LW_INLINE void settle_of(eight *w, const int n, const double *out_of_reach, int 
     w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
 }
 
+/* What displacements are measured by, from the dimensions of lane i. */
+static double size_at(const run *k, size_t i)
+{
+    double dim[LW_DIM_MAX];
+    for (int d = 0; d < k->plan->n_dim; d++)
+        dim[d] = dim_of(k, d)[i];
+    return lw_plan_size(k->plan, dim);
+}
+
 static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int want)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
@@ -450,7 +459,7 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
     double *inverse = inverse_rows(k, g);
     eight w;
     take_group(&w, g);
-    w.size = 1;
+    w.size = size_at(k, 0);
     w.ends = !k->plan->input_is_slider;
     w.margin = (pack){ 0 };
     if (!per_lane) {
@@ -460,6 +469,7 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
     }
     for (size_t i = 0; i < n; i += LW_GROUP) {
         if (per_lane) {
+            w.size = size_at(k, i);
             load_vectors(k, &w, i, 1);
             load_meshes(k, g, i, 1, &w.mesh);
             load_known(k, &w, i, 1);

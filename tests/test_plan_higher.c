@@ -294,10 +294,23 @@ static void same_way(subject *q, lw_rng *r)
     }
 }
 
+/* The same where a metre is a millimetre: nothing may depend on the unit. */
+static void same_way_in_other_units(subject *q, lw_rng *r)
+{
+    for (int d = 0; d < q->p.n_dim; d++)
+        q->dim[d] *= q->p.dim[d].kind == LW_DIM_ANGLE ? 1 : 1000;
+    if (q->p.input_is_slider) {
+        q->input *= 1000;
+        q->mode[q->p.n_mode - 1] *= 1000;
+    }
+    same_way(q, r);
+}
+
 static void lanes_far_apart_keep_to_the_way(void)
 {
     eight_bars(same_way, 0, 0.5);
     eight_bars(same_way, 3, 0.5);
+    eight_bars(same_way_in_other_units, 3, 0.5);
     CHECK(n_same > 2000);
 }
 
