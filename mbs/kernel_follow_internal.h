@@ -12,8 +12,9 @@
 #define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
 #define STRIDE_MAX 0.35                    /* longest step                                            */
 #define STRIDE_BETWEEN 0.06                /* lanes nearer to each other are put in between           */
-#define TIGHT 0.1                          /* margin of a dyad below which nothing is put in between  */
-#define END 1e-5                           /* a step as short as this ends the way                    */
+#define TIGHT 0.1                          /* margin of a dyad below which nothing is put in between, */
+#define TIGHT_GROUP 0.03                   /* and of a group                                          */
+#define END 1e-6                           /* a step as short as this ends the way                    */
 #define END_FINE 1e-12
 
 /* ---- the way -------------------------------------------------------------------------------------------- */
@@ -97,11 +98,11 @@ static void lay_route(const follower *f, const way *y, size_t i, route *r)
 typedef struct chunk chunk;
 static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count);
 
-/* Is a dyad that the groups hang on near its limit, where postures move as a square root does, or beyond? */
+/* Is a group, or a dyad that the groups hang on, near its limit, where postures move as a square root does, or beyond? */
 static bool near_limit(const follower *f, int n)
 {
     for (int j = 0; j < n; j++)
-        if (f->k.margin[j] < TIGHT)
+        if (f->k.margin[j] < TIGHT || f->margin[j] < TIGHT_GROUP)
             return true;
     return false;
 }
@@ -304,7 +305,7 @@ static void go_along(follower *f, chunk *q, size_t first, size_t step)
     const way y = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
     for (size_t i = go_way(f, &y, q); i < y.count; i++) {
         double beyond = fabs(way_at(&y, i) - back(&f->at, 0)->t)/unit_of(f);
-        put_seat(f, q, q->lane[first + i*step], fmax(beyond, 1e-12));
+        put_seat(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
     }
 }
 

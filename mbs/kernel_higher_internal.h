@@ -423,23 +423,36 @@ static void put_group(const run *k, const eight *w, size_t i)
     }
 }
 
+#define ASTRAY 0.03                        /* a step as long leaves the seat: [rad], or times the size */
+#define BEYOND_LEAST 1e-12                 /* by how much a lane out of reach is so, at least         */
+
+/* Lanes whose step is too long, where it is made 0. */
+LW_INLINE mask hold_astray(eight *w, const int n, mask within)
+{
+    mask near = within;
+    for (int r = 0; r < n; r++)
+        near &= (mask)(abs8(w->step[r]) < ASTRAY*(r < w->g->n_turn ? 1 : w->size));
+    for (int r = 0; r < n; r++)
+        w->step[r] = where8(near, w->step[r]);
+    return within & ~near;
+}
+
 /* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
- * reach stay where they are. */
+ * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach too. */
 LW_INLINE void settle_of(eight *w, const int n, const double *out_of_reach, int want)
 {
     const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
     const pack beyond = get8(out_of_reach);
+    mask astray = { 0 };
     for (int i = 0; i < 5; i++) {
         newton_of(w, n, 1);
         if (want >= WITH_MARGIN)
             measure(w, n);
-        for (int r = 0; r < n; r++) {
-            double most = 0.03*(r < w->g->n_turn ? 1 : w->size);
-            w->step[r] = where8((mask)(beyond <= 0) & (mask)(abs8(w->step[r]) < most), w->step[r]);
-        }
+        astray |= hold_astray(w, n, (mask)(beyond <= 0));
         if (!(most8(go(w)) >= enough))
             break;
     }
+    w->margin = choose8(astray, all8(-BEYOND_LEAST), w->margin);
     w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
 }
 

@@ -47,7 +47,7 @@ typedef struct follower {
     double  size;
     bool    on_way;                        /* past the seed                                           */
     bool    pushed;                        /* the input is a joint of a group                         */
-    bool    tight;                         /* a dyad is near its limit: lane by lane                  */
+    bool    tight;                         /* a group or dyad is near its limit: lane by lane         */
     bool    lost;                          /* no posture near the seed                                */
     bool    fine;                          /* postures are wanted to rounding, with their inverses    */
     int     at_lane;                       /* of the last trial: the present                          */
@@ -57,6 +57,7 @@ typedef struct follower {
     pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
     pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
     mask    sure;
+    pack    margin;                        /* of its groups, the least                                */
     pack    need;                          /* room it takes over what there is                        */
     eight   group[LW_HIGHER_MAX];
 } follower;
@@ -410,6 +411,9 @@ LW_INLINE void solve(eight *w, const int n, follower *f, pack t)
 {
     pack last, row = { 0 }, most = all8(COARSE_LAST);
     arrive(w, n, f->on_way, f->fine, &last);
+    if (!f->fine)
+        measure(w, n);
+    f->margin = less8(w->margin, f->margin);
     if (f->fine)
         most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(LW_TINY)));
     put_group(&f->k, w, 0);
@@ -436,6 +440,7 @@ static void trial(follower *f, pack t)
     set_input(f, t);
     f->sure = ~(mask){ 0 };
     f->need = (pack){ 0 };
+    f->margin = all8(1);
     put8(f->k.margin, all8(1));
     for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
