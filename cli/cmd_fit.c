@@ -363,8 +363,9 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
             kinds[strlen(kinds)] = *at;
     if (!counted && links < least_links(dof))
         links = least_links(dof);
-    cli_topology_wish w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs, .only = named ? b->topology : s->topology,
-                            .task = set->spec.task,
+    cli_topology_wish w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
+                            .only = named ? b->topology : s->topology, .task = set->spec.task,
+                            .interrupt = cli_stop_flag(),
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
     lw_status st = check_dof(call, dof, counted ? links : 0, e);

@@ -302,6 +302,8 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
     maker *mk = context;
     int slots = 0, n = 0;
     long before = mk->own.n_driven;
+    if (mk->w->interrupt && *mk->w->interrupt)
+        return LW_STOPPED;
     lw_status st = lw_inputs_each(m, mk->w->dof, false, count_input, mk);
     for (int j = 0; j < m->n_joint; j++)
         slots += m->kind[j] == 'p';
@@ -569,6 +571,8 @@ lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_
         st = st == LW_OK ? add_stage(w, t, links, true, met, &why) : st;
     if (st == LW_OK)
         st = check_names(w, met, e);
+    else if (st == LW_STOPPED)
+        st = lw_error_set(e, LW_NOTHING, "stopped while mechanisms were still counted: none was searched");
     else if (why.text[0] && e)
         *e = why;
     else

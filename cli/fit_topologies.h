@@ -56,13 +56,14 @@ typedef struct cli_topology_wish {
     lw_task     task;
     bool        timed;         /* the input matters: every input at the ground by itself           */
     int         jobs;          /* threads; < 1: one per core                                       */
+    const volatile int *interrupt;   /* not 0: count no further; NULL: nobody asks                  */
 } cli_topology_wish;
 
 /* Do these kinds of joints hold one of two freedoms? */
 bool cli_topology_higher(const char *kinds);
 
 /* Those of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three.
- * LW_E_ARG with a text: a name in `only` that nothing bears. */
+ * With a text: LW_E_ARG, a name in `only` that nothing bears; LW_NOTHING, interrupted. */
 lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
 

@@ -362,6 +362,15 @@ static void racks_are_counted(void)
     json_decref(root);
 }
 
+/* While it counts, which takes long with every kind of joint; asked as soon as it listens (SIGTERM, 15, among the
+ * signals caught). */
+static void counting_stops_when_asked(void)
+{
+    expect("$P fit $D/t.csv --links 8 --joints r,t,p,g & "
+           "until grep -q 'SigCgt:.*4[0-9a-f]\\{3\\}$' /proc/$!/status; do sleep 0.01; done; "
+           "kill -TERM $!; wait $!", 130, NULL, "stopped while mechanisms were still counted: none was searched");
+}
+
 static void gears_are_fitted_and_traced(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --crank-only --starts 32 --rounds 1 --budget 1000 --json");
@@ -387,5 +396,6 @@ int main(void)
     RUN(gear_pairs_are_counted);
     RUN(racks_are_counted);
     RUN(gears_are_fitted_and_traced);
+    RUN(counting_stops_when_asked);
     return check_end();
 }
