@@ -1,29 +1,18 @@
 /* `fit --dof`: mechanisms of several freedoms whose inputs are tied, through the program. */
-#include <jansson.h>
 #include <math.h>
 #include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/sketch.h"
 #include "mbs/plan.h"
-#include "tests/cli_run.h"
+#include "tests/cli_json.h"
 
 enum { STATIONS = 24 };
 
-static json_t *json_ending(const char *command, int code)
-{
-    ran r = run(command);
-    CHECK_INT(r.code, code);
-    json_t *root = json_loads(r.out, 0, NULL);
-    CHECK(root != NULL);
-    ran_free(&r);
-    return root;
-}
+static json_t *json_ending(const char *command, int code) { return json_of_run(run(command), code); }
 
 static json_t *json_of(const char *command) { return json_ending(command, 0); }
 
-static long integer(const json_t *o, const char *key) { return (long)json_integer_value(json_object_get(o, key)); }
-static double real(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
 static const json_t *at(const json_t *root, const char *list, size_t i)
 {
     return json_array_get(json_object_get(root, list), i);

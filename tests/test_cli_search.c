@@ -1,9 +1,8 @@
 /* `fit --links`: searches over topologies, through the program. */
-#include <jansson.h>
 #include "enumerate/canon.h"
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
-#include "tests/cli_run.h"
+#include "tests/cli_json.h"
 
 static const char *const target =
     "printf 'x,y\\n0,0\\n1,0.2\\n2,0\\n3,0.3\\n3,1.2\\n2.6,2\\n1.5,1.7\\n0.4,1.4\\n' > $D/t.csv; ";
@@ -15,20 +14,9 @@ static ran with_target(const char *command)
     return run(line);
 }
 
-static json_t *json_ending(const char *command, int code)
-{
-    ran r = with_target(command);
-    CHECK_INT(r.code, code);
-    json_t *root = json_loads(r.out, 0, NULL);
-    CHECK(root != NULL);
-    ran_free(&r);
-    return root;
-}
+static json_t *json_ending(const char *command, int code) { return json_of_run(with_target(command), code); }
 
 static json_t *json_of(const char *command) { return json_ending(command, 0); }
-
-static long integer(const json_t *o, const char *key) { return (long)json_integer_value(json_object_get(o, key)); }
-static double real(const json_t *o, const char *key) { return json_number_value(json_object_get(o, key)); }
 
 static void every_topology_is_accounted_for(void)
 {
