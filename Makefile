@@ -24,14 +24,14 @@ LIBS    += $(shell mpicc --showme:link)
 endif
 COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
 
-# mbs/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
+# mbs/batch/kernel.c holds the hot loops; it is compiled once per instruction set and chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
 # gcc must not split a loop's selections into paths that each take their own square root; vectors are passed to
 # inlined functions only
 KERNEL   = -Wno-psabi $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre)
-LIB_SRC := $(filter-out mbs/kernel.c,$(wildcard $(STAGES:%=%/*.c)))
-LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(if $(wildcard mbs/kernel.c),$(ISAS:%=$B/mbs/kernel-%.o))
-CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c))
+LIB_SRC := $(filter-out mbs/batch/kernel.c,$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
+LIB_OBJ := $(LIB_SRC:%.c=$B/%.o) $(ISAS:%=$B/mbs/batch/kernel-%.o)
+CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c))
 FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
 SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
@@ -46,12 +46,12 @@ all: $B/linkwright
 MAKEFLAGS += --no-builtin-rules
 
 # ---- building ------------------------------------------------------------------------------------
-$B/mbs/kernel-%.o: mbs/kernel.c
+$B/mbs/batch/kernel-%.o: mbs/batch/kernel.c
 	@mkdir -p $(@D)
 	$(COMPILE) $(KERNEL) -march=$* -mprefer-vector-width=512 -DLW_ISA=$(subst -,_,$*) -DLW_ISA_NAME='"$*"' -c $< -o $@
 # the web pages' style sheets and scripts as C texts, line by line
-$B/catalogues/page.o $B/catalogues/atlas_html.o: $B/catalogues/page_files.h
-$B/catalogues/page_files.h: $(wildcard catalogues/*.css catalogues/*.js)
+$B/catalogues/pages/page.o $B/catalogues/pages/atlas_html.o: $B/catalogues/pages/page_files.h
+$B/catalogues/pages/page_files.h: $(wildcard catalogues/pages/*.css catalogues/pages/*.js)
 	@mkdir -p $(@D)
 	@for f in $^; do echo "__attribute__((unused)) static const char *const lw_$$(basename $$f | tr . _)[] = {"; \
 	    sed 's/[\\"]/\\&/g; s/.*/"&\\n",/' $$f; echo 'NULL };'; done > $@
@@ -66,8 +66,9 @@ $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+$B/tests/test_flexible_crank: $B/cli/bench/flexible_crank.o
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/docs/examples/%: $B/docs/examples/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 
@@ -104,7 +105,7 @@ run-demo: $B/linkwright
 # ---- looking after it ----------------------------------------------------------------------------
 check: $B/$(SONAME)
 	tests/check_layers.sh
-	@for f in $(wildcard $(STAGES:%=%/*.c) cli/*.c tests/*.c tests/*/*.c); do \
+	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c tests/*.c tests/*/*.c); do \
 	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \
 	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
 	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
@@ -127,7 +128,7 @@ bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 $B/linkwright.1: docs/linkwright.1.in $B/linkwright
 	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
 install: all $B/$(SONAME) $B/linkwright.1
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 share/linkwright/paths $(STAGES:%=include/linkwright/%))
+	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 share/linkwright/paths $(patsubst %/,include/linkwright/%,$(sort $(dir $(wildcard $(STAGES:%=%/*.h) $(STAGES:%=%/*/*.h))))))
 	install $B/linkwright $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $B/liblinkwright.a $B/$(SONAME) $(DESTDIR)$(PREFIX)/lib
 	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblinkwright.so
@@ -136,7 +137,7 @@ install: all $B/$(SONAME) $B/linkwright.1
 	install -m 644 catalogues/data/published-counts.csv $(DESTDIR)$(PREFIX)/share/linkwright
 	install -d $(DESTDIR)$(PREFIX)/share/linkwright/mbs
 	install -m 644 catalogues/data/mbs/* $(DESTDIR)$(PREFIX)/share/linkwright/mbs
-	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h))); do \
+	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h) $(STAGES:%=%/*/*.h))); do \
 	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|' linkwright.pc.in \
 	    > $(DESTDIR)$(PREFIX)/lib/pkgconfig/linkwright.pc

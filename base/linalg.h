@@ -1,6 +1,6 @@
 /* base/linalg.h - Householder QR of small dense systems, for solves inside a loop.
  *
- * Own code, not a bridge to GSL: a 10 x 10 solve is most of an iteration of mbs/newton.c and takes
+ * Own code, not a bridge to GSL: a 10 x 10 solve is most of an iteration of mbs/constraints/newton.c and takes
  * half of GSL's time for the same (0.53 against 0.98 us), the determinant comes with it,
  * and a singular matrix is an answer here where GSL calls its global error handler, which aborts.
  * Large systems belong to GSL.  Golub & Van Loan 2013, section 5.2. */

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "cli/output.h"
+#include "cli/program/output.h"
 
 static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_command, &cli_trace_command,
                                               &cli_simulate_command,

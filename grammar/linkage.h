@@ -37,7 +37,7 @@ typedef struct lw_joint {
 } lw_joint;
 
 /* A driven joint, a pin or a slider.  For a pin the input is the direction [rad, counter-clockwise from
- * +x of the plane] of the driven link's x axis, see lw_linkage_posture_input; mbs/plan.h counts it from the
+ * +x of the plane] of the driven link's x axis, see lw_linkage_posture_input; mbs/plan/plan.h counts it from the
  * ground frame instead.  For a slider it is the displacement [m] of link[1] relative to link[0]
  * along `along`, 0 in the given posture unless `value` says otherwise.
  *

@@ -3,8 +3,8 @@
 #define LW_TESTS_DYNAMICS_RUN_H
 
 #include "base/file.h"
-#include "mbs/dynamics.h"
-#include "mbs/integrate.h"
+#include "mbs/dynamics/dynamics.h"
+#include "mbs/ode/integrate.h"
 #include "tests/check.h"
 
 typedef struct drun {

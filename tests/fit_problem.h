@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/rng.h"
-#include "mbs/pose.h"
-#include "optimise/family.h"
-#include "optimise/problem_internal.h"
+#include "mbs/plan/pose.h"
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
 #include "tests/check.h"
 
 #define STATION_MAX 64

@@ -9,7 +9,7 @@
 
 #include <math.h>
 #include <string.h>
-#include "optimise/record.h"
+#include "optimise/solvers/record.h"
 
 static inline bool hs65_residuals(void *context, const double *x, double *r, double *j)
 {

@@ -4,7 +4,7 @@
 #define LW_TESTS_MBS_RANDOM_H
 
 #include "base/rng.h"
-#include "mbs/types.h"
+#include "mbs/plan/types.h"
 #include "tests/mbs_linkage.h"
 
 static inline lw_vec2 random_place(lw_rng *r) { return lw_v2(lw_rng_range(r, -2, 2), lw_rng_range(r, -2, 2)); }

@@ -2,7 +2,7 @@
 #ifndef LW_TESTS_POINTS_LINKAGE_H
 #define LW_TESTS_POINTS_LINKAGE_H
 
-#include "mbs/newton.h"
+#include "mbs/constraints/newton.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/file.h"
-#include "catalogues/scene.h"
+#include "catalogues/draw/scene.h"
 
 /* Fontconfig keeps its settings until the process ends; leak checkers are told. */
 const char *__lsan_default_suppressions(void);

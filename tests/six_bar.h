@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "grammar/linkage.h"
-#include "mbs/pose.h"
-#include "optimise/target.h"
+#include "mbs/plan/pose.h"
+#include "optimise/task/target.h"
 #include "tests/check.h"
 
 static inline lw_linkage six_bar(void)

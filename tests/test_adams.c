@@ -1,8 +1,8 @@
 /* Datasets of ADAMS: what is written is looked at statement by statement, and read back as the same linkage. */
-#include "catalogues/adams.h"
+#include "catalogues/exchange/adams.h"
 
-#include "catalogues/export.h"
-#include "mbs/newton.h"
+#include "catalogues/exchange/export.h"
+#include "mbs/constraints/newton.h"
 #include "tests/example_linkage.h"
 
 static lw_bytes dataset(const lw_linkage *k)

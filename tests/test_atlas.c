@@ -1,11 +1,11 @@
 /* test_atlas.c - atlases of curves: the nearest against a comparison with every curve; the same for any number of
  * threads; what is found traces the target. */
-#include "catalogues/atlas.h"
+#include "catalogues/store/atlas.h"
 
 #include <unistd.h>
-#include "catalogues/atlas_internal.h"
+#include "catalogues/store/atlas_internal.h"
 #include "base/rng.h"
-#include "catalogues/scene.h"
+#include "catalogues/draw/scene.h"
 #include "tests/check.h"
 
 #define SAMPLES 6000

@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "base/file.h"
-#include "catalogues/atlas_html.h"
-#include "catalogues/sha256.h"
+#include "catalogues/pages/atlas_html.h"
+#include "catalogues/pages/sha256.h"
 #include "enumerate/canon.h"
 #include "grammar/graph6.h"
 #include "tests/all_chains.h"

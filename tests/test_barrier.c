@@ -2,7 +2,7 @@
 #include "base/rng.h"
 #include "tests/check.h"
 #include "tests/functions.h"
-#include "optimise/method_internal.h"
+#include "optimise/solvers/method_internal.h"
 
 static const double low[3] = { -4.5, -4.5, -5 }, high[3] = { 4.5, 4.5, 5 };
 

@@ -2,9 +2,9 @@
  * complex steps through formulas of the test's own; hard cases; linkages with known curves. */
 #include <complex.h>
 #undef I
-#include "mbs/batch.h"
-#include "mbs/kernels_internal.h"
-#include "mbs/pose.h"
+#include "mbs/batch/batch.h"
+#include "mbs/batch/kernels_internal.h"
+#include "mbs/plan/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

@@ -1,7 +1,7 @@
 /* J'J and J'r by the batch: against the sums written out, columns in any order, and every instruction set the same bits. */
 #include <stdlib.h>
-#include "mbs/batch.h"
-#include "mbs/kernels_internal.h"
+#include "mbs/batch/batch.h"
+#include "mbs/batch/kernels_internal.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
@@ -9,7 +9,7 @@ enum { COLUMN_MAX = 21, ROW_MAX = 3, LD_MAX = 136 };
 
 static double row[ROW_MAX*COLUMN_MAX*LD_MAX], res[ROW_MAX*LD_MAX];
 
-/* The sum in the order the header of mbs/kernels_internal.h names: lane number modulo eight. */
+/* The sum in the order the header of mbs/batch/kernels_internal.h names: lane number modulo eight. */
 static double slow(const lw_normal *q, const double *a, size_t a_step, const double *b, size_t b_step)
 {
     double s[8] = { 0 };

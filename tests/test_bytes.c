@@ -1,6 +1,6 @@
 /* Numbers and texts as bytes; the hash. */
-#include "catalogues/bytes.h"
-#include "catalogues/sha256.h"
+#include "catalogues/draw/bytes.h"
+#include "catalogues/pages/sha256.h"
 #include "base/rng.h"
 #include "tests/check.h"
 

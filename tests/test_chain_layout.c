@@ -1,6 +1,6 @@
 /* Pictures of chains: no crossing on all planar chains up to ten links, measured here again from the
  * places alone; distances, angles, symmetry; frames on a line; chains that are not planar. */
-#include "catalogues/chain_layout.h"
+#include "catalogues/draw/chain_layout.h"
 #include "grammar/planar.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"

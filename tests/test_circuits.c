@@ -1,8 +1,8 @@
 /* tests/test_circuits.c - circuits found by chance against counts known in closed form. */
-#include "mbs/circuits.h"
+#include "mbs/constraints/circuits.h"
 #include "base/rng.h"
-#include "mbs/fourbar.h"
-#include "mbs/motion.h"
+#include "mbs/kinematics/fourbar.h"
+#include "mbs/kinematics/motion.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

@@ -1,7 +1,7 @@
 /* tests/test_clearance_scenes.c - clearance together with friction, stops, sliders and further loops; laws of contact
  * against one another where they must agree. */
-#include "mbs/clearance.h"
-#include "mbs/contact.h"
+#include "mbs/dynamics/clearance.h"
+#include "mbs/dynamics/contact.h"
 #include "tests/clearance_models.h"
 #include "tests/dynamics_run.h"
 
@@ -48,7 +48,7 @@ static lw_status keep_twin(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* The same model by mbs/dynamics.h, its joints without clearance; how often stops were struck */
+/* The same model by mbs/dynamics/dynamics.h, its joints without clearance; how often stops were struck */
 static long same_motion(const lw_model *m, double time, int samples, double tight)
 {
     twin t = { 0 };

@@ -4,7 +4,7 @@
 #include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/sketch.h"
-#include "mbs/plan.h"
+#include "mbs/plan/plan.h"
 #include "tests/cli_json.h"
 
 enum { STATIONS = 24 };

@@ -1,9 +1,9 @@
 /* linkwright plasma: every step is there, tables agree with each other and with what is saved. */
 #include "tests/cli_run.h"
 
-#include "catalogues/adams.h"
-#include "catalogues/export.h"
-#include "mbs/newton.h"
+#include "catalogues/exchange/adams.h"
+#include "catalogues/exchange/export.h"
+#include "mbs/constraints/newton.h"
 
 static const char whole[] =
     "$P plasma $D/lam.txt --target examples/ellipse.csv --points 401 --budget 2e4 --first 40 --save $D/out";

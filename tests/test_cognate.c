@@ -1,6 +1,6 @@
 /* tests/test_cognate.c - Roberts cognates trace one curve; checked by a four-bar written here, and
  * point by point by distances alone. */
-#include "mbs/fourbar.h"
+#include "mbs/kinematics/fourbar.h"
 #include "base/rng.h"
 #include "base/vec2.h"
 #include "tests/check.h"

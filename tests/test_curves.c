@@ -1,9 +1,9 @@
 /* test_curves.c - curves drawn at random: they are those of their linkages, wherever these are laid. */
-#include "catalogues/curves.h"
+#include "catalogues/curves/curves.h"
 
-#include "catalogues/scene.h"
-#include "mbs/types.h"
-#include "optimise/lowdiscrepancy.h"
+#include "catalogues/draw/scene.h"
+#include "mbs/plan/types.h"
+#include "optimise/solvers/lowdiscrepancy.h"
 #include "tests/check.h"
 
 static double distance_to(lw_vec2 p, const lw_vec2 *q, size_t n, bool closed)

@@ -1,6 +1,6 @@
 /* tests/test_cvode.c - the bridge to CVODE: a stiff problem with a published solution, events, projection, how
  * failures are told. */
-#include "mbs/cvode.h"
+#include "mbs/ode/cvode.h"
 #include "tests/check.h"
 
 static lw_status run_to(lw_cvode *w, double t, lw_error *e)

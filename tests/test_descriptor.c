@@ -1,5 +1,5 @@
 /* test_descriptor.c - shapes of curves: free of place, size, turn, start, direction, mirroring; the bound. */
-#include "catalogues/descriptor.h"
+#include "catalogues/curves/descriptor.h"
 
 #include "base/rng.h"
 #include "tests/check.h"

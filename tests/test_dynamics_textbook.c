@@ -1,7 +1,7 @@
 /* Mechanisms of the textbooks, examples/dynamics: every formulation that takes them against the equations that the
  * textbooks give, in as few coordinates as there are freedoms. */
 #include "base/rank.h"
-#include "mbs/modes.h"
+#include "mbs/dynamics/modes.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

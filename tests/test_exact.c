@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "mbs/motion.h"
-#include "optimise/exact.h"
-#include "optimise/report.h"
+#include "mbs/kinematics/motion.h"
+#include "optimise/precision/exact.h"
+#include "optimise/report/report.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

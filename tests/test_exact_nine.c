@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "base/rng.h"
-#include "optimise/exact.h"
-#include "optimise/exact_track_internal.h"
-#include "optimise/report.h"
+#include "optimise/precision/exact.h"
+#include "optimise/precision/exact_track_internal.h"
+#include "optimise/report/report.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -1,11 +1,11 @@
 /* MJCF: the text, and the model run by MuJoCo itself.  Without libmujoco (Debian: libmujoco-dev) the second half
  * is skipped with a message. */
-#include "catalogues/export.h"
+#include "catalogues/exchange/export.h"
 
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include "mbs/newton.h"
+#include "mbs/constraints/newton.h"
 #include "tests/example_linkage.h"
 
 static lw_bytes mjcf(const lw_linkage *k)

@@ -1,8 +1,8 @@
 /* The motion as numbers: curves come back as targets, poses carry the tracer along the curve. */
-#include "catalogues/export.h"
+#include "catalogues/exchange/export.h"
 
-#include "catalogues/scene.h"
-#include "optimise/target_outline.h"
+#include "catalogues/draw/scene.h"
+#include "optimise/task/target_outline.h"
 #include "tests/example_linkage.h"
 
 static const char *const names[] = { "hoeken", "klann", "slider-crank", "chebyshev" };

@@ -1,6 +1,6 @@
 /* Sketches of SolveSpace: every constraint holds where the points stand, and as many freedoms are left as the linkage
  * has.  (SolveSpace 3.1 itself brings points that were disturbed back to these constraints.) */
-#include "catalogues/export.h"
+#include "catalogues/exchange/export.h"
 
 #include "tests/example_linkage.h"
 

@@ -1,5 +1,5 @@
 /* Families: what their conditions promise, by looking at 720 inputs of a turn. */
-#include "mbs/batch.h"
+#include "mbs/batch/batch.h"
 #include "tests/fit_problem.h"
 
 enum { LOOKS = 720 };

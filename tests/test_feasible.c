@@ -2,7 +2,7 @@
 #include "base/rng.h"
 #include "tests/check.h"
 #include "tests/functions.h"
-#include "optimise/feasible.h"
+#include "optimise/solvers/feasible.h"
 
 #define N 8
 #define M 20

@@ -1,6 +1,6 @@
 /* The whole search, on published problems and hard targets; every claim is worked out again from the
  * dimensions by the four-bar of tests/mbs_linkage.h. */
-#include "optimise/fit.h"
+#include "optimise/search/fit.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -2,11 +2,11 @@
  * report, which simulates it from its file, agrees. */
 #include "base/rng.h"
 #include "grammar/linkage.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
-#include "optimise/member.h"
-#include "optimise/problem_internal.h"
-#include "optimise/survey.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
+#include "optimise/search/random_linkage.h"
+#include "optimise/problem/problem_internal.h"
+#include "optimise/search/staged_search.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

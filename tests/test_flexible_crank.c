@@ -1,7 +1,7 @@
 /* Slider-crank with a flexible coupler: Lagrange's equations by differences of the mass matrix, published end values. */
 #include <math.h>
 #include "base/rng.h"
-#include "mbs/flexible_crank.h"
+#include "cli/bench/flexible_crank.h"
 #include "tests/check.h"
 
 enum { N = LW_FLEXIBLE_N };

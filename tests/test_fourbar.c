@@ -1,6 +1,6 @@
 /* tests/test_fourbar.c - Barker's classes, limits, dead points and transmission angles against a
  * brute-force twin that turns the links, and near change points against expansions. */
-#include "mbs/fourbar.h"
+#include "mbs/kinematics/fourbar.h"
 #include "base/rng.h"
 #include "base/vec2.h"
 #include "tests/check.h"

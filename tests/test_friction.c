@@ -1,5 +1,5 @@
 /* tests/test_friction.c - reactions that depend on the friction they cause. */
-#include "mbs/friction.h"
+#include "mbs/dynamics/friction.h"
 
 #include "base/rng.h"
 #include "tests/check.h"

@@ -1,9 +1,9 @@
 /* Animations, read back with giflib: frames, loop, palette, and what a viewer would see. */
 #include <gif_lib.h>
 
-#include "catalogues/diagram.h"
-#include "catalogues/gif.h"
-#include "catalogues/picture.h"
+#include "catalogues/draw/diagram.h"
+#include "catalogues/draw/gif.h"
+#include "catalogues/draw/picture.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 

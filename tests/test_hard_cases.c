@@ -2,11 +2,11 @@
  * ratios and places, straight lines.  Each goes through classification, motion, the plan and the
  * verifier, which share no code. */
 #include "base/rng.h"
-#include "mbs/fourbar.h"
-#include "mbs/motion.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
-#include "mbs/types.h"
+#include "mbs/kinematics/fourbar.h"
+#include "mbs/kinematics/motion.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
+#include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

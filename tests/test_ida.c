@@ -1,6 +1,6 @@
 /* tests/test_ida.c - the bridge to IDA: Robertson's reactions, a pendulum as index-2 equations (GGL), events,
  * consistent starts, how failures are told. */
-#include "mbs/ida.h"
+#include "mbs/ode/ida.h"
 #include "tests/check.h"
 
 static lw_status run_to(lw_ida *w, double t, lw_error *e)

@@ -1,7 +1,7 @@
 /* tests/test_integrate.c - the method's coefficients against the order conditions, its convergence, its
  * continuous solution, events against closed forms, and what happens at the limits. */
-#include "mbs/integrate.h"
-#include "mbs/integrate_table_internal.h"
+#include "mbs/ode/integrate.h"
+#include "mbs/ode/integrate_table_internal.h"
 #include "tests/check.h"
 #include "base/vec2.h"
 

@@ -1,7 +1,7 @@
 /* Labels: never on each other, never outside, away from ink where there is room. */
 #include "base/rng.h"
-#include "catalogues/drawing.h"
-#include "catalogues/labels.h"
+#include "catalogues/draw/drawing.h"
+#include "catalogues/draw/labels.h"
 #include "tests/check.h"
 
 static lw_box box_of(lw_vec2 at, const char *text, double size)

@@ -1,8 +1,8 @@
 /* Layers: nothing touches in twice as many postures, by shapes of another making; no fewer layers would do. */
-#include "catalogues/layers.h"
+#include "catalogues/exchange/layers.h"
 
 #include "base/rng.h"
-#include "catalogues/export.h"
+#include "catalogues/exchange/export.h"
 #include "tests/example_linkage.h"
 
 static lw_scene scene_of(const lw_linkage *k, size_t n)

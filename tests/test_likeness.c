@@ -1,6 +1,6 @@
 /* Distances of curves: known ones, and what must not matter. */
 #include "base/rng.h"
-#include "optimise/likeness.h"
+#include "optimise/report/likeness.h"
 #include "tests/check.h"
 
 enum { N = 900 };

@@ -1,6 +1,6 @@
 /* Bounded least squares: finds its way back to known linkages, keeps bounds and conditions, and where it
  * rests on them no direction leads down (Karush, Kuhn and Tucker). */
-#include "optimise/lm.h"
+#include "optimise/solvers/lm.h"
 #include "tests/fit_problem.h"
 
 static const char *const families[] = { "crank-rocker", "drag-link", "any four-bar", "slider-crank",

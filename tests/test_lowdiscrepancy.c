@@ -1,5 +1,5 @@
 /* Shifted Sobol points: in the cube, even in every direction, each seed its own. */
-#include "optimise/lowdiscrepancy.h"
+#include "optimise/solvers/lowdiscrepancy.h"
 #include "tests/check.h"
 
 static void fill_every_direction_evenly(void)

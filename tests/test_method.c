@@ -1,6 +1,6 @@
 /* Every method: how near it comes, what it keeps to, and that it repeats. */
 #include <pthread.h>
-#include "optimise/method_internal.h"
+#include "optimise/solvers/method_internal.h"
 #include "tests/check.h"
 #include "tests/functions.h"
 

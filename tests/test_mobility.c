@@ -1,6 +1,6 @@
 /* Mobility of linkages whose answer is known: counts, special geometry, singular postures, shaky ones. */
 #include "base/rng.h"
-#include "mbs/mobility.h"
+#include "mbs/constraints/mobility.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

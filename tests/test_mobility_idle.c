@@ -1,6 +1,6 @@
 /* tests/test_mobility_idle.c - what nobody looks at is held, and the rest moves as before. */
-#include "mbs/mobility.h"
-#include "mbs/branch.h"
+#include "mbs/constraints/mobility.h"
+#include "mbs/constraints/motion_curve.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

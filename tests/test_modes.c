@@ -1,5 +1,5 @@
 /* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
-#include "mbs/modes.h"
+#include "mbs/dynamics/modes.h"
 #include <gsl/gsl_errno.h>
 #include <stdarg.h>
 #include "tests/check.h"

@@ -1,11 +1,11 @@
 /* tests/test_motion.c - arcs and circuits against the closed forms of the four-bar, against margins
  * sampled through the pose, and against the verifier, which runs into every limit. */
-#include "mbs/motion.h"
+#include "mbs/kinematics/motion.h"
 #include "base/rng.h"
-#include "mbs/fourbar.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
-#include "mbs/types.h"
+#include "mbs/kinematics/fourbar.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
+#include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -1,8 +1,8 @@
 /* tests/test_newton.c - the verifier against closed forms written here and against what rigid links
  * must keep. */
-#include "mbs/newton.h"
+#include "mbs/constraints/newton.h"
 #include "base/rng.h"
-#include "mbs/fourbar.h"
+#include "mbs/kinematics/fourbar.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -1,8 +1,8 @@
 /* Pages: nothing from outside, nothing unescaped, postures that put every pin in its place. */
 #include <jansson.h>
 
-#include "catalogues/page.h"
-#include "catalogues/sha256.h"
+#include "catalogues/pages/page.h"
+#include "catalogues/pages/sha256.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 #include "tests/xml_scan.h"

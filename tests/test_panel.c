@@ -1,5 +1,5 @@
 /* Integrals by sixteen values against closed forms. */
-#include "mbs/panel_internal.h"
+#include "mbs/ode/panel_internal.h"
 
 #include <math.h>
 #include "tests/check.h"

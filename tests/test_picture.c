@@ -1,10 +1,10 @@
 /* Diagrams as SVG, PNG and PDF: read back, counted, measured, looked at pixel by pixel. */
 #include <cairo.h>
 
-#include "catalogues/anatomy.h"
-#include "catalogues/diagram.h"
-#include "catalogues/picture.h"
-#include "catalogues/svg.h"
+#include "catalogues/draw/body_shapes.h"
+#include "catalogues/draw/diagram.h"
+#include "catalogues/draw/picture.h"
+#include "catalogues/draw/svg.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 #include "tests/xml_scan.h"

@@ -1,13 +1,13 @@
-/* Gear pairs in plans: against the loop equations of mbs/newton.h over whole periods, the law of the wheels by hand,
+/* Gear pairs in plans: against the loop equations of mbs/constraints/newton.h over whole periods, the law of the wheels by hand,
  * derivatives against differences. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/rng.h"
-#include "mbs/batch.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
+#include "mbs/batch/batch.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -1,9 +1,9 @@
 /* Higher groups in a plan: all eight-link chains with every ground and input, sliders and slots among them, against
  * the loops' own lengths, Newton's method on all links, and differences. */
-#include "mbs/batch.h"
-#include "mbs/kernels_internal.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
+#include "mbs/batch/batch.h"
+#include "mbs/batch/kernels_internal.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"

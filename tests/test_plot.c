@@ -1,7 +1,7 @@
 /* Plots: every point where its numbers say, ticks where people expect them, nothing lost on the way. */
-#include "catalogues/draw.h"
-#include "catalogues/plot.h"
-#include "catalogues/svg.h"
+#include "catalogues/draw/draw.h"
+#include "catalogues/draw/plot.h"
+#include "catalogues/draw/svg.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 #include "tests/xml_scan.h"

@@ -1,5 +1,5 @@
 /* The pool of finds: in order, each linkage once, never more than it holds. */
-#include "optimise/pool.h"
+#include "optimise/search/pool.h"
 #include "tests/fit_problem.h"
 
 static void make_problem(lw_problem *p)

@@ -1,7 +1,7 @@
 /* Small quadratic programs against the enumeration of all active sets: the minimum is the solution of
  * the equality problem of some independent set of rows, so the best feasible one of all sets is it. */
 #include "base/rng.h"
-#include "optimise/qp.h"
+#include "optimise/solvers/qp.h"
 #include "tests/check.h"
 
 enum { N = 8, M = 10 };

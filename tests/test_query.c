@@ -1,5 +1,5 @@
 /* test_query.c - questions to a catalogue: what they become, what is refused and where. */
-#include "catalogues/query.h"
+#include "catalogues/store/query.h"
 
 #include "base/rng.h"
 #include "tests/check.h"

@@ -1,7 +1,7 @@
 /* The record: what it keeps, what it counts, when it stops. */
 #include "tests/check.h"
 #include "tests/functions.h"
-#include "optimise/method_internal.h"
+#include "optimise/solvers/method_internal.h"
 
 static lw_solver_options options(void) { return lw_solver_options_default(); }
 

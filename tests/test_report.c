@@ -1,6 +1,6 @@
 /* Reports: what they say against sums by hand, and that the check of a result can fail. */
-#include "mbs/motion.h"
-#include "optimise/report_internal.h"
+#include "mbs/kinematics/motion.h"
+#include "optimise/report/report_internal.h"
 #include "tests/fit_problem.h"
 #include "tests/mbs_linkage.h"
 

@@ -1,11 +1,11 @@
 /* Scenes: links stay rigid and joined in every frame, curves are where the tracer goes, limits are the
  * four-bar's own, motion is followed through them, size does not matter. */
 #include "base/rng.h"
-#include "catalogues/scene.h"
-#include "catalogues/walk.h"
+#include "catalogues/draw/scene.h"
+#include "catalogues/draw/walk.h"
 #include "grammar/model.h"
-#include "mbs/fourbar.h"
-#include "mbs/types.h"
+#include "mbs/kinematics/fourbar.h"
+#include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 

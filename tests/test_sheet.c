@@ -1,9 +1,9 @@
 /* Drawings of chains and sheets of them: everything inside its cell, every link and joint there once, signs
  * of the frame below everything else, captions cut to their cell. */
-#include "catalogues/chain_drawing.h"
-#include "catalogues/picture.h"
-#include "catalogues/sheet.h"
-#include "catalogues/svg.h"
+#include "catalogues/draw/chain_drawing.h"
+#include "catalogues/draw/picture.h"
+#include "catalogues/draw/sheet.h"
+#include "catalogues/draw/svg.h"
 #include "grammar/edges.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"

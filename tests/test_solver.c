@@ -2,8 +2,8 @@
  * held at a transmission angle, one that need not turn. */
 #include "base/parallel.h"
 #include "base/rng.h"
-#include "optimise/family.h"
-#include "optimise/record.h"
+#include "optimise/problem/family.h"
+#include "optimise/solvers/record.h"
 #include "tests/check.h"
 
 #define N_STATION 12

@@ -1,8 +1,8 @@
 /* Starts: with the right shape and inputs the linear fit finds place, size and tracer; what comes out is
  * a start in the sense of the header. */
-#include "optimise/lm.h"
-#include "optimise/lowdiscrepancy.h"
-#include "optimise/start.h"
+#include "optimise/solvers/lm.h"
+#include "optimise/solvers/lowdiscrepancy.h"
+#include "optimise/search/start.h"
 #include "tests/fit_problem.h"
 
 static const char *const families[] = { "crank-rocker", "drag-link", "slider-crank", "oscillating", "turning",

@@ -1,8 +1,8 @@
 /* tests/test_statics.c - where models rest: one equilibrium of several, none, saddles, neutral ones; trusses, redundant
  * supports; and powers of machines in motion. */
-#include "mbs/statics.h"
+#include "mbs/dynamics/statics.h"
 
-#include "mbs/reactions.h"
+#include "mbs/dynamics/reactions.h"
 #include "tests/dynamics_run.h"
 
 static drun d;

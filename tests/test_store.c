@@ -1,5 +1,5 @@
 /* test_store.c - the store from inside: whose file it is, versions, transactions, the lock, a person's SQL. */
-#include "catalogues/store.h"
+#include "catalogues/store/store.h"
 
 #include <sqlite3.h>
 #include <sys/stat.h>

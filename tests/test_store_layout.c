@@ -1,5 +1,5 @@
 /* test_store_layout.c - layouts of chains as bytes and back; bytes that are none are refused. */
-#include "catalogues/store_layout.h"
+#include "catalogues/store/store_layout.h"
 
 #include "base/rng.h"
 #include "grammar/graph6.h"

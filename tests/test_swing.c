@@ -1,15 +1,15 @@
 /* tests/test_swing.c - closed curves of six-bars whose input does not turn: traced by arc length over all limits
- * (mbs/branch.h, which knows no assemblies), they are curves of the problem with the true dimensions; its derivatives
+ * (mbs/constraints/motion_curve.h, which knows no assemblies), they are curves of the problem with the true dimensions; its derivatives
  * over limits; and a search that is told the topology alone finds them. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/rng.h"
-#include "mbs/branch.h"
-#include "optimise/fit.h"
-#include "optimise/member.h"
-#include "optimise/problem_internal.h"
-#include "optimise/report.h"
+#include "mbs/constraints/motion_curve.h"
+#include "optimise/search/fit.h"
+#include "optimise/search/random_linkage.h"
+#include "optimise/problem/problem_internal.h"
+#include "optimise/report/report.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

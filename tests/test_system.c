@@ -1,5 +1,5 @@
 /* tests/test_system.c - rows, derivatives and series against differences, sums and exact gear trains. */
-#include "mbs/system.h"
+#include "mbs/constraints/system.h"
 #include "base/rng.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

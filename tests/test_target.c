@@ -2,7 +2,7 @@
 #include "base/file.h"
 #include "base/rng.h"
 #include "base/vec2.h"
-#include "optimise/target.h"
+#include "optimise/task/target.h"
 #include "tests/check.h"
 
 static lw_status read_with(const char *text, size_t size, const lw_target_options *o, lw_target *t, lw_error *e)

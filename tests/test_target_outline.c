@@ -1,5 +1,5 @@
 /* Curves of drawings as targets: every command of a path, transforms, units; polylines, bulges, chains; faults. */
-#include "optimise/target_outline.h"
+#include "optimise/task/target_outline.h"
 
 #include "base/vec2.h"
 #include "tests/check.h"

@@ -4,19 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/export.h"
-#include "catalogues/scene.h"
+#include "catalogues/exchange/export.h"
+#include "catalogues/draw/scene.h"
 #include "enumerate/mechanisms.h"
 #include "enumerate/chains.h"
 #include "grammar/model.h"
 #include "grammar/sketch.h"
-#include "mbs/batch.h"
-#include "mbs/clearance.h"
-#include "mbs/drive.h"
-#include "mbs/mobility.h"
-#include "mbs/newton.h"
-#include "mbs/pose.h"
-#include "mbs/reactions.h"
+#include "mbs/batch/batch.h"
+#include "mbs/dynamics/clearance.h"
+#include "mbs/constraints/prescribed_motion.h"
+#include "mbs/constraints/mobility.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
+#include "mbs/dynamics/reactions.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -2,12 +2,12 @@
  * faults. */
 #include <complex.h>
 
-#include "optimise/exact.h"
-#include "optimise/fit.h"
-#include "optimise/member.h"
-#include "optimise/report.h"
-#include "optimise/start.h"
-#include "optimise/tracers.h"
+#include "optimise/precision/exact.h"
+#include "optimise/search/fit.h"
+#include "optimise/search/random_linkage.h"
+#include "optimise/report/report.h"
+#include "optimise/search/start.h"
+#include "optimise/search/tracers.h"
 #include "tests/fit_problem.h"
 #include "tests/six_bar.h"
 

@@ -1,6 +1,6 @@
 /* Conditions on places: a fit under them gives linkages that meet them, looked at in the linkages' own postures. */
-#include "mbs/newton.h"
-#include "optimise/report.h"
+#include "mbs/constraints/newton.h"
+#include "optimise/report/report.h"
 #include "tests/check.h"
 #include "tests/fit_problem.h"
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include "base/file.h"
 #include "grammar/linkage.h"
-#include "mbs/plan.h"
-#include "mbs/pose.h"
+#include "mbs/plan/plan.h"
+#include "mbs/plan/pose.h"
 
 static int complain(const lw_error *e)
 {

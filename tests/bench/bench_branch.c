@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "mbs/branch.h"
-#include "mbs/newton.h"
+#include "mbs/constraints/motion_curve.h"
+#include "mbs/constraints/newton.h"
 
 static const char *const files[] = { "examples/hoeken.json", "examples/chebyshev.json", "examples/klann.json",
                                      "examples/jansen.json", "examples/geared-five-bar.json",

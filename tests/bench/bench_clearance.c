@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "mbs/clearance.h"
-#include "mbs/contact.h"
+#include "mbs/dynamics/clearance.h"
+#include "mbs/dynamics/contact.h"
 
 static const double rpm = 2.0*LW_PI/60.0;
 

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-#include "catalogues/chain_drawing.h"
+#include "catalogues/draw/chain_drawing.h"
 #include "tests/all_chains.h"
 
 static double milliseconds(void)

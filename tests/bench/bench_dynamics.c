@@ -8,7 +8,7 @@
 #include <string.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "mbs/dynamics.h"
+#include "mbs/dynamics/dynamics.h"
 
 #define RUNS 15
 

@@ -14,10 +14,10 @@
 #include <string.h>
 #include "base/clock.h"
 #include "base/file.h"
-#include "optimise/family.h"
-#include "optimise/lm.h"
-#include "optimise/lowdiscrepancy.h"
-#include "optimise/start.h"
+#include "optimise/problem/family.h"
+#include "optimise/solvers/lm.h"
+#include "optimise/solvers/lowdiscrepancy.h"
+#include "optimise/search/start.h"
 
 enum { DRAWS = 400, KEEP = 24, BLOCKS = 8, ARMS = 2, FITS = ARMS*BLOCKS*KEEP, STEPS = 300, RUNS = 5 };
 #define TARGET "catalogues/data/paths/closed18.csv"

@@ -11,9 +11,9 @@
 #include <string.h>
 #include "base/clock.h"
 #include "base/rng.h"
-#include "mbs/batch.h"
-#include "mbs/kernels_internal.h"
-#include "mbs/types.h"
+#include "mbs/batch/batch.h"
+#include "mbs/batch/kernels_internal.h"
+#include "mbs/plan/types.h"
 
 #define HAND(name) name##_v1
 #define TARGET

@@ -1,7 +1,7 @@
 /* A dataset that is read can be written, and is the same linkage when it is read again. */
 #include <stdlib.h>
-#include "catalogues/adams.h"
-#include "catalogues/export.h"
+#include "catalogues/exchange/adams.h"
+#include "catalogues/exchange/export.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optimise/brief.h"
+#include "optimise/task/task_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/curves.h"
+#include "catalogues/curves/curves.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -3,8 +3,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include "catalogues/query.h"
-#include "catalogues/store_internal.h"
+#include "catalogues/store/query.h"
+#include "catalogues/store/store_internal.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

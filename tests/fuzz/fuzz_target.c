@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optimise/target.h"
+#include "optimise/task/target.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

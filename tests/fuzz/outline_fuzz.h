@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "optimise/target_outline.h"
+#include "optimise/task/target_outline.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

@@ -1,0 +1,442 @@
+#include "catalogues/curves/curves.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "catalogues/curves/curves_internal.h"
+#include "mbs/batch/batch.h"
+#include "mbs/plan/types.h"
+
+#define FAMILY_MAX 32
+#define POINTS     LW_CURVE_POINTS
+#define REACH      2.0          /* how far from the middle of the coupler tracers are drawn, couplers */
+#define LEAST_PART 0.1          /* of the way, of an open curve                                       */
+
+typedef struct kind {
+    const lw_family   *family;
+    lw_curve_topology *topology;                                /* owned; NULL: four links         */
+    lw_plan            plan;
+    int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* numbers of dimensions; -1: none */
+    double           upto;                                      /* share of the samples, added up  */
+} kind;
+
+struct lw_curve_maker {
+    int    n;
+    size_t batch_size, topology_size;                           /* of work, bytes                  */
+    double c[POINTS], s[POINTS];                                /* a full turn                     */
+    char   families[FAMILY_MAX*LW_CURVE_WORD];
+    kind   kind[FAMILY_MAX];
+};
+
+typedef struct scratch { double c[POINTS], s[POINTS], x[POINTS], y[POINTS], margin[POINTS]; } scratch;
+
+/* ---- making ---------------------------------------------------------------------------------------- */
+
+static lw_status add_kind(lw_curve_maker *m, const lw_family *f, const char *text, kind *to)
+{
+    size_t size = lw_batch_work_size(&to->plan);
+    to->family = f;
+    to->upto = (m->n > 0 ? m->kind[m->n - 1].upto : 0) + f->blocks;
+    m->batch_size = size > m->batch_size ? size : m->batch_size;
+    if (m->n > 0)
+        strcat(m->families, ",");
+    strcat(m->families, text);
+    m->n++;
+    return LW_OK;
+}
+
+static lw_status add_topology(lw_curve_maker *m, const char *text, lw_error *e)
+{
+    kind *to = &m->kind[m->n];
+    if (m->n == FAMILY_MAX)
+        return lw_error_set(e, LW_E_ARG, "more than %d families", FAMILY_MAX);
+    lw_status status = lw_curve_topology_make(text, &to->topology, e);
+    if (status != LW_OK)
+        return status;
+    size_t size = lw_curve_topology_work_size(to->topology);
+    m->topology_size = size > m->topology_size ? size : m->topology_size;
+    to->plan = to->topology->problem.plan;
+    return add_kind(m, &to->topology->family, text, to);
+}
+
+lw_status lw_curve_maker_add(lw_curve_maker *m, const char *name, const lw_linkage *k, lw_error *e)
+{
+    char text[LW_CURVE_WORD];
+    if (k->n_input != 1 || k->n_tracer < 1 || lw_curve_topology_text(name, k, text) != LW_OK)
+        return lw_error_set(e, LW_E_ARG, "curves are drawn of linkages with one input, a tracer and few links");
+    return add_topology(m, text, e);
+}
+
+static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
+{
+    lw_linkage k;
+    kind *to = &m->kind[m->n];
+    if (m->n == FAMILY_MAX)
+        return lw_error_set(e, LW_E_ARG, "more than %d families", FAMILY_MAX);
+    lw_type_linkage(lw_type_find(f->type), &k);
+    lw_status status = lw_plan_make(&k, (lw_want){ .tracers = 1, .all_joints = true }, &to->plan, e);
+    if (status != LW_OK)
+        return status;
+    to->coupler = lw_plan_dim(&to->plan, "r3");
+    for (int i = 0; f->shape[i]; i++)
+        to->shape[to->n_shape++] = lw_plan_dim(&to->plan, f->shape[i]);
+    return add_kind(m, f, f->name, to);
+}
+
+/* The next word of a list apart by commas; false at the end. */
+static bool next_word(const char **list, char word[LW_CURVE_WORD])
+{
+    size_t n = strcspn(*list, ",");
+    if (!**list)
+        return false;
+    snprintf(word, LW_CURVE_WORD, "%.*s", (int)(n < LW_CURVE_WORD ? n : LW_CURVE_WORD - 1), *list);
+    *list += n + ((*list)[n] == ',');
+    return true;
+}
+
+static lw_status create(lw_curve_maker **maker, lw_error *e)
+{
+    lw_curve_maker *m = calloc(1, sizeof *m);
+    *maker = m;
+    if (!m)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (int i = 0; i < POINTS; i++) {
+        m->c[i] = cos(2*LW_PI*i/POINTS);
+        m->s[i] = sin(2*LW_PI*i/POINTS);
+    }
+    return LW_OK;
+}
+
+static lw_status add_type(lw_curve_maker *m, const lw_type *type, lw_error *e)
+{
+    lw_status status = LW_OK;
+    for (const lw_family *f = lw_family_table; f->name && status == LW_OK; f++)
+        if (!type || strcmp(f->type, type->letters) == 0)
+            status = add_family(m, f, e);
+    return status;
+}
+
+lw_status lw_curve_maker_create(const char *types, lw_curve_maker **maker, lw_error *e)
+{
+    char word[LW_CURVE_WORD];
+    lw_status status = create(maker, e);
+    if (status == LW_OK && !types)
+        return LW_OK;
+    if (status == LW_OK && strcmp(types, "all") == 0)
+        status = add_type(*maker, NULL, e);
+    else
+        while (status == LW_OK && next_word(&types, word)) {
+            const lw_type *t = lw_type_find(word);
+            status = t ? add_type(*maker, t, e)
+                   : lw_error_set(e, LW_E_ARG, "there is no type '%.60s'; 'linkwright help fit' lists them", word);
+        }
+    if (status == LW_OK && (*maker)->n == 0)
+        status = lw_error_set(e, LW_E_ARG, "no type of linkage is named");
+    if (status != LW_OK) {
+        lw_curve_maker_free(*maker);
+        *maker = NULL;
+    }
+    return status;
+}
+
+lw_status lw_curve_maker_of(const char *families, lw_curve_maker **maker, lw_error *e)
+{
+    char word[LW_CURVE_WORD];
+    lw_status status = create(maker, e);
+    while (status == LW_OK && next_word(&families, word)) {
+        const lw_family *f = lw_family_table;
+        while (f->name && strcmp(f->name, word) != 0)
+            f++;
+        status = f->name ? add_family(*maker, f, e) : add_topology(*maker, word, e);
+    }
+    if (status != LW_OK) {
+        lw_curve_maker_free(*maker);
+        *maker = NULL;
+    }
+    return status;
+}
+
+void lw_curve_maker_free(lw_curve_maker *maker)
+{
+    for (int i = 0; maker && i < FAMILY_MAX; i++)
+        lw_curve_topology_free(maker->kind[i].topology);
+    free(maker);
+}
+
+const char *lw_curve_maker_families(const lw_curve_maker *maker) { return maker->families; }
+
+const lw_family *lw_curve_family(const lw_curve_maker *maker, const lw_curve_row *row)
+{
+    return row->family < maker->n ? maker->kind[row->family].family : NULL;
+}
+
+/* Scratch, room of the batch, room of topologies. */
+static size_t batch_end(const lw_curve_maker *m) { return (sizeof(scratch) + m->batch_size + 63)/64*64; }
+
+size_t lw_curve_work_size(const lw_curve_maker *maker)
+{
+    return batch_end(maker) + (maker->topology_size + 63)/64*64;
+}
+
+/* ---- postures ------------------------------------------------------------------------------------- */
+
+/* Inputs of lanes from..to-1 run from a to b as a cosine does, dense at the ends, where the linkage may be at a
+ * limit and run fast. */
+static void set_inputs(const kind *k, scratch *w, int from, int to, double first, double last, bool ends)
+{
+    int n = to - from;
+    for (int i = 0; i < n; i++) {
+        double t = ends ? i/(double)(n - 1) : i/(double)n;
+        double input = 0.5*(first + last) - 0.5*(last - first)*cos(LW_PI*t);
+        w->c[from + i] = k->plan.input_is_slider ? input : cos(input);
+        w->s[from + i] = k->plan.input_is_slider ? 0 : sin(input);
+    }
+}
+
+static void solve_modes(const kind *k, const double *dim, const double *modes, const double *c, const double *s,
+                        int from, int to, scratch *w, void *batch)
+{
+    lw_lanes in = { .n = (size_t)(to - from), .c = c + from, .s = s + from, .dim = dim, .mode = modes };
+    lw_batch_point(&k->plan, &in, 0, batch, w->x + from, w->y + from, NULL, NULL, w->margin + from);
+}
+
+static void solve(const kind *k, const double *dim, double mode, const double *c, const double *s, int from, int to,
+                  scratch *w, void *batch)
+{
+    double modes[LW_DYAD_MAX];
+    for (int i = 0; i < k->plan.n_dyad; i++)
+        modes[i] = mode;
+    solve_modes(k, dim, modes, c, s, from, to, w, batch);
+}
+
+/* ---- drawing --------------------------------------------------------------------------------------- */
+
+static void set_dims(const kind *k, const lw_curve_row *row, double *dim)
+{
+    memset(dim, 0, sizeof *dim*(size_t)k->plan.n_dim);
+    for (int i = 0; i < k->n_shape; i++)
+        dim[k->shape[i]] = row->dim[i];
+    dim[k->plan.i_cx[0]] = row->dim[LW_SHAPE_MAX];
+    dim[k->plan.i_cy[0]] = row->dim[LW_SHAPE_MAX + 1];
+}
+
+/* Tracers are dense in the middle of the coupler and thin out towards REACH times its length. */
+static void draw_tracer(const kind *k, const double *u, lw_curve_row *row)
+{
+    double coupler = 1, middle = 0;
+    for (int i = 0; i < k->n_shape; i++)
+        if (k->shape[i] == k->coupler) {
+            coupler = row->dim[i];
+            middle = 0.5*coupler;
+        }
+    lw_vec2 at = lw_v2_polar(REACH*coupler*u[0], 2*LW_PI*u[1]);
+    row->dim[LW_SHAPE_MAX] = (float)(middle + at.x);
+    row->dim[LW_SHAPE_MAX + 1] = (float)at.y;
+}
+
+/* A piece of the way from a to b: u[0] where, u[1] how much. */
+static void draw_piece(const double *u, double a, double b, bool turns, lw_curve_row *row)
+{
+    double part = LEAST_PART + (1 - LEAST_PART)*u[1];
+    double from = a + (b - a)*u[0]*(turns ? 1 : 1 - part);
+    row->first = (float)from;
+    row->last = (float)(from + (b - a)*part);
+}
+
+/* The member of a row; false when there is none. */
+static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *work, double *dim, double *mode,
+                      lw_range *range)
+{
+    const kind *k = &m->kind[row->family];
+    return lw_curve_topology_draw(k->topology, row->key, row->mode > 0, (unsigned char *)work + batch_end(m), dim, mode,
+                                  range);
+}
+
+/* Does a dyad open on the way?  In one of the postures, or between two of them: its margin is smooth, and the parabola
+ * through a least one and its neighbours has a vertex below 0 then. */
+static bool opens(const double *margin, bool round)
+{
+    for (int i = 0; i < POINTS; i++) {
+        double here = margin[i];
+        double to_last = margin[(i + POINTS - 1)%POINTS] - here, to_next = margin[(i + 1)%POINTS] - here;
+        if (here < 0)
+            return true;
+        if (!round && (i == 0 || i == POINTS - 1))
+            continue;
+        if (to_last > 0 && to_next > 0 && here < (to_next - to_last)*(to_next - to_last)/(8*(to_last + to_next)))
+            return true;
+    }
+    return false;
+}
+
+static void solve_member(const lw_curve_maker *m, const lw_curve_row *row, bool closed, const double *dim,
+                         const double *mode, scratch *w)
+{
+    const kind *k = &m->kind[row->family];
+    if (!closed)
+        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
+    solve_modes(k, dim, mode, closed ? m->c : w->c, closed ? m->s : w->s, 0, POINTS, w, w + 1);
+}
+
+static lw_status draw_member(const lw_curve_maker *m, const double *u, bool closed, void *work, lw_curve_row *row)
+{
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    uint64_t key = (uint64_t)(u[1]*0x1p53)*0x9e3779b97f4a7c15u ^ (uint64_t)(u[2]*0x1p53)*0xbf58476d1ce4e5b9u;
+    row->key[0] = (uint32_t)key;
+    row->key[1] = (uint32_t)(key >> 32);
+    row->mode = closed ? 1 : -1;
+    if (!member_of(m, row, work, dim, mode, &range) || !(range.last - range.first > 1e-6))
+        return LW_OPEN;
+    row->first = (float)range.first;
+    row->last = (float)range.last;
+    if (!closed)
+        draw_piece(u + 6, range.first, range.last, range.turns, row);
+    solve_member(m, row, closed, dim, mode, work);
+    return opens(((scratch *)work)->margin, closed) ? LW_OPEN : LW_OK;
+}
+
+lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool closed, void *work, lw_curve_row *row)
+{
+    double shape[LW_SHAPE_MAX] = { 0 }, dim[LW_DIM_MAX];
+    int which = 0;
+    lw_range range = { .first = 0, .last = 2*LW_PI, .turns = true };
+    if (maker->n == 0)
+        return LW_OPEN;
+    while (which + 1 < maker->n && u[0]*maker->kind[maker->n - 1].upto >= maker->kind[which].upto)
+        which++;
+    const kind *k = &maker->kind[which];
+    *row = (lw_curve_row){ .family = (uint8_t)which, .mode = 1 };
+    if (k->topology)
+        return draw_member(maker, u, closed, work, row);
+    k->family->draw(u + 1, shape);
+    for (int i = 0; i < k->n_shape; i++)
+        row->dim[i] = (float)shape[i];
+    draw_tracer(k, u + 4, row);
+    set_dims(k, row, dim);
+    if (!k->family->turns && lw_motion_range(&k->plan, dim, 1, &range) != LW_OK)
+        return LW_OPEN;
+    if (!(range.last - range.first > 1e-6))
+        return LW_OPEN;
+    if (!closed) {
+        /* through the limits one comes into the other assembly: both are drawn */
+        double at = u[6]*2;
+        row->mode = !range.turns && range.limits && at >= 1 ? -1 : 1;
+        draw_piece((double[2]){ range.turns ? u[6] : at - (at >= 1), u[7] }, range.first, range.last, range.turns, row);
+        return LW_OK;
+    }
+    if (!range.turns && !range.limits)
+        return LW_OPEN;
+    row->mode = range.turns ? 1 : 0;
+    row->first = (float)range.first;
+    row->last = (float)range.last;
+    return LW_OK;
+}
+
+/* ---- points ----------------------------------------------------------------------------------------- */
+
+static lw_status member_points(const lw_curve_maker *m, const lw_curve_row *row, bool closed, scratch *w, lw_vec2 *p)
+{
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    if (!member_of(m, row, w, dim, mode, &range))
+        return LW_OPEN;
+    solve_member(m, row, closed, dim, mode, w);
+    for (int i = 0; i < POINTS; i++)
+        p[i] = lw_v2(w->x[i], w->y[i]);
+    return LW_OK;
+}
+
+lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, bool closed, void *work, lw_vec2 *p)
+{
+    scratch *w = work;
+    void *batch = w + 1;
+    double dim[LW_DIM_MAX];
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    const kind *k = &maker->kind[row->family];
+    if (k->topology)
+        return member_points(maker, row, closed, w, p);
+    set_dims(k, row, dim);
+    if (closed && row->mode != 0) {
+        solve(k, dim, row->mode, maker->c, maker->s, 0, POINTS, w, batch);
+    } else if (closed) {
+        set_inputs(k, w, 0, POINTS/2, row->first, row->last, false);
+        set_inputs(k, w, POINTS/2, POINTS, row->last, row->first, false);
+        solve(k, dim, 1, w->c, w->s, 0, POINTS/2, w, batch);
+        solve(k, dim, -1, w->c, w->s, POINTS/2, POINTS, w, batch);
+    } else {
+        set_inputs(k, w, 0, POINTS, row->first, row->last, true);
+        solve(k, dim, row->mode, w->c, w->s, 0, POINTS, w, batch);
+    }
+    for (int i = 0; i < POINTS; i++)
+        p[i] = lw_v2(w->x[i], w->y[i]);
+    return LW_OK;
+}
+
+/* ---- the linkage ----------------------------------------------------------------------------------- */
+
+static lw_status member_linkage(const lw_curve_maker *m, const lw_curve_row *row, lw_linkage *k)
+{
+    const kind *from = &m->kind[row->family];
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    lw_range range;
+    void *work = aligned_alloc(64, lw_curve_work_size(m));
+    if (!work)
+        return LW_E_MEMORY;
+    bool drawn = member_of(m, row, work, dim, mode, &range);
+    free(work);
+    *k = from->topology->linkage;
+    snprintf(k->name, sizeof k->name, "%s", from->family->name);
+    return drawn ? lw_plan_write(&from->plan, dim, mode, 0.5*(row->first + row->last), k) : LW_OPEN;
+}
+
+lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *k)
+{
+    double dim[LW_DIM_MAX], modes[LW_DYAD_MAX];
+    if (row->family >= maker->n)
+        return LW_OPEN;
+    const kind *from = &maker->kind[row->family];
+    if (from->topology)
+        return member_linkage(maker, row, k);
+    set_dims(from, row, dim);
+    for (int i = 0; i < from->plan.n_dyad; i++)
+        modes[i] = row->mode < 0 ? -1 : 1;
+    lw_type_linkage(lw_type_find(from->family->type), k);
+    return lw_plan_write(&from->plan, dim, modes, 0.5*(row->first + row->last), k);
+}
+
+static lw_vec2 lay(lw_vec2 p, bool mirrored, lw_vec2 turn_and_size)
+{
+    return lw_v2_turn(mirrored ? lw_v2(p.x, -p.y) : p, turn_and_size);
+}
+
+void lw_linkage_lay(lw_linkage *k, bool mirrored, double turn, double size, lw_vec2 shift)
+{
+    lw_vec2 along = lw_v2_polar(1, turn), all = lw_v2_scale(along, size);
+    double sense = mirrored ? -1 : 1;
+    for (int j = 0; j < k->n_joint; j++) {
+        k->joint[j].at = lw_v2_add(shift, lay(k->joint[j].at, mirrored, all));
+        k->joint[j].along = lay(k->joint[j].along, mirrored, along);
+        double length = lw_v2_norm(k->joint[j].along);
+        if (length > 0)
+            k->joint[j].along = lw_v2_scale(k->joint[j].along, 1/length);
+    }
+    for (int i = 0; i < k->n_tracer; i++) {
+        k->tracer[i].at = lw_v2_add(shift, lay(k->tracer[i].at, mirrored, all));
+        k->tracer[i].angle = sense*k->tracer[i].angle + turn;
+    }
+    for (int i = 0; i < k->n_input; i++) {
+        lw_input *in = &k->input[i];
+        const lw_joint *j = &k->joint[in->joint];
+        bool pin = j->kind == LW_JOINT_REVOLUTE, ground = j->link[0] == k->ground || j->link[1] == k->ground;
+        double by = pin ? sense : size, plus = pin && ground ? turn : 0, first = in->first;
+        bool all_of_it = in->first == in->last;
+        in->value = by*in->value + plus;
+        if (all_of_it)
+            continue;
+        in->first = by*(pin && mirrored ? in->last : first) + plus;
+        in->last = by*(pin && mirrored ? first : in->last) + plus;
+    }
+}

@@ -1,0 +1,82 @@
+/* catalogues/curves/descriptor.h - the shape of a curve as a few numbers, and how far two shapes are apart.
+ *
+ * The curve is run through at even speed.  A closed one gives Fourier coefficients (Zahn & Roskies 1972; for
+ * coupler curves McGarva & Mullineux 1993),
+ *     z(s) = c_0 + sum over k of c_k e^{i k s},            terms in the order c_1, c_-1, c_2, c_-2, ...,
+ * an open one those of its way there and back, which is a series of cosines,
+ *     z(s) = c_0 + sum over k > 0 of c_k sqrt 2 cos(k s / 2),            terms c_1, c_2, ...
+ * Place is left out with c_0, size by division: by Parseval the mean square of |z - c_0| is the sum of
+ * |c_k|^2, which is made one.  What remains to be free of is turn, start, direction and mirroring:
+ *     turn by phi             c_k -> e^{i phi} c_k
+ *     start later by tau      c_k -> e^{i k tau} c_k               (closed curves only)
+ *     other direction         c_k -> c_-k;  open: (-1)^k c_k
+ *     mirrored in x           c_k -> conj c_-k;  open: conj c_k
+ * The distance of two curves is the least root mean square distance of their points over all of these, in
+ * units of the size, as far as the terms kept can tell.  |c_k| changes by none of the first two, hence
+ *     sum (|a_k| - |b_k|)^2  <=  distance^2
+ * (triangle inequality), which is what an index can be made of. */
+#ifndef LW_CATALOGUES_DESCRIPTOR_H
+#define LW_CATALOGUES_DESCRIPTOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "base/status.h"
+#include "base/vec2.h"
+
+#define LW_TERMS 16                   /* complex numbers kept                                         */
+#define LW_TERM_ONE 32767.0           /* 1 in the packed form                                         */
+
+typedef struct lw_descriptor {
+    bool    closed;
+    lw_vec2 term[LW_TERMS];           /* [1]                                                          */
+    lw_vec2 centre;                   /* c_0, the mean of the points by length                     [m] */
+    double  size;                     /* root mean square distance from there                      [m] */
+} lw_descriptor;
+
+/* Two bytes a number: real and imaginary parts one after the other. */
+typedef struct lw_packed { int16_t re[LW_TERMS], im[LW_TERMS]; } lw_packed;
+
+/* Cosines and sines, made once and shared by all threads. */
+#define LW_DESCRIBER_SAMPLES 128
+typedef struct lw_describer {
+    double c[LW_TERMS][LW_DESCRIBER_SAMPLES], s[LW_TERMS/2][LW_DESCRIBER_SAMPLES];     /* closed */
+    double half[LW_TERMS][LW_DESCRIBER_SAMPLES];                                       /* open   */
+} lw_describer;
+void lw_describer_make(lw_describer *t);
+
+/* Of the polygon p (n), which runs back to its first point when closed.  LW_E_ARG: fewer than two points, some not
+ * finite, all the same. */
+lw_status lw_descriptor_make(const lw_describer *t, const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d);
+
+void lw_descriptor_pack(const lw_descriptor *d, lw_packed *packed);
+void lw_descriptor_unpack(const lw_packed *packed, bool closed, lw_descriptor *d);   /* centre 0, size 1 */
+
+/* |c_k|, and those of the curve run through the other way (the same for open curves).  (LW_TERMS) each. */
+void lw_packed_size(const lw_packed *p, float size[LW_TERMS]);
+void lw_descriptor_sizes(const lw_descriptor *d, float forth[LW_TERMS], float back[LW_TERMS]);
+
+/* How `curve` is laid on `target`, both of one kind:
+ *     target's point ~ centre_t + size_t e^{i turn} (point - centre_c)/size_c,
+ * the point mirrored in the x axis before, if so. */
+typedef struct lw_match { double distance, turn; bool mirrored; } lw_match;
+void lw_descriptor_match(const lw_descriptor *target, const lw_descriptor *curve, lw_match *m);
+
+/* The same for many curves: made once for a target, then only numbers. */
+#define LW_MATCHER_STARTS 64
+typedef struct lw_matcher {
+    bool  closed;
+    float square;                                /* sum |a_k|^2                                        */
+    float re[LW_TERMS], im[LW_TERMS];
+    float c[LW_TERMS/2][LW_MATCHER_STARTS], s[LW_TERMS/2][LW_MATCHER_STARTS];
+} lw_matcher;
+void  lw_matcher_make(const lw_descriptor *target, lw_matcher *m);
+/* Square of the distance [1]; of closed curves at the best of LW_MATCHER_STARTS starts and therefore not less than
+ * the true one. */
+float lw_matcher_square(const lw_matcher *m, const lw_packed *curve);
+
+/* m points on a smooth curve through p (n): Catmull-Rom splines, centripetal, so that no loops come up between
+ * points apart unevenly (Yuksel, Schaefer & Keyser 2011).  Points that repeat are passed over. */
+void lw_curve_smooth(const lw_vec2 *p, size_t n, bool closed, lw_vec2 *out, size_t m);
+
+#endif

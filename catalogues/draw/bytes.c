@@ -1,0 +1,181 @@
+/* catalogues/draw/bytes.c - see bytes.h */
+#include "catalogues/draw/bytes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void lw_bytes_free(lw_bytes *b)
+{
+    free(b->data);
+    *b = (lw_bytes){ 0 };
+}
+
+static bool reserve(lw_bytes *b, size_t more)
+{
+    if (b->failed)
+        return false;
+    if (b->room - b->size > more)
+        return true;
+    size_t room = b->room ? b->room : 4096;
+    while (room - b->size <= more) {
+        if (room > (size_t)-1/4) {
+            b->failed = true;
+            return false;
+        }
+        room *= 2;
+    }
+    char *data = realloc(b->data, room);
+    b->failed = !data;
+    if (data) {
+        b->data = data;
+        b->room = room;
+    }
+    return !b->failed;
+}
+
+void lw_bytes_add(lw_bytes *b, const void *data, size_t size)
+{
+    if (size > (size_t)-1/4)
+        b->failed = true;
+    if (!reserve(b, size))
+        return;
+    if (size)
+        memcpy(b->data + b->size, data, size);
+    b->size += size;
+    b->data[b->size] = 0;
+}
+
+void lw_bytes_text(lw_bytes *b, const char *text)
+{
+    lw_bytes_add(b, text, strlen(text));
+}
+
+/* Length of the XML character that begins s (UTF-8, Unicode 15 table 3-7; XML 1.0, "Char"), 0 if none. */
+static int xml_character(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return s[0] >= 0x20 ? s[0] != 0x7f : s[0] == '\t' || s[0] == '\n';
+    int n = s[0] >= 0xc2 && s[0] <= 0xdf ? 2 : (s[0] & 0xf0) == 0xe0 ? 3
+          : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    if (n == 0)
+        return 0;
+    unsigned long c = s[0] & (0xffu >> (n + 1));
+    for (int i = 1; i < n; i++) {
+        if ((s[i] & 0xc0) != 0x80)
+            return 0;
+        c = c << 6 | (s[i] & 0x3fu);
+    }
+    bool overlong = (n == 3 && c < 0x800) || (n == 4 && c < 0x10000);
+    bool barred = (c >= 0xd800 && c <= 0xdfff) || c > 0x10ffff || (c & 0xfffe) == 0xfffe
+               || (c >= 0x80 && c < 0xa0);
+    return overlong || barred ? 0 : n;
+}
+
+void lw_bytes_xml(lw_bytes *b, const char *text)
+{
+    const unsigned char *s = (const unsigned char *)text;
+    while (*s) {
+        int n = xml_character(s);
+        switch (n ? *s : 0) {
+        case 0:    lw_bytes_text(b, "\xef\xbf\xbd"); n = 1; break;
+        case '&':  lw_bytes_text(b, "&amp;");  break;
+        case '<':  lw_bytes_text(b, "&lt;");   break;
+        case '>':  lw_bytes_text(b, "&gt;");   break;
+        case '"':  lw_bytes_text(b, "&quot;"); break;
+        case '\'': lw_bytes_text(b, "&#39;");  break;
+        default:   lw_bytes_add(b, s, (size_t)n);
+        }
+        s += n;
+    }
+}
+
+void lw_text_clean(char *out, size_t size, const char *text)
+{
+    const unsigned char *s = (const unsigned char *)text;
+    size_t used = 0;
+    while (*s) {
+        int n = xml_character(s);
+        size_t m = n ? (size_t)n : 3;
+        if (used + m + 1 > size)
+            break;
+        memcpy(out + used, n ? (const char *)s : "\xef\xbf\xbd", m);
+        used += m;
+        s += n ? n : 1;
+    }
+    out[used] = 0;
+}
+
+void lw_bytes_fixed(lw_bytes *b, double v, int decimals)
+{
+    static const double power[] = { 1, 10, 100, 1e3, 1e4, 1e5, 1e6 };
+    decimals = decimals < 0 ? 0 : decimals > 6 ? 6 : decimals;
+    long long n = fabs(v) < 1e12 ? llround(v*power[decimals]) : 0, unit = (long long)power[decimals];
+    char t[40];
+    unsigned long long m = (unsigned long long)(n < 0 ? -n : n);
+    int size = snprintf(t, sizeof t, "%s%llu", n < 0 ? "-" : "", m / (unsigned long long)unit);
+    unsigned long long part = m % (unsigned long long)unit;
+    if (part) {
+        size += snprintf(t + size, sizeof t - (size_t)size, ".%0*llu", decimals, part);
+        while (t[size - 1] == '0')
+            size--;
+    }
+    lw_bytes_add(b, t, (size_t)size);
+}
+
+void lw_bytes_integer(lw_bytes *b, long v)
+{
+    char t[32];
+    lw_bytes_add(b, t, (size_t)snprintf(t, sizeof t, "%ld", v));
+}
+
+void lw_number_text(char text[32], double v, int digits)
+{
+    digits = digits < 1 ? 1 : digits > 17 ? 17 : digits;
+    if (!isfinite(v) || v == 0) {
+        snprintf(text, 32, "%s", isnan(v) ? "nan" : v == 0 ? "0" : v > 0 ? "inf" : "-inf");
+        return;
+    }
+    char t[48], d[20];                        /* digits and exponent, whatever stands for the point */
+    snprintf(t, sizeof t, "%.*e", digits - 1, fabs(v));
+    char *e = strchr(t, 'e');
+    int n = 0, exponent = atoi(e + 1);
+    for (char *c = t; c < e; c++)
+        if (*c >= '0' && *c <= '9')
+            d[n++] = *c;
+    while (n > 1 && d[n - 1] == '0')
+        n--;
+    char *o = text;
+    if (v < 0)
+        *o++ = '-';
+    if (exponent < -4 || exponent >= (digits > 6 ? digits : 6)) {
+        *o++ = d[0];
+        if (n > 1)
+            *o++ = '.';
+        memcpy(o, d + 1, (size_t)(n - 1));
+        snprintf(o + n - 1, 8, "e%d", exponent);
+        return;
+    }
+    for (int i = exponent < 0 ? exponent : 0; i < n || i <= exponent; i++) {
+        if (i == exponent + 1)
+            *o++ = '.';
+        *o++ = i >= 0 && i < n ? d[i] : '0';
+    }
+    *o = 0;
+}
+
+void lw_bytes_number(lw_bytes *b, double v, int digits)
+{
+    char t[32];
+    lw_number_text(t, v, digits);
+    lw_bytes_text(b, t);
+}
+
+lw_status lw_bytes_end(lw_bytes *b, lw_error *e)
+{
+    if (!b->failed)
+        return LW_OK;
+    lw_bytes_free(b);
+    return lw_error_set(e, LW_E_MEMORY, "not enough memory for the output");
+}

@@ -1,0 +1,42 @@
+/* catalogues/draw/bytes.h - a growing block of bytes: what every writer of this folder returns, so that one
+ * function (base/file.h, lw_file_write) puts them all on disk.
+ *
+ * A failed allocation is remembered and makes every later call do nothing; ask once, at the end.
+ * Numbers are written without the C library's formats, so the program's locale does not matter. */
+#ifndef LW_CATALOGUES_BYTES_H
+#define LW_CATALOGUES_BYTES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+
+typedef struct lw_bytes {
+    char  *data;          /* terminated by a 0 that `size` does not count; NULL while empty */
+    size_t size, room;
+    bool   failed;
+} lw_bytes;               /* { 0 } is an empty block */
+
+void lw_bytes_free(lw_bytes *b);
+
+void lw_bytes_add(lw_bytes *b, const void *data, size_t size);
+void lw_bytes_text(lw_bytes *b, const char *text);                  /* as it is                     */
+void lw_bytes_xml(lw_bytes *b, const char *text);                   /* & < > " ' as entities; bytes
+                                                                     * that are no UTF-8 or no XML
+                                                                     * character become U+FFFD      */
+void lw_bytes_fixed(lw_bytes *b, double v, int decimals);           /* "-1.5": at most so many decimals
+                                                                     * (0 .. 6), trailing zeros cut;
+                                                                     * "0" unless |v| < 1e12        */
+void lw_bytes_integer(lw_bytes *b, long v);
+void lw_bytes_number(lw_bytes *b, double v, int digits);            /* as lw_number_text            */
+
+/* v with so many significant digits (1 .. 17), trailing zeros cut: "0.0125", "1.25e-9", "nan". */
+void lw_number_text(char text[32], double v, int digits);
+
+/* Copy text into out[size] in whole characters, as far as they fit; what is no UTF-8 or no character
+ * a document may hold becomes U+FFFD. */
+void lw_text_clean(char *out, size_t size, const char *text);
+
+/* LW_E_MEMORY with a text, b freed, when a call above failed; else LW_OK. */
+lw_status lw_bytes_end(lw_bytes *b, lw_error *e);
+
+#endif

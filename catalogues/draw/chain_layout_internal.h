@@ -1,0 +1,104 @@
+/* catalogues/draw/chain_layout_internal.h - the steps of a layout: embedding, web of joints, start, relaxing. */
+#ifndef LW_CATALOGUES_CHAIN_LAYOUT_INTERNAL_H
+#define LW_CATALOGUES_CHAIN_LAYOUT_INTERNAL_H
+
+#include "catalogues/draw/chain_layout.h"
+
+#define LW_DART_MAX   (2*LW_JOINT_MAX)
+#define LW_WEB_VERTEX (LW_JOINT_MAX + LW_LINK_MAX)
+#define LW_WEB_EDGE   (2*LW_JOINT_MAX + LW_LINK_MAX)
+#define LW_WEB_GROUP  64
+
+/* Order of joints around every link.  Dart 2j leaves link[0] of joint j, dart 2j + 1 its link[1]; a dart's
+ * other side is dart ^ 1.  after[d]: the dart that follows d around its link. */
+typedef struct lw_rings {
+    int     n_link, n_dart;
+    uint8_t link[LW_DART_MAX];
+    uint8_t after[LW_DART_MAX];
+} lw_rings;
+
+/* Number of loops (faces) of an embedding; loop_of (n_dart) may be NULL.  A dart belongs to the loop that
+ * one walks by going over its joint and leaving the link there by the next dart. */
+int lw_rings_loops(const lw_rings *r, uint8_t *loop_of);
+
+/* One way to draw: an embedding and the dart at which its outer loop is entered.  With a ground, that dart
+ * arrives at the ground, whose joints are then read from the dart behind it. */
+typedef struct lw_way {
+    lw_rings rings;
+    uint8_t  outer;
+    int      n_loop, n_outer, symmetry;
+    uint64_t hash;
+    double   promise;                /* less is tried earlier */
+} lw_way;
+
+/* Ways of the planar chain m, alike ones once, the most promising first; *n_way of at most `room`.
+ * LW_NOTHING: the graph is not planar. */
+lw_status lw_ways_find(const lw_mechanism *m, int room, lw_way *way, int *n_way);
+
+/* The automorphisms of the map that keep its outer loop: to[g][dart]; mirror[g] when they turn it over;
+ * the first is the identity.  start[g]: the dart of the outer loop that the first one goes to.
+ * Returns their number, at most LW_WEB_GROUP. */
+typedef struct lw_group {
+    int     n;
+    uint8_t to[LW_WEB_GROUP][LW_DART_MAX];
+    bool    mirror[LW_WEB_GROUP];
+} lw_group;
+void lw_way_group(const lw_mechanism *m, const lw_way *w, lw_group *g);
+
+/* The map of joints: vertices are joints and free ends; edges bars and sides of polygons. */
+typedef struct lw_web {
+    int     n_vertex, n_edge;
+    uint8_t vertex_of[LW_JOINT_MAX], end_of[LW_LINK_MAX];
+    uint8_t edge[LW_WEB_EDGE][2], edge_link[LW_WEB_EDGE];
+    int     n_face, face_first[LW_DART_MAX + LW_LINK_MAX + 1];
+    uint8_t face[3*LW_DART_MAX];         /* vertices of loops and polygons; the outer loop is face 0     */
+    int     n_ground;
+    uint8_t ground[LW_LINK_MAX];         /* vertices on the line, from left to right                     */
+    int     n_link;                      /* links as lists of vertices, the ground left out              */
+    int     link_first[LW_LINK_MAX + 1];
+    uint8_t link[2*LW_JOINT_MAX + LW_LINK_MAX];
+    int     n_group;                     /* symmetries: p[to[v]] = turn p[v], mirrored first when mirror */
+    uint8_t to[LW_WEB_GROUP][LW_WEB_VERTEX];
+    bool    mirror[LW_WEB_GROUP];
+    lw_vec2 turn[LW_WEB_GROUP];
+} lw_web;
+
+void lw_web_make(const lw_mechanism *m, const lw_way *way, lw_web *w);
+
+/* First places p (n_vertex), no crossing.  LW_E_MEMORY. */
+lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
+
+/* Shape of the web, worked out once: wanted distances. */
+typedef struct lw_spring { uint8_t a, b; double length, scale, weight; } lw_spring;      /* scale = 1/length^2 */
+typedef struct lw_relax {
+    int        n_spring, n_corner;
+    uint32_t   ghost;                    /* links whose sides push nothing away  */
+    lw_spring *spring;
+    uint8_t  (*corner)[3];               /* joint, and the other ends of two sides that meet in it */
+    double    *number;                   /* room for the descent                 */
+} lw_relax;
+lw_status lw_relax_make(const lw_web *w, lw_relax *r);
+void      lw_relax_free(lw_relax *r);
+
+/* Descend from p; crossings neither come nor go.  Returns the energy. */
+double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p);
+
+/* One way with its web and places. */
+typedef struct lw_trial {
+    const lw_mechanism *m;
+    const lw_way *way;
+    lw_web   web;
+    lw_relax relax;                      /* lw_relax_free it */
+    lw_vec2  p[LW_WEB_VERTEX];
+    double   energy;
+} lw_trial;
+
+/* Web, first places at the right scale, and springs. */
+lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t);
+void      lw_trial_stand_up(lw_trial *t);                             /* turn it as it reads best   */
+void      lw_trial_places(const lw_trial *t, lw_chain_layout *l);     /* joints, rings and ends     */
+
+/* A chain whose graph is not planar. */
+lw_status lw_layout_crossing(const lw_mechanism *m, lw_chain_layout *l);
+
+#endif

@@ -1,0 +1,380 @@
+/* catalogues/draw/chain_layout_relax.c - from a first drawing without crossings to an even one
+ *
+ * Energy, with a bar 1 long, r = distance / wanted distance and h = distance of a joint from a link:
+ *     springs   w (r - 1/r)^2 / 4      inside a link: its regular shape; between others: their way apart
+ *     barrier   b (room/h - 1)^2       for h < room; joints against links they are not of
+ *     corner    o (cos a - cos a0)^2   for angles a < a0 between sides that meet
+ * Descent by L-BFGS (Nocedal 1980).  No joint moves half as far as the nearest link is in one step, so that
+ * nothing passes through anything. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/draw/chain_layout_internal.h"
+
+#define ROOM      0.9      /* distance from which links push joints away                          */
+#define PUSH      0.7      /* weight of that                                                      */
+#define SHARP     0.72     /* cosine of the angle from which a corner is opened: 44 degrees       */
+#define OPEN      30.0     /* weight of that                                                      */
+#define FAR       0.06     /* weight of springs between joints that share no link                 */
+#define SPAN      0.95     /* their wanted distance against the shortest way along links          */
+#define ABOVE     0.55     /* distance wanted above the line of the ground                        */
+#define MEMORY    6        /* steps that L-BFGS looks back                                        */
+
+/* Side against bar and circumference: chord of m sides of a regular polygon of k corners with side 1. */
+static double chord(int k, int m)
+{
+    double side = k > 4 ? 0.85 : 1;
+    return side*sin(LW_PI*m/k)/sin(LW_PI/k);
+}
+
+static double lesser(double a, double b) { return a < b ? a : b; }
+
+static void fill_distances(const lw_web *w, double *far)
+{
+    int n = w->n_vertex;
+    for (int i = 0; i < n*n; i++)
+        far[i] = i % (n + 1) ? 1e9 : 0;
+    for (int l = 0; l < w->n_link; l++) {
+        const uint8_t *v = w->link + w->link_first[l];
+        int k = w->link_first[l + 1] - w->link_first[l];
+        for (int a = 0; a < k; a++)
+            for (int b = 0; b < k; b++)
+                if (a != b && v[a] != v[b])
+                    far[v[a]*n + v[b]] = chord(k, abs(a - b));
+    }
+    for (int via = 0; via < n; via++)                                       /* Floyd 1962 */
+        for (int a = 0; a < n; a++)
+            for (int b = 0; b < n; b++)
+                far[a*n + b] = lesser(far[a*n + b], far[a*n + via] + far[via*n + b]);
+}
+
+static void add_spring(lw_relax *r, int a, int b, double length, double weight)
+{
+    r->spring[r->n_spring++] = (lw_spring){ (uint8_t)a, (uint8_t)b, length, 1/(length*length), weight };
+}
+
+static void add_springs(const lw_web *w, const double *far, lw_relax *r)
+{
+    int n = w->n_vertex;
+    uint8_t inside[LW_WEB_VERTEX][LW_WEB_VERTEX];
+    memset(inside, 0, sizeof inside);
+    for (int l = 0; l < w->n_link; l++) {
+        const uint8_t *v = w->link + w->link_first[l];
+        int k = w->link_first[l + 1] - w->link_first[l];
+        for (int a = 0; a < k; a++)
+            for (int b = 0; b < a; b++) {
+                int step = a - b < k - a + b ? a - b : k - a + b;
+                if (v[a] == v[b])
+                    continue;
+                inside[v[a]][v[b]] = inside[v[b]][v[a]] = 1;
+                add_spring(r, v[a], v[b], chord(k, a - b), step == 1 ? 1 : 0.6);
+            }
+    }
+    bool ground[LW_WEB_VERTEX] = { false };
+    for (int i = 0; i < w->n_ground; i++)
+        ground[w->ground[i]] = true;
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < a; b++)
+            if (!inside[a][b] && far[a*n + b] < 1e8)
+                add_spring(r, a, b, SPAN*far[a*n + b], ground[a] && ground[b] ? 0.5*FAR : FAR);
+}
+
+/* Pairs of sides that meet: the joint between them, then the two others. */
+static void add_corners(const lw_web *w, lw_relax *r)
+{
+    for (int i = 0; i < w->n_edge; i++)
+        for (int k = 0; k < i; k++)
+            for (int way = 0; way < 4; way++) {
+                const uint8_t *a = w->edge[i], *b = w->edge[k];
+                if (a[way & 1] != b[way >> 1])
+                    continue;
+                uint8_t *c = r->corner[r->n_corner++];
+                c[0] = a[way & 1];
+                c[1] = a[!(way & 1)];
+                c[2] = b[!(way >> 1)];
+            }
+}
+
+lw_status lw_relax_make(const lw_web *w, lw_relax *r)
+{
+    size_t n = (size_t)w->n_vertex, e = (size_t)w->n_edge;
+    size_t inside = 0;
+    for (int l = 0; l < w->n_link; l++)
+        inside += (size_t)LW_LINK_MAX*(size_t)(w->link_first[l + 1] - w->link_first[l]);
+    *r = (lw_relax){ 0 };
+    double *far = malloc(n*n*sizeof *far);
+    r->spring = malloc((n*n/2 + inside)*sizeof *r->spring);
+    r->corner = malloc((e*e/2 + 1)*sizeof *r->corner);
+    r->number = malloc((2*n*(2*MEMORY + 5) + n)*sizeof *r->number);
+    if (!far || !r->spring || !r->corner || !r->number) {
+        free(far);
+        lw_relax_free(r);
+        return LW_E_MEMORY;
+    }
+    fill_distances(w, far);
+    add_springs(w, far, r);
+    free(far);
+    add_corners(w, r);
+    return LW_OK;
+}
+
+void lw_relax_free(lw_relax *r)
+{
+    free(r->spring);
+    free(r->corner);
+    free(r->number);
+    *r = (lw_relax){ 0 };
+}
+
+/* ---- energy ------------------------------------------------------------------------------------- */
+
+static double springs(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
+{
+    double f = 0;
+    for (int i = 0; i < r->n_spring; i++) {
+        const lw_spring *s = &r->spring[i];
+        double x = p[s->a].x - p[s->b].x, y = p[s->a].y - p[s->b].y, r2 = x*x + y*y;
+        double d2 = (r2 > 1e-12 ? r2 : 1e-12)*s->scale, back = 1/d2;
+        f += 0.25*s->weight*(d2 + back - 2);
+        double slope = 0.5*s->weight*(1 - back*back)*s->scale;
+        g[s->a].x += slope*x;
+        g[s->a].y += slope*y;
+        g[s->b].x -= slope*x;
+        g[s->b].y -= slope*y;
+    }
+    return f;
+}
+
+/* Squared distance of every vertex from a side, and where on it the nearest point is (0 .. 1). */
+static void distances(const lw_vec2 *p, int n, lw_vec2 a, lw_vec2 line, double *t, double *h2)
+{
+    double l2 = line.x*line.x + line.y*line.y, part = 1/(l2 > 1e-18 ? l2 : 1e-18);
+    for (int v = 0; v < n; v++) {
+        double qx = p[v].x - a.x, qy = p[v].y - a.y, at = (qx*line.x + qy*line.y)*part;
+        at = at < 0 ? 0 : at > 1 ? 1 : at;
+        double x = qx - at*line.x, y = qy - at*line.y, d2 = x*x + y*y;
+        t[v] = at;
+        h2[v] = d2 > 1e-18 ? d2 : 1e-18;
+    }
+}
+
+/* A side against all joints that it does not end in.  Also the distance of every joint from the nearest link, and of
+ * every link from the nearest joint, at the joints: how far each may go. */
+static double push(const lw_web *w, const uint8_t *end, const lw_vec2 *p, lw_vec2 *g, double *clear2)
+{
+    double t[LW_WEB_VERTEX], h2[LW_WEB_VERTEX], f = 0, least = 1e18;
+    lw_vec2 a = p[end[0]], line = lw_v2_sub(p[end[1]], a), sum[2] = { { 0, 0 }, { 0, 0 } };
+    distances(p, w->n_vertex, a, line, t, h2);
+    h2[end[0]] = h2[end[1]] = 1e18;
+    for (int v = 0; v < w->n_vertex; v++) {
+        clear2[v] = h2[v] < clear2[v] ? h2[v] : clear2[v];
+        least = h2[v] < least ? h2[v] : least;
+    }
+    for (int k = 0; k < 2; k++)
+        clear2[end[k]] = least < clear2[end[k]] ? least : clear2[end[k]];
+    for (int v = 0; v < w->n_vertex && least < ROOM*ROOM; v++) {
+        if (h2[v] >= ROOM*ROOM)
+            continue;
+        double h = sqrt(h2[v]), over = ROOM/h - 1, slope = -2*PUSH*over*ROOM/(h2[v]*h);
+        double x = slope*(p[v].x - a.x - t[v]*line.x), y = slope*(p[v].y - a.y - t[v]*line.y);
+        f += PUSH*over*over;
+        g[v] = lw_v2_add(g[v], lw_v2(x, y));
+        sum[0] = lw_v2_add(sum[0], lw_v2((1 - t[v])*x, (1 - t[v])*y));
+        sum[1] = lw_v2_add(sum[1], lw_v2(t[v]*x, t[v]*y));
+    }
+    for (int k = 0; k < 2; k++)
+        g[end[k]] = lw_v2_sub(g[end[k]], sum[k]);
+    return f;
+}
+
+static double barrier(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_vec2 *g, double *clear2)
+{
+    double f = 0;
+    for (int i = 0; i < w->n_edge; i++)
+        if (!(r->ghost >> w->edge_link[i] & 1))
+            f += push(w, w->edge[i], p, g, clear2);
+    return f;
+}
+
+/* Sides that meet: the sharper the angle, the more is to be gained by opening it. */
+static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
+{
+    double f = 0;
+    for (int i = 0; i < r->n_corner; i++) {
+        const uint8_t *v = r->corner[i];
+        lw_vec2 a = lw_v2_sub(p[v[1]], p[v[0]]), b = lw_v2_sub(p[v[2]], p[v[0]]);
+        double ab = lw_v2_dot(a, b), a2 = lw_v2_dot(a, a) + 1e-18, b2 = lw_v2_dot(b, b) + 1e-18;
+        if (ab <= 0 || ab*ab <= SHARP*SHARP*a2*b2)
+            continue;
+        double length = 1/sqrt(a2*b2), cosine = ab*length, over = cosine - SHARP, slope = 2*OPEN*over;
+        lw_vec2 ga = lw_v2_scale(lw_v2_sub(lw_v2_scale(b, length), lw_v2_scale(a, cosine/a2)), slope);
+        lw_vec2 gb = lw_v2_scale(lw_v2_sub(lw_v2_scale(a, length), lw_v2_scale(b, cosine/b2)), slope);
+        f += OPEN*over*over;
+        g[v[1]] = lw_v2_add(g[v[1]], ga);
+        g[v[2]] = lw_v2_add(g[v[2]], gb);
+        g[v[0]] = lw_v2_sub(g[v[0]], lw_v2_add(ga, gb));
+    }
+    return f;
+}
+
+/* Everything that is not on the line of the ground stays above it. */
+static double above(const lw_web *w, const lw_vec2 *p, lw_vec2 *g, double *clear2)
+{
+    double f = 0;
+    bool ground[LW_WEB_VERTEX] = { false };
+    for (int i = 0; i < w->n_ground; i++)
+        ground[w->ground[i]] = true;
+    for (int v = 0; v < w->n_vertex; v++) {
+        double y = p[v].y > 1e-9 ? p[v].y : 1e-9;
+        if (ground[v]) {
+            g[v].y = 0;
+            continue;
+        }
+        clear2[v] = y*y < clear2[v] ? y*y : clear2[v];
+        if (y < ABOVE) {
+            f += PUSH*(ABOVE/y - 1)*(ABOVE/y - 1);
+            g[v].y -= 2*PUSH*(ABOVE/y - 1)*ABOVE/(y*y);
+        }
+    }
+    return f;
+}
+
+static double energy(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_vec2 *g, double *clear2)
+{
+    memset(g, 0, (size_t)w->n_vertex*sizeof *g);
+    for (int i = 0; i < w->n_vertex; i++)
+        clear2[i] = 1e18;
+    double f = springs(r, p, g) + barrier(w, r, p, g, clear2) + corners(r, p, g);
+    if (w->n_ground > 0)
+        f += above(w, p, g, clear2);
+    return f;
+}
+
+/* ---- descent ------------------------------------------------------------------------------------ */
+
+static double dot(int n, const double *a, const double *b)
+{
+    double s = 0;
+    for (int i = 0; i < n; i++)
+        s += a[i]*b[i];
+    return s;
+}
+
+/* Rounding would break the symmetry in the end: put it right by the mean over all images. */
+static void keep_symmetry(const lw_web *w, lw_vec2 *p)
+{
+    lw_vec2 mean[LW_WEB_VERTEX], middle = { 0, 0 };
+    if (w->n_group < 2)
+        return;
+    for (int v = 0; v < w->n_vertex; v++)
+        middle = lw_v2_add(middle, lw_v2_scale(p[v], 1.0/w->n_vertex));
+    if (w->n_ground)
+        middle.y = 0;
+    for (int v = 0; v < w->n_vertex; v++)
+        mean[v] = lw_v2(0, 0);
+    for (int k = 0; k < w->n_group; k++)
+        for (int v = 0; v < w->n_vertex; v++) {
+            lw_vec2 q = lw_v2_sub(p[v], middle);
+            q = w->n_ground ? lw_v2(w->mirror[k] ? -q.x : q.x, q.y)
+                            : lw_v2_turn(w->mirror[k] ? lw_v2(q.x, -q.y) : q, w->turn[k]);
+            mean[w->to[k][v]] = lw_v2_add(mean[w->to[k][v]], lw_v2_scale(q, 1.0/w->n_group));
+        }
+    for (int v = 0; v < w->n_vertex; v++)
+        p[v] = w->n_ground ? mean[v] : lw_v2_add(mean[v], middle);
+}
+
+typedef struct memory {
+    int     n, used, next;          /* numbers, steps kept, where the next one goes */
+    double *s, *y, rho[MEMORY];
+} memory;
+
+/* dir = -H g by the two loops. */
+static void direction(const memory *m, const double *g, double *dir)
+{
+    double alpha[MEMORY];
+    for (int i = 0; i < m->n; i++)
+        dir[i] = -g[i];
+    for (int k = 1; k <= m->used; k++) {
+        int at = (m->next - k + 2*MEMORY) % MEMORY;
+        alpha[at] = m->rho[at]*dot(m->n, m->s + at*m->n, dir);
+        for (int i = 0; i < m->n; i++)
+            dir[i] -= alpha[at]*m->y[at*m->n + i];
+    }
+    if (m->used > 0) {
+        int at = (m->next - 1 + MEMORY) % MEMORY;
+        double scale = 1/(m->rho[at]*dot(m->n, m->y + at*m->n, m->y + at*m->n));
+        for (int i = 0; i < m->n; i++)
+            dir[i] *= scale;
+    }
+    for (int k = m->used; k >= 1; k--) {
+        int at = (m->next - k + 2*MEMORY) % MEMORY;
+        double beta = m->rho[at]*dot(m->n, m->y + at*m->n, dir);
+        for (int i = 0; i < m->n; i++)
+            dir[i] += (alpha[at] - beta)*m->s[at*m->n + i];
+    }
+}
+
+static void remember(memory *m, const double *x0, const double *x1, const double *g0, const double *g1)
+{
+    double *s = m->s + m->next*m->n, *y = m->y + m->next*m->n;
+    for (int i = 0; i < m->n; i++) {
+        s[i] = x1[i] - x0[i];
+        y[i] = g1[i] - g0[i];
+    }
+    double sy = dot(m->n, s, y);
+    if (sy <= 1e-10*dot(m->n, y, y))
+        return;
+    m->rho[m->next] = 1/sy;
+    m->next = (m->next + 1) % MEMORY;
+    m->used += m->used < MEMORY;
+}
+
+/* The longest part of a step that is safe: no joint goes further than 0.45 of what is free around it. */
+static double safe_part(const lw_web *w, const lw_vec2 *dir, const double *clear2)
+{
+    double part = 1;
+    for (int v = 0; v < w->n_vertex; v++) {
+        double d2 = dir[v].x*dir[v].x + dir[v].y*dir[v].y;
+        if (part*part*d2 > 0.2*clear2[v])
+            part = sqrt(0.2*clear2[v]/d2);
+    }
+    return part;
+}
+
+double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p)
+{
+    int n = 2*w->n_vertex;
+    double *x = (double *)p, *g = r->number, *dir = g + n, *x1 = dir + n, *g1 = x1 + n, *clear2 = g1 + n;
+    memory m = { .n = n, .s = clear2 + n, .y = clear2 + n + MEMORY*n };
+    keep_symmetry(w, p);
+    double f = energy(w, r, p, (lw_vec2 *)g, clear2);
+    for (int step = 0; step < steps; step++) {
+        direction(&m, g, dir);
+        double slope = dot(n, g, dir), f1 = f, part;
+        if (!(slope < 0)) {
+            m.used = 0;
+            direction(&m, g, dir);
+            slope = dot(n, g, dir);
+        }
+        part = safe_part(w, (lw_vec2 *)dir, clear2);
+        int tries = 0;
+        for (; tries < 12; tries++, part *= 0.4) {
+            for (int i = 0; i < n; i++)
+                x1[i] = x[i] + part*dir[i];
+            keep_symmetry(w, (lw_vec2 *)x1);
+            f1 = energy(w, r, (lw_vec2 *)x1, (lw_vec2 *)g1, clear2);
+            if (f1 <= f + 1e-4*part*slope)
+                break;
+        }
+        if (tries == 12 || !(f1 <= f))
+            break;
+        remember(&m, x, x1, g, g1);
+        memcpy(x, x1, (size_t)n*sizeof *x);
+        memcpy(g, g1, (size_t)n*sizeof *g);
+        bool done = f - f1 < 1e-5*f1;
+        f = f1;
+        if (done)
+            break;
+    }
+    return f;
+}

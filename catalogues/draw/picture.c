@@ -1,0 +1,250 @@
+/* catalogues/draw/picture.c - see picture.h */
+#include "catalogues/draw/picture.h"
+
+#include <cairo-pdf.h>
+#include <cairo.h>
+#include <math.h>
+#include <pthread.h>
+#include <string.h>
+#include "base/library.h"
+
+/* cairo and what it stands on are loaded with the first picture (base/library.h). */
+#define CALLS(X) \
+    X(arc) X(clip) X(close_path) X(create) X(destroy) X(fill_preserve) X(font_options_create) \
+    X(font_options_destroy) X(font_options_set_antialias) X(font_options_set_hint_metrics) \
+    X(font_options_set_hint_style) X(image_surface_create) X(image_surface_get_data) X(image_surface_get_stride) \
+    X(line_to) X(matrix_init) X(move_to) X(new_path) X(new_sub_path) X(pdf_surface_create_for_stream) \
+    X(pdf_surface_set_metadata) X(pdf_surface_set_size) X(rectangle) X(restore) X(rotate) X(save) X(scale) \
+    X(select_font_face) X(set_dash) X(set_font_options) X(set_font_size) X(set_line_cap) X(set_line_join) \
+    X(set_line_width) X(set_source_rgba) X(show_page) X(show_text) X(status) X(status_to_string) \
+    X(stroke_preserve) X(surface_destroy) X(surface_finish) X(surface_flush) X(surface_status) \
+    X(surface_write_to_png_stream) X(text_extents) X(transform) X(translate)
+
+static struct {
+#define X(f) __typeof__(cairo_##f) *f;
+    CALLS(X)
+#undef X
+} cairo;
+static pthread_once_t loading = PTHREAD_ONCE_INIT;
+static lw_error       not_loaded;                /* status LW_OK: it is there */
+
+static void load(void)
+{
+    static const lw_library_call call[] = {
+#define X(f) { "cairo_" #f, &cairo.f },
+        CALLS(X)
+#undef X
+    };
+    not_loaded.status = lw_library_load("libcairo.so.2", call, (int)(sizeof call/sizeof *call), &not_loaded);
+}
+
+static lw_status need_cairo(lw_error *e)
+{
+    pthread_once(&loading, load);
+    return not_loaded.status == LW_OK ? LW_OK
+         : lw_error_set(e, not_loaded.status, "pictures other than SVG want cairo: %s", not_loaded.text);
+}
+
+static void set_ink(cairo_t *c, lw_ink ink, double alpha)
+{
+    unsigned rgb = lw_ink_light(ink);
+    cairo.set_source_rgba(c, (rgb >> 16 & 255)/255.0, (rgb >> 8 & 255)/255.0, (rgb & 255)/255.0,
+                          alpha);
+}
+
+static void paint_outline(cairo_t *c, const lw_shape *s)
+{
+    if (s->fill != LW_INK_NONE) {
+        set_ink(c, s->fill, s->alpha);
+        cairo.fill_preserve(c);
+    }
+    if (s->stroke != LW_INK_NONE) {
+        static const double dash[] = { 6, 4 };
+        set_ink(c, s->stroke, 1);
+        cairo.set_line_width(c, s->width);
+        cairo.set_dash(c, dash, s->dashed ? 2 : 0, 0);
+        cairo.stroke_preserve(c);
+    }
+    cairo.new_path(c);
+}
+
+static void paint_path(cairo_t *c, const lw_drawing *d, const lw_shape *s)
+{
+    for (size_t i = 0; i < s->n; i++)
+        cairo.line_to(c, d->point[s->first + i].x, d->point[s->first + i].y);
+    if (s->closed)
+        cairo.close_path(c);
+    paint_outline(c, s);
+}
+
+static void paint_circle(cairo_t *c, const lw_shape *s)
+{
+    cairo.new_sub_path(c);
+    cairo.arc(c, s->at.x, s->at.y, s->radius, 0, 2*LW_PI);
+    paint_outline(c, s);
+}
+
+static void paint_text(cairo_t *c, const lw_drawing *d, const lw_shape *s)
+{
+    const char *text = d->text + s->first;
+    cairo_text_extents_t size;
+    cairo.select_font_face(c, "sans", s->italic ? CAIRO_FONT_SLANT_ITALIC : CAIRO_FONT_SLANT_NORMAL,
+                           s->bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo.set_font_size(c, s->width);
+    cairo.text_extents(c, text, &size);
+    cairo.translate(c, s->at.x, s->at.y);
+    cairo.rotate(c, s->turn);
+    cairo.move_to(c, -s->align*size.x_advance, 0);
+    set_ink(c, s->fill, s->alpha);
+    cairo.show_text(c, text);
+    cairo.new_path(c);
+}
+
+/* Put the coordinates of a shape where its link is in the frame. */
+static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene,
+                        size_t frame)
+{
+    if (!scene || s->link < 0 || s->panel < 0 || s->panel >= d->n_view)
+        return;
+    lw_page_motion m = lw_diagram_motion(scene, &d->view[s->panel], frame, s->link);
+    if (s->upright) {
+        lw_vec2 to = lw_v2_add(m.to, lw_v2_turn(lw_v2_sub(s->hold, m.from), m.turn));
+        cairo.translate(c, to.x - s->hold.x, to.y - s->hold.y);
+        return;
+    }
+    lw_vec2 shift = lw_v2_sub(m.to, lw_v2_turn(m.from, m.turn));
+    cairo_matrix_t a;
+    cairo.matrix_init(&a, m.turn.x, m.turn.y, -m.turn.y, m.turn.x, shift.x, shift.y);
+    cairo.transform(c, &a);
+}
+
+/* Letters as the font has them, not as a screen or its settings would hint them. */
+static void set_font_options(cairo_t *c)
+{
+    cairo_font_options_t *o = cairo.font_options_create();
+    cairo.font_options_set_antialias(o, CAIRO_ANTIALIAS_GRAY);
+    cairo.font_options_set_hint_style(o, CAIRO_HINT_STYLE_NONE);
+    cairo.font_options_set_hint_metrics(o, CAIRO_HINT_METRICS_OFF);
+    cairo.set_font_options(c, o);
+    cairo.font_options_destroy(o);
+}
+
+static void paint(cairo_t *c, const lw_drawing *d, const lw_scene *scene, size_t frame)
+{
+    set_font_options(c);
+    cairo.set_line_cap(c, CAIRO_LINE_CAP_ROUND);
+    cairo.set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    for (size_t i = 0; i < d->n_shape; i++) {
+        const lw_shape *s = &d->shape[i];
+        cairo.save(c);
+        if (s->panel >= 0 && s->panel < d->n_view) {
+            const lw_view *v = &d->view[s->panel];
+            cairo.rectangle(c, v->x, v->y, v->w, v->h);
+            cairo.clip(c);
+        }
+        follow_link(c, d, s, scene, frame);
+        switch (s->kind) {
+        case LW_SHAPE_PATH:   paint_path(c, d, s); break;
+        case LW_SHAPE_CIRCLE: paint_circle(c, s); break;
+        case LW_SHAPE_TEXT:   paint_text(c, d, s); break;
+        }
+        cairo.restore(c);
+    }
+}
+
+static cairo_status_t append(void *closure, const unsigned char *data, unsigned size)
+{
+    lw_bytes *out = closure;
+    lw_bytes_add(out, data, size);
+    return out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
+}
+
+/* Our answer to cairo's; frees what was written when it failed. */
+static lw_status outcome(cairo_status_t s, lw_bytes *out, lw_error *e)
+{
+    if (s == CAIRO_STATUS_SUCCESS)
+        return out ? lw_bytes_end(out, e) : LW_OK;
+    if (out)
+        lw_bytes_free(out);
+    return lw_error_set(e, s == CAIRO_STATUS_NO_MEMORY ? LW_E_MEMORY : LW_E_NUMERIC,
+                        "the picture could not be drawn: %s", cairo.status_to_string(s));
+}
+
+/* Paint on a surface, which is given up; the first failure counts. */
+static cairo_status_t paint_on(cairo_surface_t *surface, const lw_drawing *d, const lw_scene *scene,
+                               size_t frame)
+{
+    cairo_t *c = cairo.create(surface);
+    paint(c, d, scene, frame);
+    cairo_status_t s = cairo.status(c);
+    cairo.destroy(c);
+    cairo.surface_flush(surface);
+    return s ? s : cairo.surface_status(surface);
+}
+
+lw_status lw_picture_png(const lw_drawing *d, lw_bytes *out, lw_error *e)
+{
+    *out = (lw_bytes){ 0 };
+    lw_status loaded = need_cairo(e);
+    if (loaded != LW_OK)
+        return loaded;
+    cairo_surface_t *surface = cairo.image_surface_create(CAIRO_FORMAT_RGB24, (int)ceil(d->width),
+                                                          (int)ceil(d->height));
+    cairo_status_t s = paint_on(surface, d, NULL, 0);
+    if (!s)
+        s = cairo.surface_write_to_png_stream(surface, append, out);
+    cairo.surface_destroy(surface);
+    return outcome(s, out, e);
+}
+
+lw_status lw_picture_pdf(const lw_drawing *d, lw_bytes *out, lw_error *e)
+{
+    return lw_picture_pdf_pages(d, 1, out, e);
+}
+
+lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_error *e)
+{
+    *out = (lw_bytes){ 0 };
+    lw_status loaded = need_cairo(e);
+    if (loaded != LW_OK)
+        return loaded;
+    const double point = 0.75;                                   /* of the page per CSS pixel */
+    cairo_surface_t *surface = cairo.pdf_surface_create_for_stream(append, out, point*d->width,
+                                                                   point*d->height);
+    cairo.pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, d->title);
+    cairo.pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
+    cairo_t *c = cairo.create(surface);
+    for (size_t i = 0; i < n && !cairo.status(c); i++) {
+        cairo.pdf_surface_set_size(surface, point*d[i].width, point*d[i].height);
+        cairo.save(c);
+        cairo.scale(c, point, point);
+        paint(c, &d[i], NULL, 0);
+        cairo.restore(c);
+        cairo.show_page(c);
+    }
+    cairo_status_t s = cairo.status(c);
+    cairo.destroy(c);
+    cairo.surface_finish(surface);
+    s = s ? s : cairo.surface_status(surface);
+    cairo.surface_destroy(surface);
+    return outcome(s, out, e);
+}
+
+lw_status lw_picture_pixels(const lw_drawing *d, const lw_scene *scene, size_t frame,
+                            uint32_t *pixel, lw_error *e)
+{
+    int w = (int)ceil(d->width), h = (int)ceil(d->height);
+    lw_status loaded = need_cairo(e);
+    if (loaded != LW_OK)
+        return loaded;
+    cairo_surface_t *surface = cairo.image_surface_create(CAIRO_FORMAT_RGB24, w, h);
+    cairo_status_t s = paint_on(surface, d, scene, frame);
+    const unsigned char *row = cairo.image_surface_get_data(surface);
+    for (int y = 0; !s && y < h; y++, row += cairo.image_surface_get_stride(surface)) {
+        memcpy(pixel + (size_t)y*(size_t)w, row, (size_t)w*sizeof *pixel);
+        for (int x = 0; x < w; x++)
+            pixel[(size_t)y*(size_t)w + (size_t)x] &= 0xffffff;
+    }
+    cairo.surface_destroy(surface);
+    return outcome(s, NULL, e);
+}

@@ -1,0 +1,318 @@
+/* catalogues/draw/plot.c - see plot.h */
+#include "catalogues/draw/plot.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "catalogues/draw/bytes.h"
+
+#define LETTER   12.0           /* size of the type [px] */
+#define TICK_MAX 64
+#define ROW      18.0           /* of the legend [px] */
+
+typedef struct lw_axis {
+    bool   logarithmic;
+    double lo, hi;                  /* of the numbers, or of their logarithms                      */
+    double from, to;                /* where those lie on the page [px]                            */
+    int    n_tick, digits;          /* so many that neighbouring ticks read differently           */
+    double tick[TICK_MAX];          /* numbers, not logarithms                                     */
+} lw_axis;
+
+typedef struct lw_chart {
+    const lw_plot *p;
+    lw_drawing *d;
+    lw_axis x, y;
+} lw_chart;
+
+static bool fits(const lw_axis *a, double v)
+{
+    return isfinite(v) && (!a->logarithmic || v > 0);
+}
+
+static double measure(const lw_axis *a, double v)
+{
+    return a->logarithmic ? log10(v) : v;
+}
+
+static double place(const lw_axis *a, double v)
+{
+    return a->from + (a->to - a->from)*((measure(a, v) - a->lo)/(a->hi - a->lo));
+}
+
+static void include(lw_axis *a, double v)
+{
+    a->lo = fmin(a->lo, measure(a, v));
+    a->hi = fmax(a->hi, measure(a, v));
+}
+
+static void add_tick(lw_axis *a, double v)
+{
+    double m = measure(a, v), slack = 1e-9*(a->hi - a->lo);
+    if (a->n_tick < TICK_MAX && m >= a->lo - slack && m <= a->hi + slack)
+        a->tick[a->n_tick++] = v;
+}
+
+/* Steps of 1, 2 or 5 times a power of ten, about n of them. */
+static void even_ticks(lw_axis *a, double n)
+{
+    double rough = (a->hi - a->lo)/n, power = pow(10, floor(log10(rough))), m = rough/power;
+    double step = power*(m <= 1 ? 1 : m <= 2 ? 2 : m <= 5 ? 5 : 10);
+    a->digits = (int)fmin(fmax(2 + ceil(log10(fmax(fabs(a->lo), fabs(a->hi))/step)), 1), 17);
+    for (double i = ceil(a->lo/step - 1e-9); i*step <= a->hi + 1e-9*step && a->n_tick < TICK_MAX; i++)
+        add_tick(a, i*step);
+}
+
+/* Whole decades, every k-th when there are many; 1, 2, 5 within few; evenly within less than one. */
+static void decade_ticks(lw_axis *a, double n)
+{
+    int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
+    bool fine = a->hi - a->lo < 2.2;
+    a->digits = 1;
+    for (int k = first; k <= last; k++)
+        for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3)
+            if ((digit == 1 && (k - first) % step == 0) || fine)
+                add_tick(a, digit*pow(10, k));
+}
+
+/* Widen the range to where there is something to see, and choose ticks. */
+static void settle(lw_axis *a, double n_tick)
+{
+    double middle = (a->lo + a->hi)/2, least = a->logarithmic ? 0.35 : fmax(1e-12*fabs(middle), 1e-300);
+    if (a->hi - a->lo < least) {
+        double half = a->logarithmic ? 0.5 : middle != 0 ? 0.5*fabs(middle) : 1;
+        a->lo = middle - half;
+        a->hi = middle + half;
+    }
+    double air = 0.03*(a->hi - a->lo);
+    a->lo -= air;
+    a->hi += air;
+    if (a->logarithmic)
+        decade_ticks(a, n_tick);
+    else
+        even_ticks(a, n_tick);
+}
+
+/* False when no point of any series can be shown. */
+static bool find_ranges(lw_chart *c)
+{
+    bool any = false;
+    c->x = (lw_axis){ .logarithmic = c->p->log_x, .lo = INFINITY, .hi = -INFINITY };
+    c->y = (lw_axis){ .logarithmic = c->p->log_y, .lo = INFINITY, .hi = -INFINITY };
+    for (int i = 0; i < c->p->n_series; i++) {
+        const lw_series *s = &c->p->series[i];
+        for (size_t k = 0; k < s->n; k++)
+            if (fits(&c->x, s->x[k]) && fits(&c->y, s->y[k])) {
+                include(&c->x, s->x[k]);
+                include(&c->y, s->y[k]);
+                any = true;
+            }
+    }
+    for (int i = 0; any && i < c->p->n_level; i++)
+        if (fits(&c->y, c->p->level[i].y))
+            include(&c->y, c->p->level[i].y);
+    return any;
+}
+
+static lw_shape *text(lw_chart *c, lw_role role, const char *t, double x, double y, double align)
+{
+    return lw_drawing_text(c->d, role, t, lw_v2(x, y), LETTER, align);
+}
+
+static void rule(lw_chart *c, lw_role role, lw_vec2 a, lw_vec2 b, lw_ink ink, double width)
+{
+    lw_shape *s = lw_drawing_line(c->d, role, a, b);
+    s->stroke = ink;
+    s->width = width;
+}
+
+static void draw_axes(lw_chart *c)
+{
+    const lw_axis *x = &c->x, *y = &c->y;
+    char t[32];
+    for (int i = 0; i < x->n_tick; i++) {
+        double at = place(x, x->tick[i]);
+        lw_number_text(t, x->tick[i], x->digits);
+        rule(c, LW_ROLE_GRID, lw_v2(at, y->from), lw_v2(at, y->to), LW_INK_GRID, 1);
+        text(c, LW_ROLE_TICK, t, at, y->from + 17, 0.5)->item = i;
+    }
+    for (int i = 0; i < y->n_tick; i++) {
+        double at = place(y, y->tick[i]);
+        lw_number_text(t, y->tick[i], y->digits);
+        rule(c, LW_ROLE_GRID, lw_v2(x->from, at), lw_v2(x->to, at), LW_INK_GRID, 1);
+        text(c, LW_ROLE_TICK, t, x->from - 7, at + 4, 1)->item = i;
+    }
+    lw_vec2 corner[3] = { { x->from, y->to }, { x->from, y->from }, { x->to, y->from } };
+    lw_shape *s = lw_drawing_path(c->d, LW_ROLE_AXIS, corner, 3, false);
+    s->stroke = LW_INK_TEXT;
+    s->width = 1.4;
+    double middle = (y->from + y->to)/2;
+    if (c->p->x_label)
+        text(c, LW_ROLE_AXIS, c->p->x_label, (x->from + x->to)/2, y->from + 38, 0.5);
+    if (c->p->y_label)
+        text(c, LW_ROLE_AXIS, c->p->y_label, 20, middle, 0.5)->turn = -LW_PI/2;
+    if (c->p->title) {
+        s = lw_drawing_text(c->d, LW_ROLE_TITLE, c->p->title, lw_v2(x->from, 24), 16, 0);
+        s->bold = true;
+    }
+}
+
+static lw_ink series_ink(int i)
+{
+    static const lw_ink ink[] = { LW_INK_BLUE, LW_INK_RED, LW_INK_GREEN, LW_INK_PURPLE,
+                                  LW_INK_ORANGE, LW_INK_SKY, LW_INK_TEXT, LW_INK_YELLOW };
+    return ink[i % 8];
+}
+
+/* Series that share an ink differ by marker and dashes. */
+static void marker(lw_chart *c, lw_role role, int series, size_t item, lw_vec2 at)
+{
+    static const int corners[] = { 0, 4, 3, 4 };
+    int kind = (series + series/8) % 4, n = corners[kind];
+    lw_vec2 p[4];
+    for (int k = 0; k < n; k++)
+        p[k] = lw_v2_add(at, lw_v2_polar(4.6, 2*LW_PI*k/n - LW_PI/2 + (kind == 1 ? LW_PI/4 : 0)));
+    lw_shape *s = n ? lw_drawing_path(c->d, role, p, (size_t)n, true)
+                    : lw_drawing_circle(c->d, role, at, 3.6);
+    s->item = (int)item;
+    s->fill = series_ink(series);
+    s->stroke = LW_INK_PAPER;
+    s->width = 0.8;
+}
+
+static void line(lw_chart *c, lw_role role, int series, const lw_vec2 *p, size_t n)
+{
+    lw_shape *s = lw_drawing_path(c->d, role, p, n, false);
+    s->item = series;
+    s->stroke = series_ink(series);
+    s->width = 1.9;
+    s->dashed = series >= 8;
+}
+
+static void draw_series(lw_chart *c, int series)
+{
+    enum { RUN = 512 };                              /* long lines in pieces of so many points */
+    const lw_series *s = &c->p->series[series];
+    lw_vec2 run[RUN + 2];
+    size_t n = 0;
+    bool points = s->style == LW_SERIES_POINTS;
+    for (size_t k = 0; k < s->n && !points; k++) {
+        if (!fits(&c->x, s->x[k]) || !fits(&c->y, s->y[k]))
+            continue;
+        lw_vec2 at = lw_v2(place(&c->x, s->x[k]), place(&c->y, s->y[k]));
+        if (n && s->style == LW_SERIES_STEPS) {
+            run[n] = lw_v2(at.x, run[n - 1].y);
+            n++;
+        }
+        run[n++] = at;
+        if (n >= RUN) {
+            line(c, LW_ROLE_SERIES, series, run, n);
+            run[0] = at;
+            n = 1;
+        }
+    }
+    if (n > 1)
+        line(c, LW_ROLE_SERIES, series, run, n);
+    for (size_t k = 0; k < s->n && (s->n <= 80 || points); k++)
+        if (fits(&c->x, s->x[k]) && fits(&c->y, s->y[k]))
+            marker(c, LW_ROLE_MARKER, series, k, lw_v2(place(&c->x, s->x[k]), place(&c->y, s->y[k])));
+}
+
+static void draw_levels(lw_chart *c)
+{
+    for (int i = 0; i < c->p->n_level; i++) {
+        const lw_level *l = &c->p->level[i];
+        if (!fits(&c->y, l->y))
+            continue;
+        double at = place(&c->y, l->y);
+        lw_shape *s = lw_drawing_line(c->d, LW_ROLE_LEVEL, lw_v2(c->x.from, at), lw_v2(c->x.to, at));
+        s->item = i;
+        s->stroke = LW_INK_TEXT;
+        s->width = 1.4;
+        s->dashed = true;
+        text(c, LW_ROLE_LEVEL, l->name, c->x.to - 4, at - 5, 1);
+    }
+}
+
+static double legend_width(const lw_plot *p)
+{
+    double w = 0;
+    for (int i = 0; i < p->n_series; i++)
+        w = fmax(w, lw_text_width(p->series[i].name, LETTER));
+    return w + 50;
+}
+
+static void draw_legend(lw_chart *c)
+{
+    for (int i = 0; i < c->p->n_series; i++) {
+        double x = c->x.to + 14, y = c->y.to + 8 + ROW*i;
+        lw_vec2 sample[2] = { { x, y }, { x + 22, y } };
+        if (c->p->series[i].style != LW_SERIES_POINTS)
+            line(c, LW_ROLE_LEGEND, i, sample, 2);
+        marker(c, LW_ROLE_LEGEND, i, 0, lw_v2(x + 11, y));
+        text(c, LW_ROLE_LEGEND, c->p->series[i].name, x + 28, y + 4, 0);
+    }
+}
+
+/* Room for the numbers along the y axis. */
+static double tick_width(const lw_axis *a)
+{
+    double w = 0;
+    char t[32];
+    for (int i = 0; i < a->n_tick; i++) {
+        lw_number_text(t, a->tick[i], a->digits);
+        w = fmax(w, lw_text_width(t, LETTER));
+    }
+    return w;
+}
+
+/* Widen the axis with the finer scale until both have the same; ticks follow the new range. */
+static void make_equal(lw_axis *x, lw_axis *y)
+{
+    double sx = fabs(x->to - x->from)/(x->hi - x->lo), sy = fabs(y->to - y->from)/(y->hi - y->lo);
+    lw_axis *a = sx > sy ? x : y;
+    double middle = (a->lo + a->hi)/2, half = 0.5*(a->hi - a->lo)*fmax(sx, sy)/fmin(sx, sy);
+    a->lo = middle - half;
+    a->hi = middle + half;
+    a->n_tick = 0;
+    even_ticks(a, fmax(fabs(a->to - a->from)/70, 1));
+}
+
+static void draw_chart(lw_chart *c)
+{
+    const double apart = 70;                                    /* of ticks, about [px] */
+    c->y.to = c->p->title ? 40 : 16;
+    c->y.from = c->d->height - (c->p->x_label ? 50 : 30);
+    settle(&c->y, fmax((c->y.from - c->y.to)/apart, 1));
+    c->x.from = (c->p->y_label ? 38 : 14) + tick_width(&c->y);
+    c->x.to = c->d->width - 8 - fmin(legend_width(c->p), 0.4*c->d->width);
+    settle(&c->x, fmax((c->x.to - c->x.from)/apart, 1));
+    if (c->p->equal)
+        make_equal(&c->x, &c->y);
+    draw_axes(c);
+    draw_levels(c);
+    for (int i = 0; i < c->p->n_series; i++)
+        draw_series(c, i);
+    draw_legend(c);
+}
+
+lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e)
+{
+    *d = (lw_drawing){ .width = p->width > 0 ? p->width : 800, .height = p->height > 0 ? p->height : 560 };
+    if (!(d->width >= 64 && d->width <= 8192 && d->height >= 64 && d->height <= 8192))
+        return lw_error_set(e, LW_E_ARG, "a plot of %g by %g px: sizes are 64 to 8192", d->width, d->height);
+    if (p->n_series < 0 || p->n_series > LW_SERIES_MAX || p->n_level < 0 || p->n_level > LW_LEVEL_MAX)
+        return lw_error_set(e, LW_E_ARG, "%d series and %d levels: a plot takes up to %d and %d",
+                            p->n_series, p->n_level, LW_SERIES_MAX, LW_LEVEL_MAX);
+    lw_chart c = { .p = p, .d = d };
+    lw_vec2 page[4] = { { 0, 0 }, { d->width, 0 }, { d->width, d->height }, { 0, d->height } };
+    lw_text_clean(d->title, sizeof d->title, p->title ? p->title : "Plot");
+    snprintf(d->about, sizeof d->about, "%d series", p->n_series);
+    lw_drawing_path(d, LW_ROLE_PAPER, page, 4, true)->fill = LW_INK_PAPER;
+    bool any = find_ranges(&c);
+    if (any)
+        draw_chart(&c);
+    else
+        text(&c, LW_ROLE_NOTE, "no point to show", d->width/2, d->height/2, 0.5);
+    lw_status st = lw_drawing_end(d, e);
+    return st == LW_OK && !any ? LW_NOTHING : st;
+}

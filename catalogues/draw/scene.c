@@ -1,0 +1,495 @@
+/* catalogues/draw/scene.c - see scene.h */
+#include "catalogues/draw/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/draw/bytes.h"
+#include "catalogues/draw/motion_path.h"
+#include "catalogues/draw/walk.h"
+#include "grammar/model.h"
+#include "mbs/constraints/mobility.h"
+
+/* What the stages of lw_scene_make share. */
+typedef struct lw_work {
+    lw_scene  *s;
+    lw_linkage linkage;                    /* with a tracer more for every link without a pin      */
+    lw_plan    plan;
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
+    int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - its tracer              */
+    lw_pose    start, pose;                /* of the posture, and the one at work                  */
+    lw_motion  motion;
+    lw_walk    walk;                       /* of the circuit that holds the posture                */
+    bool       by_course;                  /* no closed form: then the motion is the course, not the walk */
+    lw_course  course;
+    double     q[LW_SYSTEM_Q_MAX];         /* the posture at work                                   */
+} lw_work;
+
+/* The motion runs over t = 0 .. its length. */
+static double motion_length(const lw_work *w) { return w->by_course ? 1 : w->walk.n_stage; }
+
+static bool motion_loops(const lw_work *w) { return w->by_course ? w->course.loops : w->walk.loops; }
+
+lw_scene_options lw_scene_options_default(void)
+{
+    return (lw_scene_options){ .n_frame = 120, .n_curve_point = 360 };
+}
+
+void lw_scene_free(lw_scene *s)
+{
+    for (int i = 0; i < s->n_curve; i++)
+        free(s->curve[i].p);
+    free(s->station);
+    free(s->place);
+    free(s->input);
+    s->n_curve = 0;
+    s->station = NULL;
+    s->place = NULL;
+    s->input = NULL;
+}
+
+lw_vec2 lw_scene_at(const lw_scene *s, size_t frame, int link, lw_vec2 p)
+{
+    const lw_place *a = &s->place[frame*(size_t)s->linkage.n_link + (size_t)link];
+    return lw_v2_add(a->at, lw_v2_turn(lw_v2_sub(p, s->origin[link]), a->turn));
+}
+
+static bool copy_target(lw_scene *s, const lw_target *t)
+{
+    if (!t || !t->x || !t->y)
+        return true;
+    s->station = malloc((t->n*(size_t)(1 + t->n_also) + 1)*sizeof *s->station);
+    if (!s->station)
+        return false;
+    for (int k = 0; k <= t->n_also; k++) {
+        const double *x = k > 0 ? t->also[k - 1].x : t->x, *y = k > 0 ? t->also[k - 1].y : t->y;
+        for (size_t i = 0; x && i < t->n; i++)
+            s->station[s->n_station++] = lw_v2(x[i], y[i]);
+    }
+    s->n_each = t->n;
+    s->station_closed = t->closed;
+    return true;
+}
+
+static bool make_frames(lw_scene *s, size_t n)
+{
+    size_t n_link = (size_t)s->linkage.n_link;
+    s->place = malloc(n*n_link*sizeof *s->place);
+    s->input = calloc(n, sizeof *s->input);
+    if (!s->place || !s->input)
+        return false;
+    s->n_frame = n;
+    for (size_t i = 0; i < n*n_link; i++)
+        s->place[i] = (lw_place){ s->origin[i % n_link], { 1, 0 } };
+    return true;
+}
+
+/* A reference point for every link: a pin where it has one, else a tracer of its own. */
+static bool choose_references(lw_work *w)
+{
+    lw_linkage *k = &w->linkage;
+    for (int link = 0; link < k->n_link; link++) {
+        int pin = -1;
+        for (int i = 0; i < k->n_joint && pin < 0; i++)
+            if (k->joint[i].kind == LW_JOINT_REVOLUTE
+                && (k->joint[i].link[0] == link || k->joint[i].link[1] == link))
+                pin = i;
+        w->pin[link] = pin;
+        if (pin >= 0 || link == k->ground)
+            continue;
+        if (k->n_tracer == LW_TRACER_MAX)
+            return false;
+        lw_tracer *t = &k->tracer[k->n_tracer];
+        *t = (lw_tracer){ .link = link };
+        snprintf(t->name, sizeof t->name, "link %d", link);
+        for (int i = 0; i < k->n_joint; i++)
+            if (k->joint[i].link[0] == link || k->joint[i].link[1] == link)
+                t->at = k->joint[i].at;
+        w->pin[link] = -1 - k->n_tracer++;
+    }
+    return true;
+}
+
+static lw_vec2 reference(const lw_work *w, const lw_pose *pose, int link)
+{
+    int pin = w->pin[link];
+    return pin >= 0 ? pose->joint[pin][0] : pose->tracer[-1 - pin][0];
+}
+
+static void keep_dimensions(lw_work *w)
+{
+    lw_scene *s = w->s;
+    int own = s->linkage.n_tracer;
+    for (int i = 0; i < w->plan.n_dim; i++) {
+        bool added = false;                            /* the place of a reference point of ours */
+        for (int t = own; t < w->linkage.n_tracer; t++)
+            added = added || w->plan.i_cx[t] == i || w->plan.i_cy[t] == i;
+        if (added)
+            continue;
+        snprintf(s->dim_name[s->n_dim], sizeof s->dim_name[0], "%s", w->plan.dim[i].name);
+        s->dim_kind[s->n_dim] = w->plan.dim[i].kind;
+        s->dim_link[s->n_dim] = w->plan.dim[i].link;
+        s->dim[s->n_dim++] = w->dim[i];
+    }
+}
+
+/* Plan, dimensions and starting pose.  False: there is no plan in closed form, or its posture does not close;
+ * dimensions are told all the same where there is any plan. */
+static bool prepare(lw_work *w)
+{
+    const lw_want want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
+    bool any = choose_references(w) && lw_plan_make_any(&w->linkage, want, &w->plan, NULL) == LW_OK
+               && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
+    if (any)
+        keep_dimensions(w);
+    return any && w->plan.n_higher == 0
+           && lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start) == LW_OK;
+}
+
+/* The size of the linkage: what its joints span, in the posture. */
+static double span(const lw_linkage *k)
+{
+    double d = 0;
+    for (int i = 0; i < k->n_joint; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[i].at, k->joint[0].at)));
+    for (int i = 0; i < k->n_tracer; i++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->tracer[i].at, k->joint[0].at)));
+    return d;
+}
+
+double lw_scene_dimension(const lw_scene *s, int i)
+{
+    const lw_units *u = &s->linkage.units;
+    bool angle = s->dim_kind[i] == LW_DIM_ANGLE;
+    double noise = angle ? 1e-12 : 1e-9*span(&s->linkage);
+    return fabs(s->dim[i]) < noise ? 0 : s->dim[i]/(angle ? u->radian : u->metre);
+}
+
+/* Go to t of the motion; returns the input there. */
+static double move_to(lw_work *w, double t)
+{
+    if (w->by_course)
+        return lw_course_at(&w->course, t, w->q);
+    lw_walk_pose(&w->walk, t, &w->pose);
+    return w->pose.input;
+}
+
+static lw_place place_now(const lw_work *w, int link)
+{
+    if (!w->by_course)
+        return (lw_place){ reference(w, &w->pose, link),
+                           lw_v2_polar(1, w->pose.angle[link][0] - w->start.angle[link][0]) };
+    const lw_system *s = &w->course.s;
+    int body = s->body[link];
+    return (lw_place){ lw_system_point(s, body, lw_system_arm(s, body, w->s->origin[link]), w->q),
+                       lw_v2_polar(1, w->q[3*body + 2]) };
+}
+
+/* The frames of the motion, as places of the links relative to the posture. */
+static bool take_frames(lw_work *w, size_t n)
+{
+    lw_scene *s = w->s;
+    size_t n_link = (size_t)s->linkage.n_link;
+    if (!make_frames(s, n))
+        return false;
+    s->loops = motion_loops(w);
+    double per = motion_length(w)/(s->loops ? (double)n : (double)(n - 1));
+    double start = w->by_course ? w->course.start : w->walk.turns ? 0 : lw_walk_time(&w->walk, w->input);
+    s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
+    for (size_t f = 0; f < n; f++) {
+        s->input[f] = move_to(w, f == s->first_frame ? start : per*(double)f);
+        for (size_t link = 0; link < n_link; link++)
+            if ((int)link != s->linkage.ground)
+                s->place[f*n_link + link] = place_now(w, (int)link);
+    }
+    return true;
+}
+
+typedef struct lw_growing { lw_vec2 *p; size_t n, room; bool failed; } lw_growing;
+
+static void grow(lw_growing *g, lw_vec2 p)
+{
+    if (g->n == g->room) {
+        size_t room = g->room ? 2*g->room : 1024;
+        lw_vec2 *q = realloc(g->p, room*sizeof *q);
+        g->failed = g->failed || !q;
+        if (!q)
+            return;
+        g->p = q;
+        g->room = room;
+    }
+    g->p[g->n++] = p;
+}
+
+static lw_vec2 trace(lw_work *w, int tracer, double t)
+{
+    move_to(w, t);
+    if (!w->by_course)
+        return w->pose.tracer[tracer][0];
+    const lw_system *s = &w->course.s;
+    return lw_system_point(s, s->tracer_body[tracer], s->tracer_arm[tracer], w->q);
+}
+
+/* Points between t0 and t1 (a excluded, b included), halved until a step is as good as straight.  What
+ * is still a leap then is one, from one end of an asymptote to the other: the line breaks. */
+static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_vec2 b, double size,
+                   int depth, lw_growing *g)
+{
+    double tm = t0 + (t1 - t0)/2;
+    lw_vec2 m = trace(w, tracer, tm), chord = lw_v2_sub(b, a);
+    double off = lw_v2_norm(lw_v2_sub(m, lw_v2_add(a, lw_v2_scale(chord, 0.5))));
+    if (depth == 0 || off < 4e-4*size) {
+        if (depth == 0 && lw_v2_norm(chord) > 0.1*size)
+            grow(g, lw_v2(NAN, NAN));
+        grow(g, b);
+        return;
+    }
+    refine(w, tracer, t0, a, tm, m, size, depth - 1, g);
+    refine(w, tracer, tm, m, t1, b, size, depth - 1, g);
+}
+
+static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
+{
+    lw_scene *s = w->s;
+    lw_growing g = { 0 };
+    bool loops = motion_loops(w);
+    double size = 0, per = motion_length(w)/(double)n;
+    lw_vec2 first = trace(w, tracer, 0), a = first;
+    for (size_t i = 1; i < n; i++)
+        size = fmax(size, lw_v2_norm(lw_v2_sub(trace(w, tracer, per*(double)i), first)));
+    grow(&g, first);
+    for (size_t i = 1; i <= n; i++) {
+        double t = i == n ? motion_length(w) : per*(double)i;
+        lw_vec2 b = trace(w, tracer, t);
+        refine(w, tracer, per*(double)(i - 1), a, t, b, size, 14, &g);
+        a = b;
+    }
+    if (loops && g.n > 1)
+        g.n--;                                         /* the last is the first again */
+    s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = shown,
+                                         .closed = loops, .n = g.n, .p = g.p };
+    return !g.failed;
+}
+
+/* Does the file ask for a part of the input's range that holds the posture? */
+static bool is_restricted(const lw_work *w)
+{
+    const lw_input *in = &w->linkage.input[0];
+    double first = fmin(in->first, in->last), last = fmax(in->first, in->last);
+    double tolerance = 1e-9*(last - first);
+    bool full = w->linkage.joint[in->joint].kind != LW_JOINT_SLIDER && last - first >= 2*LW_PI*(1 - 1e-12);
+    return first < last && !full && in->value >= first - tolerance && in->value <= last + tolerance;
+}
+
+static bool take_curves(lw_work *w, bool shown, size_t n)
+{
+    for (int i = 0; i < w->s->linkage.n_tracer; i++)
+        if (!take_curve(w, i, shown, n < 8 ? 8 : n))
+            return false;
+    return true;
+}
+
+/* Curves of the other circuits, as far as there is room; false when memory ran out. */
+static bool take_others(lw_work *w, size_t n)
+{
+    const lw_walk own = w->walk;
+    int shown = w->motion.arc[own.stage[0].arc].circuit, done[LW_ARC_MAX] = { 0 };
+    bool ok = true;
+    for (int i = 0; i < w->motion.n_arc && ok; i++) {
+        int circuit = w->motion.arc[i].circuit;
+        if (circuit == shown || done[circuit]++ || w->s->n_curve + LW_TRACER_MAX > LW_CURVE_MAX/2)
+            continue;
+        lw_walk_make(&w->plan, w->dim, &w->motion, i, w->motion.arc[i].first, &w->walk);
+        ok = take_curves(w, false, n);
+    }
+    w->walk = own;
+    return ok;
+}
+
+/* Find the walk through the posture; its input is counted as the arc counts it.  False: not found. */
+static bool find_walk(lw_work *w)
+{
+    if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0)
+        return false;
+    int arc = lw_motion_arc(&w->plan, &w->motion, w->mode, w->input);
+    if (arc < 0)
+        return false;
+    const lw_arc *a = &w->motion.arc[arc];
+    if (!w->plan.input_is_slider && !a->turns)
+        w->input -= 2*LW_PI*round((w->input - (a->first + a->last)/2)/(2*LW_PI));
+    lw_walk_make(&w->plan, w->dim, &w->motion, arc, w->input, &w->walk);
+    return true;
+}
+
+/* Curves and frames by the plan; false when memory ran out. */
+static bool show_walk(lw_work *w, const lw_scene_options *o)
+{
+    const lw_input *in = &w->linkage.input[0];
+    if (o->other_branches && !take_others(w, o->n_curve_point))
+        return false;
+    if (is_restricted(w)) {
+        if (!take_curves(w, false, o->n_curve_point))
+            return false;
+        lw_walk_restrict(&w->walk, w->input + (fmin(in->first, in->last) - in->value),
+                         w->input + (fmax(in->first, in->last) - in->value));
+    }
+    return take_curves(w, true, o->n_curve_point)
+        && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+}
+
+/* ---- motions without a plan --------------------------------------------------------------------- */
+
+/* All inputs go evenly from the first to the last of what the linkage asks for, in the time 0 .. 1; those that ask for
+ * nothing rest. */
+static void sweep(void *linkage, double t, int order, double *u)
+{
+    const lw_linkage *k = linkage;
+    for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
+        const lw_input *in = &k->input[i];
+        double *out = u + i*(order + 1), way = in->last - in->first;
+        memset(out, 0, (size_t)(order + 1)*sizeof *out);
+        out[0] = way != 0 ? in->first + t*way : in->value;
+        if (order > 0)
+            out[1] = way;
+    }
+}
+
+static bool inputs_are_alike(const lw_model *m, double a, double b)
+{
+    double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
+    lw_drive_of_model((void *)m, a, 1, u);
+    lw_drive_of_model((void *)m, b, 1, v);
+    for (int i = 0; i < 2*lw_linkage_free_inputs(&m->linkage); i++)
+        if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
+            return false;
+    return true;
+}
+
+/* How long a motion in time is shown: to where the inputs begin again or come to rest, else a second [s]. */
+static double duration(const lw_model *m)
+{
+    static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
+    for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
+        double t = span[i];
+        bool again = inputs_are_alike(m, 0, t) && inputs_are_alike(m, 0.3*t, 1.3*t) && inputs_are_alike(m, 0.6*t, 1.6*t);
+        bool rest = inputs_are_alike(m, t, 1.3*t) && inputs_are_alike(m, t, 2*t);
+        if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t))
+            return t;
+    }
+    return 1;
+}
+
+/* Links that spin where nobody notices, a roller on its pin: made fast.  False when there is none. */
+static bool fasten_idle_links(lw_linkage *k)
+{
+    lw_mobility *m = malloc(sizeof *m);
+    const lw_mobility_options o = lw_mobility_options_default();
+    uint32_t idle = m && lw_mobility_find(k, &o, m, NULL) == LW_OK ? m->idle_links : 0;
+    bool any = false;
+    free(m);
+    for (int link = 0; link < k->n_link; link++)
+        for (int i = 0; i < k->n_joint && idle >> link & 1; i++) {
+            lw_joint *j = &k->joint[i];
+            if (j->kind != LW_JOINT_REVOLUTE || (j->link[0] != link && j->link[1] != link))
+                continue;
+            j->kind = LW_JOINT_FIXED;
+            any = true;
+            break;
+        }
+    return any;
+}
+
+/* Several inputs that say how they move are moved at once; otherwise the first one is. */
+static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *why)
+{
+    const lw_linkage *k = &w->linkage;
+    bool motions = false, ranges = false;
+    for (int i = 0; i < k->n_input && lw_linkage_free_inputs(k) > 1; i++) {
+        motions = motions || (o->model && o->model->motion[i]);
+        ranges = ranges || k->input[i].first != k->input[i].last;
+    }
+    if (motions)
+        return lw_course_in_time(k, lw_drive_of_model, (void *)o->model, 0,
+                                 o->until > 0 ? o->until : duration(o->model), &w->course, why);
+    if (ranges)
+        return lw_course_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
+    lw_status st = lw_course_along(k, o->other_branches, &w->course, why);
+    if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(&w->linkage))
+        st = lw_course_along(k, o->other_branches, &w->course, why);
+    return st;
+}
+
+static bool show_course(lw_work *w, const lw_scene_options *o)
+{
+    lw_error why = { 0 };
+    lw_scene *s = w->s;
+    size_t n = o->n_curve_point;
+    const lw_input *in = &w->linkage.input[0];
+    w->linkage = s->linkage;                                      /* without added tracers */
+    w->by_course = true;
+    lw_status st = start_course(w, o, &why);
+    if (st == LW_OPEN && w->course.drive)
+        snprintf(s->note, sizeof s->note, "Shown in part: %.200s", why.text);
+    else if (st != LW_OK) {
+        snprintf(s->note, sizeof s->note, "Shown without motion: %.200s",
+                 why.text[0] ? why.text : lw_status_text(st));
+        return make_frames(s, 1);
+    }
+    for (int i = 1; i < w->course.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
+        lw_course_choose(&w->course, i);
+        if (!take_curves(w, false, n))
+            return false;
+    }
+    if (!w->course.drive)
+        lw_course_choose(&w->course, 0);
+    n *= (size_t)fmin(fmax(w->course.turns, 1), 20);
+    if (!w->course.drive && is_restricted(w)) {
+        if (!take_curves(w, false, n))
+            return false;
+        lw_course_restrict(&w->course, fmin(in->first, in->last), fmax(in->first, in->last));
+    }
+    return take_curves(w, true, n) && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
+}
+
+/* ---- all of it ---------------------------------------------------------------------------------- */
+
+static bool show_motion(lw_work *w, const lw_scene_options *o)
+{
+    bool walks = prepare(w) && find_walk(w);
+    for (int i = 0; i < w->s->linkage.n_link && walks; i++)
+        if (i != w->s->linkage.ground)
+            w->s->origin[i] = reference(w, &w->start, i);
+    return walks ? show_walk(w, o) : show_course(w, o);
+}
+
+lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_options *o,
+                        lw_scene *s, lw_error *e)
+{
+    lw_scene_options standard = lw_scene_options_default();
+    o = o ? o : &standard;
+    *s = (lw_scene){ .n_frame = 0 };
+    lw_status st = lw_linkage_check(k, e);
+    if (st != LW_OK)
+        return st;
+    lw_text_clean(s->title, sizeof s->title, o->title ? o->title : k->name);
+    s->linkage = *k;
+    for (int i = 0; i < k->n_link; i++)
+        for (int j = 0; j < k->n_joint; j++)
+            if (k->joint[j].link[0] == i || k->joint[j].link[1] == i)
+                s->origin[i] = k->joint[j].at;
+    lw_work *w = calloc(1, sizeof *w);
+    bool ok = w && copy_target(s, t);
+    if (ok) {
+        w->s = s;
+        w->linkage = *k;
+        ok = show_motion(w, o);
+        lw_course_free(&w->course);
+    }
+    free(w);
+    if (ok)
+        return LW_OK;
+    lw_scene_free(s);
+    return lw_error_set(e, LW_E_MEMORY, "not enough memory for the motion of the linkage");
+}

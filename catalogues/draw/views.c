@@ -1,0 +1,153 @@
+/* catalogues/draw/views.c - see views.h */
+#include "catalogues/draw/views.h"
+
+#include <math.h>
+
+#include "catalogues/draw/body_shapes.h"
+
+#define ENDLESS 8.0            /* a motion this many times larger than the posture is cut off */
+
+void lw_box_empty(lw_box *b)
+{
+    *b = (lw_box){ INFINITY, INFINITY, -INFINITY, -INFINITY };
+}
+
+bool lw_box_is_empty(const lw_box *b)
+{
+    return !(b->x0 <= b->x1);
+}
+
+void lw_box_add(lw_box *b, lw_vec2 p)
+{
+    if (!isfinite(p.x) || !isfinite(p.y))
+        return;
+    b->x0 = fmin(b->x0, p.x);
+    b->y0 = fmin(b->y0, p.y);
+    b->x1 = fmax(b->x1, p.x);
+    b->y1 = fmax(b->y1, p.y);
+}
+
+void lw_box_join(lw_box *b, const lw_box *other)
+{
+    if (lw_box_is_empty(other))
+        return;
+    lw_box_add(b, lw_v2(other->x0, other->y0));
+    lw_box_add(b, lw_v2(other->x1, other->y1));
+}
+
+double lw_box_size(const lw_box *b)
+{
+    return lw_box_is_empty(b) ? 0 : hypot(b->x1 - b->x0, b->y1 - b->y0);
+}
+
+static void add_points(lw_box *b, const lw_vec2 *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        lw_box_add(b, p[i]);
+}
+
+static lw_box curve_box(const lw_scene *s, bool shown_branch)
+{
+    lw_box b;
+    lw_box_empty(&b);
+    for (int i = 0; i < s->n_curve; i++)
+        if (s->curve[i].shown_branch == shown_branch)
+            add_points(&b, s->curve[i].p, s->curve[i].n);
+    return b;
+}
+
+lw_box lw_scene_path_box(const lw_scene *s)
+{
+    lw_box b, curve = curve_box(s, true);
+    lw_box_empty(&b);
+    add_points(&b, s->station, s->n_station);
+    if (lw_box_size(&b) == 0 || lw_box_size(&curve) < LW_SPECK*lw_box_size(&b))
+        lw_box_join(&b, &curve);
+    return b;
+}
+
+/* Both sides of a gear pair. */
+static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
+{
+    lw_wheel w[2];
+    if (!lw_anatomy_gear(s, joint, w))
+        return;
+    for (int side = 0; side < 2; side++) {
+        double r = w[side].radius + 0.3*w[side].pitch;
+        lw_vec2 c = lw_scene_at(s, frame, w[side].link, w[side].centre);
+        lw_box_add(b, lw_v2_sub(c, lw_v2(r, r)));
+        lw_box_add(b, lw_v2_add(c, lw_v2(r, r)));
+        for (int end = 0; end < 2 && w[side].rack; end++) {
+            double t = end ? w[side].hi + 1.5*w[side].pitch : w[side].lo - 1.5*w[side].pitch;
+            lw_box_add(b, lw_scene_at(s, frame, w[side].link,
+                                      lw_v2_add(w[side].centre, lw_v2_scale(w[side].along, t))));
+        }
+    }
+}
+
+/* Pins, blocks and tracers; with the guides' travel and gears where `guides`. */
+static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
+{
+    const lw_linkage *k = &s->linkage;
+    for (int i = 0; i < k->n_joint; i++) {
+        const lw_joint *j = &k->joint[i];
+        if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT) {
+            lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
+            if (guides && j->kind == LW_JOINT_GEAR)
+                add_gear(b, s, frame, i);
+            continue;
+        }
+        lw_slide w = lw_anatomy_slide(s, i);
+        lw_vec2 lo = lw_v2_add(w.at, lw_v2_scale(w.along, w.lo));
+        lw_vec2 hi = lw_v2_add(w.at, lw_v2_scale(w.along, w.hi));
+        lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));
+        if (guides) {
+            lw_box_add(b, lw_scene_at(s, frame, w.guide, lo));
+            lw_box_add(b, lw_scene_at(s, frame, w.guide, hi));
+        }
+    }
+    for (int i = 0; i < k->n_tracer; i++)
+        lw_box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
+}
+
+/* `wide`, but no more of it than a few times `core`: a motion that runs off to infinity does not make
+ * a dot of everything else. */
+static lw_box keep_core_large(lw_box wide, const lw_box *core)
+{
+    double size = lw_box_size(core), around = 1.2*size;
+    if (size == 0 || lw_box_size(&wide) < ENDLESS*size)
+        return wide;
+    return (lw_box){ fmax(wide.x0, core->x0 - around), fmax(wide.y0, core->y0 - around),
+                     fmin(wide.x1, core->x1 + around), fmin(wide.y1, core->y1 + around) };
+}
+
+lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
+{
+    lw_box core, curve = curve_box(s, true), other = curve_box(s, false);
+    lw_box_empty(&core);
+    add_points(&core, s->station, s->n_station);
+    add_links(&core, s, s->first_frame, false);
+    lw_box all = core;
+    add_links(&all, s, s->first_frame, true);
+    for (size_t f = 0; whole_motion && f < s->n_frame; f++)
+        add_links(&all, s, f, true);
+    lw_box_join(&all, &curve);
+    all = keep_core_large(all, &core);
+    lw_box with = all;                     /* other branches where they do not make the rest small */
+    lw_box_join(&with, &other);
+    return lw_box_size(&with) < 1.6*lw_box_size(&all) ? with : all;
+}
+
+lw_view lw_view_fit(lw_box c, double x, double y, double w, double h, double margin)
+{
+    double room_x = fmax(w - 2*margin, 0.2*w), room_y = fmax(h - 2*margin, 0.2*h);
+    double scale = fmin(room_x/(c.x1 - c.x0), room_y/(c.y1 - c.y0));
+    if (!isfinite(scale))                                  /* one point: any scale shows it */
+        scale = 0.25*fmin(room_x, room_y)/fmax(fmax(fabs(c.x0), fabs(c.y0)), 1e-300);
+    if (!isfinite(scale))
+        scale = 1;
+    return (lw_view){
+        .middle = lw_v2(c.x0 + (c.x1 - c.x0)/2, c.y0 + (c.y1 - c.y0)/2),
+        .scale = scale, .centre = lw_v2(x + w/2, y + h/2), .x = x, .y = y, .w = w, .h = h,
+    };
+}

@@ -1,0 +1,406 @@
+/* catalogues/exchange/adams.c - from the statements of a dataset to a linkage. */
+#include "catalogues/exchange/adams.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/exchange/export.h"
+
+#define MARKER_MAX 512
+#define FLAT       1e-9                    /* what counts as lying in the plane                      */
+
+typedef struct frame { double r[3][3], p[3]; } frame;
+
+typedef struct part { int id; frame f; } part;
+
+typedef struct marker { int id, part; frame f; } marker;       /* f: in the frame of its part          */
+
+typedef struct reader {
+    const char *file;
+    lw_linkage *k;
+    part        part[LW_LINK_MAX];
+    int         n_marker;
+    marker      marker[MARKER_MAX];
+    int         joint_id[LW_JOINT_MAX];    /* of joint j; primitives and couplers: less than 0       */
+    struct { int joint[2]; double scale[2]; char name[LW_NAME_SIZE]; long line; } coupler[LW_JOINT_MAX];
+    int         n_coupler;
+    double      metre;
+    lw_error   *e;
+} reader;
+
+static lw_status fail(const reader *r, const lw_adams_statement *s, const char *text)
+{
+    return lw_error_at(r->e, LW_E_NOTATION, r->file, s->line, 1, "%s/%d: %s", s->keyword, s->id, text);
+}
+
+/* ---- frames --------------------------------------------------------------------------------------------- */
+
+/* Body-fixed turns about z, x, z. */
+static void set_euler(frame *f, const double *a)
+{
+    double c[3], s[3];
+    for (int i = 0; i < 3; i++) {
+        c[i] = cos(a[i]);
+        s[i] = sin(a[i]);
+    }
+    const double r[3][3] = {
+        { c[0]*c[2] - s[0]*c[1]*s[2], -c[0]*s[2] - s[0]*c[1]*c[2],  s[0]*s[1] },
+        { s[0]*c[2] + c[0]*c[1]*s[2], -s[0]*s[2] + c[0]*c[1]*c[2], -c[0]*s[1] },
+        { s[1]*s[2],                   s[1]*c[2],                   c[1] }
+    };
+    memcpy(f->r, r, sizeof r);
+}
+
+static frame compose(const frame *a, const frame *b)
+{
+    frame f;
+    for (int i = 0; i < 3; i++) {
+        f.p[i] = a->p[i];
+        for (int j = 0; j < 3; j++) {
+            f.p[i] += a->r[i][j]*b->p[j];
+            f.r[i][j] = a->r[i][0]*b->r[0][j] + a->r[i][1]*b->r[1][j] + a->r[i][2]*b->r[2][j];
+        }
+    }
+    return f;
+}
+
+/* QG of a part, QP of a marker, with REULER. */
+static lw_status read_frame(reader *r, const lw_adams_statement *s, const char *place, frame *f)
+{
+    const lw_adams_argument *at = lw_adams_find(s, place), *turn = lw_adams_find(s, "REULER");
+    double angle[3] = { 0 };
+    *f = (frame){ .p = { 0 } };
+    if ((at && at->n != 3) || (turn && turn->n != 3))
+        return fail(r, s, "a place or a turn has three numbers");
+    for (int i = 0; i < 3; i++) {
+        f->p[i] = at ? at->value[i]*r->metre : 0;
+        angle[i] = turn ? turn->value[i] : 0;
+        if (!(fabs(f->p[i]) <= LW_COORDINATE_MAX) || !(fabs(angle[i]) <= 1e6))
+            return fail(r, s, "this number is too large");
+    }
+    set_euler(f, angle);
+    return LW_OK;
+}
+
+/* ---- parts, markers ------------------------------------------------------------------------------------- */
+
+static bool name_taken(const reader *r, const char *name, bool links)
+{
+    for (int i = 0; links && i < r->k->n_link; i++)
+        if (strcmp(r->k->link_name[i], name) == 0)
+            return true;
+    for (int i = 0; !links && i < r->k->n_joint; i++)
+        if (strcmp(r->k->joint[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* The name of the comment, or the letter and number; never one that is taken. */
+static void set_name(const reader *r, const lw_adams_statement *s, const char *letter, bool links, char *name)
+{
+    snprintf(name, LW_NAME_SIZE, "%s", s->name);
+    if (!name[0] || name_taken(r, name, links))
+        snprintf(name, LW_NAME_SIZE, "%s%d", letter, s->id);
+    for (int n = 2; name_taken(r, name, links); n++)
+        snprintf(name, LW_NAME_SIZE, "%s%d_%d", letter, s->id, n);
+}
+
+static lw_status read_part(reader *r, const lw_adams_statement *s)
+{
+    lw_linkage *k = r->k;
+    if (k->n_link == LW_LINK_MAX)
+        return fail(r, s, "a linkage has at most 32 links");
+    for (int i = 0; i < k->n_link; i++)
+        if (r->part[i].id == s->id)
+            return fail(r, s, "this part was there already");
+    part *p = &r->part[k->n_link];
+    char name[LW_NAME_SIZE];
+    set_name(r, s, "part", true, name);
+    memcpy(k->link_name[k->n_link], name, sizeof name);
+    if (lw_adams_find(s, "GROUND"))
+        k->ground = k->n_link;
+    k->n_link++;
+    p->id = s->id;
+    return read_frame(r, s, "QG", &p->f);
+}
+
+static int find_part(const reader *r, int id)
+{
+    for (int i = 0; i < r->k->n_link; i++)
+        if (r->part[i].id == id)
+            return i;
+    return -1;
+}
+
+static lw_status read_marker(reader *r, const lw_adams_statement *s)
+{
+    const lw_adams_argument *of = lw_adams_find(s, "PART");
+    if (r->n_marker == MARKER_MAX)
+        return fail(r, s, "there are too many markers");
+    marker *m = &r->marker[r->n_marker];
+    m->id = s->id;
+    m->part = of && of->n == 1 && of->value[0] == floor(of->value[0]) && fabs(of->value[0]) < 1e9
+            ? find_part(r, (int)of->value[0]) : -1;
+    if (m->part < 0)
+        return fail(r, s, "PART = must name a part that stands before");
+    r->n_marker++;
+    return read_frame(r, s, "QP", &m->f);
+}
+
+/* The marker an argument names, its frame in the plane. */
+static lw_status find_marker(reader *r, const lw_adams_statement *s, const char *key, int *link, frame *f)
+{
+    const lw_adams_argument *a = lw_adams_find(s, key);
+    for (int i = 0; a && a->n == 1 && i < r->n_marker; i++)
+        if (r->marker[i].id == a->value[0]) {
+            *link = r->marker[i].part;
+            *f = compose(&r->part[*link].f, &r->marker[i].f);
+            return LW_OK;
+        }
+    char text[64];
+    snprintf(text, sizeof text, "%s = must name a marker", key);
+    return fail(r, s, text);
+}
+
+/* ---- joints ----------------------------------------------------------------------------------------------- */
+
+static lw_joint_kind kind_of(const lw_adams_statement *s)
+{
+    bool primitive = strcmp(s->keyword, "JPRIM") == 0;
+    if (primitive)
+        return lw_adams_find(s, "INPLANE") ? LW_JOINT_SLOT : 0;
+    return lw_adams_find(s, "REVOLUTE") ? LW_JOINT_REVOLUTE : lw_adams_find(s, "TRANSLATIONAL") ? LW_JOINT_SLIDER
+         : lw_adams_find(s, "FIXED") ? LW_JOINT_FIXED : 0;
+}
+
+/* z of the J marker: across the plane for a pin, in it for a slider (its line) and a slot (across its line). */
+static lw_status set_direction(reader *r, const lw_adams_statement *s, const frame *f, lw_joint *p)
+{
+    lw_vec2 z = lw_v2(f->r[0][2], f->r[1][2]);
+    double length = lw_v2_norm(z);
+    if (p->kind == LW_JOINT_REVOLUTE)
+        return length < FLAT ? LW_OK : fail(r, s, "a pin must stand across the x-y plane");
+    if (p->kind == LW_JOINT_FIXED)
+        return LW_OK;
+    if (fabs(f->r[2][2]) > FLAT)
+        return fail(r, s, "the marker's z axis must lie in the x-y plane");
+    z = lw_v2_scale(z, 1/length);
+    p->along = p->kind == LW_JOINT_SLOT ? lw_v2(z.y, -z.x) : z;
+    return LW_OK;
+}
+
+static lw_status read_joint(reader *r, const lw_adams_statement *s)
+{
+    lw_linkage *k = r->k;
+    frame i, j;
+    lw_joint_kind kind = kind_of(s);
+    if (!kind)
+        return fail(r, s, "joints are REVOLUTE, TRANSLATIONAL or FIXED, primitives INPLANE");
+    if (k->n_joint == LW_JOINT_MAX)
+        return fail(r, s, "a linkage has at most 64 joints");
+    lw_joint *p = &k->joint[k->n_joint];
+    *p = (lw_joint){ .kind = kind };
+    lw_status st = find_marker(r, s, "I", &p->link[1], &i);
+    if (st == LW_OK)
+        st = find_marker(r, s, "J", &p->link[0], &j);
+    if (st == LW_OK)
+        st = set_direction(r, s, &j, p);
+    if (st != LW_OK)
+        return st;
+    const frame *at = kind == LW_JOINT_SLOT ? &i : &j;
+    p->at = lw_v2(at->p[0], at->p[1]);
+    char name[LW_NAME_SIZE];
+    set_name(r, s, "joint", false, name);
+    memcpy(p->name, name, sizeof name);
+    r->joint_id[k->n_joint++] = strcmp(s->keyword, "JOINT") == 0 ? s->id : -1;
+    return LW_OK;
+}
+
+static int find_joint(const reader *r, double id)
+{
+    for (int j = 0; j < r->k->n_joint; j++)
+        if (r->joint_id[j] == id)
+            return j;
+    return -1;
+}
+
+/* ---- gears ------------------------------------------------------------------------------------------------- */
+
+static lw_status read_coupler(reader *r, const lw_adams_statement *s)
+{
+    const lw_adams_argument *joints = lw_adams_find(s, "JOINTS"), *scales = lw_adams_find(s, "SCALES");
+    if (!joints || joints->n != 2 || !scales || scales->n < 1 || scales->n > 2)
+        return fail(r, s, "JOINTS = has two joints here, SCALES = two numbers");
+    int n = r->n_coupler;
+    if (n == LW_JOINT_MAX)
+        return fail(r, s, "there are too many couplers");
+    for (int i = 0; i < 2; i++) {
+        r->coupler[n].joint[i] = find_joint(r, joints->value[i]);
+        if (r->coupler[n].joint[i] < 0)
+            return fail(r, s, "JOINTS = must name joints that stand before");
+    }
+    r->coupler[n].scale[0] = scales->n == 2 ? scales->value[0] : 1;
+    r->coupler[n].scale[1] = scales->value[scales->n - 1];
+    r->coupler[n].line = s->line;
+    set_name(r, s, "gear", false, r->coupler[n].name);
+    if (!(fabs(r->coupler[n].scale[0]) > 0 && fabs(r->coupler[n].scale[1]) > 0))
+        return fail(r, s, "a scale must not be 0");
+    r->n_coupler++;
+    return LW_OK;
+}
+
+/* The link of joint a that joint b does not have; -1: both are of the same two links, or apart. */
+static int side_link(const lw_linkage *k, int a, int b)
+{
+    const int *p = k->joint[a].link, *q = k->joint[b].link;
+    bool first = p[0] == q[0] || p[0] == q[1], second = p[1] == q[0] || p[1] == q[1];
+    return first == second ? -1 : first ? p[1] : p[0];
+}
+
+static lw_status add_gear(reader *r, int n)
+{
+    lw_linkage *k = r->k;
+    const int *joint = r->coupler[n].joint;
+    int found[2];
+    double sign[2];
+    lw_gear g;
+    if (k->n_joint == LW_JOINT_MAX)
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "a linkage has at most 64 joints");
+    lw_joint *p = &k->joint[k->n_joint];
+    *p = (lw_joint){ .kind = LW_JOINT_GEAR, .ratio = 1,
+                     .link = { side_link(k, joint[0], joint[1]), side_link(k, joint[1], joint[0]) },
+                     .at = lw_v2_scale(lw_v2_add(k->joint[joint[0]].at, k->joint[joint[1]].at), 0.5) };
+    memcpy(p->name, r->coupler[n].name, sizeof p->name);
+    if (p->link[0] < 0 || p->link[1] < 0)
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "the coupled joints share no carrier");
+    k->n_joint++;
+    lw_error why = { 0 };
+    if (lw_export_gear(k, k->n_joint - 1, found, sign, &why) != LW_OK || found[0] != joint[0] || found[1] != joint[1])
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, r->coupler[n].line, 1, "these joints make no gear pair on one "
+                           "carrier%s%s", why.text[0] ? ": " : "", why.text);
+    p->ratio = -r->coupler[n].scale[0]/r->coupler[n].scale[1]*sign[1]/sign[0];
+    if (lw_linkage_gear(k, k->n_joint - 1, &g, &why) == LW_OK)
+        p->at = lw_linkage_contact(k, k->n_joint - 1, &g);
+    return LW_OK;
+}
+
+/* ---- inputs, tracers ---------------------------------------------------------------------------------------- */
+
+static lw_status read_motion(reader *r, const lw_adams_statement *s)
+{
+    const lw_adams_argument *of = lw_adams_find(s, "JOINT");
+    lw_linkage *k = r->k;
+    int j = of && of->n == 1 ? find_joint(r, of->value[0]) : -1;
+    if (j < 0 || (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER))
+        return fail(r, s, "JOINT = must name a pin or slider that stands before");
+    if (k->n_input == LW_INPUT_MAX)
+        return fail(r, s, "a linkage has at most 8 inputs");
+    k->input[k->n_input++] = (lw_input){ .joint = j };
+    return LW_OK;
+}
+
+static lw_status read_request(reader *r, const lw_adams_statement *s)
+{
+    lw_linkage *k = r->k;
+    frame f;
+    if (!lw_adams_find(s, "DISPLACEMENT"))
+        return LW_OK;
+    if (k->n_tracer == LW_TRACER_MAX)
+        return fail(r, s, "a linkage has at most 16 tracers");
+    lw_tracer *t = &k->tracer[k->n_tracer];
+    *t = (lw_tracer){ .link = 0 };
+    lw_status st = find_marker(r, s, "I", &t->link, &f);
+    if (st != LW_OK)
+        return st;
+    t->at = lw_v2(f.p[0], f.p[1]);
+    t->angle = atan2(f.r[1][0], f.r[0][0]);
+    snprintf(t->name, sizeof t->name, "%s", s->name);
+    for (int i = 0; i < k->n_tracer; i++)
+        if (strcmp(k->tracer[i].name, t->name) == 0)
+            t->name[0] = 0;
+    if (!t->name[0])
+        snprintf(t->name, sizeof t->name, "point %d", k->n_tracer + 1);
+    k->n_tracer++;
+    return LW_OK;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------ */
+
+static lw_status read_units(reader *r, const lw_adams_statement *s)
+{
+    static const struct { const char *adams, *ours; } names[] = {
+        { "METER", "m" }, { "METRE", "m" }, { "MILLIMETER", "mm" }, { "MILLIMETRE", "mm" }, { "CENTIMETER", "cm" },
+        { "KILOMETER", "km" }, { "INCH", "in" }, { "FOOT", "ft" }, { "MICROMETER", "um" }
+    };
+    const lw_adams_argument *length = lw_adams_find(s, "LENGTH");
+    for (size_t i = 0; length && i < sizeof names/sizeof *names; i++)
+        if (strcmp(length->text, names[i].adams) == 0) {
+            lw_units_set_length(&r->k->units, names[i].ours);
+            r->metre = r->k->units.metre;
+            return LW_OK;
+        }
+    return length ? fail(r, s, "this unit of length is not known") : LW_OK;
+}
+
+static lw_status visit(void *context, const lw_adams_statement *s, lw_error *e)
+{
+    static const struct { const char *keyword; lw_status (*read)(reader *r, const lw_adams_statement *s); } rows[] = {
+        { "UNITS", read_units }, { "PART", read_part }, { "MARKER", read_marker }, { "JOINT", read_joint },
+        { "JPRIM", read_joint }, { "COUPLER", read_coupler }, { "MOTION", read_motion }, { "REQUEST", read_request }
+    };
+    (void)e;
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
+        if (strcmp(s->keyword, rows[i].keyword) == 0)
+            return rows[i].read(context, s);
+    return LW_OK;
+}
+
+static lw_status finish(reader *r)
+{
+    lw_linkage *k = r->k;
+    lw_status s = LW_OK;
+    if (k->n_link == 0 || k->ground < 0)
+        return lw_error_at(r->e, LW_E_NOTATION, r->file, 1, 1, k->n_link == 0 ? "there is no PART in this dataset"
+                           : "no PART is the GROUND");
+    for (int n = 0; s == LW_OK && n < r->n_coupler; n++)
+        s = add_gear(r, n);
+    lw_error why = { 0 };
+    if (s == LW_OK && lw_linkage_check(k, &why) != LW_OK)
+        s = lw_error_at(r->e, LW_E_NOTATION, r->file, 1, 1, "%s", why.text);
+    for (int i = 0; s == LW_OK && i < k->n_input; i++)
+        k->input[i].value = lw_linkage_posture_input(k, k->input[i].joint);
+    return s;
+}
+
+/* The title behind its usual words. */
+static void set_title(lw_linkage *k, const char *text, size_t size)
+{
+    static const char usual[] = "ADAMS/View model name: ";
+    size_t skip = size >= sizeof usual - 1 && memcmp(text, usual, sizeof usual - 1) == 0 ? sizeof usual - 1 : 0, n = 0;
+    for (size_t i = skip; i < size && text[i] != '\n' && text[i] != '\r' && n + 1 < sizeof k->name; i++)
+        if (text[i] >= ' ' && text[i] < 127)
+            k->name[n++] = text[i];
+}
+
+lw_status lw_adams_read(const char *text, size_t size, const char *file, lw_linkage *k, lw_error *e)
+{
+    lw_error own;
+    reader *r = calloc(1, sizeof *r);
+    if (!r)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
+    memset(k, 0, sizeof *k);
+    k->units = lw_units_si();
+    k->ground = -1;
+    set_title(k, text, size);
+    r->file = file;
+    r->k = k;
+    r->metre = 1;
+    r->e = e ? e : &own;
+    lw_status s = lw_adams_scan(text, size, file, visit, r, r->e);
+    if (s == LW_OK)
+        s = finish(r);
+    free(r);
+    return s;
+}

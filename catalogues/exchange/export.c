@@ -1,0 +1,43 @@
+/* catalogues/exchange/export.c - what writers share. */
+#include "catalogues/exchange/export.h"
+
+#include <math.h>
+
+double lw_export_size(const lw_linkage *k)
+{
+    double d = 0;
+    for (int j = 1; j < k->n_joint; j++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[0].at)));
+    for (int t = 0; t < k->n_tracer; t++)
+        d = fmax(d, lw_v2_norm(lw_v2_sub(k->tracer[t].at, k->joint[0].at)));
+    return d;
+}
+
+/* The pin by which a link turns on the carrier about the centre; -1. */
+static int pin_on_carrier(const lw_linkage *k, int link, int carrier, lw_vec2 centre)
+{
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *p = &k->joint[j];
+        bool joins = (p->link[0] == link && p->link[1] == carrier) || (p->link[1] == link && p->link[0] == carrier);
+        if (joins && p->kind == LW_JOINT_REVOLUTE && p->at.x == centre.x && p->at.y == centre.y)
+            return j;
+    }
+    return -1;
+}
+
+lw_status lw_export_gear(const lw_linkage *k, int gear, int joint[2], double sign[2], lw_error *e)
+{
+    lw_gear g;
+    lw_status s = lw_linkage_gear(k, gear, &g, e);
+    for (int i = 0; s == LW_OK && i < 2; i++) {
+        int link = k->joint[gear].link[i];
+        joint[i] = g.slider[i] >= 0 ? g.slider[i] : pin_on_carrier(k, link, g.carrier, g.centre[i]);
+        if (joint[i] < 0)
+            return lw_error_set(e, LW_E_KIND, "gear '%s': '%s' turns on '%s' by no pin of their own, which this format "
+                                "needs", k->joint[gear].name, k->link_name[link], k->link_name[g.carrier]);
+        const lw_joint *p = &k->joint[joint[i]];
+        bool second = g.slider[i] < 0 && p->link[1] == k->ground ? p->link[0] == link : p->link[1] == link;
+        sign[i] = g.slider[i] >= 0 ? g.way[i] : second ? 1 : -1;
+    }
+    return s;
+}

@@ -1,0 +1,59 @@
+/* catalogues/exchange/export.h - a linkage as a file that another program runs.
+ *
+ * Every writer adds text to out in SI (metres, radians), numbers with 15 digits; after a failure out is
+ * freed.  LW_E_KIND: the linkage has something the format cannot say; LW_E_MEMORY. */
+#ifndef LW_CATALOGUES_EXPORT_H
+#define LW_CATALOGUES_EXPORT_H
+
+#include "catalogues/draw/bytes.h"
+#include "grammar/linkage.h"
+
+/* MuJoCo's MJCF.  Bodies are the moving links, nested along a spanning tree of the joints, all parallel to
+ * the world in the posture; pins are hinges about z, sliders slides, slots both; what the tree leaves out is
+ * closed by equality constraints: connect for pins, weld for sliders and welds, joint for gears.  The
+ * coordinate of a joint counts as an lw_input does, from the same value in the posture.  Tracers are sites with
+ * a sensor of their place; inputs have position actuators; links are steel rods that do not collide; no
+ * gravity. */
+lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
+ * REQUEST.  A MOTION turns its joint once in a second, or takes it there and back over the way that the linkage
+ * has.  Without masses: for kinematics.  _commands: the command file (.acf) that runs <name>.adm for a second. */
+lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
+ * way; from the posture, where time and displacement u are 0.
+ *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
+typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
+lw_export_law lw_export_law_of(const lw_linkage *k, int input);
+
+/* Plates in millimetres, in layers so that they pass each other over the whole motion (catalogues/exchange/layers.h; its
+ * failures).  DXF R12 for a cutter: outlines of lines and arcs, holes, slots, one DXF layer a link, named by its
+ * layer, laid side by side.  OpenSCAD: the plates in their layers, on pins, moving with $t. */
+lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* A sketch of SolveSpace in millimetres: points and lines of each link, constraints, and the freedoms of the linkage
+ * left to drag.  LW_E_KIND: gears, welds. */
+lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* The motion in LW_EXPORT_FRAMES postures.  CSV: frame, input, link, place x, y of the link's reference point and
+ * its turn, a row a link and posture, in the linkage's units.  SVG: the tracers' curves as paths in millimetres, y
+ * turned down.  JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator,
+ * tracers with their curves.  LW_E_KIND: no motion is known. */
+#define LW_EXPORT_FRAMES 180
+lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e);
+lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e);
+
+/* The two joints that a gear joint couples: pin or slider of side i on the carrier, and the sign with which the
+ * joint's count enters the movement of side i against the carrier, so that
+ *     sign[1] count(joint[1]) = ratio sign[0] count(joint[0]).
+ * LW_E_KIND: a side is not itself joined to the carrier; failures of lw_linkage_gear. */
+lw_status lw_export_gear(const lw_linkage *k, int gear, int joint[2], double sign[2], lw_error *e);
+
+/* The size of the posture: the greatest distance of a joint or tracer from the first joint [m]. */
+double lw_export_size(const lw_linkage *k);
+
+#endif

@@ -1,0 +1,302 @@
+/* catalogues/exchange/export_adams.c - a linkage as a dataset of ADAMS/Solver, and the commands that run it.
+ *
+ * Markers are numbered as by PLASMA, 100 part + count; the part of link i is i + 1. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/exchange/export.h"
+#include "catalogues/draw/scene.h"
+
+#define DIGITS 15
+
+typedef struct writer {
+    const lw_linkage *k;
+    lw_bytes         *out;
+    int               n_marker[LW_LINK_MAX];
+    int               at[LW_JOINT_MAX][2];     /* markers of a joint on its two links                    */
+    int               tracer[LW_TRACER_MAX];
+    int               origin;                  /* of the ground                                          */
+} writer;
+
+static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
+
+static void put_number(writer *w, double v) { lw_bytes_number(w->out, v, DIGITS); }
+
+/* "NAME/07" */
+static void put_id(writer *w, const char *what, int id, int digits)
+{
+    char text[48];
+    snprintf(text, sizeof text, "%s%0*d", what, digits, id);
+    put(w, text);
+}
+
+/* Printable ASCII without the quote. */
+static void put_plain(writer *w, const char *text)
+{
+    for (; *text; text++) {
+        char c[2] = { *text > 31 && *text < 127 && *text != '\'' ? *text : '_', 0 };
+        put(w, c);
+    }
+}
+
+static void put_name(writer *w, const char *name, const char *more)
+{
+    put(w, "!                            adams_view_name='");
+    put_plain(w, name);
+    put(w, more);
+    put(w, "'\n");
+}
+
+/* ---- parts and markers ---------------------------------------------------------------------------- */
+
+/* z axis along a direction of the plane: turn by its angle + 90 degrees about z, then by 90 about x. */
+static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double turn, const char *name)
+{
+    int id = 100*(link + 1) + ++w->n_marker[link];
+    put_name(w, name, "");
+    put_id(w, "MARKER/", id, 4);
+    put_id(w, ", PART = ", link + 1, 2);
+    put(w, ", QP = ");
+    put_number(w, at.x);
+    put(w, ", ");
+    put_number(w, at.y);
+    put(w, ", 0");
+    if (z || turn != 0) {
+        put(w, ", REULER = ");
+        put_number(w, z ? atan2(z->y, z->x) + LW_PI/2 : turn);
+        put(w, z ? ", 90D, 0" : ", 0, 0");
+    }
+    put(w, "\n");
+    return id;
+}
+
+/* Markers of joint j on link: z across the plane, along the slide, or across the slot. */
+static void put_joint_marker(writer *w, int j, int side)
+{
+    const lw_joint *p = &w->k->joint[j];
+    char name[LW_NAME_SIZE + 8];
+    lw_vec2 across = lw_v2_perp(p->along);
+    const lw_vec2 *z = p->kind == LW_JOINT_SLIDER ? &p->along : p->kind == LW_JOINT_SLOT ? &across : NULL;
+    snprintf(name, sizeof name, "%s %c", p->name, side ? 'j' : 'i');
+    w->at[j][side] = put_marker(w, p->link[side], p->at, z, 0, name);
+}
+
+static void put_parts(writer *w)
+{
+    const lw_linkage *k = w->k;
+    for (int link = 0; link < k->n_link; link++) {
+        put(w, "!\n");
+        put_name(w, k->link_name[link], "");
+        put_id(w, "PART/", link + 1, 2);
+        put(w, link == k->ground ? ", GROUND\n" : "\n");
+        for (int j = 0; j < k->n_joint; j++)
+            for (int side = 0; side < 2; side++)
+                if (k->joint[j].link[side] == link && k->joint[j].kind != LW_JOINT_GEAR)
+                    put_joint_marker(w, j, side);
+        for (int t = 0; t < k->n_tracer; t++)
+            if (k->tracer[t].link == link)
+                w->tracer[t] = put_marker(w, link, k->tracer[t].at, NULL, k->tracer[t].angle, k->tracer[t].name);
+        if (link == k->ground)
+            w->origin = put_marker(w, link, lw_v2(0, 0), NULL, 0, "origin");
+    }
+}
+
+/* ---- joints ---------------------------------------------------------------------------------------- */
+
+/* I is the marker whose movement against J counts as that of the joint (lw_input). */
+static void put_joint(writer *w, int j)
+{
+    const lw_joint *p = &w->k->joint[j];
+    bool turned = p->kind == LW_JOINT_REVOLUTE && p->link[1] == w->k->ground;
+    put_name(w, p->name, "");
+    put_id(w, p->kind == LW_JOINT_SLOT ? "JPRIM/" : "JOINT/", j + 1, 2);
+    put(w, p->kind == LW_JOINT_REVOLUTE ? ", REVOLUTE" : p->kind == LW_JOINT_SLIDER ? ", TRANSLATIONAL"
+         : p->kind == LW_JOINT_SLOT ? ", INPLANE" : ", FIXED");
+    put_id(w, ", I = ", w->at[j][turned ? 0 : 1], 4);
+    put_id(w, ", J = ", w->at[j][turned ? 1 : 0], 4);
+    put(w, "\n");
+}
+
+static lw_status put_coupler(writer *w, int gear, lw_error *e)
+{
+    int joint[2];
+    double sign[2];
+    lw_status s = lw_export_gear(w->k, gear, joint, sign, e);
+    if (s != LW_OK)
+        return s;
+    put_name(w, w->k->joint[gear].name, "");
+    put_id(w, "COUPLER/", gear + 1, 2);
+    put_id(w, ", JOINTS = ", joint[0] + 1, 2);
+    put_id(w, ", ", joint[1] + 1, 2);
+    put(w, ", SCALES = ");
+    put_number(w, w->k->joint[gear].ratio*sign[0]);
+    put(w, ", ");
+    put_number(w, -sign[1]);
+    put(w, "\n");
+    return LW_OK;
+}
+
+static lw_status put_joints(writer *w, lw_error *e)
+{
+    lw_status s = LW_OK;
+    put(w, "!\n");
+    for (int j = 0; s == LW_OK && j < w->k->n_joint; j++)
+        if (w->k->joint[j].kind == LW_JOINT_GEAR)
+            s = put_coupler(w, j, e);
+        else
+            put_joint(w, j);
+    return s;
+}
+
+/* ---- motion ---------------------------------------------------------------------------------------- */
+
+/* How far the input can go to either side of the posture; false: all around. */
+static bool input_way(const lw_linkage *k, int input, double *down, double *up)
+{
+    const lw_input *in = &k->input[input];
+    bool slider = k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    lw_scene scene;
+    *down = *up = slider ? 0.1*lw_export_size(k) : 0.1;
+    if (in->first < in->last) {
+        *down = in->value - in->first;
+        *up = in->last - in->value;
+        return true;
+    }
+    if (lw_linkage_free_inputs(k) != 1 || lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = 181, .n_curve_point = 8 }, &scene,
+                                         NULL) != LW_OK)
+        return true;
+    double here = scene.input[scene.first_frame], least = here, most = here;
+    for (size_t f = 0; f < scene.n_frame; f++) {
+        least = fmin(least, scene.input[f]);
+        most = fmax(most, scene.input[f]);
+    }
+    bool turns = !slider && scene.loops && most - least > 1.95*LW_PI;
+    if (scene.n_frame > 1) {
+        *down = here - least;
+        *up = most - here;
+    }
+    lw_scene_free(&scene);
+    return !turns;
+}
+
+lw_export_law lw_export_law_of(const lw_linkage *k, int input)
+{
+    double down, up;
+    if (!input_way(k, input, &down, &up))
+        return (lw_export_law){ .turns = true };
+    double middle = 0.5*(up - down), half = 0.99*0.5*(up + down);
+    return (lw_export_law){ .half = half, .phase = half > 0 ? asin(fmax(-1, fmin(1, -middle/half))) : 0 };
+}
+
+static void put_motion(writer *w, int input)
+{
+    const lw_input *in = &w->k->input[input];
+    bool slider = w->k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    lw_export_law law = lw_export_law_of(w->k, input);
+    put_name(w, w->k->joint[in->joint].name, " motion");
+    put_id(w, "MOTION/", input + 1, 2);
+    put_id(w, ", JOINT = ", in->joint + 1, 2);
+    put(w, slider ? ", TRANSLATION\n, FUNCTION = " : ", ROTATION\n, FUNCTION = ");
+    if (law.turns) {
+        put(w, "2*PI*TIME\n");
+        return;
+    }
+    put_number(w, -law.half*sin(law.phase));
+    put(w, " + ");
+    put_number(w, law.half);
+    put(w, "*SIN(2*PI*TIME + ");
+    put_number(w, law.phase);
+    put(w, ")\n");
+}
+
+/* A tied input goes with the first: ratio q_0 - q_i = 0. */
+static void put_tie(writer *w, int input)
+{
+    const lw_input *in = &w->k->input[input];
+    put_name(w, w->k->joint[in->joint].name, " tie");
+    put_id(w, "COUPLER/", w->k->n_joint + input, 2);
+    put_id(w, ", JOINTS = ", w->k->input[0].joint + 1, 2);
+    put_id(w, ", ", in->joint + 1, 2);
+    put(w, ", SCALES = ");
+    put_number(w, in->ratio);
+    put(w, ", -1\n");
+}
+
+static void put_requests(writer *w)
+{
+    static const char *const kind[] = { "DISPLACEMENT", "VELOCITY", "ACCELERATION" };
+    int id = 0;
+    for (int t = 0; t < w->k->n_tracer; t++)
+        for (int i = 0; i < 3; i++) {
+            put_name(w, w->k->tracer[t].name, "");
+            put_id(w, "REQUEST/", ++id, 2);
+            put(w, ", ");
+            put(w, kind[i]);
+            put_id(w, ", I = ", w->tracer[t], 4);
+            put_id(w, ", J = ", w->origin, 4);
+            put(w, "\n");
+        }
+}
+
+/* ---- the whole -------------------------------------------------------------------------------------- */
+
+lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    writer *w = calloc(1, sizeof *w);
+    if (!w)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a dataset");
+    w->k = k;
+    w->out = out;
+    lw_status s = lw_linkage_check(k, e);
+    if (s == LW_OK) {
+        put(w, "ADAMS/View model name: ");
+        put_plain(w, k->name[0] ? k->name : "linkage");
+        put(w, "\n!\nUNITS/FORCE = NEWTON, MASS = KILOGRAM, LENGTH = METER, TIME = SECOND\n");
+        put_parts(w);
+        s = put_joints(w, e);
+    }
+    if (s == LW_OK) {
+        put(w, "!\n");
+        for (int i = 0; i < k->n_input; i++)
+            if (k->input[i].ratio != 0)
+                put_tie(w, i);
+            else
+                put_motion(w, i);
+        put_requests(w);
+        put(w, "!\nRESULTS/\n!\nEND\n");
+        s = lw_bytes_end(out, e);
+    } else {
+        lw_bytes_free(out);
+    }
+    free(w);
+    return s;
+}
+
+/* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
+static void file_name(const lw_linkage *k, char *name, size_t size)
+{
+    size_t n = 0;
+    for (const char *c = k->name; *c && n + 1 < size; c++)
+        if ((*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9'))
+            name[n++] = *c;
+        else if (n > 0 && name[n - 1] != '_')
+            name[n++] = '_';
+    while (n > 0 && name[n - 1] == '_')
+        n--;
+    name[n] = 0;
+    if (n == 0)
+        snprintf(name, size, "linkage");
+}
+
+lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    char name[64];
+    file_name(k, name, sizeof name);
+    lw_bytes_text(out, name);
+    lw_bytes_text(out, ".adm\n");
+    lw_bytes_text(out, name);
+    lw_bytes_text(out, "\nOUTPUT/NOSEPARATOR\nSIMULATE/KINEMATICS, END = 1.0, STEPS = 100\nSTOP\n");
+    return lw_bytes_end(out, e);
+}

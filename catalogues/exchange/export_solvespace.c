@@ -1,0 +1,283 @@
+/* catalogues/exchange/export_solvespace.c - a linkage as a sketch of SolveSpace (file format of SolveSpace 3): every link a
+ * set of points held together, points on one pin coincident, those of the ground where they are.  One degree of
+ * freedom is left to drag. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/exchange/export.h"
+
+#define MM        1000.0
+#define DIGITS    15
+#define POINT_MAX (4*LW_JOINT_MAX + LW_TRACER_MAX)
+
+enum { COINCIDENT = 20, DISTANCE = 30, LINE_DISTANCE = 32, ON_LINE = 42, FIXED = 200 };   /* its constraint types */
+
+typedef struct sketch_point { lw_vec2 at; int link; unsigned entity; } sketch_point;      /* [mm]               */
+
+typedef struct writer {
+    const lw_linkage *k;
+    lw_bytes         *out;
+    int               n;
+    sketch_point      p[POINT_MAX];
+    int               pin[LW_JOINT_MAX][2];      /* points of a joint on its two links                          */
+    int               rail[LW_JOINT_MAX][2];     /* ends of a slide line on link[0]                              */
+    int               block[LW_JOINT_MAX][2];    /* two points of link[1] on it                                  */
+    unsigned          line[LW_JOINT_MAX];        /* the slide line                                               */
+    unsigned          request, constraint;
+    double            size;                      /* [mm]                                                         */
+} writer;
+
+/* ---- text ------------------------------------------------------------------------------------------------ */
+
+static void put(writer *w, const char *key, const char *value)
+{
+    lw_bytes_text(w->out, key);
+    lw_bytes_text(w->out, "=");
+    lw_bytes_text(w->out, value);
+    lw_bytes_text(w->out, "\n");
+}
+
+static void put_handle(writer *w, const char *key, unsigned v)
+{
+    char text[16];
+    snprintf(text, sizeof text, "%08x", v);
+    put(w, key, text);
+}
+
+static void put_int(writer *w, const char *key, int v)
+{
+    char text[16];
+    snprintf(text, sizeof text, "%d", v);
+    put(w, key, text);
+}
+
+static void put_real(writer *w, const char *key, double v)
+{
+    char text[32];
+    lw_number_text(text, v, DIGITS);
+    put(w, key, text);
+}
+
+static void put_param(writer *w, unsigned handle, double v)
+{
+    put_handle(w, "Param.h.v.", handle);
+    put_real(w, "Param.val", v);
+    lw_bytes_text(w->out, "AddParam\n\n");
+}
+
+/* type 101: a point, 200: a line segment. */
+static unsigned put_request(writer *w, int type)
+{
+    unsigned h = ++w->request;
+    put_handle(w, "Request.h.v", h);
+    put_int(w, "Request.type", type);
+    put_handle(w, "Request.workplane.v", 0x80020000u);
+    put_handle(w, "Request.group.v", 2);
+    put_int(w, "Request.construction", 0);
+    lw_bytes_text(w->out, "AddRequest\n\n");
+    return h << 16;
+}
+
+static void put_constraint(writer *w, int type, double value, unsigned a, unsigned b, unsigned line)
+{
+    put_handle(w, "Constraint.h.v", ++w->constraint);
+    put_int(w, "Constraint.type", type);
+    put_handle(w, "Constraint.group.v", 2);
+    put_handle(w, "Constraint.workplane.v", 0x80020000u);
+    if (type == DISTANCE || type == LINE_DISTANCE)
+        put_real(w, "Constraint.valA", value);
+    put_handle(w, "Constraint.ptA.v", a);
+    if (b)
+        put_handle(w, "Constraint.ptB.v", b);
+    if (line)
+        put_handle(w, "Constraint.entityA.v", line);
+    put_int(w, "Constraint.other", 0);
+    put_int(w, "Constraint.other2", 0);
+    put_int(w, "Constraint.reference", 0);
+    lw_bytes_text(w->out, "AddConstraint\n\n");
+}
+
+/* ---- points ------------------------------------------------------------------------------------------------ */
+
+/* The point of a link at this place; links meet several joints at one place by one point. */
+static int point_of(writer *w, int link, lw_vec2 at)
+{
+    lw_vec2 p = lw_v2_scale(at, MM);
+    for (int i = 0; i < w->n; i++)
+        if (w->p[i].link == link && lw_v2_norm(lw_v2_sub(w->p[i].at, p)) < 1e-9*w->size)
+            return i;
+    w->p[w->n] = (sketch_point){ .at = p, .link = link };
+    return w->n++;
+}
+
+static void collect(writer *w)
+{
+    const lw_linkage *k = w->k;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *p = &k->joint[j];
+        lw_vec2 half = lw_v2_scale(p->along, 0.25*w->size/MM);
+        if (p->kind == LW_JOINT_REVOLUTE) {
+            w->pin[j][0] = point_of(w, p->link[0], p->at);
+            w->pin[j][1] = point_of(w, p->link[1], p->at);
+            continue;
+        }
+        w->rail[j][0] = point_of(w, p->link[0], lw_v2_sub(p->at, lw_v2_scale(half, 2)));
+        w->rail[j][1] = point_of(w, p->link[0], lw_v2_add(p->at, lw_v2_scale(half, 2)));
+        w->block[j][0] = point_of(w, p->link[1], p->at);
+        w->block[j][1] = p->kind == LW_JOINT_SLOT ? w->block[j][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
+    }
+    for (int t = 0; t < k->n_tracer; t++)
+        point_of(w, k->tracer[t].link, k->tracer[t].at);
+}
+
+/* The two points of a link that are farthest apart; false: it has but one. */
+static bool base_line(const writer *w, int link, int base[2])
+{
+    double most = 0;
+    for (int i = 0; i < w->n; i++)
+        for (int j = 0; j < i; j++) {
+            double d = lw_v2_norm(lw_v2_sub(w->p[i].at, w->p[j].at));
+            if (w->p[i].link == link && w->p[j].link == link && d > most) {
+                most = d;
+                base[0] = j;
+                base[1] = i;
+            }
+        }
+    return most > 0;
+}
+
+static unsigned put_line(writer *w, const lw_vec2 a, const lw_vec2 b)
+{
+    unsigned h = put_request(w, 200);
+    put_param(w, h | 0x10, a.x);
+    put_param(w, h | 0x11, a.y);
+    put_param(w, h | 0x13, b.x);
+    put_param(w, h | 0x14, b.y);
+    return h;
+}
+
+static void put_point(writer *w, sketch_point *p)
+{
+    p->entity = put_request(w, 101);
+    put_param(w, p->entity | 0x10, p->at.x);
+    put_param(w, p->entity | 0x11, p->at.y);
+}
+
+/* A point of a moving link keeps its height over the link's base line and the distance from that end of it from
+ * which it is farther along it. */
+static void hold(writer *w, const sketch_point *p, const sketch_point *a, const sketch_point *b, unsigned line)
+{
+    lw_vec2 d = lw_v2_sub(b->at, a->at), q = lw_v2_sub(p->at, a->at);
+    double length = lw_v2_norm(d), height = lw_v2_cross(d, q)/length, along = lw_v2_dot(d, q)/length;
+    const sketch_point *from = along > 0.5*length ? a : b;
+    if (fabs(height) < 1e-9*w->size)
+        put_constraint(w, ON_LINE, 0, p->entity, 0, line);
+    else
+        put_constraint(w, LINE_DISTANCE, -height, p->entity, 0, line);
+    put_constraint(w, DISTANCE, lw_v2_norm(lw_v2_sub(p->at, from->at)), p->entity, from->entity, 0);
+}
+
+static void put_link(writer *w, int link)
+{
+    int base[2] = { -1, -1 };
+    bool ground = link == w->k->ground, has_line = base_line(w, link, base);
+    unsigned line = 0;
+    if (has_line) {
+        line = put_line(w, w->p[base[0]].at, w->p[base[1]].at);
+        w->p[base[0]].entity = line | 1;
+        w->p[base[1]].entity = line | 2;
+    }
+    for (int i = 0; i < w->n; i++)
+        if (w->p[i].link == link && i != base[0] && i != base[1])
+            put_point(w, &w->p[i]);
+    for (int i = 0; i < w->n; i++) {
+        if (w->p[i].link != link)
+            continue;
+        if (ground)
+            put_constraint(w, FIXED, 0, w->p[i].entity, 0, 0);
+        else if (i != base[0] && i != base[1] && has_line)
+            hold(w, &w->p[i], &w->p[base[0]], &w->p[base[1]], line);
+    }
+    if (!ground && has_line)
+        put_constraint(w, DISTANCE, lw_v2_norm(lw_v2_sub(w->p[base[0]].at, w->p[base[1]].at)), line | 1, line | 2, 0);
+}
+
+/* ---- joints -------------------------------------------------------------------------------------------------- */
+
+/* Pins at one place that share a link are one: a point already joined to another is not joined again. */
+static void put_pins(writer *w)
+{
+    int group[POINT_MAX];
+    for (int i = 0; i < w->n; i++)
+        group[i] = i;
+    for (int j = 0; j < w->k->n_joint; j++) {
+        int a = group[w->pin[j][0]], b = group[w->pin[j][1]];
+        if (w->k->joint[j].kind != LW_JOINT_REVOLUTE || a == b)
+            continue;
+        put_constraint(w, COINCIDENT, 0, w->p[w->pin[j][0]].entity, w->p[w->pin[j][1]].entity, 0);
+        for (int i = 0; i < w->n; i++)
+            if (group[i] == b)
+                group[i] = a;
+    }
+}
+
+/* A line of its own along the rail, its ends on the rail's points. */
+static void put_slide(writer *w, int j)
+{
+    const int *rail = w->rail[j], *block = w->block[j];
+    unsigned line = put_line(w, w->p[rail[0]].at, w->p[rail[1]].at);
+    put_constraint(w, COINCIDENT, 0, line | 1, w->p[rail[0]].entity, 0);
+    put_constraint(w, COINCIDENT, 0, line | 2, w->p[rail[1]].entity, 0);
+    put_constraint(w, ON_LINE, 0, w->p[block[0]].entity, 0, line);
+    if (block[1] != block[0])
+        put_constraint(w, ON_LINE, 0, w->p[block[1]].entity, 0, line);
+}
+
+static void put_head(writer *w)
+{
+    static const char groups[] =
+        "\xb1\xb2\xb3SolveSpaceREVa\n\n\n"
+        "Group.h.v=00000001\nGroup.type=5000\nGroup.name=#references\nGroup.color=ff000000\nGroup.visible=1\n"
+        "Group.scale=1.00000000000000000000\nGroup.remap={\n}\nAddGroup\n\n"
+        "Group.h.v=00000002\nGroup.type=5001\nGroup.order=1\nGroup.name=linkage\nGroup.activeWorkplane.v=80020000\n"
+        "Group.color=ff000000\nGroup.subtype=6000\nGroup.predef.q.w=1.00000000000000000000\n"
+        "Group.predef.origin.v=00010001\nGroup.visible=1\nGroup.allowRedundant=0\n"
+        "Group.scale=1.00000000000000000000\nGroup.remap={\n}\nAddGroup\n\n"
+        "Request.h.v=00000001\nRequest.type=100\nRequest.group.v=00000001\nRequest.construction=0\nAddRequest\n\n"
+        "Request.h.v=00000002\nRequest.type=100\nRequest.group.v=00000001\nRequest.construction=0\nAddRequest\n\n"
+        "Request.h.v=00000003\nRequest.type=100\nRequest.group.v=00000001\nRequest.construction=0\nAddRequest\n\n";
+    lw_bytes_add(w->out, groups, sizeof groups - 1);
+    w->request = 3;
+}
+
+static lw_status check(const lw_linkage *k, lw_error *e)
+{
+    lw_status s = lw_linkage_check(k, e);
+    for (int j = 0; s == LW_OK && j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_GEAR || k->joint[j].kind == LW_JOINT_FIXED)
+            s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch", k->joint[j].name);
+    return s;
+}
+
+lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    lw_status s = check(k, e);
+    writer *w = s == LW_OK ? calloc(1, sizeof *w) : NULL;
+    if (!w)
+        return s == LW_OK ? lw_error_set(e, LW_E_MEMORY, "out of memory for a sketch") : s;
+    w->k = k;
+    w->out = out;
+    w->size = MM*lw_export_size(k);
+    collect(w);
+    put_head(w);
+    for (int link = 0; link < k->n_link; link++)
+        put_link(w, link);
+    put_pins(w);
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind != LW_JOINT_REVOLUTE)
+            put_slide(w, j);
+    free(w);
+    return lw_bytes_end(out, e);
+}

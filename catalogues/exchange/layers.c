@@ -1,0 +1,409 @@
+/* catalogues/exchange/layers.c - which link lies in which layer. */
+#include "catalogues/exchange/layers_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "catalogues/draw/body_shapes.h"
+
+#define STEPS_MAX 1000000
+#define LEVELS    3                   /* of postures: as given, 4 and 16 times as many */
+
+typedef struct work {
+    const lw_scene *s;
+    lw_layers      *l;
+    bool            meet[LW_LINK_MAX][LW_LINK_MAX];      /* cannot be in one layer                   */
+    uint32_t        hits[LW_PIN_MAX];                    /* links that come too near to the pin      */
+    uint8_t         pair[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* a verdict; pins after links; b < a */
+    double          room[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* for sure between them [m]          */
+    int             n_layer;
+    long            steps;
+} work;
+
+/* ---- plates ------------------------------------------------------------------------------------------- */
+
+static int by_place(const void *a, const void *b)
+{
+    const lw_vec2 *p = a, *q = b;
+    return p->x < q->x ? -1 : p->x > q->x ? 1 : p->y < q->y ? -1 : p->y > q->y;
+}
+
+/* Convex hull, counter-clockwise (Andrew's chains); corners on a line are left out.  out has room for n + 1. */
+static int hull(lw_vec2 *p, int n, double size, lw_vec2 *out)
+{
+    int m = 0;
+    qsort(p, (size_t)n, sizeof *p, by_place);
+    for (int pass = 0, base = 0; pass < 2; pass++, base = m - 1)
+        for (int i = 0; i < n; i++) {
+            lw_vec2 q = p[pass ? n - 1 - i : i];
+            if (pass && i == 0)
+                continue;
+            while (m - base >= 2 && lw_v2_cross(lw_v2_sub(out[m - 1], out[m - 2]), lw_v2_sub(q, out[m - 2]))
+                                    <= 1e-12*size*size)
+                m--;
+            if (m > 0 && lw_v2_norm(lw_v2_sub(q, out[m - 1])) < 1e-9*size)
+                continue;
+            out[m++] = q;
+        }
+    return m > 1 && lw_v2_norm(lw_v2_sub(out[m - 1], out[0])) < 1e-9*size ? m - 1 : m;
+}
+
+static bool on_pin(const lw_pin *p, lw_vec2 at, int a, int b)
+{
+    return p->at.x == at.x && p->at.y == at.y && ((p->links >> a & 1) || (p->links >> b & 1));
+}
+
+static void add_hole(lw_layers *l, int link, lw_vec2 a, lw_vec2 b)
+{
+    lw_plate *p = &l->plate[link];
+    for (int i = 0; i < p->n_hole; i++)
+        if (p->hole[i].a.x == a.x && p->hole[i].a.y == a.y && p->hole[i].b.x == b.x && p->hole[i].b.y == b.y)
+            return;
+    if (p->n_hole < LW_HOLE_MAX)
+        p->hole[p->n_hole++] = (lw_hole){ a, b };
+}
+
+static void add_pin(lw_layers *l, lw_vec2 at, int a, int b, int owner)
+{
+    for (int i = 0; i < l->n_pin; i++)
+        if (on_pin(&l->pin[i], at, a, b)) {
+            l->pin[i].links |= 1u << a | 1u << b;
+            return;
+        }
+    if (l->n_pin < LW_PIN_MAX)
+        l->pin[l->n_pin++] = (lw_pin){ .at = at, .links = 1u << a | 1u << b, .owner = owner };
+}
+
+/* Which links a joint makes guide and block, and where the block is on the line. */
+static lw_slide slide_of(const lw_scene *s, int j)
+{
+    const lw_joint *p = &s->linkage.joint[j];
+    if (p->kind == LW_JOINT_SLOT)
+        return (lw_slide){ .guide = p->link[0], .block = p->link[1], .at = p->at, .along = p->along };
+    return lw_anatomy_slide(s, j);
+}
+
+/* How far a point of the block runs along the guide's line, seen from the guide; where it turns back between two
+ * postures, an eighth of the second difference further than in them. */
+static void travel(const lw_scene *s, const lw_slide *q, double *lo, double *hi)
+{
+    double then = 0, now = 0;
+    *lo = *hi = 0;
+    for (size_t f = 0; f < s->n_frame + 2*(size_t)s->loops; f++) {
+        size_t at = f % s->n_frame;
+        lw_vec2 p = lw_scene_at(s, at, q->block, q->at), o = lw_scene_at(s, at, q->guide, q->at);
+        lw_vec2 d = lw_v2_sub(lw_scene_at(s, at, q->guide, lw_v2_add(q->at, q->along)), o);
+        double t = lw_v2_dot(lw_v2_sub(p, o), d), beyond = f > 1 ? fabs(t - 2*now + then)/8 : 0;
+        *lo = fmin(*lo, fmin(t, now - beyond));
+        *hi = fmax(*hi, fmax(t, now + beyond));
+        then = now;
+        now = t;
+    }
+}
+
+static void add_slide(const lw_scene *s, int j, lw_layers *l)
+{
+    lw_slide q = slide_of(s, j);
+    double lo, hi, apart = s->linkage.joint[j].kind == LW_JOINT_SLOT ? 0 : l->radius;
+    travel(s, &q, &lo, &hi);
+    for (int side = apart > 0 ? -1 : 1; side <= 1; side += 2) {
+        lw_vec2 at = lw_v2_add(q.at, lw_v2_scale(q.along, side*apart));
+        add_pin(l, at, q.guide, q.block, q.block);
+        add_hole(l, q.block, at, at);
+    }
+    add_hole(l, q.guide, lw_v2_add(q.at, lw_v2_scale(q.along, lo - apart)),
+             lw_v2_add(q.at, lw_v2_scale(q.along, hi + apart)));
+}
+
+static void make_plates(const lw_scene *s, lw_layers *l)
+{
+    const lw_linkage *k = &s->linkage;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *p = &k->joint[j];
+        if (p->kind != LW_JOINT_REVOLUTE) {
+            add_slide(s, j, l);
+            continue;
+        }
+        add_pin(l, p->at, p->link[0], p->link[1], p->link[0] == k->ground ? p->link[0] : p->link[1]);
+        add_hole(l, p->link[0], p->at, p->at);
+        add_hole(l, p->link[1], p->at, p->at);
+    }
+    for (int t = 0; t < k->n_tracer; t++)
+        add_hole(l, k->tracer[t].link, k->tracer[t].at, k->tracer[t].at);
+    for (int link = 0; link < k->n_link; link++) {
+        lw_plate *q = &l->plate[link];
+        lw_vec2 p[2*LW_HOLE_MAX], out[2*LW_HOLE_MAX + 2];
+        int n = 0;
+        for (int i = 0; i < q->n_hole; i++) {
+            p[n++] = q->hole[i].a;
+            p[n++] = q->hole[i].b;
+        }
+        n = hull(p, n, lw_v2_norm(lw_v2_sub(p[0], p[n - 1])) + l->radius, out);
+        q->n_corner = n < LW_CORNER_MAX ? n : LW_CORNER_MAX;
+        memcpy(q->corner, out, (size_t)q->n_corner*sizeof *out);
+    }
+}
+
+/* A third of the shortest distance of two pins of one link. */
+static double usual_radius(const lw_linkage *k)
+{
+    double least = INFINITY, size = 0;
+    for (int i = 0; i < k->n_joint; i++)
+        for (int j = 0; j < i; j++) {
+            const lw_joint *p = &k->joint[i], *q = &k->joint[j];
+            double d = lw_v2_norm(lw_v2_sub(p->at, q->at));
+            bool shared = p->link[0] == q->link[0] || p->link[0] == q->link[1] || p->link[1] == q->link[0]
+                       || p->link[1] == q->link[1];
+            size = fmax(size, d);
+            if (shared && d > 0 && p->kind == LW_JOINT_REVOLUTE && q->kind == LW_JOINT_REVOLUTE)
+                least = fmin(least, d);
+        }
+    return fmin(least/3, size/25);
+}
+
+/* ---- what is in the way ---------------------------------------------------------------------------------- */
+
+/* OPEN: not known yet; ROUGH: they do not meet, but for sure there is less than half of the room that was seen. */
+typedef enum verdict { OPEN, ROUGH, CLEAR, MEET } verdict;
+
+static verdict judge(const lw_approach *d, double limit)
+{
+    double seen = d->seen - limit, sure = d->sure - limit;
+    return seen <= 0 ? MEET : sure <= 0 ? OPEN : 2*sure < seen ? ROUGH : CLEAR;
+}
+
+/* Links and pins of one scene as bodies; pins after links. */
+static lw_status move_all(const work *w, const lw_scene *s, lw_body *body)
+{
+    lw_status st = LW_OK;
+    int n = s->linkage.n_link;
+    for (int i = 0; i < n && st == LW_OK; i++)
+        st = lw_body_move(s, i, w->l->plate[i].corner, w->l->plate[i].n_corner, &body[i]);
+    for (int p = 0; p < w->l->n_pin && st == LW_OK; p++)
+        st = lw_body_move(s, w->l->pin[p].owner, &w->l->pin[p].at, 1, &body[n + p]);
+    return st;
+}
+
+/* Try every pair that wants it in the postures of s.  Returns how many do so still. */
+static int look_at_pairs(work *w, const lw_scene *s, const lw_body *body)
+{
+    int n = s->linkage.n_link, n_open = 0;
+    for (int a = 0; a < n + w->l->n_pin; a++)
+        for (int b = 0; b < n && b < a; b++) {
+            double limit = w->l->radius + (a < n ? w->l->radius : w->l->bore);
+            if (w->pair[a][b] > ROUGH)
+                continue;
+            lw_approach d = lw_body_approach(s, &body[a], &body[b]);
+            w->pair[a][b] = (uint8_t)judge(&d, limit);
+            w->room[a][b] = d.sure - limit;
+            n_open += w->pair[a][b] <= ROUGH;
+        }
+    return n_open;
+}
+
+/* Which pairs need no look: links on one pin meet, a pin and its links belong together, the ground is alone. */
+static void settle_joints(work *w)
+{
+    const lw_linkage *k = &w->s->linkage;
+    int n = k->n_link;
+    for (int p = 0; p < w->l->n_pin; p++)
+        for (int a = 0; a < n; a++) {
+            if (!(w->l->pin[p].links >> a & 1))
+                continue;
+            w->pair[n + p][a] = CLEAR;
+            w->room[n + p][a] = INFINITY;
+            for (int b = 0; b < a; b++)
+                if (w->l->pin[p].links >> b & 1)
+                    w->pair[a][b] = MEET;
+        }
+    for (int a = 0; a < n + w->l->n_pin; a++) {
+        w->pair[a][k->ground] = CLEAR;
+        w->room[a][k->ground] = INFINITY;
+    }
+    for (int b = 0; b < k->ground; b++) {
+        w->pair[k->ground][b] = CLEAR;
+        w->room[k->ground][b] = INFINITY;
+    }
+    for (int j = 0; j < k->n_joint; j++) {
+        int a = k->joint[j].link[0], b = k->joint[j].link[1];
+        w->pair[a > b ? a : b][a > b ? b : a] = MEET;
+    }
+}
+
+/* In the postures of the scene, then in four times as many, and so on while pairs want it; those that stay open are
+ * taken to meet. */
+static lw_status find_conflicts(work *w)
+{
+    const lw_linkage *k = &w->s->linkage;
+    lw_scene fine = { 0 };
+    lw_status st = LW_OK;
+    int n = k->n_link, n_open = 1;
+    settle_joints(w);
+    for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
+        const lw_scene *s = level ? &fine : w->s;
+        lw_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
+        size_t wanted = w->s->n_frame << 2*level;
+        if (level)
+            st = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
+        if (st == LW_OK && s->n_frame >= wanted)
+            st = move_all(w, s, body);
+        if (st == LW_OK && s->n_frame >= wanted)
+            n_open = look_at_pairs(w, s, body);
+        for (int i = 0; i < n + w->l->n_pin; i++)
+            lw_body_free(&body[i]);
+        if (level)
+            lw_scene_free(&fine);
+    }
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < a; b++)
+            w->meet[a][b] = w->meet[b][a] = w->pair[a][b] == OPEN || w->pair[a][b] == MEET;
+    for (int p = 0; p < w->l->n_pin; p++)
+        for (int a = 0; a < n; a++)
+            w->hits[p] |= (uint32_t)(w->pair[n + p][a] == OPEN || w->pair[n + p][a] == MEET) << a;
+    return st;
+}
+
+/* The least room of plates in one layer, and of pins and the plates they pass. */
+static double least_room(const work *w)
+{
+    const lw_layers *l = w->l;
+    int n = w->s->linkage.n_link;
+    double least = INFINITY;
+    for (int a = 0; a < n; a++)
+        for (int b = 0; b < a; b++)
+            if (l->layer[a] == l->layer[b])
+                least = fmin(least, w->room[a][b]);
+    for (int p = 0; p < l->n_pin; p++)
+        for (int a = 0; a < n; a++)
+            if (l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high)
+                least = fmin(least, w->room[n + p][a]);
+    return least;
+}
+
+/* ---- layers ------------------------------------------------------------------------------------------------- */
+
+/* Does every pin pass what lies between the links placed so far? */
+static bool pins_pass(work *w)
+{
+    lw_layers *l = w->l;
+    for (int p = 0; p < l->n_pin; p++) {
+        int low = LW_LINK_MAX, high = -1;
+        for (int i = 0; i < w->s->linkage.n_link; i++)
+            if ((l->pin[p].links >> i & 1) && l->layer[i] >= 0) {
+                low = l->layer[i] < low ? l->layer[i] : low;
+                high = l->layer[i] > high ? l->layer[i] : high;
+            }
+        l->pin[p].low = low;
+        l->pin[p].high = high;
+        for (int i = 0; i < w->s->linkage.n_link; i++)
+            if ((w->hits[p] >> i & 1) && l->layer[i] > low && l->layer[i] < high)
+                return false;
+    }
+    return true;
+}
+
+/* Layers (bits) that are open to a link. */
+static uint32_t open_layers(work *w, int link)
+{
+    uint32_t open = 0;
+    for (int at = 1; at < w->n_layer; at++) {
+        bool free_here = true;
+        for (int i = 0; free_here && i < w->s->linkage.n_link; i++)
+            free_here = !(w->l->layer[i] == at && w->meet[link][i]);
+        w->l->layer[link] = at;
+        if (free_here && pins_pass(w))
+            open |= 1u << at;
+    }
+    w->l->layer[link] = -1;
+    return open;
+}
+
+/* The link with the fewest layers left next (Brelaz 1979), all of these in turn. */
+static bool place(work *w, int left)
+{
+    int best = -1, fewest = LW_LINK_MAX + 1;
+    uint32_t choice = 0;
+    if (left == 0)
+        return pins_pass(w);
+    if (++w->steps > STEPS_MAX)
+        return false;
+    for (int i = 0; i < w->s->linkage.n_link; i++) {
+        if (w->l->layer[i] >= 0)
+            continue;
+        uint32_t open = open_layers(w, i);
+        int n = __builtin_popcount(open);
+        if (n < fewest) {
+            fewest = n;
+            best = i;
+            choice = open;
+        }
+    }
+    for (int at = 1; at < w->n_layer; at++)
+        if (choice >> at & 1) {
+            w->l->layer[best] = at;
+            if (place(w, left - 1))
+                return true;
+        }
+    w->l->layer[best] = -1;
+    return false;
+}
+
+static lw_status find_layers(work *w, lw_error *e)
+{
+    const lw_linkage *k = &w->s->linkage;
+    for (w->n_layer = 2; w->n_layer <= k->n_link; w->n_layer++) {
+        for (int i = 0; i < k->n_link; i++)
+            w->l->layer[i] = i == k->ground ? 0 : -1;
+        w->steps = 0;
+        if (place(w, k->n_link - 1)) {
+            w->l->n_layer = w->n_layer;
+            return LW_OK;
+        }
+    }
+    if (w->steps > STEPS_MAX)
+        return lw_error_set(e, LW_STOPPED, "no layers were found in %d steps in which the links pass each other",
+                            STEPS_MAX);
+    return lw_error_set(e, LW_NOTHING, "there are no layers in which all links pass each other and the pins over the "
+                        "whole motion; a smaller range of the input, or pins held from both sides, would help");
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------ */
+
+static lw_status check(const lw_scene *s, lw_error *e)
+{
+    const lw_linkage *k = &s->linkage;
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_GEAR || k->joint[j].kind == LW_JOINT_FIXED)
+            return lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds are not cut from plates", k->joint[j].name);
+    if (s->n_frame < 2)
+        return lw_error_set(e, LW_E_KIND, "plates need the motion. %s", s->note);
+    return LW_OK;
+}
+
+lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_error *e)
+{
+    work *w = NULL;
+    lw_status st = check(s, e);
+    if (st != LW_OK)
+        return st;
+    memset(l, 0, sizeof *l);
+    l->radius = radius > 0 ? radius : usual_radius(&s->linkage);
+    l->bore = 0.4*l->radius;
+    l->thickness = l->radius;
+    make_plates(s, l);
+    w = calloc(1, sizeof *w);
+    if (w) {
+        w->s = s;
+        w->l = l;
+    }
+    st = w ? find_conflicts(w) : LW_E_MEMORY;
+    if (st == LW_OK)
+        st = find_layers(w, e);
+    if (st == LW_OK)
+        l->room = least_room(w);
+    else if (st == LW_E_MEMORY)
+        lw_error_set(e, st, "out of memory for the layers of a linkage");
+    free(w);
+    return st;
+}

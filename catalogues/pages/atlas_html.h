@@ -1,0 +1,35 @@
+/* catalogues/pages/atlas_html.h - a catalogue as a folder of web pages that work from a disk, without a server.
+ *
+ *     index.html             overview by links and assortment; search and filter over all chains, with pictures
+ *     chain-P-F-N.html       a chain: picture, properties, notations to copy, ground links with inputs and Assur groups
+ *     linkages-P-F-N.html    linkages found for that chain, moving (catalogues/pages/page.h); linkages-other.html: of others
+ *
+ * Every page is whole in itself: style sheet and script inside, named by their hashes in a policy that lets
+ * nothing be loaded; all texts of the catalogue are escaped.  Without scripts the pages can be read too. */
+#ifndef LW_CATALOGUES_ATLAS_HTML_H
+#define LW_CATALOGUES_ATLAS_HTML_H
+
+#include "catalogues/store/store.h"
+
+typedef struct lw_atlas_html_options {
+    const char *title;             /* of the overview                                  ("Atlas of mechanisms") */
+    int         links;             /* only chains with so many; 0: all                                     (0) */
+    int         limit;             /* only the first so many chains; 0: all                                (0) */
+    int         jobs;              /* threads; 0: one a core                                               (0) */
+    int         n_linkage;         /* moving linkages shown for a chain, the best first                   (12) */
+    bool      (*goes_on)(void *context, double done, double total);   /* after each chain; NULL         (NULL) */
+    void       *context;
+} lw_atlas_html_options;
+
+lw_atlas_html_options lw_atlas_html_options_default(void);
+
+/* How many chains that are, and about how many bytes of pages (a tenth more or less, moving linkages not counted). */
+lw_status lw_atlas_html_expect(lw_store *s, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
+                               lw_error *e);
+
+/* Write the pages into folder `dir`, which is made when there is none; the overview last.  *n_page: how many were
+ * written; *n_byte: their size.  LW_NOTHING: no chain; LW_STOPPED: goes_on said so; LW_E_IO; LW_E_MEMORY. */
+lw_status lw_atlas_html_write(lw_store *s, const char *dir, const lw_atlas_html_options *o, size_t *n_page,
+                              size_t *n_byte, lw_error *e);
+
+#endif

@@ -1,0 +1,39 @@
+/* catalogues/pages/page.h - one HTML file that shows targets, the linkages found for them and how they move.
+ *
+ * Everything is inside the file: it opens from a disk without a network, and its content security
+ * policy forbids it to load anything.  The script only plays postures worked out before. */
+#ifndef LW_CATALOGUES_PAGE_H
+#define LW_CATALOGUES_PAGE_H
+
+#include "catalogues/draw/bytes.h"
+#include "catalogues/draw/scene.h"
+
+/* One linkage found.  Numbers that are NAN and texts that are NULL are left out. */
+typedef struct lw_page_result {
+    const lw_scene *scene;        /* what is drawn, moved, and whose dimensions are listed          */
+    const char *type;             /* "four-bar"                                                     */
+    const char *class_name;       /* "GCRR crank-rocker"                                            */
+    const char *note;             /* a sentence below the picture                                   */
+    double objective;             /* value of eq. 17                                                */
+    double error_mean, error_max; /* [m]                                                            */
+    double error_percent;         /* mean error in percent of the path's length                     */
+} lw_page_result;
+
+typedef struct lw_page_target {
+    const char *name;             /* of the tab                                                     */
+    const char *about;            /* a paragraph; NULL: none                                        */
+    int n_result;                 /* best first                                                     */
+    const lw_page_result *result;
+} lw_page_target;
+
+typedef struct lw_page {
+    const char *title, *about;    /* about: NULL or a paragraph below the title                     */
+    const char *home, *home_title;/* NULL, or where a link below that leads, and its words          */
+    int n_target;
+    const lw_page_target *target;
+} lw_page;
+
+/* Texts may hold anything; they are escaped.  LW_E_ARG for a page without a result. */
+lw_status lw_page_write(const lw_page *p, lw_bytes *out, lw_error *e);
+
+#endif

@@ -1,0 +1,324 @@
+/* catalogues/store/atlas_search.c - the curves of a catalogue nearest to a target. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "catalogues/store/atlas_internal.h"
+
+#define SMOOTH_POINTS 512              /* a target of fewer points than FEW becomes a curve of so many */
+#define FEW           64
+
+typedef struct source { long long sweep; lw_curve_maker *maker; } source;
+typedef struct block  { float bound; uint32_t n; long long id; int source; } block;
+
+/* A curve that may be among the nearest: of a block, or a linkage that was added (source -1). */
+typedef struct found  { float square; int source; long long id; uint32_t n, index; } found;
+
+typedef struct search {
+    lw_store     *store;
+    lw_error     *e;
+    bool          closed;
+    lw_describer  tables;
+    lw_descriptor target;
+    lw_matcher    matcher;
+    float         forth[LW_TERMS], back[LW_TERMS];
+    int           n_source, k, n_found;
+    source       *source;
+    size_t        n_block, room;
+    block        *block;
+    found        *found;               /* (k) nearest first */
+    lw_atlas_search count;
+} search;
+
+/* ---- reading the boxes ------------------------------------------------------------------------------ */
+
+/* The least a curve in the box can be away from the target, squared. */
+static float bound_of(const float size[LW_TERMS], const lw_curve_box *b)
+{
+    float sum = 0;
+    for (int k = 0; k < LW_TERMS; k++) {
+        /* half a unit for the rounding of the sizes */
+        float least = ((float)b->least[k] - 1)*(float)(1/LW_TERM_ONE);
+        float most = ((float)b->most[k] + 1)*(float)(1/LW_TERM_ONE);
+        float off = size[k] < least ? least - size[k] : size[k] > most ? size[k] - most : 0;
+        sum += off*off;
+    }
+    return sum;
+}
+
+static lw_status find_source(search *s, long long sweep, const lw_value *families, int *which)
+{
+    for (*which = 0; *which < s->n_source; ++*which)
+        if (s->source[*which].sweep == sweep)
+            return LW_OK;
+    source *more = realloc(s->source, sizeof *more*(size_t)(s->n_source + 1));
+    if (!more)
+        return LW_E_MEMORY;
+    s->source = more;
+    lw_status status = lw_curve_maker_of(families->text ? families->text : "", &more[s->n_source].maker, s->e);
+    if (status == LW_OK)
+        more[s->n_source++].sweep = sweep;
+    return status;
+}
+
+static lw_status take_segment(void *context, int n_column, const char *const *name, const lw_value *v)
+{
+    search *s = context;
+    size_t n = v[1].size/sizeof(lw_curve_box);
+    int which;
+    (void)n_column, (void)name;
+    lw_status status = find_source(s, v[2].integer, &v[3], &which);
+    if (status != LW_OK)
+        return status;
+    if (s->n_block + n > s->room) {
+        size_t room = 2*s->room + n;
+        block *more = realloc(s->block, room*sizeof *more);
+        if (!more)
+            return LW_E_MEMORY;
+        s->block = more;
+        s->room = room;
+    }
+    for (size_t i = 0; i < n; i++) {
+        lw_curve_box b;
+        memcpy(&b, v[1].text + i*sizeof b, sizeof b);
+        if (b.n > LW_BLOCK_MAX)
+            return lw_error_set(s->e, LW_E_NOTATION, "the catalogue is damaged: a block of %u curves", (unsigned)b.n);
+        s->block[s->n_block++] = (block){ fminf(bound_of(s->forth, &b), bound_of(s->back, &b)), b.n,
+                                          v[0].integer + (long long)i, which };
+        s->count.n_curve += b.n;
+    }
+    return LW_OK;
+}
+
+static int by_bound(const void *a, const void *b)
+{
+    const block *x = a, *y = b;
+    return x->bound < y->bound ? -1 : x->bound > y->bound ? 1 : x->id < y->id ? -1 : x->id > y->id;
+}
+
+/* ---- comparing --------------------------------------------------------------------------------------- */
+
+static float worst(const search *s)
+{
+    return s->n_found < s->k ? INFINITY : s->found[s->k - 1].square;
+}
+
+static void keep(search *s, found f)
+{
+    int at = s->n_found < s->k ? s->n_found++ : s->k - 1;
+    for (; at > 0 && s->found[at - 1].square > f.square; at--)
+        s->found[at] = s->found[at - 1];
+    s->found[at] = f;
+}
+
+static void compare(search *s, const lw_packed *p, found f)
+{
+    float size[LW_TERMS], forth = 0, back = 0, least = worst(s);
+    lw_packed_size(p, size);
+    for (int k = 0; k < LW_TERMS; k++) {
+        float a = size[k] - s->forth[k], b = size[k] - s->back[k];
+        forth += a*a;
+        back += b*b;
+    }
+    if (fminf(forth, back) >= least)
+        return;
+    s->count.n_compared++;
+    f.square = lw_matcher_square(&s->matcher, p);
+    if (f.square < least)
+        keep(s, f);
+}
+
+static lw_status look_into_blocks(search *s)
+{
+    lw_packed terms[LW_BLOCK_MAX];
+    if (s->n_block > 0)
+        qsort(s->block, s->n_block, sizeof *s->block, by_bound);
+    s->count.n_block = s->n_block;
+    for (size_t i = 0; i < s->n_block && s->block[i].bound < worst(s); i++) {
+        const block *b = &s->block[i];
+        lw_status status = lw_store_block(s->store, b->id, false, terms, b->n*sizeof *terms, s->e);
+        if (status != LW_OK)
+            return status;
+        s->count.n_read++;
+        for (uint32_t k = 0; k < b->n; k++)
+            compare(s, &terms[k], (found){ 0, b->source, b->id, b->n, k });
+    }
+    return LW_OK;
+}
+
+/* Linkages that were added are few: one after the other. */
+static lw_status take_linkage(void *context, int n_column, const char *const *name, const lw_value *v)
+{
+    search *s = context;
+    lw_packed p;
+    (void)n_column, (void)name;
+    if (v[1].size != sizeof p)
+        return LW_OK;
+    memcpy(&p, v[1].text, sizeof p);
+    s->count.n_curve++;
+    compare(s, &p, (found){ 0, -1, v[0].integer, 0, 0 });
+    return LW_OK;
+}
+
+static lw_status find_all(search *s)
+{
+    lw_value closed = { .kind = LW_VALUE_INTEGER, .integer = s->closed };
+    lw_store_query segments = {
+        .sql = "SELECT first_block, boxes, sweep, families FROM curve_segment JOIN sweep ON sweep.id = "
+               "curve_segment.sweep WHERE closed = ?1",
+        .value = &closed, .n_value = 1, .row = take_segment, .context = s };
+    lw_store_query linkages = { .sql = "SELECT id, terms FROM linkage WHERE closed = ?1 AND terms IS NOT NULL",
+                                .value = &closed, .n_value = 1, .row = take_linkage, .context = s };
+    lw_status status = lw_store_ask(s->store, &linkages, s->e);
+    if (status == LW_OK)
+        status = lw_store_ask(s->store, &segments, s->e);
+    return status == LW_OK ? look_into_blocks(s) : status;
+}
+
+/* ---- the linkages of what was found ------------------------------------------------------------------ */
+
+typedef struct added { search *s; lw_atlas_hit *hit; lw_descriptor *curve; bool good; } added;
+
+static lw_status read_added(void *context, int n_column, const char *const *name, const lw_value *v)
+{
+    added *a = context;
+    (void)n_column, (void)name;
+    size_t n = v[1].size/(2*sizeof(float));
+    lw_vec2 *p = malloc((n + 1)*sizeof *p);
+    if (!p)
+        return LW_E_MEMORY;
+    for (size_t i = 0; i < n; i++) {
+        float xy[2];
+        memcpy(xy, v[1].text + i*sizeof xy, sizeof xy);
+        p[i] = lw_v2(xy[0], xy[1]);
+    }
+    a->good = v[0].text && lw_linkage_read(v[0].text, v[0].size, "catalogue", &a->hit->linkage, a->s->e) == LW_OK
+           && lw_descriptor_make(&a->s->tables, p, n, a->s->closed, a->curve) == LW_OK;
+    if (v[2].text)
+        snprintf(a->hit->type, sizeof a->hit->type, "%.7s", v[2].text);
+    free(p);
+    return LW_OK;
+}
+
+static lw_status fetch_added(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
+{
+    added a = { s, hit, curve, false };
+    lw_value id = { .kind = LW_VALUE_INTEGER, .integer = f->id };
+    lw_store_query q = { .sql = "SELECT json, curve, type FROM linkage WHERE id = ?1", .value = &id, .n_value = 1,
+                         .row = read_added, .context = &a };
+    lw_status status = lw_store_ask(s->store, &q, s->e);
+    hit->id = f->id;
+    *good = a.good;
+    return status;
+}
+
+static lw_status fetch_drawn(search *s, const found *f, lw_atlas_hit *hit, lw_descriptor *curve, bool *good)
+{
+    const lw_curve_maker *maker = s->source[f->source].maker;
+    lw_curve_row row[LW_BLOCK_MAX];
+    lw_vec2 p[LW_CURVE_POINTS];
+    lw_status status = lw_store_block(s->store, f->id, true, row, f->n*sizeof *row, s->e);
+    if (status != LW_OK)
+        return status;
+    void *work = aligned_alloc(64, lw_curve_work_size(maker));
+    if (!work)
+        return LW_E_MEMORY;
+    *good = lw_curve_points(maker, &row[f->index], s->closed, work, p) == LW_OK
+         && lw_curve_linkage(maker, &row[f->index], &hit->linkage) == LW_OK
+         && lw_descriptor_make(&s->tables, p, LW_CURVE_POINTS, s->closed, curve) == LW_OK;
+    free(work);
+    if (!*good)
+        return LW_OK;
+    const lw_family *family = lw_curve_family(maker, &row[f->index]);
+    snprintf(hit->family, sizeof hit->family, "%s", family->name);
+    snprintf(hit->type, sizeof hit->type, "%s", family->type ? family->type : "");
+    return LW_OK;
+}
+
+static void lay_on_target(const search *s, const lw_descriptor *curve, lw_atlas_hit *hit)
+{
+    lw_match m;
+    lw_vec2 centre = curve->centre;
+    lw_descriptor_match(&s->target, curve, &m);
+    double size = s->target.size/curve->size;
+    centre.y = m.mirrored ? -centre.y : centre.y;
+    centre = lw_v2_turn(centre, lw_v2_polar(size, m.turn));
+    lw_linkage_lay(&hit->linkage, m.mirrored, m.turn, size, lw_v2_sub(s->target.centre, centre));
+    hit->distance = m.distance;
+    hit->distance_m = m.distance*s->target.size;
+    hit->closed = s->closed;
+}
+
+static lw_status fetch_all(search *s, lw_atlas_hit *hit, int *n_hit)
+{
+    lw_status status = LW_OK;
+    *n_hit = 0;
+    for (int i = 0; i < s->n_found && status == LW_OK; i++) {
+        lw_atlas_hit *h = &hit[*n_hit];
+        lw_descriptor curve;
+        bool good = false;
+        *h = (lw_atlas_hit){ 0 };
+        status = (s->found[i].source < 0 ? fetch_added : fetch_drawn)(s, &s->found[i], h, &curve, &good);
+        if (status != LW_OK || !good)
+            continue;
+        lay_on_target(s, &curve, h);
+        lw_atlas_hit put = *h;                         /* the exact distance may change the order a little */
+        int at = (*n_hit)++;
+        for (; at > 0 && hit[at - 1].distance > put.distance; at--)
+            hit[at] = hit[at - 1];
+        hit[at] = put;
+    }
+    return status;
+}
+
+/* ---- the whole ----------------------------------------------------------------------------------------- */
+
+static lw_status describe_target(search *s, const lw_vec2 *p, size_t n)
+{
+    lw_vec2 smooth[SMOOTH_POINTS];
+    bool few = n >= 3 && n < FEW;
+    if (few)
+        lw_curve_smooth(p, n, s->closed, smooth, SMOOTH_POINTS);
+    if (lw_descriptor_make(&s->tables, few ? smooth : p, few ? SMOOTH_POINTS : n, s->closed, &s->target) != LW_OK)
+        return lw_error_set(s->e, LW_E_ARG, "the target is no curve: it wants two different points at least");
+    lw_matcher_make(&s->target, &s->matcher);
+    lw_descriptor_sizes(&s->target, s->forth, s->back);
+    return LW_OK;
+}
+
+lw_status lw_store_nearest(lw_store *store, const lw_vec2 *p, size_t n, bool closed, int k, lw_atlas_hit *hit,
+                           int *n_hit, lw_atlas_search *count, lw_error *e)
+{
+    lw_error ignored;
+    search *s = calloc(1, sizeof *s);
+    *n_hit = 0;
+    if (k < 1 || !s) {
+        free(s);
+        return lw_error_set(e, s ? LW_E_ARG : LW_E_MEMORY, s ? "at least one curve must be wanted" : "out of memory");
+    }
+    s->store = store;
+    s->e = e ? e : &ignored;
+    s->closed = closed;
+    s->k = k;
+    s->found = malloc((size_t)k*sizeof *s->found);
+    lw_describer_make(&s->tables);
+    lw_status status = s->found ? describe_target(s, p, n) : lw_error_set(s->e, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK)
+        status = find_all(s);
+    if (status == LW_OK)
+        status = fetch_all(s, hit, n_hit);
+    if (status == LW_OK && *n_hit == 0)
+        status = lw_error_set(s->e, LW_NOTHING, "the catalogue holds no %s curves; 'linkwright catalogue curves' draws "
+                                                "some", closed ? "closed" : "open");
+    if (status == LW_E_MEMORY)
+        lw_error_set(s->e, status, "out of memory");
+    if (count)
+        *count = s->count;
+    for (int i = 0; i < s->n_source; i++)
+        lw_curve_maker_free(s->source[i].maker);
+    free(s->source);
+    free(s->block);
+    free(s->found);
+    free(s);
+    return status;
+}

@@ -1,0 +1,63 @@
+/* catalogues/store/query.h - the small language of questions to a catalogue, made into SQL with parameters.
+ *
+ *     links=6 and sliders>=1 and class=GCRR and error<0.01
+ *     links=8..10 and not planar;  symmetry>1 or grounds<5;  name~"Jansen*";  error_max<2mm;  class in (GCRR, GCCC)
+ *
+ *     question = test, with  and  or  not  ( )
+ *     test     = field | field op value | field in (value, ...) | field = least..greatest
+ *     op       = =  !=  <  <=  >  >=  ~        ~: a pattern with * and ?, or a part of the text
+ *     value    = number with or without a unit (mm, deg, ...) | word | "text" | 'text' | yes | no | none
+ *
+ * What nobody knows (null) is neither equal nor unequal to anything but  none.  Every value goes into the SQL
+ * as a parameter and every field comes out of a table here, so that no text can become SQL. */
+#ifndef LW_CATALOGUES_QUERY_H
+#define LW_CATALOGUES_QUERY_H
+
+#include "catalogues/draw/bytes.h"
+#include "catalogues/store/store.h"
+
+#define LW_QUERY_VALUE_MAX 64
+#define LW_QUERY_TEXT_MAX  4096
+
+/* What is listed. */
+typedef enum lw_query_list {
+    LW_LIST_CHAINS, LW_LIST_MECHANISMS, LW_LIST_LINKAGES, LW_LIST_STRUCTURES,
+    LW_LIST_ANY                                  /* the first with all fields                         */
+} lw_query_list;
+
+typedef enum lw_field_kind {
+    LW_FIELD_INTEGER, LW_FIELD_REAL, LW_FIELD_LENGTH, LW_FIELD_ANGLE, LW_FIELD_TEXT, LW_FIELD_FLAG
+} lw_field_kind;
+
+typedef struct lw_field {
+    const char   *name, *about;
+    lw_field_kind kind;
+    const char   *sql[LW_LIST_ANY];              /* in each list; NULL: not there                    */
+} lw_field;
+
+extern const lw_field lw_fields[];               /* ends with name NULL                              */
+extern const char *const lw_list_names[LW_LIST_ANY + 1];
+
+typedef struct lw_query_options {
+    lw_query_list list;
+    const char   *columns;                       /* fields apart by commas; NULL: those of the list  */
+    const char   *sort;                          /* fields apart by commas, - before one: falling; NULL */
+    long          limit;                         /* rows; 0: all                                     */
+} lw_query_options;
+
+/* SQL for lw_store_ask. */
+typedef struct lw_query {
+    lw_query_list list;
+    lw_bytes      sql;
+    int           n_value;
+    lw_value      value[LW_QUERY_VALUE_MAX];
+    char          text[2*LW_QUERY_TEXT_MAX];     /* of the values                                    */
+} lw_query;
+
+/* text may be NULL or empty: everything.  LW_E_NOTATION with the column and what to do: an unknown field (with a
+ * suggestion), a value that is none, a parenthesis without its other half; LW_E_ARG: fields that do not stand in one
+ * list; LW_E_MEMORY.  Free with lw_query_free, also after a failure. */
+lw_status lw_query_compile(const char *text, const lw_query_options *o, lw_query *q, lw_error *e);
+void      lw_query_free(lw_query *q);
+
+#endif

@@ -1,0 +1,112 @@
+/* catalogues/store/store_curves.c - segments of the atlas into the store, and blocks out of it. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include "catalogues/store/atlas_internal.h"
+#include "catalogues/store/store_internal.h"
+
+lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)
+{
+    bool any;
+    char seed[24];
+    sqlite3_int64 samples = 0, segments = 0;
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)sweep->seed);
+    lw_status status = lw_store_do(s, "INSERT OR IGNORE INTO sweep(families, kinds, seed) VALUES(?1, ?2, ?3)", e, "tit",
+                                   sweep->families, (long long)sweep->kinds, seed);
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT id FROM sweep WHERE families = ?1 AND kinds = ?2 AND seed = ?3", &s->sweep,
+                               &any, e, "tit", sweep->families, (long long)sweep->kinds, seed);
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT samples FROM sweep WHERE id = ?1", &samples, &any, e, "i",
+                               (long long)s->sweep);
+    if (status == LW_OK)
+        status = lw_store_find(s, "SELECT segments FROM sweep WHERE id = ?1", &segments, &any, e, "i",
+                               (long long)s->sweep);
+    sweep->samples = (uint64_t)samples;
+    sweep->segments = (uint64_t)segments;
+    return status;
+}
+
+static lw_status put_tree(lw_store *s, const lw_atlas_tree *t, lw_error *e)
+{
+    sqlite3_int64 last = 0;
+    bool any;
+    size_t at = 0;
+    lw_status status = lw_store_find(s, "SELECT max(id) FROM curve_block", &last, &any, e, "");
+    for (size_t b = 0; b < t->n_block && status == LW_OK; b++) {
+        size_t n = t->box[b].n;
+        status = lw_store_do(s, "INSERT INTO curve_block(id, terms, linkages) VALUES(?1, ?2, ?3)", e, "ibb",
+                             (long long)last + 1 + (long long)b, t->terms + at, n*sizeof *t->terms, t->row + at,
+                             n*sizeof *t->row);
+        at += n;
+    }
+    if (status == LW_OK)
+        status = lw_store_do(s, "INSERT INTO curve_segment(sweep, number, closed, n, first_block, boxes, run) "
+                             "SELECT ?1, segments + 1, ?2, ?3, ?4, ?5, ?6 FROM sweep WHERE id = ?1", e, "iiiibi",
+                             (long long)s->sweep, (long long)t->closed, (long long)t->n, (long long)last + 1, t->box,
+                             t->n_block*sizeof *t->box, (long long)s->run);
+    return status;
+}
+
+lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t n_sample, lw_error *e)
+{
+    lw_status status = LW_OK;
+    for (int i = 0; i < 2 && status == LW_OK; i++)
+        if (tree[i].n > 0)
+            status = put_tree(s, &tree[i], e);
+    if (status == LW_OK)
+        status = lw_store_do(s, "UPDATE sweep SET samples = samples + ?1, segments = segments + 1 WHERE id = ?2", e,
+                             "ii", (long long)n_sample, (long long)s->sweep);
+    return status;
+}
+
+/* ---- linkages that were found ------------------------------------------------------------------------ */
+
+lw_status lw_store_has_linkage(lw_store *s, const char *hash, bool *has, lw_error *e)
+{
+    sqlite3_int64 id;
+    return lw_store_find(s, "SELECT id FROM linkage WHERE hash = ?1", &id, has, e, "t", hash);
+}
+
+/* -1: not known */
+static double known(int v)
+{
+    return v < 0 ? NAN : v;
+}
+
+lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error *e)
+{
+    return lw_store_do(s, "INSERT OR IGNORE INTO linkage(hash, name, links, dof, joints, sliders, kinds, label, type, "
+                          "family, class, task, timing, target, source, objective, error, error_mean, error_rms, "
+                          "error_max, error_curve, angle_error, crank, circuits, transmission_min, transmission_max, "
+                          "size, closed, curve, terms, json, run) VALUES(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+                          "?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, "
+                          "?30, ?31, ?32)", e, "ttiiiittttttttt" "ddddddd" "dd" "ddd" "d" "bbti", k->hash, k->name,
+                       (long long)k->links, (long long)k->dof, (long long)k->joints, (long long)k->sliders, k->kinds,
+                       k->label, k->type, k->family, k->four_bar, k->task, k->timing, k->target, k->source,
+                       k->objective, k->error, k->error_mean, k->error_rms, k->error_max, k->error_curve,
+                       k->angle_error, known(k->crank), known(k->circuits), k->transmission_min, k->transmission_max,
+                       k->size, known(k->closed), k->curve, 2*k->n_curve*sizeof *k->curve, k->terms, k->terms_size,
+                       k->json, (long long)s->run);
+}
+
+/* ---- blocks out of the store ------------------------------------------------------------------------ */
+
+lw_status lw_store_block(lw_store *s, long long id, bool linkages, void *to, size_t size, lw_error *e)
+{
+    sqlite3_stmt *t;
+    lw_status status = lw_store_prepare(s, linkages ? "SELECT linkages FROM curve_block WHERE id = ?1"
+                                        : "SELECT terms FROM curve_block WHERE id = ?1", &t, e);
+    if (status != LW_OK)
+        return status;
+    sqlite3_bind_int64(t, 1, id);
+    int code = sqlite3_step(t);
+    if (code != SQLITE_ROW && code != SQLITE_DONE)
+        status = lw_store_fail(s, code, "cannot be read", e);
+    else if (code == SQLITE_DONE || (size_t)sqlite3_column_bytes(t, 0) != size)
+        status = lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "block %lld of curves is not what its box says", id);
+    else
+        memcpy(to, sqlite3_column_blob(t, 0), size);
+    sqlite3_reset(t);
+    return status;
+}

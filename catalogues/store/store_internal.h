@@ -1,0 +1,42 @@
+/* catalogues/store/store_internal.h - what the files of the store share: statements made once, values bound by
+ * a format, SQLite's failures in our words. */
+#ifndef LW_CATALOGUES_STORE_INTERNAL_H
+#define LW_CATALOGUES_STORE_INTERNAL_H
+
+#include <sqlite3.h>
+#include "catalogues/store/store.h"
+
+#define LW_STORE_STATEMENT_MAX 32
+
+struct lw_store {
+    sqlite3      *db;
+    char          path[1024], lock_path[1040];
+    int           lock, found_version;       /* lock: a file descriptor, -1 when nothing is written   */
+    bool          writes, made;              /* made: there was no file                               */
+    sqlite3_int64 run, build, sweep;
+    int           n_statement;
+    struct { const char *sql; sqlite3_stmt *statement; } statement[LW_STORE_STATEMENT_MAX];
+};
+
+/* The schema as steps from one version to the next: step[0] makes version 1 of an empty file. */
+extern const char *const lw_store_steps[];
+extern const int         lw_store_step_count;
+
+/* Bring the file from version `from` to the newest, in one transaction. */
+lw_status lw_store_migrate(lw_store *s, int from, lw_error *e);
+
+/* What SQLite's last failure (or `code`) means, with the file's name; `doing` is "cannot be read" or the like. */
+lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e);
+
+/* The statement of this text (the same pointer gives the same one), reset and without values. */
+lw_status lw_store_prepare(lw_store *s, const char *sql, sqlite3_stmt **statement, lw_error *e);
+
+/* Bind ?1, ?2, ... by letters: i long long, d double, t const char * (NULL: null), b const void * and size_t; d
+ * that is not finite becomes null.  Run to its end. */
+lw_status lw_store_do(lw_store *s, const char *sql, lw_error *e, const char *format, ...);
+
+/* The same for a SELECT of at most one row with one whole number. */
+lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e,
+                        const char *format, ...);
+
+#endif

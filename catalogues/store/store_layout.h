@@ -1,0 +1,17 @@
+/* catalogues/store/store_layout.h - the places of the joints of a chain as a catalogue keeps them: chain.layout.
+ *
+ * Little-endian bytes: 1 (version), n_link, n_joint, bit 0 planar, n_cross, symmetry; least angle and gap as float; the
+ * numbers of joints of link 1, 2, ... ; the joints of each in the order of its outline; x, y of each joint
+ * as float; x, y of the free end of each link that has a single joint.  Some 190 bytes for twelve links. */
+#ifndef LW_CATALOGUES_STORE_LAYOUT_H
+#define LW_CATALOGUES_STORE_LAYOUT_H
+
+#include "catalogues/draw/bytes.h"
+#include "catalogues/draw/chain_layout.h"
+
+void lw_layout_pack(const lw_chain_layout *l, int n_link, lw_bytes *out);
+
+/* LW_E_NOTATION when the bytes are no layout of n_link links. */
+lw_status lw_layout_unpack(const void *bytes, size_t size, int n_link, lw_chain_layout *l);
+
+#endif

@@ -1,0 +1,83 @@
+/* catalogues/store/store_schema.c - the tables of a catalogue, version by version; docs/catalogue.md explains them. */
+#include <stdio.h>
+#include "catalogues/store/store_internal.h"
+
+/* A version that a program was given out with is never changed: a new step is added. */
+static const char version_1[] =
+    "CREATE TABLE run("
+    " id INTEGER PRIMARY KEY, action TEXT NOT NULL, what TEXT NOT NULL, program TEXT NOT NULL, seed TEXT NOT NULL,"
+    " command TEXT NOT NULL, units TEXT NOT NULL, begun TEXT NOT NULL, ended TEXT);"
+    "CREATE TABLE build("
+    " id INTEGER PRIMARY KEY, links INTEGER NOT NULL, dof INTEGER NOT NULL, joints TEXT NOT NULL,"
+    " done INTEGER NOT NULL DEFAULT 0, complete INTEGER NOT NULL DEFAULT 0, UNIQUE(links, dof, joints));"
+    "CREATE TABLE structure("
+    " id INTEGER PRIMARY KEY, loops INTEGER NOT NULL, number INTEGER NOT NULL, circles INTEGER NOT NULL,"
+    " lines INTEGER NOT NULL, planar INTEGER NOT NULL, form TEXT NOT NULL UNIQUE, derivation TEXT NOT NULL,"
+    " run INTEGER NOT NULL REFERENCES run(id), UNIQUE(loops, number));"
+    "CREATE TABLE chain("
+    " id INTEGER PRIMARY KEY, label TEXT NOT NULL UNIQUE, graph6 TEXT NOT NULL, links INTEGER NOT NULL,"
+    " dof INTEGER NOT NULL, joints INTEGER NOT NULL, loops INTEGER NOT NULL,"
+    " structure INTEGER REFERENCES structure(id),"
+    " assortment TEXT NOT NULL, binary INTEGER NOT NULL, ternary INTEGER NOT NULL, quaternary INTEGER NOT NULL,"
+    " quinary INTEGER NOT NULL, senary INTEGER NOT NULL, symmetry INTEGER NOT NULL, grounds INTEGER NOT NULL,"
+    " planar INTEGER NOT NULL, franke TEXT NOT NULL, sentence TEXT NOT NULL, matrix TEXT NOT NULL, layout BLOB,"
+    " run INTEGER NOT NULL REFERENCES run(id));"
+    "CREATE INDEX chain_links ON chain(links, dof);"
+    "CREATE TABLE ground("
+    " chain INTEGER NOT NULL REFERENCES chain(id), link INTEGER NOT NULL, alike INTEGER NOT NULL,"
+    " PRIMARY KEY(chain, link)) WITHOUT ROWID;"
+    "CREATE TABLE mechanism("
+    " id INTEGER PRIMARY KEY, chain INTEGER NOT NULL REFERENCES chain(id), ground INTEGER NOT NULL,"
+    " kinds TEXT NOT NULL, sliders INTEGER NOT NULL, inputs TEXT NOT NULL, assur TEXT NOT NULL,"
+    " groups_n INTEGER NOT NULL, highest INTEGER NOT NULL, modes INTEGER, run INTEGER NOT NULL REFERENCES run(id),"
+    " UNIQUE(chain, ground, kinds, inputs));";
+
+/* Curves and linkages that were found. */
+static const char version_2[] =
+    "CREATE TABLE sweep("
+    " id INTEGER PRIMARY KEY, families TEXT NOT NULL, kinds INTEGER NOT NULL, seed TEXT NOT NULL,"
+    " samples INTEGER NOT NULL DEFAULT 0, segments INTEGER NOT NULL DEFAULT 0, UNIQUE(families, kinds, seed));"
+    "CREATE TABLE curve_segment("
+    " id INTEGER PRIMARY KEY, sweep INTEGER NOT NULL REFERENCES sweep(id), number INTEGER NOT NULL,"
+    " closed INTEGER NOT NULL, n INTEGER NOT NULL, first_block INTEGER NOT NULL, boxes BLOB NOT NULL,"
+    " run INTEGER NOT NULL REFERENCES run(id), UNIQUE(sweep, number, closed));"
+    "CREATE TABLE curve_block(id INTEGER PRIMARY KEY, terms BLOB NOT NULL, linkages BLOB NOT NULL);"
+    "CREATE TABLE linkage("
+    " id INTEGER PRIMARY KEY, hash TEXT NOT NULL UNIQUE, name TEXT NOT NULL, links INTEGER NOT NULL,"
+    " dof INTEGER NOT NULL, joints INTEGER NOT NULL, sliders INTEGER NOT NULL, kinds TEXT NOT NULL, label TEXT,"
+    " type TEXT, family TEXT, class TEXT, task TEXT, timing TEXT, target TEXT, source TEXT,"
+    " objective REAL, error REAL, error_mean REAL, error_rms REAL, error_max REAL, error_curve REAL, angle_error REAL,"
+    " crank INTEGER, circuits INTEGER, transmission_min REAL, transmission_max REAL, size REAL, closed INTEGER,"
+    " curve BLOB, terms BLOB, json TEXT NOT NULL, run INTEGER NOT NULL REFERENCES run(id));"
+    "CREATE INDEX linkage_label ON linkage(label);"
+    "CREATE INDEX linkage_error ON linkage(error);";
+
+const char *const lw_store_steps[] = { version_1, version_2 };
+const int lw_store_step_count = sizeof lw_store_steps/sizeof *lw_store_steps;
+
+static int run_steps(lw_store *s, int from)
+{
+    char sql[80];
+    int code = SQLITE_OK;
+    for (int i = from; i < lw_store_step_count && code == SQLITE_OK; i++)
+        code = sqlite3_exec(s->db, lw_store_steps[i], NULL, NULL, NULL);
+    if (code != SQLITE_OK)
+        return code;
+    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d", LW_STORE_APPLICATION,
+             lw_store_step_count);
+    return sqlite3_exec(s->db, sql, NULL, NULL, NULL);
+}
+
+lw_status lw_store_migrate(lw_store *s, int from, lw_error *e)
+{
+    lw_status status = lw_store_begin(s, e);
+    if (status != LW_OK)
+        return status;
+    int code = run_steps(s, from);
+    if (code != SQLITE_OK) {
+        status = lw_store_fail(s, code, from ? "an older file cannot be brought up to date" : "cannot be made", e);
+        lw_store_rollback(s);
+        return status;
+    }
+    return lw_store_commit(s, e);
+}

@@ -1,0 +1,222 @@
+/* cli/bench/bench_links.c - error against number of links and seconds: every problem searched with four links, then six,
+ * then eight, and what was best with so many links when. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/clock.h"
+#include "catalogues/draw/draw.h"
+#include "catalogues/draw/plot.h"
+#include "cli/bench/bench.h"
+#include "cli/fit/fit_stages.h"
+#include "cli/program/progress.h"
+
+enum { POINT_MAX = 512 };
+
+/* The best so far, told as the search goes: of the problem's own stages one after the other. */
+typedef struct point { int stage; long evals; double seconds, error; } point;
+
+typedef struct watch {
+    double started, least[LW_STAGE_MAX];
+    int    stage, n;
+    long   last;
+    point  p[POINT_MAX];
+    int    stop;
+} watch;
+
+/* The best linkage with up to so many links, simulated twice. */
+typedef struct best {
+    int    links;
+    char   name[64];
+    double objective, percent, seconds;
+    lw_likeness likeness;
+} best;
+
+typedef struct outcome { int n; best best[LW_STAGE_MAX]; watch watch; } outcome;
+
+static void record(void *context, long evals, double seconds, double error)
+{
+    watch *w = context;
+    (void)seconds;
+    w->stage += evals < w->last;                         /* each number of links counts from 0     */
+    w->last = evals;
+    w->stop |= cli_interrupted();
+    if (w->n < POINT_MAX)
+        w->p[w->n++] = (point){ w->stage, evals, lw_clock_wall() - w->started, error };
+}
+
+static void look_for_interrupt(void *context, double done, double seconds, double error)
+{
+    watch *w = context;
+    (void)done; (void)seconds; (void)error;
+    w->stop |= cli_interrupted();
+}
+
+static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const lw_survey *s, outcome *out)
+{
+    double seconds = 0;
+    lw_report *r = malloc(sizeof *r);
+    out->n = s->n_stage;
+    for (int k = 0; k < s->n_stage && r; k++) {
+        best *b = &out->best[k];
+        seconds += s->stage[k].seconds;
+        *b = (best){ .links = s->stage[k].links, .objective = INFINITY, .percent = NAN, .seconds = seconds,
+                     .likeness = { NAN, NAN, NAN, NAN } };
+        for (int i = 0; i < s->fit.n; i++) {
+            const lw_candidate *c = &s->fit.candidate[i];
+            if (lw_candidate_links(c) > b->links || c->objective >= b->objective
+                || lw_report_make(&p->target, spec, c, r, NULL) != LW_OK || !r->verified)
+                continue;
+            b->objective = c->objective;
+            b->percent = r->error_percent;
+            b->likeness = r->likeness;
+            snprintf(b->name, sizeof b->name, "%s", lw_family_title(c->family));
+        }
+    }
+    free(r);
+}
+
+static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, outcome *out, lw_error *e)
+{
+    cli_topologies topologies;
+    cli_fit_stages stages;
+    cli_fit_known none = { 0 };
+    lw_survey survey;
+    cli_topology_wish wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
+                               .timed = p->spec.task == LW_TASK_FUNCTION
+                                     || p->spec.timing == LW_TIMING_PRESCRIBED };
+    lw_status st = cli_topologies_make(&wish, &topologies, e);
+    if (st != LW_OK)
+        return st;
+    cli_fit_stages_make(&topologies, &none, &stages);
+    lw_fit_options f = lw_fit_options_default();
+    f.spec = p->spec;
+    if (o->both_ways && f.spec.timing == LW_TIMING_FREE)
+        f.spec.timing = LW_TIMING_NONE;
+    f.seed = o->seed;
+    f.jobs = o->jobs;
+    f.budget = o->budget;
+    f.n_result = 12;
+    f.interrupt = &out->watch.stop;
+    f.progress = look_for_interrupt;
+    f.improved = record;
+    f.context = &out->watch;
+    out->watch.started = lw_clock_wall();
+    st = lw_survey_run(&p->target, &f, stages.stage, stages.n, &survey, e);
+    if (st >= 0 && st != LW_NOTHING)
+        pick_best(p, &f.spec, &survey, out);
+    if (st >= 0)
+        lw_survey_free(&survey);
+    cli_topologies_free(&topologies);
+    return st < 0 ? st : LW_OK;
+}
+
+/* ---- what is printed ----------------------------------------------------------------------------------- */
+
+static void print_rows(const cli_bench_problem *p, const outcome *out, FILE *f)
+{
+    for (int k = 0; k < out->n; k++) {
+        const best *b = &out->best[k];
+        fprintf(f, "| %-18s | %2d | %.4g | %.3g | %.3g | %.3g | %6.1f | %s |\n", p->name, b->links,
+                b->percent, b->objective, b->likeness.chamfer, b->likeness.ordered,
+                b->seconds, b->name[0] ? b->name : "none");
+    }
+}
+
+/* The mean over the problems, of each number of links. */
+static void print_means(const outcome *out, int n, FILE *f)
+{
+    for (int k = 0; n > 1 && k < out[0].n; k++) {
+        double percent = 0, chamfer = 0, ordered = 0, seconds = 0;
+        int count = 0;
+        for (int i = 0; i < n; i++) {
+            const best *b = &out[i].best[k];
+            if (k >= out[i].n || !isfinite(b->likeness.chamfer))
+                continue;
+            percent += b->percent;
+            chamfer += b->likeness.chamfer;
+            ordered += b->likeness.ordered;
+            seconds += b->seconds;
+            count++;
+        }
+        if (count > 0)
+            fprintf(f, "| mean of %-10d | %2d | %.4g | | %.3g | %.3g | %6.1f | |\n", count, out[0].best[k].links,
+                    percent/count, chamfer/count, ordered/count, seconds/count);
+    }
+}
+
+static lw_status save_csv(const cli_bench *b, const outcome *out, const char *folder, lw_error *e)
+{
+    char path[1024];
+    lw_output o;
+    snprintf(path, sizeof path, "%s/links.csv", folder);
+    lw_status st = lw_output_open(&o, path, e);
+    if (st != LW_OK)
+        return st;
+    fprintf(o.f, "# %s\nproblem,links,evaluations,seconds,objective\n", b->machine);
+    for (int i = 0; i < b->n_problem; i++)
+        for (int k = 0; k < out[i].watch.n; k++) {
+            const point *p = &out[i].watch.p[k];
+            int links = p->stage < out[i].n ? out[i].best[p->stage].links : 0;
+            fprintf(o.f, "%s,%d,%ld,%.4f,%.9g\n", b->problem[i].name, links, p->evals, p->seconds, p->error);
+        }
+    return lw_output_commit(&o, e);
+}
+
+/* One plot a problem: a line for each number of links. */
+static lw_status save_plot(const cli_bench_problem *p, const outcome *out, const char *folder, lw_error *e)
+{
+    double x[POINT_MAX], y[POINT_MAX];
+    lw_series series[LW_STAGE_MAX];
+    char name[LW_STAGE_MAX][32], path[1024];
+    lw_plot plot = { .title = p->name, .x_label = "seconds", .y_label = "error: sum of squared distances",
+                     .log_x = true, .log_y = true, .series = series };
+    for (int k = 0, at = 0; k < out->n; k++) {
+        int first = at;
+        for (; at < out->watch.n && out->watch.p[at].stage == k; at++) {
+            x[at] = out->watch.p[at].seconds;
+            y[at] = out->watch.p[at].error;
+        }
+        snprintf(name[k], sizeof name[k], "%d links", out->best[k].links);
+        series[plot.n_series++] = (lw_series){ name[k], (size_t)(at - first), x + first, y + first, true };
+    }
+    snprintf(path, sizeof path, "%s/links-%s.svg", folder, p->name);
+    lw_status st = lw_draw_plot(&plot, path, e);
+    return st == LW_NOTHING ? LW_OK : st;
+}
+
+static lw_status save_all(const cli_bench *b, const outcome *out, const char *folder, lw_error *e)
+{
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno));
+    lw_status st = save_csv(b, out, folder, e);
+    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
+        st = save_plot(&b->problem[i], &out[i], folder, e);
+    return st;
+}
+
+lw_status cli_bench_links_run(const cli_call *call, const cli_bench *b, const cli_bench_links *o, lw_error *e)
+{
+    outcome *out = calloc((size_t)b->n_problem + 1, sizeof *out);
+    lw_status st = out ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    cli_progress line = cli_progress_begin(call, "bench", "problems");
+    int done = 0;
+    if (st == LW_OK)
+        printf("%s\n\n| problem | links | %% of path | objective | Chamfer | ordered | s | linkage |\n"
+               "|---|---|---|---|---|---|---|---|\n", b->machine);
+    for (; done < b->n_problem && st == LW_OK && !cli_interrupted(); done++) {
+        cli_progress_show(&line, done, b->n_problem, b->problem[done].name);
+        st = run_one(&b->problem[done], o, &out[done], e);
+        print_rows(&b->problem[done], &out[done], stdout);
+        fflush(stdout);
+    }
+    cli_progress_end(&line);
+    if (st == LW_OK)
+        print_means(out, done, stdout);
+    if (st == LW_OK && o->folder)
+        st = save_all(b, out, o->folder, e);
+    free(out);
+    return st;
+}

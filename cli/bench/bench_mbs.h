@@ -1,0 +1,73 @@
+/* cli/bench/bench_mbs.h - the parts of `linkwright bench mbs`: reference problems of multibody dynamics, one row a solver and
+ * tolerance, other programs' solvers in the same run, and what is printed and drawn of them. */
+#ifndef LW_CLI_BENCH_MBS_H
+#define LW_CLI_BENCH_MBS_H
+
+#include "cli/program/output.h"
+
+struct lw_model;
+
+/* One solver at one tolerance (other programs: accuracy, or length of the step in s). */
+typedef struct cli_mbs_row {
+    const char *problem;
+    char        solver[40];
+    double      tolerance;
+    double      make, seconds;           /* processor time to set up, to run: best of several; NAN: not measured */
+    double      error;                   /* greatest, against the reference; NAN: none                 */
+    double      off;                     /* off-branch measure [m]; NAN: none                          */
+    double      energy;                  /* greatest error of the energy over its scale; NAN: not told  */
+    long        steps, rates;
+    char        note[160];               /* why it failed, ""                                          */
+} cli_mbs_row;
+
+/* Places of the bodies at each moment: x, y of the centre of mass [m], turn [rad]; place[3*(k*n_body + b)]. */
+typedef struct cli_mbs_motion { int n_moment, n_body; double *place; } cli_mbs_motion;
+
+/* A file of numbers: value[k*n_column + c]. */
+typedef struct cli_mbs_reference { int n_row, n_column; double *value; } cli_mbs_reference;
+
+typedef struct cli_mbs_problem {
+    const char *name, *title, *error;    /* error: what is measured, with its unit                     */
+    const char *file;                    /* model and reference of catalogues/data/mbs; NULL: not of this kind */
+    double      to;                      /* [s]                                                        */
+    int         implicit;                /* tightest tolerance of implicit methods, 1e-implicit        */
+    double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
+} cli_mbs_problem;
+
+#define CLI_MBS_TOO_SLOW  1.0             /* [s] a run: its solver is not asked for tighter tolerances   */
+#define CLI_MBS_PEER_TIME 300.0           /* [s] for all rows of another program on one problem         */
+#define CLI_MBS_PEER_MAX  8
+
+extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends                                */
+
+typedef struct cli_mbs {
+    const cli_call *call;
+    double          time;                /* for the repeats of one row [s]                              */
+    int             loosest, tightest;   /* tolerances 1e-loosest to 1e-tightest                       */
+    uint64_t        wanted;              /* bit i: problem i                                            */
+    int             n, room;
+    cli_mbs_row    *row;                 /* owned                                                      */
+    char            machine[256];        /* compiler | processor | version                             */
+    int             n_peer;
+    char            peer[CLI_MBS_PEER_MAX][640];   /* paths of other programs                          */
+} cli_mbs;
+
+/* A new row, of whose solver nothing is known yet; NULL: out of memory. */
+cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
+
+/* Other programs: those of a folder, by name; "none"; NULL: of "peers" beside linkwright, if it is there. */
+lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
+
+/* Their rows on one problem.  One that fails, stays silent or talks nonsense has a row that says so.  LW_E_KIND: the
+ * model has more than they are told. */
+lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
+                        lw_error *e);
+
+/* All of it; folder NULL: no files.  LW_E_ARG: no such problem among `cases` (NULL: all). */
+lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);
+void      cli_mbs_free(cli_mbs *b);
+
+void      cli_mbs_tables(const cli_mbs *b, FILE *f);                       /* Markdown                  */
+lw_status cli_mbs_save(const cli_mbs *b, const char *folder, lw_error *e);   /* mbs.csv, mbs-<problem>.svg */
+
+#endif

@@ -1,0 +1,300 @@
+/* cli/bench/bench_mbs_peer.c - other programs' solvers in the same run: each is told the scene and answers with rows and
+ * places, which are measured as our own.  tests/bench/peer.h says what the lines mean. */
+#include "cli/bench/bench_mbs.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "catalogues/exchange/export.h"
+#include "mbs/dynamics/dynamics.h"
+
+enum { ANSWER_MAX = 64 << 20 };
+
+/* ---- which ---------------------------------------------------------------------------------------------------- */
+
+static bool can_run(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 && S_ISREG(s.st_mode) && access(path, X_OK) == 0;
+}
+
+static int by_name(const void *a, const void *b) { return strcmp(a, b); }
+
+/* folder NULL: "peers" beside the program, which need not be there. */
+static lw_status folder_of(const char *folder, char *path, size_t size, lw_error *e)
+{
+    char program[512];
+    struct stat s;
+    if (folder) {
+        snprintf(path, size, "%s", folder);
+        return stat(path, &s) == 0 && S_ISDIR(s.st_mode) ? LW_OK
+             : lw_error_at(e, LW_E_IO, folder, 0, 0, "no such folder; --peers takes one with programs, or 'none'");
+    }
+    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[n > 0 ? n : 0] = 0;
+    char *slash = strrchr(program, '/');
+    snprintf(path, size, "%.*s/peers", slash ? (int)(slash - program) : 0, program);
+    return LW_OK;
+}
+
+lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e)
+{
+    char in[600];
+    b->n_peer = 0;
+    if (folder && strcmp(folder, "none") == 0)
+        return LW_OK;
+    lw_status st = folder_of(folder, in, sizeof in, e);
+    DIR *d = st == LW_OK ? opendir(in) : NULL;
+    for (struct dirent *f; d && (f = readdir(d)) && b->n_peer < CLI_MBS_PEER_MAX;) {
+        char *path = b->peer[b->n_peer];
+        int n = snprintf(path, sizeof b->peer[0], "%s/%s", in, f->d_name);
+        b->n_peer += n < (int)sizeof b->peer[0] && can_run(path);
+    }
+    if (d)
+        closedir(d);
+    qsort(b->peer, (size_t)b->n_peer, sizeof b->peer[0], by_name);
+    if (st == LW_OK && folder && b->n_peer == 0)
+        return lw_error_at(e, LW_E_IO, folder, 0, 0, "no program in this folder; 'make peers' builds some");
+    return st;
+}
+
+/* ---- the scene ------------------------------------------------------------------------------------------------ */
+
+static const char *beyond(const lw_model *m)
+{
+    for (int j = 0; j < m->linkage.n_joint; j++)
+        if (m->linkage.joint[j].kind != LW_JOINT_REVOLUTE || m->friction[j].coefficient > 0 || m->stop[j].has_least
+            || m->stop[j].has_greatest || m->clearance[j].model != LW_CLEARANCE_NONE)
+            return "joints other than plain pins";
+    for (int k = 0; k < m->n_spring; k++)
+        if (m->spring[k].law || m->spring[k].damping != 0)
+            return "springs that are not linear";
+    for (int k = 0, n; k < m->n_force; k++) {
+        const int *which;
+        n = m->force[k].torque ? lw_expression_variables(m->force[k].torque, &which) : 1;
+        if (n > 0 || m->force[k].fx || m->force[k].fy)
+            return "forces other than constant torques";
+    }
+    return m->n_joint_spring || m->n_motor ? "springs or motors at joints" : NULL;
+}
+
+static void write_bodies(const lw_system *s, const lw_model *m, const double *q, const double *v, FILE *f)
+{
+    for (int b = 0; b < s->n_body; b++) {
+        const lw_body *body = &m->body[s->link[b]];
+        lw_vec2 at = lw_system_point(s, b, lw_v2(0, 0), q);
+        fprintf(f, "body %.17g %.17g %.17g %.17g %.17g %s\n", body->mass, body->inertia, at.x, at.y, v[3*b + 2],
+                m->linkage.link_name[s->link[b]]);
+    }
+    for (int j = 0; j < m->linkage.n_joint; j++) {
+        const lw_joint *p = &m->linkage.joint[j];
+        fprintf(f, "pin %d %d %.17g %.17g\n", s->body[p->link[0]] + 1, s->body[p->link[1]] + 1, p->at.x, p->at.y);
+    }
+}
+
+static void write_loads(const lw_system *s, const lw_model *m, FILE *f)
+{
+    fprintf(f, "gravity %.17g %.17g\n", m->gravity.x, m->gravity.y);
+    for (int k = 0; k < m->n_spring; k++) {
+        const lw_spring *c = &m->spring[k];
+        fprintf(f, "spring %d %d %.17g %.17g %.17g %.17g %.17g %.17g\n", s->body[c->link[0]] + 1,
+                s->body[c->link[1]] + 1, c->at[0].x, c->at[0].y, c->at[1].x, c->at[1].y, c->stiffness, c->free);
+    }
+    for (int k = 0; k < m->n_force; k++)
+        fprintf(f, "torque %d %.17g\n", s->body[m->force[k].link] + 1, lw_expression_value(m->force[k].torque, NULL));
+}
+
+static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, int n_moment, FILE *f,
+                             lw_error *e)
+{
+    lw_dynamics *d;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    lw_bytes mjcf = { 0 };
+    double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    const char *more = beyond(m);
+    o.formulation = LW_FORMULATION_INDEX1;
+    lw_status st = LW_OK;
+    if (more)
+        st = lw_error_set(e, LW_E_KIND, "'%s' has %s, of which other programs are not told", p->name, more);
+    if (st == LW_OK)
+        st = lw_export_mjcf(&m->linkage, &mjcf, e);
+    if (st == LW_OK)
+        st = lw_dynamics_make(m, &o, &d, e);
+    if (st == LW_OK) {
+        lw_dynamics_start(d, q, v);
+        write_bodies(lw_dynamics_system(d), m, q, v, f);
+        write_loads(lw_dynamics_system(d), m, f);
+        fprintf(f, "run %.17g %d %.17g %.17g\nmjcf\n%s", p->to, n_moment, b->time, CLI_MBS_TOO_SLOW, mjcf.data);
+        lw_dynamics_free(d);
+    }
+    lw_bytes_free(&mjcf);
+    return st;
+}
+
+/* ---- one program ---------------------------------------------------------------------------------------------- */
+
+static pid_t begin(const char *path, int in, int *out)
+{
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return -1;
+    pid_t child = fork();
+    if (child == 0) {
+        int nowhere = open("/dev/null", O_WRONLY);       /* solvers grumble; what matters is in the rows    */
+        dup2(in, 0);
+        dup2(ends[1], 1);
+        dup2(nowhere, 2);
+        execl(path, path, (char *)NULL);
+        _exit(127);
+    }
+    close(ends[1]);
+    *out = ends[0];
+    if (child < 0)
+        close(ends[0]);
+    return child;
+}
+
+/* All it says until it ends, or until its time is over or Ctrl-C: then it is ended.  Freed by the caller. */
+static char *listen(pid_t child, int from, double until)
+{
+    size_t n = 0, room = 1 << 16;
+    char *text = malloc(room);
+    ssize_t got = 1;
+    while (text && got > 0 && n < ANSWER_MAX) {
+        struct pollfd p = { .fd = from, .events = POLLIN };
+        if (cli_interrupted() || lw_clock_wall() > until) {
+            kill(child, SIGKILL);
+            break;
+        }
+        if (poll(&p, 1, 100) <= 0)
+            continue;
+        got = read(from, text + n, room - n - 1);
+        n += got > 0 ? (size_t)got : 0;
+        if (room - n < 2) {
+            char *more = realloc(text, room *= 2);
+            if (!more)
+                free(text);
+            text = more;
+        }
+    }
+    if (!text || n >= ANSWER_MAX)
+        kill(child, SIGKILL);
+    if (text)
+        text[n] = 0;
+    return text;
+}
+
+/* "" when it ended well. */
+static void how_it_ended(pid_t child, double until, char *how, size_t size)
+{
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    how[0] = 0;
+    if (WIFSIGNALED(status) && lw_clock_wall() > until)
+        snprintf(how, size, "ended after %g s", CLI_MBS_PEER_TIME);
+    else if (WIFSIGNALED(status))
+        snprintf(how, size, "ended by signal %d", WTERMSIG(status));
+    else if (WEXITSTATUS(status) != 0)
+        snprintf(how, size, "ended with code %d", WEXITSTATUS(status));
+}
+
+/* ---- its answer ----------------------------------------------------------------------------------------------- */
+
+static bool read_places(char **rest, cli_mbs_motion *m)
+{
+    char *at = *rest;
+    for (int i = 0; i < 3*m->n_moment*m->n_body; i++) {
+        char *end;
+        m->place[i] = strtod(at, &end);
+        if (end == at || !isfinite(m->place[i]))
+            return false;
+        at = end;
+    }
+    *rest = at;
+    return *at == '\n';
+}
+
+/* One row; false: that is none. */
+static bool read_row(cli_mbs *b, const cli_mbs_problem *p, const char *peer, const cli_mbs_reference *r, char **rest,
+                     cli_mbs_motion *m)
+{
+    cli_mbs_row row = { 0 };
+    char solver[24], name[40];
+    char *line = strsep(rest, "\n");
+    bool failed = sscanf(line, "fail %lf %23[^:]: %159[^\n]", &row.tolerance, solver, row.note) == 3;
+    if (!failed && sscanf(line, "run %lf %lf %lf %ld %ld %23[^\n]", &row.tolerance, &row.make, &row.seconds,
+                          &row.steps, &row.rates, solver) != 6)
+        return false;
+    if (!failed && (!*rest || !read_places(rest, m)))
+        return false;
+    *rest += !failed;
+    snprintf(name, sizeof name, "%.14s %s", peer, solver);
+    cli_mbs_row *to = cli_mbs_add(b, p->name, name, row.tolerance);
+    if (!to)
+        return false;
+    if (failed) {
+        memcpy(to->note, row.note, sizeof to->note);
+        return true;
+    }
+    to->make = row.make, to->seconds = row.seconds;
+    to->steps = row.steps, to->rates = row.rates;
+    to->error = p->measure(m, r, &to->off);
+    return true;
+}
+
+static lw_status run_peer(cli_mbs *b, const cli_mbs_problem *p, const char *path, FILE *scene,
+                          const cli_mbs_reference *r, cli_mbs_motion *m, lw_error *e)
+{
+    char how[64];
+    int from;
+    const char *slash = strrchr(path, '/'), *peer = slash ? slash + 1 : path;
+    double until = lw_clock_wall() + CLI_MBS_PEER_TIME;
+    rewind(scene);
+    pid_t child = begin(path, fileno(scene), &from);
+    if (child < 0)
+        return lw_error_at(e, LW_E_IO, path, 0, 0, "does not start: %s", strerror(errno));
+    char *text = listen(child, from, until), *rest = text;
+    close(from);
+    how_it_ended(child, until, how, sizeof how);
+    int before = b->n;
+    while (rest && *rest && read_row(b, p, peer, r, &rest, m)) {
+    }
+    if ((how[0] || b->n == before || (rest && *rest)) && !cli_interrupted()) {
+        cli_mbs_row *row = cli_mbs_add(b, p->name, peer, NAN);
+        if (row)
+            snprintf(row->note, sizeof row->note, "%s", how[0] ? how : "what it says is no row of numbers");
+    }
+    free(text);
+    return LW_OK;
+}
+
+lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, const cli_mbs_reference *r,
+                        lw_error *e)
+{
+    cli_mbs_motion motion = { .n_moment = r->n_row, .n_body = m->linkage.n_link - 1 };
+    if (b->n_peer == 0)
+        return LW_OK;
+    motion.place = malloc(sizeof(double)*3*(size_t)(motion.n_moment*motion.n_body));
+    FILE *scene = tmpfile();
+    lw_status st = motion.place && scene ? write_scene(b, p, m, r->n_row, scene, e)
+                 : lw_error_set(e, LW_E_IO, "no memory, or no temporary file, for the scene");
+    if (st == LW_OK && fflush(scene) != 0)
+        st = lw_error_set(e, LW_E_IO, "the scene cannot be written: %s", strerror(errno));
+    for (int i = 0; i < b->n_peer && st == LW_OK && !cli_interrupted(); i++)
+        st = run_peer(b, p, b->peer[i], scene, r, &motion, e);
+    if (scene)
+        fclose(scene);
+    free(motion.place);
+    return st;
+}

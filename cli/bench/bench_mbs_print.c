@@ -1,0 +1,176 @@
+/* cli/bench/bench_mbs_print.c - what the bench of the multibody solver prints: Markdown tables, CSV, plots. */
+#include "cli/bench/bench_mbs.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "catalogues/draw/draw.h"
+
+static bool any(const cli_mbs *b, const char *problem)
+{
+    for (int i = 0; i < b->n; i++)
+        if (strcmp(b->row[i].problem, problem) == 0)
+            return true;
+    return false;
+}
+
+static bool begins(const cli_mbs *b, int i)
+{
+    return i == 0 || strcmp(b->row[i].problem, b->row[i - 1].problem) || strcmp(b->row[i].solver, b->row[i - 1].solver);
+}
+
+/* ---- Markdown ---------------------------------------------------------------------------------------------------- */
+
+/* The least time of a solver at which the error is below `error`; INFINITY: never. */
+static double soonest(const cli_mbs *b, const char *problem, const char *solver, double error)
+{
+    double least = INFINITY;
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i];
+        if (strcmp(r->problem, problem) == 0 && strcmp(r->solver, solver) == 0 && r->error <= error && !(r->off > 1e-2))
+            least = fmin(least, r->seconds);
+    }
+    return least;
+}
+
+/* Milliseconds for an error. */
+static void summary(const cli_mbs *b, const cli_mbs_problem *p, FILE *f)
+{
+    static const double error[] = { 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12 };
+    fprintf(f, "%s; error: %s. Milliseconds for an error of\n\n| solver |", p->title, p->error);
+    for (int k = 0; k < 6; k++)
+        fprintf(f, " %g |", error[k]);
+    fputs("\n|---|---|---|---|---|---|---|\n", f);
+    for (int i = 0; i < b->n; i++) {
+        if (!begins(b, i) || strcmp(b->row[i].problem, p->name))
+            continue;
+        fprintf(f, "| %s |", b->row[i].solver);
+        for (int k = 0; k < 6; k++) {
+            double s = soonest(b, p->name, b->row[i].solver, error[k]);
+            if (isfinite(s))
+                fprintf(f, " %.3g |", 1e3*s);
+            else
+                fputs(" - |", f);
+        }
+        fputc('\n', f);
+    }
+    fputc('\n', f);
+}
+
+static void number(FILE *f, double v, double times)
+{
+    if (isfinite(v))
+        fprintf(f, " %.3g |", times*v);
+    else
+        fputs(" - |", f);
+}
+
+static void rows(const cli_mbs *b, FILE *f)
+{
+    fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | |\n"
+          "|---|---|---|---|---|---|---|---|---|---|---|\n", f);
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i];
+        double power = log10(r->tolerance);
+        fprintf(f, "| %s | %s |", r->problem, r->solver);
+        if (fabs(power - round(power)) < 1e-6)
+            fprintf(f, " %.0e |", r->tolerance);
+        else
+            number(f, r->tolerance, 1);
+        number(f, r->make, 1e3);
+        number(f, r->seconds, 1e3);
+        number(f, r->error, 1);
+        number(f, r->off, 1);
+        number(f, r->energy, 1);
+        fprintf(f, " %ld | %ld | %s |\n", r->steps, r->rates, r->note);
+    }
+}
+
+void cli_mbs_tables(const cli_mbs *b, FILE *f)
+{
+    fprintf(f, "%s\n\n", b->machine);
+    for (const cli_mbs_problem *p = cli_mbs_problems; p->name; p++)
+        if (p->error[0] && any(b, p->name))
+            summary(b, p, f);
+    rows(b, f);
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+static void csv_number(FILE *f, double v)
+{
+    fputc(',', f);
+    if (isfinite(v))
+        fprintf(f, "%.9g", v);
+}
+
+static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
+{
+    char path[1024];
+    lw_output o;
+    snprintf(path, sizeof path, "%s/mbs.csv", folder);
+    lw_status st = lw_output_open(&o, path, e);
+    if (st != LW_OK)
+        return st;
+    fprintf(o.f, "# %s\n# %s\nproblem,solver,tolerance,setup,seconds,error,off,energy,steps,evaluations,note\n",
+            b->call->line, b->machine);
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i];
+        fprintf(o.f, "%s,%s", r->problem, r->solver);
+        csv_number(o.f, r->tolerance);
+        csv_number(o.f, r->make);
+        csv_number(o.f, r->seconds);
+        csv_number(o.f, r->error);
+        csv_number(o.f, r->off);
+        csv_number(o.f, r->energy);
+        fprintf(o.f, ",%ld,%ld,\"", r->steps, r->rates);
+        for (const char *c = r->note; *c; c++)
+            fputc(*c == '"' ? '\'' : *c, o.f);
+        fputs("\"\n", o.f);
+    }
+    return lw_output_commit(&o, e);
+}
+
+/* A line for each solver; errors against seconds. */
+static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *room, const char *folder, lw_error *e)
+{
+    char path[1024], label[128];
+    lw_series series[LW_SERIES_MAX];
+    lw_plot plot = { .title = p->title, .x_label = "seconds", .y_label = label, .log_x = true, .log_y = true,
+                     .series = series };
+    snprintf(label, sizeof label, "error: %s", p->error);
+    for (int i = 0; i < b->n; i++) {
+        const cli_mbs_row *r = &b->row[i];
+        if (strcmp(r->problem, p->name))
+            continue;
+        if (begins(b, i)) {
+            if (plot.n_series == LW_SERIES_MAX)
+                break;
+            series[plot.n_series++] = (lw_series){ r->solver, 0, room + i, room + b->n + i, LW_SERIES_LINE };
+        }
+        room[i] = r->seconds;
+        room[b->n + i] = r->error;
+        series[plot.n_series - 1].n++;
+    }
+    snprintf(path, sizeof path, "%s/mbs-%s.svg", folder, p->name);
+    lw_status st = lw_draw_plot(&plot, path, e);
+    return st == LW_NOTHING ? LW_OK : st;
+}
+
+lw_status cli_mbs_save(const cli_mbs *b, const char *folder, lw_error *e)
+{
+    double *room = malloc(sizeof *room*(2*(size_t)b->n + 1));
+    if (!room)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status st = mkdir(folder, 0777) != 0 && errno != EEXIST
+                 ? lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno))
+                 : save_csv(b, folder, e);
+    for (const cli_mbs_problem *p = cli_mbs_problems; p->name && st == LW_OK; p++)
+        if (p->error[0] && any(b, p->name))
+            st = save_plot(b, p, room, folder, e);
+    free(room);
+    return st;
+}

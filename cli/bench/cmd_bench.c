@@ -1,0 +1,291 @@
+/* linkwright bench - speed against error, as tables and plots. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/parallel.h"
+#include "base/suggest.h"
+#include "cli/bench/bench.h"
+#include "cli/bench/bench_mbs.h"
+#include "cli/program/progress.h"
+
+typedef struct settings {
+    const char *output, *problems, *solvers;
+    double      time, limit, budget;
+    int         seeds;
+    const char *links, *cases, *peers;
+    bool        both_ways;
+    double      tolerance[2];
+} settings;
+
+static const cli_option options[] = {
+    { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
+      "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
+    { "problems", 'p', CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
+      "folder of CSV files of points; without it the published problems that come with linkwright", 0, 0,
+      NULL, NULL },
+    { "solvers", 's', CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
+      "whose curves: 'default' (the whole strategy of fit), rows of 'linkwright fit --solver help', 'all', "
+      "'none'", 0, 0, NULL, NULL },
+    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3", "for each curve; mbs: for the repeats of a row", 1e-3,
+      1e6, NULL, NULL },
+    { "seeds", 'n', CLI_INT, offsetof(settings, seeds), "N", "20",
+      "runs of the default strategy towards the reachable error, with the seeds from --seed on", 0, 10000,
+      NULL, NULL },
+    { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
+      "instead: error against number of links, 6 or 6,8: searches over all mechanisms with so many", 0, 0, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
+      "with --links: evaluations for each number of links", 1e3, 1e12, NULL, NULL },
+    { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
+      "with --links: paths without input angles are scored from target to curve and from curve to target", 0, 0, NULL, NULL },
+    { "limit", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
+    { "cases", 'c', CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
+      "with mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; all when left out", 0, 0,
+      NULL, NULL },
+    { "tolerance", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4", "with mbs: a row for each power of ten",
+      1e-13, 1e-1, NULL, NULL },
+    { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
+      "with mbs: run the programs of this folder too ('make peers' builds those of Simbody and MuJoCo); 'none'; "
+      "when left out 'peers' beside linkwright, if it is there", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+enum { SOLVER_MAX = 64 };
+
+/* What draws curves; NULL is the default strategy. */
+typedef struct chosen { int n; const lw_solver *solver[SOLVER_MAX]; } chosen;
+
+static void choose_all(chosen *c)
+{
+    c->solver[c->n++] = NULL;
+    for (const lw_solver *s = lw_solver_table; s->name && c->n < SOLVER_MAX; s++)
+        c->solver[c->n++] = s;
+}
+
+static lw_status choose_one(const char *word, chosen *c, lw_error *e)
+{
+    const char *names[SOLVER_MAX + 1] = { "default" };
+    int n = 1;
+    const lw_solver *s = lw_solver_find(word);
+    for (const lw_solver *row = lw_solver_table; row->name && n < SOLVER_MAX; row++)
+        names[n++] = row->name;
+    const char *near = lw_suggest(word, names, n);
+    if (!s && strcmp(word, "default") != 0)
+        return lw_error_set(e, LW_E_ARG, "there is no solver '%s'%s%s%s", word, near ? "; did you mean '" : "",
+                            near ? near : "; 'linkwright fit --solver help' lists them", near ? "'?" : "");
+    for (int i = 0; i < c->n; i++)
+        if (c->solver[i] == s)
+            return lw_error_set(e, LW_E_ARG, "--solvers names '%s' twice", word);
+    c->solver[c->n++] = s;
+    return LW_OK;
+}
+
+static lw_status choose(const char *list, chosen *c, lw_error *e)
+{
+    lw_status st = LW_OK;
+    c->n = 0;
+    if (strcmp(list, "none") == 0)
+        return LW_OK;
+    if (strcmp(list, "all") == 0) {
+        choose_all(c);
+        return LW_OK;
+    }
+    while (*list && st == LW_OK && c->n < SOLVER_MAX) {
+        char word[32];
+        size_t n = strcspn(list, ",");
+        snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), list);
+        st = choose_one(word, c, e);
+        list += n + (list[n] == ',');
+    }
+    return st;
+}
+
+/* ---- runs ------------------------------------------------------------------------------------------ */
+
+static lw_status run_curves(cli_bench *b, const chosen *c, uint64_t seed, cli_progress *line, lw_error *e)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
+        for (int k = 0; k < c->n && st == LW_OK && !cli_interrupted(); k++) {
+            const lw_solver *s = c->solver[k];
+            cli_bench_curve *curve = &b->curve[b->n_curve++];
+            *curve = (cli_bench_curve){ .problem = &b->problem[i], .solver = s ? s->name : "default",
+                                        .seed = seed };
+            cli_progress_show(line, i*c->n + k, b->n_problem*c->n, b->problem[i].name);
+            st = cli_bench_run(s, b->seconds, 1, 0, curve, e);
+        }
+    return st;
+}
+
+static lw_status reach_once(const cli_bench *b, const cli_bench_problem *p, uint64_t seed,
+                            cli_bench_reach *r, lw_error *e)
+{
+    cli_bench_curve c = { .problem = p, .solver = "default", .seed = seed };
+    double enough = CLI_WITHIN*p->known->reachable;
+    lw_status st = cli_bench_run(NULL, b->limit, b->jobs, enough, &c, e);
+    const cli_bench_point *last = c.n ? &c.point[c.n - 1] : NULL;
+    *r = (cli_bench_reach){ .seed = seed, .error = c.verified, .seconds = last ? last->seconds : NAN,
+                            .evals = last ? last->evals : 0 };
+    r->reached = r->error <= enough && r->seconds <= b->limit;
+    free(c.point);
+    return st;
+}
+
+static lw_status run_reach(cli_bench *b, uint64_t seed, cli_progress *line, lw_error *e)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; i < b->n_problem && st == LW_OK; i++)
+        for (int k = 0; k < b->n_seed && st == LW_OK && b->problem[i].known->reachable > 0; k++) {
+            cli_progress_show(line, i*b->n_seed + k, b->n_problem*b->n_seed, b->problem[i].name);
+            st = reach_once(b, &b->problem[i], seed + (uint64_t)k, &b->reach[i*b->n_seed + k], e);
+            if (cli_interrupted())
+                return st;
+            b->reach_done[i] = k + 1;
+        }
+    return st;
+}
+
+static lw_status run_all(const cli_call *call, cli_bench *b, const chosen *c, lw_error *e)
+{
+    size_t n = (size_t)b->n_problem;
+    b->reach_done = calloc(n, sizeof *b->reach_done);
+    b->reach = calloc(n*(size_t)b->n_seed + 1, sizeof *b->reach);
+    b->curve = calloc(n*(size_t)c->n + 1, sizeof *b->curve);
+    if (!b->reach_done || !b->reach || !b->curve)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    cli_progress line = cli_progress_begin(call, "bench", "runs");
+    lw_status st = run_reach(b, call->common.seed, &line, e);
+    if (st == LW_OK)
+        st = run_curves(b, c, call->common.seed, &line, e);
+    cli_progress_end(&line);
+    return st;
+}
+
+static void free_all(cli_bench *b)
+{
+    for (int i = 0; i < b->n_curve; i++)
+        free(b->curve[i].point);
+    free(b->curve);
+    free(b->reach);
+    free(b->reach_done);
+    cli_bench_free(b->problem, b->n_problem);
+}
+
+static int finish(const cli_call *call, const cli_bench *b)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (s->output && cli_bench_save(b, call->line, s->output, &e) != LW_OK)
+        return cli_fail(call, &e);
+    cli_bench_tables(b, stdout);
+    return cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
+/* "6,8" to 8; 0 when it is no such list. */
+static int most_links(const char *list)
+{
+    int most = 0;
+    for (const char *at = list; *at;) {
+        char *end;
+        long links = strtol(at, &end, 10);
+        if (end == at || (*end && *end != ',') || links < 4 || links > 10 || links % 2)
+            return 0;
+        most = links > most ? (int)links : most;
+        at = end + (*end == ',');
+    }
+    return most;
+}
+
+static int run_links(const cli_call *call, cli_bench *b)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    cli_bench_links o = { .links = most_links(s->links), .jobs = b->jobs, .budget = (long)s->budget,
+                          .seed = call->common.seed, .folder = s->output, .both_ways = s->both_ways };
+    if (o.links == 0)
+        return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
+    lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, &e);
+    if (st == LW_OK)
+        st = cli_bench_links_run(call, b, &o, &e);
+    cli_bench_free(b->problem, b->n_problem);
+    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
+static int run_mbs(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    cli_mbs b = { .call = call, .time = s->time,
+                  .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
+    cli_watch_interrupt();
+    cli_bench_machine(b.machine, sizeof b.machine);
+    lw_status st = cli_mbs_find_peers(&b, s->peers, &e);
+    if (st == LW_OK)
+        st = cli_mbs_run(&b, s->cases, s->output, &e);
+    cli_mbs_free(&b);
+    if (st == LW_E_ARG)
+        return cli_usage(call, "%s", e.text);
+    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    const char *what = call->parsed.word[0];
+    cli_bench b = { .n_seed = s->seeds, .seconds = s->time, .limit = s->limit,
+                    .jobs = call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
+    chosen c;
+    lw_error e = { 0 };
+    if (call->common.json)
+        return cli_usage(call, "--json has no meaning here; -o FOLDER writes CSV");
+    if (strcmp(what, "mbs") == 0)
+        return run_mbs(call);
+    if (strcmp(what, "fit") != 0)
+        return cli_usage(call, "there is no bench '%s'; there are 'fit' and 'mbs'", what);
+    if (choose(s->solvers, &c, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    cli_watch_interrupt();
+    cli_bench_machine(b.machine, sizeof b.machine);
+    if (s->links)
+        return run_links(call, &b);
+    lw_status st = cli_bench_load(s->problems, &b.problem, &b.n_problem, &e);
+    if (st == LW_OK)
+        st = run_all(call, &b, &c, &e);
+    int code = st == LW_OK ? finish(call, &b) : cli_fail(call, &e);
+    free_all(&b);
+    return code;
+}
+
+const cli_command cli_bench_command = {
+    .name = "bench",
+    .words = "fit|mbs",
+    .title = "speed against error, as tables and plots",
+    .examples =
+        "  linkwright bench fit                                      the published path problems, all solvers\n"
+        "  linkwright bench fit -o out                               with CSV and a plot of each problem\n"
+        "  linkwright bench fit --solvers lm,slsqp --time 2 --seeds 0\n"
+        "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n"
+        "  linkwright bench fit --links 6,8                          error against number of links\n"
+        "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
+        "  linkwright bench mbs -o out                               multibody reference problems, all solvers\n"
+        "  linkwright bench mbs --cases andrews\n"
+        "  linkwright bench mbs --cases andrews --peers none         without other programs\n",
+    .about =
+        "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error against\n"
+        "exact solutions or more digits, processor time as the best of several, mbs.csv and plots. A solver\n"
+        "that takes more than a second, or fails twice, is not asked for tighter tolerances. Other programs\n"
+        "(--peers) are told the same scenes; their places are measured as ours.\n"
+        "\n"
+        "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"
+        "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"
+        "what each solver reaches on one core in the given time. Local solvers run from the\n"
+        "structured starts of the default strategy, global ones search the box of the bounds.\n"
+        "-o names a folder for curves.csv (an improvement a line), reach.csv and the plots.\n"
+        "Evaluations and errors depend on the seed only; seconds, and with them how far a\n"
+        "run comes, on the machine.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};

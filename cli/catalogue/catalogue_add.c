@@ -1,0 +1,421 @@
+/* linkwright catalogue add - linkages that were found into a catalogue (bridge to jansson).
+ *
+ * The input is one JSON value after the other: what `fit --json` or `catalogue nearest --json` prints (an object
+ * with `results`), a result of these (an object with `linkage`), or a linkage itself. */
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "catalogues/draw/bytes.h"
+#include "catalogues/curves/descriptor.h"
+#include "catalogues/draw/scene.h"
+#include "catalogues/pages/sha256.h"
+#include "cli/catalogue/catalogue.h"
+#include "enumerate/canon.h"
+#include "grammar/graph6.h"
+#include "grammar/mechanism.h"
+#include "mbs/kinematics/fourbar.h"
+#include "mbs/plan/types.h"
+
+#define CURVE_POINTS 180
+
+typedef struct job {
+    const cli_call     *call;
+    const char         *file;
+    lw_store           *store;
+    lw_describer        tables;
+    bool                open, run;            /* a transaction; the run is written down               */
+    double              begun;
+    uint64_t            n_read, n_added;
+    long                line;                 /* where the value at hand begins                       */
+    cli_catalogue_watch watch;
+    lw_error            e;
+} job;
+
+/* What the texts of a row point to. */
+typedef struct entry {
+    lw_store_linkage row;
+    lw_linkage       k;
+    char             hash[LW_SHA256_TEXT], label[LW_GRAPH6_SIZE], kinds[LW_JOINT_MAX + 1], type[8];
+    char            *json;
+    float            curve[2*8*CURVE_POINTS];
+    lw_packed        terms;
+} entry;
+
+/* ---- one linkage -------------------------------------------------------------------------------------- */
+
+static const char *text_of(const json_t *object, const char *key)
+{
+    return json_string_value(json_object_get(object, key));
+}
+
+/* A number of the object times `unit`; NaN when there is none. */
+static double number_of(const json_t *object, const char *key, double unit)
+{
+    const json_t *v = json_object_get(object, key);
+    return json_is_number(v) ? json_number_value(v)*unit : NAN;
+}
+
+static int flag_of(const json_t *object, const char *key)
+{
+    const json_t *v = json_object_get(object, key);
+    return json_is_boolean(v) ? json_is_true(v) : json_is_integer(v) ? (int)json_integer_value(v) : -1;
+}
+
+/* The letters of a four-link chain in loop order from the driven joint at the ground; "" for others. */
+static void set_type(const lw_linkage *k, char type[8])
+{
+    int link = k->ground, joint = k->n_input == 1 ? k->input[0].joint : -1;
+    type[0] = 0;
+    if (k->n_link != 4 || k->n_joint != 4 || joint < 0)
+        return;
+    for (int i = 0; i < 4; i++) {
+        const lw_joint *j = &k->joint[joint];
+        int next = -1;
+        bool known = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_SLIDER;
+        if (!known || (j->link[0] != link && j->link[1] != link)) {
+            type[0] = 0;
+            return;
+        }
+        type[i] = j->kind == LW_JOINT_REVOLUTE ? 'R' : 'P';
+        type[i + 1] = 0;
+        link = j->link[0] == link ? j->link[1] : j->link[0];
+        for (int n = 0; n < 4; n++)
+            if (n != joint && (k->joint[n].link[0] == link || k->joint[n].link[1] == link))
+                next = n;
+        joint = next;
+        if (joint < 0)
+            return;
+    }
+}
+
+/* Canonical label of the chain of the links; "" when it is none (welded links, two joints between two links). */
+static lw_status set_label(entry *x)
+{
+    lw_chain c, form;
+    x->label[0] = 0;
+    if (lw_chain_clear(&c, x->k.n_link) != LW_OK)
+        return LW_OK;
+    for (int j = 0; j < x->k.n_joint; j++) {
+        int a = x->k.joint[j].link[0], b = x->k.joint[j].link[1], freedom = lw_kind_freedom((char)x->k.joint[j].kind);
+        if (freedom == 0 || lw_chain_freedom(&c, a, b) || lw_chain_join(&c, a, b, freedom) != LW_OK)
+            return LW_OK;
+    }
+    lw_status s = lw_chain_canonical(&c, &form);
+    if (s == LW_OK)
+        lw_graph6_print(&form, x->label, sizeof x->label);
+    return s;
+}
+
+static int pin_between(const lw_linkage *k, int a, int b)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_REVOLUTE && ((k->joint[j].link[0] == a && k->joint[j].link[1] == b)
+                                                      || (k->joint[j].link[0] == b && k->joint[j].link[1] == a)))
+            return j;
+    return -1;
+}
+
+/* Lengths of the first loop of four pins through the ground and the driven link: frame, input, coupler, output. */
+static bool driven_four_bar(const lw_linkage *k, double r[4])
+{
+    int first = k->n_input == 1 ? k->input[0].joint : -1;
+    if (first < 0 || k->joint[first].kind != LW_JOINT_REVOLUTE)
+        return false;
+    const int *side = k->joint[first].link;
+    if (side[0] != k->ground && side[1] != k->ground)
+        return false;
+    int driven = side[0] == k->ground ? side[1] : side[0];
+    for (int b = 0; b < k->n_link; b++)
+        for (int c = 0; c < k->n_link; c++) {
+            int loop[4] = { first, pin_between(k, driven, b), pin_between(k, b, c), pin_between(k, c, k->ground) };
+            bool others = b != k->ground && b != driven && c != k->ground && c != driven;
+            if (!others || loop[1] < 0 || loop[2] < 0 || loop[3] < 0)
+                continue;
+            for (int i = 0; i < 4; i++)
+                r[i] = lw_v2_norm(lw_v2_sub(k->joint[loop[i]].at, k->joint[loop[(i + 3) % 4]].at));
+            return true;
+        }
+    return false;
+}
+
+static void set_class(entry *x)
+{
+    double r[4];
+    lw_fourbar_class c;
+    if (!driven_four_bar(&x->k, r) || lw_fourbar_classify(r, LW_FOURBAR_TOLERANCE, &c, NULL) != LW_OK)
+        return;
+    x->row.four_bar = c.symbol;
+    if (x->k.n_link == 4)
+        x->row.crank = c.crank;
+}
+
+/* The curve of its first tracer, with its terms. */
+static lw_status set_curve(const job *j, entry *x)
+{
+    lw_scene scene;
+    lw_scene_options o = lw_scene_options_default();
+    lw_descriptor d;
+    o.n_curve_point = CURVE_POINTS;
+    o.n_frame = 2;
+    lw_status s = lw_scene_make(&x->k, NULL, &o, &scene, NULL);
+    if (s == LW_E_MEMORY)
+        return s;
+    const lw_curve *c = s == LW_OK && scene.n_curve > 0 ? &scene.curve[0] : NULL;
+    size_t n = 0, most = sizeof x->curve/sizeof *x->curve/2;
+    while (c && n < c->n && n < most && isfinite(c->p[n].x)) {
+        x->curve[2*n] = (float)c->p[n].x;
+        x->curve[2*n + 1] = (float)c->p[n].y;
+        n++;
+    }
+    if (c && n == c->n && lw_descriptor_make(&j->tables, c->p, c->n, c->closed, &d) == LW_OK) {
+        x->row.curve = x->curve;
+        x->row.n_curve = n;
+        x->row.closed = c->closed;
+        x->row.size = d.size;
+        lw_descriptor_pack(&d, &x->terms);
+        x->row.terms = &x->terms;
+        x->row.terms_size = sizeof x->terms;
+    }
+    lw_scene_free(&scene);
+    return LW_OK;
+}
+
+static void set_fit(entry *x, const json_t *result, const json_t *whole)
+{
+    const json_t *target = json_object_get(whole, "target");
+    const char *unit = text_of(target, "length_unit"), *type = text_of(result, "type");
+    lw_units u = lw_units_si();
+    lw_store_linkage *r = &x->row;
+    if (unit)
+        lw_units_set_length(&u, unit);
+    const lw_type *known = lw_type_find(type);
+    r->type = known ? known->letters : type ? type : x->type[0] ? x->type : NULL;
+    r->family = text_of(result, "family");
+    if (text_of(result, "class"))
+        r->four_bar = text_of(result, "class");
+    r->task = text_of(whole, "task");
+    r->timing = text_of(whole, "timing");
+    r->target = json_is_string(target) ? json_string_value(target) : text_of(target, "file");
+    r->objective = number_of(result, "objective", 1);
+    r->error = number_of(result, "error_percent", 0.01);
+    r->error_mean = number_of(result, "error_mean", u.metre);
+    r->error_rms = number_of(result, "error_rms", u.metre);
+    r->error_max = number_of(result, "error_max", u.metre);
+    r->error_curve = number_of(result, "error_curve", u.metre);
+    r->angle_error = number_of(result, "angle_error_mean", 1);
+    r->transmission_min = number_of(result, "transmission_min", 1);
+    r->transmission_max = number_of(result, "transmission_max", 1);
+    r->crank = flag_of(result, "crank") >= 0 ? flag_of(result, "crank") : r->crank;
+    r->circuits = flag_of(result, "circuits");
+}
+
+/* The same linkage for the same target and task, with the same objective, is the same find. */
+static lw_status set_hash(entry *x)
+{
+    char number[40];
+    lw_bytes b = { 0 };
+    const char *part[] = { x->json, x->row.target, x->row.task, number };
+    snprintf(number, sizeof number, "%.9g", x->row.objective);
+    for (size_t i = 0; i < sizeof part/sizeof *part; i++) {
+        lw_bytes_text(&b, part[i] ? part[i] : "");
+        lw_bytes_text(&b, "\n");
+    }
+    if (b.failed)
+        return LW_E_MEMORY;
+    lw_sha256_base64(b.data, b.size, x->hash);
+    lw_bytes_free(&b);
+    return LW_OK;
+}
+
+static lw_status read_linkage(job *j, const json_t *linkage, entry *x)
+{
+    char *text = json_dumps(linkage, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (!text)
+        return lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+    lw_status s = lw_linkage_read(text, strlen(text), j->file, &x->k, &j->e);
+    free(text);
+    if (s == LW_E_NOTATION)                     /* places in the compact text mean nothing to the reader */
+        j->e.line = j->line, j->e.column = 0;
+    if (s == LW_OK && !(x->json = lw_linkage_write(&x->k, 0)))
+        s = lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+    return s;
+}
+
+static lw_status describe(const job *j, entry *x)
+{
+    lw_store_linkage *r = &x->row;
+    for (int i = 0; i < x->k.n_joint; i++) {
+        x->kinds[i] = (char)x->k.joint[i].kind;
+        r->sliders += x->k.joint[i].kind == LW_JOINT_SLIDER;
+    }
+    r->hash = x->hash;
+    r->json = x->json;
+    r->name = x->k.name;
+    r->kinds = x->kinds;
+    r->links = x->k.n_link;
+    r->joints = x->k.n_joint;
+    r->dof = lw_linkage_mobility(&x->k);
+    r->source = j->file;
+    if (!r->four_bar)
+        set_class(x);
+    lw_status s = set_label(x);
+    r->label = x->label[0] ? x->label : NULL;
+    return s == LW_OK ? set_curve(j, x) : s;
+}
+
+/* ---- writing ------------------------------------------------------------------------------------------ */
+
+static lw_status open_transaction(job *j)
+{
+    char what[160];
+    if (j->open)
+        return LW_OK;
+    lw_status s = lw_store_begin(j->store, &j->e);
+    j->open = s == LW_OK;
+    j->begun = lw_clock_wall();
+    if (s != LW_OK || j->run)
+        return s;
+    snprintf(what, sizeof what, "linkages of %.140s", j->file);
+    lw_store_run run = { "add", what, j->call->line, j->call->common.seed };
+    j->run = true;
+    return lw_store_run_begin(j->store, &run, &j->e);
+}
+
+static lw_status commit(job *j)
+{
+    if (!j->open)
+        return LW_OK;
+    j->open = false;
+    return lw_store_commit(j->store, &j->e);
+}
+
+static lw_status add_one(job *j, const json_t *linkage, const json_t *result, const json_t *whole)
+{
+    const cli_catalogue_settings *settings = j->call->settings;
+    bool has = false;
+    entry *x = calloc(1, sizeof *x);
+    if (!x)
+        return lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+    x->row = (lw_store_linkage){ .crank = -1, .circuits = -1, .closed = -1, .size = NAN };
+    lw_status s = read_linkage(j, linkage, x);
+    if (s == LW_OK) {
+        set_type(&x->k, x->type);
+        set_fit(x, result, whole);
+        s = set_hash(x);
+    }
+    if (s == LW_OK)
+        s = lw_store_has_linkage(j->store, x->hash, &has, &j->e);
+    if (s == LW_OK && !has)
+        s = describe(j, x);
+    if (s == LW_OK && !has)
+        s = open_transaction(j);
+    if (s == LW_OK && !has)
+        s = lw_store_put_linkage(j->store, &x->row, &j->e);
+    j->n_read += s == LW_OK;
+    j->n_added += s == LW_OK && !has;
+    free(x->json);
+    free(x);
+    if (s == LW_OK && j->open && lw_clock_wall() - j->begun >= settings->commit)
+        s = commit(j);
+    return s == LW_OK && !cli_catalogue_goes_on(&j->watch, (double)j->n_read) ? LW_STOPPED : s;
+}
+
+static lw_status add_value(job *j, const json_t *v)
+{
+    const json_t *results = json_object_get(v, "results"), *linkage = json_object_get(v, "linkage");
+    lw_status s = LW_OK;
+    if (json_is_object(linkage))
+        return add_one(j, linkage, v, v);
+    if (json_is_object(v) && json_object_get(v, "joints"))
+        return add_one(j, v, NULL, NULL);
+    if (!json_is_array(results))
+        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is no linkage and no result of a fit: an "
+                           "object with 'results', 'linkage' or 'joints' is wanted");
+    for (size_t i = 0; i < json_array_size(results) && s == LW_OK; i++) {
+        const json_t *r = json_array_get(results, i);
+        linkage = json_object_get(r, "linkage");
+        s = json_is_object(linkage) ? add_one(j, linkage, r, v)
+            : lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "result %zu has no linkage", i + 1);
+    }
+    return s;
+}
+
+static lw_status add_text(job *j, const char *text, size_t size)
+{
+    size_t at = 0;
+    lw_status s = LW_OK;
+    j->line = 1;
+    while (s == LW_OK) {
+        for (; at < size && strchr(" \t\r\n", text[at]); at++)
+            j->line += text[at] == '\n';
+        if (at == size)
+            break;
+        json_error_t fault;
+        json_t *v = json_loadb(text + at, size - at, JSON_DISABLE_EOF_CHECK | JSON_REJECT_DUPLICATES, &fault);
+        if (!v)
+            return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line + fault.line - 1, fault.column, "%s", fault.text);
+        s = add_value(j, v);
+        json_decref(v);
+        for (size_t end = at + (size_t)fault.position; at < end && at < size; at++)
+            j->line += text[at] == '\n';
+    }
+    return s;
+}
+
+/* ---- the action ---------------------------------------------------------------------------------------- */
+
+static lw_status finish(job *j, lw_status s)
+{
+    lw_error kept = j->e;
+    if (s < 0)
+        lw_store_rollback(j->store);
+    else if (j->run && s == LW_OK && open_transaction(j) == LW_OK)
+        s = lw_store_run_end(j->store, &j->e);
+    if (s >= 0) {
+        lw_status t = commit(j);
+        s = t == LW_OK ? s : t;
+    } else if (kept.text[0]) {
+        j->e = kept;
+    }
+    return s;
+}
+
+static lw_status add_file(job *j)
+{
+    char *text = NULL;
+    size_t size;
+    lw_status s = lw_file_read(j->file, &text, &size, &j->e);
+    if (s == LW_OK)
+        s = cli_catalogue_open(j->call, true, &j->store, &j->e);
+    if (s == LW_OK)
+        s = finish(j, add_text(j, text, size));
+    if (s < 0 && !j->e.text[0])
+        lw_error_set(&j->e, s, "%s", lw_status_text(s));
+    free(text);
+    return s;
+}
+
+int cli_catalogue_add(const cli_call *call)
+{
+    job *j = calloc(1, sizeof *j);
+    if (!j) {
+        lw_error e;
+        lw_error_set(&e, LW_E_MEMORY, "out of memory");
+        return cli_fail(call, &e);
+    }
+    j->call = call;
+    j->file = call->parsed.word[2];
+    j->watch = cli_catalogue_watch_begin(call, "add", "linkages");
+    lw_describer_make(&j->tables);
+    lw_status s = add_file(j);
+    int code = cli_catalogue_watch_end(&j->watch, s < 0 ? cli_fail(call, &j->e) : CLI_DONE);
+    if (s >= 0)
+        cli_note(call, "%llu linkages read, %llu added%s", (unsigned long long)j->n_read,
+                 (unsigned long long)j->n_added, s == LW_OK ? "" : "; the same command goes on from here");
+    lw_store_close(j->store);
+    free(j);
+    return code;
+}

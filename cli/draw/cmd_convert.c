@@ -1,0 +1,169 @@
+/* linkwright convert - linkages from one format to another. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/suggest.h"
+#include "cli/draw/convert.h"
+
+typedef struct settings {
+    const char *from, *to, *unit, *input;
+    int         result;
+} settings;
+
+static const cli_option options[] = {
+    { "from", 'f', CLI_TEXT, offsetof(settings, from), "FORMAT", NULL,
+      "format of what is read: json, pyslvs, pmks, adams; without it the text itself tells", 0, 0, NULL, NULL },
+    { "to", 't', CLI_TEXT, offsetof(settings, to), "FORMAT", NULL,
+      "format of what is written; without it the end of the output's name tells (.json, .pyslvs, .txt, .adm, .xml, "
+      "...), and it is json on standard output", 0, 0, NULL, NULL },
+    { "unit", 'u', CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
+      "length unit: m mm cm km um in ft; of numbers that are read without one (metre), else of what is written", 0, 0,
+      NULL, NULL },
+    { "input", 'i', CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
+      "this joint, a pin or a slider, is driven, whatever the file says", 0, 0, NULL, NULL },
+    { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
+      "result number N of a file that fit wrote; without it the first", 1, 1e9, NULL, NULL },
+    { .name = NULL }
+};
+
+/* ---- choices --------------------------------------------------------------------------------------- */
+
+static lw_status format_named(const char *name, bool read, const cli_format **out, lw_error *e)
+{
+    const char *names[32];
+    int n = 0;
+    for (const cli_format *f = cli_formats; f->name; f++) {
+        if (strcmp(f->name, name) == 0 && (read ? f->read != NULL : f->write != NULL)) {
+            *out = f;
+            return LW_OK;
+        }
+        if (n < 32 && (read ? f->read != NULL : f->write != NULL))
+            names[n++] = f->name;
+    }
+    const char *near = lw_suggest(name, names, n);
+    return lw_error_set(e, LW_E_ARG, "there is no format '%s' to %s%s%s%s; see 'linkwright help convert'", name,
+                        read ? "read" : "write", near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+}
+
+static const cli_format *format_of_text(const cli_text *t)
+{
+    for (const cli_format *f = cli_formats; f->name; f++)
+        if (f->read && f->begins(t))
+            return f;
+    return cli_formats;
+}
+
+static lw_status format_of_output(const cli_call *call, const cli_format **out, lw_error *e)
+{
+    const char *path = call->common.output, *end = path ? strrchr(path, '.') : NULL;
+    *out = cli_formats;
+    if (!path || strcmp(path, "-") == 0)
+        return LW_OK;
+    for (const cli_format *f = cli_formats; f->name; f++)
+        if (end && f->write && strcmp(f->end, end) == 0) {
+            *out = f;
+            return LW_OK;
+        }
+    return lw_error_set(e, LW_E_ARG, "the end of '%s' says no format; add --to", path);
+}
+
+static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
+{
+    return lw_units_set_length(u, name) ? LW_OK
+         : lw_error_set(e, LW_E_ARG, "there is no length unit '%s'; m, mm, cm, km, um, in and ft are known", name);
+}
+
+static lw_status set_input(const char *name, lw_linkage *k, lw_error *e)
+{
+    const char *names[LW_JOINT_MAX];
+    for (int j = 0; j < k->n_joint; j++) {
+        names[j] = k->joint[j].name;
+        if (strcmp(names[j], name) != 0)
+            continue;
+        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER)
+            return lw_error_set(e, LW_E_ARG, "joint '%s' is no pin or slider and cannot be driven", name);
+        k->n_input = 1;
+        k->input[0] = (lw_input){ .joint = j, .value = lw_linkage_posture_input(k, j) };
+        return LW_OK;
+    }
+    const char *near = lw_suggest(name, names, k->n_joint);
+    return lw_error_set(e, LW_E_ARG, "there is no joint '%s'; %s '%s'", name, near ? "did you mean" : "the first is",
+                        near ? near : names[0]);
+}
+
+/* ---- run ------------------------------------------------------------------------------------------- */
+
+static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
+{
+    const settings *s = call->settings;
+    const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
+    cli_text t = { .path = path, .result = s->result, .units = lw_units_si() };
+    const cli_format *f = NULL;
+    lw_status status = lw_units_set_angle(&t.units, "deg") ? LW_OK : LW_E_ARG;
+    if (s->unit)
+        status = set_unit(s->unit, &t.units, e);
+    if (status == LW_OK && s->from)
+        status = format_named(s->from, true, &f, e);
+    if (status == LW_OK)
+        status = lw_file_read(path, &t.text, &t.size, e);
+    if (status == LW_OK)
+        status = (f ? f : format_of_text(&t))->read(&t, k, e);
+    if (status == LW_OK && s->unit)
+        status = set_unit(s->unit, &k->units, e);
+    if (status == LW_OK && s->input)
+        status = set_input(s->input, k, e);
+    free(t.text);
+    return status;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    static lw_linkage k;
+    const cli_format *to = NULL;
+    lw_output out;
+    lw_error e = { 0 };
+    if ((s->to ? format_named(s->to, false, &to, &e) : format_of_output(call, &to, &e)) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (read_linkage(call, &k, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (to->write(&k, out.f, &e) != LW_OK) {
+        lw_output_abandon(&out);
+        return cli_fail(call, &e);
+    }
+    return cli_close(call, &out, CLI_DONE);
+}
+
+const cli_command cli_convert_command = {
+    .name = "convert",
+    .words = "[FILE]",
+    .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo, DXF, ...",
+    .examples =
+        "  linkwright convert jansen.json --to pyslvs                 an expression for Pyslvs\n"
+        "  linkwright convert table.txt -u mm -o walker.json          what PMKS wrote, in millimetres\n"
+        "  linkwright convert expression.pyslvs --input P0 | linkwright draw - -o x.svg\n",
+    .about =
+        "Reads one linkage from FILE or standard input; the text itself tells its format. Formats:\n"
+        "  json     linkages as in docs/notation.md, and the results of fit\n"
+        "  pyslvs   the mechanism expression of Pyslvs, M[J[R, P[0, 0], L[ground, crank]], ...]\n"
+        "  pmks     the joint table of PMKS: crank,rod,R,0,30,tfff\n"
+        "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
+        "Written only:\n"
+        "  acf      the commands that run NAME.adm in ADAMS/Solver, NAME being the linkage's\n"
+        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site a tracer\n"
+        "  dxf      plates to cut, with holes and slots, in millimetres; the layer's name L2_ROD says in which layer\n"
+        "           the link passes all others over the whole motion (exit code 1: there are no such layers)\n"
+        "  scad     these plates on pins in OpenSCAD, moving with $t\n"
+        "  slvs     a sketch of SolveSpace, to be dragged\n"
+        "  svg      the tracers' curves as paths in millimetres; fit reads such a file as a target\n"
+        "  poses    CSV: place and turn of each link in 180 postures\n"
+        "  motiongen  JSON: joints, links as lists of joints, actuators, tracers with their curves\n"
+        "Points of one link become tracers and back. Gears, welds that are not at a slider, names of joints,\n"
+        "ranges of inputs and directions of tools have no form in pyslvs and pmks; the first two are refused\n"
+        "(exit code 3).\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1,
+    .run = run,
+};

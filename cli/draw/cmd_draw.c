@@ -1,0 +1,184 @@
+/* linkwright draw - a picture or an animation of a linkage; sheets of chains and mechanisms. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/draw/draw.h"
+#include "cli/program/model.h"
+#include "grammar/model.h"
+#include "grammar/notation.h"
+
+typedef cli_draw_settings settings;
+
+/* The first are kinds of picture, the rest notations: what is read then are chains. */
+#define PICTURES 6
+
+static const cli_option options[] = {
+    { "target", 't', CLI_TEXT, offsetof(settings, target), "FILE", NULL,
+      "linkage: draw the points of this target too", 0, 0, NULL, NULL },
+    { "size", 's', CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
+      "size in pixels; without it what suits the format, for sheets A4", 64, 8192, NULL, NULL },
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120",
+      "linkage: postures of the motion, for animations", 2, 10000, NULL, NULL },
+    { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
+      "linkage: which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is",
+      0, 1000000, NULL, NULL },
+    { "format", 'f', CLI_CHOICE, offsetof(settings, format),
+      "name|svg|pdf|png|gif|html|g6|graph6|lam|sentence|franke|edges|json", "name",
+      "format of the picture; 'name' goes by the end of the output's name and is svg on standard output. A notation "
+      "instead says that chains are read; their notation is told by how they begin", 0, 0, NULL, NULL },
+    { "title", 0, CLI_TEXT, offsetof(settings, title), "TEXT", NULL,
+      "title; without it the name of the linkage", 0, 0, NULL, NULL },
+    { "all-modes", 'a', CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
+      "linkage: the curves of the other assembly modes too, dashed", 0, 0, NULL, NULL },
+    { "until", 'u', CLI_REAL, offsetof(settings, until), "SECONDS", "0",
+      "linkage whose several inputs have motions: show them from 0 to here; 0: to where they begin again or come to "
+      "rest", 0, 1e6, NULL, NULL },
+    { "grid", 'g', CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: pictures on a page", 1, 64,
+      NULL, NULL },
+    { "each", 'e', CLI_FLAG, offsetof(settings, each), NULL, NULL,
+      "chains: every chain on a page, or in a file, of its own", 0, 0, NULL, "grid" },
+    { "caption", 0, CLI_CHOICE, offsetof(settings, caption), "number|graph6|joints|assortment|none", "number",
+      "chains: what stands below each; the assortment counts binary, ternary, ... links", 0, 0, NULL, NULL },
+    { "numbers", 0, CLI_FLAG, offsetof(settings, numbers), NULL, NULL, "chains: number the links", 0, 0, NULL, NULL },
+    { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
+      "chains: after a fault of input go on with the next chain", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+static lw_status choose_kind(const cli_call *call, lw_draw_kind *kind, lw_error *e)
+{
+    static const lw_draw_kind kinds[] = { LW_DRAW_SVG, LW_DRAW_SVG, LW_DRAW_PDF, LW_DRAW_PNG,
+                                          LW_DRAW_GIF, LW_DRAW_HTML };
+    const settings *s = call->settings;
+    bool by_name = s->format == 0 || s->format >= PICTURES;
+    *kind = by_name ? LW_DRAW_SVG : kinds[s->format];
+    if (by_name && call->common.output && strcmp(call->common.output, "-") != 0)
+        return lw_draw_kind_of(call->common.output, kind, e);
+    return LW_OK;
+}
+
+static lw_status make_picture(const cli_call *call, const lw_model *m, const lw_target *t,
+                              lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_scene_options o = lw_scene_options_default();
+    o.title = s->title;
+    o.n_frame = (size_t)s->steps;
+    o.other_branches = s->all_modes;
+    o.model = m;
+    o.until = s->until;
+    lw_scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status st = lw_scene_make(&m->linkage, t, &o, scene, e);
+    if (st == LW_OK && scene->note[0])
+        cli_note(call, "%s", scene->note);
+    if (st == LW_OK)
+        st = lw_draw_bytes(scene, kind, s->size[0], s->size[1], bytes, e);
+    lw_scene_free(scene);
+    free(scene);
+    return st;
+}
+
+static lw_status draw(const cli_call *call, lw_draw_kind kind, lw_bytes *bytes, lw_error *e)
+{
+    static const lw_target_options by_file = { -1, NULL, NULL };
+    const settings *s = call->settings;
+    lw_target t = { 0 };
+    lw_model *m = cli_read_model(call->parsed.word[0], s->result, e);
+    lw_status st = m ? LW_OK : e->status;
+    if (st == LW_OK && s->target)
+        st = cli_read_target(s->target, &by_file, &t, e);
+    if (st == LW_OK)
+        st = make_picture(call, m, s->target ? &t : NULL, kind, bytes, e);
+    lw_target_free(&t);
+    cli_free_model(m);
+    return st;
+}
+
+static int draw_linkage(const cli_call *call, lw_draw_kind kind)
+{
+    lw_bytes bytes = { 0 };
+    lw_output o;
+    lw_error e = { 0 };
+    if (draw(call, kind, &bytes, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK) {
+        lw_bytes_free(&bytes);
+        return cli_fail(call, &e);
+    }
+    fwrite(bytes.data, 1, bytes.size, o.f);            /* cli_close looks at the stream's error */
+    lw_bytes_free(&bytes);
+    return cli_close(call, &o, CLI_DONE);
+}
+
+/* Does the file hold topologies?  Not when it begins as a JSON object that is no mechanism: linkages and
+ * results of fits are. */
+static bool holds_topologies(const char *path)
+{
+    char *text = NULL;
+    size_t size;
+    lw_mechanism m;
+    if (lw_file_read(path, &text, &size, NULL) != LW_OK)
+        return false;                                              /* the reader of linkages says why */
+    size_t blank = strspn(text, " \t\r\n");
+    lw_topologies t = lw_topologies_open(text, size, path);
+    bool yes = text[blank] && (text[blank] != '{' || lw_topologies_next(&t, &m, NULL) == LW_OK);
+    free(text);
+    return yes;
+}
+
+/* NULL, or the option that has no meaning for what is drawn. */
+static const char *misplaced(const cli_call *call, bool chains)
+{
+    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "until", NULL };
+    static const char *const of_chains[] = { "grid", "each", "caption", "numbers", "keep-going", NULL };
+    for (const char *const *name = chains ? of_linkage : of_chains; *name; name++)
+        if (cli_given(&call->parsed, *name))
+            return *name;
+    return NULL;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_draw_kind kind;
+    lw_error e = { 0 };
+    const char *file = call->parsed.n_word ? call->parsed.word[0] : NULL;
+    if (call->common.json)
+        return cli_usage(call, "--json has no meaning here; 'linkwright trace --json' prints the curves");
+    if (choose_kind(call, &kind, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    bool chains = !file || s->format >= PICTURES || (strcmp(file, "-") != 0 && holds_topologies(file));
+    const char *wrong = misplaced(call, chains);
+    if (wrong)
+        return cli_usage(call, "--%s is for %s, and this %s", wrong, chains ? "linkages" : "chains and mechanisms",
+                         chains ? "draws chains" : "is a linkage");
+    return chains ? cli_draw_chains(call, file, kind) : draw_linkage(call, kind);
+}
+
+const cli_command cli_draw_command = {
+    .name = "draw",
+    .words = "[FILE]",
+    .title = "picture of a linkage (SVG, PDF, PNG, GIF, HTML); sheets of chains and mechanisms (SVG, PDF, PNG)",
+    .examples =
+        "  linkwright draw examples/hoeken.json -o hoeken.svg             a picture\n"
+        "  linkwright draw examples/jansen.json -o leg.gif --size 400x300 an animation\n"
+        "  linkwright draw examples/loader.json -o loader.html            several inputs, by their motions\n"
+        "  linkwright draw best.json -t examples/ellipse.csv -o best.png  with the points it was made for\n"
+        "  linkwright draw fits.json --result 2 -o second.pdf             the second best of a fit\n"
+        "  linkwright chains --links 10 | linkwright draw -o ten.pdf      230 chains on five pages\n"
+        "  linkwright draw --format g6 < chains.g6 > sheet.svg            chains of any notation, one page\n"
+        "  linkwright mechanisms --links 6 --input ground | linkwright draw --numbers -o six.png\n"
+        "  linkwright chains --links 8 | linkwright draw --each -o eight.svg   eight-001.svg and so on\n",
+    .about =
+        "FILE is a linkage (docs/notation.md) or what 'linkwright fit --json' printed; - is standard input. It is\n"
+        "drawn in the posture of its file, with the curves of its tracers, joints and lengths labelled. Any linkage\n"
+        "moves: by its first input until its motion closes; several inputs together where they have motions or ranges.\n"
+        "Or FILE, or standard input without FILE, holds chains or mechanisms in any notation, drawn as in\n"
+        "textbooks: bars, polygons, pins. No two links cross when the graph of the chain is planar, else few do.\n"
+        "The joints of a ground link stand on a line. More pages than one make numbered files, or one PDF.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1,
+    .run = run,
+};

@@ -1,0 +1,22 @@
+/* cli/draw/draw.h - the two halves of `linkwright draw`: a linkage, and chains and mechanisms. */
+#ifndef LW_CLI_DRAW_H
+#define LW_CLI_DRAW_H
+
+#include "catalogues/draw/draw.h"
+#include "cli/program/output.h"
+
+typedef struct cli_draw_settings {
+    const char *target, *title;
+    int         size[2], grid[2];
+    int         steps, result, format, caption;
+    double      until;
+    bool        all_modes, each, numbers, keep_going;
+} cli_draw_settings;
+
+/* Values of --caption. */
+enum { CLI_CAPTION_NUMBER, CLI_CAPTION_GRAPH6, CLI_CAPTION_JOINTS, CLI_CAPTION_ASSORTMENT, CLI_CAPTION_NONE };
+
+/* Sheets of the topologies in `file` (NULL: standard input).  Returns the exit code. */
+int cli_draw_chains(const cli_call *call, const char *file, lw_draw_kind kind);
+
+#endif

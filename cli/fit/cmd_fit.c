@@ -1,0 +1,654 @@
+/* linkwright fit - linkages whose point moves as the target says. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/fit/fit.h"
+#include "cli/program/model.h"
+#include "cli/program/progress.h"
+
+typedef struct settings {
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas, *gear_ratios,
+               *input_ratios, *point_links;
+    int         task, timing, datum, starts, rounds, results, links, dof;
+    double      budget;
+    double      weight_path, weight_angle, min_transmission, max_acceleration;
+    double      length_range[2], position_range[2], length_ratio;
+    bool        crank_only, full_turn, closed, open, exact;
+} settings;
+
+enum { AUTO = 0 };
+
+static const cli_option options[] = {
+    { "type", 't', CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
+      "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
+      NULL, NULL },
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
+      "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too; with --dof 2 from 5", 4, 10,
+      NULL, NULL },
+    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1",
+      "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, "
+      "with 3 of 8; all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99,
+      NULL, NULL },
+    { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", "1,-1,2,-2,3,-3",
+      "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two "
+      "motors, a belt or wheels at the frame", 0, 0, NULL, NULL },
+    { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
+      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for gear pairs, with t racks",
+      0, 0, NULL, NULL },
+    { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3",
+      "ratios of gear pairs with --joints g, < 0 for external gears: turns of the later link over those of the earlier, "
+      "seen from the link that carries both", 0, 0, NULL, NULL },
+    { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
+      "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
+      "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
+      "evaluations for each number of links above four, as many again with sliders, and with slots or gears", 1e3, 1e12, NULL, NULL },
+    { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
+      "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
+    { "atlas", 0, CLI_TEXT, offsetof(settings, atlas), "FILE", NULL,
+      "start from the nearest curves of a catalogue too ('linkwright catalogue curves')", 0, 0, NULL, NULL },
+    { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
+      "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
+      0, 0, NULL, NULL },
+    { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto|prescribed|free|none", "auto",
+      "input angles of the target kept (prescribed), only the order kept (free), only the shape, "
+      "scored both ways (none); auto: prescribed when the target has input angles, else free", 0, 0, NULL, NULL },
+    { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
+      "prescribed angles count from the first one, which is found; from the line of the fixed pivots; "
+      "from the x axis", 0, 0, NULL, NULL },
+    { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
+      "links of the target's further points (x2, ...), in their order: input, coupler, output, or any", 0, 0, NULL, NULL },
+    { "weight-path", 'a', CLI_REAL, offsetof(settings, weight_path), "A", "1",
+      "weight of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
+    { "weight-angle", 'b', CLI_REAL, offsetof(settings, weight_angle), "B", "1",
+      "weight of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
+    { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
+      "bounds of the link lengths; without it 1/1000 to 10 diagonals of the target", 0, 1e300, NULL, NULL },
+    { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
+      "bounds of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
+    { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", NULL,
+      "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
+    { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
+      "bounds of single dimensions, r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
+    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
+      "the input is a crank: turns fully, and of a four-bar is the shortest link", 0, 0, NULL, NULL },
+    { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
+      "the input turns fully; drag-links too", 0, 0, NULL, "crank-only" },
+    { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", NULL,
+      "least transmission angle over the motion [degrees]", 0, 89.9, NULL, NULL },
+    { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
+      "greatest acceleration of the point by the input [unit/rad^2], of a function of the output angle", 0, 1e300,
+      NULL, NULL },
+    { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
+      "linkages through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points; sorted by "
+      "defects (circuit, branch, order)", 0, 0, NULL, "links" },
+    { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
+      "local solver behind the starts; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
+    { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
+      "starts a round, family and mode; 0: by the size of the problem", 0, 3200, NULL, NULL },
+    { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
+      "rounds at most; 0: by the size of the problem", 0, 100000, NULL, NULL },
+    { "results", 'n', CLI_INT, offsetof(settings, results), "N", "10", "results at most", 1, 64,
+      NULL, NULL },
+    { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
+      "linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
+      0, 0, NULL, NULL },
+    { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
+      "the last point is followed by the first, whatever the file says", 0, 0, NULL, NULL },
+    { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL, "it is not", 0, 0, NULL, "closed" },
+    { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
+      "unit of the target's lengths: m, mm, cm, in, ...; without it what the file says, else m", 0,
+      0, NULL, NULL },
+    { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "UNIT", NULL,
+      "unit of its angles: rad, deg, turn; without it what the file says, else rad", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+/* ---- what is asked for ------------------------------------------------------------------------ */
+
+/* One "r1=5:50". */
+static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec,
+                           lw_error *e)
+{
+    static const cli_option range = { .name = "bounds", .kind = CLI_RANGE };
+    char word[80], *equals;
+    double v[2];
+    if (n >= sizeof word)
+        n = sizeof word - 1;
+    memcpy(word, text, n);
+    word[n] = 0;
+    equals = strchr(word, '=');
+    lw_bound *b = &spec->bound[spec->n_bound];
+    if (!equals || equals == word || equals - word >= (long)sizeof b->name)
+        return lw_error_set(e, LW_E_ARG, "--bounds takes NAME=MIN:MAX with commas between, as "
+                            "r1=5:50,x0=0:0; '%s' is none", word);
+    if (spec->n_bound == (int)(sizeof spec->bound/sizeof *spec->bound))
+        return lw_error_set(e, LW_E_ARG, "--bounds takes %d names at most", spec->n_bound);
+    *equals = 0;
+    lw_status st = cli_value(&range, "bounds", equals + 1, v, e);
+    if (st != LW_OK)
+        return st;
+    bool angle = strncmp(word, "theta", 5) == 0 || strncmp(word, "beta", 4) == 0
+              || strncmp(word, "input", 5) == 0 || strncmp(word, "tool", 4) == 0;
+    memcpy(b->name, word, strlen(word) + 1);
+    b->lo = angle ? v[0] : v[0]*u->metre;
+    b->hi = angle ? v[1] : v[1]*u->metre;
+    spec->n_bound++;
+    return LW_OK;
+}
+
+static lw_status read_bounds(const char *text, const lw_units *u, lw_fit_spec *spec, lw_error *e)
+{
+    lw_status st = LW_OK;
+    while (text && *text && st == LW_OK) {
+        size_t n = strcspn(text, ",");
+        st = add_bound(text, n, u, spec, e);
+        text += n + (text[n] == ',');
+    }
+    return st;
+}
+
+static lw_task task_of(const settings *s, const lw_target *t)
+{
+    static const lw_task chosen[] = { LW_TASK_PATH, LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION };
+    if (s->task != AUTO)
+        return chosen[s->task];
+    return !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
+}
+
+static lw_timing timing_of(const settings *s, const lw_target *t)
+{
+    static const lw_timing chosen[] = { LW_TIMING_FREE, LW_TIMING_PRESCRIBED, LW_TIMING_FREE,
+                                        LW_TIMING_NONE };
+    return s->timing == AUTO && t->angle ? LW_TIMING_PRESCRIBED : chosen[s->timing];
+}
+
+/* Was this said on the command line, or is there nobody else to say it? */
+static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
+{
+    return !set->has_brief || cli_given(&call->parsed, option);
+}
+
+/* Weights and ranges are in the user's unit, everything behind in SI. */
+static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec)
+{
+    const settings *s = call->settings;
+    double m = set->target.units.metre;
+    if (mine(call, set, "weight-path"))
+        spec->a = s->weight_path/(m*m);
+    if (mine(call, set, "weight-angle"))
+        spec->b = s->weight_angle;
+    if (s->crank_only || s->full_turn)
+        spec->crank_only = true;
+    spec->exclude_drag_link = s->crank_only;
+    if (mine(call, set, "min-transmission-angle"))
+        spec->min_transmission = s->min_transmission*LW_PI/180;
+    if (mine(call, set, "max-acceleration"))
+        spec->max_acceleration = s->max_acceleration*m;
+    if (spec->task == LW_TASK_FUNCTION)                              /* an angle's: it has no unit of length */
+        spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->brief.units.metre;
+    if (mine(call, set, "length-range")) {
+        spec->length_lo = s->length_range[0]*m;
+        spec->length_hi = s->length_range[1]*m;
+    }
+    if (mine(call, set, "length-ratio"))
+        spec->length_ratio = s->length_ratio;
+    if (mine(call, set, "position-range")) {
+        spec->position_lo = s->position_range[0]*m;
+        spec->position_hi = s->position_range[1]*m;
+    }
+}
+
+static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec, lw_error *e)
+{
+    const settings *s = call->settings;
+    const lw_target *t = &set->target;
+    *spec = set->has_brief ? set->brief.spec : lw_fit_spec_default();
+    if (mine(call, set, "task") || !set->brief.has_task)
+        spec->task = task_of(s, t);
+    if (mine(call, set, "timing") || !set->brief.has_timing)
+        spec->timing = timing_of(s, t);
+    spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
+    conditions(call, set, spec);
+    if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)
+        return lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only, and "
+                            "the target has no column angle");
+    lw_status st = mine(call, set, "point-links") ? cli_fit_carriers(s->point_links, t, spec->carrier, e) : LW_OK;
+    return st == LW_OK ? read_bounds(s->bounds, &t->units, spec, e) : st;
+}
+
+/* Are the names in --type types? */
+static lw_status check_types(const char *types, lw_error *e)
+{
+    for (const char *at = types; *at;) {
+        char word[32] = "";
+        size_t n = strcspn(at, ",");
+        memcpy(word, at, n < sizeof word ? n : sizeof word - 1);
+        if (strcmp(word, "all") != 0 && !lw_type_find(word)) {
+            char known[256] = "all";
+            for (const lw_type *t = lw_type_table; t->letters; t++)
+                snprintf(known + strlen(known), sizeof known - strlen(known), ", %s", t->name);
+            return lw_error_set(e, LW_E_ARG, "--type %s: no such type; known are %s", word, known);
+        }
+        at += n + (at[n] == ',');
+    }
+    return LW_OK;
+}
+
+/* Is `name` a dimension of one of the wanted types? */
+static bool is_dimension(const char *types, const char *name)
+{
+    if (strcmp(name, "input0") == 0 || strncmp(name, "tool", 4) == 0)
+        return true;
+    for (const lw_type *t = lw_type_table; t->letters; t++) {
+        lw_linkage k;
+        lw_plan plan;
+        lw_type_linkage(t, &k);
+        bool asked = strcmp(types, "all") == 0 || strstr(types, t->name) || strstr(types, t->letters);
+        if (asked && lw_plan_make(&k, (lw_want){ .tracers = 1 }, &plan, NULL) == LW_OK
+            && lw_plan_dim(&plan, name) >= 0)
+            return true;
+    }
+    return false;
+}
+
+/* What can be refused without a look at the target. */
+static lw_status check_conditions(const settings *s, bool range_given, lw_error *e)
+{
+    lw_fit_spec spec = lw_fit_spec_default();
+    lw_units si = lw_units_si();
+    lw_status st = read_bounds(s->bounds, &si, &spec, e);
+    for (int i = 0; i < spec.n_bound && st == LW_OK; i++)
+        if (!is_dimension(s->type, spec.bound[i].name))
+            st = lw_error_set(e, LW_E_ARG, "--bounds: no linkage of --type %s has a dimension '%s'; the "
+                              "table of results shows their names", s->type, spec.bound[i].name);
+    if (st == LW_OK && range_given && !(s->length_range[1] > 0))
+        st = lw_error_set(e, LW_E_ARG, "--length-range %g:%g excludes every linkage: lengths are "
+                          "positive", s->length_range[0], s->length_range[1]);
+    if (st == LW_OK && !(s->weight_path > 0) && s->task != 2)
+        st = lw_error_set(e, LW_E_ARG, "--weight-path must be positive; use --task function to fit "
+                          "angles alone");
+    if (st == LW_OK && s->datum != 0 && s->timing > 1)
+        st = lw_error_set(e, LW_E_ARG, "--angle-from has a meaning with prescribed timing only");
+    return st;
+}
+
+/* ---- one target --------------------------------------------------------------------------------- */
+
+typedef struct shown { cli_progress line; double metre2; } shown;
+
+static void show(void *context, double done, double seconds, double best)
+{
+    shown *s = context;
+    char note[64];
+    (void)seconds;
+    snprintf(note, sizeof note, "best objective %.6g", best);
+    cli_progress_show(&s->line, 100*done, 100, note);
+}
+
+static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
+    lw_fit_options o = lw_fit_options_default();
+    o.spec = set->spec;
+    bool sliders = (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    o.types = sliders ? "all" : s->type;
+    o.solver = lw_solver_find(s->solver);
+    o.seed = set->seed = call->common.seed;
+    o.jobs = call->common.jobs;
+    o.max_seconds = call->common.time;
+    o.starts = s->starts;
+    o.max_rounds = s->rounds;
+    o.n_result = s->results;
+    o.interrupt = cli_stop_flag();
+    o.progress = show;
+    o.context = &progress;
+    o.budget = (long)s->budget;
+    if (s->exact && !cli_given(&call->parsed, "type"))
+        o.types = NULL;                              /* as their number suggests */
+    lw_status st = s->exact ? cli_fit_exact(call, set, &o, e)
+                 : lw_survey_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
+    cli_progress_end(&progress.line);
+    return st;
+}
+
+/* With F inputs at the ground that link has F joints, and the fewest links are two for each loop more (Makkonen 1999, eq.
+ * 2): P = F + 1 + 2 L, L = F - 1. */
+static int least_links(int dof)
+{
+    return dof > 1 ? 3*dof - 1 : 4;
+}
+
+/* What is said of them here, or else in the task. */
+static int said(const cli_call *call, const char *option, int here, int in_task)
+{
+    return in_task > 0 && !cli_given(&call->parsed, option) ? in_task : here;
+}
+
+/* Can there be mechanisms of so many freedoms, with all that is said beside?  links 0: not said. */
+static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e)
+{
+    const settings *s = call->settings;
+    const cli_parsed *said = &call->parsed;
+    if (dof == 0)
+        return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
+    if (dof > CLI_TOPOLOGY_INPUTS)
+        return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and "
+                            "--links goes to 10, which is F = %d", dof, dof, least_links(dof), CLI_TOPOLOGY_INPUTS);
+    if (dof == 1)
+        return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several "
+                                                              "inputs: give --dof 2") : LW_OK;
+    if (links > 0 && links < least_links(dof))
+        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
+                            dof, links, dof, least_links(dof));
+    if (cli_given(said, "type") || s->exact)
+        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and "
+                            "F = 1", dof, s->exact ? "exact" : "type");
+    return LW_OK;
+}
+
+/* Which topologies there are for this target. */
+static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    const lw_brief *b = &set->brief;
+    char kinds[8] = "";
+    int links = said(call, "links", s->links, b->links), dof = said(call, "dof", s->dof, b->dof);
+    bool counted = b->links > 0 || cli_given(&call->parsed, "links");
+    bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
+    for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
+        if (strchr("rtpg", *at) && !strchr(kinds, *at))
+            kinds[strlen(kinds)] = *at;
+    if (!counted && links < least_links(dof))
+        links = least_links(dof);
+    cli_topology_wish w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
+                            .only = named ? b->topology : s->topology, .task = set->spec.task,
+                            .interrupt = cli_stop_flag(),
+                            .timed = set->spec.task == LW_TASK_FUNCTION
+                                  || set->spec.timing == LW_TIMING_PRESCRIBED };
+    lw_status st = check_dof(call, dof, counted ? links : 0, e);
+    if (st == LW_OK)
+        st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
+    if (st == LW_OK)
+        st = cli_ratios_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
+    bool more = links > 4 || cli_topology_higher(kinds);
+    if (st == LW_OK && !more && !s->exact && strcmp(w.only, "all") != 0)
+        st = lw_error_set(e, LW_E_ARG, "topology '%s' is one of more than four links; say how many with --links, or with "
+                          "\"links\" in a task file", w.only);
+    if (st == LW_OK && more)
+        st = cli_topologies_make(&w, &set->topologies, e);
+    if (st == LW_OK && s->resume)
+        st = cli_fit_known_read(s->resume, &set->known, e);
+    if (st == LW_OK && s->atlas)
+        st = cli_fit_known_atlas(s->atlas, &set->target, links > 4 ? links : 4, &set->known, e);
+    if (st != LW_OK)
+        return st;
+    cli_fit_stages_make(&set->topologies, &set->known, &set->stages);
+    return cli_fit_points_stages(set, e);
+}
+
+/* Candidate i is verified: one more result, unless there are enough and others have as many links. */
+static void keep(cli_fit_set *set, int i, int most)
+{
+    const lw_candidate *c = set->survey.fit.candidate;
+    bool first = true;
+    for (int k = 0; k < set->n; k++)
+        first &= lw_candidate_links(&c[set->which[k]]) != lw_candidate_links(&c[i]);
+    if (set->n < most || first)
+        set->which[set->n++] = i;
+}
+
+/* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
+ * has a defect and is left out. */
+static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    int n = set->survey.fit.n;
+    set->report = calloc((size_t)n + 1, sizeof *set->report);
+    set->which = calloc((size_t)n + 1, sizeof *set->which);
+    if (!set->report || !set->which)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
+    for (int i = 0; i < n; i++) {
+        lw_report *r = &set->report[set->n];
+        lw_status st = lw_report_make(&set->target, &set->spec, &set->survey.fit.candidate[i], r, e);
+        if (st != LW_OK)
+            return st;
+        if (r->verified) {
+            keep(set, i, ((const settings *)call->settings)->results);
+            continue;
+        }
+        set->left_out++;
+        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path,
+                 set->survey.fit.candidate[i].family->name, set->survey.fit.candidate[i].objective, r->fault);
+    }
+    return LW_OK;
+}
+
+static void name_of(const char *path, char *name, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(name, size, "%s", strcmp(path, "-") == 0 ? "target" : slash ? slash + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot && dot != name)
+        *dot = 0;
+}
+
+static void warn(const cli_call *call, const cli_fit_set *set)
+{
+    const lw_report *r = &set->report[0];
+    if (set->survey.fit.skipped[0])
+        cli_note(call, "%s: skipped %s", set->path, set->survey.fit.skipped);
+    if (set->n == 0 && set->left_out == 0)
+        cli_note(call, "%s: no linkage that meets all conditions was found in this time", set->path);
+    if (set->n && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
+        && r->curve_max > 0.05*set->target.size)
+        cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
+                 "'--timing none' scores the curve both ways", set->path,
+                 r->curve_max/set->target.units.metre,
+                 set->target.units.length[0] ? set->target.units.length : "units");
+}
+
+/* A target, or a task file that brings or names one. */
+static lw_status read_wish(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
+{
+    size_t n = strlen(path);
+    set->has_brief = n > 5 && strcmp(path + n - 5, ".json") == 0;
+    return set->has_brief ? cli_read_brief(path, o, &set->brief, &set->target, e)
+                          : cli_read_target(path, o, &set->target, e);
+}
+
+static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
+    set->path = path;
+    name_of(path, set->name, sizeof set->name);
+    lw_status st = read_wish(path, &o, set, e), why;
+    if (st == LW_OK)
+        st = make_spec(call, set, &set->spec, e);
+    if (st != LW_OK)
+        return st;
+    if ((st = make_topologies(call, set, e)) != LW_OK)
+        return st;
+    why = search(call, set, e);
+    if (why < 0 || why == LW_NOTHING) {
+        if (why == LW_NOTHING)
+            lw_error_at(e, why, path, 0, 0, s->exact ? "no real linkage of these types within these bounds and "
+                        "conditions goes through all stations" : "no linkage of these types within these bounds and "
+                        "conditions was found; widen the bounds or allow more types");
+        else if (e->file[0] == 0) {
+            snprintf(e->file, sizeof e->file, "%s", path);
+            e->line = set->target.n == 1 ? set->target.line[0] : 0;
+        }
+        return why;
+    }
+    st = set->is_exact ? cli_fit_exact_verify(call, set, e) : verify(call, set, e);
+    if (st != LW_OK)
+        return st;
+    if (!set->is_exact)
+        warn(call, set);
+    return why;
+}
+
+static void set_free(cli_fit_set *set)
+{
+    lw_target_free(&set->target);
+    lw_brief_free(&set->brief);
+    lw_survey_free(&set->survey);
+    for (int i = 0; i < LW_STAGE_MAX; i++)
+        lw_tracer_spread_free(&set->spread[i]);
+    cli_fit_known_free(&set->known);
+    cli_topologies_free(&set->topologies);
+    lw_exact_free(&set->exact);
+    free(set->which);
+    free(set->report);
+}
+
+/* ---- all of them ---------------------------------------------------------------------------------- */
+
+static bool wants_json(const cli_call *call)
+{
+    return call->common.json || call->common.output;
+}
+
+static void print(const cli_call *call, const cli_fit_set *set, int n, lw_output *o)
+{
+    bool table = !call->common.json && !(call->common.quiet && call->common.output);
+    for (int i = 0; i < n && table; i++)
+        cli_fit_table(&set[i], stdout);
+    for (int i = 0; i < n && wants_json(call); i++)
+        cli_fit_json(&set[i], call, o->f, n > 1 ? 0 : 1);
+}
+
+static int save(const cli_call *call, const cli_fit_set *set, int n, int code)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (!s->save)
+        return code;
+    for (int i = 0; i < n; i++)
+        if (cli_fit_save(&set[i], s->save, &e) != LW_OK)
+            return cli_fail(call, &e);
+    if (cli_fit_page(set, n, s->save, &e) < 0)
+        return cli_fail(call, &e);
+    return code;
+}
+
+static int list_solvers(void)
+{
+    for (const lw_solver *s = lw_solver_table; s->name; s++)
+        printf("%-14s %s\n", s->name, s->source);
+    return CLI_DONE;
+}
+
+static int check(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (!lw_solver_find(s->solver))
+        return cli_usage(call, "there is no solver '%s'; '--solver help' lists them", s->solver);
+    for (const char *at = s->joints; *at; at++)
+        if (!strchr("rtpg,", *at))
+            return cli_usage(call, "--joints takes r, or r with t, p and g and commas between, not '%s'", s->joints);
+    cli_ratios ratios;
+    if (cli_ratios_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
+        || cli_ratios_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    bool of_task = cli_given(&call->parsed, "input-ratios") && !cli_given(&call->parsed, "dof");
+    if (!of_task && check_dof(call, s->dof, cli_given(&call->parsed, "links") ? s->links : 0, &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (check_types(s->type, &e) != LW_OK
+        || check_conditions(s, cli_given(&call->parsed, "length-range"), &e) != LW_OK)
+        return cli_usage(call, "%s", e.text);
+    if (call->parsed.n_word == 0)
+        return cli_usage(call, "no target; give a CSV file");
+    return CLI_DONE;
+}
+
+/* Fit every target; those that fail are said and passed over.  Returns the exit code. */
+static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
+{
+    int code = CLI_DONE;
+    for (int i = 0; i < call->parsed.n_word && !cli_interrupted(); i++) {
+        lw_error e = { 0 };
+        cli_fit_set *now = &set[*done];
+        lw_status st = fit_one(call, call->parsed.word[i], now, &e);
+        if (st < 0 || st == LW_NOTHING) {
+            code = cli_fail(call, &e);
+            set_free(now);
+            memset(now, 0, sizeof *now);
+            continue;
+        }
+        code = now->n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
+        ++*done;
+    }
+    return code;
+}
+
+/* The output is opened first: a folder that cannot be written shall not cost a search. */
+static int fit_all(const cli_call *call)
+{
+    lw_output o;
+    lw_error e = { 0 };
+    int done = 0, code;
+    cli_fit_set *set = calloc((size_t)call->parsed.n_word, sizeof *set);
+    if (!set) {
+        lw_error_set(&e, LW_E_MEMORY, "no memory for %d targets", call->parsed.n_word);
+        return cli_fail(call, &e);
+    }
+    if (wants_json(call) && cli_open(call, &o, &e) != LW_OK) {
+        free(set);
+        return cli_fail(call, &e);
+    }
+    code = fit_targets(call, set, &done);
+    print(call, set, done, &o);
+    if (wants_json(call) && done > 0)
+        code = cli_close(call, &o, code);
+    else if (wants_json(call))
+        lw_output_abandon(&o);
+    if (done > 0)
+        code = save(call, set, done, code);
+    for (int i = 0; i < done; i++)
+        set_free(&set[i]);
+    free(set);
+    return cli_interrupted() ? CLI_INTERRUPTED : code;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    int code;
+    if (strcmp(s->solver, "help") == 0)
+        return list_solvers();
+    if ((code = check(call)) != CLI_DONE)
+        return code;
+    cli_watch_interrupt();
+    return fit_all(call);
+}
+
+const cli_command cli_fit_command = {
+    .name = "fit",
+    .words = "TARGET.csv ...",
+    .title = "linkages whose point follows a target, ranked",
+    .examples =
+        "  linkwright fit examples/walking-foot.csv                        the best four-bars\n"
+        "  linkwright fit examples/ellipse.csv --type all -o found.json    all four-link types\n"
+        "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
+        "  linkwright fit path.csv --links 5 --joints r,p,g                pins in slots and gear pairs too\n"
+        "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
+    .about =
+        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; x2,y2[,theta2] of\n"
+        "further points of the same mechanism, or theta2 of an output that goes with the path; - is standard\n"
+        "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\").\n"
+        "Minimises, over dimensions,\n"
+        "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
+        "Every result is simulated a second time from its file by independent code. -o FILE gets\n"
+        "the results as JSON while the table goes to standard output; --json prints the JSON.\n"
+        "Same seed, same answer for any number of --jobs.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1000,
+    .run = run,
+};

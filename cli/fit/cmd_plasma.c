@@ -1,0 +1,437 @@
+/* linkwright plasma - from a link adjacency matrix and a target to dimensions, as PLASMA went about it. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "base/rng.h"
+#include "catalogues/exchange/export.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "cli/fit/plasma.h"
+#include "grammar/sketch.h"
+#include "optimise/report/report.h"
+#include "optimise/search/start.h"
+
+typedef struct settings {
+    const char *target, *save, *length_unit;
+    int         ground, input, tracer, points, first;
+    double      budget;
+    bool        crank_only;
+} settings;
+
+static const cli_option options[] = {
+    { "target", 't', CLI_TEXT, offsetof(settings, target), "FILE", NULL,
+      "the path that the point shall follow: CSV, SVG or DXF, as for fit; needed", 0, 0, NULL, NULL },
+    { "ground", 'g', CLI_INT, offsetof(settings, ground), "PART", "1", "the fixed part", 1, LW_LINK_MAX, NULL, NULL },
+    { "input", 'i', CLI_INT, offsetof(settings, input), "JOINT", NULL,
+      "the driven joint, a pin or slider; without it the first at the ground from which all parts can be worked out",
+      1, LW_JOINT_MAX, NULL, NULL },
+    { "tracer", 'p', CLI_INT, offsetof(settings, tracer), "PART", NULL,
+      "the part that carries the point; without it the first that is not joined to the ground and needs all parts", 1,
+      LW_LINK_MAX, NULL, NULL },
+    { "first", 0, CLI_INT, offsetof(settings, first), "N", "200", "first dimensions are the best of N that close", 1,
+      1e6, NULL, NULL },
+    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50", "rows of the tables of motion", 2, 10000, NULL,
+      NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5", "evaluations of the optimisation", 1e3, 1e12, NULL,
+      NULL },
+    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL, "the input turns fully", 0, 0, NULL,
+      NULL },
+    { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
+      "unit of the target's lengths; without it what the file says, else m", 0, 0, NULL, NULL },
+    { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
+      "first.adm, first.acf, final.adm, final.acf, first.json, final.json into this folder", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+typedef struct job {
+    const cli_call *call;
+    const settings *s;
+    lw_lam          lam;
+    lw_mechanism    m;
+    uint8_t         number[LW_JOINT_MAX];      /* in the matrix, of joint j                          */
+    lw_linkage      sketch, first;
+    lw_family       family;
+    lw_fit_spec     spec;
+    lw_target       target;
+    lw_output       out;
+} job;
+
+/* ---- which input, which tracer --------------------------------------------------------------------------- */
+
+static bool at_ground(const lw_mechanism *m, int j) { return m->link[j][0] == m->ground || m->link[j][1] == m->ground; }
+
+/* Parts that the point feels with this input and tracer; 0: cannot be worked out. */
+static int try_choice(job *b, int input, int tracer, lw_linkage *k)
+{
+    lw_rng rng;
+    lw_mechanism m = b->m;
+    lw_plan *plan = malloc(sizeof *plan);
+    int links = 0;
+    m.n_input = 1;
+    m.input[0] = (uint8_t)input;
+    m.output = tracer;
+    lw_rng_seed(&rng, b->call->common.seed, 7);
+    if (plan && lw_linkage_sketch(&m, &rng, k) == LW_OK
+        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK)
+        links = plan->n_link;
+    free(plan);
+    return links;
+}
+
+static int joint_of_number(const job *b, int number)
+{
+    for (int j = 0; j < b->m.n_joint; j++)
+        if (b->number[j] == number)
+            return j;
+    return -1;
+}
+
+/* Joints in the order of their numbers, and named by them. */
+static void order_joints(const job *b, const lw_linkage *from, lw_linkage *k)
+{
+    *k = *from;
+    for (int j = 0; j < from->n_joint; j++) {
+        lw_joint *p = &k->joint[b->number[j] - 1];
+        *p = from->joint[j];
+        snprintf(p->name, sizeof p->name, "J%d", b->number[j]);
+    }
+    k->input[0].joint = b->number[from->input[0].joint] - 1;
+}
+
+static lw_status check_choice(const job *b, lw_error *e)
+{
+    const settings *s = b->s;
+    if (s->ground > b->lam.n_link || s->tracer > b->lam.n_link)
+        return lw_error_set(e, LW_E_ARG, "there is no part %d; the matrix has %d", s->ground > b->lam.n_link ? s->ground
+                            : s->tracer, b->lam.n_link);
+    if (s->input > b->lam.n_joint)
+        return lw_error_set(e, LW_E_ARG, "there is no joint %d; the matrix has %d", s->input, b->lam.n_joint);
+    if (s->input && !strchr("rt", b->lam.kind[s->input - 1]))
+        return lw_error_set(e, LW_E_ARG, "joint %d is no pin or slider and cannot be driven", s->input);
+    if (s->tracer == s->ground)
+        return lw_error_set(e, LW_E_ARG, "the point is on part %d, which is the ground", s->ground);
+    return LW_OK;
+}
+
+/* Inputs at the ground, tracers away from it first; the first choice that needs all parts, else most of them. */
+static lw_status choose(job *b, lw_error *e)
+{
+    int best = 0;
+    lw_status st = check_choice(b, e);
+    if (st != LW_OK)
+        return st;
+    b->m.ground = b->s->ground - 1;
+    for (int pass = 0; pass < 2 && best < b->m.n_link; pass++)
+        for (int n = 1; n <= b->lam.n_joint; n++)
+            for (int t = 0; t < b->m.n_link; t++) {
+                int j = joint_of_number(b, n);
+                bool near = lw_mechanism_joint(&b->m, b->m.ground, t) != LW_NONE;
+                bool may = b->s->input ? n == b->s->input : strchr("rt", b->m.kind[j]) && at_ground(&b->m, j);
+                lw_linkage k;
+                if (!may || t == b->m.ground || (b->s->tracer ? t != b->s->tracer - 1 : near != (pass == 1)))
+                    continue;
+                int links = try_choice(b, j, t, &k);
+                if (links > best) {
+                    best = links;
+                    order_joints(b, &k, &b->sketch);
+                }
+            }
+    return best > 0 ? LW_OK
+         : lw_error_set(e, LW_E_KIND, "no input and tracer part were found with which this mechanism can be worked "
+                        "out; it needs one freedom and pins, sliders, pins in slots");
+}
+
+static lw_status read_matrix(job *b, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    const char *path = b->call->parsed.n_word > 0 ? b->call->parsed.word[0] : "-";
+    lw_status st = lw_file_read(path, &text, &size, e);
+    if (st == LW_OK)
+        st = lw_lam_read(text, size, path, &b->lam, e);
+    free(text);
+    if (st != LW_OK)
+        return st;
+    lw_lam_mechanism(&b->lam, &b->m, b->number);
+    int freedom = 3*(b->m.n_link - 1);
+    for (int j = 0; j < b->m.n_joint; j++)
+        freedom -= 3 - lw_kind_freedom(b->m.kind[j]);
+    return freedom == 1 ? LW_OK
+         : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d freedoms; one is wanted", freedom);
+}
+
+/* ---- first dimensions --------------------------------------------------------------------------------------- */
+
+static void make_spec(job *b)
+{
+    double m = b->target.units.metre;
+    b->spec = lw_fit_spec_default();
+    b->spec.task = b->target.theta ? LW_TASK_MOTION : LW_TASK_PATH;
+    b->spec.timing = b->target.angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
+    b->spec.a = 1/(m*m);
+    b->spec.crank_only = b->s->crank_only;
+}
+
+/* The posture of variables x, at an input at which it closes. */
+static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *k)
+{
+    double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
+    lw_plan *plan = malloc(sizeof *plan);
+    bool ok = plan && lw_plan_make_any(&b->sketch, (lw_want){ .tracers = 1, .all_joints = true }, plan, NULL) == LW_OK;
+    double scale = plan && ok && plan->input_is_slider ? p->unit : 1, mid = p->branch.turns ? 0 : p->branch.mid*scale;
+    bool found = false;
+    memcpy(mode, p->branch.mode, sizeof mode);
+    lw_problem_to_dims(p, x, dim);
+    for (int i = 0; ok && !found && i < 73; i++) {
+        double input = mid + (p->branch.turns ? 2*LW_PI : 2*p->branch.half*scale)*(i % 2 ? 1 : -1)*(i/2)/72.0;
+        *k = b->sketch;
+        found = lw_plan_write(plan, dim, mode, input, k) == LW_OK;
+    }
+    free(plan);
+    k->units = b->target.units;
+    if (found)
+        k->input[0].value = lw_linkage_posture_input(k, k->input[0].joint);
+    return found;
+}
+
+static lw_status first_dimensions(job *b, double *objective, lw_error *e)
+{
+    lw_problem *p = calloc(1, sizeof *p);
+    lw_rng rng;
+    double best = INFINITY, x[LW_VAR_MAX];
+    lw_linkage k;
+    if (!p)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a problem");
+    lw_status st = lw_problem_make(&b->target, &b->spec, &b->family, 1, 1, p, e);
+    if (st != LW_OK) {
+        free(p);
+        return st;
+    }
+    void *work = aligned_alloc(64, (lw_problem_work_size(p) + 127) & ~(size_t)63);
+    if (work)
+        lw_problem_work_init(p, work);
+    lw_rng_seed(&rng, b->call->common.seed, 8);
+    for (int trial = 0; work && trial < b->s->first && !cli_interrupted(); trial++) {
+        double u[LW_START_DRAWS];
+        for (int i = 0; i < LW_START_DRAWS; i++)
+            u[i] = lw_rng_uniform(&rng);
+        double f = lw_start(p, u, x, work);
+        if (f < best && put_posture(b, p, x, &k)) {
+            best = f;
+            b->first = k;
+        }
+    }
+    *objective = best*p->scale;
+    free(work);
+    lw_problem_free(p);
+    free(p);
+    return best < INFINITY ? LW_OK
+         : lw_error_set(e, LW_NOTHING, "no first dimensions were found that close at all points of the target; try "
+                        "more with --first, or another input or ground");
+}
+
+/* ---- results --------------------------------------------------------------------------------------------------- */
+
+static lw_status print_dataset(const lw_linkage *k, FILE *f, lw_error *e)
+{
+    lw_bytes b = { 0 };
+    lw_status st = lw_export_adams(k, &b, e);
+    if (st == LW_OK)
+        fprintf(f, "MSA-program Data Set File:\n\n%s\n", b.data);
+    lw_bytes_free(&b);
+    return st;
+}
+
+static lw_status save_bytes(const job *b, const char *name, const char *end, const lw_bytes *bytes, lw_error *e)
+{
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s%s", b->s->save, name, end);
+    return lw_file_write(path, bytes->data, bytes->size, e);
+}
+
+static lw_status save(const job *b, const lw_linkage *k, const char *name, lw_error *e)
+{
+    lw_linkage named = *k;
+    lw_bytes bytes[2] = { { 0 }, { 0 } };
+    if (!b->s->save)
+        return LW_OK;
+    if (mkdir(b->s->save, 0777) != 0 && errno != EEXIST)
+        return lw_error_set(e, LW_E_IO, "cannot make the folder '%s': %s", b->s->save, strerror(errno));
+    snprintf(named.name, sizeof named.name, "%s", name);
+    lw_status st = lw_export_adams(&named, &bytes[0], e);
+    if (st == LW_OK)
+        st = lw_export_adams_commands(&named, &bytes[1], e);
+    if (st == LW_OK)
+        st = save_bytes(b, name, ".adm", &bytes[0], e);
+    if (st == LW_OK)
+        st = save_bytes(b, name, ".acf", &bytes[1], e);
+    lw_bytes_free(&bytes[0]);
+    lw_bytes_free(&bytes[1]);
+    char *text = st == LW_OK ? lw_linkage_write(&named, 2) : NULL;
+    if (st == LW_OK)
+        st = text ? save_bytes(b, name, ".json", &(lw_bytes){ .data = text, .size = strlen(text) }, e)
+           : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+    free(text);
+    return st;
+}
+
+static lw_status print_motion(const job *b, const lw_linkage *k, lw_error *e)
+{
+    fputs("Coupler path:\n\n", b->out.f);
+    lw_status st = cli_plasma_path(k, b->s->points, b->out.f, e);
+    return st == LW_OPEN ? LW_OK : st;
+}
+
+static lw_status run_first(job *b, lw_error *e)
+{
+    FILE *f = b->out.f;
+    double objective = 0;
+    lw_status st = first_dimensions(b, &objective, e);
+    if (st != LW_OK)
+        return st;
+    fputs("Preprocessor has constructed Joint Data Structure:\n\n", f);
+    cli_plasma_joints(&b->first, f);
+    fprintf(f, "First dimensions, objective %.6g:\n\n", objective);
+    st = cli_plasma_dimensions(&b->first, f, e);
+    if (st == LW_OK)
+        st = print_dataset(&b->first, f, e);
+    if (st == LW_OK)
+        st = print_motion(b, &b->first, e);
+    return st == LW_OK ? save(b, &b->first, "first", e) : st;
+}
+
+/* The best that a second simulation confirms. */
+static const lw_candidate *best_of(const job *b, const lw_fit *fit, lw_report *r, lw_error *e, lw_status *st)
+{
+    *st = LW_OK;
+    for (int i = 0; i < fit->n && *st == LW_OK; i++) {
+        *st = lw_report_make(&b->target, &b->spec, &fit->candidate[i], r, e);
+        if (*st == LW_OK && r->verified)
+            return &fit->candidate[i];
+    }
+    if (*st == LW_OK)
+        *st = lw_error_set(e, LW_NOTHING, "no dimensions were found with which this mechanism runs through the target");
+    return NULL;
+}
+
+static lw_status print_final(job *b, const lw_fit *fit, lw_error *e)
+{
+    FILE *f = b->out.f;
+    lw_status st;
+    lw_report *r = calloc(1, sizeof *r);
+    if (!r)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory for a report");
+    const lw_candidate *c = best_of(b, fit, r, e, &st);
+    if (c) {
+        lw_linkage *k = &r->linkage;
+        k->units = b->target.units;
+        fprintf(f, "Optimisation: %ld starts, %ld local fits, %ld evaluations; objective %.6g, average path deviation "
+                "%.4g %% of the path length\n\n", fit->starts, fit->improved, fit->evals, c->objective,
+                r->error_percent);
+        fputs("Final dimensions:\n\n", f);
+        st = cli_plasma_dimensions(k, f, e);
+        cli_plasma_joints(k, f);
+        if (st == LW_OK)
+            st = print_motion(b, k, e);
+        if (st == LW_OK)
+            st = save(b, k, "final", e);
+    }
+    free(r);
+    return st;
+}
+
+static lw_status run_final(job *b, lw_error *e)
+{
+    lw_fit fit;
+    lw_fit_options o = lw_fit_options_default();
+    o.spec = b->spec;
+    lw_families one = lw_families_of(&b->family, 1);
+    o.families = &one;
+    o.budget = (long)b->s->budget;
+    o.seed = b->call->common.seed;
+    o.jobs = b->call->common.jobs;
+    o.max_seconds = b->call->common.time;
+    o.n_result = 5;
+    o.interrupt = cli_stop_flag();
+    lw_status st = lw_fit_run(&b->target, &o, &fit, e), why;
+    if (st == LW_NOTHING)
+        lw_error_set(e, st, "no dimensions were found with which this mechanism runs through the target");
+    if (st < 0 || st == LW_NOTHING)
+        return st;
+    why = print_final(b, &fit, e);
+    lw_fit_free(&fit);
+    return why == LW_OK ? st : why;
+}
+
+static lw_status run_all(job *b, lw_error *e)
+{
+    lw_target_options o = { -1, b->s->length_unit, NULL };
+    lw_status st = cli_read_target(b->s->target, &o, &b->target, e);
+    if (st != LW_OK)
+        return st;
+    if (b->target.n_also > 0)
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "one path is wanted; 'linkwright fit' takes several points");
+    if (!b->target.x)
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "a path is wanted: columns x and y");
+    make_spec(b);
+    b->family = (lw_family){ .name = "mechanism", .linkage = &b->sketch, .links = b->m.n_link };
+    cli_plasma_matrix(&b->lam, b->out.f);
+    st = run_first(b, e);
+    return st == LW_OK ? run_final(b, e) : st;
+}
+
+static int run(const cli_call *call)
+{
+    lw_error e = { 0 };
+    job *b = calloc(1, sizeof *b);
+    int code;
+    if (b)
+        *b = (job){ .call = call, .s = call->settings };
+    if (b && !b->s->target) {
+        free(b);
+        return cli_usage(call, "--target is missing: the path that the point shall follow");
+    }
+    lw_status st = b ? read_matrix(b, &e) : lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    if (st == LW_OK)
+        st = choose(b, &e);
+    if (st == LW_OK)
+        st = cli_open(call, &b->out, &e);
+    if (st != LW_OK) {
+        free(b);
+        return cli_fail(call, &e);
+    }
+    st = run_all(b, &e);
+    lw_target_free(&b->target);
+    if (st == LW_OK || st == LW_STOPPED) {
+        code = cli_close(call, &b->out, st == LW_OK ? CLI_DONE : CLI_LIMIT);
+    } else {
+        lw_output_abandon(&b->out);
+        code = cli_fail(call, &e);
+    }
+    free(b);
+    return code;
+}
+
+const cli_command cli_plasma_command = {
+    .name = "plasma",
+    .words = "[LAM.txt]",
+    .title = "a link adjacency matrix and a target to dimensions",
+    .examples =
+        "  linkwright chains --links 4 --format lam | linkwright plasma --target examples/ellipse.csv\n"
+        "  linkwright plasma lam.txt --target examples/walking-foot.csv --crank-only --save out\n",
+    .about =
+        "The steps of PLASMA (Makkonen 1999): reads a link adjacency matrix from LAM.txt or standard input (0, or the\n"
+        "number of the joint between two parts, a letter behind it for its kind: 4t), prints the joint data structure\n"
+        "of first dimensions that close, the data set of the analysis program (ADAMS), the coupler path with velocity\n"
+        "and acceleration over a second, accelerations of the joints; optimises; prints final dimensions and path.\n"
+        "Markers are 100 part + count, joint types 11 pin, 12 slider, 13 pin in a slot, F the direction of a slide\n"
+        "[rad]; lengths in the target's unit. Same seed, same answer.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1,
+    .run = run,
+};

@@ -1,0 +1,66 @@
+/* cli/fit/fit.h - the parts of the fit command: what was found for one target, printed and drawn. */
+#ifndef LW_CLI_FIT_H
+#define LW_CLI_FIT_H
+
+#include "cli/fit/fit_stages.h"
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "optimise/task/task_file.h"
+#include "optimise/precision/exact.h"
+#include "optimise/search/staged_search.h"
+#include "optimise/search/tracers.h"
+
+/* One target with its ranked, verified results. */
+typedef struct cli_fit_set {
+    const char *path;             /* of the target's file                                          */
+    char        name[64];         /* its last part without ".csv"                                  */
+    lw_target   target;
+    lw_fit_spec spec;
+    bool        has_brief;        /* the target is a task file                                     */
+    lw_brief    brief;
+    lw_survey   survey;           /* what was found, by number of links                            */
+    cli_topologies topologies;    /* what was looked through beyond four links                     */
+    cli_fit_known  known;         /* linkages to start from                                        */
+    cli_fit_stages stages;
+    lw_tracer_spread spread[LW_STAGE_MAX];   /* of a stage's families, for several points         */
+    int         n;                /* results that passed the second simulation                     */
+    int        *which;            /* their candidates                                       (n)    */
+    lw_report  *report;           /*                                                        (n)    */
+    int         left_out;         /* candidates with a defect: a station on another branch         */
+    uint64_t    seed;
+    bool        is_exact;         /* precision points: fit above is that of ...                     */
+    lw_exact    exact;            /* ... these, by candidate                                        */
+} cli_fit_set;
+
+/* Ranked table, lengths in the unit of the target. */
+void cli_fit_table(const cli_fit_set *s, FILE *f);
+
+/* The JSON object of docs/notation.md, "Results of a fit". */
+void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent);
+
+/* Pictures of the best result and linkages of all into a folder; and one page for all targets. */
+lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
+lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
+
+/* --exact (fit_exact.c): linkages through all stations instead of the best ones; then as a fit, with what is said
+ * of their defects. */
+lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_options *o, lw_error *e);
+lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e);
+void      cli_fit_exact_row(const cli_fit_set *s, int i, FILE *f);
+void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
+void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
+void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
+
+/* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the
+ * table; a member of its JSON object. */
+lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
+lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e);        /* every link in the stages     */
+int  cli_fit_points_choices(const cli_fit_set *s, int links);      /* of links for the points        */
+void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
+void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
+void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
+
+/* Value of a dimension in the user's unit: angles in radians. */
+double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si);
+
+#endif

@@ -1,0 +1,417 @@
+/* cli/fit/fit_print.c - results of a fit as a table and as JSON. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/fit/fit.h"
+
+double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si)
+{
+    return r->dim_kind[dim] == LW_DIM_ANGLE ? si : si/s->target.units.metre;
+}
+
+static double length(const cli_fit_set *s, double metres)
+{
+    return metres/s->target.units.metre;
+}
+
+static const lw_candidate *candidate(const cli_fit_set *s, int i)
+{
+    return &s->survey.fit.candidate[s->which[i]];
+}
+
+static const char *class_of(const lw_report *r)
+{
+    return r->has_class ? r->barker.symbol : "-";
+}
+
+/* ---- table ------------------------------------------------------------------------------------ */
+
+static const char *const timing_names[] = { "prescribed", "free", "none" };
+static const char *const task_names[] = { "path", "function", "motion" };
+
+static void table_row(const cli_fit_set *s, int i, FILE *f)
+{
+    const lw_report *r = &s->report[i];
+    const lw_candidate *c = candidate(s, i);
+    double deg = 180/LW_PI;
+    fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class_of(r));
+    if (s->spec.task == LW_TASK_FUNCTION)
+        fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
+    else
+        fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean),
+                length(s, r->error_max), r->worst + 1);
+    fprintf(f, " %11.6g  %4.0f..%-4.0f %-5s ", c->objective, r->transmission_min*deg,
+            r->transmission_max*deg, r->turns ? "turns" : "rocks");
+    if (s->is_exact)
+        cli_fit_exact_row(s, i, f);
+    for (int d = 0; d < c->n_dim; d++)
+        fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+    fputc('\n', f);
+    cli_fit_points_row(s, i, f);
+}
+
+/* The best with so many links or fewer; -1: none. */
+static int best_up_to(const cli_fit_set *s, int links)
+{
+    int best = -1;
+    for (int i = 0; i < s->n; i++)
+        if (lw_candidate_links(candidate(s, i)) <= links
+            && (best < 0 || candidate(s, i)->objective < candidate(s, best)->objective))
+            best = i;
+    return best;
+}
+
+/* The stages with so many links as one; false: there is none. */
+static bool all_stages(const cli_fit_set *s, int links, lw_stage_result *sum)
+{
+    bool any = false;
+    *sum = (lw_stage_result){ .links = links };
+    for (int k = 0; k < s->survey.n_stage; k++) {
+        const lw_stage_result *r = &s->survey.stage[k];
+        if (r->links != links)
+            continue;
+        any = true;
+        sum->starts += r->starts;
+        sum->improved += r->improved;
+        sum->n_grown += r->n_grown;
+        sum->seconds += r->seconds;
+    }
+    return any;
+}
+
+/* Error against number of links. */
+static void print_stages(const cli_fit_set *s, FILE *f)
+{
+    lw_stage_result r;
+    for (int links = 1; links <= LW_LINK_MAX; links++) {
+        int i = best_up_to(s, links);
+        if (!all_stages(s, links, &r))
+            continue;
+        fprintf(f, "best with up to %d links: ", links);
+        if (i < 0)
+            fprintf(f, "none");
+        else if (s->spec.task == LW_TASK_FUNCTION)
+            fprintf(f, "%.4g deg in the mean", s->report[i].angle_mean*180/LW_PI);
+        else
+            fprintf(f, "%.4g %% of the path", s->report[i].error_percent);
+        if (i >= 0)
+            fprintf(f, " (%s)", lw_family_title(candidate(s, i)->family));
+        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r.starts, r.improved, r.seconds);
+    }
+}
+
+/* What became of the mechanisms of a stage (of several points: of the choices of links for them). */
+typedef struct searched { long n, of[LW_FIT_STATES]; } searched;
+
+static void count_stage(const cli_fit_set *s, int stage, int n, searched *c)
+{
+    const lw_stage_result *r = stage < s->survey.n_stage ? &s->survey.stage[stage] : NULL;
+    n = s->target.n_also > 0 ? s->spread[stage].n : n;
+    c->n += n;
+    for (int i = 0; i < n; i++)
+        c->of[r && r->state && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
+}
+
+static searched count_searched(const cli_fit_set *s, const cli_topology_stage *t)
+{
+    searched c = { 0 };
+    count_stage(s, t->stage, t->n_pins, &c);
+    if (t->slides != t->stage || t->n_pins == 0)
+        count_stage(s, t->slides, t->n_family - t->n_pins, &c);
+    return c;
+}
+
+static void print_searched(const searched *c, FILE *f)
+{
+    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", c->of[LW_FIT_LOOKED] + c->of[LW_FIT_CLOSED],
+            c->of[LW_FIT_CLOSED]);
+    if (c->of[LW_FIT_UNABLE] > 0)
+        fprintf(f, "; %ld that cannot do this task", c->of[LW_FIT_UNABLE]);
+    if (c->of[LW_FIT_UNREACHED] > 0)
+        fprintf(f, "; %ld not reached by the budget", c->of[LW_FIT_UNREACHED]);
+    fputc('\n', f);
+}
+
+/* What was looked through, and what not, with the reason. */
+static void print_topologies(const cli_fit_set *s, FILE *f)
+{
+    for (int k = 0; k < s->topologies.n; k++) {
+        const cli_topology_stage *t = &s->topologies.stage[k];
+        const char *between = "";
+        searched c = count_searched(s, t);
+        fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", t->links,
+                t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
+                t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
+        fprintf(f, s->topologies.dof > 1 ? "s (F = %d): " : ": ", s->topologies.dof);
+        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+            if (t->fate[i] > 0) {
+                fprintf(f, "%s%ld %s", between, t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
+                between = ", ";
+            }
+        if (s->topologies.dof > 1)
+            fprintf(f, "; %ld with all inputs at the ground, %ld of them left out, the others by %d ratios", t->n_set,
+                    t->n_set_out, s->topologies.ratio.tie.n);
+        print_searched(&c, f);
+    }
+}
+
+void cli_fit_table(const cli_fit_set *s, FILE *f)
+{
+    fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, task_names[s->spec.task],
+            timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
+    if (s->spec.task == LW_TASK_FUNCTION)
+        fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
+                "input  dimensions\n");
+    else
+        fprintf(f, "  #  type             class  of path       mean       max @point   objective  "
+                "transm.    input  dimensions [%s, rad]\n",
+                s->target.units.length[0] ? s->target.units.length : "unit");
+    for (int i = 0; i < s->n; i++)
+        table_row(s, i, f);
+    if (s->survey.n_stage > 1)
+        print_stages(s, f);
+    print_topologies(s, f);
+    cli_fit_points_summary(s, f);
+    if (s->is_exact)
+        cli_fit_exact_summary(s, f);
+    else
+        fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
+                "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts,
+                s->survey.fit.improved, s->survey.fit.evals, s->survey.fit.seconds,
+                lw_stop_text(s->survey.fit.stop));
+}
+
+/* ---- JSON --------------------------------------------------------------------------------------- */
+
+static void json_class(const lw_report *r, cli_json *j)
+{
+    cli_json_text(j, "class", r->has_class ? r->barker.symbol : NULL);
+    if (!r->has_class)
+        return;
+    cli_json_text(j, "class_name", r->barker.name);
+    cli_json_real(j, "class_margin", r->barker.margin);
+}
+
+static void json_cognates(const cli_fit_set *s, const lw_report *r, cli_json *j)
+{
+    cli_json_array(j, "cognates");
+    for (int i = 0; i < r->n_cognate; i++) {
+        cli_json_object(j, NULL);
+        for (int d = 0; d < 9; d++)
+            cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, r->cognate[i][d]));
+        cli_json_real(j, "mode", r->cognate_mode[i]);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
+{
+    cli_json_real(j, "error_mean", length(s, r->error_mean));
+    cli_json_real(j, "error_rms", length(s, r->error_rms));
+    cli_json_real(j, "error_max", length(s, r->error_max));
+    cli_json_int(j, "error_worst", (long long)r->worst + 1);
+    cli_json_real(j, "error_percent", r->error_percent);
+    cli_json_real(j, "error_curve", length(s, r->curve_max));
+    cli_json_real(j, "chamfer", r->likeness.chamfer);
+    cli_json_real(j, "ordered", r->likeness.ordered);
+    if (s->spec.task != LW_TASK_PATH) {
+        cli_json_real(j, "angle_error_mean", r->angle_mean);
+        cli_json_real(j, "angle_error_max", r->angle_max);
+    }
+}
+
+/* Where joints turn back; inputs as in `inputs`. */
+static void json_reversals(const lw_report *r, bool limit, cli_json *j)
+{
+    cli_json_array(j, limit ? "limits" : "dead_points");
+    for (int i = 0; i < r->n_reversal; i++) {
+        const lw_reversal *v = &r->reversal[i];
+        if (v->limit != limit)
+            continue;
+        cli_json_object(j, NULL);
+        cli_json_text(j, "joint", r->linkage.joint[v->joint].name);
+        cli_json_text(j, "link", r->linkage.link_name[v->link]);
+        cli_json_real(j, "input", v->input);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+/* As the joint of the linkage turns. */
+static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    if (r->laps == 1) {
+        cli_json_reals(j, "inputs", c->input, s->target.n);
+        return;
+    }
+    cli_json_array(j, "inputs");
+    for (size_t i = 0; i < s->target.n; i++)
+        cli_json_real(j, NULL, r->laps*c->input[i]);
+    cli_json_end(j);
+}
+
+/* Through limits: how many legs its motion has, and on which of them the stations are, by their assemblies. */
+static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    if (r->legs == 0)
+        return;
+    cli_json_int(j, "legs", r->legs);
+    cli_json_array(j, "modes");
+    for (size_t i = 0; i < s->target.n; i++) {
+        char text[LW_DYAD_MAX + 1] = "";
+        for (int d = 0; d < c->n_dyad && d < LW_DYAD_MAX; d++)
+            text[d] = c->mode_of[i*(size_t)c->n_dyad + (size_t)d] < 0 ? '-' : '+';
+        cli_json_text(j, NULL, text);
+    }
+    cli_json_end(j);
+}
+
+static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+{
+    cli_json_bool(j, "crank", r->turns);
+    if (r->laps > 1)
+        cli_json_int(j, "laps", r->laps);
+    if (r->circuits)
+        cli_json_int(j, "circuits", r->circuits);
+    cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
+    json_reversals(r, true, j);
+    json_reversals(r, false, j);
+    cli_json_int(j, "branch", (c->mode_of ? c->mode_of[0] : c->branch.mode[0]) > 0 ? 1 : -1);
+    json_modes(s, c, r, j);
+    cli_json_real(j, "transmission_min", r->transmission_min);
+    cli_json_real(j, "transmission_max", r->transmission_max);
+    cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
+                                                                         : length(s, r->acceleration_max));
+    cli_json_int(j, "sense", c->branch.sense);
+    cli_json_real(j, "input0", r->laps*c->input0);
+    cli_json_real(j, "tool0", c->tool0);
+    json_inputs(s, c, r, j);
+}
+
+static void json_result(const cli_fit_set *s, int i, cli_json *j)
+{
+    const lw_report *r = &s->report[i];
+    const lw_candidate *c = candidate(s, i);
+    cli_json_object(j, NULL);
+    cli_json_int(j, "rank", i + 1);
+    cli_json_text(j, "type", lw_family_type(c->family));
+    cli_json_text(j, "family", c->family->name);
+    cli_json_int(j, "links", lw_candidate_links(c));
+    json_class(r, j);
+    if (s->is_exact)
+        cli_fit_exact_json_row(s, i, j);
+    cli_json_real(j, "objective", c->objective);
+    json_errors(s, r, j);
+    cli_fit_points_json(s, i, j);
+    cli_json_object(j, "dimensions");
+    for (int d = 0; d < c->n_dim; d++)
+        cli_json_real(j, r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
+    cli_json_end(j);
+    json_motion(s, c, r, j);
+    json_cognates(s, r, j);
+    cli_json_int(j, "evaluations", c->evals);
+    cli_json_real(j, "seconds", c->seconds);
+    cli_json_text(j, "stop", lw_stop_text(c->stop));
+    cli_json_bool(j, "verified", r->verified);
+    cli_json_real(j, "verified_objective", r->verified_objective);
+    cli_json_real(j, "verified_difference", length(s, r->difference));
+    char *text = lw_linkage_write(&r->linkage, 0);
+    if (text)
+        cli_json_raw(j, "linkage", text);
+    free(text);
+    cli_json_end(j);
+}
+
+static void json_stages(const cli_fit_set *s, cli_json *j)
+{
+    lw_stage_result r;
+    cli_json_array(j, "by_links");
+    for (int links = 1; links <= LW_LINK_MAX; links++) {
+        int i = best_up_to(s, links);
+        if (!all_stages(s, links, &r))
+            continue;
+        cli_json_object(j, NULL);
+        cli_json_int(j, "links", links);
+        cli_json_int(j, "best_rank", i + 1);
+        cli_json_real(j, "objective", i >= 0 ? candidate(s, i)->objective : NAN);
+        cli_json_real(j, "error_percent", i >= 0 ? s->report[i].error_percent : NAN);
+        cli_json_int(j, "starts", r.starts);
+        cli_json_int(j, "local_fits", r.improved);
+        cli_json_int(j, "grown", r.n_grown);
+        if (s->target.n_also > 0)
+            cli_json_int(j, "point_choices", cli_fit_points_choices(s, r.links));
+        cli_json_real(j, "seconds", r.seconds);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+static void json_topologies(const cli_fit_set *s, cli_json *j)
+{
+    static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
+                                                         "no_gear", "not_asked" };
+    cli_json_array(j, "topologies");
+    for (int k = 0; k < s->topologies.n; k++) {
+        const cli_topology_stage *t = &s->topologies.stage[k];
+        searched c = count_searched(s, t);
+        cli_json_object(j, NULL);
+        cli_json_int(j, "links", t->links);
+        cli_json_bool(j, "two_freedoms", t->higher);
+        cli_json_int(j, "chains", t->n_chain);
+        cli_json_int(j, "grounds", t->n_ground);
+        cli_json_int(j, "with_tracer_link", t->n_pair);
+        cli_json_int(j, "with_input", t->n_driven);
+        if (s->topologies.dof > 1) {
+            cli_json_int(j, "freedoms", s->topologies.dof);
+            cli_json_int(j, "with_inputs_at_ground", t->n_set);
+            cli_json_int(j, "of_these_left_out", t->n_set_out);
+        }
+        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+            cli_json_int(j, key[i], t->fate[i]);
+        cli_json_int(j, "families", c.n);
+        cli_json_int(j, "groups", t->n_group);
+        cli_json_int(j, "searched", c.of[LW_FIT_LOOKED] + c.of[LW_FIT_CLOSED]);
+        cli_json_int(j, "with_linkage", c.of[LW_FIT_CLOSED]);
+        cli_json_int(j, "unable", c.of[LW_FIT_UNABLE]);
+        cli_json_int(j, "not_reached", c.of[LW_FIT_UNREACHED]);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent)
+{
+    cli_json j = cli_json_begin(f, indent);
+    cli_json_object(&j, NULL);
+    cli_json_text(&j, "version", LW_VERSION);
+    cli_json_text(&j, "command", call->line);
+    cli_json_seed(&j, "seed", s->seed);
+    cli_json_object(&j, "target");
+    cli_json_text(&j, "file", s->path);
+    cli_json_int(&j, "points", (long long)s->target.n);
+    cli_json_bool(&j, "closed", s->target.closed);
+    cli_json_real(&j, "path_length", length(s, s->target.length));
+    cli_json_text(&j, "length_unit", s->target.units.length);
+    cli_json_end(&j);
+    cli_json_text(&j, "task", task_names[s->spec.task]);
+    cli_json_text(&j, "timing", timing_names[s->spec.timing]);
+    if (s->is_exact)
+        cli_fit_exact_json(s, &j);
+    cli_json_array(&j, "results");
+    for (int i = 0; i < s->n; i++)
+        json_result(s, i, &j);
+    cli_json_end(&j);
+    if (s->topologies.n > 0) {
+        json_stages(s, &j);
+        json_topologies(s, &j);
+    }
+    cli_json_int(&j, "left_out", s->left_out);
+    cli_json_int(&j, "starts", s->survey.fit.starts);
+    cli_json_int(&j, "local_fits", s->survey.fit.improved);
+    cli_json_int(&j, "evaluations", s->survey.fit.evals);
+    cli_json_real(&j, "seconds", s->survey.fit.seconds);
+    cli_json_text(&j, "stop", lw_stop_text(s->survey.fit.stop));
+    cli_json_end(&j);
+}

@@ -1,0 +1,130 @@
+/* cli/fit/fit_save.c - what a fit leaves in a folder: linkages, pictures, an animation, one page. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "catalogues/draw/draw.h"
+#include "catalogues/pages/page.h"
+#include "cli/fit/fit.h"
+
+enum { PAGE_RESULTS = 3 };
+
+static lw_status make_folder(const char *folder, lw_error *e)
+{
+    if (mkdir(folder, 0777) == 0 || errno == EEXIST)
+        return LW_OK;
+    return lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno));
+}
+
+static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_error *e)
+{
+    char title[128];
+    lw_scene_options o = lw_scene_options_default();
+    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    snprintf(title, sizeof title, "%s: %s", s->name, lw_family_title(c->family));
+    o.title = title;
+    return lw_scene_make(&s->report[i].linkage, s->target.x ? &s->target : NULL, &o, scene, e);
+}
+
+static lw_status save_linkage(const cli_fit_set *s, int i, const char *folder, lw_error *e)
+{
+    char path[1024];
+    char *text = lw_linkage_write(&s->report[i].linkage, 1);
+    if (!text)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the text of a linkage");
+    snprintf(path, sizeof path, "%s/%s-%d.json", folder, s->name, i + 1);
+    lw_status st = lw_file_write(path, text, strlen(text), e);
+    free(text);
+    return st;
+}
+
+lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
+{
+    static const struct { lw_draw_kind kind; const char *end; } kinds[] = {
+        { LW_DRAW_SVG, "svg" }, { LW_DRAW_PNG, "png" }, { LW_DRAW_GIF, "gif" }
+    };
+    lw_status st = make_folder(folder, e);
+    for (int i = 0; i < s->n && st == LW_OK; i++)
+        st = save_linkage(s, i, folder, e);
+    if (st != LW_OK || s->n == 0)
+        return st;
+    lw_scene *scene = calloc(1, sizeof *scene);
+    if (!scene)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a picture");
+    st = make_scene(s, 0, scene, e);
+    for (size_t k = 0; k < sizeof kinds/sizeof *kinds && st == LW_OK; k++) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s.%s", folder, s->name, kinds[k].end);
+        st = lw_draw_save(scene, kinds[k].kind, path, 0, 0, e);
+    }
+    lw_scene_free(scene);
+    free(scene);
+    return st;
+}
+
+/* ---- the page ------------------------------------------------------------------------------------ */
+
+typedef struct sheet {
+    lw_scene       scene[PAGE_RESULTS];
+    lw_page_result result[PAGE_RESULTS];
+    char           class_name[PAGE_RESULTS][96], about[160];
+    int            n;
+} sheet;
+
+static void describe(const cli_fit_set *s, int i, sheet *h)
+{
+    const lw_report *r = &s->report[i];
+    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    if (r->has_class)
+        snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s", r->barker.symbol,
+                 r->barker.name);
+    h->result[i] = (lw_page_result){
+        .scene = &h->scene[i], .type = lw_family_title(c->family),
+        .class_name = r->has_class ? h->class_name[i] : NULL, .objective = c->objective,
+        .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent
+    };
+}
+
+static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, lw_error *e)
+{
+    lw_status st = LW_OK;
+    for (; h->n < s->n && h->n < PAGE_RESULTS && st == LW_OK; h->n++) {
+        st = make_scene(s, h->n, &h->scene[h->n], e);
+        describe(s, h->n, h);
+    }
+    snprintf(h->about, sizeof h->about, "%zu points, %s; %ld local fits in %.1f s.", s->target.n,
+             s->target.closed ? "closed" : "open", s->survey.fit.improved, s->survey.fit.seconds);
+    *t = (lw_page_target){ .name = s->name, .about = h->about, .n_result = h->n,
+                           .result = h->result };
+    return st;
+}
+
+lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e)
+{
+    sheet *h = calloc((size_t)n_set + 1, sizeof *h);
+    lw_page_target *t = calloc((size_t)n_set + 1, sizeof *t);
+    lw_bytes bytes = { 0 };
+    char path[1024];
+    int n = 0;
+    lw_status st = h && t ? make_folder(folder, e) : lw_error_set(e, LW_E_MEMORY, "no memory");
+    for (int i = 0; i < n_set && st == LW_OK; i++)
+        if (s[i].n > 0) {
+            st = fill_sheet(&s[i], &h[n], &t[n], e);
+            n++;
+        }
+    lw_page page = { .title = "Linkages found", .n_target = n, .target = t };
+    if (st == LW_OK && n > 0)
+        st = lw_page_write(&page, &bytes, e);
+    snprintf(path, sizeof path, "%s/index.html", folder);
+    if (st == LW_OK && n > 0)
+        st = lw_file_write(path, bytes.data, bytes.size, e);
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < h[i].n; k++)
+            lw_scene_free(&h[i].scene[k]);
+    lw_bytes_free(&bytes);
+    free(h);
+    free(t);
+    return st;
+}

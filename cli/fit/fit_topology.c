@@ -1,0 +1,340 @@
+#include "cli/fit/fit_topology.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "grammar/sketch.h"
+
+static const char letters[] = "rtpg";
+
+cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
+{
+    cli_topology f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
+                       .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
+    for (int j = 0; j < m->n_joint; j++)
+        f.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
+    return f;
+}
+
+lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topology *f)
+{
+    lw_mechanism m = c->m;
+    m.ground = f->ground;
+    m.output = f->tracer;
+    for (int j = 0; j < m.n_joint; j++)
+        m.kind[j] = letters[f->kinds >> 2*j & 3];
+    return m;
+}
+
+/* ---- gears ---------------------------------------------------------------------------------------------- */
+
+/* The joints of a linkage that are pairs of wheels; -1: a gear has no carrier, or several. */
+static int wheel_pairs(const lw_linkage *k, int joint[LW_JOINT_MAX])
+{
+    int n = 0;
+    lw_gear g;
+    for (int j = 0; j < k->n_joint; j++) {
+        if (k->joint[j].kind != LW_JOINT_GEAR)
+            continue;
+        if (lw_linkage_gear(k, j, &g, NULL) != LW_OK)
+            return -1;
+        if (g.slider[0] < 0 && g.slider[1] < 0)
+            joint[n++] = j;
+    }
+    return n;
+}
+
+/* n^pairs, or something above CLI_GEAR_SETS. */
+static int all_sets(int pairs, int n)
+{
+    int sets = 1;
+    for (int g = 0; g < pairs && sets <= CLI_GEAR_SETS; g++)
+        sets *= n;
+    return sets;
+}
+
+int cli_topology_sets(const lw_linkage *k, const cli_ratios *gear)
+{
+    int joint[LW_JOINT_MAX], pairs = wheel_pairs(k, joint), sets = all_sets(pairs, gear->n);
+    return pairs < 0 ? 0 : sets < CLI_GEAR_SETS ? sets : CLI_GEAR_SETS;
+}
+
+/* Number of the ratio of pair g in a set, both from 0. */
+static int ratio_of(int set, int g, int pairs, int n)
+{
+    if (all_sets(pairs, n) > CLI_GEAR_SETS)
+        return (set + set/n*g) % n;
+    while (g-- > 0)
+        set /= n;
+    return set % n;
+}
+
+static void put_ratios(const cli_topology *f, const cli_ratios *gear, lw_linkage *k)
+{
+    int joint[LW_JOINT_MAX], pairs = f->ratio > 0 ? wheel_pairs(k, joint) : 0;
+    for (int g = 0; g < pairs; g++)
+        k->joint[joint[g]].ratio = gear->of[ratio_of(f->ratio - 1, g, pairs, gear->n)].value;
+}
+
+/* ", ratio 2", ", ratios 2, -1". */
+static int ratios_text(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
+{
+    lw_linkage k;
+    int joint[LW_JOINT_MAX], n = 0;
+    if (f->ratio == 0 || cli_topology_sketch(c, f, r, &k) != LW_OK)
+        return 0;
+    int pairs = wheel_pairs(&k, joint);
+    for (int g = 0; g < pairs; g++)
+        n += snprintf(name + n, size - (size_t)n, "%s%s", g > 0 ? ", " : pairs > 1 ? ", ratios " : ", ratio ",
+                      r->gear.of[ratio_of(f->ratio - 1, g, pairs, r->gear.n)].text);
+    return n;
+}
+
+/* ---- a linkage ------------------------------------------------------------------------------------------ */
+
+static void put_inputs(const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
+{
+    k->n_input = f->n_input;
+    for (int i = 0; i < f->n_input; i++)
+        k->input[i] = (lw_input){ .joint = f->input[i], .value = lw_linkage_posture_input(k, f->input[i]),
+                                  .ratio = i > 0 ? r->tie.of[f->tie[i]].value : 0 };
+}
+
+lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
+{
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_rng rng;
+    unsigned bit = 1;
+    lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | f->chain,
+                (uint64_t)f->kinds << 24 | (uint64_t)f->ground << 16 | (uint64_t)f->tracer << 8 | f->turned);
+    lw_status st = lw_linkage_sketch(&m, &rng, k);
+    for (int j = 0; j < k->n_joint && st == LW_OK; j++)
+        if (k->joint[j].kind == LW_JOINT_SLOT) {
+            bool later = f->turned & bit;
+            k->joint[j].link[0] = m.link[j][later];
+            k->joint[j].link[1] = m.link[j][!later];
+            bit <<= 1;
+        }
+    if (st != LW_OK)
+        return st;
+    put_ratios(f, &r->gear, k);
+    put_inputs(f, r, k);
+    return LW_OK;
+}
+
+/* ---- names -------------------------------------------------------------------------------------------- */
+
+static int degree(const lw_mechanism *m, int link)
+{
+    int n = 0;
+    for (int j = 0; j < m->n_joint; j++)
+        n += m->link[j][0] == link || m->link[j][1] == link;
+    return n;
+}
+
+/* Watt I, II, Stephenson I, II, III by the place of the ground. */
+static bool is_watt(const lw_mechanism *m, int ground, int *number)
+{
+    int ternary[2], n = 0, beside = 0;
+    for (int i = 0; i < 6; i++)
+        if (degree(m, i) == 3)
+            ternary[n++] = i;
+    for (int i = 0; i < 2; i++)
+        beside += lw_mechanism_joint(m, ground, ternary[i]) != LW_NONE;
+    bool watt = lw_mechanism_joint(m, ternary[0], ternary[1]) != LW_NONE, three = degree(m, ground) == 3;
+    *number = watt ? 1 + three : three ? 3 : beside == 2 ? 1 : 2;
+    return watt;
+}
+
+void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *key, size_t size)
+{
+    int number;
+    if (c->n2 > 0)
+        snprintf(key, size, "%d.%d.%d", c->m.n_link, c->n2, c->number);
+    else if (c->m.n_link != 6)
+        snprintf(key, size, "%d.%d", c->m.n_link, c->number);
+    else {
+        const char *chain = is_watt(&c->m, f->ground, &number) ? "watt" : "stephenson";
+        snprintf(key, size, "%s%d", chain, number);
+    }
+}
+
+/* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
+ * carry the slots. */
+static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name,
+                        size_t size)
+{
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    unsigned bit = 1;
+    int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
+    for (int j = 0; j < m.n_joint; j++)
+        if (m.kind[j] == 'p') {
+            n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
+                          m.link[j][(f->turned & bit) != 0] + 1);
+            bit <<= 1;
+        }
+    n += ratios_text(c, f, r, name + n, size - (size_t)n);
+    return n + snprintf(name + n, size - (size_t)n, ", ground %d", f->ground + 1);
+}
+
+/* With the kinds of all joints where these are not all pins. */
+static int title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
+{
+    static const char *const roman[] = { "", "I", "II", "III" };
+    lw_mechanism m = cli_topology_mechanism(c, f);
+    int number, n_kind = f->kinds ? m.n_joint : 0;
+    const char *blank = n_kind ? " " : "";
+    if (c->n2 > 0)
+        return higher_title(c, f, r, name, size);
+    if (m.n_link != 6)
+        return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
+                        m.ground + 1);
+    const char *chain = is_watt(&m, m.ground, &number) ? "Watt" : "Stephenson";
+    return snprintf(name, size, "%s %s%s%.*s", chain, roman[number], blank, n_kind, m.kind);
+}
+
+/* ", input 2", ", inputs 1+4 by -2", ", inputs 1+4+6 by -2 and 3". */
+static int inputs_text(const cli_topology *f, const cli_ratios *tie, char *name, size_t size)
+{
+    int n = 0;
+    for (int i = 0; i < f->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : f->n_input > 1 ? ", inputs " : ", input ",
+                      f->input[i] + 1);
+    for (int i = 1; i < f->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%s", i == 1 ? " by " : " and ", tie->of[f->tie[i]].text);
+    return n;
+}
+
+void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, bool input,
+                       char *name, size_t size)
+{
+    int n = title(c, f, r, name, size);
+    if (input || f->n_input > 1)
+        n += inputs_text(f, &r->tie, name + n, size - (size_t)n);
+    snprintf(name + n, size - (size_t)n, ", point on link %d", f->tracer + 1);
+}
+
+/* ---- canonical form --------------------------------------------------------------------------------------- */
+
+/* A vertex between the links of a joint. */
+static void put_between(lw_graph *g, const lw_joint *q, int colour, int first, int second)
+{
+    int at = g->n++;
+    g->colour[at] = (uint8_t)colour;
+    g->tie[q->link[0]][at] = g->tie[at][q->link[0]] = (uint8_t)first;
+    g->tie[q->link[1]][at] = g->tie[at][q->link[1]] = (uint8_t)second;
+}
+
+/* Of a ratio of small whole numbers the upper one, and 128 more. */
+static int part_of_ratio(double ratio)
+{
+    for (int lower = 1; lower < LW_LAP_MAX; lower++)
+        if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < 1e-9 && fabs(ratio)*lower < 100)
+            return 128 + (int)lround(fabs(ratio)*lower);
+    return 128;
+}
+
+/* How fast the inputs go, as whole numbers without a common divisor; false: they are too large. */
+static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
+{
+    for (int lower = 1; lower < 128; lower++) {
+        bool whole = true;
+        for (int i = 0; i < k->n_input; i++) {
+            double r = lower*(i > 0 ? k->input[i].ratio : 1);
+            rate[i] = (int)lround(r);
+            whole = whole && fabs(r - rate[i]) < 1e-9 && abs(rate[i]) < 128;
+        }
+        if (whole)
+            return true;
+    }
+    return false;
+}
+
+/* Two vertices that are joined: driven links are joined to the one or the other by the sense in which they go. */
+static bool put_rates(const lw_linkage *k, lw_graph *g)
+{
+    int rate[LW_INPUT_MAX], box = g->n;
+    if (g->n + 2 > LW_GRAPH_MAX || !whole_rates(k, rate))
+        return false;
+    g->n += 2;
+    g->colour[box] = g->colour[box + 1] = 32;
+    g->tie[box][box + 1] = g->tie[box + 1][box] = 1;
+    for (int i = 0; i < k->n_input; i++) {
+        const lw_joint *j = &k->joint[k->input[i].joint];
+        int link = j->link[j->link[0] == k->ground], at = box + (rate[i] < 0);
+        g->tie[link][at] = g->tie[at][link] = (uint8_t)(128 + abs(rate[i]));
+    }
+    return true;
+}
+
+/* Its ratio, a length, is a dimension. */
+static bool is_rack(const lw_linkage *k, int joint)
+{
+    lw_gear g;
+    return lw_linkage_gear(k, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
+}
+
+bool cli_topology_form(const lw_linkage *k, lw_graph *form)
+{
+    lw_graph g = { .n = k->n_link };
+    uint8_t to[LW_GRAPH_MAX];
+    g.colour[k->ground] = 1;
+    g.colour[k->tracer[0].link] = (uint8_t)(2 + g.colour[k->tracer[0].link]);
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *q = &k->joint[j];
+        if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX && is_rack(k, j))
+            put_between(&g, q, 18, 1, 1);
+        else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
+            put_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
+        else
+            g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
+    }
+    if ((k->n_input > 1 && !put_rates(k, &g)) || lw_graph_label(&g, to) != LW_OK)
+        return false;
+    *form = (lw_graph){ .n = g.n };
+    for (int i = 0; i < g.n; i++) {
+        form->colour[to[i]] = g.colour[i];
+        for (int l = 0; l < g.n; l++)
+            form->tie[to[i]][to[l]] = g.tie[i][l];
+    }
+    return true;
+}
+
+/* ---- ratios ---------------------------------------------------------------------------------------------- */
+
+static lw_status read_ratio(const char *option, const char *word, cli_ratio *r, lw_error *e)
+{
+    char *end, *over = NULL;
+    double a = strtod(word, &end), b = 1;
+    if (*end == '/')
+        b = strtod(end + 1, &over);
+    end = over ? over : end;
+    r->value = a/b;
+    snprintf(r->text, sizeof r->text, "%s", word);
+    bool whole = a == round(a) && b == round(b) && fabs(a) >= 1 && fabs(b) >= 1 && fabs(a) <= LW_LAP_MAX
+              && fabs(b) <= LW_LAP_MAX;
+    if (end != word && *end == 0 && whole && (!over || over != word))
+        return LW_OK;
+    return lw_error_set(e, LW_E_ARG, "--%s takes whole numbers and fractions of whole numbers up to %d with commas "
+                        "between, as -1,2,-1/2; '%s' is none", option, LW_LAP_MAX, word);
+}
+
+lw_status cli_ratios_read(const char *option, const char *text, cli_ratios *r, lw_error *e)
+{
+    lw_status st = LW_OK;
+    r->n = 0;
+    for (const char *at = text; st == LW_OK && *at; ) {
+        char word[12] = "";
+        size_t length = strcspn(at, ",");
+        if (r->n == CLI_RATIO_MAX)
+            return lw_error_set(e, LW_E_ARG, "--%s takes %d ratios at most", option, CLI_RATIO_MAX);
+        snprintf(word, sizeof word, "%.*s", (int)length, at);
+        st = read_ratio(option, word, &r->of[r->n++], e);
+        at += length + (at[length] == ',');
+    }
+    return st == LW_OK && r->n == 0 ? lw_error_set(e, LW_E_ARG, "--%s is empty", option) : st;
+}

@@ -1,0 +1,151 @@
+/* linkwright classify - what the four lengths of a four-bar say about its motion. */
+#include "base/units.h"
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "mbs/kinematics/fourbar.h"
+
+typedef struct settings {
+    double tolerance;
+    int    unit;              /* row of `units`                                                    */
+} settings;
+
+static const char *const units[] = { "deg", "rad", "turn" };
+
+static const cli_option options[] = {
+    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "T", "1e-12",
+      "sums of lengths are called equal within T times the perimeter", 0, 0.1, NULL, NULL },
+    { "unit", 'u', CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg",
+      "unit of the angles that are printed", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+typedef struct unit { const char *name; double radian; } unit;
+
+static unit angle_unit(int choice)
+{
+    lw_units u = lw_units_si();
+    lw_units_set_angle(&u, units[choice]);
+    return (unit){ units[choice], u.radian };
+}
+
+static const char *yes(bool b) { return b ? "yes" : "no"; }
+
+static void angles(FILE *f, const char *head, const double *a, int n, const char *between, unit u)
+{
+    fprintf(f, "%-16s", head);
+    for (int i = 0; i < n; i++)
+        fprintf(f, "%s%.10g", i ? between : "", a[i]/u.radian);
+    fputs(n ? "" : "none", f);
+    if (n)
+        fprintf(f, " %s", u.name);
+    if (n && u.radian != 1) {
+        fputs("  (", f);
+        for (int i = 0; i < n; i++)
+            fprintf(f, "%s%.10g", i ? between : "", a[i]);
+        fputs(" rad)", f);
+    }
+    fputc('\n', f);
+}
+
+static void write_text(FILE *f, const lw_fourbar_class *c, unit u)
+{
+    fprintf(f, "%-16s%d  %s  %s\n", "class", c->number, c->symbol, c->name);
+    fprintf(f, "%-16s%s  (s + l - p - q = %.10g of the perimeter)\n", "Grashof", yes(c->grashof), c->change);
+    fprintf(f, "%-16s%.10g of the perimeter away\n", "change point", c->margin);
+    fprintf(f, "%-16s%s\n", "input turns", yes(c->crank));
+    fprintf(f, "%-16s%s\n", "output turns", yes(c->rocker_turns));
+    fprintf(f, "%-16s%d\n", "circuits", c->circuits);
+    for (int i = 0; c->n_limit && i < c->n_range; i++)
+        angles(f, i ? "" : "input range", c->range[i], 2, " to ", u);
+    angles(f, "input limits", c->limit, c->n_limit, ", ", u);
+    angles(f, "dead points", c->dead, c->n_dead, ", ", u);
+    angles(f, "transmission", c->transmission, 2, " to ", u);
+}
+
+static void json_angles(cli_json *j, const char *key, const double *a, int n, unit u)
+{
+    double v[4];
+    for (int i = 0; i < n; i++)
+        v[i] = a[i]/u.radian;
+    cli_json_reals(j, key, v, (size_t)n);
+}
+
+static void write_json(FILE *f, const double r[4], const lw_fourbar_class *c, unit u)
+{
+    cli_json j = cli_json_begin(f, 2);
+    cli_json_object(&j, NULL);
+    cli_json_reals(&j, "lengths", r, 4);
+    cli_json_int(&j, "class", c->number);
+    cli_json_text(&j, "symbol", c->symbol);
+    cli_json_text(&j, "name", c->name);
+    cli_json_bool(&j, "grashof", c->grashof);
+    cli_json_real(&j, "grashof_excess", c->change);
+    cli_json_real(&j, "change_point_margin", c->margin);
+    cli_json_bool(&j, "input_turns", c->crank);
+    cli_json_bool(&j, "output_turns", c->rocker_turns);
+    cli_json_int(&j, "circuits", c->circuits);
+    cli_json_object(&j, "units");
+    cli_json_text(&j, "angle", u.name);
+    cli_json_end(&j);
+    cli_json_array(&j, "input_ranges");
+    for (int i = 0; i < c->n_range; i++)
+        json_angles(&j, NULL, c->range[i], 2, u);
+    cli_json_end(&j);
+    json_angles(&j, "input_limits", c->limit, c->n_limit, u);
+    json_angles(&j, "dead_points", c->dead, c->n_dead, u);
+    json_angles(&j, "transmission_angle", c->transmission, 2, u);
+    cli_json_end(&j);
+}
+
+static lw_status read_lengths(const cli_call *call, double r[4], lw_error *e)
+{
+    static const char *const names[4] = { "L1, the frame", "L2, the input", "L3, the coupler",
+                                          "L4, the output" };
+    static const cli_option row = { .kind = CLI_REAL };
+    for (int i = 0; i < 4; i++) {
+        lw_status s = cli_value(&row, names[i], call->parsed.word[i], &r[i], e);
+        if (s != LW_OK)
+            return s;
+    }
+    return LW_OK;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    double r[4];
+    lw_fourbar_class c;
+    lw_output o;
+    lw_error e = { 0 };
+    if (read_lengths(call, r, &e) != LW_OK || lw_fourbar_classify(r, s->tolerance, &c, &e) != LW_OK
+        || cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    unit u = angle_unit(s->unit);
+    if (call->common.json)
+        write_json(o.f, r, &c, u);
+    else
+        write_text(o.f, &c, u);
+    return cli_close(call, &o, CLI_DONE);
+}
+
+const cli_command cli_classify_command = {
+    .name = "classify",
+    .words = "L1 L2 L3 L4",
+    .title = "class of a four-bar, with margins, limits and dead points",
+    .examples =
+        "  linkwright classify 4 2 5 3                     a crank-rocker? its limits\n"
+        "  linkwright classify 4 2 4 2 --tolerance 1e-9    a parallelogram is a change point\n"
+        "  linkwright classify 0.1 0.03 0.08 0.09 --json   the same for programs\n",
+    .about =
+        "Lengths in the order frame, input, coupler, output, all in one unit, whatever it is.\n"
+        "Classes are those of Barker (1985), 1 to 14. Angles of the input are counted from the\n"
+        "frame line, counter-clockwise. 'Limits' are input angles at which the motion turns back;\n"
+        "'dead points' are those where input and coupler are in line, so that the output cannot\n"
+        "drive; 'transmission' is the range of the angle between coupler and output. Lengths that\n"
+        "cannot be joined are bad input (exit code 3).\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 4,
+    .most_words = 4,
+    .run = run,
+};

@@ -1,0 +1,192 @@
+/* linkwright clearance - does a pin keep contact with its bush? */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "cli/motion/clearance.h"
+#include "cli/program/model.h"
+
+typedef struct settings {
+    const char *speed, *stiffness, *damping, *model, *plot, *passes, *path, *force, *history;
+    double      end, settle, tolerance, refine, every;
+    int         unit, start;
+    bool        limits;
+} settings;
+
+static const cli_option options[] = {
+    { "speed", 's', CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
+      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it that of "
+      "the file", 0, 0, NULL, NULL },
+    { "unit", 'u', CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
+      "unit of the speeds; m/s for inputs that slide", 0, 0, NULL, NULL },
+    { "stiffness", 'K', CLI_TEXT, offsetof(settings, stiffness), "LIST", NULL,
+      "stiffness of the contact [N/m] instead of the file's", 0, 0, NULL, NULL },
+    { "damping", 'c', CLI_TEXT, offsetof(settings, damping), "LIST", NULL,
+      "damping of the contact [N s/m] instead of the file's", 0, 0, NULL, NULL },
+    { "model", 'm', CLI_TEXT, offsetof(settings, model), "LIST", NULL,
+      "zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh, instead of the file's", 0, 0, NULL, NULL },
+    { "end", 'e', CLI_REAL, offsetof(settings, end), "T", "1.25", "length of a run [s]", 1e-9, 1e9, NULL, NULL },
+    { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4",
+      "contact counts from here on [s]", 0, 1e9, NULL, NULL },
+    { "start", 0, CLI_CHOICE, offsetof(settings, start), "closed|seated|crank", "closed",
+      "pin in the middle of its bush and all links at the speeds of the closed linkage; pin pressed in as the reaction "
+      "asks; or only the driven link moving", 0, 0, NULL, NULL },
+    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "E", "1e-9",
+      "error of a step in sizes of the linkage", 1e-14, 1e-3, NULL, NULL },
+    { "limits", 'l', CLI_FLAG, offsetof(settings, limits), NULL, NULL,
+      "print only where contact is lost and kept again as the speed rises", 0, 0, NULL, NULL },
+    { "refine", 'r', CLI_REAL, offsetof(settings, refine), "W", NULL,
+      "halve the limits down to this width", 0, 1e9, NULL, NULL },
+    { "plot", 'p', CLI_TEXT, offsetof(settings, plot), "FILE", NULL,
+      "picture of speed against stiffness, contact kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
+    { "passes", 0, CLI_TEXT, offsetof(settings, passes), "FILE", NULL,
+      "picture of the pin's direction in its bush each time the input passes its start, over speed: few points where "
+      "motion is regular, a cloud where it is not; give it time with --end", 0, 0, NULL, NULL },
+    { "path", 0, CLI_TEXT, offsetof(settings, path), "FILE", NULL,
+      "picture of the way of the pin in its bush; for one speed and one law", 0, 0, NULL, NULL },
+    { "force", 0, CLI_TEXT, offsetof(settings, force), "FILE", NULL,
+      "picture of the force over time; for one speed and one law", 0, 0, NULL, NULL },
+    { "history", 0, CLI_TEXT, offsetof(settings, history), "FILE", NULL,
+      "the same as a table (CSV)", 0, 0, NULL, NULL },
+    { "every", 0, CLI_REAL, offsetof(settings, every), "T", NULL,
+      "time between rows and points of these; without it a ten thousandth of the run [s]", 1e-12, 1e9, NULL, NULL },
+    { .name = NULL }
+};
+
+static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
+{
+    static const char *const name[] = { "rpm", "rad/s", "m/s" };
+    static const double size[] = { 2*LW_PI/60, 1, 1 };
+    const settings *s = call->settings;
+    const lw_linkage *k = &c->model->linkage;
+    bool slides = k->n_input > 0 && k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
+    int unit = slides && !cli_given(&call->parsed, "unit") ? 2 : s->unit;
+    if (s->speed && k->n_input == 0)
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for the input, and the model has none; "
+                           "add \"input\" to the file");
+    if (s->speed && c->model->motion[0])
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for an input that runs freely, but its "
+                           "\"motion\" is prescribed; give it a \"speed\" instead");
+    if (k->n_input > 0 && (unit == 2) != slides)
+        return lw_error_set(e, LW_E_ARG, "--unit %s does not go with an input that %s", name[unit],
+                            slides ? "slides" : "turns");
+    c->unit = name[unit];
+    c->unit_size = size[unit];
+    return LW_OK;
+}
+
+static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_status st = set_unit(call, c, e);
+    if (st != LW_OK)
+        return st;
+    c->o = lw_clearance_options_default();
+    c->o.time = s->end;
+    c->o.settle = s->settle;
+    c->o.tolerance = s->tolerance;
+    c->o.start = (lw_clearance_start)s->start;
+    c->o.every = s->every;
+    c->refine = s->refine;
+    c->passes = s->passes != NULL;
+    c->o.stop = cli_stop_flag();
+    if (call->common.time > 0)
+        c->until = c->o.until = lw_clock_wall() + call->common.time;
+    return cli_clearance_make(c, s->model, s->stiffness, s->damping, s->speed, e);
+}
+
+/* How the sweep went, as exit code; what failed is told. */
+static int judge(const cli_call *call, const cli_clearance *c)
+{
+    int n_failed = 0, n_missing = 0;
+    const cli_clearance_row *first = NULL;
+    for (int i = 0; i < c->n_row; i++) {
+        bool failed = c->row[i].done && c->row[i].status != LW_OK;
+        first = failed && !first ? &c->row[i] : first;
+        n_failed += failed;
+        n_missing += !c->row[i].done;
+    }
+    if (n_failed)
+        fprintf(stderr, "linkwright %s: %d of %d runs failed, the first at %g %s: %s\n", call->command->name, n_failed,
+                c->n_row, first->speed, c->unit, first->why);
+    if (n_missing)
+        cli_note(call, "%d of %d runs were not made", n_missing, c->n_row);
+    return n_missing ? CLI_LIMIT : n_failed ? cli_exit_code(first->status) : CLI_DONE;
+}
+
+static int write_tables(const cli_call *call, const cli_clearance *c)
+{
+    const settings *s = call->settings;
+    lw_output o;
+    lw_error e = { 0 };
+    int code = judge(call, c);
+    if (cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (call->common.json)
+        cli_clearance_json(c, o.f);
+    else if (s->limits)
+        cli_clearance_limits(c, o.f);
+    else
+        cli_clearance_csv(c, o.f);
+    code = cli_close(call, &o, code);
+    if ((s->plot && cli_clearance_plot(c, s->plot, &e) != LW_OK)
+        || (s->passes && cli_clearance_passes(c, s->passes, &e) != LW_OK))
+        return cli_fail(call, &e);
+    return code;
+}
+
+static int work(const cli_call *call, cli_clearance *c)
+{
+    const settings *s = call->settings;
+    lw_error e = { 0 };
+    if (prepare(call, c, &e) != LW_OK)
+        return cli_fail(call, &e);
+    bool detail = s->path || s->force || s->history;
+    if (detail && c->n_row > 1)
+        return cli_usage(call, "--path, --force and --history show one run, but the lists make %d; give one "
+                         "speed and one "
+                         "law", c->n_row);
+    if (cli_clearance_run(c, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (detail && cli_clearance_detail(c, s->history, s->path, s->force, &e) != LW_OK)
+        return cli_fail(call, &e);
+    return write_tables(call, c);
+}
+
+static int run(const cli_call *call)
+{
+    lw_error e = { 0 };
+    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
+    if (!m)
+        return cli_fail(call, &e);
+    cli_clearance c = { .call = call, .model = m };
+    int code = work(call, &c);
+    cli_clearance_free(&c);
+    cli_free_model(m);
+    return code;
+}
+
+const cli_command cli_clearance_command = {
+    .name = "clearance",
+    .words = "MODEL.json",
+    .title = "does a pin keep contact with its bush: speeds, stiffnesses, models of clearance",
+    .examples =
+        "  linkwright clearance examples/clearance-four-bar.json --speed 80:120:2             kept or lost\n"
+        "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
+        "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --plot map.svg\n"
+        "  linkwright clearance model.json --speed 80:130:1 --end 8 --settle 4 --passes cloud.svg\n"
+        "  linkwright clearance model.json --speed 94 --path path.svg --force force.svg       one run in full\n"
+        "  linkwright clearance model.json --speed 92,94 --model impact,mlsd,link,zero        by four models\n",
+    .about =
+        "The joints that have a \"clearance\" in the file (pins only) are opened, and the linkage moves from the\n"
+        "posture and speed of the file, its input free unless it has a \"motion\". A row of the table is one run\n"
+        "and joint: whether contact was kept after the time to settle, when it was lost first, how often, for\n"
+        "which share of the time; greatest force and distance of the centres; for the model without gap the\n"
+        "criterion of Earles and Wu (kept below 1); range of the input's speed. Contact is lost when the distance\n"
+        "falls to the gap; with a massless link when its force changes sign.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};

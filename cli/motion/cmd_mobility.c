@@ -1,0 +1,237 @@
+/* linkwright mobility - how freely a linkage moves: counted, and found by moving it. */
+#include <math.h>
+#include <string.h>
+
+#include "cli/program/json.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "mbs/constraints/mobility.h"
+
+typedef struct settings {
+    double tolerance;
+    int    result;
+} settings;
+
+static const cli_option options[] = {
+    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "T", "1e-12",
+      "a posture closes when its joints fit to T times the size of the linkage; more than the default lets "
+      "rounded files of special linkages move", 0, 1e-4, NULL, NULL },
+    { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
+      "result number N of a file that fit wrote; without it the first", 1, 1e9, NULL, NULL },
+    { .name = NULL }
+};
+
+/* ---- table ---------------------------------------------------------------------------------------- */
+
+static void links_text(FILE *f, const lw_linkage *k, uint32_t links)
+{
+    const char *between = "";
+    for (int i = 0; i < k->n_link; i++)
+        if (links >> i & 1) {
+            fprintf(f, "%s%s", between, k->link_name[i]);
+            between = ", ";
+        }
+}
+
+static void joints_text(FILE *f, const lw_linkage *k, uint64_t joints)
+{
+    const char *between = "";
+    for (int j = 0; j < k->n_joint; j++)
+        if (joints >> j & 1) {
+            fprintf(f, "%s%s", between, k->joint[j].name);
+            between = ", ";
+        }
+}
+
+static const char *verdict(const lw_mobility *m)
+{
+    if (m->kind == LW_MOBILITY_RIGID)
+        return "rigid: nothing moves, not even of first order";
+    if (m->kind == LW_MOBILITY_SHAKY)
+        return "shaky: it yields, but cannot move";
+    if (m->generic >= 0 && m->freedom > m->generic)
+        return "moves because its dimensions are special";
+    if (m->along > m->freedom)
+        return "moves, and a part of it is shaky all the way";
+    return "moves";
+}
+
+static void write_freedoms(FILE *f, const lw_linkage *k, const lw_mobility *m)
+{
+    if (m->least_freedom < m->freedom)
+        fprintf(f, "%-16s%d on another branch through the posture\n", "", m->least_freedom);
+    int own = lw_linkage_free_inputs(k);
+    if (own > 0)
+        fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,
+                m->freedom == 1 ? "" : "s", own, own == 1 ? "" : "s");
+    if (own < k->n_input)
+        fprintf(f, "%-16s%d input%s to the first, which takes as many freedoms\n", "tied", k->n_input - own,
+                k->n_input - own == 1 ? "" : "s");
+    if (m->idle > 0) {
+        fprintf(f, "%-16s%d freedom%s that reach%s no %s: ", "idle", m->idle, m->idle == 1 ? "" : "s",
+                m->idle == 1 ? "es" : "", k->n_tracer > 0 ? "tracer" : "other link");
+        links_text(f, k, m->idle_links);
+        fputc('\n', f);
+    }
+    if (k->n_input > 0 && m->loose_links) {
+        fprintf(f, "%-16s", "loose");
+        links_text(f, k, m->loose_links);
+        fputs("  (move while every input stands still)\n", f);
+    }
+    if (m->still_links) {
+        fprintf(f, "%-16s", "still links");
+        links_text(f, k, m->still_links);
+        fputc('\n', f);
+    }
+    if (m->still_joints) {
+        fprintf(f, "%-16s", "still joints");
+        joints_text(f, k, m->still_joints);
+        fputc('\n', f);
+    }
+}
+
+static void write_redundant(FILE *f, const lw_linkage *k, const lw_mobility *m)
+{
+    fprintf(f, "%-16s%d\n", "redundant", m->n_redundant);
+    for (int i = 0; i < m->n_redundant; i++) {
+        const lw_system_row *row = &m->system.row[m->redundant[i].row];
+        fprintf(f, "%-16s%s of %s", "", row->what, k->joint[row->joint].name);
+        fputs(m->redundant[i].joints ? "  follows from " : "  says nothing", f);
+        joints_text(f, k, m->redundant[i].joints);
+        fputc('\n', f);
+    }
+}
+
+static void write_text(FILE *f, const lw_linkage *k, const lw_mobility *m)
+{
+    bool moves = m->kind == LW_MOBILITY_MOVES;
+    fprintf(f, "%-16s%s\n", "verdict", verdict(m));
+    fprintf(f, "%-16s%d = 3*%d - %d  (freedoms of the links less rows of the joints)\n", "count", m->count,
+            m->system.n_body, m->system.n_row);
+    fprintf(f, "%-16s%d", "freedom", m->freedom);
+    if (m->generic >= 0 && m->generic != m->freedom)
+        fprintf(f, "  (%d with other dimensions)", m->generic);
+    fputc('\n', f);
+    if (moves)
+        write_freedoms(f, k, m);
+    fprintf(f, "%-16s%d in the posture", "first order", m->instant);
+    if (moves)
+        fprintf(f, ", %d along the motion", m->along);
+    if (moves && m->instant > m->along)
+        fputs("  (a singular posture)", f);
+    fputc('\n', f);
+    if (m->order > 1)
+        fprintf(f, "%-16syields up to order %d\n", "", m->order);
+    fprintf(f, "%-16s%d of %d rows%s\n", "rank", m->rank, m->system.n_row, moves ? ", along the motion" : "");
+    write_redundant(f, k, m);
+    if (moves)
+        fprintf(f, "%-16s%.3g (sizes and radians), joints closed to %.2g m\n", "moved", m->distance, m->residual);
+    else if (!isnan(m->misfit))
+        fprintf(f, "%-16sit would move if joints opened by %.3g m\n", "misfit", m->misfit);
+}
+
+/* ---- JSON ----------------------------------------------------------------------------------------- */
+
+static void json_links(cli_json *j, const char *key, const lw_linkage *k, uint32_t links)
+{
+    cli_json_array(j, key);
+    for (int i = 0; i < k->n_link; i++)
+        if (links >> i & 1)
+            cli_json_text(j, NULL, k->link_name[i]);
+    cli_json_end(j);
+}
+
+static void json_joints(cli_json *j, const char *key, const lw_linkage *k, uint64_t joints)
+{
+    cli_json_array(j, key);
+    for (int i = 0; i < k->n_joint; i++)
+        if (joints >> i & 1)
+            cli_json_text(j, NULL, k->joint[i].name);
+    cli_json_end(j);
+}
+
+static void json_redundant(cli_json *j, const lw_linkage *k, const lw_mobility *m)
+{
+    cli_json_array(j, "redundant");
+    for (int i = 0; i < m->n_redundant; i++) {
+        const lw_system_row *row = &m->system.row[m->redundant[i].row];
+        cli_json_object(j, NULL);
+        cli_json_text(j, "joint", k->joint[row->joint].name);
+        cli_json_text(j, "row", row->what);
+        json_joints(j, "follows_from", k, m->redundant[i].joints);
+        cli_json_end(j);
+    }
+    cli_json_end(j);
+}
+
+static void write_json(FILE *f, const lw_linkage *k, const lw_mobility *m)
+{
+    bool moves = m->kind == LW_MOBILITY_MOVES;
+    cli_json j = cli_json_begin(f, 2);
+    cli_json_object(&j, NULL);
+    cli_json_text(&j, "verdict", lw_mobility_kind_text(m->kind));
+    cli_json_int(&j, "count", m->count);
+    cli_json_int(&j, "freedom", m->freedom);
+    cli_json_int(&j, "least_freedom", m->least_freedom);
+    cli_json_int(&j, "freedom_other_dimensions", m->generic);
+    cli_json_int(&j, "first_order_posture", m->instant);
+    cli_json_int(&j, "first_order_motion", m->along);
+    cli_json_int(&j, "coordinates", m->system.n_q);
+    cli_json_int(&j, "rows", m->system.n_row);
+    cli_json_int(&j, "rank", m->rank);
+    cli_json_int(&j, "rank_posture", m->posture_rank);
+    json_redundant(&j, k, m);
+    cli_json_int(&j, "driven", m->driven);
+    cli_json_int(&j, "idle", m->idle);
+    json_links(&j, "idle_links", k, m->idle_links);
+    json_links(&j, "loose_links", k, m->loose_links);
+    json_links(&j, "still_links", k, m->still_links);
+    json_joints(&j, "still_joints", k, m->still_joints);
+    cli_json_real(&j, "moved", m->distance);
+    cli_json_real(&j, "residual", m->residual);
+    cli_json_int(&j, "order", m->order);
+    cli_json_real(&j, "misfit", moves ? NAN : m->misfit);
+    cli_json_end(&j);
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    static lw_linkage k;
+    static lw_mobility m;
+    lw_mobility_options o = { .tolerance = s->tolerance, .seed = call->common.seed };
+    lw_output out;
+    lw_error e = { 0 };
+    if (cli_read_linkage(call->parsed.word[0], s->result, &k, &e) != LW_OK
+        || lw_mobility_find(&k, &o, &m, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (call->common.json)
+        write_json(out.f, &k, &m);
+    else
+        write_text(out.f, &k, &m);
+    return cli_close(call, &out, CLI_DONE);
+}
+
+const cli_command cli_mobility_command = {
+    .name = "mobility",
+    .words = "MODEL.json",
+    .title = "freedoms of a linkage, redundant constraints, idle links; rigid, shaky or movable",
+    .examples =
+        "  linkwright mobility examples/jansen.json          one freedom, nothing redundant\n"
+        "  linkwright mobility examples/mobility/focal.json           moves although the count says -1\n"
+        "  linkwright mobility bridge.json --json            the same for programs\n"
+        "  linkwright mobility rounded.json -t 1e-6          coordinates with six digits\n",
+    .about =
+        "'count' is Gruebler's number. 'freedom' is found by moving: the linkage is pushed along its motions\n"
+        "of first order and brought back to closure; it moves if it then is elsewhere, again and again, with\n"
+        "its joints closed to the tolerance, and is shaky if it falls back every time. Ranks are taken at\n"
+        "postures reached that way, so a special posture and special dimensions are told apart. 'redundant'\n"
+        "names rows of joints that follow from those before them in the file: x and y of a pin, across and\n"
+        "turn of a slider. 'idle' freedoms leave every tracer at rest (without tracers: every other link).\n"
+        "'misfit' of a linkage that cannot move is by how much joints must open to move 1/20 of its size.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};

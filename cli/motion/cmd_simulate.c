@@ -1,0 +1,217 @@
+/* linkwright simulate - how a model moves under its loads, and what its joints carry. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "cli/motion/simulate.h"
+#include "cli/motion/simulate_linear.h"
+#include "mbs/dynamics/statics.h"
+
+typedef struct settings {
+    int         analysis, formulation, steps, max_steps;
+    double      from, to, speed, tolerance;
+    bool        explain, balance;
+    const char *plot, *columns, *gif;
+    cli_linear  linear;
+} settings;
+
+#define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* the last of the choices below */
+
+static const cli_option options[] = {
+    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear",
+      "transient", "transient is kinematic when every freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
+    { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto|driven|quadrature|reduced|index1|cvode|ggl", "auto",
+      "equations and method; see --explain", 0, 0, NULL, NULL },
+    { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
+      "say which formulation is taken, why, and how many unknowns it has", 0, 0, NULL, NULL },
+    { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0", "time of the start [s]", 0, 0, NULL, NULL },
+    { "to", 't', CLI_REAL, offsetof(settings, to), "T", "1", "time of the end [s]", 0, 0, NULL, NULL },
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100", "rows less one, evenly spaced in time", 1, 10000000,
+      NULL, NULL },
+    { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
+      "drive the inputs that have no motion at this speed [rad/s] or [m/s]", 0, 0, NULL, NULL },
+    { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
+      "error allowed in a step, of turns and of lengths over the size of the linkage", 1e-14, 0.1, NULL, NULL },
+    { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000", "steps of the integration, at most", 1,
+      2e9, NULL, NULL },
+    { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
+      "counterweights that null the static shaking force, as JSON", 0, 0, NULL, NULL },
+    { "plot", 'p', CLI_TEXT, offsetof(settings, plot), "FILE", NULL, "plot columns over time as SVG, PDF or PNG", 0, 0,
+      NULL, NULL },
+    { "columns", 'c', CLI_TEXT, offsetof(settings, columns), "LIST", NULL,
+      "columns to plot: names, or what stands before the point; without it the drives, or the energies", 0, 0, "plot",
+      NULL },
+    { "gif", 'g', CLI_TEXT, offsetof(settings, gif), "FILE", NULL, "the motion as an animation, a frame a row", 0, 0, NULL,
+      NULL },
+    { "rest", 'r', CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
+      "linear: about the static equilibrium near the posture", 0, 0, NULL, NULL },
+    { "hold", 0, CLI_FLAG, offsetof(settings, linear.hold), NULL, NULL,
+      "linear: inputs held; those with a motion always are", 0, 0, NULL, NULL },
+    { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
+      "linear: in N + 1 postures from the first to the last value of the input, or over a turn", 1, 1000000, NULL, NULL },
+    { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
+      "linear: compare with the peaks in the spectra of a small free vibration", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+/* Inputs without a motion go at a constant speed from where they are. */
+static lw_status drive(const cli_call *call, lw_model *m, lw_error *e)
+{
+    const settings *s = call->settings;
+    char text[96];
+    if (!cli_given(&call->parsed, "speed"))
+        return LW_OK;
+    if (m->linkage.n_input == 0)
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for inputs, and the model has none");
+    for (int i = 0; i < lw_linkage_free_inputs(&m->linkage); i++) {
+        if (m->motion[i])
+            continue;
+        snprintf(text, sizeof text, "%.17g + %.17g*t", m->linkage.input[i].value, s->speed);
+        lw_status st = lw_model_drive(m, i, text, e);
+        if (st != LW_OK)
+            return st;
+    }
+    return LW_OK;
+}
+
+static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
+{
+    const settings *s = call->settings;
+    lw_dynamics_options o = lw_dynamics_options_default();
+    c->call = call;
+    c->json = call->common.json;
+    c->keep = s->balance || s->plot || s->gif;
+    c->model = cli_read_model(call->parsed.word[0], 0, e);
+    lw_status st = c->model ? drive(call, c->model, e) : e->status;
+    if (st != LW_OK)
+        return st;
+    o.analysis = (lw_analysis)s->analysis;
+    o.formulation = (lw_formulation)s->formulation;
+    o.from = s->from;
+    o.to = s->to;
+    o.intervals = s->steps;
+    o.relative = o.absolute = s->tolerance;
+    o.max_step = s->max_steps;
+    o.until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
+    o.stop = cli_stop_flag();
+    st = lw_dynamics_make(c->model, &o, &c->d, e);
+    if (st == LW_OK)
+        cli_simulate_columns(c);
+    if (st != LW_OK && !e->file[0])
+        snprintf(e->file, sizeof e->file, "%s", call->parsed.word[0]);
+    return st;
+}
+
+static void explain(const cli_call *call, const lw_report *r)
+{
+    cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
+             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant, r->redundant == 1 ? "" : "s");
+}
+
+/* One row: the posture of rest. */
+static lw_status rest(cli_simulate *c, double t, lw_error *e)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_rest r;
+    lw_status s = lw_statics_rest(c->d, t, q, &r, e);
+    if (s != LW_OK)
+        return s;
+    cli_note(c->call, "at rest after %d iterations, force left %.3g J, %s", r.iterations, r.residual,
+             r.stable ? "stable" : "not stable");
+    return lw_statics_moment(c->d, t, q, cli_simulate_row, c, e);
+}
+
+static lw_status run_it(const cli_call *call, cli_simulate *c, lw_error *e)
+{
+    const settings *s = call->settings;
+    cli_simulate_head(c);
+    lw_status st = s->analysis == LW_ANALYSIS_STATIC ? rest(c, s->from, e)
+                 : lw_dynamics_run(c->d, cli_simulate_row, c, &c->report, e);
+    cli_simulate_tail(c, st, e);
+    if (st == LW_OK && s->balance)
+        st = cli_simulate_balance(c, stdout, e);
+    if (st == LW_OK && s->plot)
+        st = cli_simulate_plot(c, s->columns, s->plot, e);
+    if (st == LW_OK && s->gif)
+        st = cli_simulate_gif(c, s->gif, e);
+    return st;
+}
+
+static int linear(const cli_call *call)
+{
+    cli_linear o = ((const settings *)call->settings)->linear;
+    lw_error e = { 0 };
+    lw_model *m = cli_read_model(call->parsed.word[0], 0, &e);
+    o.t = ((const settings *)call->settings)->from;
+    int code = m ? cli_simulate_linear(call, m, &o) : cli_fail(call, &e);
+    cli_free_model(m);
+    return code;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    const cli_linear *l = &s->linear;
+    if (s->analysis == ANALYSIS_LINEAR)
+        return linear(call);
+    if (l->rest || l->hold || l->fft || l->along)
+        return cli_usage(call, "--rest, --hold, --along and --fft go with --analysis linear");
+    cli_simulate *c = calloc(1, sizeof *c);
+    lw_error e = { 0 };
+    lw_output o;
+    if (!(s->from < s->to))
+        return free(c), cli_usage(call, "--from must be less than --to");
+    if (!c)
+        lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    if (!c || prepare(call, c, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK) {
+        if (c)
+            cli_simulate_free(c);
+        free(c);
+        return cli_fail(call, &e);
+    }
+    c->f = s->balance ? NULL : o.f;
+    c->report = *lw_dynamics_choice(c->d);
+    if (s->explain && s->analysis != LW_ANALYSIS_STATIC)
+        explain(call, &c->report);
+    lw_status st = run_it(call, c, &e);
+    if (s->analysis != LW_ANALYSIS_STATIC)
+        cli_simulate_report(c);
+    int code = st == LW_OK ? CLI_DONE : c->n_row > 0 && st == LW_STOPPED ? CLI_LIMIT : cli_fail(call, &e);
+    if (code == CLI_LIMIT)
+        cli_note(call, "%s; the rows so far are kept", e.text);
+    cli_simulate_free(c);
+    free(c);
+    return cli_close(call, &o, cli_interrupted() ? CLI_INTERRUPTED : code);
+}
+
+const cli_command cli_simulate_command = {
+    .name = "simulate",
+    .words = "MODEL.json",
+    .title = "statics, kinetostatics and dynamics of a linkage with masses and loads",
+    .examples =
+        "  linkwright simulate examples/andrews.json --to 0.03 --explain     forward dynamics, as CSV\n"
+        "  linkwright simulate examples/pendulum.json --to 10 -n 1000 --json\n"
+        "  linkwright simulate model.json --speed 10 --plot torque.svg      drive its input, plot the torque\n"
+        "  linkwright simulate model.json --analysis static                 where it rests\n"
+        "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
+        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, and heard\n",
+    .about =
+        "The model is a linkage with masses, gravity, springs, dampers, forces, motors, friction and\n"
+        "stops (docs/notation.md, \"Model\"). Columns: t; for each input its value, rate and what\n"
+        "drives it; tracers; centres of mass and turns of links with velocities and accelerations;\n"
+        "reactions at joints, on the second link, about the joint; shaking force and moment on the\n"
+        "frame; energies; residuals of the constraints over the size of the linkage. Errors of\n"
+        "energy, momentum and constraints are told on standard error. A run that fails (exit 4) or\n"
+        "is stopped by a limit (exit 5) keeps its rows and says where it ended.\n\n"
+        "With --analysis linear a row is one mode of small vibrations: frequency and natural frequency\n"
+        "[Hz], damping ratio, eigenvalue [1/s]; shapes with --json. It is taken about the posture of the\n"
+        "file at time --from, as if at rest; 'unbalanced' says how far from equilibrium that is.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};

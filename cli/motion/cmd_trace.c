@@ -1,0 +1,512 @@
+/* linkwright trace - what the tracers of a linkage do over every range of its input. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/suggest.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+#include "cli/motion/trace.h"
+#include "cli/motion/trace_curve.h"
+#include "mbs/constraints/mobility.h"
+
+typedef struct settings {
+    int         steps, mode, result;
+    const char *tracer, *range;
+    double      from, to, speed;
+    bool        cycle, all, explain;
+} settings;
+
+enum { MODE_BOTH, MODE_FILE };
+
+/* What all ways of tracing need. */
+typedef struct job {
+    const cli_call *call;
+    const settings *s;
+    const lw_model *m;
+    unsigned        tracers;          /* bit i: tracer i is wanted                                 */
+    double          until;            /* clock [s] at which to stop; 0: never                      */
+} job;
+
+static const cli_option options[] = {
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "360",
+      "intervals per arc; their ends are exact", 1, 10000000, NULL, NULL },
+    { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
+      "which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is", 0, 1000000, NULL,
+      NULL },
+    { "tracer", 't', CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
+      "only this tracer; without it all of them", 0, 0, NULL, NULL },
+    { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
+      "arcs of all assembly modes, or only the arc that holds the posture of the file", 0, 0, NULL, NULL },
+    { "from", 0, CLI_REAL, offsetof(settings, from), "A", NULL,
+      "least input, in the unit of the file", 0, 0, "to", NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, to), "B", NULL,
+      "greatest input", 0, 0, "from", NULL },
+    { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
+      "constant speed of the input [rad/s, or length unit/s for a slider]: derivatives are by time "
+      "instead of by the input", 0, 0, NULL, NULL },
+    { "cycle", 'c', CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
+      "the whole motion as one curve of postures, over limits of the input until it closes; rows evenly along it",
+      0, 0, NULL, "from" },
+    { "all-assemblies", 'a', CLI_FLAG, offsetof(settings, all), NULL, NULL,
+      "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
+    { "explain", 0, CLI_FLAG, offsetof(settings, explain), NULL, NULL,
+      "say how the linkage would be solved for its tracers - group by group, what is left out - and end",
+      0, 0, NULL, NULL },
+    { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
+      "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "from" },
+    { .name = NULL }
+};
+
+static lw_status choose_tracers(const settings *s, const char *file, const lw_linkage *k,
+                                unsigned *tracers, lw_error *e)
+{
+    const char *names[LW_TRACER_MAX];
+    if (k->n_tracer == 0)
+        return lw_error_at(e, LW_E_ARG, file, 0, 0, "the linkage has no tracer, so there is nothing to "
+                           "trace; add \"tracers\" to the file");
+    *tracers = (1u << k->n_tracer) - 1;
+    if (!s->tracer)
+        return LW_OK;
+    for (int i = 0; i < k->n_tracer; i++) {
+        names[i] = k->tracer[i].name;
+        if (strcmp(names[i], s->tracer) == 0) {
+            *tracers = 1u << i;
+            return LW_OK;
+        }
+    }
+    const char *near = lw_suggest(s->tracer, names, k->n_tracer);
+    return lw_error_at(e, LW_E_ARG, file, 0, 0, "there is no tracer '%s'; %s '%s'", s->tracer,
+                       near ? "did you mean" : "the first is", near ? near : names[0]);
+}
+
+static void set_window(const settings *s, const cli_call *call, cli_trace *t)
+{
+    const lw_input *in = &t->k.input[0];
+    t->whole = !cli_given(&call->parsed, "from") && in->first == in->last;
+    t->from = t->to = 0;
+    if (cli_given(&call->parsed, "from")) {
+        double unit = t->plan.input_is_slider ? t->k.units.metre : t->k.units.radian;
+        t->from = s->from*unit;
+        t->to = s->to*unit;
+    } else if (!t->whole) {
+        t->from = fmin(in->first, in->last);
+        t->to = fmax(in->first, in->last);
+    }
+}
+
+/* The tool of a tracer turns with its link: read their angle off the posture of the file. */
+static void set_tools(cli_trace *t)
+{
+    lw_pose pose;
+    lw_pose_solve(&t->plan, t->dim, t->mode, t->input, 0, &pose);
+    for (int i = 0; i < t->k.n_tracer; i++)
+        t->tool[i] = t->k.tracer[i].angle - pose.angle[t->k.tracer[i].link][0];
+}
+
+/* ---- by the plan ------------------------------------------------------------------------------- */
+
+static cli_rows make_rows(const job *j, const lw_linkage *k)
+{
+    return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until };
+}
+
+/* t->k, t->plan are made. */
+static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
+{
+    const settings *s = j->s;
+    const cli_call *call = j->call;
+    const char *file = call->parsed.word[0];
+    lw_status st = lw_plan_read(&t->plan, &t->k, t->dim, t->mode, &t->input, e);
+    if (st != LW_OK)
+        return st;
+    st = lw_motion_find(&t->plan, t->dim, &t->motion);
+    if (st < 0)
+        return lw_error_at(e, st, file, 0, 0, "its motion cannot be found: %s", lw_status_text(st));
+    if (st == LW_STOPPED)
+        cli_note(call, "the linkage has more arcs than the %d that are traced", LW_ARC_MAX);
+    set_tools(t);
+    set_window(s, call, t);
+    t->speed = cli_given(&call->parsed, "speed") ? s->speed : 0;
+    t->timed = cli_given(&call->parsed, "speed");
+    t->steps = s->steps;
+    t->rows = make_rows(j, &t->k);
+    cli_trace_pieces(t, s->mode == MODE_FILE);
+    t->rows.total = (double)t->n_piece*(t->steps + 1);
+    return LW_OK;
+}
+
+/* Is not all of it printed?  Arcs that are left out are told. */
+static bool cut_short(const cli_call *call, const cli_rows *r, bool dropped, int most)
+{
+    if (dropped)
+        cli_note(call, "there are more arcs than the %d that are traced; narrow --from and --to", most);
+    return r->cut_short || dropped;
+}
+
+static int print_plan(const cli_call *call, cli_trace *t)
+{
+    lw_error e = { 0 };
+    lw_output o;
+    if (cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    t->rows.f = o.f;
+    t->line = call->line;
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    t->rows.progress = &progress;
+    if (call->common.json)
+        cli_trace_json(t);
+    else
+        cli_trace_csv(t);
+    cli_progress_end(&progress);
+    int code = cut_short(call, &t->rows, t->dropped, CLI_PIECE_MAX) ? CLI_LIMIT : t->n_piece ? CLI_DONE : CLI_NOTHING;
+    if (code == CLI_NOTHING)
+        cli_note(call, "%s", t->motion.n_arc ? "the linkage does not reach that range of the input"
+                                             : "the linkage closes nowhere");
+    return cli_close(call, &o, code);
+}
+
+/* ---- along curves of postures, and in time ----------------------------------------------------- */
+
+static lw_status read_range(const settings *s, double range[3], lw_error *e)
+{
+    char text[128], *part = text, *rest;
+    int n = 0;
+    snprintf(text, sizeof text, "%s", s->range);
+    static const cli_option row = { "time-range", 0, CLI_REAL, 0, "T0:T1:DT", NULL, NULL, 0, 0, NULL, NULL };
+    for (; part && n < 3; part = rest) {
+        rest = strchr(part, ':');
+        if (rest)
+            *rest++ = 0;
+        lw_status st = cli_value(&row, "time-range", part, &range[n++], e);
+        if (st != LW_OK)
+            return st;
+    }
+    if (n < 3 || part || !(range[0] < range[1]) || !(range[2] > 0) || (range[1] - range[0])/range[2] > 1e7)
+        return lw_error_set(e, LW_E_ARG, "--time-range: three numbers are wanted, T0:T1:DT with T0 < T1 and at most "
+                            "1e7 steps of DT > 0, as in 0:1:0.01");
+    return LW_OK;
+}
+
+/* Errors of the library name no file. */
+static int fail_in(const cli_call *call, lw_error *e)
+{
+    if (!e->file[0] && e->status != LW_E_MEMORY)
+        snprintf(e->file, sizeof e->file, "%s", call->parsed.word[0]);
+    return cli_fail(call, e);
+}
+
+/* Only the stretch that holds the posture of the file. */
+static void keep_posture(cli_curve_trace *t)
+{
+    double start = lw_branch_start(t->curves.curve[0]);
+    for (int i = 0; i < t->n_stretch; i++) {
+        const cli_stretch *s = &t->stretch[i];
+        if (s->curve == 0 && (s->n_part > 1 || (s->part[0].from <= start && start <= s->part[0].to))) {
+            t->stretch[0] = *s;
+            t->n_stretch = 1;
+            return;
+        }
+    }
+}
+
+static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, lw_error *e)
+{
+    lw_branch_options o = { .input = 0 };
+    lw_status st = LW_OK;
+    if (all) {
+        st = lw_circuits_find(&t->s, &o, 300, call->common.seed, cli_stop_flag(), &t->curves, e);
+        if (st == LW_OK)
+            cli_note(call, "%d circuit%s found so far; the last %d of %d postures that closed were on them%s",
+                     t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
+                     t->curves.full ? "; there are more than can be listed" : "");
+    } else {
+        st = lw_branch_create(&t->s, NULL, &o, &t->curves.curve[0], e);
+        t->curves.n = st == LW_OK;
+    }
+    for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
+        lw_branch_end end = lw_branch_ended(t->curves.curve[i]);
+        if (end == LW_BRANCH_LOST || end == LW_BRANCH_STOPPED)
+            cli_note(call, "circuit %d is not followed to its end: %s", i + 1, end == LW_BRANCH_LOST
+                     ? "no step is short enough at a singular posture" : "it has not closed after 20000 steps");
+    }
+    return st;
+}
+
+static void curve_window(const cli_call *call, cli_curve_trace *t)
+{
+    const settings *s = call->settings;
+    const lw_input *in = &t->k->input[0];
+    double unit = t->k->n_input ? cli_curve_unit(t, 0) : 1;
+    bool given = cli_given(&call->parsed, "from");
+    t->whole = !given && in->first == in->last;
+    t->from = given ? s->from*unit : fmin(in->first, in->last);
+    t->to = given ? s->to*unit : fmax(in->first, in->last);
+    t->timed = cli_given(&call->parsed, "speed");
+    t->speed = s->speed*(t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER ? t->k->units.metre : 1);
+    t->steps = s->steps;
+}
+
+static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
+{
+    cli_json *j = t->rows.json;
+    const lw_input *in = &t->k->input[0];
+    bool slider = t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    bool timed = t->timed || strcmp(way, "time") == 0;
+    cli_json_object(j, NULL);
+    cli_json_text(j, "version", LW_VERSION);
+    cli_json_text(j, "command", call->line);
+    cli_json_text(j, "name", t->k->name);
+    cli_json_text(j, "way", way);
+    cli_json_object(j, "units");
+    cli_json_text(j, "length", t->k->units.length);
+    cli_json_text(j, "angle", t->k->units.angle);
+    cli_json_text(j, "rates_by", timed ? "s" : slider ? "length" : "rad");
+    cli_json_end(j);
+}
+
+static bool all_rest(const cli_curve_trace *t)
+{
+    bool rest = true;
+    for (int i = 0; i < t->curves.n; i++)
+        rest = rest && lw_branch_rests(t->curves.curve[i]);
+    return rest;
+}
+
+static int print_curves(const cli_call *call, cli_curve_trace *t, const double *range)
+{
+    const settings *s = call->settings;
+    lw_output o;
+    lw_error e = { 0 };
+    if (cli_open(call, &o, &e) != LW_OK)
+        return fail_in(call, &e);
+    cli_progress progress = cli_progress_begin(call, "trace", "rows");
+    cli_json json = cli_json_begin(o.f, 1);
+    lw_status st = LW_OK;
+    t->rows.f = o.f;
+    t->rows.progress = &progress;
+    t->line = call->line;
+    if (call->common.json) {
+        t->rows.json = &json;
+        json_top(call, t, range ? "time" : s->cycle ? "cycle" : "curve");
+    }
+    if (range)
+        st = cli_time_print(t, range, &e);
+    else
+        cli_curve_print(t, s->cycle);
+    if (t->rows.json && st >= 0)
+        cli_json_end(&json);
+    cli_progress_end(&progress);
+    if (st != LW_OK) {
+        int code = fail_in(call, &e);
+        if (t->rows.done == 0) {
+            lw_output_abandon(&o);
+            return code;
+        }
+        return cli_close(call, &o, st == LW_OPEN ? CLI_LIMIT : code);
+    }
+    bool nothing = !range && !s->cycle && t->n_stretch == 0;
+    if (nothing)
+        cli_note(call, all_rest(t) ? "the input stands still while parts move; --cycle shows how"
+                                   : "the linkage does not reach that range of the input");
+    bool some = cut_short(call, &t->rows, t->dropped, CLI_STRETCH_MAX);
+    return cli_close(call, &o, some ? CLI_LIMIT : nothing ? CLI_NOTHING : CLI_DONE);
+}
+
+static void free_curves(cli_curve_trace *t)
+{
+    if (!t)
+        return;
+    lw_circuits_free(&t->curves);
+    free(t->groups);
+    free(t);
+}
+
+/* Ready to print; all: every circuit, not only that of the posture. */
+static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace **out, lw_error *e)
+{
+    cli_curve_trace *t = *out = calloc(1, sizeof *t);
+    if (!t)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    t->model = j->m;
+    t->k = &j->m->linkage;
+    t->rows = make_rows(j, t->k);
+    lw_status st = lw_system_make(t->k, NULL, 0, &t->s, e);
+    if (st == LW_OK)
+        curve_window(j->call, t);
+    if (st != LW_OK || timed || (st = find_curves(j->call, t, all, e)) != LW_OK)
+        return st;
+    t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
+    cli_curve_stretches(t);
+    if (j->s->mode == MODE_FILE)
+        keep_posture(t);
+    return LW_OK;
+}
+
+/* By range in time, or NULL. */
+static int run_curves(const job *j, const double *range)
+{
+    cli_curve_trace *t;
+    lw_error e = { 0 };
+    lw_status st = make_curves(j, range != NULL, j->s->all, &t, &e);
+    int code = st == LW_OK ? print_curves(j->call, t, range) : fail_in(j->call, &e);
+    free_curves(t);
+    return code;
+}
+
+/* ---- the plan as text --------------------------------------------------------------------------- */
+
+static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
+{
+    static lw_plan plan;
+    char text[8192];
+    lw_error e = { 0 };
+    lw_output o;
+    bool dyads = lw_plan_make(k, (lw_want){ .tracers = tracers }, &plan, &e) == LW_OK;
+    lw_status st = lw_plan_make_any(k, (lw_want){ .tracers = tracers }, &plan, &e);
+    if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    if (st == LW_E_KIND)
+        fprintf(o.f, "traced along its curve of postures, all links at once: %s\n", e.text);
+    else {
+        lw_plan_explain(&plan, k, text, sizeof text);
+        fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs, unless they pass change points"
+                : "along its curve of postures, which leads over limits; between its postures by these groups");
+    }
+    return cli_close(call, &o, CLI_DONE);
+}
+
+/* ---- which way --------------------------------------------------------------------------------- */
+
+static int in_time(const job *j)
+{
+    const lw_linkage *k = &j->m->linkage;
+    lw_error e = { 0 };
+    double range[3];
+    bool moved = false;
+    for (int i = 0; i < k->n_input; i++)
+        moved = moved || j->m->motion[i];
+    if (read_range(j->s, range, &e) != LW_OK)
+        return cli_usage(j->call, "%s", e.text);
+    if (!moved)
+        return lw_error_at(&e, LW_E_ARG, j->call->parsed.word[0], 0, 0, "no input has a \"motion\", so nothing "
+                           "moves in time; give one, or leave --time-range out"), cli_fail(j->call, &e);
+    cli_note(j->call, "followed in time by Newton's method");
+    return run_curves(j, range);
+}
+
+/* Dyad by dyad.  A mode of a dyad goes round the corner at a change point, where the linkage itself goes straight on
+ * into the other mode: then along the curves, unless the posture is a branch point of too many branches. */
+static int by_plan(const job *j, cli_trace *t)
+{
+    cli_curve_trace *c = NULL;
+    lw_error e = { 0 };
+    int code;
+    if (prepare(j, t, &e) != LW_OK)
+        return cli_fail(j->call, &e);
+    if (t->motion.change_point && make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) == LW_OK) {
+        cli_note(j->call, "followed along its curves of postures, as it passes change points");
+        code = print_curves(j->call, c, NULL);
+    } else {
+        cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
+        if (t->motion.change_point)
+            cli_note(j->call, "it passes change points, where it is not followed straight on: %s", e.text);
+        code = print_plan(j->call, t);
+    }
+    free_curves(c);
+    return code;
+}
+
+static int choose_way(const job *j)
+{
+    const cli_call *call = j->call;
+    const lw_linkage *k = &j->m->linkage;
+    lw_error e = { 0 };
+    if (j->s->explain)
+        return explain(call, k, j->tracers);
+    if (j->s->range)
+        return in_time(j);
+    int own = lw_linkage_free_inputs(k);
+    if (own > 1)
+        cli_note(call, "input 1 moves, the other%s; --time-range moves all by their motions",
+                 own > 2 ? "s rest" : " rests");
+    if (j->s->cycle)
+        return run_curves(j, NULL);
+    cli_trace *t = calloc(1, sizeof *t);
+    if (!t)
+        return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
+    t->k = *k;
+    lw_status st = lw_plan_make(k, (lw_want){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
+    int code;
+    if (st == LW_OK)
+        code = by_plan(j, t);
+    else if (st == LW_E_KIND) {
+        cli_note(call, "followed along its curve of postures, as it is not made of dyads (%s)", e.text);
+        code = run_curves(j, NULL);
+    } else
+        code = cli_fail(call, &e);
+    free(t);
+    return code;
+}
+
+/* Freedoms that reach no tracer need no input: they are held, and that is told. */
+static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
+{
+    uint64_t held = 0;
+    if (lw_linkage_mobility(k) <= lw_linkage_free_inputs(k))
+        return LW_OK;
+    lw_status st = lw_mobility_hold_idle(k, &held, e);
+    for (int j = 0; j < k->n_joint; j++)
+        if (held >> j & 1)
+            cli_note(call, "a freedom that reaches no tracer is held still at %s", k->joint[j].name);
+    return st;
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    if (cli_given(&call->parsed, "from") && !(s->from < s->to))
+        return cli_usage(call, "--from must be less than --to");
+    double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
+    lw_error e = { 0 };
+    lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
+    if (!m)
+        return cli_fail(call, &e);
+    job j = { call, s, m, 0, until };
+    bool good = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK
+                && hold_idle(call, &m->linkage, &e) == LW_OK;
+    int code = good ? choose_way(&j) : fail_in(call, &e);
+    cli_free_model(m);
+    return code;
+}
+
+const cli_command cli_trace_command = {
+    .name = "trace",
+    .words = "MODEL.json",
+    .title = "curves, velocities, accelerations and jerks of the tracers of a linkage",
+    .examples =
+        "  linkwright trace examples/hoeken.json                    all arcs, as CSV\n"
+        "  linkwright trace examples/slider-crank.json --speed 10   per second, at 10 rad/s\n"
+        "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
+        "  linkwright trace model.json --from -90 --to 90 --json    part of the input, as JSON\n"
+        "  linkwright trace examples/chebyshev.json --cycle         over both limits and back, one closed curve\n"
+        "  linkwright trace model.json --tracer foot --explain      the groups it is solved by\n"
+        "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
+    .about =
+        "Any linkage is traced: one of dyads in closed form, every other - and one that passes change points -\n"
+        "along its curve of postures, in steps that provably stay on their branch, and between these by its\n"
+        "Assur groups where it has any (standard error and --explain tell which). Where there is no closed\n"
+        "form only the circuit of the posture is traced, with --all-assemblies all that are found.\n"
+        "An arc is a range of the input in one assembly mode; its ends, where they are limits of\n"
+        "the motion, are found to 1e-10 and are the first and last row. Lengths and angles are in\n"
+        "the units of the file, derivatives (v, a, j) by the input in rad or in its length unit,\n"
+        "those of the tool's angle in rad. At a limit they do not exist: the fields are empty (null\n"
+        "in JSON). Lines that begin with # tell units, arcs, limits and dead points. MODEL may be\n"
+        "- for standard input.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 1,
+    .run = run,
+};

@@ -1,0 +1,310 @@
+#include "cli/motion/simulate.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/number.h"
+#include "catalogues/draw/draw.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
+
+/* ---- columns ----------------------------------------------------------------------------------------- */
+
+static void add(cli_simulate *s, const char *unit, double scale, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+static void add(cli_simulate *s, const char *unit, double scale, const char *format, ...)
+{
+    va_list arg;
+    if (s->n_column == CLI_COLUMN_MAX)
+        return;
+    cli_column *c = &s->column[s->n_column++];
+    va_start(arg, format);
+    vsnprintf(c->name, sizeof c->name, format, arg);
+    va_end(arg);
+    c->unit = unit;
+    c->scale = scale;
+}
+
+/* The order is that of cli_simulate_row. */
+void cli_simulate_columns(cli_simulate *s)
+{
+    const lw_linkage *k = &s->model->linkage;
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const char *length = k->units.length[0] ? k->units.length : "m", *angle = k->units.angle;
+    double metre = 1/k->units.metre, radian = 1/k->units.radian;
+    s->n_column = 0;
+    add(s, "s", 1, "t");
+    for (int i = 0; i < k->n_input; i++) {
+        const char *name = k->joint[k->input[i].joint].name;
+        bool pin = k->joint[k->input[i].joint].kind == LW_JOINT_REVOLUTE;
+        add(s, pin ? angle : length, pin ? radian : metre, "%s.input", name);
+        add(s, pin ? "rad/s" : "m/s", 1, "%s.rate", name);
+        add(s, pin ? "N m" : "N", 1, "%s.drive", name);
+    }
+    for (int i = 0; i < k->n_tracer; i++)
+        for (int order = 0; order < 3; order++)
+            for (int axis = 0; axis < 2; axis++)
+                add(s, order ? "SI" : length, order ? 1 : metre, "%s.%s%c", k->tracer[i].name,
+                    order == 0 ? "" : order == 1 ? "v" : "a", axis ? 'y' : 'x');
+    for (int b = 0; b < sys->n_body; b++) {
+        const char *name = k->link_name[sys->link[b]];
+        add(s, length, metre, "%s.x", name);
+        add(s, length, metre, "%s.y", name);
+        add(s, angle, radian, "%s.turn", name);
+        add(s, "m/s", 1, "%s.vx", name);
+        add(s, "m/s", 1, "%s.vy", name);
+        add(s, "rad/s", 1, "%s.omega", name);
+        add(s, "m/s^2", 1, "%s.ax", name);
+        add(s, "m/s^2", 1, "%s.ay", name);
+        add(s, "rad/s^2", 1, "%s.alpha", name);
+    }
+    for (int i = 0; i < k->n_joint; i++) {
+        add(s, "N", 1, "%s.fx", k->joint[i].name);
+        add(s, "N", 1, "%s.fy", k->joint[i].name);
+        add(s, "N m", 1, "%s.moment", k->joint[i].name);
+    }
+    add(s, "N", 1, "shaking.fx");
+    add(s, "N", 1, "shaking.fy");
+    add(s, "N m", 1, "shaking.moment");
+    add(s, "J", 1, "kinetic");
+    add(s, "J", 1, "potential");
+    add(s, "J", 1, "work");
+    add(s, "1", 1, "residual");
+    add(s, "1/s", 1, "residual_rate");
+}
+
+/* ---- one row ------------------------------------------------------------------------------------------- */
+
+static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_linkage *k = &s->model->linkage;
+    double drive[LW_INPUT_MAX];
+    lw_measure z;
+    lw_reactions_drives(s->d, m, drive);
+    for (int i = 0; i < k->n_input; i++) {
+        lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &z);
+        *to++ = k->input[i].value + z.value;
+        *to++ = z.rate;
+        *to++ = drive[i];
+    }
+    return to;
+}
+
+static double *put_tracers(const cli_simulate *s, const lw_moment *m, double *to)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    double series[3*LW_SYSTEM_Q_MAX];
+    lw_vec2 p[3];
+    for (int i = 0; i < sys->n_q; i++) {
+        series[i] = m->q[i];
+        series[sys->n_q + i] = m->v[i];
+        series[2*sys->n_q + i] = 0.5*m->a[i];
+    }
+    for (int i = 0; i < sys->n_tracer; i++) {
+        lw_system_point_series(sys, sys->tracer_body[i], sys->tracer_arm[i], 2, series, p);
+        for (int order = 0; order < 3; order++) {
+            *to++ = p[order].x*(order == 2 ? 2 : 1);
+            *to++ = p[order].y*(order == 2 ? 2 : 1);
+        }
+    }
+    return to;
+}
+
+static double *put_links(const cli_simulate *s, const lw_moment *m, double *to)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    for (int b = 0; b < sys->n_body; b++) {
+        lw_vec2 at = lw_system_point(sys, b, lw_v2(0, 0), m->q);
+        *to++ = at.x;
+        *to++ = at.y;
+        *to++ = m->q[3*b + 2];
+        for (int i = 0; i < 3; i++)
+            *to++ = m->v[3*b + i]*(i < 2 ? sys->unit : 1);
+        for (int i = 0; i < 3; i++)
+            *to++ = m->a[3*b + i]*(i < 2 ? sys->unit : 1);
+    }
+    return to;
+}
+
+static double *put_reaction(lw_reaction r, double *to)
+{
+    *to++ = r.force.x;
+    *to++ = r.force.y;
+    *to++ = r.moment;
+    return to;
+}
+
+static void fill(const cli_simulate *s, const lw_moment *m, double *row)
+{
+    lw_reaction joint[LW_JOINT_MAX];
+    double *to = row;
+    *to++ = m->t;
+    to = put_inputs(s, m, to);
+    to = put_tracers(s, m, to);
+    to = put_links(s, m, to);
+    lw_reactions_joints(s->d, m, joint);
+    for (int j = 0; j < s->model->linkage.n_joint; j++)
+        to = put_reaction(joint[j], to);
+    to = put_reaction(lw_reactions_shaking(s->d, m), to);
+    *to++ = m->kinetic;
+    *to++ = m->potential;
+    *to++ = m->work;
+    *to++ = m->off;
+    *to++ = m->off_rate;
+    for (int c = 0; c < s->n_column; c++)
+        row[c] *= s->column[c].scale;
+}
+
+static lw_status make_room(cli_simulate *s)
+{
+    size_t n_q = (size_t)lw_dynamics_system(s->d)->n_q, room = s->room ? 2*s->room : 256;
+    double *row = realloc(s->row, room*(size_t)s->n_column*sizeof *row);
+    if (row)
+        s->row = row;
+    double *q = realloc(s->q, room*n_q*sizeof *q);
+    if (q)
+        s->q = q;
+    s->room = row && q ? room : s->room;
+    return row && q ? LW_OK : LW_E_MEMORY;
+}
+
+lw_status cli_simulate_row(void *context, const lw_moment *m)
+{
+    cli_simulate *s = context;
+    double row[6*LW_INPUT_MAX + 6*LW_TRACER_MAX + 9*LW_LINK_MAX + 3*LW_JOINT_MAX + 16];
+    size_t n = (size_t)s->n_column, n_q = (size_t)lw_dynamics_system(s->d)->n_q;
+    fill(s, m, row);
+    if (s->keep) {
+        if (s->n_row == s->room && make_room(s) != LW_OK)
+            return LW_E_MEMORY;
+        memcpy(s->row + s->n_row*n, row, n*sizeof *row);
+        memcpy(s->q + s->n_row*n_q, m->q, n_q*sizeof *m->q);
+    }
+    s->n_row++;
+    if (!s->f)
+        return LW_OK;
+    if (s->json) {
+        cli_json_reals(&s->j, NULL, row, n);
+        return LW_OK;
+    }
+    for (size_t c = 0; c < n; c++) {
+        char text[LW_NUMBER_SIZE];
+        lw_number_print(row[c], text);
+        fprintf(s->f, "%s%s", c ? "," : "", isfinite(row[c]) ? text : "");
+    }
+    fputc('\n', s->f);
+    return ferror(s->f) ? LW_E_IO : LW_OK;
+}
+
+/* ---- head, tail, report --------------------------------------------------------------------------------- */
+
+void cli_simulate_head(cli_simulate *s)
+{
+    if (!s->f)
+        return;
+    if (s->json) {
+        s->j = cli_json_begin(s->f, 1);
+        cli_json_object(&s->j, NULL);
+        cli_json_text(&s->j, "version", LW_VERSION);
+        cli_json_text(&s->j, "command", s->call->line);
+        cli_json_array(&s->j, "columns");
+        for (int c = 0; c < s->n_column; c++)
+            cli_json_text(&s->j, NULL, s->column[c].name);
+        cli_json_end(&s->j);
+        cli_json_array(&s->j, "units");
+        for (int c = 0; c < s->n_column; c++)
+            cli_json_text(&s->j, NULL, s->column[c].unit);
+        cli_json_end(&s->j);
+        cli_json_array(&s->j, "rows");
+        return;
+    }
+    fputs("# units:", s->f);
+    for (int c = 0; c < s->n_column; c++)
+        fprintf(s->f, "%c%s", c ? ',' : ' ', s->column[c].unit);
+    fputc('\n', s->f);
+    for (int c = 0; c < s->n_column; c++)
+        fprintf(s->f, "%s%s", c ? "," : "", s->column[c].name);
+    fputc('\n', s->f);
+}
+
+void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
+{
+    if (!s->f)
+        return;
+    if (!s->json) {
+        if (status != LW_OK)
+            fprintf(s->f, "# incomplete: ended at t = %.12g s: %s\n", s->report.t, e->text);
+        return;
+    }
+    const lw_report *r = &s->report;
+    cli_json_end(&s->j);
+    cli_json_text(&s->j, "formulation", lw_formulation_name(r->formulation));
+    cli_json_bool(&s->j, "complete", status == LW_OK);
+    if (status != LW_OK)
+        cli_json_text(&s->j, "ended", e->text);
+    cli_json_real(&s->j, "t", r->t);
+    cli_json_int(&s->j, "steps", r->steps);
+    cli_json_int(&s->j, "evaluations", r->rates);
+    cli_json_int(&s->j, "redundant", r->redundant);
+    cli_json_real(&s->j, "residual", r->worst_off);
+    cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
+    cli_json_real(&s->j, "energy_error", r->energy_error);
+    cli_json_real(&s->j, "energy_held", r->energy_held);
+    if (r->period > 0)
+        cli_json_real(&s->j, "period", r->period);
+    cli_json_real(&s->j, "energy_scale", r->energy_scale);
+    cli_json_array(&s->j, "events");
+    for (int i = 0; i < r->n_happening; i++) {
+        const lw_happening *h = &r->happening[i];
+        cli_json_object(&s->j, NULL);
+        cli_json_real(&s->j, "t", h->t);
+        cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
+        cli_json_text(&s->j, "stop", h->greatest ? "greatest" : "least");
+        cli_json_text(&s->j, "what", h->impact ? "impact" : "leaves");
+        cli_json_real(&s->j, "speed", h->speed);
+        cli_json_end(&s->j);
+    }
+    cli_json_end(&s->j);
+    cli_json_end(&s->j);
+}
+
+void cli_simulate_report(const cli_simulate *s)
+{
+    const lw_report *r = &s->report;
+    const cli_call *c = s->call;
+    char text[1024];
+    if (r->period > 0)
+        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them", r->period);
+    if (r->moved > 1e-9)
+        cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
+    if (r->moved_rate > 1e-9)
+        cli_note(c, "the speeds given violate the constraints by %.3g and were projected", r->moved_rate);
+    lw_dynamics_redundant(s->d, text, sizeof text);
+    if (r->redundant)
+        cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
+                 r->redundant, r->redundant == 1 ? " is" : "s are", text);
+    for (int i = 0; i < r->n_happening && i < 10; i++) {
+        const lw_happening *h = &r->happening[i];
+        cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
+                 h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
+    }
+    if (r->n_seen > 10)
+        cli_note(c, "%d events in all", r->n_seen);
+    if (r->energy_scale > 0)
+        cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
+                 : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);
+    if (r->momentum_scale > 1e-290)          /* something moved                                         */
+        cli_note(c, "momentum error %.3g of %.3g kg m^2/s or kg m/s", r->momentum_error, r->momentum_scale);
+    cli_note(c, "constraint residual %.3g, of rates %.3g 1/s; %ld steps, %ld refused, %ld evaluations", r->worst_off,
+             r->worst_off_rate, r->steps, r->refused, r->rates);
+}
+
+void cli_simulate_free(cli_simulate *s)
+{
+    lw_dynamics_free(s->d);
+    cli_free_model(s->model);
+    free(s->row);
+    free(s->q);
+}

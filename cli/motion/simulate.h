@@ -1,0 +1,50 @@
+/* cli/motion/simulate.h - a run as rows of named columns: CSV, JSON, plots, frames of a GIF. */
+#ifndef LW_CLI_SIMULATE_H
+#define LW_CLI_SIMULATE_H
+
+#include "cli/program/command.h"
+#include "cli/program/json.h"
+#include "mbs/dynamics/reactions.h"
+
+#define CLI_COLUMN_MAX 512
+
+typedef struct cli_column { char name[2*LW_NAME_SIZE + 8]; const char *unit; double scale; } cli_column;
+
+typedef struct cli_simulate {
+    const cli_call *call;
+    lw_model       *model;
+    lw_dynamics    *d;
+    FILE           *f;                   /* where rows go; NULL: nowhere                               */
+    bool            json, keep;          /* keep: rows and postures stay in memory                     */
+    cli_json        j;
+    int             n_column;
+    cli_column      column[CLI_COLUMN_MAX];
+    size_t          n_row, room;
+    double         *row;                 /* (room * n_column)                                          */
+    double         *q;                   /* (room * n_q)                                               */
+    lw_report       report;
+} cli_simulate;
+
+/* Name the columns of a model. */
+void cli_simulate_columns(cli_simulate *s);
+
+/* The head: lines of units, then names.  After all rows: the end. */
+void cli_simulate_head(cli_simulate *s);
+void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e);
+
+/* One row: a sink of lw_dynamics_run, context the cli_simulate. */
+lw_status cli_simulate_row(void *context, const lw_moment *m);
+
+/* What was measured, on standard error. */
+void cli_simulate_report(const cli_simulate *s);
+
+/* Plot columns whose names begin with one of a list (NULL: energies, or drives where inputs have motions). */
+lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
+lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);
+
+/* Counterweights that hold the common centre of mass still, from the kept postures. */
+lw_status cli_simulate_balance(cli_simulate *s, FILE *f, lw_error *e);
+
+void cli_simulate_free(cli_simulate *s);
+
+#endif

@@ -1,0 +1,215 @@
+/* cli/motion/simulate_linear.c - modes as tables. */
+#include "cli/motion/simulate_linear.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "mbs/dynamics/modes.h"
+
+typedef struct linear {
+    const cli_call   *call;
+    const lw_model   *m;
+    const cli_linear *o;
+    lw_system s;
+    lw_forces f;
+    lw_modes  modes;
+    double    q[LW_SYSTEM_Q_MAX], peak[2*LW_SYSTEM_Q_MAX];
+    FILE     *out;
+    cli_json  j;
+    int       n_posture, n_heard;
+    double    worst;                     /* greatest difference of a peak from its eigenfrequency, relative */
+} linear;
+
+/* ---- writing ------------------------------------------------------------------------------------- */
+
+static void head(linear *l)
+{
+    if (l->call->common.json) {
+        l->j = cli_json_begin(l->out, 2);
+        cli_json_object(&l->j, NULL);
+        cli_json_text(&l->j, "command", l->call->line);
+        cli_json_array(&l->j, "postures");
+        return;
+    }
+    fprintf(l->out, "# %s\n# frequencies [Hz], eigenvalue re + i im [1/s], input [rad or m], unbalanced: force "
+            "left over in "
+            "shares of the greatest\nposture,input,mode,frequency,natural,damping,re,im,unbalanced%s\n", l->call->line,
+            l->o->fft ? ",heard" : "");
+}
+
+static void tail(linear *l)
+{
+    if (!l->call->common.json)
+        return;
+    cli_json_end(&l->j);
+    cli_json_end(&l->j);
+}
+
+/* Each link's place [m] and turn [rad] in the shape */
+static void write_shape(linear *l, const lw_mode *m)
+{
+    cli_json_array(&l->j, "shape");
+    for (int b = 0; b < l->s.n_body; b++) {
+        double v[6];
+        for (int i = 0; i < 3; i++) {
+            v[i] = m->shape[3*b + i]*(i < 2 ? l->s.unit : 1.0);
+            v[3 + i] = m->phase[3*b + i];
+        }
+        cli_json_object(&l->j, NULL);
+        cli_json_text(&l->j, "link", l->m->linkage.link_name[l->s.link[b]]);
+        cli_json_reals(&l->j, "x_y_turn", v, 3);
+        cli_json_reals(&l->j, "phase", v + 3, 3);
+        cli_json_end(&l->j);
+    }
+    cli_json_end(&l->j);
+}
+
+static void write_mode(linear *l, int k, double input)
+{
+    const lw_mode *m = &l->modes.mode[k];
+    if (!l->call->common.json) {
+        fprintf(l->out, "%d,%.12g,%d,%.12g,%.12g,%.12g,%.12g,%.12g,%.3g", l->n_posture, input, k + 1,
+                m->frequency, m->natural,
+                m->damping, m->re, m->im, l->modes.unbalanced);
+        if (l->o->fft && isfinite(l->peak[k]))
+            fprintf(l->out, ",%.9g", l->peak[k]);
+        else if (l->o->fft)
+            fputc(',', l->out);
+        fputc('\n', l->out);
+        return;
+    }
+    cli_json_object(&l->j, NULL);
+    cli_json_real(&l->j, "frequency", m->frequency);
+    cli_json_real(&l->j, "natural", m->natural);
+    cli_json_real(&l->j, "damping", m->damping);
+    cli_json_reals(&l->j, "eigenvalue", (double[]){ m->re, m->im }, 2);
+    if (l->o->fft)
+        cli_json_real(&l->j, "heard", l->peak[k]);
+    write_shape(l, m);
+    cli_json_end(&l->j);
+}
+
+static void write_posture(linear *l)
+{
+    double input = NAN;
+    if (l->s.n_input > 0) {
+        bool pin = l->s.joint[l->s.input_joint[0]].kind == LW_JOINT_REVOLUTE;
+        input = l->s.input_value[0] + (pin ? 1.0 : l->s.unit)*lw_system_measure(&l->s, l->s.input_joint[0], l->q, NULL);
+    }
+    l->n_posture++;
+    if (l->call->common.json) {
+        cli_json_object(&l->j, NULL);
+        cli_json_real(&l->j, "input", input);
+        cli_json_real(&l->j, "unbalanced", l->modes.unbalanced);
+        cli_json_int(&l->j, "freedom", l->modes.freedom);
+        cli_json_int(&l->j, "redundant", l->modes.redundant);
+        cli_json_array(&l->j, "modes");
+    }
+    for (int k = 0; k < l->modes.n_mode; k++)
+        write_mode(l, k, input);
+    if (l->call->common.json) {
+        cli_json_end(&l->j);
+        cli_json_end(&l->j);
+    }
+}
+
+/* ---- working ------------------------------------------------------------------------------------- */
+
+static void compare(linear *l)
+{
+    for (int k = 0; k < l->modes.n_mode; k++)
+        if (isfinite(l->peak[k])) {
+            l->n_heard++;
+            l->worst = fmax(l->worst, fabs(l->peak[k]/l->modes.mode[k].frequency - 1.0));
+        }
+}
+
+/* The mode that grows fastest; NULL: none does */
+static const lw_mode *growing(const lw_modes *m)
+{
+    const lw_mode *most = NULL;
+    for (int k = 0; k < m->n_mode; k++)
+        if (m->mode[k].re > 1e-9*(fabs(m->mode[k].im) + fabs(m->mode[m->n_mode - 1].natural))
+            && (!most || m->mode[k].re > most->re))
+            most = &m->mode[k];
+    return most;
+}
+
+static lw_status one(linear *l, bool rest, lw_error *e)
+{
+    lw_modes_options o = { .hold_inputs = l->o->hold, .rest = rest };
+    lw_status s = lw_modes_find(&l->f, &o, l->o->t, l->q, &l->modes, e);
+    if (s != LW_OK)
+        return s;
+    if (l->o->fft && (s = lw_modes_listen(&l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
+        return s;
+    if (l->o->fft)
+        compare(l);
+    write_posture(l);
+    return LW_OK;
+}
+
+/* Input 0 from end to end; links that springs hold find their rest with the inputs held */
+static lw_status along(linear *l, lw_error *e)
+{
+    const lw_input *in = &l->m->linkage.input[0];
+    if (l->s.n_input == 0)
+        return lw_error_set(e, LW_E_ARG, "modes along the motion want an input, and the model has none");
+    bool pin = l->s.joint[l->s.input_joint[0]].kind == LW_JOINT_REVOLUTE, whole = in->first == in->last;
+    if (whole && !pin)
+        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider want its range: give the input a "
+                            "\"from\" and a "
+                            "\"to\"");
+    double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;
+    lw_status s = LW_OK;
+    for (int k = 0; s == LW_OK && k <= l->o->along && !cli_interrupted(); k++) {
+        s = lw_modes_drive(&l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
+        if (s == LW_OK && l->o->rest) {
+            lw_modes held;
+            lw_status st = lw_modes_find(&l->f, &(lw_modes_options){ true, true }, l->o->t, l->q, &held, e);
+            s = st == LW_NOTHING ? LW_OK : st;
+        }
+        if (s == LW_OK)
+            s = one(l, false, e);
+    }
+    return s;
+}
+
+int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linear *o)
+{
+    lw_error e = { 0 };
+    lw_output out;
+    linear *l = calloc(1, sizeof *l);
+    if (!l) {
+        lw_error_set(&e, LW_E_MEMORY, "out of memory");
+        return cli_fail(call, &e);
+    }
+    l->call = call, l->m = m, l->o = o;
+    if (lw_forces_system(m, &l->s, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK) {
+        free(l);
+        return cli_fail(call, &e);
+    }
+    lw_forces_make(m, &l->s, &l->f);
+    lw_system_posture(&l->s, l->q);
+    l->out = out.f;
+    head(l);
+    lw_status s = o->along > 0 ? along(l, &e) : one(l, o->rest, &e);
+    tail(l);
+    if (s == LW_OK && !o->rest && !o->along && l->modes.unbalanced > 1e-9)
+        cli_note(call, "the posture is no equilibrium: %.3g of the greatest force is left over; --rest goes to one",
+                 l->modes.unbalanced);
+    bool still = s == LW_OK && !o->along && (o->rest || l->modes.unbalanced <= 1e-9);
+    const lw_mode *grows = still ? growing(&l->modes) : NULL;
+    if (grows)
+        cli_note(call, "the equilibrium is not stable: a mode grows %.3g times in a second", exp(grows->re));
+    if (s == LW_OK && o->fft && l->n_heard == 0)
+        cli_note(call, "no mode vibrates long enough to be heard");
+    else if (s == LW_OK && o->fft)
+        cli_note(call, "%d peak%s of the free vibration: within %.2g %% of the eigenfrequencies", l->n_heard,
+                 l->n_heard == 1 ? "" : "s", 100*l->worst);
+    int code = s == LW_OK ? CLI_DONE : cli_fail(call, &e);
+    free(l);
+    return cli_close(call, &out, code);
+}

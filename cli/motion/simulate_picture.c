@@ -1,0 +1,104 @@
+/* cli/motion/simulate_picture.c - plots and animations of a run. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/suggest.h"
+#include "catalogues/draw/draw.h"
+#include "cli/motion/simulate.h"
+
+/* Is the column wanted: by its name, or by what stands before the point. */
+static bool wanted(const cli_simulate *s, int c, const char *list)
+{
+    const char *name = s->column[c].name, *dot = strrchr(name, '.');
+    if (!list) {
+        bool driven = s->report.formulation == LW_FORMULATION_DRIVEN;
+        return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name, "potential") == 0;
+    }
+    for (const char *p = list; *p;) {
+        size_t n = strcspn(p, ",");
+        if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p, n) == 0))
+            return true;
+        p += n + (p[n] == ',');
+    }
+    return false;
+}
+
+lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e)
+{
+    lw_series series[LW_SERIES_MAX];
+    size_t n = s->n_row;
+    int count = 0;
+    double *x = calloc((LW_SERIES_MAX + 1)*(n + 1), sizeof *x);
+    if (!x)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    for (size_t i = 0; i < n; i++)
+        x[i] = s->row[i*(size_t)s->n_column];
+    for (int c = 1; c < s->n_column && count < LW_SERIES_MAX; c++) {
+        if (!wanted(s, c, columns))
+            continue;
+        double *y = x + (size_t)(count + 1)*(n + 1);
+        for (size_t i = 0; i < n; i++)
+            y[i] = s->row[i*(size_t)s->n_column + (size_t)c];
+        series[count++] = (lw_series){ .name = s->column[c].name, .n = n, .x = x, .y = y };
+    }
+    lw_status st = LW_OK;
+    if (count == 0) {
+        const char *names[CLI_COLUMN_MAX];
+        for (int c = 0; c < s->n_column; c++)
+            names[c] = s->column[c].name;
+        const char *near = columns ? lw_suggest(columns, names, s->n_column) : NULL;
+        st = lw_error_set(e, LW_E_ARG, "no column is called %s%s%s; the first line of the CSV names them",
+                          columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
+    } else {
+        const lw_plot plot = { .title = s->model->linkage.name, .x_label = "t [s]", .n_series = count, .series = series };
+        st = lw_draw_plot(&plot, path, e);
+    }
+    free(x);
+    return st;
+}
+
+/* Postures of the run as frames of a scene. */
+static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
+{
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_linkage *k = &s->model->linkage;
+    size_t n = s->n_row, links = (size_t)k->n_link;
+    double start[LW_SYSTEM_Q_MAX];
+    lw_place *place = calloc(n*links + 1, sizeof *place);
+    double *input = calloc(n + 1, sizeof *input);
+    if (!place || !input) {
+        free(place);
+        free(input);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    lw_system_posture(sys, start);
+    for (int l = 0; l < k->n_link; l++) {
+        int b = sys->body[l];
+        scene->origin[l] = b < 0 ? lw_v2(0, 0) : lw_system_point(sys, b, lw_v2(0, 0), start);
+        for (size_t i = 0; i < n; i++) {
+            const double *q = s->q + i*(size_t)sys->n_q;
+            place[i*links + (size_t)l] = b < 0 ? (lw_place){ { 0, 0 }, { 1, 0 } }
+                : (lw_place){ lw_system_point(sys, b, lw_v2(0, 0), q), lw_v2_polar(1, q[3*b + 2]) };
+        }
+    }
+    free(scene->place);
+    free(scene->input);
+    scene->place = place;
+    scene->input = input;
+    scene->n_frame = n;
+    scene->first_frame = 0;
+    scene->loops = true;
+    return LW_OK;
+}
+
+lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e)
+{
+    lw_scene scene;
+    lw_status st = lw_scene_make(&s->model->linkage, NULL, NULL, &scene, e);
+    if (st == LW_OK)
+        st = set_frames(s, &scene, e);
+    if (st == LW_OK)
+        st = lw_draw_save(&scene, LW_DRAW_GIF, path, 0, 0, e);
+    lw_scene_free(&scene);
+    return st;
+}

@@ -1,0 +1,45 @@
+/* cli/motion/trace.h - the rows of `linkwright trace`: which ranges of the input, and the two ways to print
+ * them. */
+#ifndef LW_CLI_TRACE_H
+#define LW_CLI_TRACE_H
+
+#include "cli/motion/trace_rows.h"
+#include "mbs/kinematics/motion.h"
+#include "mbs/plan/pose.h"
+
+#define CLI_PIECE_MAX 1024
+
+/* What is left of an arc after cutting it to the wanted range of the input; the ends are limits of
+ * motion when they are the arc's own. */
+typedef struct cli_piece {
+    int    arc;                         /* index in motion.arc                                     */
+    double first, last;                 /* [rad] or [m], as in the plan                            */
+    bool   limit[2];
+} cli_piece;
+
+typedef struct cli_trace {
+    lw_linkage k;
+    lw_plan    plan;
+    lw_motion  motion;
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the posture of the file        */
+    double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
+    bool       whole;                   /* all of the input, else from .. to                       */
+    double     from, to;                /* as a person counts the input [rad] or [m]               */
+    bool       timed;                   /* derivatives by time, input speed                        */
+    double     speed;                   /* [rad/s] or [m/s]                                        */
+    int        steps;
+    bool       dropped;                 /* there are more pieces than CLI_PIECE_MAX                */
+    int        n_piece;
+    cli_piece  piece[CLI_PIECE_MAX];
+    cli_rows   rows;
+    const char *line;                   /* the command                                             */
+} cli_trace;
+
+/* Cut the arcs; only_file: only the arc that holds the posture of the file. */
+void cli_trace_pieces(cli_trace *t, bool only_file);
+
+/* Print every piece; stops after a row when t->rows says so. */
+void cli_trace_csv(cli_trace *t);
+void cli_trace_json(cli_trace *t);
+
+#endif

@@ -1,0 +1,428 @@
+/* Rows along curves of postures. */
+#include "cli/motion/trace_curve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- shared ------------------------------------------------------------------------------------ */
+
+static bool is_slider(const cli_curve_trace *t, int input)
+{
+    return t->k->joint[t->k->input[input].joint].kind == LW_JOINT_SLIDER;
+}
+
+double cli_curve_unit(const cli_curve_trace *t, int input)
+{
+    return is_slider(t, input) ? t->k->units.metre : t->k->units.radian;
+}
+
+const char *cli_curve_unit_name(const cli_curve_trace *t, int input)
+{
+    const char *length = t->k->units.length[0] ? t->k->units.length : "length";
+    return is_slider(t, input) ? length : t->k->units.angle;
+}
+
+void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row)
+{
+    static const double factorial[] = { 1, 1, 2, 6 };
+    for (int k = 0; k < t->k->n_tracer; k++) {
+        int body = t->s.tracer_body[k];
+        lw_vec2 p[CLI_ROW_ORDER + 1];
+        double a[CLI_ROW_ORDER + 1];
+        lw_system_point_series(&t->s, body, t->s.tracer_arm[k], CLI_ROW_ORDER, series, p);
+        for (int order = 0; order <= CLI_ROW_ORDER; order++) {
+            p[order] = lw_v2_scale(p[order], factorial[order]);
+            a[order] = body < 0 ? 0 : series[order*t->s.n_q + 3*body + 2]*factorial[order];
+        }
+        double angle = t->k->tracer[k].angle + a[0];
+        if (first)
+            t->shift[k] = angle - remainder(angle, 2*LW_PI);
+        cli_row_values(&t->rows, p, a, angle - t->shift[k], row->value[k]);
+    }
+}
+
+/* ---- stretches --------------------------------------------------------------------------------- */
+
+static double input_at(lw_branch *b, double station)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_branch_pose(b, station, q, NULL);
+    return lw_branch_input(b, q);
+}
+
+static void add_stretch(cli_curve_trace *t, cli_stretch s)
+{
+    if (t->n_stretch == CLI_STRETCH_MAX)
+        t->dropped = true;
+    else
+        t->stretch[t->n_stretch++] = s;
+}
+
+/* A stretch cut to the wanted range of the input, moved by whole turns. */
+static void cut_stretch(cli_curve_trace *t, cli_stretch s)
+{
+    double low = fmin(s.first, s.last), high = fmax(s.first, s.last), turn = is_slider(t, 0) ? 0 : 2*LW_PI;
+    if (!t->whole && s.lap != 0) {
+        s.first = t->from;
+        s.last = t->to;
+    }
+    if (t->whole || s.lap != 0) {
+        add_stretch(t, s);
+        return;
+    }
+    double n0 = turn > 0 ? ceil((t->from - high)/turn) : 0, n1 = turn > 0 ? floor((t->to - low)/turn) : 0;
+    for (double n = n0; n <= n1 && !t->dropped; n++) {
+        cli_stretch c = s;
+        double lo = fmax(low + n*turn, t->from), hi = fmin(high + n*turn, t->to);
+        if (!(lo <= hi))
+            continue;
+        bool rises = s.last >= s.first;
+        c.first = rises ? lo : hi;
+        c.last = rises ? hi : lo;
+        for (int end = 0; end < 2; end++)
+            c.limit[end] = s.limit[end] && (end ? c.last : c.first) == (end ? s.last : s.first) + n*turn;
+        for (int p = 0; p < c.n_part; p++)
+            c.part[p].more += n*turn;
+        add_stretch(t, c);
+    }
+}
+
+static void stretch_from_to(cli_curve_trace *t, int curve, double from, double to, bool limit0, bool limit1)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double end = lw_branch_segments(b);
+    cli_stretch s = { .curve = curve, .limit = { limit0, limit1 }, .n_part = 1 };
+    s.part[0].from = from;
+    s.part[0].to = fmin(to, end);
+    s.first = input_at(b, from);
+    if (to > end) {                                       /* over the end of a closed curve */
+        s.n_part = 2;
+        s.part[1].to = to - end;
+        s.part[1].more = input_at(b, end) - input_at(b, 0);
+        s.last = input_at(b, to - end) + s.part[1].more;
+    } else
+        s.last = input_at(b, to);
+    s.turns = lw_branch_ended(b) == LW_BRANCH_CLOSED && !limit0 && !limit1;
+    s.zero = s.first;
+    s.lap = s.turns && lw_branch_turns(b, -1) != 0 ? s.last - s.first : 0;
+    cut_stretch(t, s);
+}
+
+/* From limit to limit; what lies before the first is, on a closed curve, what lies behind the last. */
+static void cut_curve(cli_curve_trace *t, int curve)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double first = -1, last = -1, end = lw_branch_segments(b);
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
+    if (lw_branch_rests(b))
+        return;
+    for (int i = 0; i < n; i++) {
+        if (e[i].kind != LW_EVENT_LIMIT)
+            continue;
+        if (last >= 0)
+            stretch_from_to(t, curve, last, e[i].station, true, true);
+        else if (!closed)
+            stretch_from_to(t, curve, 0, e[i].station, false, true);
+        last = e[i].station;
+        first = first < 0 ? last : first;
+    }
+    if (last < 0)
+        stretch_from_to(t, curve, 0, end, false, false);
+    else
+        stretch_from_to(t, curve, last, closed ? first + end : end, true, closed);
+}
+
+void cli_curve_stretches(cli_curve_trace *t)
+{
+    t->n_stretch = 0;
+    t->dropped = false;
+    for (int i = 0; i < t->curves.n; i++)
+        cut_curve(t, i);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------- */
+
+/* How often a closed curve has been gone round where the input of a stretch is u. */
+static double laps_at(lw_branch *b, const cli_stretch *s, double u)
+{
+    if (s->lap != 0)
+        return floor((u - s->zero)/s->lap);
+    return s->n_part > 1 && (u - input_at(b, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
+}
+
+/* Station of the curve where the input is u, on a stretch that holds it. */
+static double station_at(lw_branch *b, const cli_stretch *s, double u, double laps)
+{
+    int part = s->lap == 0 && laps > 0;
+    return lw_branch_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - laps*s->lap);
+}
+
+/* In every lap of a closed curve links turn as often as they do until it closes. */
+static void count_turns(const cli_curve_trace *t, const lw_branch *b, double laps, double *q)
+{
+    for (int body = 0; body < t->s.n_body; body++)
+        q[3*body + 2] += 2*LW_PI*laps*lw_branch_turns(b, t->s.link[body]);
+}
+
+/* What derivatives are by: the free input in its own unit, or time. */
+static double rate_unit(const cli_curve_trace *t)
+{
+    return t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
+}
+
+/* The posture of a station and its derivatives; false where there are none. */
+static bool fill_series(cli_curve_trace *t, lw_branch *b, double station, double *series)
+{
+    double motion[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
+    bool good = lw_branch_motion(b, station, CLI_ROW_ORDER, motion, series);
+    if (!good)
+        memset(series + t->s.n_q, 0, (size_t)(CLI_ROW_ORDER*t->s.n_q)*sizeof *series);
+    return good;
+}
+
+/* Row `i` of a stretch, where the input is u: on the curve. */
+static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
+{
+    lw_branch *b = t->curves.curve[s->curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
+    bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
+    double laps = laps_at(b, s, u);
+    row->rates = fill_series(t, b, station_at(b, s, u, laps), series) && !limit;
+    count_turns(t, b, laps, series);
+    cli_curve_values(t, series, i == 0, row);
+    if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
+        t->groups->seeded = false;                            /* both sides of a limit are near it */
+    else if (t->groups)
+        cli_groups_seed(t->groups, &t->s, series, u, &t->rows, row);
+}
+
+/* Behind a branch point a group may be in another assembly mode than its seed before it. */
+static bool crosses(const lw_branch *b)
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    for (int i = 0; i < n; i++)
+        if (e[i].kind == LW_EVENT_CROSSING)
+            return true;
+    return false;
+}
+
+static void stretch_rows(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    lw_branch *b = t->curves.curve[s->curve];
+    double middle = 0.5*(s->first + s->last);
+    int side = lw_branch_side(b, station_at(b, s, middle, laps_at(b, s, middle)));
+    bool groups = t->groups && !crosses(b);
+    for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
+        bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
+        double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
+        cli_row row = { .arc = index + 1, .mode = side > 0 ? "+" : side < 0 ? "-" : "0", .n_lead = 1 };
+        row.lead[0] = u/cli_curve_unit(t, 0);
+        if (!between || !cli_groups_row(t->groups, u, rate_unit(t), &t->rows, &row))
+            curve_row(t, s, i, u, &row);
+        cli_rows_put(&t->rows, &row);
+    }
+}
+
+static void cycle_rows(cli_curve_trace *t, int curve)
+{
+    lw_branch *b = t->curves.curve[curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_branch_length(b);
+    for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
+        cli_row row = { .arc = curve + 1, .n_lead = 2 };
+        double arc = length*i/t->steps;
+        double station = i == t->steps ? lw_branch_segments(b) : lw_branch_station(b, arc);
+        int side = lw_branch_side(b, station);
+        row.mode = side > 0 ? "+" : side < 0 ? "-" : "0";
+        row.rates = fill_series(t, b, station, series);
+        row.lead[0] = arc;
+        row.lead[1] = lw_branch_input(b, series)/cli_curve_unit(t, 0);
+        cli_curve_values(t, series, i == 0, &row);
+        cli_rows_put(&t->rows, &row);
+    }
+}
+
+/* ---- what is told of a curve ------------------------------------------------------------------- */
+
+static const char *end_text(const cli_curve_trace *t, const lw_branch *b, char text[128])
+{
+    int turns = lw_branch_turns(b, -1);
+    switch (lw_branch_ended(b)) {
+    case LW_BRANCH_CLOSED:
+        if (turns != 0)
+            snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
+        else if (lw_branch_rests(b))
+            snprintf(text, 128, "closes, the input stands still");
+        else
+            snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
+        return text;
+    case LW_BRANCH_FAR:
+        return "leaves for beyond 30 sizes of the linkage, where it is cut";
+    case LW_BRANCH_LOST:
+        return "ends at a singular posture that could not be passed";
+    case LW_BRANCH_STOPPED:
+        break;
+    }
+    return "is not at its end after the steps that are allowed";
+}
+
+/* The circuit that crosses `curve` at an event, -1 when none that was found does. */
+static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_branch_event *e)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    if (e->kind != LW_EVENT_CROSSING)
+        return -1;
+    lw_branch_pose(t->curves.curve[curve], e->station, q, NULL);
+    for (int i = 0; i < t->curves.n; i++)
+        if (i != curve && lw_branch_holds(t->curves.curve[i], q))
+            return i;
+    return -1;
+}
+
+static void event_text(const cli_curve_trace *t, int curve, const lw_branch_event *e, char text[128])
+{
+    const char *slides = e->joint >= 0 && t->k->joint[e->joint].kind == LW_JOINT_SLIDER ? "slider" : "pin";
+    int other = crossing_circuit(t, curve, e);
+    if (other >= 0)
+        snprintf(text, 128, "branch point, passed straight on; circuit %d crosses", other + 1);
+    else if (e->kind == LW_EVENT_CROSSING)
+        snprintf(text, 128, "branch point, passed straight on");
+    else
+        snprintf(text, 128, "%s: %s %s turns back", e->kind == LW_EVENT_LIMIT ? "limit of the input" : "dead point",
+                 slides, t->k->joint[e->joint].name);
+}
+
+static void csv_curve(cli_curve_trace *t, int curve)
+{
+    const lw_branch *b = t->curves.curve[curve];
+    char text[128];
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, b, text),
+            lw_branch_length(b), lw_branch_worst(b)/t->k->units.metre);
+    for (int i = 0; i < n; i++) {
+        event_text(t, curve, &e[i], text);
+        fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
+        cli_row_number(t->rows.f, e[i].input/cli_curve_unit(t, 0));
+        fprintf(t->rows.f, ", arc %.10g\n", lw_branch_arc(b, e[i].station));
+    }
+}
+
+static void csv_stretch(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    fprintf(t->rows.f, "# arc %d: circuit %d, input ", index + 1, s->curve + 1);
+    cli_row_number(t->rows.f, s->first/cli_curve_unit(t, 0));
+    fputs(s->limit[0] ? " (limit) to " : " to ", t->rows.f);
+    cli_row_number(t->rows.f, s->last/cli_curve_unit(t, 0));
+    fprintf(t->rows.f, "%s%s\n", s->limit[1] ? " (limit)" : "", s->turns && t->whole ? ", turns fully" : "");
+}
+
+static void json_events(cli_curve_trace *t, int curve)
+{
+    const lw_branch *b = t->curves.curve[curve];
+    static const char *const kind[] = { "limit", "dead_point", "branch_point" };
+    int n;
+    const lw_branch_event *e = lw_branch_events(b, &n);
+    cli_json_array(t->rows.json, "events");
+    for (int i = 0; i < n; i++) {
+        cli_json_object(t->rows.json, NULL);
+        cli_json_text(t->rows.json, "kind", kind[e[i].kind]);
+        cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
+        cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
+        cli_json_real(t->rows.json, "along", lw_branch_arc(b, e[i].station));
+        int other = crossing_circuit(t, curve, &e[i]);
+        if (other >= 0)
+            cli_json_int(t->rows.json, "circuit", other + 1);
+        cli_json_end(t->rows.json);
+    }
+    cli_json_end(t->rows.json);
+}
+
+static void json_circuit(cli_curve_trace *t, int curve)
+{
+    static const char *const end[] = { "closed", "far", "singular", "stopped" };
+    const lw_branch *b = t->curves.curve[curve];
+    cli_json *j = t->rows.json;
+    cli_json_object(j, NULL);
+    cli_json_int(j, "circuit", curve + 1);
+    cli_json_text(j, "ends", end[lw_branch_ended(b)]);
+    cli_json_int(j, "turns", lw_branch_turns(b, -1));
+    cli_json_real(j, "length", lw_branch_length(b));
+    cli_json_real(j, "residual", lw_branch_worst(b)/t->k->units.metre);
+    json_events(t, curve);
+    cli_json_end(j);
+}
+
+static void json_stretch(cli_curve_trace *t, int index)
+{
+    const cli_stretch *s = &t->stretch[index];
+    cli_json *j = t->rows.json;
+    cli_json_object(j, NULL);
+    cli_json_int(j, "arc", index + 1);
+    cli_json_int(j, "circuit", s->curve + 1);
+    cli_json_reals(j, "range", (double[]){ s->first/cli_curve_unit(t, 0), s->last/cli_curve_unit(t, 0) }, 2);
+    cli_json_bool(j, "first_is_limit", s->limit[0]);
+    cli_json_bool(j, "last_is_limit", s->limit[1]);
+    cli_json_bool(j, "turns", s->turns);
+    cli_json_array(j, "rows");
+    stretch_rows(t, index);
+    cli_json_end(j);
+    cli_json_end(j);
+}
+
+/* ---- all of it --------------------------------------------------------------------------------- */
+
+static void print_csv(cli_curve_trace *t, bool cycle)
+{
+    char lead[128];
+    fprintf(t->rows.f, "# %s\n", t->line);
+    snprintf(lead, sizeof lead, "%sinput %s", cycle ? "along 1; " : "", cli_curve_unit_name(t, 0));
+    cli_rows_units(&t->rows, lead, t->timed ? "s" : is_slider(t, 0) ? cli_curve_unit_name(t, 0) : "rad");
+    for (int i = 0; i < t->curves.n; i++)
+        csv_curve(t, i);
+    for (int i = 0; i < t->n_stretch && !cycle; i++)
+        csv_stretch(t, i);
+    cli_rows_head(&t->rows, cycle ? "along,input" : "input");
+    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++)
+        if (cycle)
+            cycle_rows(t, i);
+        else
+            stretch_rows(t, i);
+}
+
+static void print_json(cli_curve_trace *t, bool cycle)
+{
+    cli_json *j = t->rows.json;
+    cli_rows_head(&t->rows, cycle ? "along,input" : "input");
+    cli_json_array(j, "circuits");
+    for (int i = 0; i < t->curves.n; i++)
+        json_circuit(t, i);
+    cli_json_end(j);
+    cli_json_array(j, "arcs");
+    for (int i = 0; i < (cycle ? t->curves.n : t->n_stretch) && !t->rows.cut_short; i++)
+        if (cycle) {
+            cli_json_object(j, NULL);
+            cli_json_int(j, "arc", i + 1);
+            cli_json_int(j, "circuit", i + 1);
+            cli_json_array(j, "rows");
+            cycle_rows(t, i);
+            cli_json_end(j);
+            cli_json_end(j);
+        } else
+            json_stretch(t, i);
+    cli_json_end(j);
+}
+
+void cli_curve_print(cli_curve_trace *t, bool cycle)
+{
+    t->rows.total = (double)(cycle ? t->curves.n : t->n_stretch)*(t->steps + 1);
+    if (t->rows.json)
+        print_json(t, cycle);
+    else
+        print_csv(t, cycle);
+}

@@ -1,0 +1,54 @@
+/* cli/motion/trace_rows.h - the rows of `linkwright trace`, however their postures were found: as CSV or JSON. */
+#ifndef LW_CLI_TRACE_ROWS_H
+#define LW_CLI_TRACE_ROWS_H
+
+#include <signal.h>
+#include <stdio.h>
+#include "cli/program/json.h"
+#include "cli/program/progress.h"
+#include "grammar/linkage.h"
+
+#define CLI_ROW_ORDER 3
+#define CLI_ROW_VALUES 12         /* x y vx vy ax ay jx jy angle angle_v angle_a angle_j           */
+#define CLI_ROW_LEAD (2 + LW_INPUT_MAX)
+
+typedef struct cli_rows {
+    FILE             *f;
+    cli_json         *json;       /* NULL: CSV                                                     */
+    const lw_linkage *k;
+    unsigned          tracers;    /* bit i: tracer i is wanted                                     */
+    const volatile sig_atomic_t *stop;
+    double            until;      /* clock [s] at which to stop; 0: never                          */
+    bool              cut_short;  /* it did, after `done`                                          */
+    double            done, total;
+    cli_progress     *progress;
+} cli_rows;
+
+typedef struct cli_row {
+    int         arc;
+    const char *mode;
+    int         n_lead;
+    double      lead[CLI_ROW_LEAD];                           /* input, or what else is in front    */
+    bool        rates;                                        /* the derivatives exist              */
+    double      value[LW_TRACER_MAX][CLI_ROW_VALUES];
+} cli_row;
+
+/* Values of a tracer in the units of the file.  p, a: place [m] and direction of its link [rad] with derivatives;
+ * angle: of the tool [rad]. */
+void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value);
+
+/* "# units: ..." with the texts of the input's unit and what derivatives are by. */
+void cli_rows_units(const cli_rows *r, const char *lead, const char *by);
+
+/* The heads of the columns; lead: those in front, separated by commas. */
+void cli_rows_head(const cli_rows *r, const char *lead);
+
+void cli_rows_put(cli_rows *r, const cli_row *row);
+
+/* Asked before every row: shows how far it is, and tells whether to end here. */
+bool cli_rows_stopped(cli_rows *r);
+
+/* A number as a comment holds it. */
+void cli_row_number(FILE *f, double v);
+
+#endif

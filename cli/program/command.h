@@ -1,0 +1,44 @@
+/* cli/program/command.h - one row per command; main.c holds the table. */
+#ifndef LW_CLI_COMMAND_H
+#define LW_CLI_COMMAND_H
+
+#include "cli/program/option.h"
+
+/* Exit codes of the program (docs/linkwright.1.in). */
+enum {
+    CLI_DONE = 0, CLI_NOTHING = 1, CLI_USAGE = 2, CLI_BAD_INPUT = 3, CLI_NUMERIC = 4,
+    CLI_LIMIT = 5, CLI_INTERRUPTED = 130
+};
+
+typedef struct cli_call {
+    const struct cli_command *command;
+    const void               *settings;     /* the command's own struct, filled                    */
+    cli_common                common;
+    cli_parsed                parsed;       /* words, and what was given                           */
+    const char               *line;         /* the whole command as one would type it in a shell   */
+} cli_call;
+
+typedef struct cli_command {
+    const char       *name;                 /* "trace"                                             */
+    const char       *words;                /* "MODEL.json"                                        */
+    const char       *title;                /* one line for the list of commands                   */
+    const char       *examples;             /* lines "command   # what it does", come first        */
+    const char       *about;                /* what it prints, units, exit codes of its own        */
+    const cli_option *options;
+    size_t            settings_size;
+    int               least_words, most_words;
+    int             (*run)(const cli_call *call);   /* returns an exit code                        */
+} cli_command;
+
+extern const cli_command cli_simulate_command,
+                         cli_clearance_command, cli_fit_command, cli_classify_command, cli_trace_command, cli_draw_command,
+                         cli_numbers_command, cli_structures_command, cli_chains_command,
+                         cli_mechanisms_command, cli_grammar_command, cli_catalogue_command,
+                         cli_bench_command, cli_mobility_command, cli_plasma_command, cli_convert_command;
+
+/* Help of one command, from its row; the same as a section of the manual page (cli/program/man.c). */
+void cli_command_help(const cli_command *c, FILE *f);
+void cli_command_roff(const cli_command *c, FILE *f);
+void cli_common_roff(FILE *f);
+
+#endif

@@ -1,0 +1,12 @@
+/* cli/program/data.h - where the published tables and problems lie. */
+#ifndef LW_CLI_DATA_H
+#define LW_CLI_DATA_H
+
+#include <stddef.h>
+
+/* Path of a file or folder of catalogues/data: in the sources, seen from here or from the built program,
+ * or where `make install` put it beside the program, wherever that is.  Whether it is there the caller
+ * finds out by reading it. */
+void cli_data_path(const char *name, char *path, size_t size);
+
+#endif

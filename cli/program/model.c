@@ -1,0 +1,167 @@
+/* The bridge to jansson for what holds a linkage further inside. */
+#include "cli/program/model.h"
+
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include "base/file.h"
+#include "grammar/model.h"
+#include "optimise/task/target_outline.h"
+
+/* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
+static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
+{
+    size_t n = json_array_size(results), at = which > 0 ? (size_t)which - 1 : 0;
+    if (at >= n) {
+        lw_error_at(e, LW_E_ARG, file, 0, 0, "result %zu is wanted, but there %s %zu", at + 1,
+                    n == 1 ? "is" : "are", n);
+        return NULL;
+    }
+    const json_t *linkage = json_object_get(json_array_get(results, at), "linkage");
+    if (!json_is_object(linkage)) {
+        lw_error_at(e, LW_E_NOTATION, file, 0, 0, "result %zu has no linkage", at + 1);
+        return NULL;
+    }
+    char *text = json_dumps(linkage, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    if (!text)
+        lw_error_at(e, LW_E_MEMORY, file, 0, 0, "out of memory");
+    return text;
+}
+
+/* Replace *text by the text of the wanted result when it holds results. */
+static lw_status unwrap(const char *file, int which, char **text, size_t *size, lw_error *e)
+{
+    json_t *root = json_loadb(*text, *size, 0, NULL);
+    const json_t *results = json_object_get(root, "results");
+    lw_status s = LW_OK;
+    if (json_is_array(results)) {
+        char *inner = result_text(results, file, which, e);
+        if (inner) {
+            free(*text);
+            *text = inner;
+            *size = strlen(inner);
+        } else {
+            s = LW_E_ARG;
+        }
+    } else if (root && which > 0) {
+        s = lw_error_at(e, LW_E_ARG, file, 0, 0, "the file holds one linkage and no list of results; "
+                        "leave --result out");
+    }
+    json_decref(root);
+    return s;
+}
+
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = cli_linkage_text(path, which, &text, &size, k, e);
+    free(text);
+    return s;
+}
+
+lw_model *cli_read_model(const char *path, int which, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_model *m = calloc(1, sizeof *m);
+    lw_status s = m ? lw_file_read(path, &text, &size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = unwrap(path, which, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_model_read(text, size, path, m, e);
+    free(text);
+    if (s == LW_OK)
+        return m;
+    free(m);
+    return NULL;
+}
+
+void cli_free_model(lw_model *m)
+{
+    if (m)
+        lw_model_free(m);
+    free(m);
+}
+
+lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e)
+{
+    lw_status s = unwrap(path, which, text, size, e);
+    return s == LW_OK ? lw_linkage_read(*text, *size, path, k, e) : s;
+}
+
+lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    const char *end = strrchr(path, '.');
+    if (s == LW_OK)
+        s = (end && strcasecmp(end, ".svg") == 0 ? lw_target_read_svg
+             : end && strcasecmp(end, ".dxf") == 0 ? lw_target_read_dxf : lw_target_read)(text, size, path, o, t, e);
+    free(text);
+    return s;
+}
+
+/* The file named in a task lies beside it, unless its name begins at the root. */
+static void beside(const char *path, const char *name, char *out, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
+    snprintf(out, size, "%.*s%s", folder, path, name);
+}
+
+/* A target of a task: its own stations, or a file beside it. */
+static lw_status read_source(const char *path, const char *name, const lw_target *own, const lw_target_options *o,
+                             lw_target *read, const lw_target **part, lw_error *e)
+{
+    char file[1024];
+    *part = own;
+    if (!name[0])
+        return LW_OK;
+    beside(path, name, file, sizeof file);
+    *part = read;
+    return cli_read_target(file, o, read, e);
+}
+
+static lw_status read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+{
+    lw_target read[1 + LW_ALSO_MAX], joined;
+    const lw_target *part[1 + LW_ALSO_MAX];
+    lw_target_options mine = o ? *o : (lw_target_options){ .closed = -1 };
+    memset(read, 0, sizeof read);
+    if (mine.closed < 0)
+        mine.closed = b->closed;
+    lw_status s = read_source(path, b->target, &b->stations, &mine, &read[0], &part[0], e);
+    for (int i = 0; i < b->n_also && s == LW_OK; i++)
+        s = read_source(path, b->also[i].target, &b->also[i].stations, &mine, &read[i + 1], &part[i + 1], e);
+    if (s == LW_OK && (s = lw_target_join(part, 1 + b->n_also, &joined, e)) == LW_OK) {
+        s = lw_brief_target(b, &joined, t, e);
+        lw_target_free(&joined);
+    }
+    for (int i = 0; i <= LW_ALSO_MAX; i++)
+        lw_target_free(&read[i]);
+    return s;
+}
+
+lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_brief_read(text, size, path, b, e);
+    free(text);
+    if (s != LW_OK)
+        return s;
+    s = read_brief(path, o, b, t, e);
+    if (s != LW_OK && !e->file[0])
+        snprintf(e->file, sizeof e->file, "%s", path);
+    if (s != LW_OK)
+        lw_brief_free(b);
+    return s;
+}

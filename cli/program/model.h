@@ -1,0 +1,27 @@
+/* cli/program/model.h - reading what the commands are given: linkages, also out of the results of fit. */
+#ifndef LW_CLI_MODEL_H
+#define LW_CLI_MODEL_H
+
+#include "grammar/linkage.h"
+#include "optimise/task/task_file.h"
+
+/* A linkage from a file ("-" is standard input): one linkage as in docs/notation.md, or an object
+ * with `results` as `linkwright fit --json` prints it, of which `linkage` of result number `which`
+ * (1 is the best) is taken.  which 0: the first, and files without results are fine. */
+lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
+
+/* The same with motions, masses and loads (grammar/model.h), cli_free_model it; NULL: e tells why. */
+struct lw_model;
+struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
+void             cli_free_model(struct lw_model *m);               /* NULL is fine */
+
+/* The same from text that is there already (malloc), which may be replaced by that of the result. */
+lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
+
+/* CSV, or the curve of a drawing when the name ends in .svg or .dxf. */
+lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
+
+/* A task file, and its target: stations of its own, or the CSV file it names, beside it; with its dwells. */
+lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e);
+
+#endif

@@ -1,0 +1,176 @@
+#include "cli/program/mpi_jobs.h"
+
+#ifdef LW_MPI
+#include <mpi.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TAG_TASK = 1, TAG_ANSWER };
+#define NO_TASK      UINT64_MAX
+#define KEPT_BY_RANK 64
+
+/* In front of every answer. */
+typedef struct heading { uint64_t task; int64_t status; } heading;
+
+bool cli_spread_available(void) { return true; }
+
+int cli_spread_begin(void)
+{
+    int rank;
+    MPI_Init(NULL, NULL);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return rank;
+}
+
+void cli_spread_end(void) { MPI_Finalize(); }
+
+static void send_task(int rank, uint64_t task) { MPI_Send(&task, 1, MPI_UINT64_T, rank, TAG_TASK, MPI_COMM_WORLD); }
+
+/* ---- the others ----------------------------------------------------------------------------------- */
+
+static void begin_answer(lw_bytes *answer, uint64_t task)
+{
+    heading h = { task, LW_OK };
+    lw_bytes_free(answer);
+    lw_bytes_add(answer, &h, sizeof h);
+    if (answer->failed)
+        MPI_Abort(MPI_COMM_WORLD, 4);            /* no room to say that there is no room */
+}
+
+/* Ask for a task by sending the last answer, at first an empty one, until there is none. */
+static lw_status work_for_others(const cli_spread_work *w)
+{
+    lw_bytes answer = { 0 };
+    uint64_t task = NO_TASK;
+    begin_answer(&answer, task);
+    for (;;) {
+        MPI_Send(answer.data, (int)answer.size, MPI_BYTE, 0, TAG_ANSWER, MPI_COMM_WORLD);
+        MPI_Recv(&task, 1, MPI_UINT64_T, 0, TAG_TASK, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+        if (task == NO_TASK)
+            break;
+        begin_answer(&answer, task);
+        int64_t status = w->work(w->context, task, &answer);
+        if (answer.failed || answer.size > INT32_MAX) {
+            begin_answer(&answer, task);
+            status = LW_E_MEMORY;
+        }
+        memcpy(answer.data + offsetof(heading, status), &status, sizeof status);
+    }
+    lw_bytes_free(&answer);
+    return LW_OK;
+}
+
+/* ---- process 0 ------------------------------------------------------------------------------------ */
+
+typedef struct kept { char *data; size_t size; bool here; } kept;
+
+typedef struct desk {
+    const cli_spread_work *w;
+    size_t    next, turn;             /* task to hand out; task whose answer is taken next          */
+    size_t    n_kept;
+    kept     *early;                  /* answers by task modulo n_kept                              */
+    int       n_idle, *idle;          /* processes without a task                                   */
+    lw_status status;
+} desk;
+
+static void note_status(desk *d, lw_status status)
+{
+    if (d->status == LW_OK)
+        d->status = status;
+}
+
+/* Receive one answer, keep it, take all whose turn it is. */
+static void receive(desk *d)
+{
+    MPI_Status from;
+    heading h;
+    int size;
+    MPI_Probe(MPI_ANY_SOURCE, TAG_ANSWER, MPI_COMM_WORLD, &from);
+    MPI_Get_count(&from, MPI_BYTE, &size);
+    char *data = malloc((size_t)size);
+    if (!data)
+        MPI_Abort(MPI_COMM_WORLD, 4);            /* nobody could be told in another way */
+    MPI_Recv(data, size, MPI_BYTE, from.MPI_SOURCE, TAG_ANSWER, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    memcpy(&h, data, sizeof h);
+    d->idle[d->n_idle++] = from.MPI_SOURCE;
+    note_status(d, (lw_status)h.status);
+    if (h.task == NO_TASK || h.status != LW_OK) {
+        free(data);
+        return;
+    }
+    d->early[h.task % d->n_kept] = (kept){ data, (size_t)size, true };
+    for (kept *a; (a = &d->early[d->turn % d->n_kept])->here; d->turn++) {
+        if (d->status == LW_OK)
+            note_status(d, d->w->take(d->w->context, d->turn, a->data + sizeof h, a->size - sizeof h));
+        free(a->data);
+        *a = (kept){ 0 };
+    }
+}
+
+/* Tasks for those who wait; goodbye when there are none.  Returns how many left. */
+static int hand_out(desk *d)
+{
+    int n_left = 0;
+    while (d->n_idle > 0) {
+        bool over = d->status != LW_OK || d->next == d->w->n_task;
+        if (!over && d->next >= d->turn + d->n_kept)
+            break;                               /* too far ahead of an answer that is still to come */
+        send_task(d->idle[--d->n_idle], over ? NO_TASK : d->next++);
+        n_left += over;
+    }
+    return n_left;
+}
+
+static lw_status serve(const cli_spread_work *w, int n_rank)
+{
+    desk d = { .w = w, .n_kept = KEPT_BY_RANK*(size_t)n_rank };
+    d.early = calloc(d.n_kept, sizeof *d.early);
+    d.idle = calloc((size_t)n_rank, sizeof *d.idle);
+    if (!d.early || !d.idle)
+        MPI_Abort(MPI_COMM_WORLD, 4);
+    for (int working = n_rank - 1; working > 0; ) {
+        receive(&d);
+        working -= hand_out(&d);
+    }
+    for (size_t k = 0; k < d.n_kept; k++)
+        free(d.early[k].data);
+    free(d.early);
+    free(d.idle);
+    return d.status;
+}
+
+static lw_status work_alone(const cli_spread_work *w)
+{
+    lw_status status = LW_OK;
+    for (size_t k = 0; k < w->n_task && status == LW_OK; k++) {
+        lw_bytes answer = { 0 };
+        status = w->work(w->context, k, &answer);
+        if (status == LW_OK)
+            status = answer.failed ? LW_E_MEMORY : w->take(w->context, k, answer.data ? answer.data : "", answer.size);
+        lw_bytes_free(&answer);
+    }
+    return status;
+}
+
+lw_status cli_spread_run(const cli_spread_work *w)
+{
+    int rank, n_rank;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &n_rank);
+    return rank > 0 ? work_for_others(w) : n_rank > 1 ? serve(w, n_rank) : work_alone(w);
+}
+
+#else
+
+bool cli_spread_available(void) { return false; }
+int  cli_spread_begin(void) { return 0; }
+void cli_spread_end(void) { }
+lw_status cli_spread_run(const cli_spread_work *w)
+{
+    (void)w;
+    return LW_E_KIND;
+}
+
+#endif

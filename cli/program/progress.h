@@ -1,0 +1,24 @@
+/* cli/program/progress.h - one line on standard error that is written over: how far, how fast, how long yet.
+ *
+ * Silent with --quiet, when standard error is no terminal, and during the first second. */
+#ifndef LW_CLI_PROGRESS_H
+#define LW_CLI_PROGRESS_H
+
+#include "cli/program/command.h"
+
+typedef struct cli_progress {
+    bool        on;
+    const char *what, *unit;      /* "fit", "starts"                                               */
+    double      start, shown;     /* clock [s]                                                     */
+    int         width;            /* of the line on the screen                                     */
+} cli_progress;
+
+cli_progress cli_progress_begin(const cli_call *call, const char *what, const char *unit);
+
+/* done of total (total 0: unknown); `note` is put at the end, may be NULL.  Cheap to call often;
+ * call it from one thread only. */
+void cli_progress_show(cli_progress *p, double done, double total, const char *note);
+
+void cli_progress_end(cli_progress *p);       /* wipes the line */
+
+#endif

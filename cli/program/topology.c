@@ -1,0 +1,142 @@
+#include "cli/program/topology.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+
+/* Text comes in by portions, so that chains can be worked on while others are still being made; one that
+ * takes more than PIECE_MAX has no end. */
+#define PORTION   ((size_t)1 << 16)
+#define PIECE_MAX ((size_t)1 << 24)
+
+typedef struct source {
+    FILE         *f;
+    const char   *path;
+    char         *text;
+    size_t        room;
+    lw_topologies t;
+    bool          broken;         /* nothing more can be read */
+} source;
+
+static lw_status open_source(source *s, const char *path, lw_error *e)
+{
+    *s = (source){ .path = path, .f = strcmp(path, "-") ? fopen(path, "rb") : stdin };
+    if (!s->f)
+        return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be opened: %s", strerror(errno));
+    s->t = lw_topologies_open(NULL, 0, path);
+    s->t.more = true;
+    return LW_OK;
+}
+
+static void close_source(source *s)
+{
+    if (s->f && s->f != stdin)
+        fclose(s->f);
+    free(s->text);
+}
+
+/* Keep what is not used yet and read on behind it. */
+static lw_status read_on(source *s, lw_error *e)
+{
+    size_t left = s->t.size - s->t.at;
+    if (left > 0)
+        memmove(s->text, s->text + s->t.at, left);
+    if (left > PIECE_MAX)
+        return lw_error_at(e, LW_E_NOTATION, s->path, s->t.line, 1, "this topology does not end");
+    if (left + PORTION > s->room) {
+        char *more = realloc(s->text, 2*(left + PORTION));
+        if (!more)
+            return lw_error_set(e, LW_E_MEMORY, "out of memory");
+        s->text = more;
+        s->room = 2*(left + PORTION);
+    }
+    size_t n = fread(s->text + left, 1, s->room - left, s->f);
+    if (ferror(s->f))
+        return lw_error_at(e, LW_E_IO, s->path, 0, 0, "cannot be read: %s", strerror(errno));
+    s->t.text = s->text;
+    s->t.at = 0;
+    s->t.size = left + n;
+    s->t.more = n > 0;
+    return LW_OK;
+}
+
+static lw_status next_topology(source *s, lw_mechanism *m, lw_error *e)
+{
+    lw_status status;
+    while ((status = lw_topologies_next(&s->t, m, e)) == LW_STOPPED)
+        if ((status = read_on(s, e)) != LW_OK) {
+            s->broken = true;
+            return status;
+        }
+    return status;
+}
+
+int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
+                        void *context)
+{
+    source from;
+    lw_error e = { 0 };
+    int code = CLI_DONE;
+    if (open_source(&from, file ? file : "-", &e) != LW_OK)
+        return cli_fail(call, &e);
+    while (!cli_interrupted()) {
+        lw_mechanism m;
+        e = (lw_error){ 0 };
+        lw_status s = next_topology(&from, &m, &e);
+        if (s == LW_NOTHING)
+            break;
+        bool was_read = s == LW_OK;
+        if (was_read)
+            s = visit(context, &m, &e);
+        if (s == LW_OK)
+            continue;
+        if (s == LW_STOPPED)
+            break;
+        if (was_read && e.line == 0 && s != LW_E_IO) {      /* a fault of the piece as a whole */
+            snprintf(e.file, sizeof e.file, "%s", from.path);
+            e.line = from.t.first_line;
+            e.column = 1;
+        }
+        code = cli_fail(call, &e);
+        if (!keep_going || from.broken || s == LW_E_IO)
+            break;
+    }
+    close_source(&from);
+    return code;
+}
+
+lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e)
+{
+    char text[LW_NOTATION_SIZE];
+    size_t length;
+    lw_status s = n->print(m, text, sizeof text, &length);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "this topology cannot be written as %s", n->name);
+    fputs(text, f);
+    fputc('\n', f);
+    return ferror(f) ? lw_error_set(e, LW_E_IO, "output cannot be written") : LW_OK;
+}
+
+cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit)
+{
+    cli_watch_interrupt();
+    return (cli_watch){ .call = call, .progress = cli_progress_begin(call, what, unit), .start = lw_clock_wall() };
+}
+
+bool cli_watch_goes_on(cli_watch *w, double done)
+{
+    double limit = w->call->common.time;
+    cli_progress_show(&w->progress, done, 0, NULL);
+    w->over = w->over || (limit > 0 && lw_clock_wall() - w->start >= limit);
+    return !cli_interrupted() && !w->over;
+}
+
+int cli_watch_end(cli_watch *w, int code)
+{
+    cli_progress_end(&w->progress);
+    if (w->over)
+        cli_note(w->call, "stopped by --time; what is there is kept");
+    return w->over && (code == CLI_DONE || code == CLI_NOTHING) ? CLI_LIMIT : code;
+}

@@ -1,0 +1,43 @@
+/* cli/program/topology.h - reading chains and mechanisms from a file or standard input in any notation, and
+ * writing them in the notation that --format names. */
+#ifndef LW_CLI_TOPOLOGY_H
+#define LW_CLI_TOPOLOGY_H
+
+#include <stdio.h>
+#include "cli/program/output.h"
+#include "cli/program/progress.h"
+#include "grammar/notation.h"
+
+/* A row of an option table for a CLI_CHOICE member that says the notation; the choices are the rows of
+ * lw_notations, in their order. */
+#define CLI_FORMAT_ROW(settings, member, fallback) \
+    { "format", 'f', CLI_CHOICE, offsetof(settings, member), \
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, "notation of what is printed", \
+      0, 0, NULL, NULL }
+
+/* Ctrl-C, --time and the progress line of a listing. */
+typedef struct cli_watch {
+    const cli_call *call;
+    cli_progress    progress;
+    double          start;            /* clock [s]                          */
+    bool            over;             /* --time has passed                  */
+} cli_watch;
+
+cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit);
+/* False when the listing is to stop; `done` so far. */
+bool cli_watch_goes_on(cli_watch *w, double done);
+/* The exit code: CLI_LIMIT in place of CLI_DONE and CLI_NOTHING when --time ended it. */
+int cli_watch_end(cli_watch *w, int code);
+
+/* Called for each topology; LW_STOPPED ends the reading without a fault. */
+typedef lw_status cli_topology_visit(void *context, const lw_mechanism *m, lw_error *e);
+
+/* Read what `file` holds, "-" or NULL is standard input.  The first fault of input, or fault that visit
+ * reports, is printed with its place and ends the reading, unless keep_going.  Returns the exit code. */
+int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
+                        void *context);
+
+/* Write m and the end of its line; an empty line after notations of several lines. */
+lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *m, lw_error *e);
+
+#endif

@@ -1,0 +1,538 @@
+/* linkwright chains - every kinematic chain with P links and F freedoms, once. */
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include "base/clock.h"
+#include "base/parallel.h"
+#include "base/suggest.h"
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "cli/program/progress.h"
+#include "cli/program/resume.h"
+#include "cli/program/mpi_jobs.h"
+#include "cli/program/topology.h"
+#include "enumerate/chains.h"
+#include "enumerate/estimate.h"
+#include "enumerate/fractionated.h"
+#include "grammar/graph6.h"
+
+typedef struct settings {
+    int         links, dof, format, by;
+    bool        count, planar, non_planar, fractionated, resume, mpi;
+    const char *part, *filter;
+} settings;
+
+static const cli_option options[] = {
+    { "links", 'p', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'f', CLI_INT, offsetof(settings, dof), "F", "1",
+      "degree of freedom; 0 gives Baranov trusses", 0, LW_DOF_MAX, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, do not list", 0, 0, NULL, NULL },
+    { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
+      "count by numbers of binary, ternary, ... links", 0, 0, "count", NULL },
+    { "format", 0, CLI_CHOICE, offsetof(settings, format),
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6",
+      "how a chain is written", 0, 0, NULL, "count" },
+    { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
+      "also the chains that fall apart at a link or a bridge joint, after the others", 0, 0, NULL, NULL },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only chains with a planar graph", 0, 0, NULL,
+      "non-planar" },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only chains without one", 0, 0, NULL,
+      "filter" },
+    { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
+      "only certain chains: planar, non-planar, asymmetric, no-dyad", 0, 0, NULL, "planar" },
+    { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
+      "part R = 1 .. M of the work; the parts are disjoint and together the whole", 0, 0, NULL, NULL },
+    { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
+      "go on with the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+    { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
+      "work with all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },
+    { .name = NULL }
+};
+
+/* What a run needs at hand. */
+typedef struct task {
+    const cli_call         *call;
+    const settings         *s;
+    const lw_notation      *notation;
+    lw_chains              *chains;
+    lw_chain_walk           how;
+    lw_output               out;
+    uint64_t                n_listed, skip_fractionated;
+    double                  start, expected;              /* clock; chains, about               */
+    cli_progress            progress;
+    uint64_t                n_fractionated, n_bridged, at; /* `at` numbers those of all parts      */
+    cli_resume              before;                       /* an interrupted listing                */
+    bool                    compared;                     /* with its last line                    */
+    lw_chain_table          table;
+    size_t                  n_task;                       /* under mpirun                          */
+    bool                    spread;                       /* the others have been served           */
+} task;
+
+static bool tick(void *context, double done)
+{
+    task *t = context;
+    double limit = t->call->common.time;
+    cli_progress_show(&t->progress, done*t->expected, t->expected, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
+}
+
+static bool tick_structures(void *context, int loops, size_t found)
+{
+    task *t = context;
+    double limit = t->call->common.time;
+    (void)loops;
+    cli_progress_show(&t->progress, (double)found, 0, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
+}
+
+/* "2/5" */
+static bool read_part(const char *text, lw_chain_walk *how)
+{
+    char *end;
+    long part = strtol(text, &end, 10), n_part = *end == '/' ? strtol(end + 1, &end, 10) : 0;
+    if (*end || part < 1 || part > n_part || n_part > 1000000)
+        return false;
+    how->part = (int)part - 1;
+    how->n_part = (int)n_part;
+    return true;
+}
+
+static int unknown_filter(const cli_call *call, const char *name)
+{
+    const char *names[16];
+    int n = 0;
+    for (const lw_filter *f = lw_filters; f->name && n < 16; f++)
+        names[n++] = f->name;
+    const char *near = lw_suggest(name, names, n);
+    return cli_usage(call, "there is no filter '%s'%s%s%s", name, near ? "; did you mean '" : "", near ? near : "",
+                     near ? "'?" : "");
+}
+
+/* The settings that are more than a number; CLI_DONE when they are good. */
+static int read_settings(task *t)
+{
+    const settings *s = t->s;
+    const char *filter = s->planar ? "planar" : s->non_planar ? "non-planar" : s->filter;
+    t->how = lw_chain_walk_default();
+    t->how.n_thread = t->call->common.jobs;
+    t->how.tick = tick;
+    t->how.tick_context = t;
+    t->notation = t->call->common.json ? lw_notation_find("json") : &lw_notations[s->format];
+    if (!cli_given(&t->call->parsed, "links"))
+        return cli_usage(t->call, "how many links? give --links P");
+    if (s->part && !read_part(s->part, &t->how))
+        return cli_usage(t->call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", s->part);
+    if (filter && !(t->how.filter = lw_filter_find(filter)))
+        return unknown_filter(t->call, filter);
+    if (s->mpi && !cli_spread_available())
+        return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with it");
+    if (s->mpi && s->resume)
+        return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
+    if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
+        return cli_usage(t->call, "--resume needs -o FILE, the listing to go on with");
+    if (s->resume && t->notation->lines)
+        return cli_usage(t->call, "--resume works with notations of one line a chain, not with %s", t->notation->name);
+    return CLI_DONE;
+}
+
+/* Before anything large starts: how large, how long; LW_E_MEMORY when it cannot fit. */
+static lw_status say_how_long(task *t, lw_error *error)
+{
+    lw_estimate e;
+    lw_numbers n;
+    lw_status status = lw_numbers_for_links(t->s->links, t->s->dof, 0, &n, error);
+    if (status != LW_OK || n.n_loop < 6)
+        return status;
+    status = lw_chains_estimate(n.n_link, n.dof, &e, error);
+    if (status != LW_OK)
+        return status;
+    int cores = t->how.n_thread < 1 ? lw_core_count() : t->how.n_thread;
+    double work = t->s->count ? e.count_seconds : e.list_seconds*4;       /* writing takes longer than finding */
+    double seconds = (e.structure_seconds + work/t->how.n_part)/cores;
+    t->expected = e.chains/t->how.n_part;
+    if (seconds > 5)
+        cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
+                 t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
+    double memory = (double)sysconf(_SC_PHYS_PAGES)*(double)sysconf(_SC_PAGESIZE);
+    if (e.bytes > memory)
+        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g MB; this machine has %.2g MB",
+                            n.n_loop, e.bytes/1e6, memory/1e6);
+    return LW_OK;
+}
+
+/* ---- counting ------------------------------------------------------------------------------------- */
+
+/* Of the fractionated chains, those of the part that the filter wants. */
+static bool wanted(task *t, const lw_chain *c)
+{
+    bool mine = t->at++ % (uint64_t)t->how.n_part == (uint64_t)t->how.part;
+    return mine && (!t->how.filter || t->how.filter->chain(c));
+}
+
+static lw_status count_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    task *t = context;
+    if (!wanted(t, c))
+        return LW_OK;
+    t->n_fractionated++;
+    t->n_bridged += n_bridge > 0;
+    return t->n_fractionated % 256 || tick(t, 1) ? LW_OK : LW_STOPPED;
+}
+
+static void write_json(task *t, const lw_chain_table *table)
+{
+    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    cli_json j = cli_json_begin(t->out.f, 0);
+    cli_json_object(&j, NULL);
+    cli_json_int(&j, "links", t->s->links);
+    cli_json_int(&j, "dof", t->s->dof);
+    cli_json_seed(&j, "chains", table->total.n_chain);
+    cli_json_seed(&j, "ground_links", table->total.n_ground);
+    if (t->s->fractionated) {
+        cli_json_seed(&j, "fractionated", t->n_fractionated);
+        cli_json_seed(&j, "with_bridge", t->n_bridged);
+    }
+    if (t->s->by) {
+        cli_json_array(&j, "assortments");
+        for (size_t k = 0; k < table->n_row; k++) {
+            cli_json_object(&j, NULL);
+            cli_json_array(&j, "links_with_2_3_joints");
+            for (int i = 2; i <= n_loop + 1; i++)
+                cli_json_int(&j, NULL, table->row[k].links.n_with[i]);
+            cli_json_end(&j);
+            cli_json_seed(&j, "chains", table->row[k].n.n_chain);
+            cli_json_seed(&j, "ground_links", table->row[k].n.n_ground);
+            cli_json_end(&j);
+        }
+        cli_json_end(&j);
+    }
+    cli_json_end(&j);
+}
+
+static void write_table(task *t, const lw_chain_table *table)
+{
+    int n_loop = lw_chains_numbers(t->chains)->n_loop;
+    char head[16];
+    fputc('#', t->out.f);
+    for (int i = 2; i <= n_loop + 1; i++) {
+        snprintf(head, sizeof head, "P%d", i);
+        fprintf(t->out.f, i == 2 ? "%2s" : "%4s", head);
+    }
+    fprintf(t->out.f, "%16s%20s\n", "chains", "ground links");
+    for (size_t k = 0; k < table->n_row; k++) {
+        for (int i = 2; i <= n_loop + 1; i++)
+            fprintf(t->out.f, i == 2 ? "%3d" : "%4d", table->row[k].links.n_with[i]);
+        fprintf(t->out.f, "%16llu%20llu\n", (unsigned long long)table->row[k].n.n_chain,
+                (unsigned long long)table->row[k].n.n_ground);
+    }
+}
+
+static void write_counts(task *t, const lw_chain_table *table)
+{
+    unsigned long long n = table->total.n_chain, m = t->n_fractionated, bridged = t->n_bridged;
+    if (t->call->common.json) {
+        write_json(t, table);
+        return;
+    }
+    if (t->s->by)
+        write_table(t, table);
+    if (t->s->fractionated)
+        fprintf(t->out.f, "%llu not fractionated\n%llu fractionated, %llu of them with a bridge joint\n%llu in all\n", n,
+                m, bridged, n + m);
+    else
+        fprintf(t->out.f, "%llu\n", n);
+}
+
+/* Under mpirun a task is a part of the work, its answer the numbers of the rows of the table. */
+static lw_status work_count(void *context, size_t k, lw_bytes *answer)
+{
+    task *t = context;
+    lw_chain_walk how = t->how;
+    lw_chain_table table;
+    how.part = (int)k;
+    how.n_part = (int)t->n_task;
+    how.n_thread = 1;
+    how.tick = NULL;
+    lw_status status = lw_chains_count(t->chains, &how, &table);
+    for (size_t i = 0; i < table.n_row; i++)
+        lw_bytes_add(answer, &table.row[i].n, sizeof table.row[i].n);
+    lw_chain_table_free(&table);
+    return status;
+}
+
+static lw_status take_count(void *context, size_t k, const char *answer, size_t size)
+{
+    task *t = context;
+    for (size_t i = 0; i < size/sizeof(lw_tally); i++) {
+        lw_tally n;
+        memcpy(&n, answer + i*sizeof n, sizeof n);
+        t->table.row[i].n.n_chain += n.n_chain;
+        t->table.row[i].n.n_ground += n.n_ground;
+        t->table.total.n_chain += n.n_chain;
+        t->table.total.n_ground += n.n_ground;
+    }
+    return tick(t, (double)(k + 1)/(double)t->n_task) ? LW_OK : LW_STOPPED;
+}
+
+#define COUNT_TASKS 1000
+
+static lw_status spread_count(task *t)
+{
+    lw_chain_walk nothing = t->how;
+    nothing.part = COUNT_TASKS - 1;              /* only for the rows of the table; counted again below */
+    nothing.n_part = COUNT_TASKS;
+    t->n_task = COUNT_TASKS;
+    lw_status status = lw_chains_count(t->chains, &nothing, &t->table);
+    for (size_t i = 0; i < t->table.n_row; i++)
+        t->table.row[i].n = (lw_tally){ 0, 0 };
+    t->table.total = (lw_tally){ 0, 0 };
+    cli_spread_work w = { COUNT_TASKS, work_count, take_count, t };
+    t->spread = true;
+    lw_status spread = cli_spread_run(&w);
+    return status == LW_OK ? spread : status;
+}
+
+static lw_status count_all(task *t)
+{
+    lw_status status = t->s->mpi ? spread_count(t) : lw_chains_count(t->chains, &t->how, &t->table);
+    if (status == LW_OK && t->s->fractionated)
+        status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
+    cli_progress_end(&t->progress);
+    if (status == LW_OK || status == LW_STOPPED) {
+        if (status == LW_STOPPED)
+            cli_note(t->call, "stopped: the counts are those of the chains found until then");
+        write_counts(t, &t->table);
+    }
+    return status;
+}
+
+/* ---- listing -------------------------------------------------------------------------------------- */
+
+/* The text of a chain with its line end; graph6, in which lists are long, without a detour. */
+static size_t print_chain(const task *t, const lw_chain *c, char *text, size_t most)
+{
+    lw_mechanism m;
+    size_t length = 0;
+    if (t->notation == lw_notations)
+        length = lw_graph6_print(c, text, most);
+    else if (lw_mechanism_from_chain(c, &m) != LW_OK || t->notation->print(&m, text, most, &length) != LW_OK)
+        return 0;                                /* does not happen: chains can be written in every notation */
+    text[length] = '\n';
+    return length + 1;
+}
+
+static size_t print_item(void *context, const lw_chain_item *item, char *text, size_t most)
+{
+    return print_chain(context, item->chain, text, most);
+}
+
+/* Whole chains; the first text after a resumption begins with the last chain of before. */
+static lw_status write_text(void *context, const char *text, size_t size)
+{
+    task *t = context;
+    size_t known = t->compared ? 0 : t->before.size;
+    t->n_listed += size > 0;
+    if (size == 0)
+        return LW_OK;
+    if (size < known || (known > 0 && memcmp(text, t->before.last, known) != 0))
+        return LW_E_KIND;
+    t->compared = true;
+    text += known;
+    size -= known;
+    return fwrite(text, 1, size, t->out.f) == size ? LW_OK : LW_E_IO;
+}
+
+static lw_status write_fractionated(void *context, const lw_chain *c, int n_bridge)
+{
+    task *t = context;
+    char text[LW_NOTATION_SIZE];
+    (void)n_bridge;
+    if (!wanted(t, c))
+        return LW_OK;
+    if (t->skip_fractionated > 0) {
+        t->skip_fractionated--;
+        return LW_OK;
+    }
+    lw_status status = write_text(t, text, print_chain(t, c, text, sizeof text));
+    return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
+}
+
+/* What is listed already is left out, but for its last chain, which comes once more to be compared. */
+static lw_status find_resume(task *t, lw_error *e)
+{
+    t->n_listed = t->before.n_line;
+    t->how.skip = t->before.n_line > 0 ? t->before.n_line - 1 : 0;
+    if (!t->s->fractionated || t->how.skip == 0)
+        return LW_OK;
+    lw_chain_table table;
+    lw_status status = lw_chains_count(t->chains, &t->how, &table);
+    if (t->how.skip > table.total.n_chain)
+        t->skip_fractionated = t->how.skip - table.total.n_chain;
+    lw_chain_table_free(&table);
+    return status == LW_OK ? LW_OK : lw_error_set(e, status, "%s", lw_status_text(status));
+}
+
+static lw_status add_text(void *context, const char *text, size_t size)
+{
+    lw_bytes_add(context, text, size);
+    return LW_OK;
+}
+
+/* Under mpirun a task is a structure, its answer the text of its chains. */
+typedef struct spread_print { const task *t; lw_bytes *answer; } spread_print;
+
+static lw_status print_for_answer(void *context, const lw_chain_item *item)
+{
+    spread_print *p = context;
+    char text[LW_NOTATION_SIZE];
+    return add_text(p->answer, text, print_chain(p->t, item->chain, text, sizeof text));
+}
+
+static lw_status work_list(void *context, size_t k, lw_bytes *answer)
+{
+    task *t = context;
+    spread_print p = { t, answer };
+    lw_chain_walk how = t->how;
+    how.part = (int)k;
+    how.n_part = (int)t->n_task;
+    how.tick = NULL;
+    return lw_chains_each(t->chains, &how, print_for_answer, &p);
+}
+
+static lw_status take_list(void *context, size_t k, const char *answer, size_t size)
+{
+    task *t = context;
+    lw_status status = write_text(t, answer, size);
+    return status == LW_OK && !tick(t, (double)(k + 1)/(double)t->n_task) ? LW_STOPPED : status;
+}
+
+static lw_status spread_list(task *t)
+{
+    const lw_structures *set = lw_chains_structures(t->chains);
+    t->n_task = set ? lw_structures_count(set, lw_structures_loops(set)) : 1;
+    cli_spread_work w = { t->n_task, work_list, take_list, t };
+    t->spread = true;
+    return cli_spread_run(&w);
+}
+
+static lw_status list_all(task *t, lw_error *e)
+{
+    lw_status status = find_resume(t, e);
+    if (status == LW_OK)
+        status = t->s->mpi ? spread_list(t)
+               : lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
+    if (status == LW_OK && t->s->fractionated)
+        status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
+    cli_progress_end(&t->progress);
+    if (status == LW_E_KIND || (status == LW_OK && t->before.n_line > 0 && !t->compared))
+        return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1, "another chain comes here, so "
+                           "this is a listing of something else; --resume wants the options that it was begun with");
+    if (status < 0 && e->status == LW_OK)
+        (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
+    return status;
+}
+
+/* ---- the command ---------------------------------------------------------------------------------- */
+
+static int finish(task *t, lw_status status, const lw_error *e)
+{
+    if (status < 0) {
+        int code = cli_fail(t->call, e);
+        lw_output_abandon(&t->out);
+        return code;
+    }
+    bool nothing = status == LW_OK && !t->s->count && t->n_listed == 0;
+    return cli_close(t->call, &t->out, nothing ? CLI_NOTHING : cli_exit_code(status));
+}
+
+/* Structures first, then what was asked for; by process 0, when there are several. */
+static int enumerate(task *t, lw_error *e)
+{
+    lw_status status;
+    bool listing = !t->s->count && !t->notation->lines;
+    t->progress = cli_progress_begin(t->call, "structures", "structures");
+    status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
+    cli_progress_end(&t->progress);
+    if (status != LW_OK)
+        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(t->call, e);
+    t->progress = cli_progress_begin(t->call, "chains", "chains");
+    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out, e)) != LW_OK)
+        return cli_fail(t->call, e);
+    status = t->s->count ? count_all(t) : list_all(t, e);
+    if (status < 0 && e->status == LW_OK)
+        (void)lw_error_set(e, status, "%s", lw_status_text(status));
+    return finish(t, status, e);
+}
+
+/* The other processes: the same structures, then tasks of process 0. */
+static void help_out(task *t)
+{
+    if (lw_chains_create(t->s->links, t->s->dof, 1, &t->chains, NULL) == LW_OK)
+        (void)(t->s->count ? spread_count(t) : spread_list(t));
+}
+
+/* For a process that cannot go on: answers that say so, or goodbye to the others. */
+static lw_status work_not(void *context, size_t k, lw_bytes *answer)
+{
+    (void)context;
+    (void)k;
+    (void)answer;
+    return LW_E_MEMORY;
+}
+
+static void end_spread(task *t)
+{
+    cli_spread_work w = { 0, work_not, NULL, NULL };
+    if (!t->spread)
+        (void)cli_spread_run(&w);
+    cli_spread_end();
+}
+
+static int run(const cli_call *call)
+{
+    task t = { .call = call, .s = call->settings, .start = lw_clock_wall() };
+    lw_error e = { 0 };
+    int code = read_settings(&t), rank = 0;
+    if (code != CLI_DONE)
+        return code;
+    cli_watch_interrupt();
+    if (t.s->mpi)
+        rank = cli_spread_begin();
+    if (rank > 0)
+        help_out(&t);
+    else
+        code = say_how_long(&t, &e) == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
+    if (t.s->mpi)
+        end_spread(&t);
+    free(t.before.last);
+    lw_chain_table_free(&t.table);
+    lw_chains_free(t.chains);
+    return code;
+}
+
+const cli_command cli_chains_command = {
+    .name = "chains",
+    .words = "--links P",
+    .title = "every kinematic chain with P links and F freedoms, once",
+    .examples =
+        "  linkwright chains --links 8                          the 16 eight-link chains as graph6\n"
+        "  linkwright chains --links 12 --count --by assortment how many, by sorts of links\n"
+        "  linkwright chains --links 9 --dof 0 --format edges   Baranov trusses as lists of joints\n"
+        "  linkwright chains --links 9 --dof 2 --fractionated   with those that fall apart at a link\n"
+        "  linkwright chains --links 16 --part 3/100 -o 3.g6    one of a hundred jobs of a cluster\n"
+        "  linkwright chains --links 16 -o all.g6 --resume      go on after an interruption\n"
+        "  mpirun -n 64 linkwright chains --links 18 --count --mpi   on many machines\n",
+    .about =
+        "Joints have one freedom; no subchain is rigid. The order is fixed: structures by number of\n"
+        "circles and then as they grow, of each structure the distributions of binary links, larger first\n"
+        "(docs/theory.md); it does not depend on --jobs. --part deals out structures like cards: R, R + M,\n"
+        "R + 2M, ... Fractionated chains come last and are counted apart. Chains for which --filter asks\n"
+        "single chains are counted by listing. What takes longer than some seconds says so before it starts.\n"
+        "A listing in -o FILE is written to FILE.partial until it ends; --resume goes on with either, also\n"
+        "after the program was killed, and compares the last line.\n"
+        "Exit code 1: there is no such chain; 5: --time was over, what was found until then is kept.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .most_words = 0,
+    .run = run,
+};

@@ -1,0 +1,372 @@
+/* linkwright grammar - sentences, the published rules, derivations, coverage. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/program/json.h"
+#include "cli/program/topology.h"
+#include "enumerate/derive.h"
+#include "grammar/growth.h"
+
+typedef struct settings {
+    int         format;
+    const char *from, *at, *k, *rules;
+    int         rule, word, links;
+    bool        anywhere, count, keep_going;
+} settings;
+
+static const cli_option options[] = {
+    CLI_FORMAT_ROW(settings, format, NULL),
+    { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
+      "parse, print, explain: after a fault of input go on with the next topology", 0, 0, NULL, NULL },
+    { "from", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
+      "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
+    { "rule", 'r', CLI_INT, offsetof(settings, rule), "N", NULL,
+      "derive: one rule by hand; 1 and 2 plant a seed, 3 and 4 grow --from at --at", 1, 4, NULL, "links" },
+    { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
+      "derive: the parts between which the new string goes", 0, 0, "rule", NULL },
+    { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
+      "derive: which word, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at", NULL },
+    { "kinds", 0, CLI_TEXT, offsetof(settings, k), "LETTERS", NULL,
+      "derive: with --rule, the joints k of the new string in order (rule 4: three); with --links, what k may "
+      "be; r and t. Without it r", 0, 0, NULL, NULL },
+    { "links", 'n', CLI_INT, offsetof(settings, links), "N", NULL,
+      "derive: everything with N links that the rules reach; coverage: up to N links", 3, LW_LINK_MAX, NULL,
+      NULL },
+    { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
+      "derive --links: the rules that may be used", 0, 0, NULL, NULL },
+    { "anywhere", 'a', CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
+      "derive --links: X and Y need not lie at one region", 0, 0, "links", NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive --links: the number only", 0, 0,
+      "links", NULL },
+    { .name = NULL }
+};
+
+/* What runs the visits of one call. */
+typedef struct job {
+    const cli_call    *call;
+    const settings    *s;
+    lw_output          out;
+    const lw_notation *notation;
+    cli_watch          watch;
+    uint64_t           n;
+    lw_error           e;
+} job;
+
+static job job_of(const cli_call *call, const char *usual)
+{
+    const settings *s = call->settings;
+    const lw_notation *n = lw_notation_find(usual);
+    if (cli_given(&call->parsed, "format"))
+        n = &lw_notations[s->format];
+    else if (call->common.json)
+        n = lw_notation_find("json");
+    return (job){ .call = call, .s = s, .notation = n, .watch = cli_watch_begin(call, "grammar", "topologies") };
+}
+
+static const char *file_word(const cli_call *call)
+{
+    return call->parsed.n_word > 1 ? call->parsed.word[1] : NULL;
+}
+
+/* ---- parse, print ------------------------------------------------------------------------------ */
+
+static lw_status write_one(void *context, const lw_mechanism *m, lw_error *e)
+{
+    job *j = context;
+    lw_status s = cli_topology_write(j->out.f, j->notation, m, e);
+    return s == LW_OK && !cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_STOPPED : s;
+}
+
+/* Read topologies and say each again by `visit`. */
+static int each_of_input(job *j, cli_topology_visit *visit)
+{
+    lw_error e = { 0 };
+    if (cli_open(j->call, &j->out, &e) != LW_OK)
+        return cli_fail(j->call, &e);
+    int code = cli_topologies_each(j->call, file_word(j->call), j->s->keep_going, visit, j);
+    code = cli_watch_end(&j->watch, code == CLI_DONE && j->n == 0 ? CLI_NOTHING : code);
+    return cli_close(j->call, &j->out, code);
+}
+
+static int run_parse(const cli_call *call)
+{
+    job j = job_of(call, "edges");
+    return each_of_input(&j, write_one);
+}
+
+static int run_print(const cli_call *call)
+{
+    job j = job_of(call, "sentence");
+    return each_of_input(&j, write_one);
+}
+
+/* ---- explain ----------------------------------------------------------------------------------- */
+
+static void explain_json(job *j, const lw_mechanism *m, const lw_growth *g, lw_reach reach, const char *why)
+{
+    static const char *const word[] = { "regions", "anywhere", "mobility", "gear", "core" };
+    cli_json w = cli_json_begin(j->out.f, 0);
+    cli_json_object(&w, NULL);
+    cli_json_text(&w, "reach", word[reach]);
+    cli_json_text(&w, "why", why);
+    cli_json_array(&w, "steps");
+    for (int i = 0; reach <= LW_REACHED_NO_REGIONS && i < g->n_step; i++) {
+        char kinds[5] = "";
+        memcpy(kinds, g->step[i].kind, (size_t)lw_rule_kinds(g->step[i].rule));
+        cli_json_object(&w, NULL);
+        cli_json_int(&w, "rule", g->step[i].rule);
+        if (i > 0) {
+            cli_json_int(&w, "x", g->step[i].x);
+            cli_json_int(&w, "y", g->step[i].y);
+        }
+        if (g->step[i].word != LW_NONE)
+            cli_json_int(&w, "word", g->step[i].word + 1);
+        cli_json_text(&w, "kinds", kinds);
+        cli_json_end(&w);
+    }
+    cli_json_end(&w);
+    cli_json_array(&w, "link_of_part");
+    for (int i = 0; reach <= LW_REACHED_NO_REGIONS && i < m->n_link; i++)
+        cli_json_int(&w, NULL, g->link_of[i] + 1);
+    cli_json_end(&w);
+    cli_json_end(&w);
+}
+
+static void explain_text(job *j, const lw_mechanism *m, const lw_growth *g, lw_reach reach, const char *why)
+{
+    char text[LW_SENTENCE_SIZE];
+    lw_error e;
+    lw_sentence s;
+    cli_topology_write(j->out.f, lw_notation_find("edges"), m, &e);
+    fprintf(j->out.f, "  %s\n", why);
+    for (int i = 0; reach <= LW_REACHED_NO_REGIONS && i < g->n_step; i++) {
+        lw_production_print(&g->step[i], text, sizeof text);
+        fprintf(j->out.f, "  %s\n", text);
+        if (reach == LW_REACHED && lw_growth_sentence(g, i + 1, &s, &e) == LW_OK) {
+            lw_sentence_print(&s, text, sizeof text);
+            fprintf(j->out.f, "      %s\n", text);
+        }
+    }
+    if (reach <= LW_REACHED_NO_REGIONS) {
+        fputs("  parts 1, 2, ... are links", j->out.f);
+        for (int i = 0; i < m->n_link; i++)
+            fprintf(j->out.f, " %d", g->link_of[i] + 1);
+        fputc('\n', j->out.f);
+    }
+}
+
+static lw_status explain_one(void *context, const lw_mechanism *m, lw_error *e)
+{
+    job *j = context;
+    lw_growth g;
+    lw_reach reach;
+    uint32_t core = 0;
+    char why[1024];
+    lw_status s = lw_growth_find(m, &g, &reach, &core, e);
+    if (s != LW_OK)
+        return s;
+    lw_reach_print(m, reach, core, why, sizeof why);
+    (j->call->common.json ? explain_json : explain_text)(j, m, &g, reach, why);
+    return cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_OK : LW_STOPPED;
+}
+
+static int run_explain(const cli_call *call)
+{
+    job j = job_of(call, "edges");
+    return each_of_input(&j, explain_one);
+}
+
+/* ---- derive ------------------------------------------------------------------------------------ */
+
+/* "3,4" */
+static bool read_place(const char *text, lw_production *p)
+{
+    char *end;
+    long x = strtol(text, &end, 10), y = *end == ',' ? strtol(end + 1, &end, 10) : 0;
+    p->x = (uint8_t)(x > 0 && x <= LW_LINK_MAX ? x : 0);
+    p->y = (uint8_t)(y > 0 && y <= LW_LINK_MAX ? y : 0);
+    return p->x && p->y && *end == '\0';
+}
+
+static int write_sentence(job *j, const lw_sentence *s)
+{
+    char text[LW_SENTENCE_SIZE];
+    lw_mechanism m;
+    if (cli_open(j->call, &j->out, &j->e) != LW_OK)
+        return cli_fail(j->call, &j->e);
+    lw_status status = LW_OK;
+    if (strcmp(j->notation->name, "sentence") == 0) {      /* as the rule left it, words in its order */
+        lw_sentence_print(s, text, sizeof text);
+        fprintf(j->out.f, "%s\n", text);
+    } else if ((status = lw_sentence_mechanism(s, &m, &j->e)) == LW_OK) {
+        status = cli_topology_write(j->out.f, j->notation, &m, &j->e);
+    }
+    int code = status == LW_OK ? CLI_DONE : cli_fail(j->call, &j->e);
+    return cli_close(j->call, &j->out, code);
+}
+
+static int derive_by_hand(const cli_call *call)
+{
+    job j = job_of(call, "sentence");
+    const settings *s = j.s;
+    lw_production p = lw_production_of(s->rule);
+    lw_sentence sentence;
+    if (s->k && strlen(s->k) != (size_t)lw_rule_kinds(s->rule))
+        return cli_usage(call, "rule %d has %d joints k, --kinds %s gives %zu", s->rule, lw_rule_kinds(s->rule),
+                         s->k, strlen(s->k));
+    if (s->k)
+        memcpy(p.kind, s->k, strlen(s->k));
+    if (s->rule <= 2) {
+        if (s->from || s->at)
+            return cli_usage(call, "rule %d plants a seed and takes neither --from nor --at", s->rule);
+        return lw_rule_plant(&p, &sentence, &j.e) == LW_OK ? write_sentence(&j, &sentence) : cli_fail(call, &j.e);
+    }
+    if (!s->from || !s->at)
+        return cli_usage(call, "rule %d grows a sentence: give --from SENTENCE and --at X,Y", s->rule);
+    if (!read_place(s->at, &p))
+        return cli_usage(call, "--at takes two part numbers, such as 3,4, not '%s'", s->at);
+    p.word = s->word > 0 ? s->word - 1 : LW_NONE;
+    if (lw_sentence_read(s->from, strlen(s->from), "--from", &sentence, &j.e) != LW_OK
+        || lw_rule_apply(&sentence, &p, &sentence, &j.e) != LW_OK)
+        return cli_fail(call, &j.e);
+    return write_sentence(&j, &sentence);
+}
+
+static lw_status write_derived(void *context, const lw_mechanism *m)
+{
+    job *j = context;
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
+        return LW_STOPPED;
+    return j->s->count ? LW_OK : cli_topology_write(j->out.f, j->notation, m, &j->e);
+}
+
+static int derive_all(const cli_call *call)
+{
+    job j = job_of(call, "sentence");
+    lw_derive how = lw_derive_default(j.s->links);
+    how.regions = !j.s->anywhere;
+    how.kinds = j.s->k ? j.s->k : "r";
+    for (int r = 1; r <= 4; r++)
+        how.rule[r] = strchr(j.s->rules, '0' + r) != NULL;
+    if (strspn(j.s->rules, "1234,") != strlen(j.s->rules))
+        return cli_usage(call, "--rules takes numbers 1 to 4 with commas, not '%s'", j.s->rules);
+    if (cli_open(call, &j.out, &j.e) != LW_OK)
+        return cli_fail(call, &j.e);
+    lw_status s = lw_derive_each(&how, write_derived, &j);
+    if (s == LW_E_ARG)
+        lw_error_set(&j.e, s, "--kinds with --links takes r, t or rt, not '%s'", how.kinds);
+    if (s == LW_E_MEMORY)
+        lw_error_set(&j.e, s, "out of memory: too much is reached with %d links", how.n_link);
+    if (s < 0) {
+        lw_output_abandon(&j.out);
+        return cli_fail(call, &j.e);
+    }
+    if (j.s->count)
+        fprintf(j.out.f, "%llu\n", (unsigned long long)j.n);
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, j.n > 0 ? CLI_DONE : CLI_NOTHING));
+}
+
+static int run_derive(const cli_call *call)
+{
+    const settings *s = call->settings;
+    if (s->rule > 0)
+        return derive_by_hand(call);
+    if (s->links > 0)
+        return derive_all(call);
+    return cli_usage(call, "derive takes --rule N (one step by hand) or --links N (everything reached)");
+}
+
+/* ---- coverage ---------------------------------------------------------------------------------- */
+
+static void coverage_row(FILE *f, int n, const lw_coverage *c)
+{
+    fprintf(f, "%5d %9llu %9llu %9llu %6.2f %% %9llu %6.2f %%\n", n, (unsigned long long)c->n_chain,
+            (unsigned long long)c->n_planar, (unsigned long long)c->n_reached,
+            100.0*(double)c->n_reached/(double)c->n_chain, (unsigned long long)c->n_reached_by_regions,
+            100.0*(double)c->n_reached_by_regions/(double)c->n_chain);
+}
+
+static void coverage_json(cli_json *w, int n, const lw_coverage *c)
+{
+    cli_json_object(w, NULL);
+    cli_json_int(w, "links", n);
+    cli_json_int(w, "chains", (long long)c->n_chain);
+    cli_json_int(w, "planar", (long long)c->n_planar);
+    cli_json_int(w, "reached", (long long)c->n_reached);
+    cli_json_int(w, "reached_by_regions", (long long)c->n_reached_by_regions);
+    cli_json_end(w);
+}
+
+static int run_coverage(const cli_call *call)
+{
+    job j = job_of(call, "json");
+    lw_status s = LW_OK;
+    if (j.s->links < 4)
+        return cli_usage(call, "coverage takes --links N, an even number from 4 on");
+    if (j.s->links % 2)
+        return cli_usage(call, "chains of pins with F = 1 have P = 2 L + 2 links, an even number, not %d", j.s->links);
+    if (cli_open(call, &j.out, &j.e) != LW_OK)
+        return cli_fail(call, &j.e);
+    cli_json w = cli_json_begin(j.out.f, 2);
+    if (call->common.json)
+        cli_json_array(&w, NULL);
+    else
+        fputs("links    chains    planar   reached            by regions\n", j.out.f);
+    for (int n = 4; n <= j.s->links && s == LW_OK && cli_watch_goes_on(&j.watch, n); n += 2) {
+        lw_coverage c;
+        s = lw_coverage_count(n, call->common.jobs, &c, &j.e);
+        if (s == LW_OK && call->common.json)
+            coverage_json(&w, n, &c);
+        else if (s == LW_OK)
+            coverage_row(j.out.f, n, &c);
+        fflush(j.out.f);
+    }
+    if (call->common.json)
+        cli_json_end(&w);
+    return cli_close(call, &j.out, cli_watch_end(&j.watch, s == LW_OK ? CLI_DONE : cli_fail(call, &j.e)));
+}
+
+/* ---- the command ------------------------------------------------------------------------------- */
+
+static int run(const cli_call *call)
+{
+    static const struct { const char *name; int (*run)(const cli_call *); bool reads; } action[] = {
+        { "parse", run_parse, true }, { "print", run_print, true }, { "explain", run_explain, true },
+        { "derive", run_derive, false }, { "coverage", run_coverage, false },
+    };
+    for (size_t i = 0; i < sizeof action/sizeof *action; i++) {
+        if (strcmp(call->parsed.word[0], action[i].name) != 0)
+            continue;
+        if (!action[i].reads && call->parsed.n_word > 1)
+            return cli_usage(call, "%s reads no file", action[i].name);
+        return action[i].run(call);
+    }
+    return cli_usage(call, "there is no action '%s'; there are parse, print, explain, derive, coverage",
+                     call->parsed.word[0]);
+}
+
+const cli_command cli_grammar_command = {
+    .name = "grammar",
+    .words = "parse|print|explain|derive|coverage [FILE]",
+    .title = "sentences of paper F, its rules, derivations, what the rules reach",
+    .examples =
+        "  echo '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' | linkwright grammar parse --format lam\n"
+        "  linkwright grammar print watt.lam                    the sentence of a matrix\n"
+        "  linkwright grammar derive --from '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' --rule 3 --at 3,4\n"
+        "  linkwright grammar derive --links 8 --rules 2,4      everything that rules 2 and 4 make\n"
+        "  linkwright grammar explain chains.g6                 a derivation of each, or why there is none\n"
+        "  linkwright grammar coverage --links 12               how much of everything the rules reach\n",
+    .about =
+        "parse and print read topologies in any notation (graph6, matrix, sentence, Franke, joints, JSON;\n"
+        "see docs/notation.md) and write them in the one of --format, by default as joints (parse) or as a\n"
+        "sentence (print). Faults have line and column. explain takes strings away backwards and shows the\n"
+        "rules that make the chain, sentence by sentence, or the reason why rules 1 to 4 cannot. derive\n"
+        "applies one rule by hand or all of them exhaustively, each result once. coverage counts the chains of\n"
+        "pins with F = 1: all, the planar ones, and those that the rules reach, with and without the demand\n"
+        "that X and Y lie at one region (Makkonen 1999, paper F).\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 1,
+    .most_words = 2,
+    .run = run,
+};

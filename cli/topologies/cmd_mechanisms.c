@@ -1,0 +1,352 @@
+/* linkwright mechanisms - ground, joint kinds, inputs and output of chains, each way once up to symmetry;
+ * Assur groups; multiple joints. */
+#include <string.h>
+
+#include "cli/program/json.h"
+#include "cli/program/topology.h"
+#include "enumerate/assur.h"
+#include "enumerate/higher.h"
+#include "enumerate/mechanisms.h"
+#include "enumerate/multiple.h"
+#include "grammar/edges.h"
+#include "grammar/mechanism_json.h"
+
+typedef struct settings {
+    int         format, links, dof, n2, input, assur_groups;
+    const char *joints;
+    bool        no_ground, output, count, void_ones, assur, multiple, keep_going;
+} settings;
+
+enum { FORMAT_JSON = 5 };                                  /* rows of lw_notations */
+
+static const cli_option options[] = {
+    CLI_FORMAT_ROW(settings, format, "json"),
+    { "links", 'n', CLI_INT, offsetof(settings, links), "P", NULL,
+      "all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degrees of freedom of these chains", 1, LW_DOF_MAX,
+      NULL, NULL },
+    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0", "joints of two freedoms of these chains", 0, LW_LINK_MAX,
+      "links", NULL },
+    { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL, "leave the ground link open", 0, 0, NULL,
+      "output-link" },
+    { "joints", 0, CLI_TEXT, offsetof(settings, joints), "LETTERS", NULL,
+      "kinds that joints may have, of r,t (one freedom) and p,g (two): every labelling that is not void", 0, 0, NULL,
+      NULL },
+    { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
+      "drive F joints: joints at the ground, or any", 0, 0, NULL, NULL },
+    { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "numbers after each step only", 0, 0, NULL, NULL },
+    { "void", 0, CLI_FLAG, offsetof(settings, void_ones), NULL, NULL,
+      "list the labellings that are left out, with the reason, instead", 0, 0, "joints", "count" },
+    { "assur", 'a', CLI_FLAG, offsetof(settings, assur), NULL, NULL,
+      "list the Assur groups of each mechanism in order of solution; wants inputs", 0, 0, NULL, "count" },
+    { "assur-groups", 0, CLI_INT, offsetof(settings, assur_groups), "N", NULL,
+      "list all Assur groups of N links instead", 2, LW_LINK_MAX - 1, NULL, "links" },
+    { "multiple-joints", 'm', CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
+      "list the chains with multiple joints instead: the links on each pin", 0, 0, "links", "joints" },
+    { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
+      "after a fault of input go on with the next chain", 0, 0, NULL, NULL },
+    { .name = NULL }
+};
+
+typedef struct job {
+    const cli_call      *call;
+    const settings      *s;
+    lw_output            out;
+    lw_mechanism_steps   steps;
+    lw_mechanism_counts  counts;
+    char                 kinds[8];
+    cli_watch            watch;
+    uint64_t             n;                /* written */
+    lw_error             e;
+} job;
+
+/* "r,t" -> "rt"; false for anything but the four letters, each once. */
+static bool read_kinds(const char *text, char kinds[8])
+{
+    int n = 0;
+    for (; *text; text++)
+        if (*text != ',') {
+            if (!lw_kind_freedom(*text) || memchr(kinds, *text, (size_t)n))
+                return false;
+            kinds[n++] = *text;
+        }
+    return n > 0;
+}
+
+/* ---- writing ----------------------------------------------------------------------------------- */
+
+static lw_status write_groups(job *j, const lw_mechanism *m)
+{
+    lw_assur a;
+    char text[1024];
+    lw_status s = lw_assur_decompose(m, &a, &j->e);
+    if (s == LW_OK && !j->call->common.json)
+        s = cli_topology_write(j->out.f, lw_notation_find("edges"), m, &j->e);
+    if (s != LW_OK)
+        return s;
+    if (!j->call->common.json) {
+        for (int k = 0; k < a.n_group; k++) {
+            lw_assur_print(m, &a.group[k], text, sizeof text);
+            fprintf(j->out.f, "  %s\n", text);
+        }
+        return LW_OK;
+    }
+    cli_json w = cli_json_begin(j->out.f, 0);
+    lw_mechanism_write(m, text, sizeof text);
+    cli_json_object(&w, NULL);
+    cli_json_raw(&w, "mechanism", text);
+    cli_json_array(&w, "groups");
+    for (int k = 0; k < a.n_group; k++) {
+        cli_json_object(&w, NULL);
+        cli_json_int(&w, "class", a.group[k].n_class);
+        cli_json_int(&w, "order", a.group[k].order);
+        cli_json_int(&w, "modes", a.group[k].n_mode);
+        cli_json_array(&w, "links");
+        for (uint32_t l = a.group[k].links; l; l &= l - 1)
+            cli_json_int(&w, NULL, __builtin_ctz(l) + 1);
+        cli_json_end(&w);
+        cli_json_end(&w);
+    }
+    cli_json_end(&w);
+    cli_json_end(&w);
+    return LW_OK;
+}
+
+static lw_status write_one(void *context, const lw_mechanism *m)
+{
+    job *j = context;
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
+        return LW_STOPPED;
+    if (j->s->count || j->s->void_ones)
+        return LW_OK;
+    if (j->s->assur)
+        return write_groups(j, m);
+    return cli_topology_write(j->out.f, &lw_notations[j->call->common.json ? FORMAT_JSON : j->s->format], m, &j->e);
+}
+
+static lw_status write_void(void *context, const lw_mechanism *m, lw_void reason, uint64_t joints)
+{
+    job *j = context;
+    char line[LW_EDGES_SIZE], why[1024];
+    if (!j->s->void_ones)
+        return LW_OK;
+    lw_edges_print(m, line, sizeof line);
+    lw_void_print(m, reason, joints, why, sizeof why);
+    fprintf(j->out.f, "%s   # %s\n", line, why);
+    return cli_watch_goes_on(&j->watch, (double)j->n) ? LW_OK : LW_STOPPED;
+}
+
+static void write_counts(job *j)
+{
+    const lw_mechanism_counts *c = &j->counts;
+    const struct { const char *key, *text; uint64_t n; bool taken; } row[] = {
+        { "chains", "chains", c->n_chain, true },
+        { "ground", "with ground link", c->n_ground, j->steps.ground },
+        { "labelled", "with joint kinds", c->n_labelled, j->steps.kinds != NULL },
+        { "void_slider_loop", "  left out: loop of sliders only", c->n_void[LW_VOID_SLIDER_LOOP], j->steps.kinds },
+        { "void_no_turn", "  left out: a joint that cannot turn", c->n_void[LW_VOID_NO_TURN], j->steps.kinds },
+        { "void_dependent", "  left out: F counts wrongly", c->n_void[LW_VOID_DEPENDENT], j->steps.kinds },
+        { "void_locked", "  left out: a joint never moves", c->n_void[LW_VOID_LOCKED], j->steps.kinds },
+        { "driven", "with inputs", c->n_driven, j->steps.input != LW_INPUT_LEFT },
+        { "output", "with output link", c->n_output, j->steps.output },
+    };
+    cli_json w = cli_json_begin(j->out.f, 2);
+    if (j->call->common.json)
+        cli_json_object(&w, NULL);
+    for (size_t i = 0; i < sizeof row/sizeof *row; i++)
+        if (row[i].taken && j->call->common.json)
+            cli_json_int(&w, row[i].key, (long long)row[i].n);
+        else if (row[i].taken)
+            fprintf(j->out.f, "%-36s %12llu\n", row[i].text, (unsigned long long)row[i].n);
+    if (j->call->common.json)
+        cli_json_end(&w);
+}
+
+/* ---- where chains come from -------------------------------------------------------------------- */
+
+/* The steps that m has not gone yet. */
+static lw_status take_steps(job *j, const lw_mechanism *m)
+{
+    lw_mechanism_steps steps = j->steps;
+    steps.ground = steps.ground && m->ground == LW_NONE;
+    steps.output = steps.output && m->output == LW_NONE;
+    steps.input = m->n_input > 0 ? LW_INPUT_LEFT : steps.input;
+    lw_status s = lw_mechanisms_each(m, &steps, &j->counts, write_one, write_void, j);
+    if (s == LW_E_ARG && !j->e.text[0])
+        lw_error_set(&j->e, s, "these steps do not go together with this chain: inputs at the ground and outputs want "
+                     "a ground link, --joints a letter for each freedom that occurs");
+    if (s == LW_E_MEMORY)
+        lw_error_set(&j->e, s, "out of memory");
+    return s;
+}
+
+static lw_status from_input(void *context, const lw_mechanism *m, lw_error *e)
+{
+    job *j = context;
+    lw_chain c;
+    lw_mechanism_chain(m, &c);
+    lw_status s = lw_chain_check(&c, e);
+    if (s == LW_OK) {
+        j->e = (lw_error){ 0 };
+        s = take_steps(j, m);
+        *e = j->e;
+    }
+    return s;
+}
+
+static lw_status from_chains(void *context, const lw_chain_item *item)
+{
+    lw_mechanism m;
+    lw_status s = lw_mechanism_from_chain(item->chain, &m);
+    return s == LW_OK ? take_steps(context, &m) : s;
+}
+
+static lw_status from_higher(void *context, const lw_chain *c)
+{
+    lw_mechanism m;
+    lw_status s = lw_mechanism_from_chain(c, &m);
+    return s == LW_OK ? take_steps(context, &m) : s;
+}
+
+/* Numbers of chains and grounds alone need no listing. */
+static lw_status count_quickly(job *j, const lw_chains *chains, const lw_chain_walk *how)
+{
+    lw_chain_table table;
+    lw_status s = lw_chains_count(chains, how, &table);
+    if (s != LW_OK)
+        return s;
+    j->counts.n_chain = table.total.n_chain;
+    j->counts.n_ground = table.total.n_ground;
+    j->n = table.total.n_chain;
+    lw_chain_table_free(&table);
+    return LW_OK;
+}
+
+static lw_status generate(job *j)
+{
+    lw_chains *chains;
+    lw_chain_walk how = lw_chain_walk_default();
+    how.n_thread = j->call->common.jobs;
+    if (j->s->n2 > 0)
+        return lw_higher_each(j->s->links, j->s->dof, j->s->n2, how.n_thread, from_higher, j, &j->e);
+    lw_status s = lw_chains_create(j->s->links, j->s->dof, how.n_thread, &chains, &j->e);
+    if (s != LW_OK)
+        return s;
+    if (j->s->count && !j->steps.kinds && j->steps.input == LW_INPUT_LEFT && !j->steps.output)
+        s = count_quickly(j, chains, &how);
+    else
+        s = lw_chains_each(chains, &how, from_chains, j);
+    lw_chains_free(chains);
+    return s;
+}
+
+/* ---- other lists ------------------------------------------------------------------------------- */
+
+static lw_status write_multiple(void *context, const lw_multiple *m)
+{
+    job *j = context;
+    char text[LW_JOINT_MAX*8];
+    lw_multiple_print(m, text, sizeof text);
+    if (!j->s->count)
+        fprintf(j->out.f, "%s\n", text);
+    return cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_OK : LW_STOPPED;
+}
+
+static lw_status write_group(void *context, const lw_chain *truss, int lost, const lw_assur_group *g)
+{
+    job *j = context;
+    lw_mechanism m;
+    char text[1024];
+    if (!cli_watch_goes_on(&j->watch, (double)++j->n))
+        return LW_STOPPED;
+    if (j->s->count)
+        return LW_OK;
+    lw_status s = lw_mechanism_from_chain(truss, &m);
+    if (s != LW_OK)
+        return s;
+    m.ground = lost;
+    lw_edges_print(&m, text, sizeof text);
+    fprintf(j->out.f, "%s   # ", text);
+    lw_assur_print(&m, g, text, sizeof text);
+    fprintf(j->out.f, "%s\n", text);
+    return LW_OK;
+}
+
+/* ---- the command ------------------------------------------------------------------------------- */
+
+static lw_status run_lists(job *j)
+{
+    if (j->s->assur_groups > 0)
+        return lw_assur_each(j->s->assur_groups, j->call->common.jobs, write_group, j, &j->e);
+    if (j->s->multiple)
+        return lw_multiple_each(j->s->links, j->s->dof, j->call->common.jobs, write_multiple, j, &j->e);
+    return generate(j);
+}
+
+static int run_job(job *j)
+{
+    const cli_call *call = j->call;
+    bool listed = j->s->links > 0 || j->s->assur_groups > 0, other = j->s->assur_groups > 0 || j->s->multiple;
+    int code = CLI_DONE;
+    if (cli_open(call, &j->out, &j->e) != LW_OK)
+        return cli_fail(call, &j->e);
+    if (!listed) {
+        code = cli_topologies_each(call, call->parsed.n_word > 0 ? call->parsed.word[0] : NULL, j->s->keep_going,
+                                   from_input, j);
+    } else {
+        lw_status s = run_lists(j);
+        if (s < 0) {
+            lw_output_abandon(&j->out);
+            return cli_watch_end(&j->watch, cli_fail(call, &j->e));
+        }
+    }
+    if (other && j->s->count)
+        fprintf(j->out.f, "%llu\n", (unsigned long long)j->n);
+    else if (j->s->count)
+        write_counts(j);
+    bool nothing = j->n == 0 && !(j->s->void_ones || j->s->count);
+    code = cli_watch_end(&j->watch, code == CLI_DONE && nothing ? CLI_NOTHING : code);
+    return cli_close(call, &j->out, code);
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    job j = { .call = call, .s = s, .watch = cli_watch_begin(call, "mechanisms", "mechanisms") };
+    if (s->links > 0 && call->parsed.n_word > 0)
+        return cli_usage(call, "either a file of chains or --links, not both");
+    if (s->joints && !read_kinds(s->joints, j.kinds))
+        return cli_usage(call, "--joints takes letters of r, t, p, g, each once, not '%s'", s->joints);
+    j.steps = (lw_mechanism_steps){ .ground = !s->no_ground, .kinds = s->joints ? j.kinds : NULL,
+                                    .input = (lw_input_choice)s->input, .output = s->output };
+    return run_job(&j);
+}
+
+const cli_command cli_mechanisms_command = {
+    .name = "mechanisms",
+    .words = "[FILE]",
+    .title = "ground, joint kinds, inputs and output of chains, each way once",
+    .examples =
+        "  linkwright mechanisms --links 12 --count             75397 ways to choose the ground link\n"
+        "  linkwright mechanisms --links 6 --joints r,t --input ground --output-link\n"
+        "  linkwright mechanisms --links 6 --joints r,t --void  labellings left out, and why\n"
+        "  linkwright mechanisms --links 4 --n2 2 --joints r,p,g --count\n"
+        "  linkwright mechanisms --input ground --assur chains.g6\n"
+        "  linkwright mechanisms --assur-groups 6               all Assur groups of six links\n"
+        "  linkwright mechanisms --links 8 --multiple-joints    several pins on one axis\n",
+    .about =
+        "Chains come from FILE or standard input in any notation (docs/notation.md), or are all those of\n"
+        "--links and --dof, not fractionated. Then come the steps ground, joint kinds (--joints), F inputs\n"
+        "(--input), output link (--output-link); each shows one of those that are alike up to symmetry, and is\n"
+        "skipped where the input has made its choice. A labelling is left out when, at general dimensions, F\n"
+        "counts wrongly or a joint never moves: a loop of sliders only, links that only sliders connect with a\n"
+        "pin between them, and so on; --void names each. An output link is not the ground and not a link that\n"
+        "an input ties to it. A chain with a rigid subchain is bad input (exit code 3) and its links are named.\n"
+        "--assur lists class and order after Artobolevsky and the number of assembly modes where known.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .least_words = 0,
+    .most_words = 1,
+    .run = run,
+};

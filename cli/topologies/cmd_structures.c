@@ -1,0 +1,185 @@
+/* linkwright structures - every Franke structure with L loops, grown by ears. */
+#include <stdlib.h>
+#include <string.h>
+#include "base/clock.h"
+#include "cli/program/json.h"
+#include "cli/program/output.h"
+#include "cli/program/progress.h"
+#include "enumerate/filter.h"
+#include "enumerate/structures.h"
+#include "grammar/derivation.h"
+
+typedef struct settings {
+    int         loops;
+    bool        count, derive, planar, non_planar;
+    const char *replay;
+} settings;
+
+static const cli_option options[] = {
+    { "loops", 'l', CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops", 2, LW_LOOP_MAX, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, by number of circles", 0, 0, NULL,
+      NULL },
+    { "derive", 'd', CLI_FLAG, offsetof(settings, derive), NULL, NULL, "show how each grows from the seed", 0, 0, NULL,
+      "count" },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only those with a planar graph", 0, 0, NULL,
+      "non-planar" },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only those without one", 0, 0, NULL, NULL },
+    { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
+      "print the structure that a derivation makes, step by step", 0, 0, NULL, "loops" },
+    { .name = NULL }
+};
+
+static void write_structure(const cli_call *call, FILE *f, const lw_structure *s, const lw_derivation *d)
+{
+    char structure[LW_STRUCTURE_SIZE], derivation[LW_DERIVATION_SIZE];
+    (void)lw_structure_print(s, structure, sizeof structure);
+    if (d)
+        (void)lw_derivation_print(d, derivation, sizeof derivation);
+    if (!call->common.json) {
+        fprintf(f, d ? "%s | %s\n" : "%s\n", structure, derivation);
+        return;
+    }
+    cli_json j = cli_json_begin(f, 0);
+    cli_json_object(&j, NULL);
+    cli_json_int(&j, "loops", lw_structure_loops(s));
+    cli_json_int(&j, "circles", s->n_circle);
+    cli_json_array(&j, "lines");
+    for (int e = 0; e < s->n_line; e++) {
+        cli_json_array(&j, NULL);
+        cli_json_int(&j, NULL, s->end[e][0] + 1);
+        cli_json_int(&j, NULL, s->end[e][1] + 1);
+        cli_json_end(&j);
+    }
+    cli_json_end(&j);
+    if (d)
+        cli_json_text(&j, "derivation", derivation);
+    cli_json_end(&j);
+}
+
+static void write_counts(const cli_call *call, FILE *f, int loops, const size_t *by_circles)
+{
+    size_t total = 0;
+    cli_json j = cli_json_begin(f, 0);
+    if (call->common.json) {
+        cli_json_object(&j, NULL);
+        cli_json_int(&j, "loops", loops);
+        cli_json_array(&j, "by_circles");
+    } else {
+        fputs("# circles  structures\n", f);
+    }
+    for (int v = 2; v <= 2*(loops - 1); v++) {
+        total += by_circles[v];
+        if (call->common.json)
+            cli_json_int(&j, NULL, (long long)by_circles[v]);
+        else
+            fprintf(f, "%9d%12zu\n", v, by_circles[v]);
+    }
+    if (call->common.json) {
+        cli_json_end(&j);
+        cli_json_int(&j, "structures", (long long)total);
+        cli_json_end(&j);
+    } else {
+        fprintf(f, "%9s%12zu\n", "all", total);
+    }
+}
+
+static size_t walk(const cli_call *call, FILE *f, const lw_structures *set)
+{
+    const settings *s = call->settings;
+    const lw_filter *filter = lw_filter_find(s->planar ? "planar" : s->non_planar ? "non-planar" : "");
+    size_t by_circles[LW_CIRCLE_MAX + 1] = { 0 }, n = 0;
+    for (size_t k = 0; k < lw_structures_count(set, s->loops) && !cli_interrupted(); k++) {
+        lw_structure structure;
+        lw_derivation d;
+        lw_structures_get(set, s->loops, k, &structure);
+        if (filter && !filter->structure(&structure))
+            continue;
+        n++;
+        by_circles[structure.n_circle]++;
+        lw_structures_derive(set, s->loops, k, &d);
+        if (!s->count)
+            write_structure(call, f, &structure, s->derive ? &d : NULL);
+    }
+    if (s->count)
+        write_counts(call, f, s->loops, by_circles);
+    return n;
+}
+
+static int replay(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_derivation d;
+    lw_output o;
+    lw_error e = { 0 };
+    if (lw_derivation_read(s->replay, strlen(s->replay), "--replay", &d, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
+        return cli_fail(call, &e);
+    for (int n = 0, n_ear = d.n_ear; n <= n_ear; n++) {
+        lw_structure structure;
+        d.n_ear = n;
+        if (lw_derivation_replay(&d, &structure) == LW_OK)
+            write_structure(call, o.f, &structure, &d);
+    }
+    return cli_close(call, &o, CLI_DONE);
+}
+
+typedef struct watch { const cli_call *call; cli_progress progress; double start; } watch;
+
+static bool tick(void *context, int loops, size_t found)
+{
+    watch *w = context;
+    double limit = w->call->common.time;
+    (void)loops;
+    cli_progress_show(&w->progress, (double)found, 0, NULL);
+    return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - w->start < limit);
+}
+
+static int run(const cli_call *call)
+{
+    const settings *s = call->settings;
+    lw_structures *set;
+    lw_output o;
+    lw_error e = { 0 };
+    if (s->replay)
+        return replay(call);
+    if (!s->loops)
+        return cli_usage(call, "how many loops? give --loops L");
+    cli_watch_interrupt();
+    if (s->loops > 8)
+        cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
+    watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
+    lw_status status = lw_structures_create_while(s->loops, call->common.jobs, tick, &w, &set);
+    cli_progress_end(&w.progress);
+    if (status != LW_OK) {
+        (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were complete"
+                           : "the structures with %d loops do not fit into memory", s->loops);
+        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(call, &e);
+    }
+    int code = CLI_DONE;
+    if (cli_open(call, &o, &e) != LW_OK)
+        code = cli_fail(call, &e);
+    else
+        code = cli_close(call, &o, walk(call, o.f, set) > 0 || s->count ? CLI_DONE : CLI_NOTHING);
+    lw_structures_free(set);
+    return code;
+}
+
+const cli_command cli_structures_command = {
+    .name = "structures",
+    .words = "--loops L",
+    .title = "every Franke structure with L loops, with a derivation",
+    .examples =
+        "  linkwright structures --loops 3                  the four of eight-link chains\n"
+        "  linkwright structures --loops 6 --count          1198, by number of circles\n"
+        "  linkwright structures --loops 4 --derive         how each grows, ear by ear\n"
+        "  linkwright structures --replay 'theta 3(1,2)'    follow a derivation\n",
+    .about =
+        "A structure is printed as (lines at each circle) and its lines: (3 3) 1-2 1-2 1-2 is the seed\n"
+        "theta. Circles are links with three joints or more, lines stand for strings of binary links.\n"
+        "Derivations: 1(a,b) a line between circles a and b; 2(a,b) between circle a and a new circle on\n"
+        "line b; 3(a,b) between new circles on lines a and b; 4(a) between two new circles on line a; numbers\n"
+        "are those of the structure before the step. Fewer circles come first; the order is fixed.\n",
+    .options = options,
+    .settings_size = sizeof(settings),
+    .most_words = 0,
+    .run = run,
+};

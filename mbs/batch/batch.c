@@ -1,0 +1,100 @@
+/* Which instruction set serves the batch, and how much scratch it needs. */
+#include "mbs/batch/kernels_internal.h"
+
+#ifdef __x86_64__
+extern const lw_kernels lw_kernels_x86_64, lw_kernels_x86_64_v3, lw_kernels_x86_64_v4;
+
+/* The features of the psABI's level 4 and 3 that compilers make use of in these loops. */
+static bool runs_v4(void)
+{
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+}
+static bool runs_v3(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+           __builtin_cpu_supports("bmi2");
+}
+
+const lw_kernels *lw_kernels_supported(int rank)
+{
+    const lw_kernels *list[4] = { 0 };
+    int n = 0;
+    __builtin_cpu_init();
+    if (runs_v4() && runs_v3())
+        list[n++] = &lw_kernels_x86_64_v4;
+    if (runs_v3())
+        list[n++] = &lw_kernels_x86_64_v3;
+    list[n++] = &lw_kernels_x86_64;
+    return rank >= 0 && rank < n ? list[rank] : NULL;
+}
+#else
+extern const lw_kernels lw_kernels_native;
+
+const lw_kernels *lw_kernels_supported(int rank) { return rank == 0 ? &lw_kernels_native : NULL; }
+#endif
+
+/* Registers and their adjoints (two numbers each), margin, zeros and a row to throw away; a root's
+ * reciprocal a dyad; cosine and sine an angle; dimensions and modes spread over the lanes, derivatives by
+ * the dimensions. */
+size_t lw_lane_rows(const lw_plan *p)
+{
+    return 4*(size_t)p->n_reg + 4 + (size_t)p->n_dyad + (size_t)p->n_mode + 2*(size_t)p->n_angle + 2*(size_t)p->n_dim;
+}
+
+/* The padded last group of inputs and outputs; eight accumulators a sum. */
+static size_t group_rows(const lw_plan *p) { return 16 + 4*(size_t)p->n_dim + (size_t)p->n_mode; }
+
+size_t lw_inverse_rows(const lw_plan *p)
+{
+    size_t rows = 0;
+    for (int i = 0; i < p->n_higher; i++)
+        rows += (size_t)(p->higher[i].n_unknown*p->higher[i].n_unknown);
+    return rows;
+}
+
+/* Registers of eight lanes. */
+size_t lw_follow_size(const lw_plan *p)
+{
+    return (lw_lane_rows(p) + group_rows(p))*LW_GROUP;
+}
+
+/* Beside the lanes' own: for higher groups their inverses, where they are in a chunk of lanes, and what it
+ * takes to follow them. */
+size_t lw_batch_work_size(const lw_plan *p)
+{
+    size_t n = lw_lane_rows(p)*LW_BLOCK + group_rows(p)*LW_GROUP;
+    if (p->n_higher)
+        n += lw_inverse_rows(p)*LW_BLOCK + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP) + lw_follow_size(p);
+    return sizeof(double)*n;
+}
+
+void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    double *x, double *y, double *u, double *v, double *margin)
+{
+    plan->kernels->point(plan, in, which, work, x, y, u, v, margin);
+}
+
+void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    double *ox, double *oy, double *dx, double *dy, double *margin)
+{
+    plan->kernels->frame(plan, in, which, work, ox, oy, dx, dy, margin);
+}
+
+void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
+{
+    plan->kernels->jacobian(plan, in, which, work, out);
+}
+
+double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                    const double *tx, const double *ty, const double *w, double *grad, double *margin)
+{
+    return plan->kernels->sum(plan, in, which, work, tx, ty, w, grad, margin);
+}
+
+void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double *g)
+{
+    plan->kernels->normal(in, h, g);
+}
+
+const char *lw_batch_isa(const lw_plan *plan) { return plan->kernels->isa; }

@@ -1,0 +1,644 @@
+/* Lanes in blocks: from the caller's arrays through the steps of the plan to the caller's arrays.
+ *
+ * Compiled once per instruction set (LW_ISA, see the Makefile); everything but the table at the end
+ * is static, so that no instruction of one set leaks into another. */
+#include "mbs/batch/kernel_normal_internal.h"
+#include "mbs/batch/kernel_fast_dyad_internal.h"
+#include "mbs/batch/kernel_steps_internal.h"
+
+/* ---- lanes in blocks ----------------------------------------------------------------------------------- */
+
+static size_t round_up(size_t n) { return (n + LW_GROUP - 1)/LW_GROUP*LW_GROUP; }
+
+/* Share out the work memory; rows are as short as n allows, to stay in cache. */
+static run start(const lw_plan *plan, size_t n, void *work)
+{
+    run k = { .plan = plan, .nb = n >= LW_BLOCK ? LW_BLOCK : round_up(n) };
+    double *w = work;
+    size_t nb = k.nb;
+    k.reg = w;         w += 2*(size_t)plan->n_reg*nb;
+    k.bar = w;         w += 2*(size_t)plan->n_reg*nb;
+    k.margin = w;      w += nb;
+    k.spare = w;       w += 3*nb;
+    k.aux = w;         w += (size_t)plan->n_dyad*nb;
+    k.spread_mode = w; w += (size_t)plan->n_mode*nb;
+    k.turn = w;        w += 2*(size_t)plan->n_angle*nb;
+    k.spread_dim = w;  w += (size_t)plan->n_dim*nb;
+    k.row = w;         w += (size_t)plan->n_dim*nb;
+    k.row_row = nb;
+    k.tail = w;        w += (16 + 4*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
+    k.inverse = w;
+    return k;
+}
+
+/* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
+static void ground_rows(const run *k, size_t n)
+{
+    double *ox = reg_x(k, 0), *oy = reg_y(k, 0), *ux = reg_x(k, 1), *uy = reg_y(k, 1);
+    for (size_t i = 0; i < n; i++) {
+        ox[i] = oy[i] = uy[i] = 0;
+        ux[i] = 1;
+    }
+    memset(k->spare, 0, 3*n*sizeof(double));
+}
+
+static void set_ground(const run *k, int which)
+{
+    ground_rows(k, k->plan->output_short[which].is_short ? 0 : k->nb);
+}
+
+/* Points of a short plan with one set of dimensions need no rows of their own: all lanes are one block.
+ * Frames over candidates need none but zeros, when all their numbers come from the caller. */
+static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, const rows *out, int frame)
+{
+    const lw_short *f = &plan->output_short[which];
+    if (!f->is_short || (!out->margin && out->u && !frame))
+        return LW_BLOCK;
+    if (!in->dim_stride && !in->mode_stride)
+        return (size_t)-1;
+    return frame && f->beta < 0 && in->dim_stride && in->mode_stride ? LW_ZEROS : LW_BLOCK;
+}
+
+/* One set of numbers copied to every lane. */
+static void spread(double *to, const double *from, int count, size_t nb)
+{
+    for (int d = 0; d < count; d++)
+        for (size_t i = 0; i < nb; i++)
+            to[(size_t)d*nb + i] = from[d];
+}
+
+/* Dimensions and modes of the lanes: both shared, or both per lane. */
+static int set_numbers(run *k, const lw_lanes *in, size_t first)
+{
+    int per_lane = in->dim_stride || in->mode_stride;
+    k->dim = in->dim_stride ? in->dim + first : in->dim;
+    k->dim_row = in->dim_stride ? in->dim_stride : 1;
+    k->mode = in->mode_stride ? in->mode + first : in->mode;
+    k->mode_row = in->mode_stride ? in->mode_stride : 1;
+    if (per_lane && !in->dim_stride) {
+        if (first == 0)
+            spread(k->spread_dim, in->dim, k->plan->n_dim, k->nb);
+        k->dim = k->spread_dim;
+        k->dim_row = k->nb;
+    }
+    if (per_lane && !in->mode_stride) {
+        if (first == 0)
+            spread(k->spread_mode, in->mode, k->plan->n_mode, k->nb);
+        k->mode = k->spread_mode;
+        k->mode_row = k->nb;
+    }
+    return per_lane;
+}
+
+/* Inputs, and seats of higher groups, from lane `first` on. */
+static void at_lanes(run *k, const lw_lanes *in, size_t first)
+{
+    k->c = in->c + first;
+    k->s = in->s ? in->s + first : NULL;
+    k->seat = k->seats ? k->seats + first : NULL;
+    k->seat_row = LW_CHUNK + LW_GROUP;
+}
+
+/* Cosine and sine of n angles; those far beyond a turn by the library. */
+static void turns(const double *angle, size_t n, double *restrict c, double *restrict s)
+{
+    int far = 0;
+    LW_LANES(n) {
+        lw_vec2 u = lw_sincos(angle[i]);
+        far |= !(fabs(angle[i]) < LW_SINCOS_MAX);
+        c[i] = u.x;
+        s[i] = u.y;
+    }
+    for (size_t i = 0; far && i < n; i++)
+        if (!(fabs(angle[i]) < LW_SINCOS_MAX)) {
+            c[i] = cos(angle[i]);
+            s[i] = sin(angle[i]);
+        }
+}
+
+static lw_vec2 turn(double angle)
+{
+    return fabs(angle) < LW_SINCOS_MAX ? lw_sincos(angle) : lw_v2(cos(angle), sin(angle));
+}
+
+/* Those of the first n_angle angles among the dimensions; theta0 is the last. */
+static void set_turns(run *k, int n_angle, int per_lane, size_t n)
+{
+    k->turn_row = per_lane ? k->nb : 1;
+    for (int a = 0; a < n_angle; a++) {
+        const double *angle = dim_of(k, k->plan->angle[a]);
+        double *c = k->turn + 2*(size_t)a*k->turn_row;
+        if (per_lane) {
+            turns(angle, n, c, c + k->turn_row);
+            continue;
+        }
+        lw_vec2 u = turn(*angle);
+        c[0] = u.x;
+        c[1] = u.y;
+    }
+}
+
+#include "mbs/batch/kernel_continuation_internal.h"
+
+/* The lanes from `first` on, fewer than a group, as a full group: the last one repeated. */
+static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
+{
+    const lw_plan *p = k->plan;
+    double *c = k->tail, *s = c + LW_GROUP, *mode = s + LW_GROUP, *dim = mode + (size_t)p->n_mode*LW_GROUP;
+    lw_lanes out = { LW_GROUP, c, s, in->dim_stride ? dim : in->dim, in->dim_stride ? LW_GROUP : 0,
+                     in->mode_stride ? mode : in->mode, in->mode_stride ? LW_GROUP : 0 };
+    for (size_t i = 0; i < LW_GROUP; i++) {
+        size_t from = first + i < in->n ? first + i : in->n - 1;
+        c[i] = in->c[from];
+        s[i] = p->input_is_slider ? 0 : in->s[from];
+        for (int d = 0; in->dim_stride && d < p->n_dim; d++)
+            dim[(size_t)d*LW_GROUP + i] = in->dim[(size_t)d*in->dim_stride + from];
+        for (int d = 0; in->mode_stride && d < p->n_mode; d++)
+            mode[(size_t)d*LW_GROUP + i] = in->mode[(size_t)d*in->mode_stride + from];
+    }
+    return out;
+}
+
+/* Where a padded group puts its outputs, after its inputs: row i. */
+static double *tail_row(const run *k, size_t i)
+{
+    return k->tail + (2 + (size_t)k->plan->n_mode + (size_t)k->plan->n_dim + i)*LW_GROUP;
+}
+
+static rows tail_places(const run *k)
+{
+    return (rows){ tail_row(k, 0), tail_row(k, 1), tail_row(k, 2), tail_row(k, 3), tail_row(k, 4) };
+}
+
+static void copy_out(double *to, const double *from, size_t n)
+{
+    if (to)
+        memcpy(to, from, n*sizeof *to);
+}
+
+static double *at(double *row, size_t first) { return row ? row + first : NULL; }
+
+/* ---- points and frames ----------------------------------------------------------------------------------- */
+
+/* Turned by theta0 and, points, shifted by x0, y0 into the plane. */
+LW_INLINE void move(const run *k, size_t n, const double *px, const double *py, double *restrict x, double *restrict y,
+                    const int per_lane, const int shift)
+{
+    const lw_plan *p = k->plan;
+    const double *c = cos_of(k, p->n_angle - 1), *s = sin_of(k, p->n_angle - 1);
+    const double *x0 = dim_of(k, p->i_x0), *y0 = dim_of(k, p->i_y0), c0 = *c, s0 = *s, x00 = *x0, y00 = *y0;
+    LW_LANES(n) {
+        lw_vec2 q = lw_v2_turn(lw_v2(px[i], py[i]), lw_v2(per_lane ? c[i] : c0, per_lane ? s[i] : s0));
+        x[i] = shift ? q.x + (per_lane ? x0[i] : x00) : q.x;
+        y[i] = shift ? q.y + (per_lane ? y0[i] : y00) : q.y;
+    }
+}
+
+static void move_out(const run *k, size_t n, int reg, double *x, double *y, int per_lane, int shift)
+{
+    const double *px = reg_x(k, reg), *py = reg_y(k, reg);
+    if (per_lane && shift)
+        move(k, n, px, py, x, y, 1, 1);
+    else if (per_lane)
+        move(k, n, px, py, x, y, 1, 0);
+    else if (shift)
+        move(k, n, px, py, x, y, 0, 1);
+    else
+        move(k, n, px, py, x, y, 0, 0);
+}
+
+static void block_point(run *k, const lw_lanes *in, int which, size_t first, size_t n, const rows *out, int frame)
+{
+    const lw_plan *p = k->plan;
+    int per_lane = set_numbers(k, in, first), want = out->margin ? WITH_MARGIN : POSE_ONLY;
+    at_lanes(k, in, first);
+    if (per_lane || first == 0)
+        set_turns(k, p->n_angle - frame, per_lane, n);
+    if (p->output_short[which].is_short) {
+        short_block(k, which, n, out, per_lane, frame);
+        return;
+    }
+    forward(k, which, n, per_lane, want);
+    copy_out(out->margin, k->margin, n);
+    int o = frame ? p->link_origin[p->output_link[which]] : p->output_point[which], d = p->output_dir[which];
+    if (frame) {
+        copy_out(out->x, reg_x(k, o), n);
+        copy_out(out->y, reg_y(k, o), n);
+        copy_out(out->u, reg_x(k, d), n);
+        copy_out(out->v, reg_y(k, d), n);
+        return;
+    }
+    move_out(k, n, o, out->x, out->y, per_lane, 1);
+    if (out->u && out->v)
+        move_out(k, n, d, out->u, out->v, per_lane, 0);
+}
+
+static rows shift_rows(const rows *o, size_t first)
+{
+    return (rows){ at(o->x, first), at(o->y, first), at(o->u, first), at(o->v, first), at(o->margin, first) };
+}
+
+static void few_points(run *k, const lw_lanes *in, int which, const rows *out, int frame)
+{
+    lw_lanes lanes = pad(k, in, 0);
+    rows to = tail_places(k);
+    block_point(k, &lanes, which, 0, LW_GROUP, &to, frame);
+    copy_out(out->x, to.x, in->n);
+    copy_out(out->y, to.y, in->n);
+    copy_out(out->u, to.u, in->n);
+    copy_out(out->v, to.v, in->n);
+    copy_out(out->margin, to.margin, in->n);
+}
+
+/* Whole groups in blocks; what is left over as one more group that reaches back into the last one. */
+static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats, const rows *out,
+                   int frame)
+{
+    run k = start(plan, in->n, work);
+    k.seats = seats;
+    size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
+    set_ground(&k, which);
+    if (in->n > 0 && in->n < LW_GROUP)
+        few_points(&k, in, which, out, frame);
+    for (size_t first = 0; first < full; first += block) {
+        rows to = shift_rows(out, first);
+        block_point(&k, in, which, first, full - first < block ? full - first : block, &to, frame);
+    }
+    if (full && full < in->n) {
+        rows to = shift_rows(out, in->n - LW_GROUP);
+        block_point(&k, in, which, in->n - LW_GROUP, LW_GROUP, &to, frame);
+    }
+}
+
+/* The lanes of a plan with higher groups in chunks, each with its groups followed first. */
+typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
+
+static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
+{
+    lw_lanes p = *in;
+    p.n = n;
+    p.c = in->c + first;
+    p.s = in->s ? in->s + first : NULL;
+    p.dim = in->dim_stride ? in->dim + first : in->dim;
+    p.mode = in->mode_stride ? in->mode + first : in->mode;
+    return p;
+}
+
+static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
+{
+    c->q.seat = work;
+    c->q.row = LW_CHUNK + LW_GROUP;
+    double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
+    c->lane_work = follow + lw_follow_size(plan);
+    c->next = 0;
+    if (!in->dim_stride && !in->mode_stride)
+        follow_from_seed(&c->f, plan, in->dim, in->mode, false, follow);
+}
+
+/* No chunk of fewer lanes than a group after others. */
+static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
+{
+    size_t rest = in->n - c->next, n = rest < LW_CHUNK + LW_GROUP ? rest : LW_CHUNK;
+    if (rest == 0)
+        return false;
+    c->first = c->next;
+    c->next += n;
+    c->part = part_of(in, c->first, n);
+    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_follow_size(plan), &c->q);
+    return true;
+}
+
+static void all_points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
+{
+    chunks c;
+    if (!plan->n_higher) {
+        points(plan, in, which, work, NULL, out, frame);
+        return;
+    }
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        rows to = shift_rows(out, c.first);
+        points(plan, &c.part, which, c.lane_work, c.q.seat, &to, frame);
+    }
+}
+
+static void kernel_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                         double *x, double *y, double *u, double *v, double *margin)
+{
+    all_points(plan, in, which, work, &(rows){ x, y, u, v, margin }, 0);
+}
+
+static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                         double *ox, double *oy, double *dx, double *dy, double *margin)
+{
+    all_points(plan, in, which, work, &(rows){ ox, oy, dx, dy, margin }, 1);
+}
+
+/* ---- Jacobian --------------------------------------------------------------------------------------------- */
+
+/* One component: seeds on the output's point or direction, derivatives to `row`, by the input to `input`. */
+static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, double *row, size_t ld, double *input)
+{
+    const lw_plan *p = k->plan;
+    double *px = bar_x(k, p->output_point[which]), *py = bar_y(k, p->output_point[which]), *d = bar_x(k, p->output_dir[which]);
+    k->row = row;
+    k->row_row = ld;
+    memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
+    memset(input, 0, n*sizeof(double));
+    for (int i = 0; i < p->n_dim; i++)
+        memset(row + (size_t)i*ld, 0, n*sizeof(double));
+    for (size_t i = 0; i < n; i++) {
+        px[i] = seed.x;
+        py[i] = seed.y;
+        d[i] += turn;
+    }
+    backward(k, which, n, input);
+}
+
+static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, size_t n, const lw_jacobian *out)
+{
+    const lw_plan *p = k->plan;
+    set_numbers(k, in, first);
+    at_lanes(k, in, first);
+    if (first == 0)
+        set_turns(k, p->n_angle, 0, n);
+    if (p->output_short[which].is_short) {
+        short_block_jacobian(k, which, n, out);
+        return;
+    }
+    forward(k, which, n, 0, WITH_ROOTS);
+    copy_out(out->margin, k->margin, n);
+    move_out(k, n, p->output_point[which], out->x, out->y, 0, 1);
+    if (out->u && out->v)
+        move_out(k, n, p->output_dir[which], out->u, out->v, 0, 0);
+    double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), *scrap = k->spare + k->nb;
+    component(k, which, n, lw_v2(c, -s), 0, out->jx, out->ld, out->tx ? out->tx : scrap);
+    component(k, which, n, lw_v2(s, c), 0, out->jy, out->ld, out->ty ? out->ty : scrap);
+    fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
+    fill(out->jy + (size_t)p->i_y0*out->ld, 1, n);
+    for (size_t i = 0; i < n; i++) {
+        out->jx[(size_t)p->i_theta0*out->ld + i] = in->dim[p->i_y0] - out->y[i];
+        out->jy[(size_t)p->i_theta0*out->ld + i] = out->x[i] - in->dim[p->i_x0];
+    }
+    if (out->jt) {
+        component(k, which, n, lw_v2(0, 0), 1, out->jt, out->ld, out->tt ? out->tt : scrap);
+        fill(out->jt + (size_t)p->i_theta0*out->ld, 1, n);
+    }
+}
+
+static lw_jacobian shift_jacobian(const lw_jacobian *o, size_t first)
+{
+    return (lw_jacobian){ at(o->x, first), at(o->y, first), at(o->u, first), at(o->v, first), at(o->margin, first),
+                          at(o->jx, first), at(o->jy, first), at(o->jt, first), at(o->tx, first), at(o->ty, first),
+                          at(o->tt, first), o->ld };
+}
+
+static void copy_jacobian(const lw_jacobian *to, const lw_jacobian *from, int n_dim, size_t n)
+{
+    double *const single[][2] = { { to->x, from->x }, { to->y, from->y }, { to->u, from->u }, { to->v, from->v },
+                                  { to->margin, from->margin }, { to->tx, from->tx }, { to->ty, from->ty },
+                                  { to->tt, from->tt } };
+    for (size_t i = 0; i < sizeof single/sizeof *single; i++)
+        copy_out(single[i][0], single[i][1], n);
+    for (int d = 0; d < n_dim; d++) {
+        copy_out(to->jx + (size_t)d*to->ld, from->jx + (size_t)d*from->ld, n);
+        copy_out(to->jy + (size_t)d*to->ld, from->jy + (size_t)d*from->ld, n);
+        if (to->jt)
+            copy_out(to->jt + (size_t)d*to->ld, from->jt + (size_t)d*from->ld, n);
+    }
+}
+
+static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobian *out)
+{
+    lw_lanes lanes = pad(k, in, 0);
+    size_t n_dim = (size_t)k->plan->n_dim;
+    rows t = tail_places(k);
+    lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, tail_row(k, 8), tail_row(k, 8 + n_dim),
+                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7), LW_GROUP };
+    block_jacobian(k, &lanes, which, 0, LW_GROUP, &to);
+    copy_jacobian(out, &to, k->plan->n_dim, in->n);
+}
+
+static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+                      const lw_jacobian *out)
+{
+    run k = start(plan, in->n, work);
+    k.seats = seats;
+    size_t full = in->n/LW_GROUP*LW_GROUP;
+    set_ground(&k, which);
+    if (in->n > 0 && in->n < LW_GROUP)
+        few_jacobian(&k, in, which, out);
+    for (size_t first = 0; first < full; first += LW_BLOCK) {
+        lw_jacobian to = shift_jacobian(out, first);
+        block_jacobian(&k, in, which, first, full - first < LW_BLOCK ? full - first : LW_BLOCK, &to);
+    }
+    if (full && full < in->n) {
+        lw_jacobian to = shift_jacobian(out, in->n - LW_GROUP);
+        block_jacobian(&k, in, which, in->n - LW_GROUP, LW_GROUP, &to);
+    }
+}
+
+static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
+{
+    chunks c;
+    if (!plan->n_higher) {
+        jacobians(plan, in, which, work, NULL, out);
+        return;
+    }
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        lw_jacobian to = shift_jacobian(out, c.first);
+        jacobians(plan, &c.part, which, c.lane_work, c.q.seat, &to);
+    }
+}
+
+/* ---- sum of squares with gradient ---------------------------------------------------------------------------- */
+
+/* Eight sums, lane by lane number modulo eight, so that vector width does not change their order. */
+static void accumulate(double *acc, const double *row, size_t n)
+{
+    double a0 = acc[0], a1 = acc[1], a2 = acc[2], a3 = acc[3], a4 = acc[4], a5 = acc[5], a6 = acc[6], a7 = acc[7];
+    for (size_t i = 0; i < n; i += LW_GROUP) {
+        a0 += row[i];
+        a1 += row[i + 1];
+        a2 += row[i + 2];
+        a3 += row[i + 3];
+        a4 += row[i + 4];
+        a5 += row[i + 5];
+        a6 += row[i + 6];
+        a7 += row[i + 7];
+    }
+    acc[0] = a0; acc[1] = a1; acc[2] = a2; acc[3] = a3; acc[4] = a4; acc[5] = a5; acc[6] = a6; acc[7] = a7;
+}
+
+static double total(const double *acc)
+{
+    return ((acc[0] + acc[4]) + (acc[2] + acc[6])) + ((acc[1] + acc[5]) + (acc[3] + acc[7]));
+}
+
+/* Residuals to seeds: the adjoint of the point in the ground frame, the place's share, and f. */
+LW_INLINE void seed_sum(const run *k, int which, size_t n, const target *t, double *restrict f, const int weighted)
+{
+    const lw_plan *p = k->plan;
+    const double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), x0 = k->dim[p->i_x0], y0 = k->dim[p->i_y0];
+    const double *px = reg_x(k, p->output_point[which]), *py = reg_y(k, p->output_point[which]);
+    const double *tx = t->x, *ty = t->y, *w = t->w;
+    double *restrict bx = bar_x(k, p->output_point[which]), *restrict by = bar_y(k, p->output_point[which]);
+    double *restrict gx = dim_bar(k, p->i_x0), *restrict gy = dim_bar(k, p->i_y0), *restrict gt = dim_bar(k, p->i_theta0);
+    LW_LANES(n) {
+        lw_vec2 q = lw_v2_turn(lw_v2(px[i], py[i]), lw_v2(c, s));
+        double ex = q.x + x0 - tx[i], ey = q.y + y0 - ty[i], hx = weighted ? w[i]*ex : ex, hy = weighted ? w[i]*ey : ey;
+        f[i] = ex*hx + ey*hy;
+        gx[i] = 2*hx;
+        gy[i] = 2*hy;
+        gt[i] = 2*(q.x*hy - q.y*hx);
+        bx[i] = 2*(c*hx + s*hy);
+        by[i] = 2*(c*hy - s*hx);
+    }
+}
+
+static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_t n, const target *t, double *acc)
+{
+    const lw_plan *p = k->plan;
+    double *scrap = k->spare + k->nb, *f = scrap + k->nb;
+    set_numbers(k, in, first);
+    at_lanes(k, in, first);
+    forward(k, which, n, 0, WITH_ROOTS);
+    memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
+    memset(k->row, 0, (size_t)p->n_dim*k->nb*sizeof(double));
+    if (t->w)
+        seed_sum(k, which, n, t, f, 1);
+    else
+        seed_sum(k, which, n, t, f, 0);
+    backward(k, which, n, scrap);
+    for (int d = 0; d < p->n_dim; d++)
+        accumulate(acc + d*LW_GROUP, dim_bar(k, d), n);
+    accumulate(acc + p->n_dim*LW_GROUP, f, n);
+}
+
+static void keep_least(double *restrict acc, const double *margin, size_t n)
+{
+    for (size_t i = 0; i < n; i += LW_GROUP)
+        for (size_t j = 0; j < LW_GROUP; j++)
+            acc[j] = lw_at_most(margin[i + j], acc[j]);
+}
+
+/* The sums of a short plan to their dimensions: twice, the square's derivative. */
+static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
+{
+    const lw_short *f = &p->output_short[which];
+    const struct { int dim; const double *acc; } to[] = {
+        { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e }, { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
+        { f->d1, a->d1 }, { f->d2, a->d2 }, { p->i_cx[which], a->cx }, { p->i_cy[which], a->cy },
+        { p->i_x0, a->x0 }, { p->i_y0, a->y0 }, { p->i_theta0, a->turn }
+    };
+    for (int d = 0; d < p->n_dim; d++)
+        grad[d] = 0;
+    for (size_t i = 0; i < sizeof to/sizeof *to; i++)
+        if (to[i].dim >= 0)
+            grad[to[i].dim] = 2*total(to[i].acc);
+}
+
+/* The targets of a padded group; weight 0 for the padding. */
+static target pad_target(const run *k, const target *t, size_t first, size_t rest)
+{
+    double *x = tail_row(k, 0), *y = tail_row(k, 1), *w = tail_row(k, 2);
+    for (size_t i = 0; i < LW_GROUP; i++) {
+        x[i] = i < rest ? t->x[first + i] : 0;
+        y[i] = i < rest ? t->y[first + i] : 0;
+        w[i] = i >= rest ? 0 : t->w ? t->w[first + i] : 1;
+    }
+    return (target){ x, y, w };
+}
+
+static double least8(const double *m)
+{
+    double a = m[0];
+    for (int i = 1; i < LW_GROUP; i++)
+        a = m[i] < a ? m[i] : a;
+    return a;
+}
+
+static double short_kernel_sum(run *k, const lw_lanes *in, int which, const target *t, double *grad, double *margin)
+{
+    size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
+    sums a = { .margin = { 1, 1, 1, 1, 1, 1, 1, 1 } };
+    k->c = in->c;
+    k->s = in->s;
+    short_block_sum(k, which, full, t, &a);
+    if (rest) {
+        lw_lanes last = pad(k, in, full);
+        target here = pad_target(k, t, full, rest);
+        k->c = last.c;
+        k->s = last.s;
+        short_block_sum(k, which, LW_GROUP, &here, &a);
+    }
+    if (grad)
+        scatter(k->plan, which, &a, grad);
+    if (margin)
+        *margin = least8(a.margin);
+    return total(a.f);
+}
+
+static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+                       const double *tx, const double *ty, const double *w, double *grad, double *margin)
+{
+    run k = start(plan, in->n, work);
+    k.seats = seats;
+    target t = { tx, ty, w };
+    size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
+    double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
+    memset(acc, 0, (size_t)(plan->n_dim + 1)*LW_GROUP*sizeof(double));
+    set_ground(&k, which);
+    set_numbers(&k, in, 0);
+    set_turns(&k, plan->n_angle, 0, 1);
+    if (plan->output_short[which].is_short)
+        return short_kernel_sum(&k, in, which, &t, grad, margin);
+    for (size_t first = 0; first < full; first += LW_BLOCK) {
+        size_t n = full - first < LW_BLOCK ? full - first : LW_BLOCK;
+        target here = { tx + first, ty + first, w ? w + first : NULL };
+        block_sum(&k, in, which, first, n, &here, acc);
+        keep_least(smallest, k.margin, n);
+    }
+    if (rest) {
+        lw_lanes last = pad(&k, in, full);
+        target here = pad_target(&k, &t, full, rest);
+        k.seats = seats ? seats + full : NULL;
+        block_sum(&k, &last, which, 0, LW_GROUP, &here, acc);
+        keep_least(smallest, k.margin, LW_GROUP);
+    }
+    for (int d = 0; grad && d < plan->n_dim; d++)
+        grad[d] = total(acc + d*LW_GROUP);
+    if (margin)
+        *margin = least8(smallest);
+    return total(acc + plan->n_dim*LW_GROUP);
+}
+
+static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                         const double *tx, const double *ty, const double *w, double *grad, double *margin)
+{
+    chunks c;
+    double f = 0, part[LW_DIM_MAX], least;
+    if (!plan->n_higher)
+        return lane_sum(plan, in, which, work, NULL, tx, ty, w, grad, margin);
+    if (margin)
+        *margin = 1;
+    for (int d = 0; grad && d < plan->n_dim; d++)
+        grad[d] = 0;
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in)) {
+        f += lane_sum(plan, &c.part, which, c.lane_work, c.q.seat, tx + c.first, ty + c.first, w ? w + c.first : NULL, part,
+                      &least);
+        for (int d = 0; grad && d < plan->n_dim; d++)
+            grad[d] += part[d];
+        if (margin)
+            *margin = lw_at_most(least, *margin);
+    }
+    return f;
+}
+
+#define LW_TABLE_OF(isa) lw_kernels_##isa
+#define LW_TABLE(isa)    LW_TABLE_OF(isa)
+extern const lw_kernels LW_TABLE(LW_ISA);
+const lw_kernels LW_TABLE(LW_ISA) = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
+                                      kernel_normal, kernel_seat };

@@ -1,0 +1,486 @@
+/* mbs/batch/kernel_certified_step_internal.h - one step in following the higher groups of a plan along the input: eight postures
+ * tried, and which of them are sure to be on the way.  Included by mbs/batch/kernel.c alone.
+ *
+ * Eight inputs further and further along the way are tried at once, each from a polynomial through the postures
+ * behind. The way between two neighbouring postures is sure when Newton's method arrived at both and no posture near
+ * the curve through them is singular at any input in between: that of the first half as seen from the one, of the
+ * second from the other.  With J the Jacobian at one end, K a quarter turn of every loop's two rows and B = J^-1 K
+ * J, a column of the Jacobian that is turned by t changes J^-1 J' by  sin t B_j - (1 - cos t) e_j  and no more; so
+ * in a box |x' - x| <= r, with z second order in r,
+ *     |J^-1 (J' - J)| r <= |B| z(r) + r t^2/2 <= CONTRACTION r < r
+ * (Krawczyk 1969; Neumaier 1990, section 5.1) keeps all of its Jacobians regular and its solutions apart; where the
+ * input is a joint of the group, what it alone turns or moves of a column Q adds |J^-1 dQ| r.  r is half
+ * the movement, what it bends, and how far the polynomial was wrong at the further end, which bounds its error in
+ * between; it is widened where that helps. */
+#ifndef LW_MBS_KERNEL_TRIAL_INTERNAL_H
+#define LW_MBS_KERNEL_TRIAL_INTERNAL_H
+
+#include "mbs/batch/kernel_higher_internal.h"
+#include "mbs/batch/kernel_steps_internal.h"
+
+#define PAST 16                            /* postures kept behind                                    */
+#define NODES 6                            /* postures a polynomial goes through                      */
+#define COARSE 1e-10                       /* squared step of Newton's method after which one more,   */
+#define COARSE_LAST 1e-14                  /* with the old inverse, is enough when as short as this   */
+#define FINE 1e-24                         /* where none follows                                      */
+#define ROUNDING 1e-30                     /* over the margin: what rounding leaves of a squared step */
+#define CONTRACTION 0.7
+#define GEARED_MOST 0.5                    /* a turn in a group with gears, as far as boxes go        */
+
+/* A posture of the higher groups. */
+typedef struct place { double t, row[LW_ROW_MAX]; } place;
+
+/* How far the way has been gone. */
+typedef struct stand {
+    place   past[PAST];                    /* a ring; the newest at `head`                            */
+    int     head, n_past;
+    double  stride;                        /* step to try next, > 0                                   */
+    lw_vec2 known[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];     /* known directions of slides                */
+    double  bend[LW_INVERSE_MAX];          /* |B| of each group                                       */
+    double  push[LW_INVERSE_MAX];          /* |J^-1 dQ| of each column, by the input                  */
+} stand;
+
+typedef struct follower {
+    stand   at;
+    run     k;                             /* eight lanes                                             */
+    const lw_plan *plan;
+    double  size;
+    bool    on_way;                        /* past the seed                                           */
+    bool    pushed;                        /* the input is a joint of a group                         */
+    bool    tight;                         /* a group or dyad is near its limit: lane by lane         */
+    bool    lost;                          /* no posture near the seed                                */
+    bool    fine;                          /* postures are wanted to rounding, with their inverses    */
+    int     at_lane;                       /* of the last trial: the present                          */
+    pack    c, s;
+    pack    row[LW_ROW_MAX];               /* of the last trial                                       */
+    pack    guess[LW_ROW_MAX];             /* where it began                                          */
+    pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
+    pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
+    mask    sure;
+    pack    margin;                        /* of its groups, the least                                */
+    pack    need;                          /* room it takes over what there is                        */
+    eight   group[LW_HIGHER_MAX];
+} follower;
+
+static const place *back(const stand *a, int n) { return &a->past[(a->head + n)%PAST]; }
+
+/* ---- one trial in eight lanes ---------------------------------------------------------------------------- */
+
+static void set_input(follower *f, pack t)
+{
+    double angle[LW_GROUP], c[LW_GROUP], s[LW_GROUP];
+    f->c = t;
+    f->s = (pack){ 0 };
+    if (f->plan->input_is_slider)
+        return;
+    put8(angle, t);
+    turns(angle, LW_GROUP, c, s);
+    f->c = get8(c);
+    f->s = get8(s);
+}
+
+/* A posture a polynomial goes through: row r is row[r*step]. */
+typedef struct node { double t; const double *row; size_t step; } node;
+
+/* Of the polynomial through n nodes what does not depend on where it is taken. */
+static void constants(const node *at, int n, double *by)
+{
+    for (int a = 0; a < n; a++) {
+        double bottom = 1;
+        for (int b = 0; b < n; b++)
+            bottom *= b == a ? 1 : at[a].t - at[b].t;
+        by[a] = 1/bottom;
+    }
+}
+
+/* Weights of n nodes in the polynomial through them, at t. */
+LW_INLINE void weights(const node *at, int n, const double *by, pack t, pack *weight)
+{
+    pack before = all8(1), after = all8(1);
+    for (int a = 0; a < n; a++) {
+        weight[a] = by[a]*before;
+        before *= t - at[a].t;
+    }
+    for (int a = n - 1; a >= 0; a--) {
+        weight[a] *= after;
+        after *= t - at[a].t;
+    }
+}
+
+/* Those behind that are as far apart as the step is long. */
+static int nodes_behind(const stand *a, double longest, node *to)
+{
+    static const double reach[NODES] = { 0, 0.25, 0.5, 0.6, 0.8, 1 };
+    double now = back(a, 0)->t;
+    int n = 0;
+    for (int i = 0; i < a->n_past && n < NODES; i++) {
+        const place *p = back(a, i);
+        if (i == 0 || (fabs(p->t - now) >= reach[n]*longest && p->t != to[n - 1].t))
+            to[n++] = (node){ p->t, p->row, 1 };
+    }
+    return n;
+}
+
+/* Row by row the nodes' weighted sum, directions made unit vectors (near: they are so but for a thousandth). */
+LW_INLINE void blend(const lw_higher *g, const node *at, int n, const pack *weight, const int near, pack *row)
+{
+    int first = g->first_row, turned = first + 2*g->n_turn;
+    for (int r = first; r < turned + g->n_disp; r++) {
+        pack sum = weight[0]*at[0].row[(size_t)r*at[0].step];
+        for (int p = 1; p < n; p++)
+            sum += weight[p]*at[p].row[(size_t)r*at[p].step];
+        row[r] = sum;
+    }
+    for (int r = first; r < turned; r += 2) {
+        pack x = row[r], y = row[r + 1], z = x*x + y*y, m = near ? 1.5 - 0.5*z : 1/root8(z + LW_TINY2);
+        row[r] = x*m;
+        row[r + 1] = y*m;
+    }
+}
+
+static void take_rows(eight *w, const pack *from)
+{
+    const lw_higher *g = w->g;
+    from += g->first_row;
+    for (int a = 0; a < g->n_turn; a++) {
+        w->ux[w->at[a]] = *from++;
+        w->uy[w->at[a]] = *from++;
+    }
+    for (int d = 0; d < g->n_disp; d++)
+        w->d[d] = *from++;
+    turn_directions(w);
+}
+
+static void keep_rows(follower *f, const eight *w)
+{
+    const lw_higher *g = w->g;
+    int number = (int)(g - f->plan->higher);
+    pack *to = f->row + g->first_row;
+    for (int a = 0; a < g->n_turn; a++) {
+        *to++ = w->ux[w->at[a]];
+        *to++ = w->uy[w->at[a]];
+    }
+    for (int d = 0; d < g->n_disp; d++)
+        *to++ = w->d[d];
+    for (int e = 0; e < g->n_slide; e++) {
+        int dir = g->slide[e].dir;
+        if (g->dir[dir].root >= 0)
+            continue;
+        f->known_x[number][dir] = w->ux[dir];
+        f->known_y[number][dir] = w->uy[dir];
+    }
+}
+
+/* How many lanes from the first on have steps that are short, or shrink. */
+static int shrinking(pack last, pack before, int n)
+{
+    mask not = ~((mask)(last <= 0.25) & (mask)(last <= more8(0.25*before, all8(COARSE_LAST))));
+    for (int j = 0; any8(not) && j < n; j++)
+        if (not[j])
+            return j;
+    return n;
+}
+
+/* Newton's method until its steps are short.  A lane whose steps do not shrink is given up, and those behind it, which
+ * could not be sure either; `last` is then infinite, else the squared length of the last step. */
+LW_INLINE void arrive(eight *w, const int n, bool on_way, bool fine, pack *last)
+{
+    pack before = all8(INFINITY);
+    int alive = LW_GROUP;
+    for (int i = 0; i < (on_way ? 8 : 40); i++) {
+        double now = 0;
+        newton_of(w, n, 1);
+        *last = go(w);
+        if (on_way)
+            alive = shrinking(*last, before, alive);
+        for (int j = 0; j < alive; j++)
+            now = (*last)[j] > now ? (*last)[j] : now;
+        if (!(now > (fine ? FINE : COARSE)))
+            break;
+        before = *last;
+    }
+    if (fine) {
+        newton_of(w, n, 1);
+        measure(w, n);
+    } else {
+        newton_of(w, n, 0);
+        *last = go(w);
+    }
+    for (int j = alive; j < LW_GROUP; j++)
+        (*last)[j] = INFINITY;
+}
+
+/* Where the inverse of a group begins. */
+static size_t inverse_at(const follower *f, const lw_higher *g)
+{
+    size_t at = 0;
+    for (const lw_higher *h = f->plan->higher; h < g; h++)
+        at += (size_t)(h->n_unknown*h->n_unknown);
+    return at;
+}
+
+/* ---- what is sure ----------------------------------------------------------------------------------------- */
+
+/* By how much a group has moved since the lane before, and at most how far off its polynomial was. */
+static void movement(const follower *f, const lw_higher *g, pack *moved, pack *off)
+{
+    const double *present = back(&f->at, 0)->row + g->first_row;
+    const pack *row = f->row + g->first_row, *guess = f->guess + g->first_row;
+    for (int a = 0; a < g->n_turn; a++, row += 2, guess += 2, present += 2) {
+        pack x = row[0] - before8(row[0], present[0]), y = row[1] - before8(row[1], present[1]);
+        moved[a] = root8(x*x + y*y);
+        off[a] = abs8(row[0] - guess[0]) + abs8(row[1] - guess[1]);
+    }
+    for (int d = 0; d < g->n_disp; d++) {
+        moved[g->n_turn + d] = abs8(row[d] - before8(row[d], present[d]));
+        off[g->n_turn + d] = abs8(row[d] - guess[d]);
+    }
+}
+
+/* What moves the columns beside the unknowns: the input where it is a joint of the group, slides on known links. */
+typedef struct drift { pack input, known[LW_HIGHER_DIR_MAX]; } drift;
+
+static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
+{
+    int number = (int)(g - f->plan->higher);
+    to->input = f->plan->laps*abs8(t - before8(t, back(&f->at, 0)->t));
+    for (int e = 0; e < g->n_slide; e++) {
+        int dir = g->slide[e].dir;
+        if (g->dir[dir].root >= 0)
+            continue;
+        lw_vec2 present = f->at.known[number][dir];
+        pack ux = f->known_x[number][dir], uy = f->known_y[number][dir];
+        pack x = ux - before8(ux, present.x), y = uy - before8(uy, present.y);
+        to->known[dir] = root8(x*x + y*y);
+    }
+}
+
+/* z: by how much each column changes in a box of sides r, times r. */
+LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
+{
+    const lw_higher *g = w->g;
+    for (int a = 0; a < g->n_turn; a++)
+        z[a] = r[a]*r[a];
+    for (int d = 0; d < g->n_disp; d++)
+        z[g->n_turn + d] = (pack){ 0 };
+    for (int e = 0; e < g->n_slide; e++) {
+        const lw_higher_slide *q = &g->slide[e];
+        int root = g->dir[q->dir].root;
+        if (q->disp >= g->n_disp)
+            continue;
+        pack *to = &z[g->n_turn + q->disp], side = r[g->n_turn + q->disp];
+        pack turned = root >= 0 ? 2*r[root] : by->known[q->dir];
+        if (root >= 0 && w->moves[q->dir])
+            turned += by->input;
+        *to = more8(side*turned, *to);
+    }
+}
+
+/* |J^-1 (J' - J)| r but for the second order: |B| z, and what the input does beside. */
+LW_INLINE void bent(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *r,
+                    const pack *z, pack *to)
+{
+    for (int i = 0; i < n; i++) {
+        to[i] = b[i*n]*z[0];
+        for (int c = 1; c < n; c++)
+            to[i] += b[i*n + c]*z[c];
+        for (int c = 0; w->driven && c < n; c++)
+            to[i] += push[i*n + c]*r[c]*by->input;
+    }
+}
+
+/* B = J^-1 K J, where K turns the rows of loops. */
+LW_INLINE void quarter_of(const eight *w, const int n, const int loops, pack *b)
+{
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < n; c++) {
+            pack s = { 0 };
+            for (int l = 0; l < loops; l += 2)
+                s += w->inv[r*n + l + 1]*w->jac[l*n + c] - w->inv[r*n + l]*w->jac[(l + 1)*n + c];
+            b[r*n + c] = abs8(s);
+        }
+}
+
+/* The rows G of gears stay as they are when a column is turned, so that of its second order, (1 - cos t) e_j, a part
+ * J^-1 (0, G) is missing: at most t/4 of it and t^2 for turns below GEARED_MOST, which are all that are let. */
+LW_INLINE void quarter(const eight *w, const int n, pack *b)
+{
+    if (!w->g->n_gear) {
+        quarter_of(w, n, n, b);
+        return;
+    }
+    const int loops = 2*w->g->n_loop;
+    quarter_of(w, n, loops, b);
+    for (int r = 0; r < n; r++)
+        for (int c = 0; c < n; c++) {
+            pack s = { 0 };
+            for (int l = loops; l < n; l++)
+                s += w->inv[r*n + l]*w->jac[l*n + c];
+            b[r*n + c] += 0.25*abs8(s);
+        }
+}
+
+/* Add |J^-1 dQ| where dQ, in column c, has (x, y) in the two rows of a loop. */
+LW_INLINE void push_loop(const eight *w, const int n, int loop, int c, pack x, pack y, pack *push)
+{
+    for (int r = 0; r < n; r++)
+        push[r*n + c] += abs8(w->inv[r*n + 2*loop]*x + w->inv[r*n + 2*loop + 1]*y);
+}
+
+/* By 1 of the input: a turn of what it turns (a quarter of its second order too, for steps below 1/2), the columns
+ * that have its displacement. */
+LW_INLINE void pushes(const eight *w, const int n, pack *push)
+{
+    const lw_higher *g = w->g;
+    for (int i = 0; i < n*n; i++)
+        push[i] = (pack){ 0 };
+    for (int e = 0; e < g->n_entry; e++) {
+        int dir = g->entry[e].dir, root = g->dir[dir].root;
+        if (root < 0 || !w->moves[dir])
+            continue;
+        pack cx = w->cx[e], cy = w->cy[e], ux = w->ux[dir], uy = w->uy[dir], x = cx*ux - cy*uy, y = cx*uy + cy*ux;
+        push_loop(w, n, g->entry[e].loop, root, x, y, push);
+        push_loop(w, n, g->entry[e].loop, root, -0.25*y, 0.25*x, push);
+    }
+    for (int e = 0; e < g->n_slide; e++) {
+        const lw_higher_slide *q = &g->slide[e];
+        int root = g->dir[q->dir].root;
+        pack d = w->d[q->disp], x = w->ux[q->dir], y = w->uy[q->dir];
+        if (root >= 0 && w->moves[q->dir]) {
+            push_loop(w, n, q->loop, root, d*x, d*y, push);
+            push_loop(w, n, q->loop, root, -0.25*d*y, 0.25*d*x, push);
+        }
+        if (root >= 0 && q->disp == g->n_disp)
+            push_loop(w, n, q->loop, root, -y, x, push);
+    }
+}
+
+/* Are the Jacobians in the box, or in a wider one, regular?  The room that it takes over what there is, <= 1. */
+LW_INLINE void regular(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *box,
+                       pack *need)
+{
+    pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
+    for (int i = 0; i < n; i++)
+        r[i] = box[i];
+    for (int again = 0; again < 4; again++) {
+        bend(w, by, r, z);
+        bent(w, n, b, push, by, r, z, s);
+        *need = (pack){ 0 };
+        for (int i = 0; i < n; i++) {
+            double turned = i < w->g->n_turn ? 0.5 : 0;
+            pack needs = (s[i] + turned*r[i]*r[i]*r[i])*(1/CONTRACTION);
+            *need = more8(needs/more8(r[i], all8(LW_TINY)), *need);
+            r[i] = more8(1.1*needs, r[i]);
+            if (w->g->n_gear && i < w->g->n_turn)
+                *need = choose8((mask)(r[i] <= GEARED_MOST), *need, all8(INFINITY));
+        }
+        if (!any8(~(mask)(*need <= 1)))
+            break;
+    }
+}
+
+LW_INLINE void compare(follower *f, const eight *w, const int n, pack t)
+{
+    const lw_higher *g = w->g;
+    drift by;
+    size_t first = inverse_at(f, g);
+    const pack *b = f->bend + first, *push = f->push + first;
+    pack b_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], push_before[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
+    pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX], off[LW_UNKNOWN_MAX], most = { 0 }, here, there;
+    drifts(f, g, t, &by);
+    movement(f, g, r, off);
+    for (int i = 0; i < n*n; i++)
+        b_before[i] = before8(b[i], f->at.bend[first + (size_t)i]);
+    for (int i = 0; w->driven && i < n*n; i++)
+        push_before[i] = before8(push[i], f->at.push[first + (size_t)i]);
+    bend(w, &by, r, z);
+    bent(w, n, b, push, &by, r, z, s);
+    for (int i = 0; i < n; i++)
+        most = more8(r[i]*(i < g->n_turn ? 1 : 1/f->size), most);
+    for (int i = 0; i < n; i++)
+        r[i] = 0.5*r[i] + 0.25*s[i] + off[i] + 0.05*(i < g->n_turn ? 1 : f->size)*most;
+    regular(w, n, b, push, &by, r, &here);
+    regular(w, n, b_before, push_before, &by, r, &there);
+    f->need = more8(more8(here, there), f->need);
+    f->need = choose8(f->sure, f->need, all8(INFINITY));
+    f->sure &= (mask)(f->need <= 1);
+}
+
+/* Group w in the eight lanes. */
+LW_INLINE void solve(eight *w, const int n, follower *f, pack t)
+{
+    pack last, row = { 0 }, most = all8(COARSE_LAST);
+    arrive(w, n, f->on_way, f->fine, &last);
+    if (!f->fine)
+        measure(w, n);
+    f->margin = less8(w->margin, f->margin);
+    if (f->fine)
+        most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(LW_TINY)));
+    put_group(&f->k, w, 0);
+    keep_rows(f, w);
+    quarter(w, n, f->bend + inverse_at(f, w->g));
+    if (w->driven)
+        pushes(w, n, f->push + inverse_at(f, w->g));
+    for (int c = 0; c < n; c++)                              /* of what is singular, 0 */
+        row += w->inv[c]*w->inv[c];
+    f->sure &= (mask)(last <= most) & (mask)(row > 0);
+    if (f->on_way)
+        compare(f, w, n, t);
+}
+
+static void trial(follower *f, pack t)
+{
+    node behind[NODES];
+    pack weight[NODES];
+    const lw_plan *p = f->plan;
+    double by[NODES];
+    int n = nodes_behind(&f->at, most8(abs8(t - back(&f->at, 0)->t)), behind);
+    constants(behind, n, by);
+    weights(behind, n, by, t, weight);
+    set_input(f, t);
+    f->sure = ~(mask){ 0 };
+    f->need = (pack){ 0 };
+    f->margin = all8(1);
+    put8(f->k.margin, all8(1));
+    for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
+        const lw_step *s = &p->step[i];
+        if (s->kind != LW_STEP_HIGHER) {
+            forward_shared_margin(&f->k, s, ~0, LW_GROUP);
+            continue;
+        }
+        eight *w = &f->group[s->dim[0]];
+        load_known(&f->k, w, 0, 0);
+        blend(w->g, behind, n, weight, 0, f->guess);
+        take_rows(w, f->guess);
+        BY_SIZE(solve, w, f, t)
+        left--;
+    }
+}
+
+/* Lanes first .. last of the trial become the past. */
+static void accept(follower *f, pack t, int count)
+{
+    stand *a = &f->at;
+    for (int j = 0; j < count; j++) {
+        if (a->n_past == 0 || back(a, 0)->t != t[j]) {
+            a->head = (a->head + PAST - 1)%PAST;
+            a->n_past += a->n_past < PAST;
+        }
+        place *p = &a->past[a->head];
+        p->t = t[j];
+        for (int r = 0; r < f->plan->n_row; r++)
+            p->row[r] = f->row[r][j];
+    }
+    f->at_lane = count - 1;
+    for (size_t i = 0, n = lw_inverse_rows(f->plan); i < n; i++)
+        a->bend[i] = f->bend[i][f->at_lane];
+    for (size_t i = 0, n = f->pushed ? lw_inverse_rows(f->plan) : 0; i < n; i++)
+        a->push[i] = f->push[i][f->at_lane];
+    for (int h = 0; h < f->plan->n_higher; h++)
+        for (int e = 0; e < f->plan->higher[h].n_slide; e++) {
+            int dir = f->plan->higher[h].slide[e].dir;
+            a->known[h][dir] = lw_v2(f->known_x[h][dir][f->at_lane], f->known_y[h][dir][f->at_lane]);
+        }
+}
+
+#endif

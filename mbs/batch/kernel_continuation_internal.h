@@ -1,0 +1,420 @@
+/* mbs/batch/kernel_continuation_internal.h - following the higher groups of a plan from their seed along the input, lane by lane.
+ * Included by mbs/batch/kernel.c alone.
+ *
+ * Those of eight postures tried that are sure one after the other are taken (kernel_trial_internal.h).  Lanes that lie
+ * closer than a step are put between.  At a limit of motion the steps shrink until they are too short to matter: there
+ * the way ends. */
+#ifndef LW_MBS_KERNEL_FOLLOW_INTERNAL_H
+#define LW_MBS_KERNEL_FOLLOW_INTERNAL_H
+
+#include "mbs/batch/kernel_certified_step_internal.h"
+
+#define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
+#define STRIDE_MAX 0.35                    /* longest step                                            */
+#define STRIDE_BETWEEN 0.06                /* lanes nearer to each other are put in between           */
+#define TIGHT 0.1                          /* margin of a dyad below which nothing is put in between, */
+#define TIGHT_GROUP 0.03                   /* and of a group                                          */
+#define END 1e-6                           /* a step as short as this ends the way                    */
+#define END_FINE 1e-12
+
+/* ---- the way -------------------------------------------------------------------------------------------- */
+
+static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1.0/f->plan->laps; }
+
+/* work: lw_follow_size doubles. */
+static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
+                             double *work)
+{
+    double input = mode[plan->n_mode - 1];
+    f->plan = plan;
+    f->fine = fine;
+    f->size = lw_plan_size(plan, dim);
+    f->k = start(plan, LW_GROUP, work);
+    f->k.c = (const double *)&f->c;
+    f->k.s = (const double *)&f->s;
+    f->k.dim = dim;
+    f->k.mode = mode;
+    f->k.dim_row = f->k.mode_row = 1;
+    ground_rows(&f->k, LW_GROUP);
+    set_turns(&f->k, plan->n_angle, 0, 1);
+    f->on_way = f->pushed = f->tight = false;
+    f->at.head = 0;
+    f->at.n_past = 1;
+    f->at.stride = STRIDE_FIRST*unit_of(f);
+    f->at.past[0].t = input;
+    for (int g = 0; g < plan->n_higher; g++) {
+        const lw_higher *h = &plan->higher[g];
+        const double *from = mode + h->first_mode;
+        double *row = f->at.past[0].row + h->first_row;
+        for (int a = 0; a < h->n_turn; a++, from++) {
+            lw_vec2 u = turn(*from);
+            *row++ = u.x;
+            *row++ = u.y;
+        }
+        for (int d = 0; d < h->n_disp; d++)
+            *row++ = *from++*f->size;
+        take_group(&f->group[g], h);
+        f->group[g].size = f->size;
+        f->group[g].ends = !plan->input_is_slider;
+        f->pushed |= f->group[g].driven;
+        load_vectors(&f->k, &f->group[g], 0, 0);
+        load_angles(&f->k, &f->group[g]);
+        load_meshes(&f->k, h, 0, 0, &f->group[g].mesh);
+    }
+    trial(f, all8(input));
+    f->lost = !f->sure[0];
+    f->on_way = true;
+    if (!f->lost)
+        accept(f, all8(input), 1);
+}
+
+/* Inputs to go through: from t[first] on, `count` of them, up or down the array. */
+typedef struct way { const double *t; size_t first, step, count; } way;
+
+static double way_at(const way *y, size_t i) { return y->t[y->first + i*y->step]; }
+
+/* Eight inputs along the way, and how many of the way's own are behind each. */
+typedef struct route { pack t; size_t passed[LW_GROUP]; int n; } route;
+
+static void lay_route(const follower *f, const way *y, size_t i, route *r)
+{
+    double at = back(&f->at, 0)->t, unit = unit_of(f), stride = f->at.stride;
+    double skip = f->tight ? 0 : fmin(stride, STRIDE_BETWEEN*unit);
+    for (r->n = 0; r->n < LW_GROUP && i < y->count; r->n++) {
+        double gap = way_at(y, i) - at;
+        if (fabs(gap) <= 1.3*stride) {
+            for (i++; i < y->count && fabs(way_at(y, i) - at) <= skip; )
+                i++;
+            at = way_at(y, i - 1);
+        } else
+            at += gap/ceil(fabs(gap)/stride);
+        r->t[r->n] = at;
+        r->passed[r->n] = i;
+    }
+    for (int j = r->n; j < LW_GROUP; j++)
+        r->t[j] = at;
+}
+
+typedef struct chunk chunk;
+static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count);
+
+/* Is a group, or a dyad that the groups hang on, near its limit, where postures move as a square root does, or beyond? */
+static bool near_limit(const follower *f, int n)
+{
+    for (int j = 0; j < n; j++)
+        if (f->k.margin[j] < TIGHT || f->margin[j] < TIGHT_GROUP)
+            return true;
+    return false;
+}
+
+/* Along the way, what is passed put into the chunk (q NULL: nothing); how many of its inputs are reached. */
+static size_t go_way(follower *f, const way *y, const chunk *q)
+{
+    double unit = unit_of(f);
+    size_t i = 0;
+    for (size_t tries = 0; i < y->count && tries < 4000 + y->count; tries++) {
+        route r;
+        int n = 0;
+        lay_route(f, y, i, &r);
+        double gap = fabs(r.t[0] - back(&f->at, 0)->t);
+        trial(f, r.t);
+        while (n < r.n && f->sure[n])
+            n++;
+        if (r.passed[r.n - 1] > i + (size_t)r.n && near_limit(f, r.n)) {           /* some would be put in between */
+            f->tight = true;
+            continue;
+        }
+        f->tight = f->tight && near_limit(f, n);
+        if (n == 0) {
+            f->at.stride = gap*fmin(0.5, fmax(0.125, 0.5/f->need[0]));
+            if (!(f->at.stride >= (f->fine ? END_FINE : END)*unit))
+                break;
+            continue;
+        }
+        if (q)
+            put_passed(f, q, y, &r, i, n);
+        i = r.passed[n - 1];
+        gap = n > 1 ? fabs(r.t[n - 1] - r.t[n - 2]) : gap;
+        accept(f, r.t, n);
+        if (n == r.n)
+            f->at.stride = fmin(STRIDE_MAX*unit, fmax(f->at.stride, gap*fmin(2, 0.9/f->need[n - 1])));
+        else
+            f->at.stride = n < 3 ? 0.5*f->at.stride : f->at.stride;
+    }
+    return i;
+}
+
+/* To the input t; false when it ends before, at a limit. */
+static bool advance(follower *f, double to) { return go_way(f, &(way){ &to, 0, 1, 1 }, NULL) == 1; }
+
+/* ---- a chunk of lanes ------------------------------------------------------------------------------------ */
+
+struct chunk {
+    size_t  n, row;                        /* lanes, doubles from row to row of the seats             */
+    double *seat;
+    double  t[LW_CHUNK + LW_GROUP];        /* input, in the order gone                                */
+    unsigned short lane[LW_CHUNK + LW_GROUP];
+    bool    ordered, falls;                /* the lanes were in order, from the greatest down         */
+    bool    in_place;                      /* lane[i] is i                                            */
+};
+
+/* Lane j of the last trial, as a lane that is reached. */
+static void put_trial(const follower *f, const chunk *q, size_t at, int j)
+{
+    for (int r = 0; r < f->plan->n_row; r++)
+        q->seat[(size_t)r*q->row + at] = f->row[r][j];
+    q->seat[(size_t)f->plan->n_row*q->row + at] = 0;
+}
+
+static void put_seat(const follower *f, const chunk *q, size_t at, double out_of_reach)
+{
+    for (int r = 0; r < f->plan->n_row; r++)
+        q->seat[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
+    q->seat[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
+}
+
+/* Inputs of the lanes as one run of numbers: each lane of a pin at most half a turn from the one before. */
+static void unroll(const follower *f, const lw_lanes *in, chunk *q)
+{
+    const double *c = in->c, *s = in->s;
+    double last = 0, turned = 0;
+    int up = 0, down = 0;
+    if (f->plan->input_is_slider)
+        memcpy(q->t, c, q->n*sizeof *c);
+    else
+        for (size_t i = 0; i < q->n; i++)
+            q->t[i] = lw_bearing(c[i], s[i]);
+    for (size_t i = 0; i < q->n; i++) {
+        double t = q->t[i], step = i > 0 ? t - last : 0, by = 0;
+        if (!f->plan->input_is_slider && fabs(step) > LW_PI)
+            by = step > 0 ? -2*LW_PI : 2*LW_PI;
+        turned += by;
+        up += step + by > 0;
+        down += step + by < 0;
+        last = t;
+        q->t[i] = t + turned;
+        q->lane[i] = (unsigned short)i;
+    }
+    q->ordered = !up || !down;
+    q->falls = down > up;
+    q->in_place = q->ordered && !q->falls;
+}
+
+/* Lanes in no order: by their input within a turn of the present. */
+static void sort_lanes(const follower *f, chunk *q)
+{
+    double now = back(&f->at, 0)->t;
+    for (size_t i = 0; i < q->n; i++) {
+        if (!f->plan->input_is_slider)
+            q->t[i] = now + remainder(q->t[i] - now, 2*LW_PI);
+        double t = q->t[i];
+        unsigned short from = q->lane[i];
+        size_t k = i;
+        for (; k > 0 && q->t[k - 1] > t; k--) {
+            q->t[k] = q->t[k - 1];
+            q->lane[k] = q->lane[k - 1];
+        }
+        q->t[k] = t;
+        q->lane[k] = from;
+    }
+}
+
+static void turn_round(chunk *q)
+{
+    for (size_t i = 0; i < q->n/2; i++) {
+        double t = q->t[i];
+        unsigned short from = q->lane[i];
+        q->t[i] = q->t[q->n - 1 - i];
+        q->lane[i] = q->lane[q->n - 1 - i];
+        q->t[q->n - 1 - i] = t;
+        q->lane[q->n - 1 - i] = from;
+    }
+}
+
+/* Where a polynomial goes through: nodes of which lanes are not far. */
+typedef struct between { const node *at; int n; double by[NODES]; } between;
+
+LW_INLINE void between_at(const follower *f, const between *b, pack t, pack *row)
+{
+    pack weight[NODES];
+    weights(b->at, b->n, b->by, t, weight);
+    for (int h = 0; h < f->plan->n_higher; h++)
+        blend(&f->plan->higher[h], b->at, b->n, weight, 1, row);
+    row[f->plan->n_row] = (pack){ 0 };
+}
+
+/* `count` lanes from `first` on, eight or more, in the order of the way or the other: the last eight once more. */
+static void put_block(const follower *f, const chunk *q, const between *b, size_t first, size_t count)
+{
+    pack row[LW_ROW_MAX + 1];
+    for (size_t i = 0; i < count; i += LW_GROUP) {
+        size_t at = first + (i + LW_GROUP <= count ? i : count - LW_GROUP);
+        between_at(f, b, get8(q->t + at), row);
+        for (int r = 0; r <= f->plan->n_row; r++)
+            put8(q->seat + (size_t)r*q->row + at, row[r]);
+    }
+}
+
+/* Lanes i .. end-1 of the way, between nodes of which they are not far. */
+static void put_between(const follower *f, const chunk *q, const way *y, const node *near, int n, size_t i, size_t end)
+{
+    pack t = { 0 }, row[LW_ROW_MAX + 1];
+    between b = { near, n, { 0 } };
+    if (i == end)
+        return;
+    constants(near, n, b.by);
+    if (q->in_place && end - i >= LW_GROUP) {
+        put_block(f, q, &b, y->step == 1 ? y->first + i : y->first - (end - 1), end - i);
+        return;
+    }
+    for (; i < end; i += LW_GROUP) {
+        size_t count = end - i < LW_GROUP ? end - i : LW_GROUP;
+        for (size_t j = 0; j < LW_GROUP; j++)
+            t[j] = way_at(y, i + (j < count ? j : count - 1));
+        between_at(f, &b, t, row);
+        for (int r = 0; r <= f->plan->n_row; r++)
+            for (size_t j = 0; j < count; j++)
+                q->seat[(size_t)r*q->row + q->lane[y->first + (i + j)*y->step]] = row[r][j];
+    }
+}
+
+/* Lanes from i on that the first `count` inputs of a trial have passed. */
+static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count)
+{
+    node all[3 + LW_GROUP];
+    int n = 0;
+    for (int a = f->at.n_past < 3 ? f->at.n_past - 1 : 2; a >= 0; a--)
+        all[n++] = (node){ back(&f->at, a)->t, back(&f->at, a)->row, 1 };
+    if (all[n - 1].t == r->t[0])
+        n--;
+    for (int s = 0, first = n; s < count; i = r->passed[s++]) {
+        for (; n < first + count && n < first + s + 3; n++)
+            all[n] = (node){ r->t[n - first], (const double *)f->row + (n - first), LW_GROUP };
+        if (r->passed[s] == i)
+            continue;
+        int from = n > NODES ? n - NODES : 0;
+        put_between(f, q, y, all + from, n - from, i, r->passed[s] - 1);
+        size_t at = r->passed[s] - 1;
+        put_trial(f, q, q->lane[y->first + at*y->step], s);
+    }
+}
+
+/* The lanes from `first` on, in this direction (1 or -1), until the way ends. */
+static void go_along(follower *f, chunk *q, size_t first, size_t step)
+{
+    const way y = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
+    for (size_t i = go_way(f, &y, q); i < y.count; i++) {
+        double beyond = fabs(way_at(&y, i) - back(&f->at, 0)->t)/unit_of(f);
+        put_seat(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
+    }
+}
+
+/* A copy of what of a stand is in use. */
+static void copy_stand(stand *to, const stand *from, const lw_plan *plan)
+{
+    to->head = from->head;
+    to->n_past = from->n_past;
+    to->stride = from->stride;
+    for (int i = 0; i < from->n_past; i++) {
+        const place *p = back(from, i);
+        place *copy = &to->past[(from->head + i)%PAST];
+        copy->t = p->t;
+        memcpy(copy->row, p->row, (size_t)plan->n_row*sizeof *p->row);
+    }
+    for (int h = 0; h < plan->n_higher; h++)
+        if (plan->higher[h].n_slide > 0)
+            memcpy(to->known[h], from->known[h], (size_t)plan->higher[h].n_dir*sizeof *to->known[h]);
+    memcpy(to->bend, from->bend, lw_inverse_rows(plan)*sizeof *to->bend);
+    memcpy(to->push, from->push, lw_inverse_rows(plan)*sizeof *to->push);
+}
+
+/* All lanes of a chunk that share dimensions and seed.  When more follow, f goes on from where it stands and is left at
+ * the last lane when the lanes are in order, else where it was. */
+static void follow_chunk(follower *f, const lw_lanes *in, bool more, chunk *q)
+{
+    size_t first = 0;
+    stand here;
+    unroll(f, in, q);
+    if (!q->ordered)
+        sort_lanes(f, q);
+    else if (q->falls)
+        turn_round(q);
+    if (q->ordered && !f->plan->input_is_slider) {
+        double shift = 2*LW_PI*nearbyint((back(&f->at, 0)->t - 0.5*(q->t[0] + q->t[q->n - 1]))/(2*LW_PI));
+        for (size_t i = 0; i < q->n; i++)
+            q->t[i] += shift;
+    }
+    while (first < q->n && q->t[first] < back(&f->at, 0)->t)
+        first++;
+    bool down_last = q->falls || !q->ordered, both = first > 0 && first < q->n;
+    bool none_last = first == (down_last ? 0 : q->n);
+    if (both || more)
+        copy_stand(&here, &f->at, f->plan);
+    go_along(f, q, down_last ? first : first - 1, down_last ? 1 : (size_t)-1);
+    if (both || (more && none_last))
+        copy_stand(&f->at, &here, f->plan);
+    go_along(f, q, down_last ? first - 1 : first, down_last ? (size_t)-1 : 1);
+    if (more && !q->ordered)
+        copy_stand(&f->at, &here, f->plan);
+    else if (more && none_last)
+        advance(f, q->t[down_last ? 0 : q->n - 1]);
+}
+
+/* Lanes with dimensions or seeds of their own, each for itself. */
+static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, size_t at, double *work, chunk *q)
+{
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    for (int d = 0; d < plan->n_dim; d++)
+        dim[d] = in->dim_stride ? in->dim[(size_t)d*in->dim_stride + at] : in->dim[d];
+    for (int m = 0; m < plan->n_mode; m++)
+        mode[m] = in->mode_stride ? in->mode[(size_t)m*in->mode_stride + at] : in->mode[m];
+    follow_from_seed(f, plan, dim, mode, false, work);
+    double to = plan->input_is_slider ? in->c[at] : atan2(in->s[at], in->c[at]), now = back(&f->at, 0)->t, out = 1;
+    if (!plan->input_is_slider)
+        to = now + remainder(to - now, 2*LW_PI);
+    if (!f->lost)
+        out = advance(f, to) ? 0 : fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
+    put_seat(f, q, at, out);
+}
+
+/* Seats of all lanes of a chunk (in), the last one repeated to a full group. */
+static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work, chunk *q)
+{
+    q->n = in->n;
+    if (in->dim_stride || in->mode_stride)
+        for (size_t i = 0; i < in->n; i++)
+            follow_lane(f, plan, in, i, work, q);
+    else if (f->lost)
+        for (size_t i = 0; i < in->n; i++)
+            put_seat(f, q, i, 1);
+    else
+        follow_chunk(f, in, more, q);
+    for (size_t i = in->n; i%LW_GROUP; i++)
+        for (int r = 0; r <= plan->n_row; r++)
+            q->seat[(size_t)r*q->row + i] = q->seat[(size_t)r*q->row + in->n - 1];
+}
+
+/* One posture for mbs/plan/pose.c. */
+static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                        lw_seat *seat)
+{
+    follower f;
+    follow_from_seed(&f, plan, dim, mode, true, work);
+    double to = input;
+    if (!plan->input_is_slider)
+        to = back(&f.at, 0)->t + remainder(input - back(&f.at, 0)->t, 2*LW_PI);
+    bool there = !f.lost && advance(&f, to);
+    memset(seat, 0, sizeof *seat);
+    memcpy(seat->row, back(&f.at, 0)->row, (size_t)plan->n_row*sizeof(double));
+    seat->margin = 1;
+    if (!there)
+        seat->margin = f.lost ? -1 : -fmax(fabs(to - back(&f.at, 0)->t)/unit_of(&f), 1e-12);
+    double *inverse = seat->inverse;
+    for (int g = 0; there && g < plan->n_higher; g++) {
+        const eight *w = &f.group[g];
+        seat->margin = fmin(seat->margin, w->margin[f.at_lane]);
+        for (int i = 0; i < w->n*w->n; i++)
+            *inverse++ = w->inv[i][f.at_lane];
+    }
+}
+#endif

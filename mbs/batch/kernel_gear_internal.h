@@ -1,0 +1,93 @@
+/* mbs/batch/kernel_gear_internal.h - gears among the equations of a higher group, eight lanes at a time.  Included by
+ * mbs/batch/kernel.c alone.
+ *
+ * A row is an angle that has to be 0, linear in the turns and displacements, of which only the direction is known: the
+ * product of the unit vectors to their powers.  So its sine is what is left, and its derivatives are those of the angle
+ * itself, which it is at the solution. */
+#ifndef LW_MBS_KERNEL_GEAR_INTERNAL_H
+#define LW_MBS_KERNEL_GEAR_INTERNAL_H
+
+#include "mbs/batch/kernel_pack_internal.h"
+
+/* What rows have of the lanes' dimensions: cosine and sine of the phase, or of a rack where it is. */
+typedef struct meshes {
+    pack c[LW_HIGHER_GEAR_MAX], s[LW_HIGHER_GEAR_MAX];
+    pack by_rho[LW_HIGHER_GEAR_MAX], shift[LW_HIGHER_GEAR_MAX], middle[LW_HIGHER_GEAR_MAX];
+} meshes;
+
+LW_INLINE pack lane_row(const double *from, size_t i, const int per_lane)
+{
+    return per_lane ? get8(from + i) : all8(from[0]);
+}
+
+static void load_meshes(const run *k, const lw_higher *g, size_t i, int per_lane, meshes *m)
+{
+    for (int a = 0; a < g->n_gear; a++) {
+        const lw_higher_gear *q = &g->gear[a];
+        if (q->disp < 0) {
+            m->c[a] = lane_row(cos_of(k, q->angle), i, per_lane);
+            m->s[a] = lane_row(sin_of(k, q->angle), i, per_lane);
+            continue;
+        }
+        pack rho = lane_row(dim_of(k, q->rho), i, per_lane);
+        m->by_rho[a] = 1/choose8((mask)(abs8(rho) > LW_TINY), rho, all8(LW_TINY));
+        m->shift[a] = lane_row(dim_of(k, q->shift), i, per_lane);
+        m->middle[a] = lane_row(dim_of(k, q->middle), i, per_lane);
+    }
+}
+
+/* The angle by which a rack has turned its pinion. */
+LW_INLINE pack rolled(const meshes *m, int a, pack d) { return (d - m->shift[a])*m->by_rho[a]; }
+
+LW_INLINE void multiply(pack *x, pack *y, pack ux, pack uy)
+{
+    pack t = *x*ux - *y*uy;
+    *y = *x*uy + *y*ux;
+    *x = t;
+}
+
+static void multiply_power(pack *x, pack *y, pack ux, pack uy, int power)
+{
+    uy = power < 0 ? -uy : uy;
+    for (int n = power < 0 ? -power : power; n > 0; n /= 2) {
+        if (n & 1)
+            multiply(x, y, ux, uy);
+        multiply(&ux, &uy, ux, uy);
+    }
+}
+
+/* What is left of row a: the angle's sine, beyond a quarter turn what goes on rising. */
+static pack mesh_left(const lw_higher_gear *q, const meshes *m, int a, const pack *ux, const pack *uy, const pack *d)
+{
+    pack x = all8(1), y = { 0 };
+    if (q->disp < 0)
+        multiply_power(&x, &y, m->c[a], m->s[a], -q->count);
+    else {
+        pack angle = rolled(m, a, d[q->disp]);
+        for (int j = 0; j < LW_GROUP; j++) {
+            lw_vec2 u = lw_sincos(angle[j]);
+            x[j] = u.x;
+            y[j] = -u.y;
+        }
+    }
+    for (int h = 0; h < q->n_term; h++)
+        multiply_power(&x, &y, ux[q->dir[h]], uy[q->dir[h]], q->power[h]);
+    pack far = choose8((mask)(y < 0), -2 - y, 2 - y);
+    return choose8((mask)(x > 0), y, far)*(1.0/q->count);
+}
+
+/* How far a rack is from its ends, 1 in the middle, 0 there; nothing where the input slides, which no turn repeats. */
+static pack rack_room(const lw_higher *g, const meshes *m, const pack *d)
+{
+    pack room = all8(1);
+    for (int a = 0; a < g->n_gear; a++) {
+        const lw_higher_gear *q = &g->gear[a];
+        if (q->disp < 0)
+            continue;
+        pack t = (rolled(m, a, d[q->disp]) - m->middle[a])*(1/LW_RACK_REACH);
+        room = less8(1 - t*t, room);
+    }
+    return room;
+}
+
+#endif

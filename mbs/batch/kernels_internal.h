@@ -1,0 +1,46 @@
+/* mbs/batch/kernels_internal.h - the loops of mbs/batch/batch.h, compiled once per instruction set from mbs/batch/kernel.c.
+ *
+ * Every instruction set gives the same bits: no contraction, no reassociation, sums in eight accumulators
+ * (lane number modulo eight).  Internal to mbs. */
+#ifndef LW_MBS_KERNELS_INTERNAL_H
+#define LW_MBS_KERNELS_INTERNAL_H
+
+#include "mbs/batch/batch.h"
+
+#define LW_BLOCK 128          /* lanes worked on at a time: registers of a small plan stay in the first cache */
+#define LW_GROUP 8            /* lanes are worked on in multiples of this; the rest is padded                 */
+
+#define LW_CHUNK 1024         /* lanes whose higher groups are followed at a time, and a group of lanes more  */
+
+/* Where the higher groups of a plan are at one input: a row x, y for each turn's direction and d for each
+ * displacement; inverse Jacobian of each, one after the other; least margin. */
+#define LW_ROW_MAX     (2*LW_MODE_MAX)
+#define LW_INVERSE_MAX (LW_HIGHER_MAX*LW_UNKNOWN_MAX*LW_UNKNOWN_MAX)
+typedef struct lw_seat {
+    double row[LW_ROW_MAX], inverse[LW_INVERSE_MAX], margin;
+} lw_seat;
+
+typedef struct lw_kernels {
+    const char *isa;
+    void (*point)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                  double *x, double *y, double *u, double *v, double *margin);
+    void (*frame)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                  double *ox, double *oy, double *dx, double *dy, double *margin);
+    void (*jacobian)(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out);
+    double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
+                  const double *tx, const double *ty, const double *w, double *grad, double *margin);
+    void (*normal)(const lw_normal *in, double *h, double *g);
+    /* The higher groups at one input, followed there from the seed; work of lw_follow_size. */
+    void (*seat)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_seat *seat);
+} lw_kernels;
+
+/* Doubles of scratch: registers and so forth of n lanes; inverses a lane; to follow the higher groups. */
+size_t lw_lane_rows(const lw_plan *plan);
+size_t lw_inverse_rows(const lw_plan *plan);
+size_t lw_follow_size(const lw_plan *plan);
+#define LW_FOLLOW_MAX 40000   /* the most lw_follow_size can be                                       */
+
+/* The tables this processor can run, best first; NULL past the last. */
+const lw_kernels *lw_kernels_supported(int rank);
+
+#endif

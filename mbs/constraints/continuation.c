@@ -1,0 +1,301 @@
+/* mbs/constraints/continuation.c - Newton's method, series and reach of a branch for a linkage held to one posture. */
+#include "mbs/constraints/continuation_internal.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+
+/* ---- making ------------------------------------------------------------------------------------ */
+
+static bool projects(const lw_system_joint *j) { return j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT; }
+static bool is_point(const lw_system_joint *j) { return j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED; }
+
+/* Turns always count; places where a row projects them on a turning line. */
+static void choose_norm(lw_follow *f)
+{
+    for (int b = 0; b < f->s->n_body; b++)
+        f->curved[3*b + 2] = true;
+    for (int j = 0; j < f->s->n_joint; j++)
+        for (int end = 0; end < 2; end++) {
+            int b = f->s->joint[j].body[end];
+            if (projects(&f->s->joint[j]) && b >= 0)
+                f->curved[3*b] = f->curved[3*b + 1] = true;
+        }
+}
+
+bool lw_follow_create(const lw_system *s, const int *held, int n_held, bool plane, lw_follow *f)
+{
+    memset(f, 0, sizeof *f);
+    f->s = s;
+    f->n = s->n_q;
+    f->n_held = n_held;
+    f->plane = plane;
+    f->m = s->n_row + n_held + plane;
+    for (int i = 0; i < n_held; i++)
+        f->held[i] = held[i];
+    choose_norm(f);
+    size_t n = (size_t)f->n, m = (size_t)f->m, longest = m > n ? m : n;
+    f->store = calloc(m*n + 4*n + 2*longest + (LW_SYSTEM_ORDER_MAX + 1)*longest, sizeof *f->store);
+    if (!f->store)
+        return false;
+    f->matrix = f->store;
+    f->diag = f->matrix + m*n;
+    f->row = f->diag + n;
+    f->origin = f->row + n;
+    f->tangent = f->origin + n;
+    f->rest = f->tangent + n;
+    f->work = f->rest + longest;
+    f->series = f->work + longest;
+    return true;
+}
+
+void lw_follow_free(lw_follow *f) { free(f->store); }
+
+/* ---- equations --------------------------------------------------------------------------------- */
+
+/* Equations at q into f->rest, and their derivatives; returns the greatest in size. */
+static double assemble(lw_follow *f, const double *q, bool derivatives)
+{
+    const lw_system *s = f->s;
+    lw_system_frames at;
+    double most = 0.0, *jac = derivatives ? f->matrix : NULL;
+    if (jac)
+        memset(jac, 0, (size_t)f->m*(size_t)f->n*sizeof *jac);
+    lw_system_place(s, q, &at);
+    lw_system_fill(s, &at, f->rest, jac, 1, f->m);
+    for (int i = 0; i < f->n_held; i++) {
+        int r = s->n_row + i;
+        f->rest[r] = lw_system_count(s, &at, s->input_joint[f->held[i]], jac ? jac + r : NULL, f->m) - f->value[i];
+    }
+    if (f->plane) {
+        double off = -f->distance;
+        for (int i = 0; i < f->n; i++) {
+            off += f->row[i]*(q[i] - f->origin[i]);
+            if (jac)
+                jac[f->m - 1 + (long)f->m*i] = f->row[i];
+        }
+        f->rest[f->m - 1] = off;
+    }
+    for (int r = 0; r < f->m; r++)
+        most = fmax(most, fabs(f->rest[r]));
+    return most;
+}
+
+void lw_follow_assemble(lw_follow *f, const double *q) { assemble(f, q, true); }
+
+double lw_follow_factor(lw_follow *f, const double *q)
+{
+    f->has_tangent = false;
+    assemble(f, q, true);
+    return f->m < f->n ? 0.0 : lw_qr_factor(f->m, f->n, f->matrix, f->diag);
+}
+
+void lw_follow_solve(const lw_follow *f, double *b)
+{
+    double last = f->plane ? b[f->m - 1] : 0.0, along = 0.0;
+    lw_qr_solve(f->m, f->n, f->matrix, f->diag, b);
+    if (!f->has_tangent)
+        return;
+    for (int i = 0; i < f->n; i++)
+        along += f->tangent[i]*b[i];
+    for (int i = 0; i < f->n; i++)
+        b[i] += (last - along)*f->tangent[i];
+}
+
+bool lw_follow_tangent(lw_follow *f)
+{
+    double length = 0.0;
+    memset(f->work, 0, (size_t)f->m*sizeof *f->work);
+    f->work[f->m - 1] = 1.0;
+    lw_qr_solve(f->m, f->n, f->matrix, f->diag, f->work);
+    for (int i = 0; i < f->n; i++)
+        length += f->work[i]*f->work[i];
+    length = sqrt(length);
+    for (int i = 0; i < f->n; i++)
+        f->tangent[i] = f->work[i]/length;
+    f->has_tangent = isfinite(length) && length > 0.0;
+    return f->has_tangent;
+}
+
+/* What rounding leaves of the equations. */
+static double rounding(const lw_follow *f, const double *q)
+{
+    double most = 1.0;
+    for (int i = 0; i < f->n; i++)
+        most = fmax(most, fabs(q[i]));
+    return 8.0*DBL_EPSILON*most;
+}
+
+bool lw_follow_correct(lw_follow *f, double *q)
+{
+    double last = 0.0, enough = fmin(1e-9, 1e-9/sqrt(fmax(1.0, f->kappa)));
+    for (int iteration = 0; iteration < 20; iteration++) {
+        double left = assemble(f, q, true), length = 0.0;
+        f->has_tangent = false;
+        if (!isfinite(left) || !(lw_qr_factor(f->m, f->n, f->matrix, f->diag) > 1e-15))
+            return false;
+        lw_qr_solve(f->m, f->n, f->matrix, f->diag, f->rest);
+        for (int i = 0; i < f->n; i++)
+            length = fmax(length, fabs(f->rest[i]));
+        if (iteration > 0 && !(length < 0.5*last))
+            return left <= rounding(f, q);             /* rounding decides, or it does not converge */
+        for (int i = 0; i < f->n; i++)
+            q[i] -= f->rest[i];
+        if (length <= enough)                          /* the next would be below rounding          */
+            return lw_follow_residual(f, q) <= rounding(f, q);
+        last = length;
+    }
+    return false;
+}
+
+double lw_follow_residual(lw_follow *f, const double *q)
+{
+    double most = 0.0;
+    assemble(f, q, false);
+    for (int r = 0; r < f->m - f->plane; r++)
+        most = fmax(most, fabs(f->rest[r]));
+    return most;
+}
+
+double lw_follow_distance(const lw_follow *f, const double *q, const double *p)
+{
+    double sum = 0.0;
+    for (int i = 0; i < f->n; i++)
+        sum += f->curved[i] ? (q[i] - p[i])*(q[i] - p[i]) : 0.0;
+    return sqrt(sum);
+}
+
+/* ---- the bound --------------------------------------------------------------------------------- */
+
+static double dot(const lw_follow *f, const double *a, const double *b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < f->n; i++)
+        sum += f->curved[i] ? a[i]*b[i] : 0.0;
+    return sum;
+}
+
+/* The arms of body b at its pins, turned by `by`, as right-hand side; false when it has none. */
+static bool stack_arms(const lw_follow *f, const lw_system_frames *at, int b, lw_vec2 by, double *out)
+{
+    bool any = false;
+    lw_vec2 dir = lw_v2_turn(at->dir[b + 1], by);
+    memset(out, 0, (size_t)f->m*sizeof *out);
+    for (int k = 0; k < f->s->n_joint; k++) {
+        const lw_system_joint *j = &f->s->joint[k];
+        if (!is_point(j) || (j->body[0] != b && j->body[1] != b))
+            continue;
+        int end = j->body[1] == b;
+        lw_vec2 r = lw_v2_scale(lw_v2_turn(j->arm[end], dir), end ? -1.0 : 1.0);
+        out[j->row] = r.x;
+        out[j->row + 1] = r.y;
+        any = true;
+    }
+    return any;
+}
+
+/* Greatest over the bodies of the length of A^+ (second derivative by the body's turn), however it turns. */
+static double pin_bound(lw_follow *f, const lw_system_frames *at)
+{
+    double most = 0.0, *g = f->rest, *h = f->work;
+    for (int b = 0; b < f->s->n_body; b++) {
+        if (!stack_arms(f, at, b, lw_v2(1.0, 0.0), g))
+            continue;
+        lw_follow_solve(f, g);
+        stack_arms(f, at, b, lw_v2(0.0, 1.0), h);
+        lw_follow_solve(f, h);
+        double gg = dot(f, g, g), hh = dot(f, h, h), gh = dot(f, g, h);
+        most = fmax(most, 0.5*(gg + hh) + hypot(0.5*(gg - hh), gh));
+    }
+    return sqrt(most);
+}
+
+/* The bilinear form of v . (p_1 - p_0), v carried by link 0, in the norms of (turn 0, turn 1, place 1, place 0), as
+ * v . r_0 is constant: with D = |x_1 + r_1 - x_0|, at most D0 + what `reach` can add,
+ *     (turn 0)^2 D,   (turn 1)^2 |a_1|,   turn 0 turn 1 |a_1|,   turn 0 place 1,   turn 0 place 0. */
+static double projection_norm(const lw_system_joint *j, const lw_system_frames *at, double reach)
+{
+    int b0 = j->body[0] + 1, b1 = j->body[1] + 1;
+    double arm = lw_v2_norm(j->arm[1]);
+    lw_vec2 r1 = lw_v2_turn(j->arm[1], at->dir[b1]);
+    double d = lw_v2_norm(lw_v2_sub(lw_v2_add(at->at[b1], r1), at->at[b0])) + reach*sqrt(2.0 + arm*arm);
+    if (b0 == 0)
+        return arm;
+    return b1 == 0 ? sqrt(d*d + 2.0) : sqrt(d*d + 3.0*arm*arm + 4.0);
+}
+
+/* |A^+ e_row| */
+static double row_gain(lw_follow *f, int row)
+{
+    memset(f->work, 0, (size_t)f->m*sizeof *f->work);
+    f->work[row] = 1.0;
+    lw_follow_solve(f, f->work);
+    return sqrt(dot(f, f->work, f->work));
+}
+
+static double projection_bound(lw_follow *f, const lw_system_frames *at, double reach)
+{
+    const lw_system *s = f->s;
+    double sum = 0.0;
+    for (int k = 0; k < s->n_joint; k++) {
+        const lw_system_joint *j = &s->joint[k];
+        if (projects(j))
+            sum += row_gain(f, j->row)*projection_norm(j, at, reach);
+        for (int side = 0; side < 2 && j->kind == LW_JOINT_GEAR; side++)
+            if (j->slider[side] >= 0)
+                sum += row_gain(f, j->row)*projection_norm(&s->joint[j->slider[side]], at, reach)
+                     * (side == 1 ? 1.0 : fabs(j->ratio))/(1.0 + fabs(j->ratio));
+    }
+    for (int i = 0; i < f->n_held; i++) {
+        const lw_system_joint *j = &s->joint[s->input_joint[f->held[i]]];
+        if (projects(j))
+            sum += row_gain(f, s->n_row + i)*projection_norm(j, at, reach);
+    }
+    return sum;
+}
+
+double lw_follow_bound(lw_follow *f, const double *q)
+{
+    lw_system_frames at;
+    lw_system_place(f->s, q, &at);
+    double pins = pin_bound(f, &at), slides = projection_bound(f, &at, 0.0);
+    if (slides > 0.0)                       /* the reach without growth is more than the reach with it */
+        slides = projection_bound(f, &at, 1.0/(pins + slides));
+    f->kappa = fmax(pins + slides, 1e-3);
+    return f->kappa;
+}
+
+/* ---- series ------------------------------------------------------------------------------------ */
+
+void lw_follow_series(lw_follow *f, int order, const double *value, double *q)
+{
+    const lw_system *s = f->s;
+    double count[LW_SYSTEM_ORDER_MAX + 1];
+    for (int k = 1; k <= order; k++) {
+        double *c = q + (long)k*f->n;
+        memset(c, 0, (size_t)f->n*sizeof *c);
+        lw_system_series(s, k, q, f->series);
+        memset(f->work, 0, (size_t)f->m*sizeof *f->work);
+        for (int r = 0; r < s->n_row; r++)
+            f->work[r] = -f->series[(long)k*s->n_row + r];
+        for (int i = 0; i < f->n_held; i++) {
+            lw_system_measure_series(s, s->input_joint[f->held[i]], k, q, count);
+            f->work[s->n_row + i] = (value ? value[i*(order + 1) + k] : 0.0) - count[k];
+        }
+        if (f->plane)
+            f->work[f->m - 1] = k == 1 ? 1.0 : 0.0;
+        lw_follow_solve(f, f->work);
+        memcpy(c, f->work, (size_t)f->n*sizeof *c);
+    }
+}
+
+void lw_follow_sum(const lw_follow *f, int order, const double *q, double h, double *out)
+{
+    for (int i = 0; i < f->n; i++) {
+        double sum = q[(long)order*f->n + i];
+        for (int k = order - 1; k >= 0; k--)
+            sum = sum*h + q[(long)k*f->n + i];
+        out[i] = sum;
+    }
+}

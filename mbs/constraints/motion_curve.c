@@ -1,0 +1,331 @@
+/* mbs/constraints/motion_curve.c - making a curve of postures and asking it. */
+#include "mbs/constraints/motion_curve_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+
+/* ---- making ------------------------------------------------------------------------------------ */
+
+static lw_status check(const lw_system *s, const lw_branch_options *o, lw_error *e)
+{
+    if (o->input < 0 || o->input >= s->n_input)
+        return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
+    int missing = s->n_q - s->n_row - s->n_input;
+    if (missing > 0)
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
+                            s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
+                            missing == 1 ? "" : "s");
+    return LW_OK;
+}
+
+static bool allocate(const lw_system *s, const lw_branch_options *o, lw_branch *b)
+{
+    int rest[LW_INPUT_MAX], all[LW_INPUT_MAX], n_rest = 0;
+    for (int i = 0; i < s->n_input; i++) {
+        all[i] = i;
+        if (i != o->input)
+            rest[n_rest++] = i;
+    }
+    b->s = s;
+    b->n = s->n_q;
+    b->input = o->input;
+    b->reach = o->reach > 0.0 ? o->reach : 30.0;
+    b->most = o->most_segments > 0 ? o->most_segments : 20000;
+    b->series = calloc((size_t)(LW_BRANCH_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
+    if (!b->series || !lw_follow_create(s, rest, n_rest, true, &b->f)
+        || !lw_follow_create(s, all, s->n_input, false, &b->driven))
+        return false;
+    b->a = b->series + (LW_BRANCH_ORDER + 1)*b->n;
+    b->b = b->a + b->n;
+    b->c = b->b + b->n;
+    return true;
+}
+
+/* The other inputs stay where they are in the posture. */
+static lw_status place_start(lw_branch *b, const double *q)
+{
+    b->node = calloc(64, sizeof *b->node);
+    if (!b->node)
+        return LW_E_MEMORY;
+    b->node[0].q = calloc(3*(size_t)b->n, sizeof(double));
+    if (!b->node[0].q)
+        return LW_E_MEMORY;
+    b->n_node = 1;
+    if (q)
+        memcpy(b->node[0].q, q, (size_t)b->n*sizeof *q);
+    else
+        lw_system_posture(b->s, b->node[0].q);
+    for (int i = 0; i < b->f.n_held; i++)
+        b->f.value[i] = lw_system_measure(b->s, b->s->input_joint[b->f.held[i]], b->node[0].q, NULL);
+    return LW_OK;
+}
+
+lw_status lw_branch_create(const lw_system *s, const double *q, const lw_branch_options *o, lw_branch **out,
+                           lw_error *e)
+{
+    *out = NULL;
+    lw_status status = check(s, o, e);
+    if (status != LW_OK)
+        return status;
+    lw_branch *b = calloc(1, sizeof *b);
+    if (!b || !allocate(s, o, b) || place_start(b, q) != LW_OK) {
+        lw_branch_free(b);
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    }
+    status = lw_branch_walk(b, e);
+    if (status == LW_OK && lw_branch_find_events(b) != LW_OK)
+        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (status != LW_OK) {
+        lw_branch_free(b);
+        return status;
+    }
+    *out = b;
+    return LW_OK;
+}
+
+void lw_branch_free(lw_branch *b)
+{
+    if (!b)
+        return;
+    for (int i = 0; i < b->n_node; i++)
+        free(b->node[i].q);
+    free(b->node);
+    free(b->segment);
+    free(b->before);
+    free(b->event);
+    free(b->series);
+    lw_follow_free(&b->f);
+    lw_follow_free(&b->driven);
+    free(b);
+}
+
+/* ---- places ------------------------------------------------------------------------------------ */
+
+/* Between here and a branch point there is no good Newton step; the series from the base holds. */
+static bool near_singular(const lw_branch_segment *s, double h)
+{
+    return s->singular >= 0.0 && fabs(h - s->singular) < 3e-3;
+}
+
+static bool settle(lw_branch *b, const lw_branch_segment *s, double h, double *q)
+{
+    lw_branch_node *base = &b->node[s->base];
+    const double *t = lw_node_tangent(b, s->base), *c = lw_node_bend(b, s->base);
+    for (int i = 0; i < b->n; i++) {
+        b->f.row[i] = s->way*t[i];
+        b->f.origin[i] = base->q[i];
+    }
+    if (s->singular >= 0.0) {
+        lw_follow_factor(&b->f, base->q);
+        lw_follow_tangent(&b->f);
+        memcpy(b->series, base->q, (size_t)b->n*sizeof *q);
+        lw_follow_series(&b->f, LW_BRANCH_ORDER, NULL, b->series);
+        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, h, q);
+        if (near_singular(s, h))
+            return true;
+    } else
+        for (int i = 0; i < b->n; i++)
+            q[i] = base->q[i] + h*(b->f.row[i] + h*c[i]);
+    b->f.distance = h;
+    b->f.kappa = base->kappa;
+    return lw_follow_correct(&b->f, q);
+}
+
+void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q, double *tangent)
+{
+    if (h <= 0.0 || h >= s->length) {
+        const lw_branch_node *end = &b->node[h <= 0.0 ? s->base : s->far];
+        memcpy(q, end->q, (size_t)b->n*sizeof *q);
+        if (tangent)
+            memcpy(tangent, end->q + b->n, (size_t)b->n*sizeof *q);
+        return;
+    }
+    settle(b, s, h, q);
+    if (!tangent)
+        return;
+    if (near_singular(s, h)) {                            /* the derivative of the series */
+        double length = 0.0;
+        for (int i = 0; i < b->n; i++) {
+            tangent[i] = 0.0;
+            for (int k = LW_BRANCH_ORDER; k > 0; k--)
+                tangent[i] = tangent[i]*h + k*b->series[k*b->n + i];
+            length += tangent[i]*tangent[i];
+        }
+        for (int i = 0; i < b->n; i++)
+            tangent[i] *= s->way/sqrt(length);
+        return;
+    }
+    lw_follow_factor(&b->f, q);
+    lw_follow_tangent(&b->f);
+    for (int i = 0; i < b->n; i++)
+        tangent[i] = s->way*b->f.tangent[i];
+}
+
+static const lw_branch_segment *segment_of(const lw_branch *b, double station, double *share)
+{
+    int i = (int)station;
+    i = i < 0 ? 0 : i >= b->n_segment ? b->n_segment - 1 : i;
+    *share = fmin(fmax(station - i, 0.0), 1.0);
+    return &b->segment[i];
+}
+
+void lw_branch_pose(lw_branch *b, double station, double *q, double *tangent)
+{
+    double share;
+    const lw_branch_segment *s = segment_of(b, station, &share);
+    lw_branch_at(b, s, lw_segment_way(s, share), q, tangent);
+}
+
+/* Arc from the base to h */
+static double arc_to(const lw_branch_segment *s, double h)
+{
+    return h + s->square*h*h*h/3.0 + s->cube*h*h*h*h/4.0;
+}
+
+double lw_branch_arc(const lw_branch *b, double station)
+{
+    double share;
+    const lw_branch_segment *s = segment_of(b, station, &share);
+    double h = lw_segment_way(s, share), arc = arc_to(s, h);
+    return b->before[s - b->segment] + (s->way > 0 ? arc : s->arc - arc);
+}
+
+double lw_branch_station(const lw_branch *b, double arc)
+{
+    int lo = 0, hi = b->n_segment;
+    while (hi - lo > 1) {
+        int middle = (lo + hi)/2;
+        if (b->before[middle] <= arc)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    const lw_branch_segment *s = &b->segment[lo];
+    double rest = arc - b->before[lo], want = s->way > 0 ? rest : s->arc - rest, h0 = 0.0, h1 = s->length;
+    for (int i = 0; i < 100 && h1 - h0 > 1e-16*s->length; i++) {      /* bisection: arc_to rises */
+        double h = 0.5*(h0 + h1);
+        if (arc_to(s, h) < want)
+            h0 = h;
+        else
+            h1 = h;
+    }
+    double share = 0.5*(h0 + h1)/s->length;
+    share = share > 1.0 - 1e-15 ? 1.0 : share < 1e-15 ? 0.0 : share;
+    return lo + (s->way > 0 ? share : 1.0 - share);
+}
+
+double lw_branch_find(lw_branch *b, double first, double last, double input)
+{
+    double *q = b->c, x[2] = { first, last }, g[2];
+    for (int i = 0; i < 2; i++) {
+        lw_branch_pose(b, x[i], q, NULL);
+        g[i] = lw_branch_input(b, q) - input;
+    }
+    double lo = floor(first) + 1.0;                       /* whole segments first */
+    while (lo < last) {
+        double hi = ceil(last) - 1.0, middle = lo < hi ? floor(0.5*(lo + hi)) : lo;
+        lw_branch_pose(b, middle, q, NULL);
+        double at = lw_branch_input(b, q) - input;
+        int side = (at > 0.0) == (g[0] > 0.0) ? 0 : 1;
+        x[side] = middle;
+        g[side] = at;
+        lo = floor(x[0]) + 1.0;
+        last = x[1];
+    }
+    double unit = b->s->joint[b->s->input_joint[b->input]].kind == LW_JOINT_REVOLUTE ? 1.0 : b->s->unit;
+    int kept = -1;
+    for (int i = 0; i < 100 && fabs(x[1] - x[0]) > 1e-16*fmax(1.0, x[1]); i++) {       /* Illinois */
+        double at = x[1] - g[1]*(x[1] - x[0])/(g[1] - g[0]);
+        if (!(at > x[0] && at < x[1]))
+            at = fabs(g[0]) < fabs(g[1]) ? x[0] : x[1];
+        lw_branch_pose(b, at, q, NULL);
+        double value = lw_branch_input(b, q) - input;
+        if (fabs(value) <= 2e-16*fmax(unit, fabs(input)) || at == x[0] || at == x[1])
+            return at;
+        int side = (value > 0.0) == (g[0] > 0.0) ? 0 : 1;
+        x[side] = at;
+        g[side] = value;
+        if (kept == side)
+            g[1 - side] *= 0.5;
+        kept = side;
+    }
+    return x[0];
+}
+
+/* ---- questions --------------------------------------------------------------------------------- */
+
+lw_branch_end lw_branch_ended(const lw_branch *b)   { return b->end; }
+int           lw_branch_segments(const lw_branch *b) { return b->n_segment; }
+bool          lw_branch_rests(const lw_branch *b)   { return b->rests; }
+double        lw_branch_length(const lw_branch *b)  { return b->before[b->n_segment]; }
+double        lw_branch_start(const lw_branch *b)   { return b->start; }
+double        lw_branch_worst(const lw_branch *b)   { return b->worst*b->s->unit; }
+
+const lw_branch_event *lw_branch_events(const lw_branch *b, int *n)
+{
+    *n = b->n_event;
+    return b->event;
+}
+
+double lw_branch_input(const lw_branch *b, const double *q)
+{
+    int joint = b->s->input_joint[b->input];
+    double unit = b->s->joint[joint].kind == LW_JOINT_REVOLUTE ? 1.0 : b->s->unit;
+    return b->s->input_value[b->input] + unit*lw_system_measure(b->s, joint, q, NULL);
+}
+
+int lw_branch_turns(const lw_branch *b, int link)
+{
+    const double *first = b->node[b->segment[0].base].q, *last = b->node[b->segment[b->n_segment - 1].far].q;
+    double way;
+    if (b->end != LW_BRANCH_CLOSED)
+        return 0;
+    if (link < 0) {
+        if (b->s->joint[b->s->input_joint[b->input]].kind != LW_JOINT_REVOLUTE)
+            return 0;
+        way = lw_branch_input(b, last) - lw_branch_input(b, first);
+    } else {
+        int body = b->s->body[link];
+        way = body < 0 ? 0.0 : last[3*body + 2] - first[3*body + 2];
+    }
+    return (int)lround(way/(2.0*LW_PI));
+}
+
+/* A segment holds q when the plane through it has its point of the segment there. */
+static bool segment_holds(lw_branch *b, const lw_branch_segment *s, const double *q)
+{
+    const double *base = b->node[s->base].q, *t = lw_node_tangent(b, s->base);
+    double h = 0.0, size = 0.0, gap = 0.0;
+    for (int i = 0; i < b->n; i++) {
+        double d = q[i] - base[i];
+        if (i % 3 == 2)
+            d -= 2.0*LW_PI*round(d/(2.0*LW_PI));
+        b->c[i] = base[i] + d;
+        h += s->way*t[i]*d;
+        size += d*d;
+    }
+    if (h < -1e-9 || h > s->length + 1e-9 || size > 4.0*s->arc*s->arc + 1e-12)
+        return false;
+    lw_branch_at(b, s, h, b->b, NULL);
+    for (int i = 0; i < b->n; i++)
+        gap = fmax(gap, fabs(b->b[i] - b->c[i]));
+    return gap < 1e-7;
+}
+
+bool lw_branch_holds(lw_branch *b, const double *q)
+{
+    for (int i = 0; i < b->n_segment; i++)
+        if (segment_holds(b, &b->segment[i], q))
+            return true;
+    return false;
+}
+
+int lw_branch_side(lw_branch *b, double station)
+{
+    lw_branch_pose(b, station, b->a, NULL);
+    lw_follow_factor(&b->driven, b->a);
+    if (b->driven.m != b->driven.n)
+        return 0;
+    return lw_qr_determinant(b->n, b->driven.diag) < 0.0 ? -1 : 1;
+}

@@ -1,0 +1,151 @@
+/* mbs/constraints/motion_curve_rates.c - derivatives by the inputs along a curve of postures. */
+#include "mbs/constraints/motion_curve_internal.h"
+
+#include <string.h>
+
+/* Next to a branch point derivatives lose a digit for each digit of the distance, the k-th k + 1 of them, though the
+ * curve is smooth: there they are those of the polynomial through places on both sides and their tangents. */
+static const double beside = 0.025;                       /* arc from a branch point where it is the better one */
+static const double knot[] = { -0.1, -0.06, -0.03, 0.03, 0.06, 0.1 };
+enum { KNOTS = sizeof knot/sizeof *knot, TERMS = 2*KNOTS };
+static const double least_rate = 1e-8;     /* of the input by arc: below it turns back, or rests           */
+
+static bool input_turns(const lw_branch *b, int input)
+{
+    return b->s->joint[b->s->input_joint[input]].kind == LW_JOINT_REVOLUTE;
+}
+
+bool lw_branch_rates(lw_branch *b, int order, const double *motion, double *q)
+{
+    double scaled[LW_INPUT_MAX*(LW_SYSTEM_ORDER_MAX + 1)];
+    for (int i = 0; i < b->s->n_input; i++)
+        for (int k = 0; k <= order; k++)
+            scaled[i*(order + 1) + k] = motion[i*(order + 1) + k]/(input_turns(b, i) ? 1.0 : b->s->unit);
+    if (!(lw_follow_factor(&b->driven, q) > 1e-13))
+        return false;
+    lw_follow_series(&b->driven, order, scaled, q);
+    return true;
+}
+
+/* Taylor coefficients at 0 of the polynomial through f at x[0], x[2], .. with derivatives df there (f, df: every other
+ * one), by divided differences. */
+static void taylor(int n, const double *x, const double *f, const double *df, int order, double *out)
+{
+    double d[TERMS], c[TERMS] = { 0 };
+    memcpy(d, f, (size_t)n*sizeof *d);
+    for (int k = 1; k < n; k++)
+        for (int i = n - 1; i >= k; i--)
+            d[i] = x[i] == x[i - k] ? df[i] : (d[i] - d[i - 1])/(x[i] - x[i - k]);
+    for (int i = n - 1; i >= 0; i--) {                    /* c = c (y - x_i) + d_i, in powers of y */
+        for (int k = n - 1; k > 0; k--)
+            c[k] = c[k]*-x[i] + c[k - 1];
+        c[0] = c[0]*-x[i] + d[i];
+    }
+    memcpy(out, c, (size_t)(order + 1)*sizeof *out);
+}
+
+/* Posture and tangent `away` from place `arc` of the curve, over the end of a closed one, whole turns from q. */
+static void look_beside(lw_branch *b, double arc, double away, const double *q, double *p, double *tangent)
+{
+    double length = lw_branch_length(b), at = arc + fmin(1.0, length)*away;
+    if (b->end == LW_BRANCH_CLOSED)
+        at -= length*floor(at/length);
+    lw_branch_pose(b, lw_branch_station(b, fmin(fmax(at, 0.0), length)), p, tangent);
+    for (int i = 2; i < b->n; i += 3)
+        p[i] -= 2.0*LW_PI*round((p[i] - q[i])/(2.0*LW_PI));
+}
+
+/* The curve through posture q, next to the branch point at `arc`, as series in the distance along its direction. */
+static void series_beside(lw_branch *b, double arc, const double *q, const double *direction, int order, double *out)
+{
+    double x[TERMS], f[TERMS*LW_SYSTEM_Q_MAX], df[TERMS*LW_SYSTEM_Q_MAX], one[LW_BRANCH_ORDER + 1];
+    int n = 0;
+    for (int k = 0; k < KNOTS; k++) {
+        double *p = b->a, *t = b->b, along = 0.0, distance = 0.0;
+        look_beside(b, arc, knot[k], q, p, t);
+        for (int i = 0; i < b->n; i++) {
+            along += direction[i]*t[i];
+            distance += direction[i]*(p[i] - q[i]);
+        }
+        if (n > 0 && distance <= x[n - 1])                /* at the end of an open curve */
+            continue;
+        x[n] = x[n + 1] = distance;
+        for (int i = 0; i < b->n; i++) {
+            f[i*TERMS + n] = f[i*TERMS + n + 1] = p[i];
+            df[i*TERMS + n] = df[i*TERMS + n + 1] = t[i]/along;
+        }
+        n += 2;
+    }
+    for (int i = 0; i < b->n; i++) {
+        taylor(n, x, f + i*TERMS, df + i*TERMS, order, one);
+        out[i] = q[i];
+        for (int k = 1; k <= order; k++)
+            out[k*b->n + i] = one[k];
+    }
+}
+
+/* power[j][k]: coefficient k of d(x)^j, where d solves  sum of u_j d^j = sum of w_k x^k,  j, k = 1 .. order: each d_k
+ * follows from those before it. */
+static void invert(int order, const double *u, const double *w, double power[][LW_BRANCH_ORDER + 1])
+{
+    for (int k = 1; k <= order; k++) {
+        double rest = w[k];
+        for (int j = 2; j <= order; j++) {
+            power[j][k] = 0.0;
+            for (int i = 1; i < k; i++)
+                power[j][k] += power[1][i]*power[j - 1][k - i];
+            rest -= u[j]*power[j][k];
+        }
+        power[1][k] = rest/u[1];
+    }
+}
+
+/* The curve is a series in a distance, and so is its free input: the motion is the one put into the other's
+ * inverse. */
+static bool motion_beside(lw_branch *b, double arc, const double *direction, int order, const double *w, double *q)
+{
+    double curve[(LW_BRANCH_ORDER + 1)*LW_SYSTEM_Q_MAX], u[LW_BRANCH_ORDER + 1];
+    double power[LW_BRANCH_ORDER + 1][LW_BRANCH_ORDER + 1] = { { 0 } };
+    series_beside(b, arc, q, direction, order, curve);
+    lw_system_measure_series(b->s, b->s->input_joint[b->input], order, curve, u);
+    if (!(fabs(u[1]) > least_rate))
+        return false;
+    invert(order, u, w, power);
+    for (int k = 1; k <= order; k++)
+        for (int i = 0; i < b->n; i++) {
+            q[k*b->n + i] = 0.0;
+            for (int j = 1; j <= k; j++)
+                q[k*b->n + i] += power[j][k]*curve[j*b->n + i];
+        }
+    return true;
+}
+
+/* The arc of the branch point next to `arc`; false when there is none. */
+static bool branch_point_near(const lw_branch *b, double arc, double *at)
+{
+    double most = fmin(1.0, lw_branch_length(b))*beside, length = lw_branch_length(b);
+    for (int i = 0; i < b->n_event; i++) {
+        if (b->event[i].kind != LW_EVENT_CROSSING)
+            continue;
+        double gap = fabs(arc - (*at = lw_branch_arc(b, b->event[i].station)));
+        if (gap < most || (b->end == LW_BRANCH_CLOSED && length - gap < most))
+            return true;
+    }
+    return false;
+}
+
+bool lw_branch_motion(lw_branch *b, double station, int order, const double *motion, double *q)
+{
+    double direction[LW_SYSTEM_Q_MAX], all[LW_INPUT_MAX*(LW_BRANCH_ORDER + 1)] = { 0 }, at;
+    double *own = all + b->input*(order + 1), unit = input_turns(b, b->input) ? 1.0 : b->s->unit;
+    lw_branch_pose(b, station, q, direction);
+    if (b->rests)
+        return false;
+    for (int k = 1; k <= order; k++)
+        own[k] = motion[k];
+    if (!branch_point_near(b, lw_branch_arc(b, station), &at))
+        return lw_branch_rates(b, order, all, q);
+    for (int k = 1; k <= order; k++)
+        own[k] /= unit;
+    return motion_beside(b, at, direction, order, own, q);
+}

@@ -1,0 +1,198 @@
+/* mbs/constraints/motion_curve_singular.c - the branches at a branch point.
+ *
+ * At a simple one the equations F lose one rank: two directions t, n span what they leave free, and psi F' = 0 for one
+ * psi.  Branches leave along v = a t + b n with psi F''[v, v] = 0 (Keller 1977; Allgower & Georg 1990, section
+ * 8.1).  As t is a branch itself, the other is v = -(psi F''[n, n]/(2 psi F''[t, n])) t + n.  Where neither is
+ * known, t and n are any two and the form is a quadratic one in the angle of v between them. */
+#include "mbs/constraints/motion_curve_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "base/rank.h"
+#include "base/rng.h"
+
+static const double step_off = 0.02;       /* along the other branch: far from rounding, near for curvature */
+static const double least_rank = 1e-8;     /* what is left of a lost rank, at branch points told to 1e-11   */
+static const double least_bend = 1e-6;     /* of psi F'': below it branches touch, or there are more than two */
+
+/* A vector of the null space of the m x n matrix a (by columns); how many dimensions it has, -1: out of memory. */
+static int null_vector(int m, int n, const double *a, const double *without, double *out)
+{
+    double *memory = malloc(lw_rank_doubles(m, n)*sizeof *memory), length = 0.0, along = 0.0;
+    int *ints = malloc(lw_rank_ints(m, n)*sizeof *ints), left = -1;
+    if (memory && ints) {
+        lw_rank r;
+        lw_rng rng;
+        lw_rank_place(&r, m, n, memory, ints);
+        memcpy(r.a, a, (size_t)m*(size_t)n*sizeof *a);
+        lw_rank_factor(&r, least_rank);
+        left = n - r.rank;
+        lw_rng_seed(&rng, 3, without != NULL);            /* another than `without` was made from */
+        for (int i = 0; i < n; i++)
+            out[i] = lw_rng_range(&rng, -1.0, 1.0);
+        lw_rank_null_part(&r, out);
+        for (int i = 0; i < n && without; i++)
+            along += out[i]*without[i];
+        for (int i = 0; i < n; i++) {
+            out[i] -= without ? along*without[i] : 0.0;
+            length += out[i]*out[i];
+        }
+        for (int i = 0; i < n; i++)
+            out[i] /= length > 0.0 ? sqrt(length) : 1.0;
+    }
+    free(memory);
+    free(ints);
+    return left;
+}
+
+/* psi F''[v, v]/2 at q */
+static double bent(const lw_branch *b, const double *q, const double *v, const double *psi, double *series,
+                   double *phi)
+{
+    double sum = 0.0, count[3];
+    int n = b->n, rows = b->s->n_row;
+    memset(series, 0, 3*(size_t)n*sizeof *series);
+    memcpy(series, q, (size_t)n*sizeof *q);
+    memcpy(series + n, v, (size_t)n*sizeof *v);
+    lw_system_series(b->s, 2, series, phi);
+    for (int r = 0; r < rows; r++)
+        sum += psi[r]*phi[2*rows + r];
+    for (int i = 0; i < b->f.n_held; i++) {
+        lw_system_measure_series(b->s, b->s->input_joint[b->f.held[i]], 2, series, count);
+        sum += psi[rows + i]*count[2];
+    }
+    return sum;
+}
+
+/* Rows and resting inputs without the plane, by columns: m x n, and transposed. */
+static void derivatives(lw_branch *b, const double *q, double *a, double *transposed)
+{
+    int m = b->f.m - 1, n = b->n;
+    lw_follow_assemble(&b->f, q);
+    for (int i = 0; i < n; i++)
+        for (int r = 0; r < m; r++)
+            a[r + (long)m*i] = transposed[i + (long)n*r] = b->f.matrix[r + (long)b->f.m*i];
+}
+
+/* What a branch point is made of: two directions, psi, and room for `bent`. */
+typedef struct crossing { double *t, *n, *sum, *psi, *series, *phi, *store; } crossing;
+
+/* At q; own: the direction of a branch that is known, NULL: none.  False where it is not simple; free_crossing in
+ * any case. */
+static bool make_crossing(lw_branch *b, const double *q, const double *own, crossing *c)
+{
+    int m = b->f.m - 1, n = b->n;
+    c->store = calloc(2*(size_t)m*(size_t)n + (size_t)m + 6*(size_t)n + 3*(size_t)b->s->n_row, sizeof *c->store);
+    if (!c->store)
+        return false;
+    double *a = c->store, *transposed = a + (long)m*n;
+    c->psi = transposed + (long)m*n;
+    c->t = c->psi + m;
+    c->n = c->t + n;
+    c->sum = c->n + n;
+    c->series = c->sum + n;
+    c->phi = c->series + 3*n;
+    derivatives(b, q, a, transposed);
+    if (own)
+        memcpy(c->t, own, (size_t)n*sizeof *own);
+    else
+        null_vector(m, n, a, NULL, c->t);
+    return null_vector(m, n, a, c->t, c->n) == 2 && null_vector(n, m, transposed, NULL, c->psi) >= 1;
+}
+
+static void free_crossing(crossing *c) { free(c->store); }
+
+/* psi F''/2 of t, t; of n, n; and twice that of t, n. */
+static void form(const lw_branch *b, const double *q, crossing *c, double *tt, double *nn, double *tn)
+{
+    for (int i = 0; i < b->n; i++)
+        c->sum[i] = c->t[i] + c->n[i];
+    *nn = bent(b, q, c->n, c->psi, c->series, c->phi);
+    *tt = bent(b, q, c->t, c->psi, c->series, c->phi);
+    *tn = bent(b, q, c->sum, c->psi, c->series, c->phi) - *nn - *tt;
+}
+
+/* out = x t + y n, of length 1 */
+static void combine(const lw_branch *b, const crossing *c, double x, double y, double *out)
+{
+    double length = 0.0;
+    for (int i = 0; i < b->n; i++) {
+        out[i] = x*c->t[i] + y*c->n[i];
+        length += out[i]*out[i];
+    }
+    for (int i = 0; i < b->n; i++)
+        out[i] /= sqrt(length);
+}
+
+/* The direction of the other branch at q, whose own is t, into out. */
+static bool other_direction(lw_branch *b, const double *q, const double *t, double *out)
+{
+    crossing c;
+    double tt, nn, tn = 0.0;
+    bool simple = make_crossing(b, q, t, &c);
+    if (simple) {
+        form(b, q, &c, &tt, &nn, &tn);
+        simple = fabs(tn) > least_bend;
+        combine(b, &c, simple ? -nn/tn : 0.0, 1.0, out);
+    }
+    free_crossing(&c);
+    return simple;
+}
+
+/* That of the branch at q on which the free input moves faster. */
+static bool faster_direction(lw_branch *b, const double *q, double *out)
+{
+    crossing c;
+    double tt, nn, tn, fastest = -1.0, try[LW_SYSTEM_Q_MAX], row[LW_SYSTEM_Q_MAX];
+    bool simple = make_crossing(b, q, NULL, &c);
+    if (simple) {
+        form(b, q, &c, &tt, &nn, &tn);
+        double size = hypot(tt - nn, tn), middle = atan2(tn, tt - nn), off = -(tt + nn)/size;
+        simple = size > least_bend && fabs(off) < 1.0;
+        lw_system_measure(b->s, b->s->input_joint[b->input], q, row);
+        for (int sign = -1; sign <= 1 && simple; sign += 2) {
+            double angle = 0.5*(middle + sign*acos(off)), rate = 0.0;
+            combine(b, &c, cos(angle), sin(angle), try);
+            for (int i = 0; i < b->n; i++)
+                rate += row[i]*try[i];
+            if (fabs(rate) > fastest) {
+                fastest = fabs(rate);
+                memcpy(out, try, (size_t)b->n*sizeof *out);
+            }
+        }
+    }
+    free_crossing(&c);
+    return simple;
+}
+
+/* A little way from branch point `at` along v: posture q. */
+static bool step_from(lw_branch *b, const double *at, const double *v, double *q)
+{
+    for (int i = 0; i < b->n; i++) {
+        b->f.row[i] = v[i];
+        b->f.origin[i] = at[i];
+        q[i] = at[i] + step_off*v[i];
+    }
+    b->f.distance = step_off;
+    b->f.kappa = 1.0/step_off;
+    return lw_follow_correct(&b->f, q) && lw_follow_distance(&b->f, q, at) < 2.0*step_off;
+}
+
+bool lw_branch_other(lw_branch *b, int event, double *q)
+{
+    double at[LW_SYSTEM_Q_MAX], t[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    if (event < 0 || event >= b->n_event || b->event[event].kind != LW_EVENT_CROSSING)
+        return false;
+    lw_branch_pose(b, b->event[event].station, at, t);
+    return other_direction(b, at, t, v) && step_from(b, at, v, q);
+}
+
+bool lw_branch_leave(lw_branch *b, double *q)
+{
+    double at[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    memcpy(at, q, (size_t)b->n*sizeof *q);
+    if (faster_direction(b, at, v) && step_from(b, at, v, q))
+        return true;
+    memcpy(q, at, (size_t)b->n*sizeof *q);
+    return false;
+}

@@ -1,0 +1,570 @@
+/* mbs/constraints/newton.c - following a branch of a linkage's postures: predictor and corrector.
+ *
+ * The postures with their input form curves in the space of coordinates and input.  A step goes along
+ * the unit tangent t by a length h and comes back by Newton's method on the plane t . (z - z0) = h,
+ * so that a limit of motion, where the input turns round, is a point of the curve like any other
+ * (Keller 1977, pseudo-arclength; Allgower & Georg 1990, chapters 2, 8).  A step counts only when
+ *     the first correction is small against h and the corrections shrink,
+ *     the tangent turns by less than 0.3,
+ *     the chord lies along the mean of the tangents at its ends, as that of an arc does,
+ *     the input, as a cubic of its values and rates at both ends, does not turn back in between,
+ *     the determinant of the equations with the tangent as last row keeps its sign and most of its size.
+ * The determinant changes sign where two branches cross and nowhere else, so a step that leapt to
+ * the neighbouring branch of an almost crossing is found out and cut.  Crossings are approached by
+ * steps that never come nearer than a part of the last distance. */
+#include "mbs/constraints/newton.h"
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/linalg.h"
+#include "mbs/constraints/system_internal.h"
+
+static const double first_step   = 0.2;
+static const double largest_step = 0.5;
+static const double least_step   = 1e-6;   /* below this, rounding of the posture decides at a crossing */
+static const double back_step    = 1e-4;   /* steps of this length or more leave a place to go back to */
+static const double least_cosine = 0.955;  /* cos 0.3 */
+static const double det_share    = 0.2;    /* of the determinant, which a step must leave            */
+static const double near_share   = 0.2;    /* of the step, which the first correction may have       */
+static const double chord_sine   = 0.02;   /* of the angle between chord and mean tangent            */
+
+typedef struct place {
+    double *z, *t;                         /* posture and input; unit tangent                (w)   */
+    double  det;                           /* determinant; 0 for overconstrained linkages          */
+    int     turns[LW_LINK_MAX];            /* whole turns taken out of the bodies' coordinates     */
+    int     input_turns;                   /* and out of a pin's input                             */
+} place;
+
+struct lw_newton {
+    lw_system system;
+    int     n, m;                          /* coordinates; rows and inputs                         */
+    int     w, rows;                       /* unknowns: coordinates and the change of the first    */
+                                           /* input, n + 1; equations m + 1                        */
+    double  value;                         /* input in the posture                                 */
+    double  unit;                          /* input per unit of z[n]: 1 [rad] or the size [m]      */
+    place   start, here, next;
+    place   back;                          /* a step or more before here                           */
+    bool    has_back;
+    double  step;
+    int     way;                           /* +1, -1: the tangent is that of a growing, falling input */
+    bool    limit;                         /* the input can go no further that way                 */
+    int     crossings;
+    bool    input_is_pin;
+    double *store;                         /* all arrays                                           */
+    double *matrix, *diag, *rest, *border;
+    double *turned;                        /* what the turns taken out of s->here count in each equation */
+};
+
+static double dot(const lw_newton *s, const double *a, const double *b)
+{
+    double sum = 0.0;
+    for (int i = 0; i < s->w; i++)
+        sum += a[i]*b[i];
+    return sum;
+}
+
+static void copy(const lw_newton *s, place *to, const place *from)
+{
+    double *z = to->z, *t = to->t;
+    *to = *from;
+    to->z = memcpy(z, from->z, (size_t)s->w*sizeof *z);
+    to->t = memcpy(t, from->t, (size_t)s->w*sizeof *t);
+}
+
+/* to->z = from->z + h from->t */
+static void predict(const lw_newton *s, const place *from, double h, place *to)
+{
+    for (int i = 0; i < s->w; i++)
+        to->z[i] = from->z[i] + h*from->t[i];
+}
+
+/* Equations at z in s->rest, the first m; returns the greatest in size. */
+static double evaluate(const lw_newton *s, const double *z, double *rest, double *matrix)
+{
+    const lw_system *p = &s->system;
+    lw_system_frames f;
+    double most = 0.0;
+    lw_system_place(p, z, &f);
+    lw_system_fill(p, &f, rest, matrix, 1, s->rows);
+    for (int i = 0; i < p->n_input; i++)
+        rest[p->n_row + i] = lw_system_count(p, &f, p->input_joint[i], matrix ? matrix + p->n_row + i : NULL, s->rows);
+    rest[p->n_row] -= z[s->n];
+    if (matrix)
+        matrix[p->n_row + (long)s->rows*s->n] = -1.0;
+    for (int i = 0; i < s->m; i++) {
+        rest[i] += s->turned[i];
+        most = fmax(most, fabs(rest[i]));
+    }
+    return most;
+}
+
+/* Equations at z with `row` as last row of the matrix; returns the greatest of the equations. */
+static double assemble(lw_newton *s, const double *z, const double *row)
+{
+    memset(s->matrix, 0, (size_t)s->rows*(size_t)s->w*sizeof *s->matrix);
+    double most = evaluate(s, z, s->rest, s->matrix);
+    for (int c = 0; c < s->w; c++)
+        s->matrix[s->m + (long)s->rows*c] = row[c];
+    return most;
+}
+
+/* What rounding leaves of the equations: a few units in the last place of the places. */
+static double rounding(const lw_newton *s, const double *z)
+{
+    double most = 1.0;
+    for (int i = 0; i < s->n; i++)
+        if (i % 3 != 2)
+            most = fmax(most, fabs(z[i]));
+    return 4.0*DBL_EPSILON*most;
+}
+
+/* Newton's method from z onto the curve, on the plane across `row`, h along it from s->here.  The
+ * first correction must not exceed a share of h.  False when it does, or when corrections do not
+ * shrink. */
+static bool correct(lw_newton *s, double *z, const double *row, double h)
+{
+    double last = 0.0, reach = near_share*fabs(h) + rounding(s, z);
+    for (int iteration = 0; iteration < 12; iteration++) {
+        double left = assemble(s, z, row), off = -h;
+        for (int i = 0; i < s->w; i++)
+            off += row[i]*(z[i] - s->here.z[i]);
+        double small = rounding(s, z);
+        if (left <= 0.25*small && fabs(off) <= small)
+            return true;
+        s->rest[s->m] = off;
+        if (!(lw_qr_factor(s->rows, s->w, s->matrix, s->diag) > 1e-14))
+            return false;
+        lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
+        double length = sqrt(dot(s, s->rest, s->rest));
+        bool at_rounding = left <= small && fabs(off) <= small;
+        if (iteration > 0 && !(length < 0.5*last))
+            return at_rounding;
+        if (iteration == 0 && !(length <= reach) && !at_rounding)
+            return false;
+        for (int i = 0; i < s->w; i++)
+            z[i] -= s->rest[i];
+        last = length;
+    }
+    return false;
+}
+
+/* Unit tangent at p->z, on the side of `row`; false where it is not determined. */
+static bool find_tangent(lw_newton *s, place *p, const double *row)
+{
+    assemble(s, p->z, row);
+    double condition = lw_qr_factor(s->rows, s->w, s->matrix, s->diag);
+    if (!(condition > 1e-12))
+        return false;
+    p->det = s->rows == s->w ? lw_qr_determinant(s->w, s->diag) : 0.0;
+    memset(s->rest, 0, (size_t)s->rows*sizeof *s->rest);
+    s->rest[s->m] = 1.0;
+    lw_qr_solve(s->rows, s->w, s->matrix, s->diag, s->rest);
+    double length = sqrt(dot(s, s->rest, s->rest));
+    for (int i = 0; i < s->w; i++)
+        p->t[i] = s->rest[i]/length;
+    return isfinite(length);
+}
+
+/* --- steps --- */
+
+/* Is s->next on the same smooth curve as s->here, as far as both ends of a step can tell? */
+static bool smooth(const lw_newton *s)
+{
+    double length2 = 0.0, along = 0.0, mean2 = 0.0, cosine = dot(s, s->next.t, s->here.t);
+    if (cosine < least_cosine)
+        return false;
+    for (int i = 0; i < s->w; i++) {
+        double chord = s->next.z[i] - s->here.z[i], mean = s->here.t[i] + s->next.t[i];
+        length2 += chord*chord;
+        along += chord*mean;
+        mean2 += mean*mean;
+    }
+    bool too_short = length2 < 1e-12;       /* to tell directions from rounding */
+    return too_short || along*along >= (1.0 - chord_sine*chord_sine)*length2*mean2;
+}
+
+/* Nothing crosses the curve between s->here and s->next, nor next to s->next. */
+static bool uncrossed(const lw_newton *s)
+{
+    double before = s->here.det, after = s->next.det;
+    return (before > 0.0) == (after > 0.0) && fabs(after) >= det_share*fabs(before);
+}
+
+/* s->next: the curve h along from s->here, on the plane across the tangent. */
+static bool go(lw_newton *s, double h)
+{
+    predict(s, &s->here, h, &s->next);
+    return correct(s, s->next.z, s->here.t, h)
+        && find_tangent(s, &s->next, s->here.t)
+        && smooth(s);
+}
+
+/* Does the input turn back and forth again between s->here and s->next, h along, where it still goes
+ * its way?  The derivative of the cubic through both is the parabola q with q(0) = p0, q(1) = p1 and
+ * the mean slope m.  Where h is small, what it can hide is smaller than the limits are told to. */
+static bool dips(const lw_newton *s, double h)
+{
+    int n = s->n;
+    double p0 = s->here.t[n]*s->way, p1 = s->next.t[n]*s->way;
+    double m = (s->next.z[n] - s->here.z[n])*s->way/h;
+    double slope = 6.0*m - 4.0*p0 - 2.0*p1, bend = 3.0*(p0 + p1) - 6.0*m;
+    if (h < 1e-4 || !(bend > 0.0 && slope < 0.0 && -slope < 2.0*bend))
+        return false;
+    double least = p0 - 0.25*slope*slope/bend;
+    return least < 0.1*fmax(0.0, fmin(p0, p1)) - 1e-12;
+}
+
+/* s->next: the curve where the input is `target`, about h along. */
+static bool go_to(lw_newton *s, double target, double h)
+{
+    memset(s->border, 0, (size_t)s->w*sizeof *s->border);
+    s->border[s->n] = 1.0;
+    predict(s, &s->here, h, &s->next);
+    s->next.z[s->n] = target;
+    return correct(s, s->next.z, s->border, target - s->here.z[s->n])
+        && find_tangent(s, &s->next, s->here.t)
+        && smooth(s)
+        && uncrossed(s)
+        && !dips(s, h);
+}
+
+/* To be called where s->here gets other turns. */
+static void count_turns(lw_newton *s)
+{
+    lw_system_turns(&s->system, s->here.turns, s->turned, s->turned + s->system.n_row);
+    s->turned[s->system.n_row] -= s->here.input_turns;
+    for (int i = 0; i < s->m; i++)
+        s->turned[i] *= 2.0*LW_PI;
+}
+
+/* s->here <-> another place */
+static void swap(lw_newton *s, place *other)
+{
+    place old = *other;
+    *other = s->here;
+    s->here = old;
+    if (memcmp(s->here.turns, other->turns, sizeof old.turns) != 0 || s->here.input_turns != other->input_turns)
+        count_turns(s);
+}
+
+/* Take a whole turn out of an angle beyond half a turn. */
+static int wrap(double *angle)
+{
+    int whole = *angle > LW_PI ? 1 : *angle < -LW_PI ? -1 : 0;
+    *angle -= 2.0*LW_PI*whole;
+    return whole;
+}
+
+/* Turns in [-pi, pi], so that sines keep their digits however often a link goes round. */
+static void arrive(lw_newton *s)
+{
+    place *p = &s->next;
+    memcpy(p->turns, s->here.turns, sizeof p->turns);
+    p->input_turns = s->here.input_turns;
+    for (int i = 0; i < s->system.n_body; i++)
+        p->turns[i] += wrap(&p->z[3*i + 2]);
+    if (s->input_is_pin)
+        p->input_turns += wrap(&p->z[s->n]);
+    swap(s, &s->next);
+}
+
+/* On the curve between s->here and h along, find where the input is *target, or (NULL) where it turns
+ * round: regula falsi after Dowell & Jarratt 1971 (Illinois).  s->next is the place. */
+static bool locate(lw_newton *s, double h, const double *target)
+{
+    int n = s->n;
+    double lo = 0.0, hi = h;
+    double at_lo = target ? s->here.z[n] - *target : s->here.t[n];
+    double at_hi = target ? s->next.z[n] - *target : s->next.t[n];
+    double enough = target ? DBL_EPSILON*fmax(1.0, fabs(*target)) : 1e-10;
+    for (int i = 0; i < 100; i++) {
+        double x = hi - at_hi*(hi - lo)/(at_hi - at_lo);
+        if (!(x > fmin(lo, hi) && x < fmax(lo, hi)))
+            x = 0.5*(lo + hi);
+        if (!go(s, x))
+            return false;
+        double at_x = target ? s->next.z[n] - *target : s->next.t[n];
+        if (fabs(at_x) <= enough || fabs(hi - lo) <= 1e-15)
+            return true;
+        if ((at_x > 0.0) != (at_hi > 0.0)) {
+            lo = hi;
+            at_lo = at_hi;
+        } else
+            at_lo *= 0.5;
+        hi = x;
+        at_hi = at_x;
+    }
+    return true;
+}
+
+static double reach_of(const lw_newton *s, const place *p)
+{
+    double sum = 0.0;
+    for (int i = 0; i < s->w; i++)
+        sum += pow(s->here.z[i] - p->z[i], 2.0);
+    return sqrt(sum);
+}
+
+/* Two branches cross within least_step: leap over the place and go straight on, from a place far
+ * enough before it for a good tangent. */
+static bool cross(lw_newton *s)
+{
+    int n = s->n;
+    double away = s->has_back ? reach_of(s, &s->back) : 0.0;
+    if (!s->has_back || !(away < largest_step))
+        copy(s, &s->back, &s->here);
+    swap(s, &s->back);
+    for (double h = fmax(1.25*away, 4.0*least_step); h < largest_step; h *= 1.4)
+        if (go(s, h) && s->next.det*s->here.det < 0.0 && fabs(s->next.det) >= det_share*fabs(s->here.det) &&
+            s->next.t[n]*s->way > 0.0) {
+            arrive(s);
+            s->crossings++;
+            s->step = fmax(h, 1e-3);
+            s->has_back = false;
+            return true;
+        }
+    swap(s, &s->back);
+    return false;
+}
+
+/* A limit where branches cross as well (Peaucellier's rhombus closing) cannot be stepped onto.  With
+ * the rates here and a way back the input is a parabola of the way: is its top within rounding? */
+static bool at_double_limit(const lw_newton *s)
+{
+    int n = s->n;
+    double rate = s->here.t[n]*s->way, before = s->back.t[n]*s->way;
+    return s->has_back && before > rate && 0.5*rate*rate*reach_of(s, &s->back) <= 1e-11*(before - rate);
+}
+
+static bool passed(double x, double target, double way) { return (x - target)*way >= 0.0; }
+
+typedef enum outcome { MOVED, ARRIVED, ENDED, LOST } outcome;
+
+/* The step of length h led to s->next, and the input has turned round or passed its target on the
+ * way: find the first of the two. */
+static outcome settle(lw_newton *s, double h, double target)
+{
+    int n = s->n;
+    double end = h, way = s->way;
+    if (s->next.t[n]*way <= 0.0) {
+        bool from_limit = s->here.t[n]*way < 1e-9;         /* two limits: a shorter step parts them */
+        if (from_limit || !locate(s, h, NULL))
+            return LOST;
+        end = 0.0;
+        for (int i = 0; i < s->w; i++)
+            end += s->here.t[i]*(s->next.z[i] - s->here.z[i]);
+        if (dips(s, end))
+            return LOST;
+        if (!passed(s->next.z[n], target, way)) {
+            arrive(s);
+            s->limit = true;
+            return ENDED;
+        }
+    }
+    if (!locate(s, end, &target))
+        return LOST;
+    s->next.z[n] = target;
+    arrive(s);
+    return ARRIVED;
+}
+
+/* One step towards the target, of the length that the curve allows. */
+static outcome advance(lw_newton *s, double target)
+{
+    int n = s->n;
+    double way = s->way, rate = s->here.t[n]*way, need = (target - s->here.z[n])*way;
+    if (rate > 0.0 && need <= rate*s->step && go_to(s, target, need/rate)) {
+        arrive(s);
+        return ARRIVED;
+    }
+    for (double h = s->step; h >= least_step; h *= 0.5) {
+        if (!go(s, h) || !uncrossed(s))
+            continue;
+        double cosine = dot(s, s->next.t, s->here.t);
+        bool turned = s->next.t[n]*way <= 0.0;
+        if (!turned && dips(s, h))
+            continue;
+        if (turned || passed(s->next.z[n], target, way)) {
+            outcome o = settle(s, h, target);
+            if (o == LOST)
+                continue;
+            return o;
+        }
+        s->step = fmin(largest_step, cosine > 0.99 ? 2.0*h : cosine > 0.975 ? 1.2*h : h);
+        if (h >= back_step) {
+            copy(s, &s->back, &s->here);
+            s->has_back = true;
+        }
+        arrive(s);
+        return MOVED;
+    }
+    if (cross(s))
+        return MOVED;
+    s->limit = at_double_limit(s);
+    return s->limit ? ENDED : LOST;
+}
+
+/* Turn round when the input shall go the other way.  At a limit this leads back the way it came. */
+static void face(lw_newton *s, int way)
+{
+    if (way == s->way)
+        return;
+    for (int i = 0; i < s->w; i++)
+        s->here.t[i] = -s->here.t[i];
+    s->here.det = -s->here.det;              /* it is linear in its last row */
+    s->way = way;
+    s->limit = s->has_back = false;
+}
+
+/* z[n] of an input */
+static double wanted(const lw_newton *s, double input)
+{
+    return (input - s->value)/s->unit - 2.0*LW_PI*s->here.input_turns;
+}
+
+lw_status lw_newton_move(lw_newton *s, double input, double *reached)
+{
+    lw_status status = LW_OK;
+    double target = wanted(s, input), from = s->here.z[s->n];
+    if (!isfinite(input))
+        status = LW_E_ARG;
+    else if (target != from) {
+        face(s, target > from ? 1 : -1);
+        outcome o = s->limit ? ENDED : MOVED;
+        while (o == MOVED)
+            o = advance(s, wanted(s, input));
+        status = o == ARRIVED ? LW_OK : o == ENDED ? LW_OPEN : LW_E_NUMERIC;
+    }
+    if (reached)
+        *reached = status == LW_OK ? input : lw_newton_input(s);
+    return status;
+}
+
+/* --- making, asking --- */
+
+void lw_newton_reset(lw_newton *s)
+{
+    copy(s, &s->here, &s->start);
+    memset(s->turned, 0, (size_t)s->rows*sizeof *s->turned);
+    s->step = first_step;
+    s->way = 1;
+    s->limit = s->has_back = false;
+    s->crossings = 0;
+}
+
+/* One block for all arrays. */
+static bool allocate(lw_newton *s)
+{
+    size_t w = (size_t)s->w, rows = (size_t)s->rows;
+    double *store = s->store = calloc(10*w + 2*rows + rows*w, sizeof *store);
+    if (!store)
+        return false;
+    s->start  = (place){ .z = store,         .t = store + w };
+    s->here   = (place){ .z = store + 2*w,   .t = store + 3*w };
+    s->next   = (place){ .z = store + 4*w,   .t = store + 5*w };
+    s->back   = (place){ .z = store + 6*w,   .t = store + 7*w };
+    s->diag   = store + 8*w;
+    s->border = store + 9*w;
+    s->rest   = store + 10*w;
+    s->turned = s->rest + rows;
+    s->matrix = s->turned + rows;
+    return true;
+}
+
+static lw_status count_equations(const lw_linkage *k, lw_newton *s, lw_error *e)
+{
+    s->n = s->system.n_q;
+    s->m = s->system.n_row + s->system.n_input;
+    s->w = s->n + 1;
+    s->rows = s->m + 1;
+    if (k->n_input < 1)
+        return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
+    if (s->m < s->n)
+        return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d inputs; drive %d more joints",
+                            s->n - s->system.n_row, s->system.n_input, s->n - s->m);
+    return LW_OK;
+}
+
+/* The tangent of the posture, with the input growing. */
+static lw_status begin(lw_newton *s, lw_error *e)
+{
+    lw_system_posture(&s->system, s->start.z);
+    s->border[s->n] = 1.0;
+    if (!find_tangent(s, &s->start, s->border))
+        return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the input: draw the linkage "
+                            "in another posture, so that its branch can be told");
+    double left = 0.0;
+    assemble(s, s->start.z, s->border);
+    for (int i = 0; i < s->m; i++) {
+        double rate = 0.0;
+        for (int c = 0; c < s->w; c++)
+            rate += s->matrix[i + (long)s->rows*c]*s->start.t[c];
+        left = fmax(left, fabs(rate));
+    }
+    if (left > 1e-9)
+        return lw_error_set(e, LW_E_NUMERIC, "the linkage is rigid: it has more constraints than it needs "
+                            "and they do not agree, so that its input cannot move");
+    lw_newton_reset(s);
+    return LW_OK;
+}
+
+lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
+{
+    *out = NULL;
+    lw_newton *s = calloc(1, sizeof *s);
+    if (!s)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status status = lw_system_make(k, NULL, 0.0, &s->system, e);
+    if (status == LW_OK)
+        status = count_equations(k, s, e);
+    if (status == LW_OK && !allocate(s))
+        status = lw_error_set(e, LW_E_MEMORY, "out of memory");
+    if (status == LW_OK) {
+        s->value = k->input[0].value;
+        s->input_is_pin = k->joint[k->input[0].joint].kind == LW_JOINT_REVOLUTE;
+        s->unit = s->input_is_pin ? 1.0 : s->system.unit;
+        status = begin(s, e);
+    }
+    if (status != LW_OK) {
+        lw_newton_free(s);
+        return status;
+    }
+    *out = s;
+    return LW_OK;
+}
+
+void lw_newton_free(lw_newton *s)
+{
+    if (s)
+        free(s->store);
+    free(s);
+}
+
+lw_vec2 lw_newton_tracer(const lw_newton *s, int which)
+{
+    return lw_system_point(&s->system, s->system.tracer_body[which], s->system.tracer_arm[which], s->here.z);
+}
+
+lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
+{
+    const lw_system_joint *q = &s->system.joint[joint];
+    return lw_system_point(&s->system, q->kind == LW_JOINT_GEAR ? q->carrier : q->body[0], q->arm[0], s->here.z);
+}
+
+double lw_newton_angle(const lw_newton *s, int link)
+{
+    int b = s->system.body[link];
+    return b < 0 ? 0.0 : s->here.z[3*b + 2] + 2.0*LW_PI*s->here.turns[b];
+}
+
+double lw_newton_input(const lw_newton *s)
+{
+    return s->value + s->unit*(s->here.z[s->n] + 2.0*LW_PI*s->here.input_turns);
+}
+
+double lw_newton_residual(const lw_newton *s)
+{
+    return s->system.unit*evaluate(s, s->here.z, s->rest, NULL);
+}
+
+int lw_newton_crossings(const lw_newton *s) { return s->crossings; }

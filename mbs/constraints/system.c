@@ -1,0 +1,239 @@
+/* mbs/constraints/system.c - a linkage as bodies, joints and rows. */
+#include "mbs/constraints/system.h"
+
+#include <string.h>
+
+/* ---- scale ------------------------------------------------------------------------------------- */
+
+/* Gears have no place of their own, and welds may be drawn anywhere. */
+static bool has_place(const lw_joint *j) { return j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED; }
+
+/* Middle and size of what is drawn.  Differences are taken before sums, so that a posture far from
+ * the origin keeps its digits.  With all joints at one point the tracers tell the size, and without them any will do:
+ * links turn about it, whatever their length. */
+static void measure_posture(const lw_linkage *k, lw_system *s)
+{
+    lw_vec2 first = { 0.0, 0.0 }, sum = { 0.0, 0.0 };
+    int n = 0;
+    s->unit = 0.0;
+    for (int j = 0; j < k->n_joint; j++)
+        if (has_place(&k->joint[j])) {
+            first = n == 0 ? k->joint[j].at : first;
+            sum = lw_v2_add(sum, lw_v2_sub(k->joint[j].at, first));
+            n++;
+        }
+    s->origin = lw_v2_add(first, lw_v2_scale(sum, 1.0/(n > 0 ? n : 1)));
+    for (int j = 0; j < k->n_joint; j++)
+        if (has_place(&k->joint[j]))
+            s->unit = fmax(s->unit, lw_v2_norm(lw_v2_sub(k->joint[j].at, s->origin)));
+    for (int i = 0; i < k->n_tracer && s->unit == 0.0; i++)
+        s->unit = lw_v2_norm(lw_v2_sub(k->tracer[i].at, s->origin));
+    s->unit = s->unit > 0.0 ? s->unit : 1.0;
+}
+
+static lw_vec2 scaled(const lw_system *s, lw_vec2 at)
+{
+    return lw_v2_scale(lw_v2_sub(at, s->origin), 1.0/s->unit);
+}
+
+/* ---- parts ------------------------------------------------------------------------------------- */
+
+static void make_bodies(const lw_linkage *k, const lw_vec2 *reference, lw_system *s)
+{
+    lw_vec2 sum[LW_LINK_MAX] = { { 0.0, 0.0 } };
+    int n[LW_LINK_MAX] = { 0 };
+    for (int j = 0; j < k->n_joint; j++)
+        for (int end = 0; end < 2; end++)
+            if (has_place(&k->joint[j])) {
+                int l = k->joint[j].link[end];
+                sum[l] = lw_v2_add(sum[l], scaled(s, k->joint[j].at));
+                n[l]++;
+            }
+    for (int l = 0; l < k->n_link; l++) {
+        s->body[l] = l == k->ground ? -1 : s->n_body;
+        if (l == k->ground)
+            continue;
+        s->link[s->n_body] = l;
+        s->reference[s->n_body] = reference ? scaled(s, reference[l]) : lw_v2_scale(sum[l], 1.0/(n[l] > 0 ? n[l] : 1));
+        s->n_body++;
+    }
+    s->n_q = 3*s->n_body;
+}
+
+static void add_rows(lw_system *s, int joint, const char *a, const char *b, const char *c)
+{
+    const char *what[] = { a, b, c };
+    for (int i = 0; i < 3; i++)
+        if (what[i])
+            s->row[s->n_row++] = (lw_system_row){ joint, what[i] };
+}
+
+static lw_status make_gear(const lw_linkage *k, int j, lw_system *s, lw_error *e)
+{
+    lw_system_joint *q = &s->joint[j];
+    lw_gear g;
+    lw_status status = lw_linkage_gear(k, j, &g, e);
+    if (status != LW_OK)
+        return status;
+    q->carrier = s->body[g.carrier];
+    for (int side = 0; side < 2; side++) {
+        q->arm[side] = lw_system_arm(s, q->carrier, k->joint[j].at);
+        q->slider[side] = g.slider[side];
+        q->slider_sign[side] = g.way[side];
+    }
+    q->ratio = k->joint[j].ratio/lw_linkage_gear_unit(&g, s->unit);
+    return LW_OK;
+}
+
+static lw_status make_joint(const lw_linkage *k, int j, lw_system *s, lw_error *e)
+{
+    const lw_joint *from = &k->joint[j];
+    lw_system_joint *q = &s->joint[j];
+    *q = (lw_system_joint){ .kind = from->kind, .carrier = -1, .sign = 1.0, .along = from->along, .row = s->n_row,
+                            .slider = { -1, -1 } };
+    for (int end = 0; end < 2; end++) {
+        q->body[end] = s->body[from->link[end]];
+        q->arm[end] = lw_system_arm(s, q->body[end], from->at);
+    }
+    switch (from->kind) {
+    case LW_JOINT_REVOLUTE:
+        q->sign = q->body[1] < 0 ? -1.0 : 1.0;
+        add_rows(s, j, "x", "y", NULL);
+        break;
+    case LW_JOINT_SLIDER:
+        add_rows(s, j, "across", "turn", NULL);
+        break;
+    case LW_JOINT_SLOT:
+        add_rows(s, j, "across", NULL, NULL);
+        break;
+    case LW_JOINT_FIXED:
+        add_rows(s, j, "x", "y", "turn");
+        break;
+    case LW_JOINT_GEAR:
+        add_rows(s, j, "ratio", NULL, NULL);
+        return make_gear(k, j, s, e);
+    }
+    return LW_OK;
+}
+
+static void make_inputs(const lw_linkage *k, lw_system *s)
+{
+    s->n_input = lw_linkage_free_inputs(k);
+    s->n_tie = k->n_input - s->n_input;
+    s->tie_row = s->n_row;
+    for (int i = 0; i < k->n_input; i++) {
+        s->input_joint[i] = k->input[i].joint;
+        s->input_value[i] = k->input[i].value;
+    }
+    for (int i = 0; i < s->n_tie; i++) {
+        int tied = s->n_input + i;
+        s->tie[i] = k->input[tied].ratio/lw_linkage_tie_unit(k, tied, s->unit);
+        add_rows(s, k->input[tied].joint, "tie", NULL, NULL);
+    }
+}
+
+lw_status lw_system_make(const lw_linkage *k, const lw_vec2 *reference, double unit, lw_system *s, lw_error *e)
+{
+    memset(s, 0, sizeof *s);
+    lw_status status = lw_linkage_check(k, e);
+    if (status != LW_OK)
+        return status;
+    if (unit > 0.0)
+        s->unit = unit;
+    else
+        measure_posture(k, s);
+    make_bodies(k, reference, s);
+    s->n_joint = k->n_joint;
+    for (int j = 0; status == LW_OK && j < k->n_joint; j++)
+        status = make_joint(k, j, s, e);
+    make_inputs(k, s);
+    s->n_tracer = k->n_tracer;
+    for (int i = 0; i < k->n_tracer; i++) {
+        s->tracer_body[i] = s->body[k->tracer[i].link];
+        s->tracer_arm[i] = lw_system_arm(s, s->tracer_body[i], k->tracer[i].at);
+    }
+    return status;
+}
+
+/* ---- postures ---------------------------------------------------------------------------------- */
+
+void lw_system_posture(const lw_system *s, double *q)
+{
+    for (int b = 0; b < s->n_body; b++) {
+        q[3*b] = s->reference[b].x;
+        q[3*b + 1] = s->reference[b].y;
+        q[3*b + 2] = 0.0;
+    }
+}
+
+/* b < 0: the ground, which has no coordinates. */
+static void add_body(int body[LW_SYSTEM_ROW_BODIES], int b)
+{
+    int n = 0;
+    while (n < LW_SYSTEM_ROW_BODIES && body[n] >= 0 && body[n] != b)
+        n++;
+    if (b >= 0 && n < LW_SYSTEM_ROW_BODIES)
+        body[n] = b;
+}
+
+static void add_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES])
+{
+    const lw_system_joint *q = &s->joint[j];
+    for (int side = 0; side < 2; side++)
+        if (q->kind == LW_JOINT_GEAR && q->slider[side] >= 0) {
+            add_body(body, s->joint[q->slider[side]].body[0]);
+            add_body(body, s->joint[q->slider[side]].body[1]);
+        } else {
+            add_body(body, q->body[side]);
+            add_body(body, q->kind == LW_JOINT_GEAR ? q->carrier : -1);
+        }
+}
+
+void lw_system_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_BODIES])
+{
+    for (int i = 0; i < LW_SYSTEM_ROW_BODIES; i++)
+        body[i] = -1;
+    add_joint_bodies(s, j, body);
+}
+
+void lw_system_row_bodies(const lw_system *s, int row, int body[LW_SYSTEM_ROW_BODIES])
+{
+    lw_system_joint_bodies(s, s->row[row].joint, body);
+    if (row >= s->tie_row)
+        add_joint_bodies(s, s->input_joint[0], body);
+}
+
+lw_vec2 lw_system_arm(const lw_system *s, int body, lw_vec2 at)
+{
+    lw_vec2 p = scaled(s, at);
+    return body < 0 ? p : lw_v2_sub(p, s->reference[body]);
+}
+
+lw_vec2 lw_system_point(const lw_system *s, int body, lw_vec2 arm, const double *q)
+{
+    const double *c = q + 3*body;
+    lw_vec2 p = body < 0 ? arm : lw_v2_add(lw_v2(c[0], c[1]), lw_v2_turn(arm, lw_v2_polar(1.0, c[2])));
+    return lw_v2_add(s->origin, lw_v2_scale(p, s->unit));
+}
+
+static double turn_of(int body, const double *q) { return body < 0 ? 0.0 : q[3*body + 2]; }
+
+void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
+{
+    for (int j = 0; j < s->n_joint; j++) {
+        const lw_system_joint *p = &s->joint[j];
+        int end = p->kind == LW_JOINT_SLOT ? 1 : 0;
+        int body = p->kind == LW_JOINT_GEAR ? p->carrier : p->body[end];
+        k->joint[j].at = lw_system_point(s, body, p->arm[end], q);
+        if (p->kind == LW_JOINT_SLIDER || p->kind == LW_JOINT_SLOT)
+            k->joint[j].along = lw_v2_turn(p->along, lw_v2_polar(1.0, turn_of(p->body[0], q)));
+    }
+    for (int i = 0; i < s->n_tracer; i++) {
+        k->tracer[i].at = lw_system_point(s, s->tracer_body[i], s->tracer_arm[i], q);
+        k->tracer[i].angle += turn_of(s->tracer_body[i], q);
+    }
+    for (int i = 0; i < s->n_input + s->n_tie; i++) {
+        bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
+        k->input[i].value = s->input_value[i] + lw_system_measure(s, s->input_joint[i], q, NULL)*(pin ? 1.0 : s->unit);
+    }
+}

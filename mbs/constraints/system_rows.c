@@ -1,0 +1,215 @@
+/* mbs/constraints/system_rows.c - the rows of a system and their derivatives.
+ *
+ * With the turned arms r_i and the joint's points p_i = x_i + r_i on its two links, d = p_1 - p_0 and u the slide
+ * line's direction on link 0:
+ *
+ *     pin       d = 0
+ *     slider    i u . d = 0,   phi_1 - phi_0 = 0
+ *     slot      i u . d = 0
+ *     fixed     d = 0,         phi_1 - phi_0 = 0
+ *     gear      (m_1 - ratio m_0)/(1 + |ratio|) = 0,   m_i = phi_i - phi_c, or what the slider of a rack counts
+ *     tie       (h_1 - ratio h_0)/(1 + |ratio|) = 0,   h_i what the tied and the first input count
+ *
+ * What a slider counts is u . d.  The derivatives of v . d for a v that is carried by link 0 or fixed are
+ *     by x_1: v,  by phi_1: v . i r_1,  by x_0: -v,  by phi_0: dv . d - v . i r_0.                       */
+#include "mbs/constraints/system_internal.h"
+
+#include <string.h>
+
+void lw_system_place(const lw_system *s, const double *q, lw_system_frames *f)
+{
+    f->at[0] = lw_v2(0.0, 0.0);
+    f->dir[0] = lw_v2(1.0, 0.0);
+    f->turn[0] = 0.0;
+    for (int b = 0; b < s->n_body; b++) {
+        f->at[b + 1] = lw_v2(q[3*b], q[3*b + 1]);
+        f->turn[b + 1] = q[3*b + 2];
+        f->dir[b + 1] = lw_v2_polar(1.0, q[3*b + 2]);
+    }
+}
+
+/* Where derivatives of one row go: entry of coordinate i at to[i*step]. */
+typedef struct target { double *to; long step; } target;
+
+static inline void add(target t, int body, double x, double y, double turn)
+{
+    if (body < 0 || !t.to)
+        return;
+    double *p = t.to + 3*body*t.step;
+    p[0] += x;
+    p[t.step] += y;
+    p[2*t.step] += turn;
+}
+
+/* A joint at its two links. */
+typedef struct contact { lw_vec2 r[2], d, u; } contact;
+
+static inline contact touch(const lw_system_joint *j, const lw_system_frames *f)
+{
+    contact c;
+    int b0 = j->body[0] + 1, b1 = j->body[1] + 1;
+    c.r[0] = lw_v2_turn(j->arm[0], f->dir[b0]);
+    c.r[1] = lw_v2_turn(j->arm[1], f->dir[b1]);
+    c.d = lw_v2_sub(lw_v2_add(f->at[b1], c.r[1]), lw_v2_add(f->at[b0], c.r[0]));
+    c.u = lw_v2_turn(j->along, f->dir[b0]);
+    return c;
+}
+
+/* v . d times `factor`; dv: derivative of v by the turn of link 0. */
+static inline void add_projection(const lw_system_joint *j, const contact *c, lw_vec2 v, lw_vec2 dv, double factor,
+                                  target t)
+{
+    lw_vec2 w = lw_v2_scale(v, factor);
+    add(t, j->body[1], w.x, w.y, lw_v2_cross(c->r[1], w));
+    add(t, j->body[0], -w.x, -w.y, factor*lw_v2_dot(dv, c->d) - lw_v2_cross(c->r[0], w));
+}
+
+static inline double turn_between(const lw_system_joint *j, const lw_system_frames *f)
+{
+    return f->turn[j->body[1] + 1] - f->turn[j->body[0] + 1];
+}
+
+static inline void add_turn(const lw_system_joint *j, double factor, target t)
+{
+    add(t, j->body[1], 0.0, 0.0, factor);
+    add(t, j->body[0], 0.0, 0.0, -factor);
+}
+
+/* What a joint counts, times `factor`. */
+static double count(const lw_system_joint *j, const lw_system_frames *f, double factor, target t)
+{
+    if (j->kind == LW_JOINT_REVOLUTE) {
+        add_turn(j, factor*j->sign, t);
+        return factor*j->sign*turn_between(j, f);
+    }
+    if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT)
+        return 0.0;
+    contact c = touch(j, f);
+    if (t.to)
+        add_projection(j, &c, c.u, lw_v2_perp(c.u), factor, t);
+    return factor*lw_v2_dot(c.u, c.d);
+}
+
+double lw_system_count(const lw_system *s, const lw_system_frames *f, int j, double *row, long step)
+{
+    return count(&s->joint[j], f, 1.0, (target){ row, step });
+}
+
+double lw_system_gear_factor(const lw_system_joint *j, int side)
+{
+    return (side == 1 ? 1.0 : -j->ratio)/(1.0 + fabs(j->ratio));
+}
+
+static double gear_row(const lw_system *s, const lw_system_joint *j, const lw_system_frames *f, target t)
+{
+    double left = 0.0;
+    for (int side = 0; side < 2; side++) {
+        double factor = lw_system_gear_factor(j, side);
+        if (j->slider[side] >= 0) {
+            left += count(&s->joint[j->slider[side]], f, factor*j->slider_sign[side], t);
+            continue;
+        }
+        left += factor*(f->turn[j->body[side] + 1] - f->turn[j->carrier + 1]);
+        add(t, j->body[side], 0.0, 0.0, factor);
+        add(t, j->carrier, 0.0, 0.0, -factor);
+    }
+    return left;
+}
+
+static double tie_row(const lw_system *s, int i, const lw_system_frames *f, target t)
+{
+    double ratio = s->tie[i], scale = 1.0/(1.0 + fabs(ratio));
+    return count(&s->joint[s->input_joint[s->n_input + i]], f, scale, t)
+         + count(&s->joint[s->input_joint[0]], f, -ratio*scale, t);
+}
+
+void lw_system_fill(const lw_system *s, const lw_system_frames *f, double *phi, double *jac, long row_step,
+                    long column_step)
+{
+    static const lw_vec2 none = { 0.0, 0.0 }, ex = { 1.0, 0.0 }, ey = { 0.0, 1.0 };
+    for (int k = 0; k < s->n_joint; k++) {
+        const lw_system_joint *j = &s->joint[k];
+        int r = j->row;
+        target t0 = { jac ? jac + r*row_step : NULL, column_step };
+        if (j->kind == LW_JOINT_GEAR) {
+            double left = gear_row(s, j, f, t0);
+            if (phi)
+                phi[r] = left;
+            continue;
+        }
+        contact c = touch(j, f);
+        bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
+        bool turn = j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED;
+        lw_vec2 across = lw_v2_perp(c.u);
+        int next = r + (point ? 2 : 1);
+        if (phi) {
+            phi[r] = point ? c.d.x : lw_v2_dot(across, c.d);
+            if (point)
+                phi[r + 1] = c.d.y;
+            if (turn)
+                phi[next] = turn_between(j, f);
+        }
+        if (!jac)
+            continue;
+        if (point) {
+            add_projection(j, &c, ex, none, 1.0, t0);
+            add_projection(j, &c, ey, none, 1.0, (target){ t0.to + row_step, column_step });
+        } else
+            add_projection(j, &c, across, lw_v2_scale(c.u, -1.0), 1.0, t0);
+        if (turn)
+            add_turn(j, 1.0, (target){ jac + next*row_step, column_step });
+    }
+    for (int i = 0, r = s->tie_row; i < s->n_tie; i++, r++) {
+        double left = tie_row(s, i, f, (target){ jac ? jac + r*row_step : NULL, column_step });
+        if (phi)
+            phi[r] = left;
+    }
+}
+
+void lw_system_rows(const lw_system *s, const double *q, double *phi, double *jac)
+{
+    lw_system_frames f;
+    lw_system_place(s, q, &f);
+    if (jac)
+        memset(jac, 0, (size_t)s->n_row*(size_t)s->n_q*sizeof *jac);
+    lw_system_fill(s, &f, phi, jac, s->n_q, 1);
+}
+
+double lw_system_measure(const lw_system *s, int j, const double *q, double *row)
+{
+    lw_system_frames f;
+    lw_system_place(s, q, &f);
+    if (row)
+        memset(row, 0, (size_t)s->n_q*sizeof *row);
+    return lw_system_count(s, &f, j, row, 1);
+}
+
+/* What an input counts of whole turns. */
+static double whole_count(const lw_system_joint *j, const lw_system_frames *f)
+{
+    return j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, f) : 0.0;
+}
+
+void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs)
+{
+    lw_system_frames f;
+    f.turn[0] = 0.0;
+    memset(rows, 0, (size_t)s->n_row*sizeof *rows);
+    for (int b = 0; b < s->n_body; b++)
+        f.turn[b + 1] = turns[b];
+    for (int k = 0; k < s->n_joint; k++) {
+        const lw_system_joint *j = &s->joint[k];
+        if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED)
+            rows[j->row + (j->kind == LW_JOINT_FIXED ? 2 : 1)] = turn_between(j, &f);
+        if (j->kind == LW_JOINT_GEAR)
+            for (int side = 0; side < 2; side++)
+                if (j->slider[side] < 0)
+                    rows[j->row] += lw_system_gear_factor(j, side)
+                                  * (f.turn[j->body[side] + 1] - f.turn[j->carrier + 1]);
+    }
+    for (int i = 0; i < s->n_input; i++)
+        inputs[i] = whole_count(&s->joint[s->input_joint[i]], &f);
+    for (int i = 0; i < s->n_tie; i++)
+        rows[s->tie_row + i] = (whole_count(&s->joint[s->input_joint[s->n_input + i]], &f)
+                                - s->tie[i]*whole_count(&s->joint[s->input_joint[0]], &f))/(1.0 + fabs(s->tie[i]));
+}

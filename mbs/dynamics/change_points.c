@@ -1,0 +1,300 @@
+/* mbs/dynamics/change_points.c - change points: inputs at which the two assemblies of a dyad meet and part again.
+ *
+ * The margin of a dyad, sin^2 of its angle, has a double root there, so that y = +-sqrt(margin) has a simple one and a
+ * linkage that keeps its velocities changes to the other sign.  The input is gone through from the start, to
+ * both sides, with modes that change at every such place; where a margin falls below 0 the motion ends. */
+#include "mbs/dynamics/reduced_internal.h"
+
+#include <math.h>
+#include <string.h>
+#include "base/linalg.h"
+
+static const int    per_turn = 360;          /* places looked at in a turn                                */
+static const double is_zero = 1e-13;         /* margin of a change point, rounding of lengths             */
+static const double vague = 1e-7;            /* a margin below that is none and no gap either             */
+static const double on_lengths = 1e-11;      /* what a bridge closes to, over the links' lengths            */
+static const double reach_most = 0.05;       /* half the width of a bridge [rad], or of the size          */
+
+typedef struct scan {
+    lw_reduced *r;
+    double mode[LW_DYAD_MAX], width;         /* of one step                                               */
+    double margin[3][LW_DYAD_MAX];           /* at the last three places                                  */
+    double limit;                            /* where the motion ends                                     */
+    int    side;                             /* way of the scan                                           */
+    bool   vague;                            /* assemblies came near each other but did not meet          */
+    const lw_touch *met;                     /* behind it its dyads have changed over; NULL: none yet       */
+} scan;
+
+/* Margin of one dyad. */
+static double margin_at(const scan *c, int dyad, double input)
+{
+    double of[LW_DYAD_MAX], mode[LW_DYAD_MAX], least;
+    memcpy(mode, c->mode, sizeof mode);
+    for (int b = 0; c->met && c->side*(input - c->met->at) > 0 && b < c->met->n_bridge; b++)
+        mode[c->met->bridge[b].dyad] *= -1;
+    lw_reduced_plain(c->r, mode, NULL, input, of, &least);
+    return of[dyad];
+}
+
+/* Least margin of a dyad between a and b, by golden section. */
+static double least_margin(const scan *c, int dyad, double a, double b, double *where)
+{
+    const double g = 0.6180339887498949;
+    double x1 = b - g*(b - a), x2 = a + g*(b - a), f1 = margin_at(c, dyad, x1), f2 = margin_at(c, dyad, x2);
+    for (int k = 0; k < 60 && fabs(b - a) > 1e-9*c->width; k++) {
+        if (f1 < f2) {
+            b = x2, x2 = x1, f2 = f1;
+            x1 = b - g*(b - a), f1 = margin_at(c, dyad, x1);
+        } else {
+            a = x1, x1 = x2, f1 = f2;
+            x2 = a + g*(b - a), f2 = margin_at(c, dyad, x2);
+        }
+    }
+    *where = f1 < f2 ? x1 : x2;
+    return fmin(f1, f2);
+}
+
+/* The simple root of +-sqrt(margin) by inverse interpolation from places well beside it. */
+static double sharpen(const scan *c, int dyad, double at)
+{
+    for (int pass = 0; pass < 3; pass++) {
+        double h = c->width*(pass ? 0.05 : 0.3), left = sqrt(fmax(0, margin_at(c, dyad, at - h)));
+        double right = sqrt(fmax(0, margin_at(c, dyad, at + h)));
+        if (!(left + right > 0))
+            break;
+        at += h*(left - right)/(left + right);
+    }
+    return at;
+}
+
+/* ---- bridges ------------------------------------------------------------------------------------------ */
+
+static int angles_of(const lw_plan *p, int dyad, int out[2])
+{
+    for (int i = 0; i < p->n_step; i++)
+        if (p->step[i].kind >= LW_STEP_RRR && p->step[i].dyad == dyad) {
+            out[0] = p->step[i].out[0];
+            out[1] = p->step[i].kind == LW_STEP_RRR ? p->step[i].out[1] : -1;
+            return p->step[i].kind;
+        }
+    return -1;
+}
+
+/* Polynomials through angle and rate at six places beside the change point; false when they do not
+ * fit: it is none. */
+static bool fit_bridge(lw_reduced *r, const double *before, const double *after, const lw_touch *t, lw_bridge *b)
+{
+    static const double place[6] = { -2, -1.5, -1, 1, 1.5, 2 };
+    double a[LW_BRIDGE_SIZE*LW_BRIDGE_SIZE], diag[LW_BRIDGE_SIZE], rhs[2][LW_BRIDGE_SIZE], first[2] = { 0, 0 };
+    int out[2] = { -1, -1 };
+    angles_of(&r->plan, b->dyad, out);
+    for (int i = 0; i < 6; i++) {
+        double x = place[i], margin;
+        lw_reduced_plain(r, x < 0 ? before : after, NULL, t->at + x*t->reach, NULL, &margin);
+        for (int k = 0; k < LW_BRIDGE_SIZE; k++) {
+            a[2*i + LW_BRIDGE_SIZE*k] = pow(x, k);
+            a[2*i + 1 + LW_BRIDGE_SIZE*k] = k < 1 ? 0 : k*pow(x, k - 1);
+        }
+        for (int j = 0; j < 2; j++) {
+            if (out[j] < 0)
+                continue;
+            const lw_reg1 *u = &r->reg[out[j]];
+            double angle = atan2(u->p.y, u->p.x);
+            /* near the value that the place before leads to */
+            double want = i ? first[j] + (place[i] - place[i - 1])*t->reach*u->d.x : angle;
+            first[j] = want + remainder(angle - want, 2*LW_PI);
+            rhs[j][2*i] = first[j];
+            rhs[j][2*i + 1] = u->d.x*t->reach;
+        }
+    }
+    lw_qr_factor(LW_BRIDGE_SIZE, LW_BRIDGE_SIZE, a, diag);
+    for (int j = 0; j < 2; j++)
+        if (out[j] >= 0) {
+            lw_qr_solve(LW_BRIDGE_SIZE, LW_BRIDGE_SIZE, a, diag, rhs[j]);
+            memcpy(b->c[j], rhs[j], sizeof rhs[j]);
+            for (int k = 0; k < LW_BRIDGE_SIZE; k++)
+                if (!isfinite(b->c[j][k]))
+                    return false;
+        }
+    return true;
+}
+
+/* ---- going through ------------------------------------------------------------------------------------ */
+
+/* Had its margin its least at the middle of the last three places, and is it 0 near there? */
+static bool touches(const scan *c, int d, double middle)
+{
+    double where;
+    return c->margin[1][d] <= c->margin[0][d] && c->margin[1][d] <= c->margin[2][d] && c->margin[1][d] <= 0.05
+           && fabs(least_margin(c, d, middle - c->width, middle + c->width, &where)) <= is_zero;
+}
+
+/* Dyads whose margin had its least at the middle of the last three places, or whose change point is that of one that had:
+ * where it lies on one of the places, rounding decides which of them is least. */
+static bool meet(scan *c, double middle, lw_touch *t)
+{
+    lw_reduced *r = c->r;
+    bool any = false;
+    t->n_bridge = 0;
+    c->met = NULL;
+    for (int d = 0; d < r->plan.n_dyad; d++)
+        any = any || touches(c, d, middle);
+    for (int d = 0; d < r->plan.n_dyad; d++) {
+        double where;
+        const double *m[3] = { c->margin[0], c->margin[1], c->margin[2] };
+        /* with one that changes over all are looked at; the others for margins that are vague */
+        if (!any && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
+            continue;
+        double least = least_margin(c, d, middle - c->width, middle + c->width, &where);
+        c->vague = c->vague || (fabs(least) > is_zero && fabs(least) < vague);
+        if (!(fabs(least) <= is_zero))
+            continue;                              /* passed by, or a gap: the motion ends there                 */
+        where = sharpen(c, d, where);
+        if (t->n_bridge == 0)
+            t->at = where;
+        if (fabs(where - t->at) < 1e-7*c->width)
+            t->bridge[t->n_bridge++].dyad = d;
+        c->met = t;
+    }
+    c->met = NULL;
+    return t->n_bridge > 0;
+}
+
+/* From `from` to one side, at most `turns` turns: touches in the order met, modes behind each. */
+static int go(scan *c, double from, int side, int turns, lw_touch *touch, double mode[][LW_DYAD_MAX])
+{
+    lw_reduced *r = c->r;
+    double least;
+    int n = 0, seen = 0, open = 0;
+    c->side = side;
+    c->limit = side*INFINITY;
+    for (int k = 0; k <= turns*per_turn + 1; k++) {
+        double at = from + side*k*c->width;
+        memmove(c->margin[0], c->margin[1], 2*sizeof c->margin[0]);
+        lw_reduced_plain(r, c->mode, NULL, at, c->margin[2], &least);
+        if (++seen >= 3 && n < LW_TOUCH_MAX && meet(c, at - side*c->width, &touch[n])) {
+            for (int b = 0; b < touch[n].n_bridge; b++)
+                c->mode[touch[n].bridge[b].dyad] *= -1;
+            memcpy(mode[n++], c->mode, sizeof c->mode);
+            seen = 0;                              /* margins of dyads further on belong to other modes now */
+            open = 0;
+            k--;
+            continue;
+        }
+        open = least < -1e-12 ? open + 1 : 0;      /* just behind a change point modes may not fit yet */
+        if (open == 2) {
+            c->limit = at;
+            break;
+        }
+    }
+    return n;
+}
+
+static bool same_modes(const lw_plan *p, const double *a, const double *b)
+{
+    for (int d = 0; d < p->n_dyad; d++)
+        if (a[d] != b[d] && p->dyad[d].link[0] >= 0)
+            return false;
+    return true;
+}
+
+/* Do the dyads close all along the bridge?  Where their assemblies come near each other but do not meet (a
+ * parallelogram with a length that is a little off) they do not. */
+static bool bridge_closes(lw_reduced *r, const double *before, const double *after, const lw_touch *t)
+{
+    for (int k = -4; k <= 4; k++) {
+        double margin;
+        lw_reduced_plain(r, k < 0 ? before : after, t, t->at + 0.2*k*t->reach, NULL, &margin);
+        for (int i = 0; i < r->n_step; i++) {
+            const lw_dyad_step *st = &r->step[i];
+            bool bridged = false;
+            for (int b = 0; b < t->n_bridge && st->kind >= LW_STEP_RRR; b++)
+                bridged = bridged || t->bridge[b].dyad == st->dyad;
+            if (!bridged || (st->kind != LW_STEP_RRR && st->kind != LW_STEP_RRP))
+                continue;
+            const lw_reg1 *a = &r->reg[st->in[0]], *b = &r->reg[st->in[1]];
+            lw_vec2 c = lw_v2_add(a->p, lw_v2_scale(r->reg[st->out[0]].p, st->r1));
+            double off = st->kind == LW_STEP_RRR ? lw_v2_norm(lw_v2_sub(c, b->p)) - fabs(st->r2)
+                       : lw_v2_cross(r->reg[st->in[2]].p, lw_v2_sub(c, b->p));
+            if (!(fabs(off) <= on_lengths*(fabs(st->r1) + (st->kind == LW_STEP_RRR ? fabs(st->r2) : 0))))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* A bridge as wide as its neighbours allow; false when one does not close. */
+static bool make_bridges(lw_reduced *r)
+{
+    for (int i = 0; i < r->n_touch; i++) {
+        lw_touch *t = &r->touch[i];
+        t->reach = reach_most*r->scale;
+        if (i > 0)
+            t->reach = fmin(t->reach, 0.25*(t->at - r->touch[i - 1].at));
+        if (i + 1 < r->n_touch)
+            t->reach = fmin(t->reach, 0.25*(r->touch[i + 1].at - t->at));
+        for (int b = 0; b < t->n_bridge;) {
+            if (fit_bridge(r, r->piece_mode[i], r->piece_mode[i + 1], t, &t->bridge[b])) {
+                b++;
+                continue;
+            }
+            t->bridge[b] = t->bridge[--t->n_bridge];
+        }
+        if (!bridge_closes(r, r->piece_mode[i], r->piece_mode[i + 1], t))
+            return false;
+    }
+    return true;
+}
+
+bool lw_reduced_touches(lw_reduced *r, double from)
+{
+    static const int most_turns = 4;
+    double turn = r->plan.input_is_slider ? 20*r->scale : 2*LW_PI;
+    lw_touch found[LW_TOUCH_MAX];
+    double mode[LW_TOUCH_MAX][LW_DYAD_MAX];
+    scan c = { .r = r, .width = turn/per_turn };
+    memcpy(c.mode, r->mode, sizeof c.mode);
+    int n = go(&c, from, 1, most_turns, found, mode);
+    if (c.vague)
+        return false;
+    if (n == 0)
+        return true;                              /* nothing to change over: the plan itself tells where it ends */
+    memcpy(r->piece_mode[0], r->mode, sizeof r->mode);
+    for (int k = 1; !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
+        int m = 0;
+        while (m < n && found[m].at < from + k*turn)
+            m++;
+        if (!same_modes(&r->plan, m ? mode[m - 1] : r->mode, r->mode) || m > LW_TOUCH_MAX/2)
+            continue;
+        r->period = k*turn;
+        r->low = from;
+        r->n_touch = m;
+        memcpy(r->touch, found, (size_t)m*sizeof *found);
+        memcpy(r->piece_mode[1], mode, (size_t)m*sizeof *mode);
+        return make_bridges(r);
+    }
+    /* not periodic within these turns: to both sides as far as was looked */
+    lw_touch back[LW_TOUCH_MAX];
+    double back_mode[LW_TOUCH_MAX][LW_DYAD_MAX];
+    r->high = from + most_turns*turn;
+    memcpy(c.mode, r->mode, sizeof c.mode);
+    int m = go(&c, from, -1, most_turns, back, back_mode);
+    if (c.vague)
+        return false;
+    m = m < LW_TOUCH_MAX/2 ? m : LW_TOUCH_MAX/2;
+    n = n < LW_TOUCH_MAX/2 ? n : LW_TOUCH_MAX/2;
+    r->low = m == LW_TOUCH_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
+    if (n == LW_TOUCH_MAX/2)
+        r->high = found[n - 1].at - 1e-3*c.width;
+    r->n_touch = m + n;
+    for (int i = 0; i < m; i++) {
+        r->touch[i] = back[m - 1 - i];
+        memcpy(r->piece_mode[i], back_mode[m - 1 - i], sizeof *back_mode);
+    }
+    memcpy(r->piece_mode[m], r->mode, sizeof r->mode);
+    for (int i = 0; i < n; i++) {
+        r->touch[m + i] = found[i];
+        memcpy(r->piece_mode[m + i + 1], mode[i], sizeof *mode);
+    }
+    return make_bridges(r);
+}

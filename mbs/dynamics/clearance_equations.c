@@ -1,0 +1,538 @@
+/* mbs/dynamics/clearance_equations.c - accelerations in tree coordinates, with rows for loops, links and driven inputs. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/dynamics/clearance_internal.h"
+
+/* ---- memory -------------------------------------------------------------------------------------- */
+
+int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *choice)
+{
+    int n = c->tree.n_row;
+    for (int i = 0; i < c->n_journal; i++)
+        n += choice->hold[i] ? 2 : choice->link[i] ? 1 : 0;
+    for (int i = 0; i < c->n_rigid; i++)
+        n += choice->stop[i];
+    for (int i = 0; i < c->s.n_input; i++)
+        n += choice->input[i];
+    return n;
+}
+
+static double *take(double **p, size_t n)
+{
+    double *at = *p;
+    *p += n;
+    return at;
+}
+
+lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance_options *o, lw_clearance_work *w)
+{
+    size_t u = (size_t)c->tree.n_u, q = (size_t)c->s.n_q, rows = (size_t)c->s.n_row;
+    size_t c_max = (size_t)c->tree.n_row + 2*(size_t)c->n_journal + (size_t)c->s.n_input
+                 + (size_t)c->n_rigid, all = u + c_max;
+    size_t columns = 2*u*(size_t)c->s.n_body;
+    size_t n = columns + 3*q + 3*q + rows*q + 3*rows + q + u*u + u + c_max*u + 3*c_max + all + 4*u
+             + (size_t)c->n_rough*all + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
+    memset(w, 0, sizeof *w);
+    w->c = c;
+    w->o = *o;
+    w->n_u = c->tree.n_u;
+    w->undetermined = -1;
+    w->memory = calloc(n, sizeof *w->memory);
+    w->ints = calloc(all + u + 2, sizeof *w->ints);
+    if (!w->memory || !w->ints) {
+        lw_clearance_work_free(w);
+        return LW_E_MEMORY;
+    }
+    double *p = w->memory;
+    w->state.b = (lw_vec2 *)take(&p, columns);
+    w->q = take(&p, q), w->v = take(&p, q), w->force = take(&p, q);
+    w->series = take(&p, 3*q), w->jac = take(&p, rows*q), w->phi = take(&p, 3*rows), w->row = take(&p, q);
+    w->mass = take(&p, u*u), w->load = take(&p, u), w->a = take(&p, c_max*u);
+    w->off = take(&p, c_max), w->wanted = take(&p, c_max), w->lambda = take(&p, c_max), w->answer = take(&p, all);
+    w->response = take(&p, (size_t)c->n_rough*all);
+    w->y = take(&p, 2*u), w->rate = take(&p, 2*u);
+    lw_rank_place(&w->kkt, (int)all, (int)all, p, w->ints);
+    p += lw_rank_doubles((int)all, (int)all);
+    lw_rank_place(&w->fit, (int)c_max + 1, (int)u, p, w->ints + all);
+    return LW_OK;
+}
+
+void lw_clearance_work_free(lw_clearance_work *w)
+{
+    free(w->memory);
+    free(w->ints);
+}
+
+/* ---- journals ------------------------------------------------------------------------------------ */
+
+lw_play lw_clearance_play(const lw_clearance_work *w, int i, const double *du)
+{
+    const lw_journal *j = &w->c->journal[i];
+    const lw_tree_state *s = &w->state;
+    lw_play p;
+    for (int end = 0; end < 2; end++)
+        p.r[end] = lw_v2_turn(j->arm[end], s->dir[j->body[end] + 1]);
+    p.d = lw_v2_sub(lw_v2_add(s->at[j->body[1] + 1], p.r[1]), lw_v2_add(s->at[j->body[0] + 1], p.r[0]));
+    p.rate = !du ? lw_v2(0.0, 0.0) : lw_v2_sub(lw_tree_velocity(&w->c->tree, s, j->body[1], p.r[1], du),
+                                               lw_tree_velocity(&w->c->tree, s, j->body[0], p.r[0], du));
+    return p;
+}
+
+/* Acceleration of pin from bush that needs no d2u */
+static lw_vec2 play_bias(const lw_clearance_work *w, int i, const lw_play *p)
+{
+    const lw_journal *j = &w->c->journal[i];
+    lw_vec2 a[2];
+    for (int end = 0; end < 2; end++) {
+        int b = j->body[end] + 1;
+        double spin = w->state.spin[b];
+        a[end] = lw_v2_sub(w->state.bias[b], lw_v2_scale(p->r[end], spin*spin));
+    }
+    return lw_v2_sub(a[1], a[0]);
+}
+
+/* out (n_u) += what f at the pin and -f at the bush do */
+static void push_apart(const lw_clearance_work *w, int i, const lw_play *p, lw_vec2 f, double *out)
+{
+    const lw_journal *j = &w->c->journal[i];
+    lw_tree_push(&w->c->tree, &w->state, j->body[1], p->r[1], f, 0.0, out);
+    lw_tree_push(&w->c->tree, &w->state, j->body[0], p->r[0], lw_v2_scale(f, -1.0), 0.0, out);
+}
+
+static double contact_force(const lw_clearance_work *w, int i, const lw_play *p, double *distance)
+{
+    const lw_clearance *c = w->c->journal[i].c;
+    double unit = w->c->s.unit, r = lw_v2_norm(p->d);
+    *distance = r;
+    if (r == 0.0)
+        return 0.0;
+    return lw_contact_force(c, w->phase[i], r*unit - c->gap, lw_v2_dot(p->d, p->rate)/r*unit, w->struck[i]);
+}
+
+double lw_clearance_press(const lw_clearance_work *w, int i, const lw_play *p)
+{
+    double r;
+    lw_vec2 f = lw_clearance_reaction(w, i);
+    if (w->rows.hold[i])
+        return lw_v2_norm(f);
+    return w->rows.link[i] ? -lw_v2_dot(f, p->d)/lw_v2_norm(p->d) : contact_force(w, i, p, &r);
+}
+
+/* Contact force and friction of journal i into the load; friction acts where the surfaces touch, the pin's radius out
+ * from its centre. */
+static void add_contact(lw_clearance_work *w, int i, const double *du)
+{
+    const lw_journal *j = &w->c->journal[i];
+    if (w->phase[i] == LW_CONTACT_APART || w->rows.hold[i] || w->rows.link[i])
+        return;
+    lw_play p = lw_clearance_play(w, i, du);
+    double r, unit = w->c->s.unit, f = contact_force(w, i, &p, &r);
+    if (r == 0.0)
+        return;
+    lw_vec2 n = lw_v2_scale(p.d, 1.0/r), pull = lw_v2_scale(n, -f*unit);
+    if (j->c->friction > 0.0) {
+        lw_vec2 along = lw_v2_perp(n);
+        double pin = j->pin/unit, spin1 = w->state.spin[j->body[1] + 1], spin0 = w->state.spin[j->body[0] + 1];
+        /* d turns with the bush by spin0 r: what is left is slip */
+        double slip = lw_v2_dot(along, p.rate) + spin1*pin - spin0*(pin + r);
+        double drag = lw_contact_friction(j->c, f, slip*unit)*unit;
+        pull = lw_v2_sub(pull, lw_v2_scale(along, drag));
+        lw_tree_push(&w->c->tree, &w->state, j->body[1], p.r[1], lw_v2(0.0, 0.0), -drag*pin, w->load);
+        lw_tree_push(&w->c->tree, &w->state, j->body[0], p.r[0], lw_v2(0.0, 0.0), drag*(pin + r), w->load);
+    }
+    push_apart(w, i, &p, pull, w->load);
+}
+
+/* ---- rows ---------------------------------------------------------------------------------------- */
+
+/* Derivatives by the bodies' coordinates, times B */
+void lw_clearance_through_tree(const lw_clearance_work *w, const double *row, double *out)
+{
+    const lw_tree *t = &w->c->tree;
+    for (int b = 0; b < t->n_body; b++) {
+        const double *g = row + 3*b;
+        if (g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0)
+            lw_tree_push(t, &w->state, b, lw_v2(0.0, 0.0), lw_v2(g[0], g[1]), g[2], out);
+    }
+}
+
+/* q, dq/dt and the part of d2q/dt2/2 without d2u as a series, for the rows of the system */
+static void write_series(lw_clearance_work *w, const double *du)
+{
+    const lw_tree *t = &w->c->tree;
+    size_t n = (size_t)w->c->s.n_q;
+    lw_tree_write(t, &w->state, du, w->series, du ? w->series + n : NULL);
+    for (int b = 0; b < t->n_body; b++) {
+        double *h = w->series + 2*n + 3*b;
+        h[0] = 0.5*w->state.bias[b + 1].x, h[1] = 0.5*w->state.bias[b + 1].y, h[2] = 0.0;
+    }
+}
+
+/* What input i counts at t by its motion, as coefficients of a series; its row counts from the posture, scaled. */
+static lw_status motion_series(const lw_clearance_work *w, int i, double t, double *m)
+{
+    const lw_clearance_scene *c = w->c;
+    const lw_expression *x = c->m->motion[i];
+    double at[3] = { t, 1.0, 0.0 };
+    bool pin = c->s.joint[c->s.input_joint[i]].kind == LW_JOINT_REVOLUTE;
+    if (w->held) {                       /* where it is told to stay                                    */
+        m[0] = w->held[i], m[1] = m[2] = 0.0;
+        return LW_OK;
+    }
+    if (!x) {                            /* starts only: where the posture has it, at its speed          */
+        m[0] = 0.0;
+        m[1] = i == 0 && !isnan(w->o.speed) ? w->o.speed : c->m->has_speed[i] ? c->m->speed[i] : 0.0;
+        m[2] = 0.0;
+    } else {
+        lw_expression_series(x, 2, at, m);
+        m[0] -= c->s.input_value[i] + c->turns[i];
+    }
+    for (int k = 0; k < 3; k++)
+        m[k] /= pin ? 1.0 : c->s.unit;
+    return isfinite(m[0] + m[1] + m[2]) ? LW_OK : LW_E_NUMERIC;
+}
+
+static lw_status input_rows(lw_clearance_work *w, const lw_row_choice *choice, double t, bool series, int *n)
+{
+    const lw_system *s = &w->c->s;
+    for (int i = 0; i < s->n_input; i++) {
+        double m[3], h[3] = { 0.0 };
+        if (!choice->input[i])
+            continue;
+        lw_status status = motion_series(w, i, t, m);
+        if (status != LW_OK)
+            return status;
+        h[0] = lw_system_measure(s, s->input_joint[i], w->series, w->row);
+        lw_clearance_through_tree(w, w->row, w->a + *n*w->n_u);
+        if (series)
+            lw_system_measure_series(s, s->input_joint[i], 2, w->series, h);
+        w->off[*n] = h[0] - m[0];
+        w->wanted[*n] = series ? 2.0*(m[2] - h[2]) : m[1];
+        ++*n;
+    }
+    return LW_OK;
+}
+
+/* Rows of the joints that close loops */
+static void loop_rows(lw_clearance_work *w, bool series, int *n)
+{
+    const lw_tree *t = &w->c->tree;
+    const lw_system *s = &w->c->s;
+    if (t->n_close == 0)
+        return;
+    lw_system_rows(s, w->series, w->phi, w->jac);
+    if (series)
+        lw_system_series(s, 2, w->series, w->phi);
+    for (int c = 0; c < t->n_close; c++) {
+        for (int i = 0; i < w->c->n_rough; i++)
+            if (w->c->rough[i].journal < 0 && w->c->rough[i].joint == t->close[c])
+                w->rough_row[i] = *n;
+        for (int r = s->joint[t->close[c]].row; r < s->n_row && s->row[r].joint == t->close[c]; r++) {
+            lw_clearance_through_tree(w, w->jac + (long)r*s->n_q, w->a + *n*w->n_u);
+            w->off[*n] = w->phi[r];
+            w->wanted[*n] = series ? -2.0*w->phi[2*s->n_row + r] : 0.0;
+            ++*n;
+        }
+    }
+}
+
+static void journal_rows(lw_clearance_work *w, const lw_row_choice *choice, const double *du, bool series, int *n)
+{
+    static const lw_vec2 axis[2] = { { 1.0, 0.0 }, { 0.0, 1.0 } };
+    for (int i = 0; i < w->c->n_journal; i++) {
+        if (!choice->hold[i] && !choice->link[i])
+            continue;
+        lw_play p = lw_clearance_play(w, i, du);
+        lw_vec2 bias = series ? play_bias(w, i, &p) : lw_v2(0.0, 0.0);
+        for (int k = 0; k < w->c->n_rough; k++)
+            if (w->c->rough[k].journal == i)
+                w->rough_row[k] = *n;
+        for (int k = 0; k < 2 && choice->hold[i]; k++, ++*n) {
+            push_apart(w, i, &p, axis[k], w->a + *n*w->n_u);
+            w->off[*n] = lw_v2_dot(axis[k], lw_v2_sub(p.d, w->offset[i]));
+            w->wanted[*n] = series ? -lw_v2_dot(axis[k], bias) : lw_v2_dot(axis[k], w->offset_rate[i]);
+        }
+        if (!choice->link[i])
+            continue;
+        double gap = w->c->journal[i].c->gap/w->c->s.unit;
+        push_apart(w, i, &p, lw_v2_scale(p.d, 1.0/gap), w->a + *n*w->n_u);
+        w->off[*n] = (lw_v2_dot(p.d, p.d) - gap*gap)/(2.0*gap);
+        w->wanted[*n] = series ? -(lw_v2_dot(p.rate, p.rate) + lw_v2_dot(p.d, bias))/gap : 0.0;
+        ++*n;
+    }
+}
+
+/* w->a, w->off, w->wanted of the placed state: wanted rates, or with `series` wanted accelerations. */
+static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, double t, const double *du, bool series)
+{
+    int n = 0;
+    w->n_c = lw_clearance_count_rows(w->c, choice);
+    memset(w->a, 0, sizeof(double)*(size_t)(w->n_c*w->n_u));
+    bool inputs = false;
+    for (int i = 0; i < w->c->s.n_input; i++)
+        inputs = inputs || choice->input[i];
+    for (int i = 0; i < w->c->n_rigid; i++)
+        inputs = inputs || choice->stop[i];
+    if (inputs || w->c->tree.n_close > 0)
+        write_series(w, du);
+    journal_rows(w, choice, du, series, &n);
+    loop_rows(w, series, &n);
+    lw_clearance_stop_rows(w, choice, series, &n);
+    return input_rows(w, choice, t, series, &n);
+}
+
+lw_vec2 lw_clearance_reaction(const lw_clearance_work *w, int i)
+{
+    int n = 0;
+    double unit = w->c->s.unit;
+    for (int k = 0; k < i; k++)
+        n += w->rows.hold[k] ? 2 : w->rows.link[k] ? 1 : 0;
+    if (w->rows.hold[i])
+        return lw_v2_scale(lw_v2(w->lambda[n], w->lambda[n + 1]), 1.0/unit);
+    if (!w->rows.link[i])
+        return lw_v2(0.0, 0.0);
+    lw_play p = lw_clearance_play(w, i, NULL);
+    return lw_v2_scale(p.d, w->lambda[n]/w->c->journal[i].c->gap);
+}
+
+/* ---- accelerations ------------------------------------------------------------------------------- */
+
+static void fill_mass(lw_clearance_work *w)
+{
+    const lw_tree *t = &w->c->tree;
+    const double *mass = w->c->f.mass;
+    int n = w->n_u;
+    memset(w->mass, 0, sizeof(double)*(size_t)(n*n));
+    for (int b = 0; b < t->n_body; b++) {
+        const lw_branch *p = &t->branch[b];
+        const lw_vec2 *col = w->state.b + (size_t)b*(size_t)n;
+        double m = mass[3*b];
+        for (int i = 0; m > 0.0 && i < p->n_path; i++)
+            for (int k = 0; k < p->n_path; k++)
+                if (p->path[k] <= p->path[i])
+                    w->mass[p->path[i]*n + p->path[k]] += m*lw_v2_dot(col[p->path[i]], col[p->path[k]]);
+        if (p->turn >= 0)
+            w->mass[p->turn*n + p->turn] += mass[3*b + 2];
+    }
+    w->heaviest = 0.0;
+    for (int i = 0; i < n; i++)
+        w->heaviest = fmax(w->heaviest, w->mass[i*n + i]);
+}
+
+static void fill_load(lw_clearance_work *w, double t, const double *du)
+{
+    const lw_tree *tree = &w->c->tree;
+    const lw_forces *f = &w->c->f;
+    const double *force = f->weight;
+    memset(w->load, 0, sizeof(double)*(size_t)w->n_u);
+    if (f->any_state) {
+        lw_tree_write(tree, &w->state, du, w->q, w->v);
+        lw_forces_apply(f, t, w->q, w->v, w->force, NULL, NULL, NULL);
+        force = w->force;
+    }
+    for (int b = 0; b < tree->n_body; b++) {
+        double m = f->mass[3*b];
+        lw_vec2 p = lw_v2(force[3*b] - m*w->state.bias[b + 1].x, force[3*b + 1] - m*w->state.bias[b + 1].y);
+        lw_tree_push(tree, &w->state, b, lw_v2(0.0, 0.0), p, force[3*b + 2], w->load);
+    }
+    for (int i = 0; i < w->c->n_journal; i++)
+        add_contact(w, i, du);
+}
+
+/* Cholesky's method on the lower half of w->mass; x is load, then the answer. */
+static lw_status solve_free(lw_clearance_work *w, double *x)
+{
+    int n = w->n_u;
+    double *m = w->mass, most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, m[i*n + i]);
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k <= i; k++) {
+            double sum = m[i*n + k];
+            for (int l = 0; l < k; l++)
+                sum -= m[i*n + l]*m[k*n + l];
+            if (k < i)
+                m[i*n + k] = sum/m[k*n + k];
+            else if (sum > 1e-15*most)
+                m[i*n + i] = sqrt(sum);
+            else
+                return isfinite(sum) ? LW_E_NUMERIC : LW_OPEN;
+        }
+        double sum = x[i];
+        for (int l = 0; l < i; l++)
+            sum -= m[i*n + l]*x[l];
+        x[i] = sum/m[i*n + i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int l = i + 1; l < n; l++)
+            x[i] -= m[l*n + i]*x[l];
+        x[i] /= m[i*n + i];
+    }
+    return LW_OK;
+}
+
+/* M x - A^T l = load, A x = wanted: least squares of least norm, which serves redundant rows; rows are scaled to
+ * the size of the masses so that the rank can be judged. */
+static lw_status factor_constrained(lw_clearance_work *w)
+{
+    int n = w->n_u, all = n + w->n_c;
+    double most = w->heaviest;
+    if (!(most > 0.0))
+        return isfinite(most) ? LW_E_NUMERIC : LW_OPEN;
+    lw_rank *r = &w->kkt;
+    lw_rank_place(r, all, all, r->a, r->column);
+    memset(r->a, 0, sizeof(double)*(size_t)(all*all));
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k <= i; k++)
+            r->a[i + all*k] = r->a[k + all*i] = w->mass[i*n + k];
+    for (int c = 0; c < w->n_c; c++)
+        for (int k = 0; k < n; k++) {
+            r->a[n + c + all*k] = most*w->a[c*n + k];
+            r->a[k + all*(n + c)] = -most*w->a[c*n + k];
+        }
+    lw_rank_factor(r, 1e-12);
+    return r->rank == 0 ? LW_OPEN : LW_OK;
+}
+
+void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x)
+{
+    for (int c = 0; c < w->n_c; c++)
+        b[w->n_u + c] *= w->heaviest;
+    lw_rank_solve(&w->kkt, b, x);
+    for (int c = 0; c < w->n_c; c++)
+        x[w->n_u + c] *= w->heaviest;
+}
+
+static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
+{
+    int n = w->n_u;
+    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX];
+    lw_status s = factor_constrained(w);
+    if (s != LW_OK)
+        return s;
+    memcpy(b, w->load, sizeof(double)*(size_t)n);
+    memcpy(b + n, w->wanted, sizeof(double)*(size_t)w->n_c);
+    lw_clearance_solve_again(w, b, w->answer);
+    memcpy(ddu, w->answer, sizeof(double)*(size_t)n);
+    memcpy(w->lambda, w->answer + n, sizeof(double)*(size_t)w->n_c);
+    return LW_OK;
+}
+
+lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *u, const double *du, double *ddu)
+{
+    lw_tree_place(&w->c->tree, u, du, &w->state);
+    fill_mass(w);
+    fill_load(w, t, du);
+    w->n_c = lw_clearance_count_rows(w->c, &w->rows);
+    if (w->n_c == 0) {
+        memcpy(ddu, w->load, sizeof(double)*(size_t)w->n_u);
+        return solve_free(w, ddu);
+    }
+    lw_status s = fill_rows(w, &w->rows, t, du, true);
+    if (s == LW_OK)
+        s = solve_constrained(w, ddu);
+    return s == LW_OK && w->c->n_rough > 0 ? lw_clearance_friction(w, du, ddu) : s;
+}
+
+lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
+                               double *out)
+{
+    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX] = { 0.0 };
+    size_t bytes = sizeof(double)*(size_t)w->n_u;
+    lw_tree_place(&w->c->tree, u, du, &w->state);
+    fill_mass(w);
+    w->n_c = lw_clearance_count_rows(w->c, &w->rows);
+    if (w->n_c == 0) {
+        memcpy(out, g, bytes);
+        return solve_free(w, out);
+    }
+    lw_status s = fill_rows(w, &w->rows, t, du, true);
+    if (s == LW_OK)
+        s = factor_constrained(w);
+    if (s != LW_OK)
+        return s;
+    memcpy(b, g, bytes);
+    lw_clearance_solve_again(w, b, w->answer);
+    memcpy(out, w->answer, bytes);
+    return LW_OK;
+}
+
+double lw_clearance_compliance(lw_clearance_work *w, int i, const double *u, const double *du)
+{
+    double most = 0.0, g[LW_SYSTEM_Q_MAX], unit = w->c->s.unit;
+    for (int axis = 0; axis < 2; axis++) {
+        lw_tree_place(&w->c->tree, u, du, &w->state);
+        fill_mass(w);
+        lw_play p = lw_clearance_play(w, i, du);
+        memset(g, 0, sizeof(double)*(size_t)w->n_u);
+        push_apart(w, i, &p, axis ? lw_v2(0.0, unit) : lw_v2(unit, 0.0), g);
+        memcpy(w->load, g, sizeof(double)*(size_t)w->n_u);
+        if (solve_free(w, w->load) != LW_OK)
+            return 0.0;
+        double sum = 0.0;
+        for (int k = 0; k < w->n_u; k++)
+            sum += g[k]*w->load[k];
+        most = fmax(most, sum);
+    }
+    return most;
+}
+
+int lw_clearance_lightest(lw_clearance_work *w, const double *u)
+{
+    const lw_tree *t = &w->c->tree;
+    int least = 0, body = 0;
+    lw_tree_place(t, u, NULL, &w->state);
+    fill_mass(w);
+    for (int k = 1; k < w->n_u; k++)
+        least = w->mass[k*w->n_u + k] < w->mass[least*w->n_u + least] ? k : least;
+    for (int b = 0; b < t->n_body; b++) {
+        int first = t->branch[b].coordinate, n = t->branch[b].kind == LW_BRANCH_FREE ? 3 : 1;
+        body = first >= 0 && least >= first && least < first + n ? b : body;
+    }
+    return body;
+}
+
+/* ---- projection ---------------------------------------------------------------------------------- */
+
+/* x (n_u) least of A x = b (n_c, overwritten) */
+static void fit_rows(lw_clearance_work *w, double *b, double *x)
+{
+    lw_rank_place(&w->fit, w->n_c, w->n_u, w->fit.a, w->fit.column);
+    for (int c = 0; c < w->n_c; c++)
+        for (int k = 0; k < w->n_u; k++)
+            w->fit.a[c + w->n_c*k] = w->a[c*w->n_u + k];
+    lw_rank_factor(&w->fit, 1e-11);
+    lw_rank_solve(&w->fit, b, x);
+}
+
+lw_status lw_clearance_project(lw_clearance_work *w, const lw_row_choice *choice, double t, double *u, double *du)
+{
+    double x[LW_SYSTEM_Q_MAX], before = INFINITY;
+    if (lw_clearance_count_rows(w->c, choice) == 0)
+        return LW_OK;
+    for (int round = 0; ; round++) {
+        lw_tree_place(&w->c->tree, u, du, &w->state);
+        lw_status s = fill_rows(w, choice, t, du, false);
+        if (s != LW_OK)
+            return s;
+        double off = 0.0;
+        for (int c = 0; c < w->n_c; c++)
+            off = fmax(off, fabs(w->off[c]));
+        if (off <= 1e-15 || (off < 1e-12 && off > 0.25*before))
+            break;
+        if (!(off < 1e3) || round == 60)
+            return LW_OPEN;
+        before = off;
+        fit_rows(w, w->off, x);
+        for (int k = 0; k < w->n_u; k++)
+            u[k] -= x[k];
+    }
+    for (int c = 0; c < w->n_c; c++)
+        for (int k = 0; k < w->n_u; k++)
+            w->wanted[c] -= w->a[c*w->n_u + k]*du[k];
+    fit_rows(w, w->wanted, x);
+    for (int k = 0; k < w->n_u; k++)
+        du[k] += x[k];
+    return LW_OK;
+}

@@ -1,0 +1,101 @@
+/* mbs/dynamics/dynamics_driven.c - every freedom driven: postures by Newton's method from a prediction of second order,
+ * in steps short enough that the correction stays small; velocities, accelerations and all forces by the same
+ * factors.  Singular postures (change points) are stepped over: the prediction goes on with the velocity. */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double longest = 0.05;          /* way of a coordinate in one step, scaled or [rad]             */
+
+static double greatest(const double *x, int n)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+/* Move y = (q, v) and a from t by h; LW_OPEN: shorter. */
+static lw_status advance(lw_dynamics *d, double t, double h, double *y, double *a, double *to)
+{
+    int n = d->n_q;
+    for (int i = 0; i < n; i++)
+        to[i] = y[i] + h*(y[n + i] + 0.5*h*a[i]);
+    double way = h*greatest(y + n, n);
+    lw_status s = lw_mbs_project_q(d, t + h, to, 0.3*way + 0.5*h*h*greatest(a, n) + 1e-9);
+    memcpy(to + n, y + n, (size_t)n*sizeof *to);
+    if (s == LW_OK)
+        s = lw_mbs_project_v(d, t + h, to, to + n);
+    return s;
+}
+
+/* From t to end. */
+static lw_status follow(lw_run *run, double t, double end, double *y, double *a)
+{
+    lw_dynamics *d = run->d;
+    int n = d->n_q, tries = 0;
+    lw_status s = LW_OK;
+    while (s == LW_OK && t < end) {
+        double way = greatest(y + n, n), h = end - t;
+        if (h*way > longest)
+            h /= ceil(h*way/longest);
+        if (h*h*greatest(a, n) > longest)
+            h = fmin(h, sqrt(longest/greatest(a, n)));
+        for (tries = 0; tries < 30; tries++, h *= 0.7) {
+            s = advance(d, t, h, y, a, run->y);
+            if (s == LW_OK)
+                s = lw_mbs_accelerate(d, t + h, run->y, run->y + n, d->a, d->l, NULL);
+            if (s != LW_OPEN)
+                break;
+        }
+        if (s != LW_OK)
+            break;
+        run->r->steps++;
+        t = h == end - t ? end : t + h;
+        memcpy(y, run->y, 2*(size_t)n*sizeof *y);
+        memcpy(a, d->a, (size_t)n*sizeof *a);
+    }
+    if (s == LW_OPEN)
+        return lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.9g s: it stands "
+                            "at a limit of its motion", t);
+    return s;
+}
+
+/* Work of the drives between two moments by the trapezium of their powers would be of second order only; energy is
+ * not watched here: nothing is integrated. */
+static lw_status run_all(lw_run *run, double *y, double *a)
+{
+    lw_dynamics *d = run->d;
+    int n = d->n_q;
+    lw_dynamics_start(d, y, y + n);
+    lw_status s = lw_mbs_accelerate(d, d->o.from, y, y + n, a, d->l, NULL);
+    for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
+        double t = lw_run_time(d, k);
+        if (k > 0)
+            s = follow(run, lw_run_time(d, k - 1), t, y, a);
+        if (s != LW_OK)
+            break;
+        if (d->o.analysis == LW_ANALYSIS_QUASISTATIC)
+            s = lw_run_show_slow(run, t, y);
+        else
+            s = lw_run_show(run, t, y);
+        if (s == LW_OK || s == LW_OPEN)
+            s = lw_run_limits(run, t, k);
+    }
+    return s;
+}
+
+lw_status lw_run_driven(lw_run *run)
+{
+    size_t n = (size_t)run->d->n_q;
+    double *y = calloc(5*n + 2, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 3*n;
+    run->has_work = false;
+    lw_status s = run_all(run, y, y + 2*n);
+    free(y);
+    return s;
+}

@@ -1,0 +1,380 @@
+/* mbs/dynamics/dynamics_ggl.c - stabilised index 2 (Gear, Gupta & Leimkuhler 1985), by IDA:
+ *
+ *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (rate of what is prescribed)
+ *
+ * W = 1/M keeps the two equations in one metric, J runs over the kept rows.  Friction uses the multipliers
+ * of the state.  y = (q, v, l, m, work). */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Absolute tolerance of multipliers: they are not judged.  Rounding in q and v comes back in them times mass over the
+ * step, and Newton's method would not converge by them where steps are short, masses far apart or units large. */
+static const double unjudged = 1e300;
+static const long tired = 20;                /* steps; after so many it is worth while to begin again       */
+
+typedef struct ggl {
+    lw_run *run;
+    int    q, c;
+    double least_mass, *dq, *dv;
+    double *each;                            /* absolute tolerances                                         */
+    long   since;                            /* steps at the last start                                     */
+} ggl;
+
+static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
+
+/* J^T l of the kept rows. */
+static void push(const lw_dynamics *d, const double *l, double *out)
+{
+    memset(out, 0, (size_t)d->n_q*sizeof *out);
+    for (int k = 0; k < d->n_kept; k++)
+        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[d->kept[k]][b] >= 0; b++)
+            for (int i = 3*d->row_body[d->kept[k]][b], n = i + 3; i < n; i++)
+                out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
+}
+
+/* Friction for multipliers that are given: it is part of the forces. */
+static double add_friction(lw_dynamics *d, const double *q, const double *v, const double *l)
+{
+    double power = 0;
+    for (int f = 0; f < d->n_friction; f++) {
+        double force[LW_SYSTEM_Q_MAX], unit = lw_mbs_friction_direction(d, d->friction[f], q, v, force);
+        const lw_system_joint *j = &d->s.joint[d->friction[f]];
+        int x = d->place[j->row], y = j->kind == LW_JOINT_REVOLUTE ? d->place[j->row + 1] : -1;
+        double n = hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit;
+        for (int i = 0; i < d->n_q; i++)
+            d->force[i] += n*force[i];
+        power += n*unit;
+    }
+    return power;
+}
+
+static lw_status residual(void *context, double t, const double *y, const double *dy, double *r)
+{
+    ggl *g = context;
+    lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c;
+    const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
+    double power = 0, other = 0;
+    lw_status s = lw_run_busy(g->run, t);
+    if (s == LW_OK)
+        s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    if (s != LW_OK)
+        return s;
+    lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, &power);
+    if (d->o.extra.apply)
+        d->o.extra.apply(d->o.extra.context, t, q, v, d->force, NULL, NULL, &other);
+    power += other + add_friction(d, q, v, l);
+    push(d, m, d->bias);
+    for (int i = 0; i < n; i++)
+        r[i] = dy[i] - v[i] + d->bias[i]/mass_of(g, i);
+    push(d, l, d->bias);
+    for (int i = 0; i < n; i++)
+        r[n + i] = d->f.mass[i]*dy[n + i] - d->force[i] + d->bias[i];
+    for (int k = 0; k < c; k++) {
+        int row = d->kept[k];
+        double rate = -d->rhs[row];
+        for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
+            for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++)
+                rate += d->jac[row*n + i]*v[i];
+        r[2*n + k] = d->phi[row];
+        r[2*n + c + k] = rate;
+        if (row >= d->n_row)
+            power -= l[k]*d->rhs[row];
+    }
+    if (g->run->has_work)
+        r[2*n + 2*c] = dy[2*n + 2*c] - power;
+    return LW_OK;
+}
+
+/* ---- derivatives of the residual ----------------------------------------------------------------- */
+
+/* Second derivatives of a row, all that are not 0: by coordinates a and b, and by b and a. */
+typedef struct bend { int a, b; double h; } bend;
+
+static int add_bend(bend *out, int n, int body, int axis, int other, int other_axis, double h)
+{
+    if (body >= 0 && other >= 0)
+        out[n++] = (bend){ 3*body + axis, 3*other + other_axis, h };
+    return n;
+}
+
+/* Row r of the system at d->frames, w . d with w fixed or carried by link 0 (mbs/constraints/system_rows.c); turns have none. */
+static int bends_of(const lw_dynamics *d, int r, bend out[8])
+{
+    const lw_system_joint *j = &d->s.joint[d->s.row[r].joint];
+    bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
+    int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
+    if (side >= (point ? 2 : 1))
+        return 0;
+    lw_vec2 r0 = lw_v2_turn(j->arm[0], d->frames.dir[b0 + 1]), r1 = lw_v2_turn(j->arm[1], d->frames.dir[b1 + 1]);
+    if (point) {
+        n = add_bend(out, n, b0, 2, b0, 2, side ? r0.y : r0.x);
+        return add_bend(out, n, b1, 2, b1, 2, side ? -r1.y : -r1.x);
+    }
+    lw_vec2 w = lw_v2_perp(lw_v2_turn(j->along, d->frames.dir[b0 + 1])), dw = lw_v2_perp(w);
+    lw_vec2 apart = lw_v2_sub(lw_v2_add(d->frames.at[b1 + 1], r1), lw_v2_add(d->frames.at[b0 + 1], r0));
+    n = add_bend(out, n, b0, 2, b0, 2, -lw_v2_dot(w, r0) - lw_v2_dot(w, apart));
+    n = add_bend(out, n, b1, 2, b1, 2, -lw_v2_dot(w, r1));
+    n = add_bend(out, n, b0, 2, b1, 2, lw_v2_dot(w, r1));
+    n = add_bend(out, n, b0, 2, b1, 0, dw.x);
+    n = add_bend(out, n, b0, 2, b1, 1, dw.y);
+    n = add_bend(out, n, b0, 2, b0, 0, -dw.x);
+    return add_bend(out, n, b0, 2, b0, 1, -dw.y);
+}
+
+/* What kept row k and its multipliers add. */
+static void add_row_derivatives(const ggl *g, int k, const double *y, double *jac)
+{
+    const lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c, size = 2*n + 2*c + g->run->has_work, row = d->kept[k];
+    const double *v = y + n;
+    double l = y[2*n + k], m = y[2*n + c + k];
+    bend each[8];
+    for (int b = 0; b < LW_SYSTEM_ROW_BODIES && d->row_body[row][b] >= 0; b++)
+        for (int i = 3*d->row_body[row][b], end = i + 3; i < end; i++) {
+            double x = d->jac[row*n + i];
+            jac[i + size*(2*n + c + k)] += x/mass_of(g, i);
+            jac[n + i + size*(2*n + k)] += x;
+            jac[2*n + k + size*i] += x;
+            jac[2*n + c + k + size*(n + i)] += x;
+        }
+    for (int e = bends_of(d, row, each) - 1; e >= 0; e--)
+        for (int way = 0; way < (each[e].a == each[e].b ? 1 : 2); way++) {
+            int a = way ? each[e].b : each[e].a, b = way ? each[e].a : each[e].b;
+            jac[a + size*b] += m*each[e].h/mass_of(g, a);
+            jac[n + a + size*b] += l*each[e].h;
+            jac[2*n + c + k + size*b] += each[e].h*v[a];
+        }
+}
+
+/* That of the work is left out: nothing depends on it, so Newton's method has it a pass later. */
+static lw_status jacobian(void *context, double t, double c, const double *y, const double *dy, double *jac)
+{
+    ggl *g = context;
+    lw_dynamics *d = g->run->d;
+    int n = g->q, size = 2*n + 2*g->c + g->run->has_work;
+    (void)dy;
+    lw_status s = lw_mbs_rows(d, t, y);
+    if (s != LW_OK)
+        return s;
+    lw_forces_apply(&d->f, t, y, y + n, d->force, g->dq, g->dv, NULL);
+    for (int i = 0; i < n; i++) {
+        jac[i + size*i] += c;
+        jac[i + size*(n + i)] -= 1;
+        jac[n + i + size*(n + i)] += c*d->f.mass[i];
+        for (int j = 0; j < n; j++) {
+            jac[n + i + size*j] -= g->dq[i*n + j];
+            jac[n + i + size*(n + j)] -= g->dv[i*n + j];
+        }
+    }
+    for (int k = 0; k < g->c; k++)
+        add_row_derivatives(g, k, y, jac);
+    if (g->run->has_work)
+        jac[size*size - 1] += c;
+    return LW_OK;
+}
+
+/* Are those above all there are? */
+static bool has_derivatives(const lw_dynamics *d)
+{
+    bool gear = false;
+    for (int j = 0; j < d->s.n_joint; j++)
+        gear = gear || d->s.joint[j].kind == LW_JOINT_GEAR;
+    return !gear && d->n_c == d->n_row && !d->n_friction && !d->o.extra.apply;
+}
+
+/* The state as the others of this folder have it: q, v, work. */
+static void unpack(const ggl *g, const double *y, double *out)
+{
+    memcpy(out, y, 2*(size_t)g->q*sizeof *out);
+    if (g->run->has_work)
+        out[2*g->q] = y[2*(g->q + g->c)];
+}
+
+static lw_status show_samples(ggl *g, lw_ida *w, double *y)
+{
+    lw_run *run = g->run;
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > w->t)
+            break;
+        s = lw_ida_dense(w, t, y);
+        if (s != LW_OK)
+            break;
+        unpack(g, y, run->y);
+        s = lw_run_project(run, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+    }
+    return s;
+}
+
+/* y and dy of the state (q, v, work), which satisfies the constraints. */
+static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
+{
+    lw_dynamics *d = g->run->d;
+    int n = g->q, c = g->c;
+    double power = 0;
+    memcpy(y, state, 2*(size_t)n*sizeof *y);
+    memcpy(dy, state + n, (size_t)n*sizeof *dy);
+    memset(y + 2*n, 0, 2*(size_t)c*sizeof *y);
+    memset(dy + 2*n, 0, 2*(size_t)c*sizeof *dy);
+    lw_status s = lw_mbs_accelerate(d, t, state, state + n, dy + n, d->l, &power);
+    for (int k = 0; k < c; k++)
+        y[2*n + k] = d->l[d->kept[k]];
+    for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
+        double motion[3];
+        s = lw_mbs_motion(d, i, t, motion);
+        power -= d->l[d->n_row + i]*motion[1];
+    }
+    if (g->run->has_work) {
+        y[2*(n + c)] = state[2*n];
+        dy[2*(n + c)] = power;
+    }
+    return s;
+}
+
+/* Begin again at (t, state), on the rows that are kept now. */
+static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    w->t = t;
+    lw_status s = lw_run_project(run, t, run->state);
+    if (s == LW_OK && run->d->n_kept != g->c)
+        s = LW_E_NUMERIC;
+    if (s == LW_OK)
+        s = pack(g, t, run->state, y, dy);
+    g->since = w->n_step;
+    return s == LW_OK ? lw_ida_restart(w, y, dy, run->e) : s;
+}
+
+/* From here again, at first order and with multipliers as the posture has them. */
+static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    g->run->e->text[0] = '\0';
+    unpack(g, w->y, g->run->state);
+    return begin_again(g, w, w->t, y, dy);
+}
+
+/* How far the rows that are kept are from being dependent, squared; 1 where there are no others.  lw_mbs_factor does
+ * not say: links without mass make it look at all rows. */
+static double apart(const lw_dynamics *d)
+{
+    lw_rank r;
+    if (d->n_c == d->rank)
+        return 1;
+    lw_rank_place(&r, d->n_q, d->n_kept, d->rank_work, d->rank_ints);
+    for (int k = 0; k < d->n_kept; k++)
+        memcpy(r.a + k*d->n_q, d->jac + d->kept[k]*d->n_q, (size_t)d->n_q*sizeof *r.a);
+    lw_rank_factor(&r, 1e-9);
+    return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
+}
+
+/* Through the singular posture ahead, if there is one; other rows where those kept have become nearly dependent. */
+static lw_status cross(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    double t = w->t, weak;
+    unpack(g, w->y, run->state);
+    lw_status s = lw_mbs_rows(d, t, run->state);
+    weak = apart(d);
+    bool chosen = s == LW_OK && (s = lw_run_rechoose(run, t, run->state, &weak)) == LW_OK;
+    if (s >= 0)
+        s = lw_mbs_factor(d, false);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_OK : s;
+    weak = d->weak;
+    if (s >= 0 && (s = lw_run_cross(run, weak, &t, run->state)) == LW_OK && t < d->o.to) {
+        s = lw_mbs_arrange(d, t, run->state);
+        chosen = true;
+    }
+    if (s == LW_OK && t >= d->o.to)
+        w->t = t;
+    return s >= 0 && chosen && t < d->o.to ? begin_again(g, w, t, y, dy) : s == LW_NOTHING ? LW_OK : s;
+}
+
+/* From the start of the run; dae, algebraic and g->each must outlive w. */
+static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    lw_dynamics_start(d, run->state, run->state + g->q);
+    lw_status s = pack(g, d->o.from, run->state, y, dy);
+    if (s == LW_OK)
+        s = lw_run_begin(run, run->state);
+    lw_ode_options o = lw_ode_options_default();
+    o.relative = d->o.relative;
+    o.absolute_each = g->each;
+    for (int i = 0; i < dae->n; i++)
+        g->each[i] = dae->algebraic[i] ? unjudged : d->o.absolute;
+    o.max_step = lw_run_steps_left(run);
+    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
+    return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
+}
+
+static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
+{
+    lw_run *run = g->run;
+    lw_dynamics *d = run->d;
+    unsigned char algebraic[2*LW_SYSTEM_Q_MAX + 2*LW_MBS_ROW_MAX + 1] = { 0 };
+    memset(algebraic + 2*g->q, 1, 2*(size_t)g->c);
+    lw_dae dae = { .n = 2*g->q + 2*g->c + run->has_work, .context = g, .residual = residual,
+                   .jacobian = has_derivatives(d) ? jacobian : NULL, .algebraic = algebraic };
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = begin(g, w, &dae, y, dy);
+    if (s != LW_OK)
+        return s;
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        s = lw_ida_step(w, d->o.to, &stop, run->e);
+        run->r->t = w->t;
+        if (s == LW_E_NUMERIC && w->n_step > g->since + tired) {
+            s = after_failure(g, w, y, dy);
+            stop = LW_ODE_STEP;
+            continue;
+        }
+        if (s != LW_OK)
+            break;
+        unpack(g, w->y, run->y);
+        lw_run_watch(run, run->y);
+        s = show_samples(g, w, y);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && stop != LW_ODE_END) {
+            s = cross(g, w, y, dy);
+            stop = w->t >= d->o.to ? LW_ODE_END : stop;
+        }
+    }
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_residual;
+    lw_ida_free(w);
+    return s;
+}
+
+lw_status lw_run_ggl(lw_run *run)
+{
+    lw_dynamics *d = run->d;
+    ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
+    lw_ida w;
+    for (int i = 0; i < d->n_q; i++)
+        g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
+    size_t n = 2*(size_t)(g.q + g.c) + 1;
+    double *y = calloc(3*n + 2*(size_t)run->n + 2*(size_t)(g.q*g.q), sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 2*n;
+    run->state = run->y + run->n;
+    g.dq = run->state + run->n;
+    g.dv = g.dq + g.q*g.q;
+    g.each = g.dv + g.q*g.q;
+    lw_status s = run_ida(&g, &w, y, y + n);
+    free(y);
+    return s;
+}

@@ -1,0 +1,524 @@
+/* mbs/dynamics/dynamics_quadrature.c - one freedom and forces that the posture alone decides: time is an integral.
+ *
+ *     K(s) = K0 + int Q ds,      t(s) = t0 + int sqrt(M/(2 K)) ds
+ *
+ * K the kinetic energy, M(s) the mass and Q(s) the force of the coordinate.  Both integrals are taken panel by panel
+ * (mbs/ode/panel_internal.h), each as long as sixteen values resolve it.  Where K falls to 0, at s*, the linkage stands and
+ * turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the way to s* and back. */
+#include "mbs/dynamics/dynamics_reduced_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/ode/panel_internal.h"
+
+enum { N = LW_PANEL_NODES };
+
+static const double finest = 2e-14;          /* a tail that rounding leaves                                      */
+static const double shortest = 1e-7;         /* of the coordinate's unit                                         */
+
+/* s = from + way length x for 0 <= x <= 1; turning: s = from - way length x, x = u^2, u from `begin` (-1; 0 out of
+ * rest) to 1. */
+typedef struct panel {
+    bool   turning;
+    double from, way, length, begin;
+    double t, t_end, kinetic, work;          /* at its beginning                                                 */
+    double mass[N], force[N], other[N];      /* M; Q; the part of Q that no potential holds                       */
+    double rate[N][LW_LINK_MAX];             /* of the links' turns by s                                          */
+    double pace[N];                          /* dt/dx over length, or dt/du                                       */
+    double pace_c[N], time_c[N], force_c[N], other_c[N];      /* coefficients: pace; means of pace, Q, other      */
+    bool   ready;                            /* they are made                                                     */
+} panel;
+
+typedef struct quadrature {
+    lw_run        *run;
+    lw_reduced    *r;
+    const lw_panel_rule *rule;
+    double s, way, t, kinetic, work, length; /* where the next panel begins; its length as it is hoped for        */
+    double least_mass, most, kinetic0, potential0, tolerance;     /* most: K so far                                */
+    double *turns;                           /* of the bodies there (n_body)                                      */
+    int    n_rest;                           /* times at which it stood on the upper side of the coordinate       */
+    double first_rest;
+    double top[2];                           /* where it turned last, falling and rising; NaN: not yet            */
+    panel  p;
+} quadrature;
+
+/* ---- one panel ------------------------------------------------------------------------------------ */
+
+static lw_status look(quadrature *z, double s, int i)
+{
+    panel *p = &z->p;
+    double ds, dp, power;
+    lw_status st = lw_run_busy(z->run, z->t);
+    if (st == LW_OK)
+        st = lw_reduced_rate(z->r, 0, s, 1, &ds, &dp, &power);
+    if (st != LW_OK)
+        return st;
+    z->run->r->rates++;
+    p->mass[i] = 1/(ds*ds);
+    p->force[i] = dp/ds;
+    p->other[i] = power/ds;
+    for (int b = 0; b < z->run->d->s.n_body; b++)
+        p->rate[i][b] = z->r->reg[z->r->centre[b].dir].d.x;
+    return p->mass[i] > lw_reduced_turning_back*z->least_mass ? LW_OPEN : LW_OK;
+}
+
+/* The values of a panel that goes `step` from `from`. */
+static lw_status fill(quadrature *z, double from, double step)
+{
+    lw_status st = LW_OK;
+    for (int i = 0; i < N && st == LW_OK; i++)
+        st = look(z, from + step*z->rule->at[i], i);
+    z->p.ready = false;
+    return st;
+}
+
+/* How long it should have been for what is not resolved of f to be as much as is allowed. */
+static double hope(const quadrature *z, double tail)
+{
+    double by = 0.95*pow(z->tolerance/fmax(tail, 1e-3*finest), 1.0/N);
+    return by < 0.25 ? 0.25 : by > 2 ? 2 : by;
+}
+
+/* ---- to where it turns back, and from there ------------------------------------------------------------ */
+
+/* Pace of a turning panel whose values are there; false: K does not rise from s*, or it is not resolved. */
+static bool pace_turning(quadrature *z, double *tail)
+{
+    panel *p = &z->p;
+    double h[N], k[N];
+    for (int i = 0; i < N; i++)
+        h[i] = -p->way*p->force[i];
+    lw_panel_apply(&z->rule->mean, h, k);
+    for (int i = 0; i < N; i++) {
+        if (!(k[i] > 0))
+            return false;
+        p->pace[i] = sqrt(2*p->length*p->mass[i]/k[i]);
+    }
+    *tail = lw_panel_tail(z->rule, p->pace);
+    return *tail <= z->tolerance;
+}
+
+static double half_time(const quadrature *z)
+{
+    double root[N], c[N];
+    lw_panel_apply(&z->rule->root, z->p.pace, root);
+    lw_panel_apply(&z->rule->coef, root, c);
+    return lw_panel_value(c, 1);
+}
+
+/* The panel between s* = top and `length` from it, met or left with way. */
+static lw_status fill_turning(quadrature *z, double top, double way, double length)
+{
+    panel *p = &z->p;
+    p->turning = true;
+    p->from = top;
+    p->way = way;
+    p->length = length;
+    return fill(z, top, -way*length);
+}
+
+/* From where it is to s*, which is near `guess`, and back.  LW_NOTHING: not in one panel. */
+static lw_status turn(quadrature *z, double guess)
+{
+    panel *p = &z->p;
+    double top = guess, tail, *last = &z->top[z->way > 0];
+    if (fabs(*last - guess) < 0.5*z->length)
+        top = *last;                             /* the same again, but for rounding                               */
+    for (int k = 0;; k++) {
+        double length = z->way*(top - z->s);
+        if (!(length > 0) || length > 4*z->length || k == 12)
+            return LW_NOTHING;
+        lw_status st = fill_turning(z, top, z->way, length);
+        double slope = -z->way*p->force[0], off = z->kinetic + z->way*length*lw_panel_sum(z->rule->whole, p->force);
+        if (st != LW_OK || !(slope > 0))
+            return st == LW_OK || st == LW_OPEN ? LW_NOTHING : st;
+        if (fabs(off) <= 4e-16*z->kinetic || fabs(off/slope) <= 2e-16*fabs(top))
+            break;
+        top += z->way*off/slope;
+    }
+    if (!pace_turning(z, &tail))
+        return LW_NOTHING;
+    *last = top;
+    p->begin = -1;
+    p->t_end = z->t + 2*half_time(z);
+    z->length = p->length*hope(z, tail);
+    z->way = -z->way;
+    return LW_OK;
+}
+
+/* K at a place x of a turning panel */
+static double kinetic_at(const quadrature *z, double x)
+{
+    double q[N], c[N];
+    lw_panel_apply(&z->rule->mean, z->p.force, q);
+    lw_panel_apply(&z->rule->coef, q, c);
+    return -z->p.way*z->p.length*x*lw_panel_value(c, x);
+}
+
+/* Out of rest, or nearly so: from s*, a little behind where it is, with the force there. */
+static lw_status set_off(quadrature *z, double force)
+{
+    panel *p = &z->p;
+    double way = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, root[N], c[N];
+    for (int k = 0; k < 60; k++) {
+        lw_status st = fill_turning(z, z->s - way*back, -way, z->length);
+        if (st == LW_OK && pace_turning(z, &tail)) {
+            double off = back > 0 ? z->kinetic - kinetic_at(z, back/z->length) : 0;
+            if (fabs(off) <= 1e-15*z->kinetic || k > 50)
+                break;
+            back += off/fabs(force);
+        } else if (st != LW_OK && st != LW_OPEN) {
+            return st;
+        } else {
+            z->length *= st == LW_OK ? hope(z, fmax(tail, z->tolerance)) : 0.5;
+        }
+        if (z->length < shortest*z->r->scale || k == 59)
+            return LW_OPEN;
+    }
+    p->begin = sqrt(back/p->length);
+    lw_panel_apply(&z->rule->root, p->pace, root);
+    lw_panel_apply(&z->rule->coef, root, c);
+    p->t_end = z->t + lw_panel_value(c, 1) - p->begin*lw_panel_value(c, back/p->length);
+    z->s = p->from + way*p->length;
+    z->way = way;
+    z->kinetic = kinetic_at(z, 1);
+    z->length = p->length*hope(z, tail);
+    return LW_OK;
+}
+
+/* ---- straight on -------------------------------------------------------------------------------------- */
+
+/* Where K comes to 0: between two of its values, or by its slope and curvature behind the end, not farther than the
+ * panel is long.  false: not there. */
+static bool guess_turn(const quadrature *z, const double *kinetic, double end, double *guess)
+{
+    const panel *p = &z->p;
+    const double *x = z->rule->at;
+    double before = z->kinetic, from = 0;
+    for (int i = 0; i < N; i++) {
+        if (kinetic[i] <= 0) {
+            *guess = z->s + z->way*z->length*(from + (x[i] - from)*before/(before - kinetic[i]));
+            return true;
+        }
+        before = kinetic[i];
+        from = x[i];
+    }
+    double fall = -z->way*p->force[N - 1]*z->length;
+    double bend = z->way*(p->force[N - 1] - p->force[N - 2])/(x[N - 1] - x[N - 2])*z->length;
+    double under = fall*fall - 2*bend*end, on = under > 0 ? 2*end/(fall + sqrt(under)) : -1;
+    *guess = z->s + z->way*z->length*(1 + on);
+    return end <= 0 || (fall > 0 && on >= 0 && on < 1);
+}
+
+/* The panel as its values are; false: not resolved.  *turns: it may turn back, near *guess. */
+static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
+{
+    panel *p = &z->p;
+    double q[N], kinetic[N], low, end = z->kinetic + z->way*z->length*lw_panel_sum(z->rule->whole, p->force);
+    lw_panel_apply(&z->rule->mean, p->force, q);
+    low = end;
+    for (int i = 0; i < N; i++) {
+        kinetic[i] = z->kinetic + z->way*z->length*z->rule->at[i]*q[i];
+        low = fmin(low, kinetic[i]);
+        p->pace[i] = sqrt(p->mass[i]/(2*kinetic[i]));
+    }
+    *tail = low > 0 ? lw_panel_tail(z->rule, p->pace) : 1;
+    *turns = (low < 0.6*z->kinetic || *tail > z->tolerance) && guess_turn(z, kinetic, end, guess);
+    if (*tail <= z->tolerance)
+        p->t_end = z->t + z->length*lw_panel_sum(z->rule->whole, p->pace);
+    return *tail <= z->tolerance;
+}
+
+static lw_status go_on(quadrature *z)
+{
+    panel *p = &z->p;
+    double tail, guess;
+    bool turns, tried = false;
+    for (int k = 0; k < 100 && z->length > shortest*z->r->scale; k++) {
+        p->turning = false;
+        p->from = z->s;
+        p->way = z->way;
+        p->length = z->length;
+        lw_status st = fill(z, z->s, z->way*z->length);
+        if (st != LW_OK && st != LW_OPEN)
+            return st;
+        bool resolved = st == LW_OK && pace_on(z, &tail, &turns, &guess);
+        if (st == LW_OK && turns && !tried) {
+            st = turn(z, guess);
+            if (st != LW_NOTHING)
+                return st;
+            tried = tail < 1;
+            z->length *= resolved ? 1 : tail < 1 ? hope(z, tail) : 0.5;
+        } else if (resolved) {
+            p->begin = 0;
+            z->kinetic += z->way*z->length*lw_panel_sum(z->rule->whole, p->force);
+            z->s += z->way*z->length;
+            z->length *= hope(z, tail);
+            return LW_OK;
+        } else {
+            z->length *= st == LW_OK && tail < 1 ? hope(z, tail) : 0.5;
+        }
+    }
+    return LW_OPEN;
+}
+
+/* ---- what lies within a panel ---------------------------------------------------------------------------- */
+
+static void prepare(quadrature *z)
+{
+    panel *p = &z->p;
+    double m[N];
+    lw_panel_apply(&z->rule->coef, p->pace, p->pace_c);
+    lw_panel_apply(p->turning ? &z->rule->root : &z->rule->mean, p->pace, m);
+    lw_panel_apply(&z->rule->coef, m, p->time_c);
+    lw_panel_apply(&z->rule->mean, p->force, m);
+    lw_panel_apply(&z->rule->coef, m, p->force_c);
+    lw_panel_apply(&z->rule->mean, p->other, m);
+    lw_panel_apply(&z->rule->coef, m, p->other_c);
+    p->ready = true;
+}
+
+/* Time of x (turning: of u) since x = 0, and its slope */
+static double time_at(const panel *p, double x, double *slope)
+{
+    double v = p->turning ? x*x : x, by = p->turning ? 1 : p->length;
+    *slope = by*lw_panel_value(p->pace_c, v);
+    return by*x*lw_panel_value(p->time_c, v);
+}
+
+/* x (turning: u) at a time: Newton's method within a bracket. */
+static double place_at(const panel *p, double t)
+{
+    double slope, low = p->turning ? p->begin : 0, high = 1, zero = time_at(p, low, &slope);
+    double share = (t - p->t)/(p->t_end - p->t), x = low + (high - low)*share;
+    for (int k = 0; k < 60; k++) {
+        double off = time_at(p, x, &slope) - zero - (t - p->t), next;
+        *(off > 0 ? &high : &low) = x;
+        next = x - off/slope;
+        next = next > low && next < high ? next : 0.5*(low + high);
+        if (fabs(next - x) <= 1e-16 + 2e-16*fabs(x))
+            return next;
+        x = next;
+    }
+    return x;
+}
+
+/* The turn of body b since the beginning of the panel, near enough to tell one turn from the next. */
+static double turned(const quadrature *z, int b, double v)
+{
+    const panel *p = &z->p;
+    double rate[N], from = 0;
+    int i = 0;
+    for (int k = 0; k < N; k++)
+        rate[k] = p->rate[k][b];
+    while (i < N - 1 && z->rule->at[i + 1] <= v)
+        i++;
+    double sum = z->rule->at[i]*lw_panel_sum(z->rule->mean.row[i], rate) + (v - z->rule->at[i])*rate[i];
+    if (p->turning && p->begin < 0)
+        from = lw_panel_sum(z->rule->whole, rate);
+    return (p->turning ? -1 : 1)*p->way*p->length*(sum - from);
+}
+
+/* The state at a time within the panel, as the bodies have it. */
+static lw_status state_at(quadrature *z, double t, double *y)
+{
+    panel *p = &z->p;
+    const lw_dynamics *d = z->run->d;
+    if (!p->ready)
+        prepare(z);
+    double x = place_at(p, t), v = p->turning ? x*x : x, along = (p->turning ? -p->way : p->way)*p->length, mass;
+    double kinetic = (p->turning ? 0 : p->kinetic) + along*v*lw_panel_value(p->force_c, v);
+    double speed = (p->turning && x > 0 ? -p->way : p->way)*sqrt(fmax(2*kinetic, 0));
+    lw_status st = lw_reduced_mass(z->r, p->from + along*v, &mass);
+    if (st != LW_OK)
+        return st;
+    for (int b = 0; b < d->s.n_body; b++)
+        y[3*b + 2] = z->turns[b] + turned(z, b, v);
+    lw_reduced_state(z->r, d, speed/sqrt(mass), y, y + d->n_q);
+    if (z->run->has_work) {
+        double v0 = p->begin*p->begin;
+        y[2*d->n_q] = p->work + along*(v*lw_panel_value(p->other_c, v) - v0*lw_panel_value(p->other_c, v0));
+    }
+    return LW_OK;
+}
+
+/* ---- the run ------------------------------------------------------------------------------------------ */
+
+static lw_status show_samples(quadrature *z)
+{
+    lw_run *run = z->run;
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > z->p.t_end)
+            break;
+        s = state_at(z, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        s = s == LW_OPEN ? LW_OK : s;             /* reactions do not exist in a singular posture           */
+    }
+    return s;
+}
+
+/* Energy at the end of the panel, by the posture there; *force there. */
+static lw_status watch(quadrature *z, double *force)
+{
+    double ds, dp, power;
+    lw_status st = lw_reduced_rate(z->r, 0, z->s, 1, &ds, &dp, &power);
+    if (st != LW_OK)
+        return st;
+    double change = lw_reduced_potential(z->r, z->s) - z->potential0, off = z->kinetic - z->kinetic0 + change - z->work;
+    lw_report *r = z->run->r;
+    r->energy_error = fmax(r->energy_error, fabs(off));
+    r->energy_scale = fmax(r->energy_scale, fmax(z->kinetic, fabs(change)));
+    /* rounding would add up over many panels; where K is small, it is better than what the potential says */
+    bool known = z->kinetic < z->most && z->kinetic > 0.1*z->most;
+    z->most = fmax(z->most, z->kinetic);
+    if (!z->run->has_work && known) {
+        z->kinetic -= off;
+        r->energy_held += fabs(off);
+    }
+    z->least_mass = fmin(z->least_mass, 1/(ds*ds));
+    *force = dp/ds;
+    return LW_OK;
+}
+
+/* Mean of the other forces over the part of a panel out of rest that lies behind where it began, times its part */
+static double before_begin(quadrature *z)
+{
+    double v = z->p.begin*z->p.begin;
+    if (v == 0)
+        return 0;
+    prepare(z);
+    return v*lw_panel_value(z->p.other_c, v);
+}
+
+static lw_status next_panel(quadrature *z, double force)
+{
+    panel *p = &z->p;
+    p->t = z->t;
+    p->kinetic = z->kinetic;
+    p->work = z->work;
+    bool leaves_rest = z->kinetic <= 0.05*fabs(force)*z->length && z->way*force >= 0;
+    if (leaves_rest && force == 0)
+        return LW_OPEN;
+    lw_status st = leaves_rest ? set_off(z, force) : go_on(z);
+    if (st != LW_OK)
+        return st;
+    if (!p->turning)
+        z->work += p->way*p->length*lw_panel_sum(z->rule->whole, p->other);
+    else if (p->begin >= 0)
+        z->work -= p->way*p->length*(lw_panel_sum(z->rule->whole, p->other) - before_begin(z));
+    z->t = p->t_end;
+    return LW_OK;
+}
+
+static void advance_turns(quadrature *z)
+{
+    for (int b = 0; b < z->run->d->s.n_body && !(z->p.turning && z->p.begin < 0); b++)
+        z->turns[b] += turned(z, b, 1);
+}
+
+/* What came to rest goes back the way it came and repeats itself.  Periods without a moment that is asked for are left
+ * out, once so many were measured that rounding does not add up. */
+static void leave_out_periods(quadrature *z)
+{
+    enum { MEASURED = 10 };
+    const panel *p = &z->p;
+    const lw_run *run = z->run;
+    if (!p->turning || p->begin >= 0 || p->way < 0)
+        return;
+    double rest = p->t + 0.5*(p->t_end - p->t), *period = &run->r->period;
+    if (z->n_rest++ == 0)
+        z->first_rest = rest;
+    if (z->n_rest == MEASURED + 1)
+        *period = (rest - z->first_rest)/MEASURED;
+    double next = run->next <= run->d->o.intervals ? lw_run_time(run->d, run->next) : run->d->o.to;
+    if (*period > 0 && next - z->t > *period)
+        z->t += *period*floor((next - z->t)/ *period);
+}
+
+static lw_status go(quadrature *z)
+{
+    lw_run *run = z->run;
+    double force, to = run->d->o.to;
+    lw_status st = watch(z, &force);
+    for (long k = 1; st == LW_OK && z->t < to; k++) {
+        st = next_panel(z, force);
+        if (st != LW_OK)
+            break;
+        run->r->steps++;
+        run->r->t = fmin(z->t, to);
+        st = show_samples(z);
+        advance_turns(z);
+        leave_out_periods(z);
+        if (st == LW_OK)
+            st = watch(z, &force);
+        if (st == LW_OK)
+            st = lw_run_limits(run, run->r->t, 0);
+    }
+    return st;
+}
+
+/* The bodies where the panels end: to go on from there in their coordinates. */
+static void leave(quadrature *z, double *y)
+{
+    const lw_dynamics *d = z->run->d;
+    double mass;
+    z->run->r->t = z->t;
+    if (lw_reduced_mass(z->r, z->s, &mass) != LW_OK)
+        return;
+    for (int b = 0; b < d->s.n_body; b++)
+        y[3*b + 2] = z->turns[b];
+    lw_reduced_state(z->r, d, z->way*sqrt(2*z->kinetic/mass), y, y + d->n_q);
+    if (z->run->has_work)
+        y[2*d->n_q] = z->work;
+}
+
+static lw_status start(quadrature *z, double *y)
+{
+    const lw_dynamics *d = z->run->d;
+    double p;
+    lw_dynamics_start(d, y, y + d->n_q);
+    lw_status st = lw_reduced_start(z->r, d, y, &z->s, &p);
+    if (st == LW_OK)
+        st = lw_reduced_mass(z->r, z->s, &z->least_mass);
+    if (st != LW_OK)
+        return st;
+    z->potential0 = lw_reduced_potential(z->r, z->s);
+    z->kinetic = z->kinetic0 = 0.5*p*p;
+    z->way = p < 0 ? -1 : p > 0;
+    z->t = d->o.from;
+    z->length = 0.5*z->r->scale;
+    z->top[0] = z->top[1] = NAN;
+    z->tolerance = fmax(10*d->o.relative, finest);
+    for (int b = 0; b < d->s.n_body; b++)
+        z->turns[b] = y[3*b + 2];
+    return lw_run_begin(z->run, y);
+}
+
+lw_status lw_run_quadrature(lw_run *run)
+{
+    size_t n = (size_t)run->n, n_body = (size_t)run->d->s.n_body;
+    quadrature *z = calloc(1, sizeof *z);
+    double *y = calloc(2*n + n_body, sizeof *y);
+    if (!z || !y) {
+        free(z), free(y);
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    }
+    z->rule = run->d->rule;
+    z->run = run;
+    z->r = run->d->reduced;
+    z->turns = y + 2*n;
+    run->y = y + n;
+    lw_status st = start(z, y);
+    if (st == LW_OK)
+        st = go(z);
+    if (st == LW_OPEN || st == LW_E_NUMERIC) {
+        leave(z, y);
+        st = lw_run_go_on(run, y);
+    }
+    free(z), free(y);
+    return st;
+}

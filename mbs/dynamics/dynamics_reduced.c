@@ -1,0 +1,345 @@
+/* mbs/dynamics/dynamics_reduced.c - a run in one coordinate; where the coordinate turns back (a dead point of the input) it is
+ * gone on with in the bodies' coordinates. */
+#include "mbs/dynamics/dynamics_reduced_internal.h"
+#include "mbs/dynamics/reduced.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
+{
+    char why[128] = "";
+    lw_reduced *r = d->reduced ? d->reduced : malloc(sizeof *r);
+    if (!r)
+        return LW_E_MEMORY;
+    d->reduced = r;
+    lw_status s = lw_reduced_make(d, r, why);
+    snprintf(text, size, "%s", why);
+    return s;
+}
+
+static const int turns_every = 4;
+static const double hold_most = 10;          /* change of p over the error that a step may have             */
+static const double shortest_way = 1e-4;     /* change of s and p, at most                                 */
+
+typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass, *room; } motion;
+
+static lw_status rate(void *context, double t, const double *y, double *dy)
+{
+    const motion *m = context;
+    double power, scale = m->r->scale;
+    lw_status s = lw_run_busy(m->run, t);
+    if (s == LW_OK)
+        s = lw_reduced_rate(m->r, t, y[0]*scale, y[1], &dy[0], &dy[1], &power);
+    dy[0] /= scale;
+    if (m->run->has_work)
+        dy[2] = power;
+    return s;
+}
+
+/* What a step did to the energy H is taken off again: off p alone where that is as little as the step's error may be,
+ * which costs nothing; beside turning points by the shortest way, along the gradient (-Q, p). */
+static lw_status hold_energy(void *context, double t, double *y)
+{
+    motion *m = context;
+    const lw_dynamics_options *o = &m->run->d->o;
+    double scale = m->r->scale, ds, dp, mass, power;
+    lw_status s = lw_reduced_registers(m->r, y[0]*scale);
+    if (s != LW_OK)
+        return s;
+    double off = 0.5*y[1]*y[1] - m->kinetic + lw_reduced_potential(m->r, y[0]*scale) - m->potential;
+    if (fabs(off) <= hold_most*(o->absolute + o->relative*fabs(y[1]))*fabs(y[1])) {
+        y[1] -= off/y[1];
+    } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
+               && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
+        double push = dp*sqrt(mass)*scale, steep = push*push + y[1]*y[1];
+        if (!(fabs(off) < shortest_way*steep))
+            return LW_OK;                        /* at rest in equilibrium                                  */
+        y[0] += push*off/steep;
+        y[1] -= y[1]*off/steep;
+    }
+    m->run->r->energy_held += fabs(off);
+    return LW_OK;
+}
+
+/* (s, p) as bodies' coordinates; turns near those in y. */
+static lw_status spread(const motion *m, const double *s, double *y)
+{
+    const lw_dynamics *d = m->run->d;
+    double mass;
+    lw_status st = lw_reduced_mass(m->r, s[0]*m->r->scale, &mass);
+    if (st == LW_OK)
+        lw_reduced_state(m->r, d, s[1]/sqrt(mass), y, y + d->n_q);
+    if (m->run->has_work)
+        y[2*d->n_q] = s[2];
+    return st;
+}
+
+/* Turns of the links after h, with the rates of before and those that the registers have. */
+static void foresee(const motion *m, const double *from, double h, double ds, double *to)
+{
+    const lw_dynamics *d = m->run->d;
+    for (int b = 0; b < d->s.n_body; b++) {
+        double before = from[d->n_q + 3*b + 2], after = ds*m->r->reg[m->r->centre[b].dir].d.x;
+        to[3*b + 2] = from[3*b + 2] + 0.5*h*(before + after);
+        to[d->n_q + 3*b + 2] = after;
+    }
+}
+
+static lw_status show_samples(motion *m, lw_integrator *w, const double *from)
+{
+    lw_run *run = m->run;
+    double s3[3], mass;
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > w->t)
+            break;
+        memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
+        s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+        if (s != LW_OK)
+            break;
+        lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
+        foresee(m, from, t - w->t_old, s3[1]/sqrt(mass), run->y);
+        s = spread(m, s3, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        s = s == LW_OPEN ? LW_OK : s;             /* reactions do not exist in a singular posture           */
+    }
+    return s;
+}
+
+/* Energies from the registers, so that a step costs little more than its evaluations; the links' turns are looked at
+ * every few steps only, which is often enough to count them. */
+static lw_status watch(motion *m, const lw_integrator *w, double *y)
+{
+    lw_run *run = m->run;
+    lw_status s = lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    double potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale), kinetic = 0.5*w->y[1]*w->y[1];
+    double change = potential - m->potential, mass;
+    double work = run->has_work ? w->y[2] : 0;
+    run->r->energy_error = fmax(run->r->energy_error, fabs(kinetic - m->kinetic + change - work));
+    run->r->energy_scale = fmax(run->r->energy_scale, fmax(kinetic, fabs(change)));
+    if (s != LW_OK)
+        return s;
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    foresee(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
+    return w->n_step % turns_every ? LW_OK : spread(m, w->y, y);
+}
+
+/* Beside a dead point the links move as the square root of what is left of the coordinate's way: rounding and the
+ * error allowed there, both of the coordinate, are then too great for them.  The step that came near it is taken back,
+ * and y is the state before it.  LW_OPEN: so it was. */
+static lw_status stay_off(motion *m, lw_integrator *w, double *y)
+{
+    double mass, s3[3];
+    lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
+    m->least_mass = fmin(m->least_mass, mass);
+    if (s == LW_OK && mass <= lw_reduced_turning_back*m->least_mass)
+        return LW_OK;
+    s = lw_integrate_dense(w, w->t_old, s3);
+    if (s == LW_OK)
+        s = spread(m, s3, y);
+    m->run->r->t = w->t_old;
+    return s == LW_OK ? LW_OPEN : s;
+}
+
+/* ---- what repeats itself ------------------------------------------------------------------------- */
+
+/* Without loads that know time and without losses, what comes to rest goes back the way it came and repeats itself for
+ * ever.  A period is measured over so many of them, between rests on one side, and rounding and the errors of steps do
+ * not add up over those that follow: each moment is reached from the last rest that was measured, within a period. */
+enum { MEASURED = 10 };
+static const double much_longer = 10;        /* periods left that make it worth while                           */
+
+typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; } rests;
+
+/* Note where the last step came to rest: p = 0, by bisection in the dense output. */
+static lw_status note_rest(rests *r, lw_integrator *w)
+{
+    double low = w->t_old, high = w->t;
+    if (!(w->y_old[1]*w->y[1] < 0) || r->n == 2*MEASURED + 1)
+        return LW_OK;
+    for (int i = 0; i < 60 && low < high; i++) {
+        double at = 0.5*(low + high);
+        if (at == low || at == high)
+            break;
+        lw_status s = lw_integrate_dense(w, at, r->y);
+        if (s != LW_OK)
+            return s;
+        *((r->y[1] < 0) == (w->y_old[1] < 0) ? &low : &high) = at;
+    }
+    r->y[1] = 0;
+    r->t[r->n++] = high;
+    return LW_OK;
+}
+
+/* The period [s]; 0: not known yet, or the rests do not come evenly. */
+static double period_of(const rests *r, double tolerance)
+{
+    double length = (r->t[2*MEASURED] - r->t[0])/MEASURED;
+    if (r->n < 2*MEASURED + 1)
+        return 0;
+    for (int i = 0; i + 2 < r->n; i++)
+        if (!(fabs(r->t[i + 2] - r->t[i] - length) <= (1000*tolerance + 1e-13)*length))
+            return 0;
+    return length;
+}
+
+/* To the moment `want` after the last rest, y beside it; from that rest anew when it lies behind. */
+static lw_status reach(motion *m, lw_integrator *w, const rests *r, double want, const double *base, double *y)
+{
+    lw_run *run = m->run;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    if (want < w->t) {
+        lw_ode_options o = w->o;
+        run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
+        o.max_step = lw_run_steps_left(run);
+        memcpy(y, base, (size_t)run->n*sizeof *y);
+        s = lw_integrate_start(w, w->ode, &o, m->room, 0, r->y, run->e);
+    }
+    while (s == LW_OK && stop != LW_ODE_END && want > w->t) {
+        s = lw_integrate_step(w, want, &stop, run->e);
+        if (s == LW_OK)
+            s = watch(m, w, y);
+    }
+    return s;
+}
+
+/* The samples that are left.  y: bodies' coordinates near the last rest; base: room for those there. */
+static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double length, double *y, double *base)
+{
+    lw_run *run = m->run;
+    double start = r->t[2*MEASURED];
+    memcpy(base, y, (size_t)run->n*sizeof *y);
+    lw_status s = spread(m, r->y, base);
+    run->r->period = length;
+    w->t = INFINITY;                         /* no moment of a period lies ahead: begin at the rest         */
+    for (long k = 1; s == LW_OK && run->next <= run->d->o.intervals; run->next++, k++) {
+        double t = lw_run_time(run->d, run->next), phase = (t - start)/length;
+        s = reach(m, w, r, (phase - floor(phase))*length, base, y);
+        memcpy(run->y, y, (size_t)run->n*sizeof *y);
+        if (s == LW_OK)
+            s = spread(m, w->y, run->y);
+        if (s == LW_OK)
+            s = lw_run_show(run, t, run->y);
+        if (s == LW_OK)
+            s = lw_run_limits(run, t, w->n_step);
+    }
+    return s;
+}
+
+static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    lw_ode_stop stop = LW_ODE_STEP;
+    lw_status s = LW_OK;
+    bool taken_back = false;
+    rests rest = { .n = 0 };
+    double fair[3], t_fair = w->t, longest = 0;      /* the last state before steps became short           */
+    memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
+    lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
+    m->kinetic = 0.5*w->y[1]*w->y[1];
+    lw_reduced_registers(m->r, w->y[0]*m->r->scale);
+    m->potential = lw_reduced_potential(m->r, w->y[0]*m->r->scale);
+    for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
+        s = lw_integrate_step(w, d->o.to, &stop, run->e);
+        if (s != LW_OK)
+            break;
+        run->r->t = w->t;
+        s = stay_off(m, w, y);
+        if (s == LW_OPEN) {
+            taken_back = true;
+            break;
+        }
+        longest = fmax(longest, w->t - w->t_old);
+        if (w->t - w->t_old > 0.1*longest) {
+            memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
+            t_fair = w->t;
+        }
+        memcpy(before, y, (size_t)run->n*sizeof *y);
+        if (s == LW_OK)
+            s = watch(m, w, y);
+        if (s == LW_OK)
+            s = show_samples(m, w, before);
+        if (s == LW_OK)
+            s = lw_run_limits(run, w->t, k);
+        if (s == LW_OK && !run->has_work)
+            s = note_rest(&rest, w);
+        double length = s == LW_OK ? period_of(&rest, d->o.relative) : 0;
+        if (length > 0 && d->o.to - w->t > much_longer*length) {
+            s = repeat(m, w, &rest, length, y, before);
+            break;
+        }
+    }
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back) {    /* to go on from there */
+        spread(m, fair, y);
+        run->r->t = t_fair;
+    }
+    run->r->steps += w->n_step;
+    run->r->refused += w->n_refused;
+    run->r->rates += w->n_rate;
+    return s;
+}
+
+/* In the metric of the masses. */
+lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p)
+{
+    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
+    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
+    lw_status st = lw_reduced_registers(r, r->first);
+    if (st != LW_OK)
+        return st;
+    lw_reduced_state(r, d, 1, q, q + d->n_q);
+    for (int i = 0; i < d->n_q; i++) {
+        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
+        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
+    }
+    *s = r->first;
+    *p = top/sqrt(bottom);
+    return LW_OK;
+}
+
+static lw_status run_one(motion *m, double *y)
+{
+    lw_run *run = m->run;
+    lw_dynamics *d = run->d;
+    double s[3] = { 0 }, room[512], *before = y + run->n;
+    lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
+                   .project = run->has_work ? NULL : hold_energy };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    o.relative = d->o.relative;
+    o.absolute = d->o.absolute;
+    o.max_step = d->o.max_step;
+    o.smooth = true;
+    lw_dynamics_start(d, y, y + d->n_q);
+    lw_status st = lw_reduced_start(m->r, d, y, &s[0], &s[1]);
+    if (st != LW_OK)
+        return st;
+    m->room = room;
+    s[0] /= m->r->scale;
+    st = lw_run_begin(run, y);
+    if (st == LW_OK)
+        st = lw_integrate_work(ode.n, 0) > sizeof room/sizeof *room ? LW_E_ARG
+           : lw_integrate_start(&w, &ode, &o, room, d->o.from, s, run->e);
+    return st == LW_OK ? go(m, &w, y, before) : st;
+}
+
+lw_status lw_run_reduced(lw_run *run)
+{
+    motion m = { .run = run, .r = run->d->reduced };
+    double *y = calloc(3*(size_t)run->n, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + 2*run->n;
+    lw_status s = run_one(&m, y);
+    if (s == LW_E_NUMERIC || s == LW_OPEN)
+        s = lw_run_go_on(run, y);
+    free(y);
+    return s;
+}

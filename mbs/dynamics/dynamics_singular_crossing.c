@@ -1,0 +1,399 @@
+/* mbs/dynamics/dynamics_singular_crossing.c - through a singular posture, with one freedom.
+ *
+ * There the rows lose rank, two branches of postures meet, and beside it, at the distance theta, velocities and
+ * accelerations from the rows are off by rounding over theta^2 and theta^3.  A method that controls its error takes
+ * that for roughness: the tighter its tolerance, the farther off it begins to creep.  But the branch the linkage is on
+ * is a smooth curve q(s).  So it is taken through places on both sides, far enough off to be known to the last digits,
+ * and between them the motion is that of one coordinate:
+ *
+ *     s' = p/sqrt(M),   p' = q'.Q/sqrt(M),   M = q'.M q'
+ *
+ * with p^2/2 the kinetic energy.  The curve is Newton's polynomial through twelve places, the images under square root
+ * of Chebyshev's on [gap^2, 1]: the best ones for an interval with a gap in its middle.  It has to satisfy the rows
+ * within the gap: where branches come near each other but do not meet, it does not. */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N_SIDE = 6, N_NODE = 2*N_SIDE, N_KNOWN = N_NODE + 6 };
+
+static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };     /* of half the length  */
+static const double outside = 0.55;          /* so far from the middle the rows serve again                  */
+static const double longest = 0.3;           /* half of the longest curve, scaled: about radians              */
+static const double beside = 0.45;           /* least pivot, as a root: it looks ahead from there             */
+static const double half_ggl = 0.1;          /* half a leap for ggl, whose multipliers feel the place from afar */
+static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little  */
+static const double on_rows = 1e-12;         /* the curve satisfies the rows to this,                         */
+static const double rounded = 1e-8;          /* or to the tolerance, up to that                               */
+
+/* A polynomial in Newton's form, a column of divided differences after the other. */
+typedef struct curve { int n, n_q; double x[N_KNOWN], *c; } curve;
+
+typedef struct crossing {
+    lw_run *run;
+    lw_dynamics *d;
+    int    along;                            /* coordinate that counts                                        */
+    double way, zero;                        /* its direction; value at the start: s = way (q - zero)          */
+    double at, half;                         /* the singular posture; half the length                         */
+    double root;                             /* sqrt(M) at the start                                          */
+    int    n_seen;
+    double seen[N_KNOWN], pivot[N_KNOWN];    /* places walked to, root of the least pivot there               */
+    curve  walked, path;
+    double *q, *v, *trial;                   /* (n_q)                                                         */
+} crossing;
+
+/* ---- the curve -------------------------------------------------------------------------------------- */
+
+static void add(curve *p, double x, const double *q)
+{
+    double *row = p->c + p->n*p->n_q;
+    memcpy(row, q, (size_t)p->n_q*sizeof *row);
+    for (int k = 0; k < p->n; k++) {
+        double by = 1/(x - p->x[k]);
+        const double *c = p->c + k*p->n_q;
+        for (int i = 0; i < p->n_q; i++)
+            row[i] = (row[i] - c[i])*by;
+    }
+    p->x[p->n++] = x;
+}
+
+/* Value and, when given, derivative at x. */
+static void value(const curve *p, double x, double *q, double *dq)
+{
+    int n = p->n_q;
+    memcpy(q, p->c + (p->n - 1)*n, (size_t)n*sizeof *q);
+    if (dq)
+        memset(dq, 0, (size_t)n*sizeof *dq);
+    for (int k = p->n - 2; k >= 0; k--) {
+        double z = x - p->x[k];
+        const double *c = p->c + k*n;
+        for (int i = 0; dq && i < n; i++)
+            dq[i] = dq[i]*z + q[i];
+        for (int i = 0; i < n; i++)
+            q[i] = q[i]*z + c[i];
+    }
+}
+
+static double place(const crossing *z, const double *q) { return z->way*(q[z->along] - z->zero); }
+
+/* To about x on the curve: foretold by all places so far, put on the rows.  A correction longer than a small part of
+ * the distance to the other branch would be a jump. */
+static lw_status walk_to(crossing *z, double x, const double *foretold)
+{
+    lw_dynamics *d = z->d;
+    if (foretold)
+        memcpy(z->trial, foretold, (size_t)d->n_q*sizeof *z->trial);
+    else
+        value(&z->walked, x, z->trial, NULL);
+    memcpy(z->q, z->trial, (size_t)d->n_q*sizeof *z->q);
+    d->sure = false;                             /* else the pivot is not looked at                       */
+    if (lw_mbs_project_q(d, z->run->r->t, z->q, 0.1) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+        return LW_NOTHING;
+    double moved = 0;
+    for (int i = 0; i < d->n_q; i++)
+        moved = fmax(moved, fabs(z->q[i] - z->trial[i]));
+    z->seen[z->n_seen] = place(z, z->q);
+    z->pivot[z->n_seen] = sqrt(fmax(d->weak, 0));
+    if (!(moved < 0.1*z->pivot[z->n_seen]))
+        return LW_NOTHING;
+    add(&z->walked, z->seen[z->n_seen++], z->q);
+    return LW_OK;
+}
+
+/* Where the pivot vanishes, by the parabola s(pivot) through the three places nearest to it on this side. */
+static bool find_middle(crossing *z)
+{
+    int best[3] = { -1, -1, -1 };
+    for (int k = 0; k < z->n_seen; k++)
+        for (int j = 0, who = k; j < 3; j++)
+            if (best[j] < 0 || z->pivot[who] < z->pivot[best[j]]) {
+                int was = best[j];
+                best[j] = who;
+                if ((who = was) < 0)
+                    break;
+            }
+    double w[3], s[3];
+    for (int j = 0; j < 3; j++) {
+        w[j] = z->pivot[best[j]];
+        s[j] = z->seen[best[j]];
+        if (j && !(s[j] < s[j - 1] && w[j] > w[j - 1]))
+            return false;
+    }
+    double a = s[0] - w[0]*(s[1] - s[0])/(w[1] - w[0]), b = s[1] - w[1]*(s[2] - s[1])/(w[2] - w[1]);
+    z->at = a - w[0]*(b - a)/(w[2] - w[0]);
+    return z->at > s[0] && z->at < 2*longest;
+}
+
+/* A few places behind the start, with what velocities foretell at first. */
+static lw_status look_back(crossing *z, const double *q, const double *v)
+{
+    static const double back[] = { 0.02, 0.045, 0.08, 0.13 };
+    double speed = z->way*v[z->along];
+    lw_status s = lw_mbs_rows(z->d, z->run->r->t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(z->d, false);
+    if (s != LW_OK)
+        return s == LW_OPEN ? LW_NOTHING : s;
+    add(&z->walked, 0, q);
+    z->seen[0] = 0;
+    z->pivot[0] = sqrt(z->d->weak);
+    z->n_seen = 1;
+    for (int i = 0; i < z->d->n_q; i++)
+        z->v[i] = q[i] - back[0]*v[i]/speed;
+    for (int k = 0; k < 4; k++)
+        if (walk_to(z, -back[k], k ? NULL : z->v) != LW_OK)
+            return LW_NOTHING;
+    return find_middle(z) ? LW_OK : LW_NOTHING;
+}
+
+/* Places on this side, then beyond, each from its nearest neighbours outwards. */
+static lw_status collect(crossing *z, double q[N_NODE][LW_SYSTEM_Q_MAX], double x[N_NODE])
+{
+    int inner = 0;
+    while (inner < N_SIDE - 1 && node[inner]*z->half < z->at)
+        inner++;
+    z->walked.n = z->n_seen = 5;
+    for (int k = 0; k < N_NODE; k++) {
+        /* before the middle: from the start backwards, then forwards; behind it */
+        int m = k < N_SIDE - inner ? inner + k : k < N_SIDE ? N_SIDE - 1 - k : k - N_SIDE;
+        int to = k < N_SIDE ? m : N_SIDE + m;
+        if (walk_to(z, z->at + (k < N_SIDE ? -1 : 1)*node[m]*z->half, NULL) != LW_OK)
+            return LW_NOTHING;
+        x[to] = z->seen[z->n_seen - 1];
+        memcpy(q[to], z->q, (size_t)z->d->n_q*sizeof(double));
+    }
+    return LW_OK;
+}
+
+/* Does the polynomial satisfy the rows, in the gap and beside it?  Lengths that differ by less than the tolerance
+ * count as equal: a parallelogram written with ten digits is meant to be one. */
+static bool closes(crossing *z)
+{
+    lw_dynamics *d = z->d;
+    double off = 0;
+    for (int k = -8; k <= 8; k++) {
+        value(&z->path, z->at + z->half*k/8, z->trial, NULL);
+        if (lw_mbs_rows(d, z->run->r->t, z->trial) != LW_OK)
+            return false;
+        for (int r = 0; r < d->n_c; r++)
+            off = !(fabs(d->phi[r]) <= off) ? fabs(d->phi[r]) : off;
+    }
+    z->run->apart = off;
+    return off <= fmin(fmax(on_rows, d->o.absolute), rounded);
+}
+
+/* The curve, as long as it may be. */
+static lw_status find_curve(crossing *z)
+{
+    static const int order[N_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less    */
+    double q[N_NODE][LW_SYSTEM_Q_MAX], x[N_NODE];
+    for (z->half = longest; z->at < z->half; z->half *= 0.5) {
+        if (collect(z, q, x) != LW_OK)
+            return LW_NOTHING;
+        z->path.n = 0;
+        for (int k = 0; k < N_SIDE; k++)
+            for (int side = 0; side < 2; side++)
+                add(&z->path, x[order[k] + side*N_SIDE], q[order[k] + side*N_SIDE]);
+        if (closes(z))
+            return LW_OK;
+    }
+    return LW_NOTHING;
+}
+
+/* ---- motion on it -------------------------------------------------------------------------------------- */
+
+/* y = s, p over its root at the start, work */
+static lw_status rate(void *context, double t, const double *y, double *dy)
+{
+    crossing *z = context;
+    lw_dynamics *d = z->d;
+    double mass = 0, push = 0, power = 0, other = 0;
+    lw_status s = lw_run_busy(z->run, t);
+    if (s != LW_OK)
+        return s;
+    value(&z->path, y[0], z->q, z->v);
+    for (int i = 0; i < d->n_q; i++)
+        mass += d->f.mass[i]*z->v[i]*z->v[i];
+    double root = sqrt(mass), speed = y[1]*z->root/root;
+    memcpy(z->trial, z->v, (size_t)d->n_q*sizeof *z->trial);
+    for (int i = 0; i < d->n_q; i++)
+        z->v[i] *= speed;
+    lw_forces_apply(&d->f, t, z->q, z->v, d->force, NULL, NULL, z->run->has_work ? &power : NULL);
+    if (d->o.extra.apply)
+        d->o.extra.apply(d->o.extra.context, t, z->q, z->v, d->force, NULL, NULL, &other);
+    for (int i = 0; i < d->n_q; i++)
+        push += z->trial[i]*d->force[i];
+    dy[0] = speed;
+    dy[1] = push/(root*z->root);
+    if (z->run->has_work)
+        dy[2] = power + other;
+    return isfinite(dy[0]) && isfinite(dy[1]) ? LW_OK : LW_E_NUMERIC;
+}
+
+/* The state of the run on the curve. */
+static void spread(const crossing *z, const double *s, double *y)
+{
+    const lw_dynamics *d = z->d;
+    double mass = 0, *v = y + d->n_q;
+    value(&z->path, s[0], y, v);
+    for (int i = 0; i < d->n_q; i++)
+        mass += d->f.mass[i]*v[i]*v[i];
+    for (int i = 0; i < d->n_q; i++)
+        v[i] *= s[1]*z->root/sqrt(mass);
+    if (z->run->has_work)
+        y[2*d->n_q] = s[2];
+}
+
+static lw_status show_samples(crossing *z, lw_integrator *w)
+{
+    lw_run *run = z->run;
+    double s3[3];
+    lw_status s = LW_OK;
+    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
+        double t = lw_run_time(run->d, run->next);
+        if (t > w->t)
+            break;
+        memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
+        s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+        if (s == LW_OK) {
+            spread(z, s3, run->y);
+            s = lw_run_show(run, t, run->y);
+            s = s == LW_OPEN ? LW_OK : s;        /* a sample in a singular posture has no accelerations     */
+        }
+    }
+    return s;
+}
+
+/* Until it is well outside and on its way out, on either side. */
+static lw_status move(crossing *z, double *t, double *y)
+{
+    lw_run *run = z->run;
+    lw_dynamics *d = z->d;
+    lw_ode ode = { .n = 2 + run->has_work, .context = z, .rate = rate };
+    lw_ode_options o = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double room[128], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
+    z->root = 1;
+    rate(z, *t, (double[]){ 0, 1, 0 }, (double[3]){ 0 });
+    for (int i = 0; i < d->n_q; i++)
+        mass += d->f.mass[i]*z->trial[i]*z->trial[i];
+    z->root = sqrt(mass);
+    /* the rate of s in the metric of the masses */
+    for (int i = 0; i < d->n_q; i++)
+        s[1] += d->f.mass[i]*z->trial[i]*y[d->n_q + i]/mass;
+    o.relative = finer*d->o.relative;
+    o.absolute = finer*d->o.absolute;
+    o.max_step = lw_run_steps_left(run);
+    o.greatest = 0.35*z->half/fmax(fabs(s[1]), 1e-300);
+    lw_status st = lw_integrate_start(&w, &ode, &o, room, *t, s, run->e);
+    w.h = st == LW_OK ? fmin(o.greatest, d->o.to - *t) : 0;
+    for (long k = 1; st == LW_OK && stop != LW_ODE_END; k++) {
+        st = lw_integrate_step(&w, d->o.to, &stop, run->e);
+        if (st != LW_OK)
+            break;
+        spread(z, w.y, y);
+        run->r->t = *t = w.t;
+        lw_run_watch(run, y);
+        st = show_samples(z, &w);
+        if (st == LW_OK)
+            st = lw_run_limits(run, w.t, k);
+        double off = (w.y[0] - z->at)/z->half;
+        if (fabs(off) > outside && off*w.y[1] > 0)
+            break;
+        w.o.greatest = 0.35*z->half/fmax(fabs(w.y[1]), 1e-300);
+    }
+    run->r->steps += w.n_step;
+    run->r->refused += w.n_refused;
+    run->r->rates += w.n_rate;
+    return st;
+}
+
+/* ---- when ------------------------------------------------------------------------------------------------- */
+
+static lw_status cross(lw_run *run, double *t, double *y)
+{
+    lw_dynamics *d = run->d;
+    size_t n = (size_t)d->n_q;
+    crossing z = { .run = run, .d = d, .zero = 0 };
+    double *room = calloc(n*(2*N_KNOWN + 3), sizeof *room), most = 0;
+    if (!room)
+        return LW_E_MEMORY;
+    z.walked = (curve){ .n_q = d->n_q, .c = room };
+    z.path = (curve){ .n_q = d->n_q, .c = room + n*N_KNOWN };
+    z.q = room + 2*n*N_KNOWN;
+    z.v = z.q + n;
+    z.trial = z.v + n;
+    for (int i = 0; i < d->n_q; i++) {
+        double size = fabs(y[n + (size_t)i])*(i%3 == 2 ? 3 : 1);         /* turns count best                */
+        z.along = size > most ? i : z.along;
+        most = fmax(most, size);
+    }
+    z.way = y[d->n_q + z.along] < 0 ? -1 : 1;
+    z.zero = y[z.along];
+    lw_status s = most > 0 ? look_back(&z, y, y + n) : LW_NOTHING;
+    s = s == LW_OK ? find_curve(&z) : s;
+    if (s == LW_OK)
+        s = move(&z, t, y);
+    free(room);
+    return s;
+}
+
+lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
+{
+    lw_dynamics *d = run->d;
+    run->chosen = fmax(run->chosen, *weak);
+    if (d->n_c == d->rank || *weak > 0.1*run->chosen)
+        return LW_NOTHING;
+    int rank = d->rank;
+    lw_status s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK && d->rank < rank)
+        return LW_E_NUMERIC;
+    if (s == LW_OK && (s = lw_mbs_factor(d, false)) < 0)
+        return s;
+    *weak = run->chosen = d->weak;
+    return s;
+}
+
+/* With more freedoms there is no curve: over it by one explicit step, for methods that cannot leap themselves. */
+static lw_status leap(lw_run *run, double half, double weak, double place, double *t, double *y)
+{
+    double end = place;
+    lw_status s = lw_run_leap(run, half, *t, weak, place, &end, y);
+    if (s != LW_OK)
+        return s == LW_STOPPED ? s : LW_NOTHING;
+    run->r->t = *t = end;
+    lw_run_watch(run, y);
+    return LW_OK;
+}
+
+lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y)
+{
+    const lw_dynamics *d = run->d;
+    double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0;
+    bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
+    bool able = !d->n_contact && (one || run->r->formulation != LW_FORMULATION_INDEX1);
+    double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_LEAP_HALF;
+    double from = one ? beside : 2*half, reach = one ? longest : 3*half;
+    run->pivot = w;
+    run->pivot_t = *t;
+    if (!able || w > from || w < 1e-3)
+        run->pivot_tried = 1;
+    run->apart = w > beside ? 0 : run->apart;
+    if (!able || w > from || w < 1e-3 || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+        return LW_NOTHING;
+    for (int i = 0; i < d->n_q; i++)
+        fastest = fmax(fastest, fabs(y[d->n_q + i]));
+    if (fastest*since*w/fall > reach)
+        return LW_NOTHING;
+    run->pivot_tried = w;
+    lw_error was = *run->e;
+    lw_status s = one ? cross(run, t, y) : leap(run, half, weak, *t + since*w/fall, t, y);
+    if (s == LW_NOTHING)
+        *run->e = was;
+    else
+        run->pivot = run->apart = 0, run->pivot_tried = 1;
+    return s;
+}

@@ -1,0 +1,355 @@
+/* mbs/dynamics/forces.c - loads on the coordinates of a system. */
+#include "mbs/dynamics/forces.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- making ------------------------------------------------------------------------------------ */
+
+static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
+{
+    if (!*any)
+        box[0] = box[1] = at;
+    *any = true;
+    box[0] = lw_v2(fmin(box[0].x, at.x), fmin(box[0].y, at.y));
+    box[1] = lw_v2(fmax(box[1].x, at.x), fmax(box[1].y, at.y));
+}
+
+/* The size of what is drawn, masses and loads included [m]; 1 for a model without extent. */
+static double size_of_model(const lw_model *m)
+{
+    const lw_linkage *k = &m->linkage;
+    lw_vec2 box[2];
+    bool any = false;
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind != LW_JOINT_GEAR && k->joint[j].kind != LW_JOINT_FIXED)
+            reach(k->joint[j].at, box, &any);
+    for (int l = 0; l < k->n_link; l++)
+        if (l != k->ground && m->body[l].mass > 0)
+            reach(m->body[l].centre, box, &any);
+    double size = any ? 0.5*lw_v2_norm(lw_v2_sub(box[1], box[0])) : 0;
+    return size > 0 ? size : 1;
+}
+
+lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
+{
+    const lw_linkage *k = &m->linkage;
+    lw_vec2 centre[LW_LINK_MAX] = { { 0, 0 } };
+    for (int l = 0; l < k->n_link; l++) {
+        centre[l] = m->body[l].centre;
+        for (int j = 0; !(m->body[l].mass > 0) && j < k->n_joint; j++)
+            if (k->joint[j].link[0] == l || k->joint[j].link[1] == l) {
+                centre[l] = k->joint[j].at;
+                break;
+            }
+    }
+    return lw_system_make(k, centre, size_of_model(m), s, e);
+}
+
+static void make_stops(lw_forces *f)
+{
+    for (int j = 0; j < f->system->n_joint; j++) {
+        const lw_joint_stop *p = &f->model->stop[j];
+        if ((p->has_least || p->has_greatest) && p->stiffness > 0) {
+            f->stop_joint[f->n_stop++] = j;
+            f->conservative = f->conservative && p->damping == 0;
+        }
+    }
+}
+
+void lw_forces_make(const lw_model *m, const lw_system *s, lw_forces *f)
+{
+    *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
+    for (int b = 0; b < s->n_body; b++) {
+        const lw_body *body = &m->body[s->link[b]];
+        f->mass[3*b] = f->mass[3*b + 1] = body->mass*s->unit*s->unit;
+        f->mass[3*b + 2] = body->inertia;
+        f->weight[3*b] = body->mass*m->gravity.x*s->unit;
+        f->weight[3*b + 1] = body->mass*m->gravity.y*s->unit;
+    }
+    for (int i = 0; i < m->n_spring; i++) {
+        for (int end = 0; end < 2; end++)
+            f->spring_arm[i][end] = lw_system_arm(s, s->body[m->spring[i].link[end]], m->spring[i].at[end]);
+        f->conservative = f->conservative && !m->spring[i].law && m->spring[i].damping == 0;
+    }
+    for (int i = 0; i < m->n_joint_spring; i++)
+        f->conservative = f->conservative && !m->joint_spring[i].law && m->joint_spring[i].damping == 0;
+    for (int i = 0; i < m->n_force; i++)
+        f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
+    make_stops(f);
+    f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop;
+}
+
+/* ---- one load along one measure ---------------------------------------------------------------- */
+
+/* Where forces go. */
+typedef struct sum { int n; double *force, *dq, *dv, power; } sum;
+
+/* Force f along m, with the derivatives of f by the measure and by its rate. */
+static void add(sum *to, const lw_measure *m, const double *v, double f, double by_value, double by_rate)
+{
+    for (int i = 0; i < 6; i++) {
+        int row = 3*m->body[i/3] + i%3;
+        if (m->body[i/3] < 0)
+            continue;
+        to->force[row] += f*m->g[i];
+        for (int j = 0; to->dq && j < 6; j++) {
+            if (m->body[j/3] < 0)
+                continue;
+            int column = 3*m->body[j/3] + j%3;
+            double turn = 0;                  /* of the gradient: (H v)_j */
+            for (int k = 0; by_rate != 0 && k < 6; k++)
+                turn += m->body[k/3] < 0 ? 0 : m->h[j][k]*v[3*m->body[k/3] + k%3];
+            to->dq[row*to->n + column] += m->g[i]*(by_value*m->g[j] + by_rate*turn) + f*m->h[i][j];
+            to->dv[row*to->n + column] += by_rate*m->g[i]*m->g[j];
+        }
+    }
+}
+
+/* A law of a spring: its pull and derivatives by length and rate. */
+static double law_at(const lw_expression *law, const lw_measure *m, double t, double by[2])
+{
+    const int *which;
+    double v[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
+    int n = lw_expression_variables(law, &which);
+    for (int i = 0; i < n; i++)
+        v[i] = which[i] == lw_variable(LW_QUANTITY_LENGTH, 0) ? m->value
+             : which[i] == lw_variable(LW_QUANTITY_RATE, 0) ? m->rate : t;
+    double pull = lw_expression_gradient(law, v, d);
+    by[0] = by[1] = 0;
+    for (int i = 0; i < n; i++)
+        if (which[i] != lw_variable(LW_QUANTITY_T, 0))
+            by[which[i] == lw_variable(LW_QUANTITY_RATE, 0)] = d[i];
+    return pull;
+}
+
+static void apply_springs(const lw_forces *f, double t, const double *q, const double *v, sum *to)
+{
+    lw_measure m;
+    double by[2];
+    for (int i = 0; i < f->model->n_spring; i++) {
+        const lw_spring *p = &f->model->spring[i];
+        int body[2] = { f->system->body[p->link[0]], f->system->body[p->link[1]] };
+        lw_measure_length(f->system, body, f->spring_arm[i], q, v, to->dq != NULL, &m);
+        if (p->law) {
+            double pull = law_at(p->law, &m, t, by);
+            add(to, &m, v, -pull, -by[0], -by[1]);
+            to->power -= pull*m.rate;
+        } else {
+            add(to, &m, v, -p->stiffness*(m.value - p->free) - p->damping*m.rate, -p->stiffness, -p->damping);
+            to->power -= p->damping*m.rate*m.rate;
+        }
+    }
+    for (int i = 0; i < f->model->n_joint_spring; i++) {
+        const lw_joint_spring *p = &f->model->joint_spring[i];
+        lw_measure_joint(f->system, p->joint, q, v, to->dq != NULL, &m);
+        if (p->law) {
+            double push = law_at(p->law, &m, t, by);
+            add(to, &m, v, push, by[0], by[1]);
+            to->power += push*m.rate;
+        } else {
+            add(to, &m, v, -p->stiffness*(m.value - p->free) - p->damping*m.rate, -p->stiffness, -p->damping);
+            to->power -= p->damping*m.rate*m.rate;
+        }
+    }
+}
+
+/* How deep a joint is in its stop, and which way that pushes: +1 up. */
+static double depth(const lw_joint_stop *p, double value, double *way)
+{
+    *way = p->has_least && value < p->least ? 1 : -1;
+    if (*way > 0)
+        return p->least - value;
+    return p->has_greatest ? fmax(value - p->greatest, 0) : 0;
+}
+
+/* The damper of a stop pushes but does not pull. */
+static void apply_stops(const lw_forces *f, const double *q, const double *v, sum *to)
+{
+    lw_measure m;
+    for (int i = 0; i < f->n_stop; i++) {
+        const lw_joint_stop *p = &f->model->stop[f->stop_joint[i]];
+        double way;
+        lw_measure_joint(f->system, f->stop_joint[i], q, v, to->dq != NULL, &m);
+        double in = depth(p, m.value, &way), push = p->stiffness*in - way*p->damping*m.rate;
+        if (!(in > 0))
+            continue;
+        bool held = push > 0;
+        add(to, &m, v, held ? way*push : 0, held ? -p->stiffness : 0, held ? -p->damping : 0);
+        to->power += held ? -p->damping*m.rate*m.rate : -way*p->stiffness*in*m.rate;
+    }
+}
+
+static void apply_motors(const lw_forces *f, const double *q, const double *v, sum *to)
+{
+    lw_measure m;
+    for (int i = 0; i < f->model->n_motor; i++) {
+        const lw_motor *p = &f->model->motor[i];
+        lw_measure_joint(f->system, p->joint, q, v, to->dq != NULL, &m);
+        double torque = p->stall*(1 - m.rate/p->free_speed);
+        add(to, &m, v, torque, 0, -p->stall/p->free_speed);
+        to->power += torque*m.rate;
+    }
+}
+
+/* ---- applied forces ---------------------------------------------------------------------------- */
+
+/* The measure behind a variable, and whether it is its rate that is meant. */
+static void measure_of(const lw_forces *f, int variable, const double *q, const double *v, bool second, lw_measure *m,
+                       bool *rate)
+{
+    const lw_system *s = f->system;
+    lw_quantity what = (lw_quantity)(variable/64);
+    int i = variable%64;
+    *rate = what == LW_QUANTITY_V || what == LW_QUANTITY_VX || what == LW_QUANTITY_VY || what == LW_QUANTITY_OMEGA;
+    switch (what) {
+    case LW_QUANTITY_Q: case LW_QUANTITY_V:
+        lw_measure_joint(s, i, q, v, second, m);
+        break;
+    case LW_QUANTITY_ANGLE: case LW_QUANTITY_OMEGA:
+        lw_measure_point(s, s->body[i], lw_v2(0, 0), 2, q, v, second, m);
+        break;
+    default:
+        lw_measure_point(s, s->tracer_body[i], s->tracer_arm[i],
+                         what == LW_QUANTITY_Y || what == LW_QUANTITY_VY, q, v, second, m);
+    }
+}
+
+/* Value of an expression and, for the derivatives, what it adds: force grows by
+ * way (dx/dq dq + dx/dv dv), way (n_way) on the coordinates `at`. */
+static double evaluate(const lw_forces *f, const lw_expression *x, double t, const double *q, const double *v,
+                       const int at[3], const double way[3], sum *to)
+{
+    const int *which;
+    double value[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
+    lw_measure m[LW_EXPRESSION_VARIABLE_MAX];
+    bool rate[LW_EXPRESSION_VARIABLE_MAX];
+    int n = lw_expression_variables(x, &which);
+    for (int i = 0; i < n; i++) {
+        value[i] = t;
+        if (which[i] == lw_variable(LW_QUANTITY_T, 0))
+            continue;
+        measure_of(f, which[i], q, v, to->dq != NULL, &m[i], &rate[i]);
+        value[i] = rate[i] ? m[i].rate : m[i].value;
+    }
+    if (!to->dq)
+        return lw_expression_value(x, value);
+    double result = lw_expression_gradient(x, value, d);
+    for (int i = 0; i < n; i++) {
+        if (which[i] == lw_variable(LW_QUANTITY_T, 0))
+            continue;
+        for (int j = 0; j < 6; j++) {
+            if (m[i].body[j/3] < 0)
+                continue;
+            int column = 3*m[i].body[j/3] + j%3;
+            double by_q = m[i].g[j], by_v = 0;
+            if (rate[i]) {
+                by_v = by_q;
+                by_q = 0;
+                for (int k = 0; k < 6; k++)
+                    by_q += m[i].body[k/3] < 0 ? 0 : m[i].h[j][k]*v[3*m[i].body[k/3] + k%3];
+            }
+            for (int r = 0; r < 3; r++) {
+                to->dq[at[r]*to->n + column] += way[r]*d[i]*by_q;
+                to->dv[at[r]*to->n + column] += way[r]*d[i]*by_v;
+            }
+        }
+    }
+    return result;
+}
+
+/* Component c (0, 1: a force; 2: a torque) of an applied force: Q = value way, and way turns with the link. */
+static void apply_component(const lw_forces *f, int i, int c, const lw_expression *x, double t, const double *q,
+                            const double *v, sum *to)
+{
+    const lw_force *p = &f->model->force[i];
+    int body = f->system->body[p->link], turn = 3*body + 2, at[3] = { 3*body, 3*body + 1, turn };
+    double unit = f->system->unit, way[3] = { 0, 0, 1 }, dway[3] = { 0, 0, 0 };
+    if (!x || body < 0)
+        return;
+    lw_vec2 u = lw_v2_polar(1, q[turn]), w = lw_v2(c == 0, c == 1), r = lw_v2_turn(f->force_arm[i], u);
+    if (c < 2) {
+        w = p->follows ? lw_v2_turn(w, u) : w;
+        lw_vec2 dw = p->follows ? lw_v2_perp(w) : lw_v2(0, 0);
+        way[0] = unit*w.x;
+        way[1] = unit*w.y;
+        way[2] = unit*lw_v2_cross(r, w);
+        dway[0] = unit*dw.x;
+        dway[1] = unit*dw.y;
+        dway[2] = unit*(lw_v2_cross(lw_v2_perp(r), w) + lw_v2_cross(r, dw));
+    }
+    double value = evaluate(f, x, t, q, v, at, way, to);
+    for (int r3 = 0; r3 < 3; r3++) {
+        to->force[at[r3]] += value*way[r3];
+        to->power += value*way[r3]*v[at[r3]];
+        if (to->dq)
+            to->dq[at[r3]*to->n + turn] += value*dway[r3];
+    }
+}
+
+void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
+                     double *dv, double *power)
+{
+    int n = f->system->n_q;
+    sum to = { .n = n, .force = force, .dq = dq, .dv = dv };
+    memcpy(force, f->weight, (size_t)n*sizeof *force);
+    if (dq)
+        memset(dq, 0, (size_t)n*(size_t)n*sizeof *dq);
+    if (dv)
+        memset(dv, 0, (size_t)n*(size_t)n*sizeof *dv);
+    if (f->any_state) {
+        apply_springs(f, t, q, v, &to);
+        apply_stops(f, q, v, &to);
+        apply_motors(f, q, v, &to);
+        for (int i = 0; i < f->model->n_force; i++) {
+            apply_component(f, i, 0, f->model->force[i].fx, t, q, v, &to);
+            apply_component(f, i, 1, f->model->force[i].fy, t, q, v, &to);
+            apply_component(f, i, 2, f->model->force[i].torque, t, q, v, &to);
+        }
+    }
+    if (power)
+        *power = to.power;
+}
+
+/* ---- energies ---------------------------------------------------------------------------------- */
+
+double lw_forces_kinetic(const lw_forces *f, const double *v)
+{
+    double twice = 0;
+    for (int i = 0; i < f->system->n_q; i++)
+        twice += f->mass[i]*v[i]*v[i];
+    return 0.5*twice;
+}
+
+double lw_forces_potential(const lw_forces *f, const double *q)
+{
+    static const double still[LW_SYSTEM_Q_MAX];
+    const lw_system *s = f->system;
+    const lw_model *m = f->model;
+    lw_measure l;
+    double energy = 0, way;
+    for (int b = 0; b < s->n_body; b++)
+        energy -= f->weight[3*b]*(q[3*b] - s->reference[b].x) + f->weight[3*b + 1]*(q[3*b + 1] - s->reference[b].y);
+    for (int i = 0; i < m->n_spring; i++) {
+        const lw_spring *p = &m->spring[i];
+        int body[2] = { s->body[p->link[0]], s->body[p->link[1]] };
+        if (p->law)
+            continue;
+        lw_measure_length(s, body, f->spring_arm[i], q, still, false, &l);
+        energy += 0.5*p->stiffness*(l.value - p->free)*(l.value - p->free);
+    }
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &m->joint_spring[i];
+        if (p->law)
+            continue;
+        lw_measure_joint(s, p->joint, q, still, false, &l);
+        energy += 0.5*p->stiffness*(l.value - p->free)*(l.value - p->free);
+    }
+    for (int i = 0; i < f->n_stop; i++) {
+        const lw_joint_stop *p = &m->stop[f->stop_joint[i]];
+        lw_measure_joint(s, f->stop_joint[i], q, still, false, &l);
+        double in = depth(p, l.value, &way);
+        energy += 0.5*p->stiffness*in*in;
+    }
+    return energy;
+}

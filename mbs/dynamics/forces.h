@@ -1,0 +1,60 @@
+/* mbs/dynamics/forces.h - masses and loads of a model in the coordinates of its system (mbs/constraints/system.h).
+ *
+ * Coordinates are scaled: places in multiples of system->unit, turns in rad, so every generalised force is
+ * an energy [J] and every entry of the mass matrix is [kg m^2].  The reference point of a link is its
+ * centre of mass, hence the mass matrix is diagonal and constant.
+ *
+ * Every load acts along a *measure*: a length between two points, what a joint counts, a coordinate of a
+ * tracer, the turn of a link.  A measure l(q) has a gradient g and a second derivative H by the at most
+ * six coordinates of its two links, from which forces and their derivatives follow without a case for
+ * each load:
+ *     force f along l:   Q = f g,   dQ/dq = g (df/dq)^T + f H,   d(dl/dt)/dq = H v,   d(dl/dt)/dv = g. */
+#ifndef LW_MBS_FORCES_H
+#define LW_MBS_FORCES_H
+
+#include "grammar/model.h"
+#include "mbs/constraints/system.h"
+
+typedef struct lw_forces {
+    const lw_model  *model;                 /* the caller's; must outlive this                        */
+    const lw_system *system;
+    double  mass[LW_SYSTEM_Q_MAX];          /* diagonal [kg m^2]                                       */
+    double  weight[LW_SYSTEM_Q_MAX];        /* of gravity [J]                                          */
+    lw_vec2 spring_arm[LW_LOAD_MAX][2];     /* ends of springs, points of forces in their links' frames */
+    lw_vec2 force_arm[LW_LOAD_MAX];
+    int     n_stop, stop_joint[LW_JOINT_MAX];   /* compliant ones                                     */
+    bool    conservative;                   /* gravity, springs without damping, compliant stops        */
+    bool    any_state;                      /* loads other than gravity                                */
+} lw_forces;
+
+/* The system of a model as these forces want it: reference points in the centres of mass. */
+lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e);
+
+void lw_forces_make(const lw_model *m, const lw_system *s, lw_forces *f);
+
+/* Generalised forces (n_q) of everything but friction [J].  dq, dv (n_q x n_q, entry [i*n_q + j] is
+ * dforce_i/dq_j), may be NULL.  *power: of what the potential does not hold (dampers, motors, applied
+ * forces, laws) [W], may be NULL. */
+void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
+                     double *dv, double *power);
+
+/* Of gravity (0 in the posture), linear springs, compliant stops [J]. */
+double lw_forces_potential(const lw_forces *f, const double *q);
+double lw_forces_kinetic(const lw_forces *f, const double *v);
+
+/* Along one measure. */
+typedef struct lw_measure {
+    int    body[2];                         /* its links' bodies; -1: ground or none                   */
+    double value, rate;                     /* [m] or [rad], per s                                      */
+    double g[6], h[6][6];                   /* by coordinate i%3 of body[i/3]                           */
+    bool   second;                          /* h is worth looking at                                   */
+} lw_measure;
+
+void lw_measure_joint(const lw_system *s, int joint, const double *q, const double *v, bool second, lw_measure *m);
+void lw_measure_length(const lw_system *s, const int body[2], const lw_vec2 arm[2], const double *q,
+                       const double *v, bool second, lw_measure *m);
+/* axis 0: x, 1: y of a point; 2: the turn of its body */
+void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v,
+                      bool second, lw_measure *m);
+
+#endif

@@ -1,0 +1,176 @@
+/* mbs/dynamics/modes.c - eigenvalues of the reduced equations, as modes. */
+#include "mbs/dynamics/modes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/dynamics/modes_internal.h"
+
+/* ---- shapes -------------------------------------------------------------------------------------- */
+
+/* Body coordinates of a reduced vector re + i im: amplitudes and phases, the greatest 1 with phase 0 */
+void lw_mode_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
+{
+    int n = v->n_q, top = 0;
+    double a[LW_SYSTEM_Q_MAX] = { 0.0 }, b[LW_SYSTEM_Q_MAX] = { 0.0 };
+    for (int k = 0; k < v->n_free; k++)
+        for (int i = 0; i < n; i++) {
+            a[i] += re[k]*v->null[k*n + i];
+            b[i] += im ? im[k]*v->null[k*n + i] : 0.0;
+        }
+    for (int i = 0; i < n; i++) {
+        mode->shape[i] = hypot(a[i], b[i]);
+        top = mode->shape[i] > mode->shape[top]*(1.0 + 1e-9) ? i : top;
+    }
+    double greatest = mode->shape[top], phase = atan2(b[top], a[top]);
+    for (int i = 0; i < n && greatest > 0.0; i++) {
+        mode->shape[i] /= greatest;
+        mode->phase[i] = mode->shape[i] > 1e-13 ? remainder(atan2(b[i], a[i]) - phase, 2.0*LW_PI) : 0.0;
+        mode->shape[i] = mode->shape[i] > 1e-13 ? mode->shape[i] : 0.0;
+    }
+}
+
+void lw_mode_finish(lw_mode *m, double re, double im)
+{
+    double size = hypot(re, im);
+    m->re = re;
+    m->im = im;
+    m->frequency = im/(2.0*LW_PI);
+    m->natural = size/(2.0*LW_PI);
+    m->damping = re != 0.0 ? -re/size : 0.0;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const lw_mode *x = a, *y = b;
+    return (x->natural > y->natural) - (x->natural < y->natural);
+}
+
+/* ---- eigenvalues --------------------------------------------------------------------------------- */
+
+/* Undamped: w = s^2 below 0 is a vibration; above, a pair of real values of which the growing one is told */
+static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out)
+{
+    int n = v->n_free;
+    size_t square = (size_t)(n*n);
+    double *k = room, *m = k + square, *x = m + square, *w = x + square, most = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            k[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]);
+    memcpy(m, v->mass, sizeof *m*square);
+    lw_status s = lw_eigen_symmetric(n, k, m, w, x);
+    for (int i = 0; s == LW_OK && i < n; i++)
+        most = fmax(most, fabs(w[i]));
+    for (int i = 0; s == LW_OK && i < n; i++) {
+        lw_mode *mode = &out->mode[out->n_mode++];
+        double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* free motion, to rounding */
+        lw_mode_finish(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
+        lw_mode_shape(v, x + i*n, NULL, mode);
+    }
+    return s;
+}
+
+/* Is there no damping and does the stiffness come from a potential? */
+static bool is_conservative(const lw_vibration *v)
+{
+    int n = v->n_free;
+    double stiff = 0.0, skew = 0.0, damping = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            stiff = fmax(stiff, fabs(v->stiffness[i*n + j]));
+            skew = fmax(skew, fabs(v->stiffness[i*n + j] - v->stiffness[j*n + i]));
+            damping = fmax(damping, fabs(v->damping[i*n + j]));
+        }
+    return damping == 0.0 && skew <= 1e-11*stiff;
+}
+
+static double unbalanced(const lw_vibration *v)
+{
+    double rest = 0.0, most = 0.0;
+    for (int k = 0; k < v->n_free; k++)
+        rest = fmax(rest, fabs(v->load[k]));
+    for (int i = 0; i < v->n_q; i++)
+        most = fmax(most, fabs(v->force[i]));
+    return most > 0.0 ? rest/most : 0.0;
+}
+
+/* The link that moves most without mass: the diagonal of the reduced masses that is nearest to 0 */
+static const char *lightest(const lw_vibration *v)
+{
+    int n = v->n_free, worst = 0, top = 0;
+    for (int k = 1; k < n; k++)
+        worst = v->mass[k*n + k] < v->mass[worst*n + worst] ? k : worst;
+    for (int i = 1; i < v->n_q; i++)
+        top = fabs(v->null[worst*v->n_q + i]) > fabs(v->null[worst*v->n_q + top]) ? i : top;
+    return v->f->model->linkage.link_name[v->f->system->link[top/3]];
+}
+
+static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
+{
+    size_t n = (size_t)v->n_free;
+    double *room = calloc(17*n*n + 8*n + 1, sizeof *room);
+    if (!room)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
+    out->conservative = is_conservative(v);
+    lw_status s = out->conservative ? conservative(v, room, out) : lw_modes_damped(v, room, out);
+    free(room);
+    if (s == LW_E_NUMERIC)
+        return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "
+                            "inertia", lightest(v));
+    qsort(out->mode, (size_t)out->n_mode, sizeof *out->mode, by_size);
+    return s == LW_OK ? s : lw_error_set(e, s, "the eigenvalues cannot be found: %s", lw_status_text(s));
+}
+
+lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, double *q, lw_error *e)
+{
+    const lw_system *s = f->system;
+    int joint = s->input_joint[input];
+    double scale = s->joint[joint].kind == LW_JOINT_REVOLUTE ? 1.0 : s->unit, next[LW_SYSTEM_Q_MAX];
+    double from = lw_system_measure(s, joint, q, NULL), to = (value - s->input_value[input])/scale;
+    int n = (int)fmin(1e6, ceil(fabs(to - from)/0.05));
+    lw_vibration v;
+    if (lw_vibration_make(f, true, t, q, &v) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "no memory to drive the linkage");
+    lw_status status = LW_OK;
+    for (int k = 1; status == LW_OK && k <= n; k++) {
+        memcpy(next, q, sizeof *q*(size_t)s->n_q);
+        v.want[input] = from + (to - from)*k/n;
+        status = lw_vibration_project(&v, next);
+        double moved = 0.0;
+        for (int i = 0; i < s->n_q; i++)
+            moved = fmax(moved, fabs(next[i] - q[i]));
+        if (status == LW_OK && moved > 1.0)
+            status = LW_OPEN;                                /* a jump to another branch */
+        if (status == LW_OK)
+            memcpy(q, next, sizeof *q*(size_t)s->n_q);
+    }
+    lw_vibration_free(&v);
+    return status == LW_OK ? LW_OK : lw_error_set(e, LW_OPEN, "the linkage does not reach the input %.9g", value);
+}
+
+lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
+                        lw_error *e)
+{
+    lw_vibration v;
+    lw_rest r;
+    memset(modes, 0, sizeof *modes);
+    if (lw_vibration_make(f, o->hold_inputs, t, q, &v) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a linear analysis");
+    lw_status s = lw_vibration_project(&v, q);
+    if (s != LW_OK)
+        lw_error_set(e, s, "no posture near the given one fits the joints and inputs");
+    if (s == LW_OK && o->rest)
+        s = lw_vibration_rest(&v, t, q, &r, e) == LW_OK ? LW_OK : LW_E_NUMERIC;
+    if (s == LW_OK && (s = lw_vibration_linearise(&v, t, q)) != LW_OK)
+        lw_error_set(e, s, "the loads are not finite in this posture");
+    modes->freedom = v.n_free;
+    modes->redundant = v.redundant;
+    if (s == LW_OK && v.n_free == 0)
+        s = lw_error_set(e, LW_NOTHING, "no freedom is left to vibrate");
+    if (s == LW_OK) {
+        modes->unbalanced = unbalanced(&v);
+        s = solve(&v, modes, e);
+    }
+    lw_vibration_free(&v);
+    return s;
+}

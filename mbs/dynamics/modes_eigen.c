@@ -1,0 +1,58 @@
+/* mbs/dynamics/modes_eigen.c - bridge to GSL's eigenvalues. */
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include "mbs/dynamics/modes_internal.h"
+
+lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
+{
+    size_t size = (size_t)n;
+    gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m, size, size);
+    gsl_vector_view values = gsl_vector_view_array(w, size);
+    gsl_matrix *vectors = gsl_matrix_alloc(size, size);
+    gsl_eigen_gensymmv_workspace *work = vectors ? gsl_eigen_gensymmv_alloc(size) : NULL;
+    lw_status s = work ? LW_OK : LW_E_MEMORY;
+    if (s == LW_OK && gsl_eigen_gensymmv(&a.matrix, &b.matrix, &values.vector, vectors, work) != GSL_SUCCESS)
+        s = LW_E_NUMERIC;
+    if (s == LW_OK)
+        gsl_eigen_gensymmv_sort(&values.vector, vectors, GSL_EIGEN_SORT_VAL_ASC);
+    for (size_t i = 0; s == LW_OK && i < size; i++)
+        for (size_t j = 0; j < size; j++)
+            x[j*size + i] = gsl_matrix_get(vectors, i, j);
+    if (work)
+        gsl_eigen_gensymmv_free(work);
+    if (vectors)
+        gsl_matrix_free(vectors);
+    return s;
+}
+
+lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_re, double *x_im)
+{
+    size_t size = (size_t)n;
+    gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
+    gsl_vector_complex *values = gsl_vector_complex_alloc(size);
+    gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(size, size);
+    gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
+    lw_status s = values && vectors && work ? LW_OK : LW_E_MEMORY;
+    if (s == LW_OK) {
+        gsl_eigen_nonsymmv_params(1, work);              /* balanced: rates and places differ in size */
+        s = gsl_eigen_nonsymmv(&m.matrix, values, vectors, work) == GSL_SUCCESS ? LW_OK : LW_E_NUMERIC;
+    }
+    for (size_t j = 0; s == LW_OK && j < size; j++) {
+        gsl_complex v = gsl_vector_complex_get(values, j);
+        re[j] = GSL_REAL(v);
+        im[j] = GSL_IMAG(v);
+        for (size_t i = 0; i < size; i++) {
+            gsl_complex c = gsl_matrix_complex_get(vectors, i, j);
+            x_re[j*size + i] = GSL_REAL(c);
+            x_im[j*size + i] = GSL_IMAG(c);
+        }
+    }
+    if (work)
+        gsl_eigen_nonsymmv_free(work);
+    if (vectors)
+        gsl_matrix_complex_free(vectors);
+    if (values)
+        gsl_vector_complex_free(values);
+    return s;
+}

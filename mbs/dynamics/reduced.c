@@ -1,0 +1,349 @@
+/* mbs/dynamics/reduced.c - the plan's steps with their derivatives by the input, masses and loads on them.
+ *
+ * A dyad's velocities are linear in those of what it hangs on.  For RRR, c = a + r1 u1 = b + r2 u2,
+ * x = cross(u1, u2):
+ *     r1 x w1 = (b' - a').u2,    r2 x w2 = (b' - a').u1.                                                  */
+#include "mbs/dynamics/reduced_internal.h"
+
+#include <math.h>
+#include <string.h>
+#include "mbs/plan/dyad_internal.h"
+
+static const double closed = 1e-12;          /* margins below this: a dead point                          */
+
+static inline lw_reg1 direction(lw_vec2 u, double w) { return (lw_reg1){ u, { w, 0 } }; }
+
+/* a + r u */
+static inline lw_reg1 arm_end(const lw_reg1 *a, const lw_reg1 *u, double r)
+{
+    double w = r*u->d.x;
+    return (lw_reg1){ lw_v2_add(a->p, lw_v2_scale(u->p, r)), lw_v2(a->d.x - w*u->p.y, a->d.y + w*u->p.x) };
+}
+
+/* One square root, and beside it one division; places wait for nothing else.  With (b - a)^2 = d2 and y = mode sqrt(h) as
+ * in mbs/plan/dyad_internal.h, r1 r2 cross(u1, u2) = y/2. */
+static double rates_rrr(const lw_dyad_step *st, double mode, lw_reg1 *reg)
+{
+    const lw_reg1 *a = &reg[st->in[0]], *b = &reg[st->in[1]];
+    lw_vec2 span = lw_reach(a->p, b->p), e = lw_v2_sub(b->d, a->d);
+    double d2 = lw_v2_dot(span, span), h = (st->sum2 - d2)*(d2 - st->dif2);
+    double y = mode*sqrt(h > 0 ? h : 0), over_d2 = 0.5/d2, over_y = 2/y;
+    lw_vec2 u1 = lw_v2_scale(lw_v2_turn(span, lw_v2(d2 + st->product, y)), over_d2*st->inv1);
+    lw_vec2 u2 = lw_v2_scale(lw_v2_turn(span, lw_v2(st->product - d2, y)), over_d2*st->inv2);
+    reg[st->out[0]] = direction(u1, st->r2*over_y*lw_v2_dot(e, u2));
+    if (st->out[1] >= 0)
+        reg[st->out[1]] = direction(u2, st->r1*over_y*lw_v2_dot(e, u1));
+    reg[st->out[2]] = arm_end(a, &reg[st->out[0]], st->r1);
+    return d2 > 2*LW_TINY2 ? h*st->flat : fmin(h*st->flat, 0);
+}
+
+/* With t = (c - q).w the place on the line and n = i w:   r (u.w) w1 = (q' - a').n + t ww. */
+static double rates_rrp(const lw_dyad_step *st, double mode, lw_reg1 *reg)
+{
+    const lw_reg1 *a = &reg[st->in[0]], *q = &reg[st->in[1]], *w = &reg[st->in[2]];
+    lw_rrp z = lw_rrp_solve_along(a->p, q->p, w->p, st->r1, mode);
+    lw_vec2 u = lw_rrp_direction(&z), n = lw_v2_perp(w->p);
+    double t = lw_v2_dot(lw_v2_sub(lw_v2_add(a->p, z.arm), q->p), w->p);
+    double top = lw_v2_dot(lw_v2_sub(q->d, a->d), n) + t*w->d.x;
+    reg[st->out[0]] = direction(u, top/(st->r1*lw_v2_dot(u, w->p)));
+    reg[st->out[1]] = arm_end(a, &reg[st->out[0]], st->r1);
+    return lw_rrp_margin(&z);
+}
+
+/* With t = (b - a).u:   t w = (b' - a').n. */
+static double rates_rpr(const lw_dyad_step *st, double mode, lw_reg1 *reg)
+{
+    const lw_reg1 *a = &reg[st->in[0]], *b = &reg[st->in[1]];
+    lw_rpr z = lw_rpr_solve(a->p, b->p, st->r1, mode);
+    double t = lw_v2_dot(lw_v2_sub(b->p, a->p), z.u);
+    reg[st->out[0]] = direction(z.u, lw_v2_cross(z.u, lw_v2_sub(b->d, a->d))/t);
+    return lw_rpr_margin(&z);
+}
+
+/* c on both lines:  (c' - q2').n2 = t2 w2,  c = q1 + t1 w1. */
+static double rates_prp(const lw_dyad_step *st, lw_reg1 *reg)
+{
+    const lw_reg1 *q1 = &reg[st->in[0]], *w1 = &reg[st->in[1]], *q2 = &reg[st->in[2]], *w2 = &reg[st->in[3]];
+    lw_prp z = lw_prp_solve(q1->p, w1->p, q2->p, w2->p);
+    lw_vec2 n1 = lw_v2_perp(w1->p), n2 = lw_v2_perp(w2->p);
+    double t2 = lw_v2_dot(lw_v2_sub(z.c, q2->p), w2->p), a1 = z.t1*w1->d.x;
+    double dt1 = -z.inv*(t2*w2->d.x + lw_v2_dot(lw_v2_sub(q2->d, q1->d), n2) - a1*lw_v2_dot(n1, n2));
+    reg[st->out[0]] = (lw_reg1){ z.c, lw_v2_add(q1->d, lw_v2_add(lw_v2_scale(w1->p, dt1), lw_v2_scale(n1, a1))) };
+    return lw_prp_margin(&z);
+}
+
+/* ---- across a change point ------------------------------------------------------------------------ */
+
+static lw_reg1 bridged(const double *c, double x, double reach)
+{
+    double v = 0, d = 0;
+    for (int k = LW_BRIDGE_SIZE - 1; k >= 0; k--) {
+        d = d*x + v;
+        v = v*x + c[k];
+    }
+    return direction(lw_v2_polar(1, v), d/reach);
+}
+
+static void bridge_step(const lw_dyad_step *st, const lw_touch *t, const lw_bridge *b, double input, lw_reg1 *reg)
+{
+    double x = (input - t->at)/t->reach;
+    reg[st->out[0]] = bridged(b->c[0], x, t->reach);
+    if (st->kind == LW_STEP_RRR) {
+        if (st->out[1] >= 0)
+            reg[st->out[1]] = bridged(b->c[1], x, t->reach);
+        reg[st->out[2]] = arm_end(&reg[st->in[0]], &reg[st->out[0]], st->r1);
+    } else if (st->kind == LW_STEP_RRP) {
+        reg[st->out[1]] = arm_end(&reg[st->in[0]], &reg[st->out[0]], st->r1);
+    }
+}
+
+/* ---- all steps ------------------------------------------------------------------------------------- */
+
+static const lw_bridge *bridge_of(const lw_touch *t, const lw_dyad_step *st)
+{
+    for (int i = 0; t && i < t->n_bridge; i++)
+        if (st->kind >= LW_STEP_RRR && t->bridge[i].dyad == st->dyad)
+            return &t->bridge[i];
+    return NULL;
+}
+
+static inline double do_step(const lw_dyad_step *st, const double *mode, double input, lw_reg1 *reg)
+{
+    double c, s;
+    switch (st->kind) {
+    case LW_STEP_INPUT_PIN:
+        sincos(input, &s, &c);
+        reg[st->out[0]] = direction(lw_v2(c, s), 1);
+        return 1;
+    case LW_STEP_INPUT_SLIDE:
+        reg[st->out[0]] = (lw_reg1){ lw_point(reg[st->in[0]].p, reg[st->in[1]].p, input, 0), reg[st->in[1]].p };
+        return 1;
+    case LW_STEP_POINT:
+        reg[st->out[0]] = lw_reduced_point(reg, st->in[0], st->in[1], st->at);
+        return 1;
+    case LW_STEP_LINE:
+        reg[st->out[1]] = direction(lw_v2_turn(st->line, reg[st->in[1]].p), reg[st->in[1]].d.x);
+        reg[st->out[0]] = lw_reduced_point(reg, st->in[0], st->out[1], st->at);
+        return 1;
+    case LW_STEP_RRR: return rates_rrr(st, mode[st->dyad], reg);
+    case LW_STEP_RRP: return rates_rrp(st, mode[st->dyad], reg);
+    case LW_STEP_RPR: return rates_rpr(st, mode[st->dyad], reg);
+    default:          return rates_prp(st, reg);
+    }
+}
+
+void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge, double input, double *margin_of,
+                      double *margin)
+{
+    lw_reg1 *reg = r->reg;
+    *margin = 1;
+    r->known = NAN;
+    for (int i = 0; i < r->n_step; i++) {
+        const lw_dyad_step *st = &r->step[i];
+        const lw_bridge *b = bridge ? bridge_of(bridge, st) : NULL;
+        double m = 1;
+        if (b)
+            bridge_step(st, bridge, b, input, reg);
+        else
+            m = do_step(st, mode, input, reg);
+        *margin = m < *margin ? m : *margin;
+        if (margin_of && st->kind >= LW_STEP_RRR)
+            margin_of[st->dyad] = m;
+    }
+}
+
+/* The piece an input lies in; *input is moved into the range that was looked through. */
+static int find_piece(const lw_reduced *r, double *input, const lw_touch **near)
+{
+    *near = NULL;
+    if (r->period > 0)
+        *input -= r->period*floor((*input - r->low)/r->period);
+    int i = 0;
+    while (i < r->n_touch && *input >= r->touch[i].at)
+        i++;
+    for (int k = i - 1; k <= i; k++)
+        if (k >= 0 && k < r->n_touch && fabs(*input - r->touch[k].at) < r->touch[k].reach)
+            *near = &r->touch[k];
+    return i;
+}
+
+lw_status lw_reduced_registers(lw_reduced *r, double input)
+{
+    const lw_touch *near = NULL;
+    const double *mode = r->mode;
+    double margin, at = input;
+    if (input == r->known)
+        return LW_OK;
+    if (r->n_touch) {
+        int piece = find_piece(r, &at, &near);
+        mode = r->piece_mode[piece];
+    }
+    if (r->period == 0 && (at < r->low || at > r->high))
+        return LW_OPEN;
+    lw_reduced_plain(r, mode, near, at, NULL, &margin);
+    if (!(margin > closed))
+        return LW_OPEN;
+    r->known = input;
+    return LW_OK;
+}
+
+/* ---- masses and loads ------------------------------------------------------------------------------ */
+
+static double at_time(const lw_expression *x, double t)
+{
+    double v[LW_EXPRESSION_VARIABLE_MAX] = { t };
+    return x ? lw_expression_value(x, v) : 0;
+}
+
+static double spring_law(const lw_expression *law, double length, double rate, double t)
+{
+    const int *which;
+    double v[LW_EXPRESSION_VARIABLE_MAX];
+    int n = lw_expression_variables(law, &which);
+    for (int i = 0; i < n; i++)
+        v[i] = which[i] == lw_variable(LW_QUANTITY_LENGTH, 0) ? length
+             : which[i] == lw_variable(LW_QUANTITY_RATE, 0) ? rate : t;
+    return lw_expression_value(law, v);
+}
+
+static double springs(const lw_reduced *r, double t, double ds, double *power)
+{
+    double q = 0;
+    for (int i = 0; i < r->model->n_spring; i++) {
+        const lw_spring *p = &r->model->spring[i];
+        lw_reg1 a = lw_reduced_point(r->reg, r->end[i][0].origin, r->end[i][0].dir, r->end[i][0].arm);
+        lw_reg1 b = lw_reduced_point(r->reg, r->end[i][1].origin, r->end[i][1].dir, r->end[i][1].arm);
+        lw_vec2 d = lw_v2_sub(b.p, a.p);
+        double l = sqrt(lw_v2_dot(d, d)), by = l > 0 ? lw_v2_dot(d, lw_v2_sub(b.d, a.d))/l : 0, loss = p->damping*by*ds;
+        double pull = p->law ? spring_law(p->law, l, by*ds, t) : p->stiffness*(l - p->free) + loss;
+        q -= pull*by;
+        *power -= (p->law ? pull : loss)*by*ds;
+    }
+    return q;
+}
+
+/* Springs, dampers and motors of the input joint. */
+static double at_input(const lw_reduced *r, double t, double s, double ds, double *power)
+{
+    const lw_model *m = r->model;
+    double x = r->way*(s - r->start), v = r->way*ds, q = 0;
+    for (int i = 0; i < m->n_joint_spring; i++) {
+        const lw_joint_spring *p = &m->joint_spring[i];
+        double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
+        q += loss - (p->law ? 0 : p->stiffness*(x - p->free));
+        *power += loss*v;
+    }
+    for (int i = 0; i < m->n_motor; i++) {
+        double torque = m->motor[i].stall*(1 - v/m->motor[i].free_speed);
+        q += torque;
+        *power += torque*v;
+    }
+    return r->way*q;
+}
+
+static double forces(const lw_reduced *r, double t, double ds, double *power)
+{
+    double q = 0;
+    for (int i = 0; i < r->model->n_force; i++) {
+        const lw_force *p = &r->model->force[i];
+        const lw_end_point *at = &r->point[i];
+        if (at->origin < 0)
+            continue;
+        lw_vec2 f = lw_v2_unturn(lw_v2(at_time(p->fx, t), at_time(p->fy, t)), r->turn);
+        lw_reg1 c = lw_reduced_point(r->reg, at->origin, at->dir, at->arm);
+        if (p->follows)
+            f = lw_v2_turn(f, lw_v2_unturn(r->reg[at->dir].p, lw_v2_polar(1, r->dir0[p->link])));
+        q += lw_v2_dot(f, c.d) + at_time(p->torque, t)*r->reg[at->dir].d.x;
+    }
+    *power += q*ds;
+    return q;
+}
+
+/* Masses at the registers: M, and Q of their weight. */
+static inline double masses(const lw_reduced *r, double *weight)
+{
+    const lw_reg1 *reg = r->reg;
+    double mass = 0, q = 0;
+    for (int i = 0; i < r->n_pivot; i++) {
+        const lw_mass_point *p = &r->mass[i];
+        double w = reg[p->dir].d.x;
+        lw_vec2 arm = lw_v2_turn(p->arm, reg[p->dir].p);
+        mass += p->inertia*w*w;
+        q += w*lw_v2_cross(arm, p->weight);
+    }
+    for (int i = r->n_pivot; i < r->n_mass; i++) {
+        const lw_mass_point *p = &r->mass[i];
+        lw_reg1 c = lw_reduced_point(reg, p->origin, p->dir, p->arm);
+        double w = reg[p->dir].d.x;
+        mass += p->mass*lw_v2_dot(c.d, c.d) + p->inertia*w*w;
+        q += lw_v2_dot(p->weight, c.d);
+    }
+    *weight = q;
+    return mass;
+}
+
+lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power)
+{
+    double q, other = 0;
+    lw_status st = lw_reduced_registers(r, s);
+    if (st != LW_OK)
+        return st;
+    double root = sqrt(masses(r, &q)), rate = p/root;
+    if (r->model->n_spring)
+        q += springs(r, t, rate, &other);
+    if (r->model->n_joint_spring || r->model->n_motor)
+        q += at_input(r, t, s, rate, &other);
+    if (r->model->n_force)
+        q += forces(r, t, rate, &other);
+    *ds = rate;
+    *dp = q/root;
+    *power = other;
+    return isfinite(*dp) && isfinite(rate) ? LW_OK : LW_E_NUMERIC;
+}
+
+lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass)
+{
+    double q;
+    lw_status st = lw_reduced_registers(r, s);
+    *mass = masses(r, &q);
+    return st;
+}
+
+double lw_reduced_potential(const lw_reduced *r, double s)
+{
+    double energy = 0, x = r->way*(s - r->start);
+    for (int i = 0; i < r->n_mass; i++) {
+        const lw_mass_point *p = &r->mass[i];
+        energy -= lw_v2_dot(p->weight, lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p);
+    }
+    for (int i = 0; i < r->model->n_spring; i++) {
+        const lw_spring *p = &r->model->spring[i];
+        lw_reg1 a = lw_reduced_point(r->reg, r->end[i][0].origin, r->end[i][0].dir, r->end[i][0].arm);
+        lw_reg1 b = lw_reduced_point(r->reg, r->end[i][1].origin, r->end[i][1].dir, r->end[i][1].arm);
+        double l = lw_v2_norm(lw_v2_sub(b.p, a.p)) - p->free;
+        energy += p->law ? 0 : 0.5*p->stiffness*l*l;
+    }
+    for (int i = 0; i < r->model->n_joint_spring; i++) {
+        const lw_joint_spring *p = &r->model->joint_spring[i];
+        energy += p->law ? 0 : 0.5*p->stiffness*(x - p->free)*(x - p->free);
+    }
+    return energy;
+}
+
+void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, double *q, double *v)
+{
+    for (int b = 0; b < d->s.n_body; b++) {
+        const lw_end_point *p = &r->centre[b];
+        const lw_reg1 *u = &r->reg[p->dir];
+        lw_reg1 c = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
+        lw_vec2 at = lw_v2_sub(lw_v2_add(r->z0, lw_v2_turn(c.p, r->turn)), d->s.origin), rate = lw_v2_turn(c.d, r->turn);
+        double turn = atan2(u->p.y, u->p.x) - r->dir0[d->s.link[b]];
+        q[3*b] = at.x/d->s.unit;
+        q[3*b + 1] = at.y/d->s.unit;
+        turn -= q[3*b + 2];
+        q[3*b + 2] += turn - 2*LW_PI*rint(turn/(2*LW_PI));
+        v[3*b] = rate.x*ds/d->s.unit;
+        v[3*b + 1] = rate.y*ds/d->s.unit;
+        v[3*b + 2] = u->d.x*ds;
+    }
+}

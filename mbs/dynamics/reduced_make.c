@@ -1,0 +1,293 @@
+/* mbs/dynamics/reduced_make.c - is a model one of one coordinate, and its parts on the plan's registers. */
+#include "mbs/dynamics/reduced_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define WHY_SIZE 128
+
+static lw_status no(char *why, const char *text)
+{
+    snprintf(why, WHY_SIZE, "%s", text);
+    return LW_E_KIND;
+}
+
+/* ---- what it can do --------------------------------------------------------------------------------- */
+
+static bool of_time_alone(const lw_expression *x)
+{
+    const int *which;
+    int n = x ? lw_expression_variables(x, &which) : 0;
+    for (int i = 0; i < n; i++)
+        if (which[i] != lw_variable(LW_QUANTITY_T, 0))
+            return false;
+    return true;
+}
+
+static lw_status look_at_loads(const lw_dynamics *d, char *why)
+{
+    const lw_model *m = d->model;
+    if (d->n_friction)
+        return no(why, "joints with friction");
+    if (d->n_contact || d->f.n_stop)
+        return no(why, "stops");
+    if (d->o.extra.apply)
+        return no(why, "forces of the caller");
+    for (int i = 0; i < m->n_force; i++)
+        if (!of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) || !of_time_alone(m->force[i].torque))
+            return no(why, "a force that depends on the state");
+    return LW_OK;
+}
+
+/* The joint that would serve as input, in the order of the file: the input named first. */
+static int candidate(const lw_linkage *k, int n)
+{
+    int input = k->n_input ? k->input[0].joint : -1;
+    if (n == 0 && input >= 0)
+        return input;
+    n -= input >= 0;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *p = &k->joint[j];
+        bool ground = p->link[0] == k->ground || p->link[1] == k->ground;
+        if (j == input || !ground || (p->kind != LW_JOINT_REVOLUTE && p->kind != LW_JOINT_SLIDER))
+            continue;
+        if (n-- == 0)
+            return j;
+    }
+    return -1;
+}
+
+/* Springs and motors at joints must be at the input. */
+static bool loads_fit(const lw_model *m, int joint)
+{
+    for (int i = 0; i < m->n_joint_spring; i++)
+        if (m->joint_spring[i].joint != joint)
+            return false;
+    for (int i = 0; i < m->n_motor; i++)
+        if (m->motor[i].joint != joint)
+            return false;
+    return true;
+}
+
+static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
+{
+    lw_error e;
+    lw_want want = { .all_joints = true };
+    bool fits = false;
+    if (d->s.n_tie > 0)
+        return no(why, "inputs that are tied to the first");
+    for (int n = 0, joint; (joint = candidate(&d->model->linkage, n)) >= 0; n++) {
+        if (!loads_fit(d->model, joint))
+            continue;
+        fits = true;
+        r->linkage = d->model->linkage;
+        lw_system_write(&d->s, d->start_q, &r->linkage);
+        r->linkage.n_input = 1;
+        r->linkage.input[0] = (lw_input){ .joint = joint };
+        r->linkage.input[0].value = lw_linkage_posture_input(&r->linkage, joint);
+        if (lw_plan_make(&r->linkage, want, &r->plan, &e) == LW_OK &&
+            lw_plan_read(&r->plan, &r->linkage, r->dim, r->mode, &r->first, &e) == LW_OK)
+            return LW_OK;
+    }
+    return no(why, fits ? "it is not made of dyads on one driven link at the ground"
+                        : "springs or motors at more than one joint");
+}
+
+/* ---- parts ------------------------------------------------------------------------------------------ */
+
+static lw_end_point end_on(const lw_reduced *r, int link, lw_vec2 at)
+{
+    const lw_reg1 *reg = r->reg;
+    lw_vec2 p = lw_v2_unturn(lw_v2_sub(at, r->z0), r->turn);
+    if (link == r->linkage.ground)
+        return (lw_end_point){ -1, -1, p };
+    int o = r->plan.link_origin[link], u = r->plan.link_dir[link];
+    return (lw_end_point){ o, u, lw_v2_unturn(lw_v2_sub(p, reg[o].p), reg[u].p) };
+}
+
+/* Where a point that the model gives in its posture is at the start. */
+static lw_vec2 at_start(const lw_dynamics *d, int link, lw_vec2 at)
+{
+    int b = d->s.body[link];
+    return lw_system_point(&d->s, b, lw_system_arm(&d->s, b, at), d->start_q);
+}
+
+static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
+{
+    const lw_model *m = d->model;
+    for (int b = 0; b < d->s.n_body; b++) {
+        int link = d->s.link[b];
+        if (r->plan.link_origin[link] < 0 || r->plan.link_dir[link] < 0)
+            return no(why, "a link that its plan leaves out");
+        r->centre[b] = end_on(r, link, lw_system_point(&d->s, b, lw_v2(0, 0), d->start_q));
+        const lw_reg1 *u = &r->reg[r->centre[b].dir];
+        r->dir0[link] = atan2(u->p.y, u->p.x) - d->start_q[3*b + 2];
+    }
+    for (int i = 0; i < m->n_spring; i++)
+        for (int end = 0; end < 2; end++)
+            r->end[i][end] = end_on(r, m->spring[i].link[end], at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
+    for (int i = 0; i < m->n_force; i++)
+        r->point[i] = end_on(r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
+    return LW_OK;
+}
+
+/* Bodies on ground pins first: their inertia about the pin does not change. */
+static void place_masses(const lw_dynamics *d, lw_reduced *r, const bool *fixed)
+{
+    for (int pivots = 1; pivots >= 0; pivots--) {
+        for (int b = 0; b < d->s.n_body; b++) {
+            const lw_body *body = &d->model->body[d->s.link[b]];
+            const lw_end_point *c = &r->centre[b];
+            lw_vec2 g = lw_v2_unturn(lw_v2_scale(d->model->gravity, body->mass), r->turn);
+            double about = pivots ? body->mass*lw_v2_dot(c->arm, c->arm) : 0;
+            if ((body->mass > 0 || body->inertia > 0) && fixed[c->origin] == (pivots == 1))
+                r->mass[r->n_mass++] = (lw_mass_point){ c->origin, c->dir, c->arm, body->mass, body->inertia + about, g };
+        }
+        r->n_pivot = pivots ? r->n_mass : r->n_pivot;
+    }
+}
+
+/* ---- the plan with its numbers ---------------------------------------------------------------------- */
+
+static double number(const double *dim, int i) { return i < 0 ? 0 : dim[i]; }
+
+static lw_dyad_step fill_step(const lw_reduced *r, const lw_step *from)
+{
+    lw_dyad_step st = { .kind = from->kind, .dyad = from->dyad };
+    double a = number(r->dim, from->dim[0]), b = number(r->dim, from->dim[1]);
+    for (int i = 0; i < 4; i++) {
+        st.in[i] = from->in[i];
+        st.out[i] = from->out[i];
+    }
+    st.r1 = a;
+    st.r2 = b;
+    st.sum2 = (a + b)*(a + b);
+    st.dif2 = (a - b)*(a - b);
+    st.product = (a + b)*(a - b);
+    st.inv1 = 1/a;
+    st.inv2 = 1/b;
+    st.flat = 0.25/(a*a*b*b);
+    st.at = from->kind == LW_STEP_LINE ? lw_v2(0, a) : lw_v2(a, b);
+    st.line = lw_v2_polar(1, b);
+    return st;
+}
+
+/* Outputs of a step: registers it fills. */
+static int outputs(const lw_step *st)
+{
+    return st->kind == LW_STEP_RRR ? 3 : st->kind == LW_STEP_RRP || st->kind == LW_STEP_LINE ? 2 : 1;
+}
+
+static int inputs(const lw_step *st)
+{
+    static const int n[] = { [LW_STEP_INPUT_PIN] = 0, [LW_STEP_INPUT_SLIDE] = 2, [LW_STEP_POINT] = 2, [LW_STEP_LINE] = 2,
+                             [LW_STEP_RRR] = 2, [LW_STEP_RRP] = 3, [LW_STEP_RPR] = 2, [LW_STEP_PRP] = 4, [LW_STEP_PPR] = 4 };
+    return n[st->kind];
+}
+
+/* All steps in order; registers that never move are filled once, and their steps left out. */
+static void fill_steps(lw_reduced *r, bool *fixed)
+{
+    double mode[LW_DYAD_MAX] = { 0 }, margin;
+    const lw_plan *p = &r->plan;
+    r->reg[0] = (lw_reg1){ { 0, 0 }, { 0, 0 } };
+    r->reg[1] = (lw_reg1){ { 1, 0 }, { 0, 0 } };
+    fixed[0] = fixed[1] = true;
+    for (int i = 0; i < p->n_step; i++) {
+        const lw_step *st = &p->step[i];
+        bool still = st->kind == LW_STEP_POINT || st->kind == LW_STEP_LINE;
+        for (int k = 0; k < inputs(st); k++)
+            still = still && fixed[st->in[k]];
+        r->step[0] = fill_step(r, st);
+        r->n_step = 1;
+        for (int k = 0; k < outputs(st); k++)
+            if (st->out[k] >= 0)
+                fixed[st->out[k]] = still;
+        if (still)
+            lw_reduced_plain(r, mode, NULL, 0, NULL, &margin);
+    }
+    r->n_step = 0;
+    for (int i = 0; i < p->n_step; i++)
+        if (!fixed[p->step[i].out[0]])
+            r->step[r->n_step++] = fill_step(r, &p->step[i]);
+}
+
+static void want(bool *wanted, const lw_end_point *e)
+{
+    if (e->origin >= 0)
+        wanted[e->origin] = wanted[e->dir] = true;
+}
+
+/* Steps that no body, spring or force depends on. */
+static void drop_steps(const lw_dynamics *d, lw_reduced *r)
+{
+    bool wanted[LW_REG_MAX] = { false };
+    int kept = r->n_step;
+    for (int b = 0; b < d->s.n_body; b++)
+        want(wanted, &r->centre[b]);
+    for (int i = 0; i < d->model->n_spring; i++) {
+        want(wanted, &r->end[i][0]);
+        want(wanted, &r->end[i][1]);
+    }
+    for (int i = 0; i < d->model->n_force; i++)
+        want(wanted, &r->point[i]);
+    for (int i = r->n_step - 1; i >= 0; i--) {
+        const lw_dyad_step *st = &r->step[i];
+        const lw_step as = { .kind = st->kind };
+        bool live = st->kind >= LW_STEP_RRR;
+        for (int k = 0; k < outputs(&as); k++)
+            live = live || (st->out[k] >= 0 && wanted[st->out[k]]);
+        if (!live)
+            continue;
+        for (int k = 0; k < inputs(&as); k++)
+            wanted[st->in[k]] = true;
+        r->step[--kept] = r->step[i];
+    }
+    r->n_step -= kept;
+    memmove(r->step, r->step + kept, (size_t)r->n_step*sizeof *r->step);
+}
+
+/* The displacement of the input joint against the plan's input. */
+static void find_way(const lw_dynamics *d, lw_reduced *r)
+{
+    double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
+    lw_measure m;
+    memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
+    lw_reduced_state(r, d, 1, q, v);
+    lw_measure_joint(&d->s, r->linkage.input[0].joint, q, v, false, &m);
+    r->way = m.rate < 0 ? -1 : 1;
+    r->start = r->first - r->way*m.value;    /* displacements count from the posture of the file      */
+}
+
+lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
+{
+    bool fixed[LW_REG_MAX] = { false };
+    double margin;
+    memset(r, 0, sizeof *r);
+    r->known = NAN;
+    if (d->freedom != 1 || d->n_driven)
+        return no(why, d->n_driven ? "inputs with a motion beside free ones" : "more than one freedom");
+    lw_status s = look_at_loads(d, why);
+    if (s == LW_OK)
+        s = find_plan(d, r, why);
+    if (s != LW_OK)
+        return s;
+    r->model = d->model;
+    r->scale = r->plan.input_is_slider ? d->s.unit : 1;
+    r->z0 = lw_v2(r->dim[r->plan.i_x0], r->dim[r->plan.i_y0]);
+    r->turn = lw_v2_polar(1, r->dim[r->plan.i_theta0]);
+    fill_steps(r, fixed);
+    lw_reduced_plain(r, r->mode, NULL, r->first, NULL, &margin);
+    if (!(margin > 1e-9))
+        return no(why, "the posture at the start is a dead point of its closed form");
+    r->low = -INFINITY;
+    r->high = INFINITY;
+    if ((s = place_parts(d, r, why)) != LW_OK)
+        return s;
+    place_masses(d, r, fixed);
+    drop_steps(d, r);
+    find_way(d, r);
+    return lw_reduced_touches(r, r->first) ? LW_OK
+         : no(why, "two assemblies of a dyad come near each other, but do not meet");
+}

@@ -1,0 +1,195 @@
+/* mbs/dynamics/statics.c - equilibrium by Newton's method in the null space of the constraints.
+ *
+ * The reduced equations are those of small vibrations (mbs/dynamics/modes.h): load = Z^T Q, stiffness Z^T (K + sum l_r H_r) Z.
+ * Where the stiffness is not positive, masses shift it until it is, which leads downhill and away from saddles. */
+#include "mbs/dynamics/statics.h"
+
+#include <math.h>
+#include <string.h>
+#include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/modes_internal.h"
+
+/* A stiffness that so little shift makes positive holds nothing and drives nothing away */
+#define NEUTRAL 1e-9
+
+static const double still[LW_SYSTEM_Q_MAX];
+
+/* Cholesky solve of (K + shift W) x = load with W the masses and a little of everything; false: not positive. */
+static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
+{
+    int n = v->n_free;
+    double a[LW_SYSTEM_Q_MAX*4], *m = n*n <= (int)(sizeof a/sizeof *a) ? a : v->kkt.a;
+    for (int i = 0; i < n; i++) {
+        x[i] = v->load[i];
+        for (int j = 0; j <= i; j++) {
+            double sum = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i])
+                       + shift*(v->mass[i*n + j] + (i == j)*little);
+            for (int k = 0; k < j; k++)
+                sum -= m[i*n + k]*m[j*n + k];
+            if (i == j && !(sum > 1e-14*(fabs(v->stiffness[i*n + i]) + shift*(v->mass[i*n + i] + little))))
+                return false;
+            m[i*n + j] = i == j ? sqrt(sum) : sum/m[j*n + j];
+        }
+        for (int k = 0; k < i; k++)
+            x[i] -= m[i*n + k]*x[k];
+        x[i] /= m[i*n + i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++)
+            x[i] -= m[k*n + i]*x[k];
+        x[i] /= m[i*n + i];
+    }
+    return true;
+}
+
+static double length(const double *x, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += x[i]*x[i];
+    return sqrt(sum);
+}
+
+/* Newton's step where the stiffness is positive, else shifted until it is; not longer than half a radian or half the
+ * linkage's size.  How far it was shifted, in stiffnesses over masses; below 0: no step was found. */
+static double find_step(const lw_vibration *v, double *x)
+{
+    double mass = 0.0, stiff = 0.0;
+    for (int i = 0; i < v->n_free; i++) {
+        mass = fmax(mass, v->mass[i*v->n_free + i]);
+        stiff = fmax(stiff, fabs(v->stiffness[i*v->n_free + i]));
+    }
+    double little = mass > 0.0 ? 1e-3*mass : 1.0, shift = 0.0;
+    double unit = (stiff > 0.0 ? stiff : 1.0)/(mass > 0.0 ? mass : 1.0);
+    for (int tries = 0; tries < 60; tries++) {
+        if (solve_shifted(v, shift, little, x)) {
+            double size = length(x, v->n_free);
+            for (int i = 0; size > 0.5 && i < v->n_free; i++)
+                x[i] *= 0.5/size;
+            return isfinite(size) ? shift/unit : -1.0;
+        }
+        shift = shift > 0.0 ? fmin(8.0*shift, fmax(1e-3*unit, 2.0*shift)) : NEUTRAL*unit;
+    }
+    return -1.0;
+}
+
+/* Step along x from q, halved while the force at its end pushes back harder than half as hard as at its start. */
+static lw_status search(lw_vibration *v, double t, double *q, const double *x)
+{
+    int n = v->n_q, m = v->n_free;
+    double from[LW_SYSTEM_Q_MAX], null[LW_SYSTEM_Q_MAX], slope = 0.0;
+    memcpy(from, q, sizeof *q*(size_t)n);
+    memset(null, 0, sizeof null);
+    for (int k = 0; k < m; k++)
+        for (int i = 0; i < n; i++)
+            null[i] += x[k]*v->null[k*n + i];
+    for (int k = 0; k < m; k++)
+        slope += v->load[k]*x[k];
+    for (double share = 1.0; share > 1e-12; share *= 0.5) {
+        double end = 0.0;
+        for (int i = 0; i < n; i++)
+            q[i] = from[i] + share*null[i];
+        lw_status s = lw_vibration_project(v, q);
+        if (s == LW_OK)
+            s = lw_vibration_linearise(v, t, q);
+        if (s != LW_OK)
+            continue;
+        for (int i = 0; i < n; i++)
+            end += null[i]*v->force[i];
+        if (end >= -0.5*fabs(slope) || share*length(x, m) < 1e-9)
+            return LW_OK;
+    }
+    return LW_E_NUMERIC;
+}
+
+/* Off a saddle: a small step along every motion, all of them different. */
+static lw_status leave_saddle(lw_vibration *v, double t, double *q)
+{
+    for (int k = 0; k < v->n_free; k++)
+        for (int i = 0; i < v->n_q; i++)
+            q[i] += 1e-3*(1.0 + 0.3*k)*v->null[k*v->n_q + i];
+    lw_status s = lw_vibration_project(v, q);
+    return s == LW_OK ? lw_vibration_linearise(v, t, q) : s;
+}
+
+static double greatest(const double *x, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(x[i]));
+    return most;
+}
+
+lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e)
+{
+    double x[LW_SYSTEM_Q_MAX], last = INFINITY;
+    lw_status s = lw_vibration_linearise(v, t, q);
+    *r = (lw_rest){ 0 };
+    for (int saddles = 0; s == LW_OK && r->iterations < 500; r->iterations++) {
+        double shift = v->n_free > 0 ? find_step(v, x) : 0.0, size = v->n_free > 0 ? length(x, v->n_free) : 0.0;
+        if (shift < 0.0)
+            break;
+        r->residual = greatest(v->load, v->n_free);
+        r->stable = shift == 0.0;
+        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q) || (last < 1e-11 && size < 1e-11);
+        if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
+            return LW_OK;
+        last = done ? INFINITY : size;
+        saddles += done;
+        s = done ? leave_saddle(v, t, q) : search(v, t, q, x);
+    }
+    return lw_error_set(e, LW_NOTHING, "no static equilibrium was found near the posture: the forces drive it away "
+                        "(force left %.3g J)", r->residual);
+}
+
+/* Rigid stops are not part of the balance: a rest beyond one is none. */
+static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
+{
+    for (int i = 0; i < d->n_contact; i++) {
+        int j = d->contact[i].joint;
+        const lw_joint_stop *p = &d->model->stop[j];
+        double scale = d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s.unit;
+        double value = scale*lw_system_measure(&d->s, j, q, NULL);
+        double beyond = d->contact[i].greatest ? value - p->greatest : p->least - value;
+        if (beyond > 1e-9*scale)
+            return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint "
+                                "\"%s\"; give the stop a stiffness, and it rests on it", beyond,
+                                d->s.joint[j].kind == LW_JOINT_REVOLUTE ? "rad" : "m", d->model->linkage.joint[j].name);
+    }
+    return LW_OK;
+}
+
+lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e)
+{
+    lw_vibration v;
+    *r = (lw_rest){ 0 };
+    memcpy(q, d->start_q, sizeof *q*(size_t)d->n_q);
+    if (lw_vibration_make(&d->f, false, t, q, &v) != LW_OK)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    v.extra = &d->o.extra;
+    lw_status s = lw_vibration_project(&v, q);
+    if (s == LW_OK)
+        s = lw_vibration_rest(&v, t, q, r, e);
+    else
+        lw_error_set(e, s, "no posture near the given one fits the joints and inputs");
+    lw_vibration_free(&v);
+    return s == LW_OK ? check_stops(d, q, e) : s;
+}
+
+lw_status lw_statics_moment(lw_dynamics *d, double t, const double *q, lw_moment_sink *sink, void *context, lw_error *e)
+{
+    lw_error own = { 0 };
+    d->e = e ? e : &own;
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, true);
+    if (s != LW_OK)
+        return lw_error_set(e, LW_E_NUMERIC, "the posture of rest is singular: its reactions do not exist");
+    lw_moment m = { .t = t, .q = q, .v = still, .a = still, .l = d->l, .potential = lw_forces_potential(&d->f, q),
+                    .unique = d->rank == d->n_c };
+    for (int r = 0; r < d->n_c; r++)
+        m.off = fmax(m.off, fabs(d->phi[r]));
+    lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
+    lw_rank_solve(&d->rank_of, d->force, d->l);
+    return sink(context, &m);
+}

@@ -1,0 +1,346 @@
+/* mbs/kinematics/closed_motion.c - from limit to limit until the cycle closes. */
+#include "mbs/kinematics/closed_motion.h"
+
+#include <string.h>
+
+#include "mbs/batch/batch.h"
+#include "mbs/kinematics/motion_internal.h"
+#include "mbs/plan/plan_internal.h"
+#include "mbs/plan/sincos_internal.h"
+
+enum { N_SAMPLE = 64, BLOCK = 32 };
+
+typedef struct walk {
+    const lw_plan *plan;
+    const double  *dim;
+    void          *batch;
+    const lw_step *step[LW_DYAD_MAX];            /* of the dyads that count, in the order of the plan */
+    int            n_step;
+    double         reach;                        /* a turn, or as far as a slide is followed        */
+    bool           touches;                      /* a dyad that goes on all but reached its limit   */
+} walk;
+
+/* What a sample says: open there and before, closed there. */
+typedef struct bracket { double open, shut; } bracket;
+
+static void set_walk(walk *w, const lw_plan *plan, const double *dim, void *batch)
+{
+    bool seen[LW_STEP_MAX] = { false };
+    *w = (walk){ .plan = plan, .dim = dim, .batch = batch, .reach = 2*LW_PI };
+    for (int o = 0; o < plan->n_output; o++)
+        for (int i = 0; i < plan->n_output_step[o]; i++)
+            seen[plan->output_step[o][i]] = true;
+    for (int i = 0; i < plan->n_step; i++)
+        if (seen[i] && plan->step[i].dyad >= 0)
+            w->step[w->n_step++] = &plan->step[i];
+    if (!plan->input_is_slider)
+        return;
+    w->reach = 0;
+    for (int d = 0; d < plan->n_dim; d++)
+        if (plan->dim[d].kind != LW_DIM_ANGLE && plan->dim[d].role < LW_ROLE_CX)
+            w->reach += fabs(dim[d]);
+}
+
+/* ---- margins ------------------------------------------------------------------------------------- */
+
+/* Margins of n <= BLOCK postures, in lanes whose dimensions are `stride` apart (0: one set). */
+static void lane_margins(const walk *w, const double *dim, size_t stride, const double *mode, size_t n,
+                         const double *input, double *margin)
+{
+    double c[BLOCK], s[BLOCK], x[BLOCK], y[BLOCK], m[BLOCK];
+    for (size_t i = 0; i < n; i++) {
+        lw_vec2 u = lw_sincos(input[i]);
+        c[i] = w->plan->input_is_slider ? input[i] : u.x;
+        s[i] = w->plan->input_is_slider ? 0 : u.y;
+        margin[i] = INFINITY;
+    }
+    lw_lanes in = { .n = n, .c = c, .s = s, .dim = dim, .dim_stride = stride, .mode = mode };
+    for (int o = 0; o < w->plan->n_output; o++) {
+        lw_batch_point(w->plan, &in, o, w->batch, x, y, NULL, NULL, m);
+        for (size_t i = 0; i < n; i++)
+            margin[i] = fmin(margin[i], m[i]);
+    }
+}
+
+/* The margin of dyad *which at one input; -1: of the first that does not close there, else of the nearest to that,
+ * whose number is put there.  Margins of dyads behind one that is shut mean nothing. */
+static double one_margin(const walk *w, const double *mode, double input, int *which, bool *shut)
+{
+    lw_vec2 reg[LW_REG_MAX];
+    double m[LW_DYAD_MAX];
+    int first = -1, least = 0;
+    lw_pose_registers(w->plan, w->dim, mode, input, reg);
+    for (int i = 0; i < w->n_step; i++) {
+        lw_opening o = lw_dyad_opening(w->dim, w->step[i], reg);
+        m[i] = o.less*o.more;
+        if (first < 0 && m[i] < 0)
+            first = i;
+        if (m[i] < m[least])
+            least = i;
+    }
+    *shut = first >= 0;
+    if (*which < 0 || (first >= 0 && first != *which))
+        *which = first >= 0 ? first : least;
+    return m[*which];
+}
+
+/* ---- limits -------------------------------------------------------------------------------------- */
+
+/* Three samples, all open, fall towards 0 in the middle: is it shut somewhere between them?  Looked at closer and
+ * closer as long as a parabola through the lowest three says so. */
+static bool dips(walk *w, const double *mode, const double *at, const double *m, bracket *b)
+{
+    double input[BLOCK], margin[BLOCK], first = at[0], last = at[2], v[3] = { m[0], m[1], m[2] };
+    for (int level = 0; level < 4; level++) {
+        double bend = v[0] - 2*v[1] + v[2], slope = v[2] - v[0];
+        int least = 1;
+        if (v[1] >= v[0] || v[1] > v[2] || v[1] - slope*slope/(8*bend) > 0.2*v[1])
+            return false;
+        for (int i = 0; i < BLOCK; i++)
+            input[i] = first + (last - first)*i/(BLOCK - 1);
+        lane_margins(w, w->dim, 0, mode, BLOCK, input, margin);
+        for (int i = 1; i < BLOCK; i++)
+            if (margin[i] < 0) {
+                *b = (bracket){ input[i - 1], input[i] };
+                return true;
+            }
+        for (int i = 2; i < BLOCK - 1; i++)
+            if (margin[i] < margin[least])
+                least = i;
+        first = input[least - 1];
+        last = input[least + 1];
+        memcpy(v, margin + least - 1, sizeof v);
+        w->touches |= v[1] < LW_CYCLE_TOUCH;
+    }
+    return false;
+}
+
+/* The first limit on the way from an open posture or a limit, by samples as dense near it as the square root asks for.
+ * false: there is none. */
+static bool next_limit(walk *w, const double *mode, double from, double way, bracket *b)
+{
+    double at[BLOCK + 2] = { from, from }, m[BLOCK + 2] = { 0, 0 };
+    for (int block = 0; block < N_SAMPLE/BLOCK; block++) {
+        for (int i = 0; i < BLOCK; i++) {
+            double t = (double)(block*BLOCK + i + 1)/N_SAMPLE;
+            at[i + 2] = from + way*t*t;
+        }
+        lane_margins(w, w->dim, 0, mode, BLOCK, at + 2, m + 2);
+        for (int i = 2; i < BLOCK + 2; i++) {
+            if (block*BLOCK + i > 3 && m[i] >= 0 && dips(w, mode, at + i - 2, m + i - 2, b))
+                return true;
+            if (m[i] < 0) {
+                *b = (bracket){ at[i - 1], at[i] };
+                return true;
+            }
+        }
+        memcpy(at, at + BLOCK, sizeof at[0]*2);
+        memcpy(m, m + BLOCK, sizeof m[0]*2);
+    }
+    return false;
+}
+
+/* The limit in a bracket: a root of the margin of the dyad that is shut first, by regula falsi with the weights of
+ * Illinois (Dowell & Jarratt 1971).  Which dyad that is may change while the bracket shrinks. */
+static double limit_in(const walk *w, const double *mode, bracket b, int *which)
+{
+    bool shut;
+    int side = 0;
+    *which = -1;
+    double f_shut = one_margin(w, mode, b.shut, which, &shut), f_open = one_margin(w, mode, b.open, which, &shut);
+    for (int i = 0; i < 100; i++) {
+        int dyad = *which;
+        double m = b.open + (b.shut - b.open)*f_open/(f_open - f_shut);
+        if (!(f_open > 0 && f_shut < 0) || (i & 15) == 15)         /* and now and then to be sure     */
+            m = 0.5*(b.open + b.shut);
+        double f = one_margin(w, mode, m, &dyad, &shut);
+        if (m == b.open || m == b.shut || f == 0)
+            return m;
+        if (dyad != *which) {
+            *which = dyad;
+            f_open = one_margin(w, mode, b.open, which, &shut);
+            shut = true;
+            side = 0;
+        }
+        double *held = shut ? &f_open : &f_shut;             /* halved when it stays the second time     */
+        *held *= side == (shut ? -1 : 1) ? 0.5 : 1;
+        side = shut ? -1 : 1;
+        *(shut ? &b.shut : &b.open) = m;
+        *(shut ? &f_shut : &f_open) = f;
+    }
+    return 0.5*(b.open + b.shut);
+}
+
+/* ---- the cycle ----------------------------------------------------------------------------------- */
+
+/* Is the way from `from` to a limit shut somewhere, seen from its end, where samples have been far between? */
+static bool shut_before(const walk *w, const double *mode, double from, double end, bracket *b)
+{
+    double at[BLOCK], m[BLOCK];
+    for (int i = 0; i < BLOCK; i++) {
+        double t = 1 - (i + 0.5)/BLOCK;
+        at[i] = end + (from - end)*t*t;
+    }
+    lane_margins(w, w->dim, 0, mode, BLOCK, at, m);
+    *b = (bracket){ from, end };
+    for (int i = 0; i < BLOCK; i++) {
+        b->shut = at[i];
+        if (m[i] < 0)
+            return true;
+        b->open = at[i];
+    }
+    return false;
+}
+
+/* The end of the leg from here: where it is and whose limit. false: it has none. */
+static bool leg_end(walk *w, const double *mode, double from, double way, bool limit, double *end, int *which)
+{
+    bracket b = { from, from };
+    for (int tries = 0; tries < 3 && b.open == from; tries++) {      /* short ones ask for closer looks  */
+        if (!next_limit(w, mode, from, way, &b))
+            return false;
+        way = b.shut - from;
+    }
+    if (limit && b.open == from)
+        return false;
+    *end = limit_in(w, mode, b, which);
+    for (int tries = 0; tries < 3 && shut_before(w, mode, from, *end, &b); tries++)
+        *end = limit_in(w, mode, b, which);
+    return true;
+}
+
+/* An open input of this assembly: `input`, or that of the samples to both sides which is nearest. */
+static bool open_near(const walk *w, const double *mode, double *input)
+{
+    double at[BLOCK], m[BLOCK], middle = *input;
+    for (int block = 0; block < N_SAMPLE/BLOCK; block++) {
+        for (int i = 0; i < BLOCK; i++) {
+            int k = (block*BLOCK + i + 1)/2;
+            at[i] = middle + w->reach*(i % 2 ? k : -k)/N_SAMPLE;
+        }
+        lane_margins(w, w->dim, 0, mode, BLOCK, at, m);
+        for (int i = 0; i < BLOCK; i++)
+            if (m[i] > 0) {
+                *input = at[i];
+                return true;
+            }
+    }
+    return false;
+}
+
+/* Is `end` the limit below the start, which lies in this bracket, some whole turns off? */
+static bool is_below(const walk *w, bracket below, double end, double *gain)
+{
+    double turns = w->plan->input_is_slider ? 0 : round((end - below.open)/(2*LW_PI)), near = 1e-12*w->reach;
+    *gain = 2*LW_PI*turns + 0.0;                             /* never -0                                 */
+    return end - *gain >= below.shut - near && end - *gain <= below.open + near;
+}
+
+/* One more leg, from here to there. */
+static void add_leg(const walk *w, double *mode, double end, int which, lw_cycle *c)
+{
+    lw_leg *leg = &c->leg[c->n++];
+    leg->last = end;
+    leg->dyad = w->step[which]->dyad;
+    memcpy(leg->mode, mode, sizeof *mode*(size_t)w->plan->n_dyad);
+    mode[leg->dyad] *= lw_step_has_modes(w->step[which]) ? -1 : 0;
+}
+
+lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
+                        lw_cycle *c)
+{
+    walk w;
+    bracket below;
+    int which;
+    double end, now[LW_DYAD_MAX];
+    size_t modes = sizeof *now*(size_t)plan->n_dyad;
+    c->n = 0;
+    c->gain = 0;
+    if (plan->n_higher > 0 || plan->n_output == 0)
+        return LW_E_KIND;
+    set_walk(&w, plan, dim, batch);
+    if (!open_near(&w, mode, &input))
+        return LW_OPEN;
+    bool up = leg_end(&w, mode, input, w.reach, false, &end, &which);
+    bool down = next_limit(&w, mode, input, -w.reach, &below);
+    if (!up && !down && !plan->input_is_slider)
+        return w.touches ? LW_STOPPED : LW_OK;
+    if (!up || !down)
+        return LW_STOPPED;
+    memcpy(now, mode, modes);
+    add_leg(&w, now, end, which, c);
+    while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -w.reach : w.reach, true, &end, &which)) {
+        add_leg(&w, now, end, which, c);
+        if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides that become parallel              */
+            return LW_STOPPED;
+        if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && is_below(&w, below, end, &c->gain))
+            return w.touches ? LW_STOPPED : LW_OK;
+    }
+    return LW_STOPPED;
+}
+
+/* ---- derivatives --------------------------------------------------------------------------------- */
+
+static bool shapes(const lw_plan *plan, int d)
+{
+    lw_dim_role role = plan->dim[d].role;
+    return role < LW_ROLE_CX && d != plan->i_theta0;
+}
+
+/* Next to another dyad's limit everything goes as the square root of the distance to it: the least margin, at a leg's
+ * end, of those dyads whose limit it is not. */
+static double other_margin(const walk *w, const lw_leg *leg)
+{
+    lw_vec2 reg[LW_REG_MAX];
+    double least = 1;
+    lw_pose_registers(w->plan, w->dim, leg->mode, leg->last, reg);
+    for (int i = 0; i < w->n_step; i++) {
+        lw_opening o = lw_dyad_opening(w->dim, w->step[i], reg);
+        if (w->step[i]->dyad != leg->dyad)
+            least = fmin(least, o.less*o.more);
+    }
+    return least;
+}
+
+/* The margin's derivatives at a leg's end by the dimensions which[n], -1: by the input.  `step`: of the differences,
+ * for what is of size one. */
+static void margin_slopes(const walk *w, const lw_leg *leg, double step, const int *which, int n, double *slope)
+{
+    const lw_plan *plan = w->plan;
+    double dim[LW_DIM_MAX*BLOCK], input[BLOCK], margin[BLOCK], h[BLOCK/2];
+    for (int d = 0; d < plan->n_dim; d++)
+        for (int i = 0; i < 2*n; i++)
+            dim[d*BLOCK + i] = w->dim[d];
+    for (int i = 0; i < n; i++) {
+        int d = which[i];
+        h[i] = step*(d < 0 ? plan->input_is_slider ? w->reach : 1 : fmax(1, fabs(w->dim[d])));
+        for (int side = 0; side < 2; side++) {
+            input[2*i + side] = leg->last + (d < 0 ? side ? h[i] : -h[i] : 0);
+            if (d >= 0)
+                dim[d*BLOCK + 2*i + side] += side ? h[i] : -h[i];
+        }
+    }
+    lane_margins(w, dim, BLOCK, leg->mode, 2*(size_t)n, input, margin);
+    for (int i = 0; i < n; i++)
+        slope[i] = (margin[2*i + 1] - margin[2*i])/(2*h[i]);
+}
+
+void lw_cycle_slopes(const lw_plan *plan, const double *dim, const lw_cycle *c, void *batch, double *by)
+{
+    walk w;
+    int which[LW_DIM_MAX + 1], n = 0;
+    double slope[LW_DIM_MAX + 1];
+    set_walk(&w, plan, dim, batch);
+    which[n++] = -1;
+    for (int d = 0; d < plan->n_dim; d++)
+        if (shapes(plan, d))
+            which[n++] = d;
+    for (int j = 0; j < c->n; j++) {
+        double *row = by + (size_t)j*LW_DIM_MAX, step = fmax(1e-10, fmin(1e-6, 1e-5*other_margin(&w, &c->leg[j])));
+        memset(row, 0, sizeof *row*LW_DIM_MAX);
+        for (int i = 0; i < n; i += BLOCK/2)
+            margin_slopes(&w, &c->leg[j], step, which + i, n - i < BLOCK/2 ? n - i : BLOCK/2, slope + i);
+        for (int i = 1; i < n; i++)
+            row[which[i]] = -slope[i]/slope[0];
+    }
+}

@@ -1,0 +1,118 @@
+#include "mbs/kinematics/output_limits.h"
+
+#include <math.h>
+#include "mbs/plan/pose.h"
+
+#define N_SAMPLE 256
+
+/* speed of one link in its ground joint, and its derivative, as functions of the input */
+typedef struct output {
+    const lw_plan    *plan;
+    const lw_linkage *k;
+    const double     *dim, *mode;
+    int               joint, link;
+    int               pin;        /* for a slide: a pin the link carries, else -1                  */
+    double            still;      /* speeds up to this are rounding: the link stands still          */
+} output;
+
+/* order 1: speed, 2: acceleration; NAN where the linkage does not close. */
+static double rate(const output *o, double input, int order)
+{
+    lw_pose pose;
+    if (lw_pose_solve(o->plan, o->dim, o->mode, input, order, &pose) != LW_OK || !(pose.margin > 0))
+        return NAN;
+    if (o->pin < 0)
+        return pose.angle[o->link][order];
+    return lw_v2_dot(pose.joint[o->pin][order], o->k->joint[o->joint].along);
+}
+
+/* Zero of rate between a and b, where it has the signs of fa and -fa: bisection to neighbouring
+ * numbers, because a turning is printed, not iterated on. */
+static double zero(const output *o, double a, double b, double fa, int order)
+{
+    for (int i = 0; i < 200; i++) {
+        double m = 0.5*(a + b);
+        if (m == a || m == b)
+            break;
+        double f = rate(o, m, order);
+        if ((f > 0) == (fa > 0))
+            a = m;
+        else
+            b = m;
+    }
+    return 0.5*(a + b);
+}
+
+static int add(const output *o, double first, double last, double input, lw_turning *out, int n, int max)
+{
+    if (fabs(input) < 1e-14*(last - first))
+        input = 0;
+    if (n < max)
+        out[n++] = (lw_turning){ o->link, o->joint, input };
+    return n;
+}
+
+/* Turnings are changes of sign of the speed from one sample to the next that is not still: a link that
+ * never moves has none. */
+static int turnings_of(const output *o, double first, double last, lw_turning *out, int n, int max)
+{
+    double step = (last - first)/N_SAMPLE;
+    double a = first, fa = NAN, ga = NAN;
+    for (int i = 0; i <= N_SAMPLE; i++) {
+        double b = first + step*(i == 0 ? 1e-9 : i == N_SAMPLE ? N_SAMPLE - 1e-9 : i);
+        double fb = rate(o, b, 1), gb = rate(o, b, 2);
+        if (fabs(fb) <= o->still)
+            continue;
+        if (fa*fb < 0) {
+            n = add(o, first, last, zero(o, a, b, fa, 1), out, n, max);
+        } else if (fa*fb > 0 && ga*gb < 0 && fa*ga < 0) {      /* the speed dips towards zero */
+            double dip = zero(o, a, b, ga, 2), fd = rate(o, dip, 1);
+            if (fd*fa < 0 && fabs(fd) > o->still) {
+                n = add(o, first, last, zero(o, a, dip, fa, 1), out, n, max);
+                n = add(o, first, last, zero(o, dip, b, fd, 1), out, n, max);
+            }
+        }
+        a = b; fa = fb; ga = gb;
+    }
+    return n;
+}
+
+/* Diagonal of the box around the joints [m]. */
+static double size_of(const lw_linkage *k)
+{
+    lw_vec2 lo = k->joint[0].at, hi = lo;
+    for (int j = 1; j < k->n_joint; j++) {
+        lo = lw_v2(fmin(lo.x, k->joint[j].at.x), fmin(lo.y, k->joint[j].at.y));
+        hi = lw_v2(fmax(hi.x, k->joint[j].at.x), fmax(hi.y, k->joint[j].at.y));
+    }
+    return lw_v2_norm(lw_v2_sub(hi, lo));
+}
+
+static int pin_on(const lw_linkage *k, int link)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].kind == LW_JOINT_REVOLUTE && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
+            return j;
+    return -1;
+}
+
+int lw_turning_find(const lw_plan *plan, const lw_linkage *k, const double *dim, const double *mode,
+                    double first, double last, lw_turning *out, int max)
+{
+    int n = 0;
+    double size = size_of(k), by = plan->input_is_slider ? size : 1;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *q = &k->joint[j];
+        if (j == k->input[0].joint || (q->link[0] != k->ground && q->link[1] != k->ground))
+            continue;
+        int link = q->link[0] == k->ground ? q->link[1] : q->link[0];
+        output o = { plan, k, dim, mode, j, link, -1, 1e-12/by };
+        if (q->kind == LW_JOINT_SLIDER) {
+            o.pin = pin_on(k, link);
+            o.still *= size;
+        }
+        if (q->kind == LW_JOINT_REVOLUTE || o.pin >= 0)
+            n = turnings_of(&o, first, last, out, n, max);
+    }
+    return n;
+}

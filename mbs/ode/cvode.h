@@ -1,0 +1,34 @@
+/* mbs/ode/cvode.h - y' = f(t, y) where it is stiff: CVODE's BDF methods (Hindmarsh et al. 2005), driven like
+ * mbs/ode/integrate.h.
+ *
+ * One solver belongs to one thread.  Events are located on the solver's own continuous solution, to rounding;
+ * how well that solution knows them is the tolerance. */
+#ifndef LW_MBS_CVODE_H
+#define LW_MBS_CVODE_H
+
+#include "mbs/ode/integrate.h"
+
+typedef struct lw_cvode {
+    double  t, t_old;                /* end and beginning of the last step                          */
+    const double *y;                 /* (n) at t                                                    */
+    unsigned long long events;       /* bit i: event i happened at t                                */
+    long    n_step, n_refused, n_rate, n_jacobian;
+    struct lw_cvode_own *own;
+} lw_cvode;
+
+typedef enum lw_cvode_method { LW_CVODE_BDF, LW_CVODE_ADAMS } lw_cvode_method;
+
+/* Begin at (t, y); ode must outlive w.  ode->project is used by BDF only.  o->fixed is not known here: LW_E_ARG.
+ * After a failure w needs no _free. */
+lw_status lw_cvode_make(lw_cvode *w, const lw_ode *ode, const lw_ode_options *o, lw_cvode_method method,
+                        double t, const double *y, lw_error *e);
+void      lw_cvode_free(lw_cvode *w);
+
+/* As lw_integrate_restart, _step, _dense.  t_end must not lie before t. */
+lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e);
+/* The same with the length of the first step; 0: as at the start. */
+lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e);
+lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *e);
+lw_status lw_cvode_dense(lw_cvode *w, double t, double *y);
+
+#endif

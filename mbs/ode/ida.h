@@ -1,0 +1,48 @@
+/* mbs/ode/ida.h - F(t, y, y') = 0: IDA's BDF methods (Hindmarsh et al. 2005) for constrained motion, driven like
+ * mbs/ode/integrate.h.
+ *
+ * Multipliers and other numbers without derivative are named in `algebraic`; they stay out of the error test, without
+ * which index-2 equations (Gear, Gupta & Leimkuhler 1985) fail at the start for tight tolerances. */
+#ifndef LW_MBS_IDA_H
+#define LW_MBS_IDA_H
+
+#include "mbs/ode/integrate.h"
+
+typedef struct lw_dae {
+    int   n;
+    void *context;
+    lw_status (*residual)(void *context, double t, const double *y, const double *dy, double *r);   /* r (n) */
+    /* jac[i + n*j] = dr_i/dy_j + c dr_i/dy'_j, zeroed before; NULL: by differences */
+    lw_status (*jacobian)(void *context, double t, double c, const double *y, const double *dy, double *jac);
+    const unsigned char *algebraic;  /* (n), 1: no derivative of it occurs; NULL: none                */
+    int   n_event;                   /* these as in lw_ode                                          */
+    lw_status (*event)(void *context, double t, const double *y, double *g);
+    signed char direction[LW_EVENT_MAX];
+    bool  passing[LW_EVENT_MAX];
+    void (*seen)(void *context, int event, double t, const double *y);
+} lw_dae;
+
+typedef struct lw_ida {
+    double  t, t_old;
+    const double *y, *dy;            /* (n) at t                                                    */
+    unsigned long long events;
+    long    n_step, n_refused, n_residual, n_jacobian;
+    struct lw_ida_own *own;
+} lw_ida;
+
+/* Begin at (t, y, y'), which should satisfy F; dae must outlive w.  o->fixed: LW_E_ARG.  After a failure w needs no
+ * _free. */
+lw_status lw_ida_make(lw_ida *w, const lw_dae *dae, const lw_ode_options *o, double t, const double *y,
+                      const double *dy, lw_error *e);
+void      lw_ida_free(lw_ida *w);
+
+/* For equations of index 1: find the algebraic numbers and the derivatives that fit the rest of y at the start.
+ * t_first: any later time of interest.  LW_E_NUMERIC when there are none near. */
+lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e);
+
+/* As lw_cvode_restart, _step, _dense. */
+lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error *e);
+lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e);
+lw_status lw_ida_dense(lw_ida *w, double t, double *y);
+
+#endif

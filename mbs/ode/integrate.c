@@ -1,0 +1,402 @@
+/* mbs/ode/integrate.c - steps of DOP853 with control of their error. */
+#include "mbs/ode/integrate_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include "mbs/ode/integrate_table_internal.h"
+
+lw_ode_options lw_ode_options_default(void)
+{
+    return (lw_ode_options){ .relative = 1e-9, .absolute = 1e-9, .max_step = 10000000 };
+}
+
+size_t lw_integrate_work(int n, int n_event)
+{
+    return (size_t)n*(16 + 8 + 6) + (size_t)n_event;
+}
+
+static void divide_workspace(lw_integrator *w, double *work)
+{
+    int n = w->ode->n;
+    double **part[] = { &w->y, &w->y_old, &w->dy, &w->stage, &w->low, &w->y_step };
+    for (size_t i = 0; i < sizeof part/sizeof *part; i++, work += n)
+        *part[i] = work;
+    for (int i = 0; i < 16; i++, work += n)
+        w->k[i] = work;
+    for (int i = 0; i < 8; i++, work += n)
+        w->c[i] = work;
+    w->g_try = work;
+}
+
+static lw_status rate_at(lw_integrator *w, double t, const double *y, double *dy)
+{
+    w->n_rate++;
+    return w->ode->rate(w->ode->context, t, y, dy);
+}
+
+static double allowed(const lw_integrator *w, int i, double size)
+{
+    return (w->o.absolute_each ? w->o.absolute_each[i] : w->o.absolute) + w->o.relative*size;
+}
+
+/* ---- one step ------------------------------------------------------------------------------------ */
+
+/* stage = y_old + h sum of rk_matrix[s][j] k[j]; s is a literal, so that the loop unrolls and 0 drops out */
+static inline __attribute__((always_inline)) void combine(lw_integrator *w, int s, double h)
+{
+    const double *k = w->k[0], *y = w->y_old;
+    double *out = w->stage;
+    size_t n = (size_t)w->ode->n;
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0.0;
+#pragma GCC unroll 16
+        for (int j = 0; j < s; j++)
+            if (rk_matrix[s][j] != 0.0)
+                sum += rk_matrix[s][j]*k[(size_t)j*n + i];
+        out[i] = y[i] + h*sum;
+    }
+}
+
+#define STAGE(s)                                                                           \
+    do {                                                                                   \
+        combine(w, s, h);                                                                  \
+        lw_status st_ = rate_at(w, w->t_old + rk_node[s]*h, w->stage, w->k[s]);            \
+        if (st_ != LW_OK)                                                                  \
+            return st_;                                                                    \
+    } while (0)
+
+/* y_old + low + h sum of weights, the sum kept to twice the digits (Kahan; low holds what is missing) */
+static void add_weighted(lw_integrator *w, double h)
+{
+    const double *k = w->k[0];
+    size_t n = (size_t)w->ode->n;
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0.0;
+#pragma GCC unroll 12
+        for (int j = 0; j < 12; j++)
+            if (rk_matrix[12][j] != 0.0)
+                sum += rk_matrix[12][j]*k[(size_t)j*n + i];
+        double add = h*sum + w->y_step[i], y = w->y_old[i] + add;
+        w->low[i] = add - (y - w->y_old[i]);
+        w->y[i] = y;
+    }
+}
+
+lw_status lw_rk_advance(lw_integrator *w, double h)
+{
+    STAGE(1); STAGE(2); STAGE(3); STAGE(4); STAGE(5); STAGE(6);
+    STAGE(7); STAGE(8); STAGE(9); STAGE(10); STAGE(11);
+    add_weighted(w, h);
+    w->h_done = h;
+    return LW_OK;
+}
+
+/* The estimate of order 5 tamed by that of order 3 (Hairer, Norsett & Wanner 1993, eq. II.10.17); 1 is
+ * what is allowed. */
+static double step_error(const lw_integrator *w, double h)
+{
+    const double *k = w->k[0];
+    size_t n = (size_t)w->ode->n;
+    double e5 = 0.0, e3 = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double a = 0.0, b = 0.0;
+#pragma GCC unroll 12
+        for (int j = 0; j < 12; j++) {
+            if (rk_error5[j] != 0.0)
+                a += rk_error5[j]*k[(size_t)j*n + i];
+            if (rk_matrix[12][j] - rk_error3[j] != 0.0)
+                b += (rk_matrix[12][j] - rk_error3[j])*k[(size_t)j*n + i];
+        }
+        double s = allowed(w, (int)i, fmax(fabs(w->y_old[i]), fabs(w->y[i])));
+        e5 += a*a/(s*s);
+        e3 += b*b/(s*s);
+    }
+    double bottom = e5 + 0.01*e3;
+    return bottom > 0.0 ? fabs(h)*e5/sqrt((double)n*bottom) : e5 == 0.0 && e3 == 0.0 ? 0.0 : NAN;
+}
+
+lw_status lw_rk_arrive(lw_integrator *w)
+{
+    double add = w->h_done + w->t_step;                  /* the sum of steps is compensated too */
+    w->t = w->t_old + add;
+    w->t_low = add - (w->t - w->t_old);
+    if (w->ode->project) {
+        lw_status s = w->ode->project(w->ode->context, w->t, w->y);
+        if (s != LW_OK)
+            return s;
+        memset(w->low, 0, sizeof(double)*(size_t)w->ode->n);     /* the lost bits belong to another y */
+    }
+    lw_status s = rate_at(w, w->t, w->y, w->k[12]);
+    memcpy(w->dy, w->k[12], sizeof(double)*(size_t)w->ode->n);
+    w->dense = false;
+    return s;
+}
+
+/* ---- continuous solution, order 7 ---------------------------------------------------------------- */
+
+static lw_status prepare_dense(lw_integrator *w)
+{
+    double h = w->h_done;
+    size_t n = (size_t)w->ode->n;
+    STAGE(13); STAGE(14); STAGE(15);
+    for (size_t i = 0; i < n; i++) {
+        double rise = w->y[i] - w->y_old[i], bend = h*w->k[0][i] - rise;
+        w->c[0][i] = w->y_old[i];
+        w->c[1][i] = rise;
+        w->c[2][i] = bend;
+        w->c[3][i] = rise - h*w->k[12][i] - bend;
+        for (int r = 0; r < 4; r++) {
+            double sum = 0.0;
+            for (int j = 0; j < 16; j++)
+                sum += rk_dense[r][j]*w->k[j][i];
+            w->c[4 + r][i] = h*sum;
+        }
+    }
+    w->dense = true;
+    return LW_OK;
+}
+
+lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)
+{
+    if (w->h_done == 0.0) {
+        memcpy(y, w->y, sizeof(double)*(size_t)w->ode->n);
+        return LW_OK;
+    }
+    if (!w->dense) {
+        lw_status s = prepare_dense(w);
+        if (s != LW_OK)
+            return s;
+    }
+    double x = (t - w->t_old)/w->h_done, z = 1.0 - x;
+    double *const *c = w->c;
+    for (int i = 0; i < w->ode->n; i++)
+        y[i] = c[0][i] + x*(c[1][i] + z*(c[2][i] + x*(c[3][i] + z*(c[4][i] + x*(c[5][i]
+             + z*(c[6][i] + x*c[7][i]))))));
+    return LW_OK;
+}
+
+/* ---- begin --------------------------------------------------------------------------------------- */
+
+/* Length of the first step from the sizes of y, f and a difference of f (Hairer, Norsett & Wanner 1993,
+ * section II.4); sign is that of the direction. */
+static lw_status first_step(lw_integrator *w, double sign)
+{
+    int n = w->ode->n;
+    double y2 = 0.0, f2 = 0.0, d2 = 0.0;
+    for (int i = 0; i < n; i++) {
+        double s = allowed(w, i, fabs(w->y[i]));
+        y2 += pow(w->y[i]/s, 2);
+        f2 += pow(w->dy[i]/s, 2);
+    }
+    double h = f2 <= 1e-10 || y2 <= 1e-10 ? 1e-6 : 0.01*sqrt(y2/f2);
+    if (w->o.greatest > 0.0)
+        h = fmin(h, w->o.greatest);
+    lw_status status;
+    for (int tries = 0; ; tries++, h *= 0.1) {
+        for (int i = 0; i < n; i++)
+            w->stage[i] = w->y[i] + sign*h*w->dy[i];
+        status = rate_at(w, w->t + sign*h, w->stage, w->k[1]);
+        if (status != LW_OPEN || tries == 8)
+            break;
+    }
+    if (status != LW_OK)
+        return status;
+    for (int i = 0; i < n; i++)
+        d2 += pow((w->k[1][i] - w->dy[i])/allowed(w, i, fabs(w->y[i])), 2);
+    double most = fmax(sqrt(f2), sqrt(d2)/h);
+    double h1 = most <= 1e-15 ? fmax(1e-6, 1e-3*h) : pow(0.01/most, 1.0/8.0);
+    w->h = fmin(100.0*h, h1);
+    return LW_OK;
+}
+
+static lw_status bad_start(const lw_ode *ode, const lw_ode_options *o, lw_error *e)
+{
+    bool each = o->absolute_each != NULL;
+    for (int i = 0; each && i < ode->n; i++)
+        each = o->absolute_each[i] > 0.0 || o->relative > 0.0;
+    if (!(o->fixed > 0.0 || o->absolute > 0.0 || o->relative > 0.0 || each) || o->absolute < 0.0 || o->relative < 0.0)
+        return lw_error_set(e, LW_E_ARG, "integration needs a tolerance above 0");
+    if (ode->n < 1 || ode->n_event < 0 || ode->n_event > LW_EVENT_MAX)
+        return lw_error_set(e, LW_E_ARG, "integration of %d numbers with %d events: 1 or more numbers, "
+                            "0 to %d events", ode->n, ode->n_event, LW_EVENT_MAX);
+    return LW_OK;
+}
+
+static lw_status look_at_events(lw_integrator *w, lw_error *e)
+{
+    if (w->ode->n_event == 0)
+        return LW_OK;
+    lw_status s = w->ode->event(w->ode->context, w->t, w->y, w->g_try);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "the events cannot be judged at t = %.9g s: %s", w->t, lw_status_text(s));
+    for (int i = 0; i < w->ode->n_event; i++)
+        w->side[i] = w->g_try[i] < 0.0 ? -1 : 1;
+    return LW_OK;
+}
+
+/* Events that have just happened: g is what its location left over, its sign rounding.  Which side they are on is
+ * where they will be shortly after: past 0, or back again after an impact; further on while g does not outgrow what
+ * was left over. */
+static lw_status look_ahead(lw_integrator *w, double sign)
+{
+    double left[LW_EVENT_MAX];
+    bool sure = false;
+    lw_status s = LW_OK;
+    memcpy(left, w->g_try, sizeof(double)*(size_t)w->ode->n_event);
+    for (double x = 1e-7; s == LW_OK && !sure && x < 2e-3; x *= 10.0) {
+        for (int i = 0; i < w->ode->n; i++)
+            w->stage[i] = w->y[i] + sign*x*w->h*w->dy[i];
+        s = w->ode->event(w->ode->context, w->t, w->stage, w->g_try);
+        sure = true;
+        for (int i = 0; s == LW_OK && i < w->ode->n_event; i++)
+            if (w->events >> i & 1) {
+                w->side[i] = w->g_try[i] < 0.0 ? -1 : 1;
+                sure = sure && fabs(w->g_try[i]) > 2.0*fabs(left[i]);
+            }
+    }
+    return s;
+}
+
+lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_options *o, double *work,
+                             double t, const double *y, lw_error *e)
+{
+    lw_status s = bad_start(ode, o, e);
+    if (s != LW_OK)
+        return s;
+    memset(w, 0, sizeof *w);
+    w->ode = ode;
+    w->o = *o;
+    divide_workspace(w, work);
+    w->t = w->t_old = t;
+    w->err_old = 1e-4;
+    size_t bytes = sizeof(double)*(size_t)ode->n;
+    memcpy(w->y, y, bytes);
+    memcpy(w->y_old, y, bytes);
+    memset(w->low, 0, bytes);
+    if ((s = rate_at(w, t, w->y, w->dy)) != LW_OK)
+        return lw_error_set(e, s, "the equations of motion have no meaning at the start: %s", lw_status_text(s));
+    return look_at_events(w, e);
+}
+
+lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e)
+{
+    size_t bytes = sizeof(double)*(size_t)w->ode->n;
+    if (y)
+        memcpy(w->y, y, bytes);
+    memset(w->low, 0, bytes);
+    lw_status s = rate_at(w, w->t, w->y, w->dy);
+    if (s != LW_OK)
+        return lw_error_set(e, s, "the equations of motion have no meaning at t = %.9g s: %s", w->t,
+                            lw_status_text(s));
+    s = look_at_events(w, e);
+    if (s == LW_OK && w->events)
+        s = look_ahead(w, w->h_done < 0.0 ? -1.0 : 1.0);
+    w->events = 0;
+    return s;
+}
+
+/* ---- the step the caller sees -------------------------------------------------------------------- */
+
+static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
+{
+    if (fabs(h) > 4.0*DBL_EPSILON*fabs(w->t_old) && fabs(h) > DBL_MIN)
+        return LW_OK;
+    return lw_error_set(e, LW_E_NUMERIC, "at t = %.12g s the steps became too short (%.3g s): the motion is "
+                        "singular there, or the tolerance is below rounding", w->t_old, fabs(h));
+}
+
+/* Of the next step, by a proportional and an integral part: at the limit of stability steps settle instead of hunting.
+ * With the larger proportional part of Gustafsson 1991 next to none are refused, but where rounding in f makes the
+ * estimate, which then falls with the step only, steps would become twenty times shorter than they need be. */
+static double growth(const lw_integrator *w, double err)
+{
+    return w->o.smooth ? 0.85*pow(err, -0.7/8)*pow(w->err_old, 0.4/8) : 0.9*pow(err, -0.117)*pow(w->err_old, 0.04);
+}
+
+/* Try steps from t_old until one is accepted; `last` says that it reached t_end. */
+static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_error *e)
+{
+    double sign = t_end < w->t_old ? -1.0 : 1.0, factor_max = 6.0;
+    for (;;) {
+        if (w->o.max_step > 0 && w->n_step + w->n_refused >= w->o.max_step)
+            return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t_old, w->o.max_step);
+        double left = fabs(t_end - w->t_old - w->t_step), h = w->o.fixed > 0.0 ? w->o.fixed : w->h;
+        if (w->o.greatest > 0.0)
+            h = fmin(h, w->o.greatest);
+        *last = h*(1.0 + 1e-10) >= left;                 /* no crumb of a step at the end */
+        h = sign*(*last ? left : !w->o.fixed && 2.0*h > left ? 0.5*left : h);
+        lw_status s = too_short(w, h, e);
+        if (s != LW_OK)
+            return s;
+        s = lw_rk_advance(w, h);
+        double err = s == LW_OK ? w->o.fixed > 0.0 ? 0.0 : step_error(w, h) : NAN;
+        if (s == LW_OK && err <= 1.0)
+            s = lw_rk_arrive(w);
+        if (s == LW_OK && err <= 1.0) {
+            double f = err > 0.0 ? growth(w, err) : factor_max;
+            double next = fabs(h)*fmin(factor_max, fmax(1.0/3.0, f));
+            w->h = *last && next < w->h && f >= 1.0 ? w->h : next;
+            w->err_old = fmax(err, 1e-4);
+            w->n_step++;
+            return LW_OK;
+        }
+        if (s == LW_STOPPED)                             /* in the callback's own words */
+            return s;
+        if (s != LW_OK && s != LW_OPEN)
+            return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
+        if (w->o.fixed > 0.0)
+            return lw_error_set(e, LW_E_NUMERIC, "a step of fixed length fails at t = %.9g s", w->t_old);
+        w->n_refused++;
+        factor_max = 1.0;
+        w->h = fabs(h)*(err > 1.0 && err < 1e300 ? fmax(1.0/3.0, 0.9*pow(err, -0.125)) : 0.1);
+    }
+}
+
+lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e)
+{
+    size_t bytes = sizeof(double)*(size_t)w->ode->n;
+    *stop = LW_ODE_END;
+    w->events = 0;
+    if (t_end == w->t)
+        return LW_OK;
+    if (w->h == 0.0 && w->o.fixed <= 0.0) {
+        w->h = w->o.first;
+        lw_status s = w->h > 0.0 ? LW_OK : first_step(w, t_end < w->t ? -1.0 : 1.0);
+        if (s != LW_OK)
+            return lw_error_set(e, s, "no first step is possible at t = %.9g s: %s", w->t, lw_status_text(s));
+    }
+    w->t_old = w->t;
+    memcpy(w->y_old, w->y, bytes);
+    memcpy(w->k[0], w->dy, bytes);
+    memcpy(w->y_step, w->low, bytes);
+    w->t_step = w->t_low;
+    bool last = false, found = false;
+    signed char side[LW_EVENT_MAX];
+    memcpy(side, w->side, sizeof side);
+    lw_status s = accept_step(w, t_end, &last, e);
+    for (; s == LW_OK; s = accept_step(w, t_end, &last, e)) {
+        if (last)
+            w->t = t_end, w->t_low = 0.0;                /* not t_old + h, which may miss it by a bit */
+        lw_status look = w->ode->n_event > 0 ? lw_rk_events(w, &found) : LW_OK;
+        if (look == LW_OK)
+            break;
+        if (look != LW_OPEN || w->o.fixed > 0.0) {
+            s = lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
+            break;
+        }
+        /* the step ran into where f has no meaning, though its end has: again, shorter */
+        memcpy(w->side, side, sizeof side);
+        w->h = 0.25*fabs(w->h_done);
+        w->n_refused++;
+    }
+    if (s != LW_OK) {
+        w->t = w->t_old, w->t_low = w->t_step;
+        memcpy(w->y, w->y_old, bytes);
+        memcpy(w->dy, w->k[0], bytes);
+        memcpy(w->low, w->y_step, bytes);
+        return s;
+    }
+    *stop = found ? LW_ODE_EVENT : last ? LW_ODE_END : LW_ODE_STEP;
+    return LW_OK;
+}

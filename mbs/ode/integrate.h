@@ -1,0 +1,91 @@
+/* mbs/ode/integrate.h - y' = f(t, y): what is integrated, how well, and an explicit method of order 8.
+ *
+ * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations a step, an
+ * estimate of the error from embedded methods of orders 5 and 3, a continuous solution of order 7
+ * for three more.  The state is summed with compensation, so that 1e7 steps do not lose digits.
+ * Not for stiff problems: steps stay below about 6 over the fastest rate (mbs/ode/cvode.h has no such limit).
+ *
+ * The caller drives: one call is one step, which ends at an event, at t_end, or where the error asks.
+ * All memory is the caller's; nothing is allocated. */
+#ifndef LW_MBS_INTEGRATE_H
+#define LW_MBS_INTEGRATE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+
+#define LW_EVENT_MAX 64
+
+/* Every callback: LW_OK; LW_OPEN where the state has no meaning (the step is tried shorter); a failure
+ * ends the run with that status; LW_STOPPED, whose words the callback has set, too. */
+typedef struct lw_ode {
+    int   n;                         /* numbers in y                                               */
+    void *context;                   /* handed to every callback                                   */
+    lw_status (*rate)(void *context, double t, const double *y, double *dy);             /* dy (n)    */
+    /* jac[i + n*j] = d dy_i / d y_j, zeroed before; only implicit methods ask; NULL: by differences  */
+    lw_status (*jacobian)(void *context, double t, const double *y, const double *dy, double *jac);
+    /* put y back where it belongs (constraints, turns); after every accepted step; NULL: none        */
+    lw_status (*project)(void *context, double t, double *y);
+    int   n_event;                   /* functions that mean something where they cross 0            */
+    lw_status (*event)(void *context, double t, const double *y, double *g);             /* g (n_event) */
+    signed char direction[LW_EVENT_MAX];   /* +1 rising, -1 falling, 0 both                           */
+    bool  passing[LW_EVENT_MAX];     /* true: told to `seen`, the run goes on; false: the step ends there */
+    void (*seen)(void *context, int event, double t, const double *y);                    /* may be NULL */
+} lw_ode;
+
+/* |error of a step in y_i| <= absolute_i + relative |y_i|, in the root mean square over i. */
+typedef struct lw_ode_options {
+    double relative, absolute;       /* > 0 one of them; default 1e-9, 1e-9                         */
+    const double *absolute_each;     /* (n), NULL: `absolute` for all                               */
+    double first, greatest;          /* step at the start, longest step; 0: found, no limit         */
+    double fixed;                    /* > 0: all steps this long, error not looked at (tests)       */
+    bool   smooth;                   /* f is known to all digits: control of the step that refuses fewer */
+    long   max_step;                 /* accepted and refused; default 10000000; 0: no limit         */
+} lw_ode_options;
+
+lw_ode_options lw_ode_options_default(void);
+
+typedef enum lw_ode_stop {
+    LW_ODE_STEP,                     /* an ordinary step                                           */
+    LW_ODE_EVENT,                    /* t is where events crossed 0, to 1e-12 of the time scale or rounding */
+    LW_ODE_END                       /* t is t_end                                                 */
+} lw_ode_stop;
+
+typedef struct lw_integrator {
+    const lw_ode  *ode;
+    lw_ode_options o;
+    double  t, t_old;                /* end and beginning of the last step                          */
+    double  h;                       /* length proposed for the next                                */
+    double *y, *y_old;               /* (n) there                                                   */
+    double *dy;                      /* (n) f(t, y)                                                 */
+    unsigned long long events;       /* bit i: event i happened at t                                */
+    long    n_step, n_refused, n_rate;
+    /* the rest is the integrator's own */
+    double *k[16], *stage, *c[8], *low, *y_step, *g_try;
+    double  t_low, t_step, h_done, err_old;
+    signed char side[LW_EVENT_MAX];
+    bool    dense;
+} lw_integrator;
+
+/* Doubles of workspace. */
+size_t lw_integrate_work(int n, int n_event);
+
+/* Begin at (t, y).  ode stays the caller's and must outlive w, as must work.
+ * LW_E_ARG: no tolerance, more than LW_EVENT_MAX events; failures of f. */
+lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_options *o, double *work,
+                             double t, const double *y, lw_error *e);
+
+/* After the caller changed the state (an impact) or f itself (contact made or lost) at w->t: take over y
+ * (NULL: as it is) and look again at which side of 0 each event is; for one that has just happened, where
+ * it will be shortly after.  The step length is kept; set w->h for another. */
+lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e);
+
+/* One step towards t_end (which may lie before t).  Within a step, events are looked for at its end and
+ * at three places between; two crossings of one event closer than that are not seen.
+ * LW_STOPPED: max_step used up; LW_E_NUMERIC: steps too short to move t, or numbers not finite. */
+lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e);
+
+/* y (n) at t between t_old and t of the last step. */
+lw_status lw_integrate_dense(lw_integrator *w, double t, double *y);
+
+#endif

@@ -1,0 +1,105 @@
+/* mbs/ode/panel.c - Chebyshev and Gauss-Legendre points (of GSL), and the matrices that integrate by them. */
+#include "mbs/ode/panel_internal.h"
+
+#include <gsl/gsl_integration.h>
+#include <math.h>
+#include "base/vec2.h"
+
+enum { N = LW_PANEL_NODES };
+
+/* T_0 .. T_(N-1) at 2 x - 1; in double the recurrence loses digits beside the ends. */
+static void chebyshev(double x, double *t)
+{
+    long double z = 2*(long double)x - 1, before = 1, now = z;
+    t[0] = 1;
+    for (int k = 1; k < N; k++) {
+        t[k] = (double)now;
+        long double next = 2*z*now - before;
+        before = now;
+        now = next;
+    }
+}
+
+/* out = a coef */
+static void from_values(const lw_panel_rule *r, const lw_panel_matrix *a, lw_panel_matrix *out)
+{
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++) {
+            out->row[i][j] = 0;
+            for (int k = 0; k < N; k++)
+                out->row[i][j] += a->row[i][k]*r->coef.row[k][j];
+        }
+}
+
+lw_status lw_panel_rule_make(lw_panel_rule *r)
+{
+    gsl_integration_glfixed_table *gauss = gsl_integration_glfixed_table_alloc(N);
+    double y, w, t[N], one[N] = { 0 };
+    lw_panel_matrix mean = { 0 }, root = { 0 };
+    if (!gauss)
+        return LW_E_MEMORY;
+    for (int i = 0; i < N; i++) {
+        double half = sin(0.5*LW_PI*(i + 0.5)/N);
+        r->at[i] = half*half;
+        chebyshev(r->at[i], t);
+        for (int k = 0; k < N; k++)
+            r->coef.row[k][i] = (k ? 2.0 : 1.0)/N*t[k];
+    }
+    for (int g = 0; g < N; g++) {
+        gsl_integration_glfixed_point(0, 1, (size_t)g, &y, &w, gauss);
+        chebyshev(y, t);
+        for (int k = 0; k < N; k++)
+            one[k] += w*t[k];
+        for (int i = 0; i < N; i++) {
+            chebyshev(r->at[i]*y, t);
+            for (int k = 0; k < N; k++)
+                mean.row[i][k] += w*t[k];
+            chebyshev(r->at[i]*y*y, t);
+            for (int k = 0; k < N; k++)
+                root.row[i][k] += w*t[k];
+        }
+    }
+    from_values(r, &mean, &r->mean);
+    from_values(r, &root, &r->root);
+    for (int j = 0; j < N; j++) {
+        r->whole[j] = 0;
+        for (int k = 0; k < N; k++)
+            r->whole[j] += one[k]*r->coef.row[k][j];
+    }
+    gsl_integration_glfixed_table_free(gauss);
+    return LW_OK;
+}
+
+double lw_panel_sum(const double *weight, const double *f)
+{
+    double sum = 0;
+    for (int j = 0; j < N; j++)
+        sum += weight[j]*f[j];
+    return sum;
+}
+
+void lw_panel_apply(const lw_panel_matrix *m, const double *f, double *out)
+{
+    for (int i = 0; i < N; i++)
+        out[i] = lw_panel_sum(m->row[i], f);
+}
+
+double lw_panel_value(const double *c, double x)
+{
+    double z = 2*(2*x - 1), b1 = 0, b2 = 0;
+    for (int k = N - 1; k > 0; k--) {
+        double b = c[k] + z*b1 - b2;
+        b2 = b1;
+        b1 = b;
+    }
+    return c[0] + 0.5*z*b1 - b2;
+}
+
+double lw_panel_tail(const lw_panel_rule *r, const double *f)
+{
+    double most = 0;
+    for (int i = 0; i < N; i++)
+        most = fmax(most, fabs(f[i]));
+    double last = fmax(fabs(lw_panel_sum(r->coef.row[N - 1], f)), fabs(lw_panel_sum(r->coef.row[N - 2], f)));
+    return most > 0 ? last/most : 0;
+}

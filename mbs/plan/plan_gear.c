@@ -1,0 +1,368 @@
+/* Gears in a plan: which wheel or rack is moved by which, in how many turns of the input all comes back.
+ *
+ * Relative to the link that carries both wheels the one turns `ratio` times as fast as the other.  As soon as the
+ * carrier and one wheel are known the other wheel is: with directions as unit vectors
+ *     u = e^{i phi} c^{1 - ratio} w^{ratio},   c of the carrier, w of the known wheel, phi the phase,
+ * for whole ratios.  Wheels whose carrier and partner turn with the input at constant rates do so themselves, at any
+ * ratio of whole numbers: where a rate is a fraction, the plan counts its input in so many turns (plan->laps) that all
+ * rates become whole numbers m, u = e^{i (phi + m input)}.  A pinion is known by its rack, a rack by its pinion.
+ *
+ * A tied input (grammar/linkage.h) turns its link so many times as fast as the first input does its own, both seen
+ * from the ground: the ground carries the two, as if a belt or wheels went from the one to the other.
+ *
+ * All other gears are equations of the group that their wheels belong to, if need be of one wheel alone: a ratio p/q as
+ *     q phi_1 - p phi_0 - (q - p) phi_c = q phi,
+ * which q directions of wheel 1 fulfil.  They are told apart by the way that leads there from the seed, and come
+ * after each other in q turns of wheel 0; in how many turns of the input at most is what lw_plan_gear_laps says. */
+#include "mbs/plan/plan_build_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define WHOLE 1e-9           /* a ratio nearer to a whole number is meant to be one */
+
+static bool is_whole(double a) { return fabs(a - round(a)) <= WHOLE*fmax(1, fabs(a)); }
+
+bool lw_plan_fraction(double ratio, int *p, int *q)
+{
+    for (*q = 1; *q <= LW_LAP_MAX; ++*q)
+        if (is_whole(*q*ratio) && fabs(*q*ratio) <= LW_POWER_MAX) {
+            *p = (int)lround(*q*ratio);
+            return *p != 0;
+        }
+    return false;
+}
+
+lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
+{
+    const lw_linkage *k = t->k;
+    t->laps = 1;
+    for (int i = 0; i < LW_LINK_MAX; i++)
+        t->rate[i] = NAN;
+    t->rate[k->ground] = 0;
+    if (t->driven >= 0 && k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE)
+        t->rate[t->driven] = 1;
+    for (int j = 0, p, q; j < k->n_joint; j++) {
+        lw_gear *g = &t->gear[j];
+        if (k->joint[j].kind != LW_JOINT_GEAR)
+            continue;
+        lw_status s = lw_linkage_gear(k, j, g, e);
+        if (s != LW_OK)
+            return s;
+        if (g->slider[0] >= 0 && g->slider[1] >= 0)
+            return lw_error_set(e, LW_E_KIND, "gear \"%s\": both its links slide on \"%s\"; plans take a rack with a pinion",
+                                k->joint[j].name, k->link_name[g->carrier]);
+        if (g->slider[0] < 0 && g->slider[1] < 0 && !lw_plan_fraction(k->joint[j].ratio, &p, &q))
+            return lw_error_set(e, LW_E_KIND, "gear \"%s\": plans take ratios of whole numbers up to %d over up to %d, not %g",
+                                k->joint[j].name, LW_POWER_MAX, LW_LAP_MAX, k->joint[j].ratio);
+    }
+    return LW_OK;
+}
+
+/* ---- one link known by its gear ------------------------------------------------------------------------ */
+
+/* The pin on which a wheel turns on its carrier. */
+static int centre_pin(const lw_topology *t, int wheel, int carrier)
+{
+    for (int j = 0; j < t->k->n_joint; j++)
+        if (t->k->joint[j].kind == LW_JOINT_REVOLUTE && t->pin[j] == j && t->on_pin[j] >> wheel & 1
+            && t->on_pin[j] >> carrier & 1)
+            return j;
+    return -1;
+}
+
+/* The gear as a group, when carrier and one side are known and the other is not. */
+static bool as_group(const lw_topology *t, int joint, lw_group *g)
+{
+    const lw_joint *q = &t->k->joint[joint];
+    const lw_gear *gear = &t->gear[joint];
+    int found = t->rank[q->link[0]] < 0 ? 0 : 1, slider = gear->slider[found];
+    if (t->geared[joint] || t->rank[gear->carrier] < 0 || t->rank[q->link[found]] >= 0 || t->rank[q->link[!found]] < 0)
+        return false;
+    int at = slider >= 0 ? slider : centre_pin(t, q->link[found], gear->carrier);
+    *g = (lw_group){ .kind = slider >= 0 ? LW_STEP_RACK : gear->slider[!found] >= 0 ? LW_STEP_ROLL : LW_STEP_GEAR,
+                     .link = { q->link[found], q->link[found] }, .joint = { at, joint, at },
+                     .base = { gear->carrier, q->link[!found] }, .ratio = found ? q->ratio : 1/q->ratio };
+    return at >= 0;
+}
+
+/* What the wheel makes in a turn of the input; NaN: it does not turn evenly. */
+static double rate_of(const lw_topology *t, const lw_group *g)
+{
+    double c = t->rate[g->base[0]], w = t->rate[g->base[1]];
+    return g->kind == LW_STEP_GEAR ? c + g->ratio*(w - c) : NAN;
+}
+
+static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
+{
+    const lw_joint *j = &t->k->joint[joint];
+    return lw_error_set(e, LW_E_KIND, "%s \"%s\": plans take ratios of whole numbers; with this one all comes back after more "
+                        "than %d turns of the input, or wheels turn more than %d times in these",
+                        j->kind == LW_JOINT_GEAR ? "gear" : "tied input", j->name, LW_LAP_MAX, LW_POWER_MAX);
+}
+
+/* Take the group, and if its wheel turns evenly count in turns of the input that bring it back. */
+static lw_status take(lw_topology *t, const lw_group *g, int *known, lw_error *e)
+{
+    double rate = rate_of(t, g);
+    int laps = t->laps;
+    while (isfinite(rate) && laps <= LW_LAP_MAX && !is_whole(laps*rate))
+        laps += t->laps;
+    if (laps > LW_LAP_MAX || fabs(laps*rate) > LW_POWER_MAX)
+        return too_many(t, g->joint[1], e);
+    t->laps = laps;
+    t->rate[g->link[0]] = rate;
+    t->rank[g->link[0]] = (*known)++;
+    t->group[t->n_group++] = *g;
+    t->n_gear++;
+    return LW_OK;
+}
+
+lw_status lw_plan_tie_inputs(lw_topology *t, int *known, lw_error *e)
+{
+    const lw_linkage *k = t->k;
+    lw_status s = LW_OK;
+    for (int i = 1; i < k->n_input && s == LW_OK; i++) {
+        int j = k->input[i].joint, link = lw_joint_other(&k->joint[j], k->ground), pin = t->pin[j];
+        const lw_group g = { .kind = LW_STEP_GEAR, .link = { link, link }, .joint = { pin, j, pin },
+                             .base = { k->ground, t->driven }, .ratio = k->input[i].ratio };
+        s = take(t, &g, known, e);
+    }
+    return s;
+}
+
+lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e)
+{
+    lw_group g;
+    *found = false;
+    for (int j = 0; j < t->k->n_joint; j++) {
+        if (t->k->joint[j].kind != LW_JOINT_GEAR || !as_group(t, j, &g))
+            continue;
+        bool whole = is_whole(g.ratio) && fabs(g.ratio) <= LW_POWER_MAX;
+        if (g.kind == LW_STEP_GEAR && !whole && !isfinite(rate_of(t, &g)))
+            continue;                                    /* an equation of a group                          */
+        *found = t->geared[j] = true;
+        return take(t, &g, known, e);
+    }
+    return LW_OK;
+}
+
+/* ---- gears of a group ------------------------------------------------------------------------------------ */
+
+static int common_multiple(int a, int b)
+{
+    int m = a;
+    while (m % b)
+        m += a;
+    return m;
+}
+
+/* Of a row  q phi_1 - p phi_0 - (q - p) phi_c,  what the unknown wheels are multiplied by, or else the carrier: by so
+ * many turns of what they hang on each comes back. */
+static int turns_of(const lw_topology *t, const lw_cluster *c, int joint)
+{
+    const lw_joint *j = &t->k->joint[joint];
+    int p, q, turns = 1;
+    if (t->gear[joint].slider[0] >= 0 || t->gear[joint].slider[1] >= 0 || !lw_plan_fraction(j->ratio, &p, &q))
+        return 1;
+    if (c->links >> j->link[1] & 1)
+        turns = q;
+    if (c->links >> j->link[0] & 1)
+        turns = common_multiple(turns, abs(p));
+    return turns > 1 || p == q || !(c->links >> t->gear[joint].carrier & 1) || c->links >> j->link[0] & 1
+           || c->links >> j->link[1] & 1 ? turns : abs(q - p);
+}
+
+lw_status lw_plan_gear_laps(lw_topology *t, const lw_cluster *c, lw_error *e)
+{
+    bool turns = t->k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE;
+    for (int i = 0; i < c->n_gear; i++) {
+        t->geared[c->gear[i]] = true;
+        t->laps *= turns ? turns_of(t, c, c->gear[i]) : 1;
+        if (t->laps > LW_LAP_MAX)
+            return too_many(t, c->gear[i], e);
+    }
+    return LW_OK;
+}
+
+lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e)
+{
+    for (int j = 0; j < t->k->n_joint; j++)
+        if (t->k->joint[j].kind == LW_JOINT_GEAR && !t->geared[j])
+            return lw_error_set(e, LW_E_KIND, "gear \"%s\" holds links that others hold already", t->k->joint[j].name);
+    return LW_OK;
+}
+
+/* ---- frames ----------------------------------------------------------------------------------------------- */
+
+/* The first joint of a link beside the one it turns on, as lw_linkage_posture_input has it. */
+static int next_joint(const lw_topology *t, int link, int pin)
+{
+    const lw_linkage *k = t->k;
+    lw_vec2 at = k->joint[pin].at;
+    for (int j = 0; j < k->n_joint; j++) {
+        const lw_joint *q = &k->joint[j];
+        if (t->slot[j] >= 0 && lw_joint_has(&k->joint[t->slot[j]], link))
+            return t->slot[j];
+        if (j != pin && q->kind != LW_JOINT_GEAR && lw_joint_has(q, link) &&
+            (q->kind == LW_JOINT_SLIDER || q->at.x != at.x || q->at.y != at.y))
+            return j;
+    }
+    return -1;
+}
+
+static int first_tracer(const lw_topology *t, int link)
+{
+    for (int i = 0; i < t->k->n_tracer; i++)
+        if (t->k->tracer[i].link == link)
+            return i;
+    return -1;
+}
+
+/* Of a link that turns on a pin: the driven one, a wheel. */
+lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin)
+{
+    const lw_topology *t = b->t;
+    int j = next_joint(t, link, pin);
+    return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || lw_build_is_slider(b, j) ? j : t->pin[j], first_tracer(t, link) };
+}
+
+void lw_build_gear_frame(lw_builder *b, const lw_group *g)
+{
+    if (g->kind == LW_STEP_RACK)
+        lw_build_rack_frame(b, g);
+    else
+        b->p->frame[g->link[0]] = lw_build_turning_frame(b, g->link[0], g->joint[0]);
+}
+
+/* ---- steps ------------------------------------------------------------------------------------------------ */
+
+/* The direction of a driven link that makes several turns. */
+int lw_build_laps(lw_builder *b, int input)
+{
+    if (b->t->laps == 1)
+        return input;
+    lw_step *s = lw_build_step(b, LW_STEP_GEAR);
+    s->in[0] = b->lap_reg = input;
+    s->power[0] = b->t->laps;
+    return s->out[0] = lw_build_reg(b);
+}
+
+static void build_wheel(lw_builder *b, const lw_group *g)
+{
+    int wheel = g->link[0], origin = lw_build_pin(b, g->joint[0], g->base[0]);
+    int phase = lw_build_dim(b, LW_ROLE_PHASE, wheel, g->joint[1], 0);
+    lw_step *s = lw_build_step(b, LW_STEP_GEAR);
+    if (isfinite(rate_of(b->t, g))) {
+        s->in[0] = b->lap_reg;
+        s->power[0] = (int)lround(b->t->laps*b->t->rate[wheel]);
+    } else {
+        s->in[0] = b->p->link_dir[g->base[0]];
+        s->in[1] = b->p->link_dir[g->base[1]];
+        s->power[1] = (int)lround(g->ratio);
+        s->power[0] = 1 - s->power[1];
+    }
+    s->dim[0] = phase;
+    lw_build_link(b, wheel, origin, s->out[0] = lw_build_reg(b));
+}
+
+/* What a rack counts, and its dimensions. */
+static void build_rack(lw_builder *b, int joint, int *rho, int *shift)
+{
+    const lw_linkage *k = b->t->k;
+    const lw_gear *g = &b->t->gear[joint];
+    lw_plan *p = b->p;
+    int side = g->slider[1] >= 0, slider = g->slider[side];
+    lw_rack r = { joint, slider, k->joint[joint].link[side], k->joint[joint].link[!side], g->carrier, side, 1 };
+    r.sign = p->slider_sign[slider]*(p->slider_base[slider] == r.carrier ? 1 : -1);
+    *rho = lw_build_dim(b, LW_ROLE_PITCH, r.link, joint, 0);
+    *shift = lw_build_dim(b, LW_ROLE_SHIFT, r.link, joint, 0);
+    if (p->n_rack == LW_RACK_MAX)
+        b->full = true;
+    else
+        p->rack[p->n_rack++] = r;
+}
+
+static void build_pinion(lw_builder *b, const lw_group *g)
+{
+    lw_plan *p = b->p;
+    int slider = b->t->gear[g->joint[1]].slider[0] >= 0 ? b->t->gear[g->joint[1]].slider[0] : b->t->gear[g->joint[1]].slider[1];
+    int base = p->slider_base[slider], rider = lw_joint_other(&b->t->k->joint[slider], base), rho, shift;
+    build_rack(b, g->joint[1], &rho, &shift);
+    lw_step *s = lw_build_step(b, LW_STEP_ALONG);
+    s->in[0] = p->link_origin[base];
+    s->in[1] = p->slider_dir[slider];
+    s->in[2] = p->link_origin[rider];
+    int along = s->out[0] = lw_build_reg(b);
+    s = lw_build_step(b, LW_STEP_ROLL);
+    s->in[0] = p->link_dir[g->base[0]];
+    s->in[1] = along;
+    s->dim[0] = rho;
+    s->dim[1] = shift;
+    int dir = s->out[0] = lw_build_reg(b);
+    lw_build_link(b, g->link[0], lw_build_pin(b, g->joint[0], g->base[0]), dir);
+}
+
+static void build_rack_link(lw_builder *b, const lw_group *g)
+{
+    lw_plan *p = b->p;
+    int rack = g->link[0], rho, shift;
+    build_rack(b, g->joint[1], &rho, &shift);
+    int middle = lw_build_dim(b, LW_ROLE_MIDDLE, rack, g->joint[1], 0);
+    lw_step *s = lw_build_step(b, LW_STEP_RACK);
+    s->in[0] = p->link_dir[g->base[1]];
+    s->in[1] = p->link_dir[g->base[0]];
+    s->dim[0] = rho;
+    s->dim[1] = shift;
+    s->dim[2] = middle;
+    b->full |= p->n_dyad == LW_DYAD_MAX;
+    s->dyad = b->full ? 0 : p->n_dyad++;
+    p->dyad[s->dyad] = (lw_dyad){ { rack, rack }, { g->joint[0], g->joint[1], g->joint[2] } };
+    int along = s->out[0] = lw_build_reg(b), q, w;
+    lw_build_line(b, g->joint[0], g->base[0], &q, &w);
+    lw_build_ride(b, rack, q, w, along);
+}
+
+void lw_build_gear(lw_builder *b, const lw_group *g)
+{
+    switch (g->kind) {
+    case LW_STEP_ROLL: build_pinion(b, g); break;
+    case LW_STEP_RACK: build_rack_link(b, g); break;
+    default:           build_wheel(b, g);
+    }
+}
+
+/* ---- rows of a higher group ------------------------------------------------------------------------------- */
+
+static void add_term(lw_higher_gear *g, int dir, int link, int power)
+{
+    if (dir < 0 || power == 0)
+        return;
+    g->dir[g->n_term] = (short)dir;
+    g->link[g->n_term] = (short)link;
+    g->power[g->n_term++] = (short)power;
+}
+
+lw_higher_gear lw_build_gear_row(lw_builder *b, int joint, const int *dir, int disp)
+{
+    const lw_joint *j = &b->t->k->joint[joint];
+    const lw_gear *gear = &b->t->gear[joint];
+    lw_higher_gear g = { .count = 1, .phase = -1, .angle = -1, .disp = (short)disp, .rho = -1, .shift = -1, .middle = -1 };
+    int p = 1, q = 1, rho, shift, pinion = gear->slider[0] >= 0 ? 1 : 0;
+    if (disp != -1) {
+        add_term(&g, dir[pinion], j->link[pinion], 1);
+        add_term(&g, dir[2], gear->carrier, -1);
+        build_rack(b, joint, &rho, &shift);
+        g.rho = (short)rho;
+        g.shift = (short)shift;
+        g.middle = (short)lw_build_dim(b, LW_ROLE_MIDDLE, j->link[!pinion], joint, 0);
+        return g;
+    }
+    lw_plan_fraction(j->ratio, &p, &q);
+    add_term(&g, dir[1], j->link[1], q);
+    add_term(&g, dir[0], j->link[0], -p);
+    add_term(&g, dir[2], gear->carrier, p - q);
+    g.count = (short)q;
+    g.phase = (short)lw_build_dim(b, LW_ROLE_PHASE, j->link[1], joint, 0);
+    return g;
+}

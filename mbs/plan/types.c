@@ -1,0 +1,105 @@
+/* The four-link chains with a driven link at the ground.
+ *
+ * A loop of four links with at most two sliders.  With three or more the links cannot turn against each
+ * other: the sum of the turns round the loop is zero, so that a single pin (or none) never turns, and the
+ * chain is a wedge or a rigid body on slides, whose freedom is not what 3(P - 1) - 2 n1 counts. */
+#include "mbs/plan/types.h"
+
+#include <string.h>
+
+const lw_type lw_type_table[] = {
+    { "RRRR", "fourbar",       "four-bar",                                    false },
+    { "RRRP", "slidercrank",   "slider-crank",                                false },
+    { "RRPR", "inverted",      "inverted slider-crank",                       false },
+    { "PRRP", "trammel",       "elliptic trammel",                            true  },
+    { "RPRR", "slottedcrank",  "slotted crank",                               false },
+    { "PRRR", "sliderdriven",  "slider-driven crank",                         true  },
+    { "PRPR", "sliderrocker",  "slider-driven rocking slide",                 true  },
+    { "RPRP", "tangent",       "tangent mechanism",                           false },
+    { "RPPR", "oldham",        "Oldham coupling",                             false },
+    { "RRPP", "yoke",          "Scotch yoke",                                 false },
+    { "PPRR", "wedge",         "slider-driven yoke",                          true  },
+    { NULL, NULL, NULL, false }
+};
+
+const lw_type *lw_type_find(const char *name)
+{
+    for (const lw_type *t = lw_type_table; name && t->letters; t++)
+        if (strcmp(t->letters, name) == 0 || strcmp(t->name, name) == 0)
+            return t;
+    return NULL;
+}
+
+/* A posture for each type that is far from singular: the pins or slide points in loop order, and the
+ * direction of slides.  A slide point that is the place of a neighbouring pin is the pin that slides. */
+typedef struct posture { const char *letters; lw_vec2 at[4]; double slide[4]; } posture;
+
+static const posture posture_table[] = {           /* joint: crank-ground, crank-coupler, coupler-rocker, rocker-ground */
+    { "RRRR", { { 0, 0 }, { 0.5, 1 }, { 3, 2.5 }, { 3, 0 } },   { 0 } },
+    { "RRRP", { { 0, 0 }, { 0.5, 1 }, { 3, 0.5 }, { 3, 0.5 } }, { 0, 0, 0, 0 } },
+    { "RRPR", { { 0, 0 }, { 0.5, 1 }, { 3, 0 }, { 3, 0 } },     { 0, 0, -0.25, 0 } },
+    { "PRRP", { { 2, 0 }, { 2, 0 }, { 0, 1.5 }, { 0, 1.5 } },   { 0, 0, 0, LW_PI/2 } },
+    { "RPRR", { { 0, 0 }, { 1.5, 0.8 }, { 1.5, 0.8 }, { 3, 0 } }, { 0, 0.3, 0, 0 } },
+    { "PRRR", { { -1, 1 }, { -1, 1 }, { 1, 2 }, { 0, 0 } },     { 0, 0, 0, 0 } },
+    { "PRPR", { { -1, 1 }, { -1, 1 }, { 0, 0 }, { 0, 0 } },     { 0, 0, -0.6, 0 } },
+    { "RPRP", { { 0, 0 }, { 1, 1.5 }, { 1, 1.5 }, { 1, 1.5 } }, { 0, 1.1, 0, 0 } },
+    { "RPPR", { { 0, 0 }, { 1, 0.75 }, { 2, 0 }, { 2, 0 } },    { 0, 0.6435011087932844, 2.2, 0 } },
+    { "RRPP", { { 0, 0 }, { 0.5, 1 }, { 0.5, 1 }, { 0, 0 } },   { 0, 0, LW_PI/2, 0 } },
+    { "PPRR", { { 0, 0 }, { 1, 1 }, { 1, 1 }, { 0, 0 } },       { 0, LW_PI/3, 0, 0 } },
+};
+
+static void set_joint(lw_linkage *k, const posture *p, int i)
+{
+    static const char *const name[] = { "A", "B", "C", "D" };
+    lw_joint *j = &k->joint[i];
+    strcpy(j->name, name[i]);
+    j->kind = p->letters[i] == 'R' ? LW_JOINT_REVOLUTE : LW_JOINT_SLIDER;
+    j->link[0] = i;
+    j->link[1] = (i + 1)%4;
+    j->at = p->at[i];
+    if (i == 3) {                                   /* on the ground: the ground first, as for joint A */
+        j->link[0] = 0;
+        j->link[1] = 3;
+    }
+    if (j->kind == LW_JOINT_SLIDER)
+        j->along = lw_v2_polar(1, p->slide[i]);
+}
+
+static void name_links(lw_linkage *k, const lw_type *t)
+{
+    static const char *const pinned[] = { "ground", "crank", "coupler", "rocker" };
+    for (int i = 0; i < 4; i++)
+        strcpy(k->link_name[i], pinned[i]);
+    if (t->letters[0] == 'P')
+        strcpy(k->link_name[1], "slider");
+    if (t->letters[3] == 'P')
+        strcpy(k->link_name[3], t->letters[0] == 'P' ? "block" : "slider");
+}
+
+/* The value of the input is what the plan calls it (the ground frame lies along x in every posture). */
+static void set_input(lw_linkage *k)
+{
+    lw_plan plan;
+    double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
+    if (lw_plan_make(k, (lw_want){ 1, true }, &plan, NULL) == LW_OK)
+        lw_plan_read(&plan, k, dim, mode, &k->input[0].value, NULL);
+}
+
+void lw_type_linkage(const lw_type *t, lw_linkage *k)
+{
+    memset(k, 0, sizeof *k);
+    const posture *p = posture_table;
+    while (strcmp(p->letters, t->letters) != 0)
+        p++;
+    strcpy(k->name, t->name);
+    k->n_link = k->n_joint = 4;
+    k->n_input = k->n_tracer = 1;
+    k->units = lw_units_si();
+    name_links(k, t);
+    for (int i = 0; i < 4; i++)
+        set_joint(k, p, i);
+    strcpy(k->tracer[0].name, "P");
+    k->tracer[0].link = 2;
+    k->tracer[0].at = lw_v2_add(lw_v2_scale(lw_v2_add(p->at[1], p->at[2]), 0.5), lw_v2(0.25, 1));
+    set_input(k);
+}

@@ -1,0 +1,329 @@
+/* optimise/precision/exact.c - what a target asks for, how many free choices it leaves, and the search over these. */
+#include "optimise/precision/exact_internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/clock.h"
+#include "base/parallel.h"
+#include "optimise/solvers/lowdiscrepancy.h"
+
+enum { JOBS = 16, LINES = 24, ANGLES = 32, GUIDES = 8, GUIDE_MAX = 256 };
+#define REACH 2.0              /* free pins are drawn within this many sizes of the target                */
+#define TURN  1.5              /* free tool angles: the greatest step from point to point [rad]           */
+
+typedef struct exact_run {
+    const lw_target      *t;
+    const lw_fit_options *o;
+    lw_vec2      p[9];
+    bool         slides;
+    double       started;
+    size_t       first_job;
+    lw_ranking **of;                             /* of each job of this round                      */
+    long        *drawn;
+} exact_run;
+
+/* ---- what is asked for --------------------------------------------------------------------------------- */
+
+static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, lw_error *e)
+{
+    lw_task task = spec->task;
+    static const struct { lw_task task; size_t least, most; const char *what; } range[] = {
+        { LW_TASK_MOTION, 2, 5, "poses (points with a tool angle)" },
+        { LW_TASK_FUNCTION, 3, 5, "pairs of angles" },
+        { LW_TASK_PATH, 2, 9, "points" }
+    };
+    for (int i = 0; i < 3; i++)
+        if (range[i].task == task && (t->n < range[i].least || t->n > range[i].most))
+            return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the "
+                                "target has %zu; without --exact it is fitted as well as can be", range[i].least,
+                                range[i].most, range[i].what, t->n);
+    if (task == LW_TASK_FUNCTION && !(t->angle && t->theta))
+        return lw_error_set(e, LW_E_ARG, "a function needs columns angle,theta");
+    if (task == LW_TASK_MOTION && !(t->x && t->theta))
+        return lw_error_set(e, LW_E_ARG, "a motion needs columns x,y,theta");
+    if (task == LW_TASK_PATH && !t->x)
+        return lw_error_set(e, LW_E_ARG, "a path needs columns x,y");
+    if (task == LW_TASK_FUNCTION && spec->n_zone > 0)
+        return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
+                            "mean nothing to it; leave them out");
+    return LW_OK;
+}
+
+static lw_status check_distinct(const lw_target *t, lw_task task, lw_error *e)
+{
+    for (size_t i = 0; i < t->n && task != LW_TASK_FUNCTION; i++)
+        for (size_t k = 0; k < i; k++) {
+            double d = hypot(t->x[i] - t->x[k], t->y[i] - t->y[k]);
+            double turn = task == LW_TASK_MOTION ? fabs(remainder(t->theta[i] - t->theta[k], 2*LW_PI)) : 0;
+            if (d <= 1e-12*t->size && turn < 1e-12)
+                return lw_error_set(e, LW_E_ARG, "stations %zu and %zu are the same; leave one of them out", k + 1,
+                                    i + 1);
+        }
+    return LW_OK;
+}
+
+/* ---- draws ------------------------------------------------------------------------------------------------ */
+
+static void offer_pairs(lw_ranking *r, const lw_guide *g, int n, const double *angle)
+{
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < i; k++)
+            lw_ranking_offer(r, &g[i], &g[k], angle);
+}
+
+/* Two to four poses: guides by free pins or lines, all pairs of a job. */
+static void draw_poses(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
+{
+    double u[LINES*LW_GUIDE_DRAW];
+    lw_guide g[GUIDE_MAX];
+    lw_guide_rows rows;
+    int n = 0;
+    lw_guide_rows_make(&(lw_poses){ x->t->n, x->p, x->t->theta }, x->t->size, &rows);
+    if (!lw_low_discrepancy(rng, LINES, LW_GUIDE_DRAW, u))
+        return;
+    for (int i = 0; i < LINES && n + 4 <= GUIDE_MAX; i++)
+        n += lw_guide_rows_draw(&rows, &u[i*LW_GUIDE_DRAW], REACH, x->slides, &g[n]);
+    *drawn += LINES;
+    offer_pairs(r, g, n, x->t->theta);
+}
+
+/* Tool angles at the points of a path: steps of either sense. */
+static void draw_angles(const double *u, size_t n, double *angle)
+{
+    angle[0] = 0;
+    for (size_t j = 1; j < n; j++)
+        angle[j] = angle[j - 1] + TURN*(2*u[j - 1] - 1);
+}
+
+/* Two to five points: tool angles are drawn, the rest is a motion. */
+static void draw_path(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
+{
+    enum { D = 8 };
+    double u[ANGLES*D], v[ANGLES*GUIDES*LW_GUIDE_DRAW], angle[9];
+    lw_guide g[GUIDES + 4];
+    if (!lw_low_discrepancy(rng, ANGLES, D, u) || !lw_low_discrepancy(rng, ANGLES*GUIDES, LW_GUIDE_DRAW, v))
+        return;
+    for (int i = 0; i < ANGLES; i++) {
+        lw_guide_rows rows;
+        draw_angles(&u[i*D], x->t->n, angle);
+        lw_guide_rows_make(&(lw_poses){ x->t->n, x->p, angle }, x->t->size, &rows);
+        int n = rows.n == 4 ? lw_guide_rows_solve(&rows, g) : 0;
+        for (int k = 0; k < GUIDES && rows.n < 4 && n <= GUIDES; k++)
+            n += lw_guide_rows_draw(&rows, &v[(i*GUIDES + k)*LW_GUIDE_DRAW], REACH, x->slides, &g[n]);
+        offer_pairs(r, g, n, angle);
+    }
+    *drawn += ANGLES;
+}
+
+/* Six to eight points: angles are drawn at five of them, which gives linkages; these are brought to the others. */
+typedef struct five { size_t at[5]; double angle[5], all[9]; lw_vec2 p[5], step[8]; } five;
+
+static void settle_pair(exact_run *x, const five *v, const lw_guide *g, const lw_guide *h, lw_ranking *r)
+{
+    size_t n = x->t->n;
+    double unit = x->t->size, angle[9];
+    lw_vec2 pin[4] = { g->point, lw_v2_sub(g->centre, x->p[0]), h->point, lw_v2_sub(h->centre, x->p[0]) };
+    if (g->kind != LW_GUIDE_RR || h->kind != LW_GUIDE_RR)
+        return;
+    for (int i = 0; i < 4; i++)
+        pin[i] = lw_v2_scale(pin[i], 1/unit);
+    memcpy(angle, v->all, sizeof angle);
+    if (!lw_path_settle(n, v->step, pin, angle))
+        return;
+    lw_guide a = { .kind = LW_GUIDE_RR, .point = lw_v2_scale(pin[0], unit),
+                   .centre = lw_v2_add(x->p[0], lw_v2_scale(pin[1], unit)) };
+    lw_guide b = { .kind = LW_GUIDE_RR, .point = lw_v2_scale(pin[2], unit),
+                   .centre = lw_v2_add(x->p[0], lw_v2_scale(pin[3], unit)) };
+    lw_ranking_offer(r, &a, &b, angle);
+}
+
+static void draw_many(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
+{
+    double u[ANGLES*4];
+    lw_guide g[4];
+    five v;
+    size_t n = x->t->n;
+    if (!lw_low_discrepancy(rng, ANGLES, 4, u))
+        return;
+    for (size_t j = 1; j < n; j++)
+        v.step[j - 1] = lw_v2_scale(lw_v2_sub(x->p[j], x->p[0]), 1/x->t->size);
+    for (size_t k = 0; k < 5; k++) {
+        v.at[k] = k*(n - 1)/4;
+        v.p[k] = x->p[v.at[k]];
+    }
+    for (int i = 0; i < ANGLES; i++) {
+        lw_guide_rows rows;
+        draw_angles(&u[i*4], 5, v.angle);
+        for (size_t k = 0, j = 0; j < n; j++) {                /* in between they are interpolated        */
+            k += k < 3 && j > v.at[k + 1];
+            double part = (double)(j - v.at[k])/(double)(v.at[k + 1] - v.at[k]);
+            v.all[j] = v.angle[k] + part*(v.angle[k + 1] - v.angle[k]);
+        }
+        lw_guide_rows_make(&(lw_poses){ 5, v.p, v.angle }, x->t->size, &rows);
+        int found = rows.n == 4 ? lw_guide_rows_solve(&rows, g) : 0;
+        for (int k = 0; k < found; k++)
+            for (int l = 0; l < k; l++)
+                settle_pair(x, &v, &g[k], &g[l], r);
+    }
+    *drawn += ANGLES;
+}
+
+static bool stopped(const exact_run *x)
+{
+    return (x->o->interrupt && *x->o->interrupt)
+        || (x->o->max_seconds > 0 && lw_clock_wall() - x->started >= x->o->max_seconds);
+}
+
+static void run_job(void *context, size_t job, int thread)
+{
+    exact_run *x = context;
+    lw_rng rng;
+    (void)thread;
+    if (!x->of[job] || stopped(x))
+        return;
+    lw_rng_seed(&rng, x->o->seed, x->first_job + job);
+    if (x->o->spec.task == LW_TASK_MOTION)
+        draw_poses(x, &rng, x->of[job], &x->drawn[job]);
+    else if (x->t->n > 5)
+        draw_many(x, &rng, x->of[job], &x->drawn[job]);
+    else
+        draw_path(x, &rng, x->of[job], &x->drawn[job]);
+}
+
+/* Rounds of jobs, each with a list of its own; the lists are put together in the order of the jobs. */
+static lw_status draw_rounds(exact_run *x, lw_ranking *r, long *drawn, lw_error *e)
+{
+    lw_ranking *of[JOBS];
+    long count[JOBS];
+    int rounds = x->o->max_rounds > 0 ? x->o->max_rounds : 4;
+    lw_status st = LW_OK;
+    x->of = of;
+    x->drawn = count;
+    for (int k = 0; k < rounds && st == LW_OK && !stopped(x); k++) {
+        memset(of, 0, sizeof of);
+        memset(count, 0, sizeof count);
+        for (int j = 0; j < JOBS && st == LW_OK; j++)
+            st = lw_ranking_open(x->t, x->o, true, &of[j], e);
+        x->first_job = (size_t)k*JOBS;
+        if (st == LW_OK)
+            st = lw_parallel(x->o->jobs, JOBS, run_job, x);
+        for (int j = 0; j < JOBS; j++) {
+            lw_ranking_merge(r, of[j]);
+            lw_ranking_close(of[j]);
+            *drawn += count[j];
+        }
+        if (x->o->progress)
+            x->o->progress(x->o->context, (k + 1.0)/rounds, lw_clock_wall() - x->started, 0);
+    }
+    return st;
+}
+
+/* ---- the tasks ------------------------------------------------------------------------------------------- */
+
+static lw_status run_function(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e)
+{
+    lw_function_bar bar[LW_FREUDENSTEIN_MAX];
+    int n;
+    lw_status st = lw_freudenstein(x->t->n, x->t->angle, x->t->theta, bar, &n, e);
+    for (int i = 0; i < n && st == LW_OK; i++)
+        lw_ranking_offer_function(r, &bar[i]);
+    out->complete = true;
+    if (x->t->n == 3)
+        snprintf(out->choice, sizeof out->choice, "angles count from the line of the fixed pins");
+    if (x->t->n == 4)
+        snprintf(out->choice, sizeof out->choice, "the zero of the input is free and the output's is the line of the "
+                 "fixed pins, or the other way round");
+    return st;
+}
+
+static lw_status run_motion(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e)
+{
+    static const char *const free_of[] = {
+        "", "", "the fixed pin of each guide and a number for its moving pin", "the fixed pin of each guide",
+        "one number for each guide: a line on which its fixed or moving pin lies", ""
+    };
+    lw_guide_rows rows;
+    long drawn = 0;
+    lw_guide_rows_make(&(lw_poses){ x->t->n, x->p, x->t->theta }, 0, &rows);
+    if (rows.n == 4) {
+        out->n_guide = lw_guide_rows_solve(&rows, out->guide);
+        out->complete = out->n_guide >= 0;
+        if (out->n_guide < 0)
+            out->n_guide = 0;
+        offer_pairs(r, out->guide, out->n_guide, x->t->theta);
+        return LW_OK;
+    }
+    if (rows.n == 0)
+        return lw_error_set(e, LW_E_NUMERIC, "the poses say nothing: all are the same");
+    lw_status st = draw_rounds(x, r, &drawn, e);
+    snprintf(out->choice, sizeof out->choice, "free: %s; %ld draws within %g sizes of the target", free_of[rows.n + 1],
+             drawn, REACH);
+    out->fit.starts = drawn;
+    return st;
+}
+
+static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e)
+{
+    long drawn = 0;
+    if (x->t->n == 9)
+        return lw_nine_solve(x->p, x->o, r, out);
+    lw_status st = draw_rounds(x, r, &drawn, e);
+    if (x->t->n > 5)
+        snprintf(out->choice, sizeof out->choice, "free: %zu of the coupler's angles at four points, the others "
+                 "follow; %ld draws", 9 - x->t->n, drawn);
+    else
+        snprintf(out->choice, sizeof out->choice, "free: the coupler's angles at the points%s; %ld draws",
+                 x->t->n < 5 ? " and the pins of each guide as for a motion" : "", drawn);
+    out->fit.starts = drawn;
+    return st;
+}
+
+/* Are there infinitely many? */
+static bool is_family(const lw_target *t, lw_task task)
+{
+    return (task == LW_TASK_MOTION && t->n < 5) || (task == LW_TASK_PATH && t->n < 9);
+}
+
+lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *out, lw_error *e)
+{
+    lw_fit_options own = *o;
+    exact_run x = { .t = t, .o = &own, .started = lw_clock_wall() };
+    lw_task task = o->spec.task;
+    lw_ranking *r = NULL;
+    memset(out, 0, sizeof *out);
+    if (!own.types)
+        own.types = task == LW_TASK_MOTION && t->n == 5 ? "all" : "fourbar";
+    lw_status st = t->n_also == 0 ? check_task(t, &o->spec, e)
+                                  : lw_error_set(e, LW_E_ARG, "linkages through precision points have one point; the "
+                                                 "target has %d: leave its columns x2, ... out, or fit without --exact",
+                                                 1 + t->n_also);
+    if (st == LW_OK)
+        st = check_distinct(t, task, e);
+    if (st == LW_OK)
+        st = lw_ranking_open(t, &own, is_family(t, task), &r, e);
+    if (st != LW_OK)
+        return st;
+    for (size_t i = 0; i < t->n && t->x; i++)
+        x.p[i] = lw_v2(t->x[i], t->y[i]);
+    x.slides = lw_ranking_slides(r);
+    st = task == LW_TASK_FUNCTION ? run_function(&x, r, out, e)
+       : task == LW_TASK_MOTION ? run_motion(&x, r, out, e) : run_path(&x, r, out, e);
+    bool early = stopped(&x);
+    if (st == LW_OK)
+        st = lw_ranking_finish(r, out);
+    lw_ranking_close(r);
+    out->fit.seconds = lw_clock_wall() - x.started;
+    out->fit.stop = !early ? LW_STOP_F_TARGET : o->interrupt && *o->interrupt ? LW_STOP_USER : LW_STOP_TIME;
+    if (st < 0)
+        lw_exact_free(out);
+    return (st == LW_OK || st == LW_NOTHING) && early ? LW_STOPPED : st;
+}
+
+void lw_exact_free(lw_exact *x)
+{
+    lw_fit_free(&x->fit);
+    free(x->defect);
+    free(x->quality);
+    memset(x, 0, sizeof *x);
+}

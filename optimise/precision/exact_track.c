@@ -1,0 +1,233 @@
+/* optimise/precision/exact_track.c - nine points of a path: the equations of Wampler, Morgan & Sommese (1992) and a tracker
+ * that follows one solution while the points move, in complex numbers.
+ *
+ * With the first point as origin, d_j the others, a fixed pin a and its moving pin x from the tracer, and e_j the
+ * turn of the coupler, |d_j + x e_j - a| = |x - a| reads, for g = e_j - 1 and a hat for the conjugate,
+ *
+ *     A g + B g^ + D = 0,   A = x (d^ - a^),  B = x^ (d - a),  D = d^ (x - a) + d (x^ - a^) + d d^
+ *
+ * for both pairs of pins.  Cramer's rule in  g + g^ + g g^ = 0  leaves, per point, one equation in the eight numbers
+ * x x^ a a^ y y^ b b^:   N N^ + E (N + N^) = 0  with  E = A1 B2 - A2 B1,  N = B1 D2 - B2 D1,  N^ = A2 D1 - A1 D2.
+ * Over the complex numbers hats are variables of their own. */
+#include "optimise/precision/exact_track_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { X, XH, A, AH, Y, YH, B, BH };
+
+/* ---- equations ------------------------------------------------------------------------------------------ */
+
+void lw_nine_equation(const lw_cx *v, lw_cx d, lw_cx dh, lw_cx *f, lw_cx by[8], lw_cx *by_d, lw_cx *by_dh)
+{
+    lw_cx da = cx_sub(d, v[A]), ha = cx_sub(dh, v[AH]), db = cx_sub(d, v[B]), hb = cx_sub(dh, v[BH]);
+    lw_cx xa = cx_sub(v[X], v[A]), xah = cx_sub(v[XH], v[AH]), yb = cx_sub(v[Y], v[B]), ybh = cx_sub(v[YH], v[BH]);
+    lw_cx dd = cx_mul(d, dh);
+    lw_cx a1 = cx_mul(v[X], ha), b1 = cx_mul(v[XH], da), a2 = cx_mul(v[Y], hb), b2 = cx_mul(v[YH], db);
+    lw_cx d1 = cx_add(cx_add(cx_mul(dh, xa), cx_mul(d, xah)), dd);
+    lw_cx d2 = cx_add(cx_add(cx_mul(dh, yb), cx_mul(d, ybh)), dd);
+    lw_cx e = cx_sub(cx_mul(a1, b2), cx_mul(a2, b1)), n = cx_sub(cx_mul(b1, d2), cx_mul(b2, d1));
+    lw_cx nh = cx_sub(cx_mul(a2, d1), cx_mul(a1, d2)), r = cx_add(n, nh), p = cx_add(nh, e), q = cx_add(n, e);
+    *f = cx_add(cx_mul(n, nh), cx_mul(e, r));
+    lw_cx fa1 = cx_sub(cx_mul(r, b2), cx_mul(q, d2)), fb1 = cx_sub(cx_mul(p, d2), cx_mul(r, a2));
+    lw_cx fd1 = cx_sub(cx_mul(q, a2), cx_mul(p, b2)), fa2 = cx_sub(cx_mul(q, d1), cx_mul(r, b1));
+    lw_cx fb2 = cx_sub(cx_mul(r, a1), cx_mul(p, d1)), fd2 = cx_sub(cx_mul(p, b1), cx_mul(q, a1));
+    lw_cx fb1x = cx_mul(fb1, v[XH]), fa1x = cx_mul(fa1, v[X]), fb2y = cx_mul(fb2, v[YH]), fa2y = cx_mul(fa2, v[Y]);
+    lw_cx d1h = cx_mul(fd1, dh), d1d = cx_mul(fd1, d), d2h = cx_mul(fd2, dh), d2d = cx_mul(fd2, d);
+    by[X] = cx_add(cx_mul(fa1, ha), d1h);
+    by[XH] = cx_add(cx_mul(fb1, da), d1d);
+    by[A] = cx_neg(cx_add(fb1x, d1h));
+    by[AH] = cx_neg(cx_add(fa1x, d1d));
+    by[Y] = cx_add(cx_mul(fa2, hb), d2h);
+    by[YH] = cx_add(cx_mul(fb2, db), d2d);
+    by[B] = cx_neg(cx_add(fb2y, d2h));
+    by[BH] = cx_neg(cx_add(fa2y, d2d));
+    *by_d = cx_add(cx_add(fb1x, cx_mul(fd1, cx_add(xah, dh))), cx_add(fb2y, cx_mul(fd2, cx_add(ybh, dh))));
+    *by_dh = cx_add(cx_add(fa1x, cx_mul(fd1, cx_add(xa, d))), cx_add(fa2y, cx_mul(fd2, cx_add(yb, d))));
+}
+
+/* ---- a system of eight --------------------------------------------------------------------------------- */
+
+typedef struct system8 {
+    lw_cx m[8][8], f[8], by_t[8];
+} system8;
+
+/* At t between the points of `from` and `to`. */
+static void set_up(const lw_nine *from, const lw_nine *to, double t, const lw_cx *v, system8 *s)
+{
+    for (int j = 0; j < 8; j++) {
+        lw_cx step = cx_sub(to->d[j], from->d[j]), steph = cx_sub(to->dh[j], from->dh[j]), by_d, by_dh;
+        lw_cx d = cx_add(from->d[j], cx_scale(step, t)), dh = cx_add(from->dh[j], cx_scale(steph, t));
+        lw_nine_equation(v, d, dh, &s->f[j], s->m[j], &by_d, &by_dh);
+        s->by_t[j] = cx_add(cx_mul(by_d, step), cx_mul(by_dh, steph));
+    }
+}
+
+/* Solve m z = f and m w = by_t together by elimination with rows scaled; false: singular. */
+static bool solve(system8 *s, lw_cx z[8], lw_cx w[8])
+{
+    for (int k = 0; k < 8; k++) {                               /* the rows differ in size by their points */
+        double most = 0;
+        for (int i = 0; i < 8; i++)
+            most = fmax(most, cx_norm1(s->m[k][i]));
+        double by = most > 0 ? 1/most : 0;
+        for (int i = 0; i < 8; i++)
+            s->m[k][i] = cx_scale(s->m[k][i], by);
+        s->f[k] = cx_scale(s->f[k], by);
+        s->by_t[k] = cx_scale(s->by_t[k], by);
+    }
+    lw_cx *row[8];
+    int at[8];
+    for (int k = 0; k < 8; k++) {
+        row[k] = s->m[k];
+        at[k] = k;
+    }
+    for (int k = 0; k < 8; k++) {
+        int best = k;
+        for (int i = k + 1; i < 8; i++)
+            if (cx_norm1(row[i][k]) > cx_norm1(row[best][k]))
+                best = i;
+        lw_cx *swap = row[k];
+        row[k] = row[best];
+        row[best] = swap;
+        int swap_at = at[k];
+        at[k] = at[best];
+        at[best] = swap_at;
+        if (!(cx_norm1(row[k][k]) > 1e-250))
+            return false;
+        lw_cx pivot = cx_inverse(row[k][k]);
+        row[k][k] = pivot;
+        for (int i = k + 1; i < 8; i++) {
+            lw_cx l = cx_mul(row[i][k], pivot);
+            for (int c = k + 1; c < 8; c++)
+                row[i][c] = cx_sub(row[i][c], cx_mul(l, row[k][c]));
+            s->f[at[i]] = cx_sub(s->f[at[i]], cx_mul(l, s->f[at[k]]));
+            s->by_t[at[i]] = cx_sub(s->by_t[at[i]], cx_mul(l, s->by_t[at[k]]));
+        }
+    }
+    for (int k = 7; k >= 0; k--) {
+        lw_cx p = s->f[at[k]], q = s->by_t[at[k]];
+        for (int c = k + 1; c < 8; c++) {
+            p = cx_sub(p, cx_mul(row[k][c], z[c]));
+            q = cx_sub(q, cx_mul(row[k][c], w[c]));
+        }
+        z[k] = cx_mul(p, row[k][k]);
+        w[k] = cx_mul(q, row[k][k]);
+    }
+    return true;
+}
+
+/* ---- the way ----------------------------------------------------------------------------------------------- */
+
+#define AIM      1e-3          /* what the predictor may be off, of the numbers' own size         */
+#define NEAR     1e-7          /* corrections end below this ...                                   */
+#define NEAR_YET 1e-5          /* ... or this, with care: nearly singular ones keep some rounding */
+#define SETTLED  1e-6          /* what a solution may be off in the end                             */
+#define LEAST    1e-9          /* shortest step                                                    */
+#define FAR      1e7           /* solutions beyond are taken to go to infinity                     */
+enum { STEPS = 3000 };
+
+static double relative(const lw_cx *step, const lw_cx *v)
+{
+    double most = 0;
+    for (int i = 0; i < 8; i++)
+        most = fmax(most, cx_norm1(step[i])/(cx_norm1(v[i]) + 0.01));
+    return most;
+}
+
+/* Newton's method at t from v; tangent along.  The first correction, INFINITY when it does not settle. */
+static double correct(const lw_nine *from, const lw_nine *to, double t, int most, double near, lw_cx *v, lw_cx *tangent)
+{
+    double first = 0, before = INFINITY;
+    for (int pass = 0; pass < most; pass++) {
+        system8 s;
+        lw_cx step[8];
+        set_up(from, to, t, v, &s);
+        if (!solve(&s, step, tangent))
+            return INFINITY;
+        double size = relative(step, v);
+        if (!(size < 0.1) || (pass > 0 && !(size < 0.2*before) && size > near))
+            return INFINITY;
+        for (int i = 0; i < 8; i++)
+            v[i] = cx_sub(v[i], step[i]);
+        if (pass == 0)
+            first = size;
+        before = size;
+        if (size < near)
+            break;
+    }
+    if (!(before < near))
+        return INFINITY;
+    for (int i = 0; i < 8; i++)
+        tangent[i] = cx_neg(tangent[i]);
+    return first;
+}
+
+/* Newton's method as far as it goes: solutions that are nearly singular keep some rounding. */
+static bool settle(const lw_nine *from, const lw_nine *to, lw_cx *v)
+{
+    double before = INFINITY;
+    for (int pass = 0; pass < 12; pass++) {
+        system8 s;
+        lw_cx step[8], tangent[8];
+        set_up(from, to, 1, v, &s);
+        if (!solve(&s, step, tangent))
+            return false;
+        double size = relative(step, v);
+        if (!(size < 0.5*before))
+            break;
+        for (int i = 0; i < 8; i++)
+            v[i] = cx_sub(v[i], step[i]);
+        before = size;
+    }
+    return before < SETTLED;
+}
+
+/* Cubic through two places with their tangents, carried on by h (Hermite). */
+static void predict(const lw_cx *v0, const lw_cx *d0, const lw_cx *v1, const lw_cx *d1, double before, double h,
+                    lw_cx *v)
+{
+    if (before <= 0) {
+        for (int i = 0; i < 8; i++)
+            v[i] = cx_add(v1[i], cx_scale(d1[i], h));
+        return;
+    }
+    double u = 1 + h/before, u2 = u*u, u3 = u2*u;
+    double a = 2*u3 - 3*u2 + 1, b = (u3 - 2*u2 + u)*before, c = 3*u2 - 2*u3, d = (u3 - u2)*before;
+    for (int i = 0; i < 8; i++)
+        v[i] = cx_add(cx_add(cx_scale(v0[i], a), cx_scale(d0[i], b)), cx_add(cx_scale(v1[i], c), cx_scale(d1[i], d)));
+}
+
+bool lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps)
+{
+    lw_cx v0[8], d0[8] = { { 0, 0 } }, d1[8], next[8], dn[8];
+    double t = 0, h = 1e-3, before = 0, aim = AIM*care, near = care < 1 ? NEAR_YET : NEAR;
+    if (!(correct(from, to, 0, 6, 1e-9, v, d1) < INFINITY))
+        return false;
+    memcpy(v0, v, sizeof v0);
+    for (int k = 0; k < STEPS && t < 1; k++) {
+        bool last = t + h >= 1;
+        double step = last ? 1 - t : h;
+        predict(v0, d0, v, d1, before, step, next);
+        double off = correct(from, to, t + step, 3, near, next, dn);
+        ++*steps;
+        if (!(off < 100*aim)) {
+            h = 0.4*step;
+            if (h < LEAST)
+                return false;
+            continue;
+        }
+        memcpy(v0, v, sizeof v0);
+        memcpy(d0, d1, sizeof d0);
+        memcpy(v, next, sizeof v0);
+        memcpy(d1, dn, sizeof d0);
+        before = step;
+        t = last ? 1 : t + step;
+        double grow = 0.9*sqrt(sqrt(aim/fmax(off, 1e-12)));
+        h = step*fmin(2, fmax(0.3, grow));
+        for (int i = 0; i < 8; i++)
+            if (!(cx_norm1(v[i]) < FAR))
+                return false;
+    }
+    return t >= 1 && settle(from, to, v);
+}

@@ -1,0 +1,271 @@
+/* optimise/problem/circuit.c - the way of the input: round and round, or stroke by stroke from limit to limit, the assembly
+ * changing at each, by one phase that runs smoothly through the limits.  Where the ends of the range are no limits
+ * (slides become parallel, or nobody looked for them) it goes to and fro in one mode.
+ *
+ * At a limit a linkage moves as the square root of the input's distance to it.  With  input = mid - half cos(psi)
+ * that root is proportional to  sqrt(half) psi; each stroke gets a share of the phase in proportion to sqrt(half),
+ * so that one stroke runs into the next with the same speed. */
+#include <string.h>
+
+#include "mbs/kinematics/motion.h"
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
+
+/* ---- strokes and phases ----------------------------------------------------------------------------- */
+
+static void set_stroke(const lw_problem *p, lw_swing *s, int j, double mid, double half, const double *mode)
+{
+    s->stroke[j].mid = mid;
+    s->stroke[j].half = half;
+    memcpy(s->stroke[j].mode, mode, sizeof *mode*(size_t)p->plan.n_dyad);
+}
+
+/* Where each stroke begins, and its angle psi by the phase. */
+static void share_phases(lw_swing *s)
+{
+    double sum = 0, done = 0;
+    for (int j = 0; j < s->n; j++)
+        sum += sqrt(s->stroke[j].half);
+    for (int j = 0; j < s->n; j++) {
+        lw_stroke *k = &s->stroke[j];
+        double root = sqrt(k->half);
+        k->from = 2*LW_PI*(done/sum);
+        k->rate = sum/(2*root);
+        k->shift = j*LW_PI - k->rate*k->from;
+        done += root;
+    }
+}
+
+static bool to_and_fro(const lw_problem *p, lw_swing *s, double mid, double half, const double *up, const double *down)
+{
+    s->n = 2;
+    set_stroke(p, s, 0, mid, half, up);
+    set_stroke(p, s, 1, mid, half, down);
+    share_phases(s);
+    return half > 0;
+}
+
+/* What inputs of a linkage's course are counted in: a slider's way scales with it. */
+static double input_unit(const lw_problem *p, const double *x)
+{
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    return size >= 0 ? x[size] : 1;
+}
+
+/* Four links, in closed form. */
+static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
+{
+    static const double left = 1, right = -1;
+    lw_range r;
+    if (lw_motion_range(&p->plan, x, p->branch.mode[0], &r) != LW_OK)
+        return false;
+    s->turning = r.turns;
+    const double *here = p->branch.mode;
+    return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), r.limits ? &left : here,
+                      r.limits ? &right : here) || s->turning;
+}
+
+static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_swing *s = &w->swing;
+    lw_cycle *c = &w->cycle;
+    if (lw_cycle_find(&p->plan, x, p->branch.mode, p->branch.mid*input_unit(p, x), w->batch, c) != LW_OK)
+        return false;
+    s->turning = c->n == 0;
+    s->n = c->n;
+    s->gain = c->gain;
+    for (int j = 0; j < c->n; j++) {
+        double first = lw_cycle_first(c, j), last = c->leg[j].last;
+        set_stroke(p, s, j, 0.5*(first + last), 0.5*fabs(last - first), c->leg[j].mode);
+        if (!(s->stroke[j].half > 0))
+            return false;
+    }
+    share_phases(s);
+    return true;
+}
+
+static bool find(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_swing *s = &w->swing;
+    s->turning = p->branch.turns;
+    s->n = 1;
+    s->gain = 0;
+    memcpy(s->stroke[0].mode, p->branch.mode, sizeof s->stroke[0].mode);
+    if (s->turning)
+        return true;
+    if (!p->family->linkage)
+        return find_range(p, x, s);
+    if (p->branch.through)
+        return find_cycle(p, x, w);
+    double unit = input_unit(p, x);
+    return to_and_fro(p, s, p->branch.mid*unit, p->branch.half*unit, p->branch.mode, p->branch.mode);
+}
+
+bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
+{
+    size_t bytes = sizeof *x*(size_t)p->n_dim;
+    if (!w->swing.known || memcmp(w->swing.of, x, bytes) != 0) {
+        w->swing.closes = find(p, x, w);
+        w->swing.known = true;
+        w->swing.has_slopes = false;
+        memcpy(w->swing.of, x, bytes);
+    }
+    return w->swing.closes;
+}
+
+/* ---- derivatives by the dimensions ------------------------------------------------------------------ */
+
+/* mid and half of both strokes alike, by central differences. */
+static void range_slopes(const lw_problem *p, const double *x, lw_swing *s)
+{
+    double at[LW_VAR_MAX];
+    lw_range r[2];
+    memcpy(at, x, sizeof at[0]*(size_t)p->n_var);
+    for (int k = 0; p->family->shape[k]; k++) {            /* limits depend on the shape only        */
+        int d = lw_plan_dim(&p->plan, p->family->shape[k]);
+        double h = 1e-6*fmax(1, fabs(x[d]));
+        bool there = true;
+        for (int side = 0; side < 2; side++) {
+            at[d] = side ? x[d] + h : x[d] - h;
+            there &= lw_motion_range(&p->plan, at, p->branch.mode[0], &r[side]) == LW_OK && !r[side].turns
+                  && r[side].last > r[side].first;
+        }
+        at[d] = x[d];
+        double first = there ? (r[1].first - r[0].first)/(2*h) : 0, last = there ? (r[1].last - r[0].last)/(2*h) : 0;
+        for (int j = 0; j < 2; j++) {
+            s->mid_by[j][d] = 0.5*(first + last);
+            s->half_by[j][d] = 0.5*(last - first);
+        }
+    }
+}
+
+static void cycle_slopes(const lw_problem *p, const double *x, lw_work *w)
+{
+    double by[LW_LEG_MAX*LW_DIM_MAX];
+    lw_swing *s = &w->swing;
+    lw_cycle_slopes(&p->plan, x, &w->cycle, w->batch, by);
+    for (int j = 0; j < s->n; j++)
+        for (int d = 0; d < p->n_dim; d++) {
+            double first = by[(j > 0 ? j - 1 : s->n - 1)*LW_DIM_MAX + d], last = by[j*LW_DIM_MAX + d];
+            s->mid_by[j][d] = 0.5*(first + last);
+            s->half_by[j][d] = 0.5*(last - first)*(j % 2 ? -1 : 1);
+        }
+}
+
+/* How rate and shift of the strokes change when their halves do. */
+static void phase_slopes(const lw_problem *p, lw_swing *s)
+{
+    double sum = 0;
+    for (int j = 0; j < s->n; j++)
+        sum += sqrt(s->stroke[j].half);
+    for (int d = 0; d < p->n_dim; d++) {
+        double sum_by = 0, done = 0, done_by = 0;
+        for (int j = 0; j < s->n; j++)
+            sum_by += s->half_by[j][d]/(2*sqrt(s->stroke[j].half));
+        for (int j = 0; j < s->n; j++) {
+            const lw_stroke *k = &s->stroke[j];
+            double root = sqrt(k->half), root_by = s->half_by[j][d]/(2*root);
+            double from_by = 2*LW_PI*(done_by*sum - done*sum_by)/(sum*sum);
+            s->rate_by[j][d] = (sum_by*root - sum*root_by)/(2*k->half);
+            s->shift_by[j][d] = -(s->rate_by[j][d]*k->from + k->rate*from_by);
+            done += root;
+            done_by += root_by;
+        }
+    }
+}
+
+void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_swing *s = &w->swing;
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    if (!lw_circuit_find(p, x, w) || s->turning || s->has_slopes)
+        return;
+    for (int j = 0; j < s->n; j++) {
+        memset(s->mid_by[j], 0, sizeof s->mid_by[j]);
+        memset(s->half_by[j], 0, sizeof s->half_by[j]);
+        if (p->family->linkage && size >= 0) {
+            s->mid_by[j][size] = p->branch.mid;
+            s->half_by[j][size] = p->branch.half;
+        }
+    }
+    if (p->branch.through)
+        cycle_slopes(p, x, w);
+    else if (!p->family->linkage)
+        range_slopes(p, x, s);
+    phase_slopes(p, s);
+    s->has_slopes = true;
+}
+
+double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
+{
+    const lw_swing *s = &w->swing;
+    int j = w->leg[k];
+    double psi_by = s->rate_by[j][d]*w->around[k] + s->shift_by[j][d];
+    return s->mid_by[j][d] - s->half_by[j][d]*w->psi_c[k] + s->stroke[j].half*w->psi_s[k]*psi_by;
+}
+
+/* ---- places on it ----------------------------------------------------------------------------------- */
+
+lw_spot lw_circuit_spot(const lw_problem *p, const lw_work *w, double phase)
+{
+    const lw_swing *s = &w->swing;
+    lw_spot at = { .around = phase, .input = phase, .rate = 1 };
+    if (s->turning) {
+        at.c = at.psi_c = cos(phase);
+        at.s = at.psi_s = sin(phase);
+        return at;
+    }
+    double turns = floor(phase/(2*LW_PI));
+    at.around = phase - 2*LW_PI*turns;
+    while (at.leg + 1 < s->n && at.around >= s->stroke[at.leg + 1].from)
+        at.leg++;
+    const lw_stroke *k = &s->stroke[at.leg];
+    double psi = k->rate*at.around + k->shift;
+    at.psi_c = cos(psi);
+    at.psi_s = sin(psi);
+    at.input = k->mid - k->half*at.psi_c + turns*s->gain;
+    at.rate = k->half*at.psi_s*k->rate;
+    at.c = p->plan.input_is_slider ? at.input : cos(at.input);
+    at.s = p->plan.input_is_slider ? 0 : sin(at.input);
+    return at;
+}
+
+void lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride)
+{
+    for (int d = 0; d < p->plan.n_dyad; d++)
+        mode[(size_t)d*stride] = w->swing.stroke[leg].mode[d];
+}
+
+void lw_circuit_lanes(const lw_problem *p, lw_work *w, size_t n)
+{
+    bool modes = lw_problem_has_modes(p);
+    for (size_t k = 0; k < n; k++) {
+        lw_spot at = lw_circuit_spot(p, w, w->phase[k]);
+        w->c[k] = at.c;
+        w->s[k] = at.s;
+        w->input[k] = at.input;
+        w->rate[k] = at.rate;
+        w->around[k] = at.around;
+        w->psi_c[k] = at.psi_c;
+        w->psi_s[k] = at.psi_s;
+        w->leg[k] = (short)at.leg;
+        if (modes)
+            lw_circuit_put_mode(p, w, at.leg, w->mode + k, w->ld);
+    }
+}
+
+size_t lw_circuit_run(const lw_work *w, size_t first, size_t n)
+{
+    size_t k = first + 1;
+    while (k < n && w->leg[k] == w->leg[first])
+        k++;
+    return k;
+}
+
+void lw_circuit_modes(const lw_problem *p, const lw_work *w, lw_lanes *in)
+{
+    if (!lw_problem_has_modes(p))
+        return;
+    in->mode = w->mode;
+    in->mode_stride = w->ld;
+}

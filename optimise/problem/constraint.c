@@ -1,0 +1,241 @@
+/* optimise/problem/constraint.c - the subsidiary conditions g(x) >= 0 of a fitting problem. */
+#include <string.h>
+
+#include "optimise/problem/problem_internal.h"
+
+/* Conditions on the motion are looked at in LW_CURVE_SAMPLES poses: over the turn when the input turns, else over
+ * the way from the first station to the last. The samples of a turn hold every multiple of 90 degrees of the
+ * ground frame, where transmission angles of four-link chains have their extremes; other extremes are found
+ * between the samples by a parabola. */
+enum { POSES = LW_CURVE_SAMPLES };
+
+static bool must_stay_closed(const lw_problem *p)
+{
+    return !p->branch.turns && p->timing == LW_TIMING_PRESCRIBED;
+}
+
+bool lw_problem_is_nonlinear(const lw_problem *p)
+{
+    return must_stay_closed(p) || p->min_transmission > 0 || p->max_acceleration > 0 || p->n_zone > 0;
+}
+
+size_t lw_problem_constraint_count(const lw_problem *p)
+{
+    return (size_t)p->n_linear + (must_stay_closed(p) ? p->n : 0)
+         + (p->min_transmission > 0 ? POSES : 0) + (p->max_acceleration > 0 ? POSES : 0) + lw_zone_count(p);
+}
+
+size_t lw_problem_constraint_most(const lw_problem *p)
+{
+    return (size_t)p->n_linear + p->n + 2*POSES + lw_zone_count(p);
+}
+
+static void linear(const lw_problem *p, const double *x, double *g)
+{
+    for (int j = 0; j < p->n_linear; j++) {
+        g[j] = -LW_LINEAR_LEAST;
+        for (int v = 0; v < p->n_var; v++)
+            g[j] += p->linear[j][v]*x[v];
+    }
+}
+
+double lw_problem_way(const lw_problem *p, const lw_work *w, double share, double *mode, int *leg)
+{
+    double lo = w->input[0], hi = lo;
+    *leg = 0;
+    if (lw_problem_has_modes(p)) {
+        double way = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
+        lw_spot at = lw_circuit_spot(p, w, w->phase[0] + way*share);
+        lw_circuit_put_mode(p, w, at.leg, mode, 1);
+        *leg = at.leg;
+        return at.input;
+    }
+    memcpy(mode, p->branch.mode, sizeof p->branch.mode);
+    for (size_t k = 1; k < p->n; k++) {
+        lo = fmin(lo, w->input[k]);
+        hi = fmax(hi, w->input[k]);
+    }
+    return lo + (p->branch.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*share;
+}
+
+static void sample_way(const lw_problem *p, lw_work *w)
+{
+    for (size_t i = 0; i < POSES; i++) {
+        double mode[LW_MODE_MAX];
+        int leg;
+        double at = lw_problem_way(p, w, (double)i/(POSES - 1), mode, &leg);
+        w->way_c[i] = p->plan.input_is_slider ? at : cos(at);
+        w->way_s[i] = p->plan.input_is_slider ? 0 : sin(at);
+        w->way_leg[i] = (short)leg;
+        if (lw_problem_has_modes(p))
+            lw_circuit_put_mode(p, w, leg, w->way_mode + i, POSES);
+    }
+}
+
+/* The poses at x; false when it cannot close. */
+static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (p->branch.turns) {
+        memcpy(w->way_c, w->turn_c, sizeof *w->way_c*POSES);
+        memcpy(w->way_s, w->turn_s, sizeof *w->way_s*POSES);
+        return true;
+    }
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        lw_problem_prescribe(p, x, w);
+    else if (!lw_problem_settle(p, x, w))
+        return false;
+    sample_way(p, w);
+    return true;
+}
+
+/* Does it go over a limit to the next sample? */
+static bool changes(const lw_problem *p, const lw_work *w, size_t k)
+{
+    return lw_problem_has_modes(p) && k + 1 < POSES && w->way_leg[k] != w->way_leg[k + 1];
+}
+
+static void margins(const lw_problem *p, const double *x, lw_work *w, double *margin)
+{
+    bool modes = lw_problem_has_modes(p);
+    lw_lanes in = { .n = POSES, .c = w->way_c, .s = w->way_s, .dim = x, .mode = modes ? w->way_mode : p->branch.mode,
+                    .mode_stride = modes ? POSES : 0 };
+    lw_problem_margin(p, &in, w, margin);
+    for (size_t k = 0; k < POSES; k++)
+        if (changes(p, w, k))
+            margin[k] = margin[k + 1] = fmin(0, fmin(margin[k], margin[k + 1]));
+}
+
+static void closure(const lw_problem *p, const double *x, lw_work *w, double *margin)
+{
+    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = x, .mode = p->branch.mode };
+    lw_problem_margin(p, &in, w, margin);
+}
+
+/* At a sample that is less than its neighbours the parabola through the three reaches lower. */
+static void look_between(bool round, double *g)
+{
+    double before = round ? g[POSES - 1] : INFINITY, first = g[0];
+    for (size_t k = 0; k < POSES; k++) {
+        double now = g[k], after = k + 1 < POSES ? g[k + 1] : round ? first : INFINITY;
+        double bend = before + after - 2*now, slope = after - before;
+        if (now <= before && now <= after && bend > 0 && isfinite(bend))
+            g[k] -= slope*slope/(8*bend);
+        before = now;
+    }
+}
+
+static void tangents_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
+                             const double *mode, double *tx, double *ty)
+{
+    lw_lanes in = { .n = last - first, .c = w->pose_c + first, .s = w->pose_s + first, .dim = x,
+                    .mode = mode };
+    lw_jacobian j = w->pose;
+    j.tx = tx + first;
+    j.ty = ty + first;
+    lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
+}
+
+/* Tangents dP/d(input) with every input turned by `by`. */
+static void tangents(const lw_problem *p, const double *x, lw_work *w, double by, double *tx,
+                     double *ty)
+{
+    double cb = cos(by), sb = sin(by);
+    for (size_t k = 0; k < POSES; k++) {
+        double c = w->way_c[k], s = w->way_s[k];
+        w->pose_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
+        w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
+    }
+    if (!lw_problem_has_modes(p)) {
+        tangents_of_mode(p, x, w, 0, POSES, p->branch.mode, tx, ty);
+        return;
+    }
+    for (size_t first = 0, k = 1; k <= POSES; k++)
+        if (k == POSES || w->way_leg[k] != w->way_leg[first]) {
+            tangents_of_mode(p, x, w, first, k, w->swing.stroke[w->way_leg[first]].mode, tx, ty);
+            first = k;
+        }
+}
+
+/* 1 - |P''|^2 / limit^2; P'' is differenced from exact tangents 1e-4 rad apart (error 1e-8).  Of a function that of
+ * the output angle psi: its tracer is one from the pin of the output, so that |P''|^2 = psi''^2 + |P'|^4. */
+static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g)
+{
+    const double h = 1e-4, limit2 = p->max_acceleration*p->max_acceleration;
+    tangents(p, x, w, +h, w->pose_x, w->pose_y);
+    tangents(p, x, w, -h, w->pose_u, w->pose_v);
+    for (size_t k = 0; k < POSES; k++) {
+        double ax = (w->pose_x[k] - w->pose_u[k])/(2*h), ay = (w->pose_y[k] - w->pose_v[k])/(2*h);
+        double vx = 0.5*(w->pose_x[k] + w->pose_u[k]), vy = 0.5*(w->pose_y[k] + w->pose_v[k]);
+        double turn2 = p->task == LW_TASK_FUNCTION ? pow(vx*vx + vy*vy, 2) : 0;
+        g[k] = 1 - (ax*ax + ay*ay - turn2)/limit2;
+    }
+    for (size_t k = 0; k < POSES; k++)                        /* over a dead point there is no end to it */
+        if (changes(p, w, k))
+            g[k] = g[k + 1] = fmin(-1, fmin(g[k], g[k + 1]));
+}
+
+static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
+{
+    double sine = sin(p->min_transmission);
+    size_t m = lw_problem_constraint_count(p) - (size_t)p->n_linear;
+    linear(p, x, g);
+    g += p->n_linear;
+    if (m > 0 && !find_poses(p, x, w)) {
+        for (size_t k = 0; k < m; k++)
+            g[k] = -1;                                   /* it has no poses: as violated as can be */
+        return;
+    }
+    if (must_stay_closed(p)) {
+        closure(p, x, w, g);
+        g += p->n;
+    }
+    if (p->min_transmission > 0) {
+        margins(p, x, w, g);
+        for (size_t k = 0; k < POSES; k++)
+            g[k] -= sine*sine;
+        look_between(p->branch.turns, g);
+        g += POSES;
+    }
+    if (p->max_acceleration > 0) {
+        accelerations(p, x, w, g);
+        look_between(p->branch.turns, g);
+        g += POSES;
+    }
+    lw_zone_conditions(p, x, w, g);
+}
+
+/* Central differences for the conditions on the motion, exact rows for the linear ones. */
+static void derivatives(const lw_problem *p, const double *x, double *j, lw_work *w)
+{
+    size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var;
+    double at[LW_VAR_MAX];
+    memcpy(at, x, sizeof at[0]*nv);
+    for (size_t v = 0; v < nv && m > (size_t)p->n_linear; v++) {
+        double h = 2e-7*fmax(1, fabs(x[v]));
+        at[v] = x[v] + h;
+        values(p, at, w->g_up, w);
+        at[v] = x[v] - h;
+        values(p, at, w->g_down, w);
+        at[v] = x[v];
+        for (size_t i = (size_t)p->n_linear; i < m; i++)
+            j[i*nv + v] = (w->g_up[i] - w->g_down[i])/(2*h);
+    }
+    for (int i = 0; i < p->n_linear; i++)
+        memcpy(j + (size_t)i*nv, p->linear[i], sizeof *j*nv);
+}
+
+void lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work)
+{
+    values(p, x, g, work);
+    if (j)
+        derivatives(p, x, j, work);
+}
+
+bool lw_problem_admissible(const lw_problem *p, const double *x, double off, lw_work *w)
+{
+    lw_problem_constraints(p, x, w->g_now, NULL, w);
+    for (size_t i = 0; i < lw_problem_constraint_count(p); i++)
+        if (!(w->g_now[i] >= -off))
+            return false;
+    return true;
+}

@@ -1,0 +1,179 @@
+/* optimise/problem/problem.h - one fitting problem, as every solver sees it.
+ *
+ *     f(x) = sum over stations of  w { a |P - T|^2 + b (alpha - theta)^2 }   (Makkonen 1999, eq. 17)
+ *
+ * x holds the dimensions of the plan, and behind them, where the task has them, the input angle of
+ * station 0 (`input0`) and the mounting angle of the tool (`tool0`).  Inside, the target is moved to
+ * the origin and scaled to size one, so that coordinates around 1e9 or 1e-9 are as good as any.
+ *
+ * Further points of the target add their own terms, with the input of the station in common; each lies on its link
+ * (optimise/search/tracers.h) and has a mounting angle of its own (`tool2`, ...) where it has a theta.
+ *
+ * Timing.  prescribed: the input angle of station i is input0 + angle[i]; with gears that come back after several
+ * turns the three are parts of these (over lw_plan.laps).  free: each station takes the input that suits it best, in
+ * the order of the stations (a monotone assignment, one turn at most).  none: the nearest points, both ways: station to
+ * curve and curve to target polygon.
+ * The assignment is part of f, worked out inside; f is differentiable through it (envelope theorem).
+ *
+ * Subsidiary conditions are g(x) >= 0: first the linear ones (rows of `linear`), then the others. */
+#ifndef LW_OPTIMISE_PROBLEM_H
+#define LW_OPTIMISE_PROBLEM_H
+
+#include <stdint.h>
+#include "mbs/plan/types.h"
+#include "optimise/task/target.h"
+
+#define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
+#define LW_LINEAR_MAX 128
+#define LW_ZONE_MAX    8
+/* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
+ * branches cross and nobody can say which one a linkage follows. */
+#define LW_LINEAR_LEAST 1e-6
+
+typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
+typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
+
+/* From where the angles of a prescribed timing count. */
+typedef enum lw_datum {
+    LW_DATUM_FREE,        /* only differences matter: the first angle is found                    */
+    LW_DATUM_FRAME,       /* from the x axis of the ground frame (the line of the fixed pivots)   */
+    LW_DATUM_PLANE        /* from the x axis of the plane                                         */
+} lw_datum;
+
+/* Where a further point lies: of four links on the coupler, or an angle alone on the output; of other linkages a
+ * family says it. */
+typedef enum lw_carrier {
+    LW_CARRIER_ANY,
+    LW_CARRIER_INPUT,     /* on the driven link                                                    */
+    LW_CARRIER_COUPLER,   /* on a link that is not joined to the ground                            */
+    LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
+} lw_carrier;
+
+typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
+
+/* Where something must or must not be: boxes, circles, lines. */
+typedef enum lw_zone_kind {
+    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
+    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
+    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
+    LW_ZONE_NO_CIRCLE
+} lw_zone_kind;
+
+typedef struct lw_zone {
+    lw_zone_kind kind;
+    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
+    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
+    double  reach;        /* circle: radius; line: how far off [m]                                  */
+} lw_zone;
+
+/* What a person asks for; in SI. */
+typedef struct lw_fit_spec {
+    lw_task   task;
+    lw_timing timing;
+    lw_datum  datum;
+    double    a, b;                    /* eq. 17; [1/m^2], [1/rad^2]                              */
+    bool      crank_only;              /* the input must turn fully                               */
+    bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
+    double    min_transmission;        /* [rad], 0: not asked                                     */
+    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
+                                        * angle [rad/rad^2]; 0: not asked                         */
+    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
+    double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
+    double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
+    lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */
+    int       n_zone;
+    lw_zone   zone[LW_ZONE_MAX];
+    int       n_bound;
+    lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
+} lw_fit_spec;
+
+lw_fit_spec lw_fit_spec_default(void);
+
+/* A family: a type of linkage, and linear conditions on its lengths that make its input turn fully,
+ * or none.  Rows of a table in optimise/problem/family.c. */
+struct lw_family;
+
+/* Which of its motions a linkage is meant to make. */
+typedef struct lw_course {
+    double mode[LW_MODE_MAX];            /* assembly, see mbs/plan/plan.h                               */
+    int    sense;                        /* +1: stations follow a rising input, -1: a falling one  */
+    bool   turns;                        /* the input must turn fully                              */
+    double mid, half;                    /* of any linkage whose input does not: its way, mid +- half, in
+                                          * which it must close, [rad] or scaled                   */
+    bool   through;                      /* over its limits instead, the circuit through `mid` in `mode` */
+} lw_course;
+
+/* What one point has to do at the stations, scaled. */
+typedef struct lw_aim {
+    double *x, *y;                       /* NULL: not asked for                              (n)   */
+    double *theta;                       /* tool angle [rad]; NULL: not asked for            (n)   */
+    double *wa, *wb;                     /* sqrt(a w), sqrt(b w)                             (n)   */
+    int     i_tool;                      /* variable: the tool's mounting angle; -1                */
+} lw_aim;
+
+typedef struct lw_problem {
+    const struct lw_family *family;
+    lw_plan      plan;
+    lw_course    branch;                 /* of this run                                            */
+    bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
+    lw_task      task;
+    lw_timing    timing;
+    lw_datum     datum;
+    double       a, b;                   /* for the scaled target                                  */
+    double       scale;                  /* objective in the user's units = scale * f              */
+    lw_vec2      origin;                 /* user's point = origin + unit * scaled point            */
+    double       unit;
+    /* stations, scaled; owned by the problem's creator (n) */
+    size_t       n;
+    double      *x, *y, *theta, *w;      /* theta NULL: no tool angle                              */
+    double      *wa, *wb;                /* sqrt(a w), sqrt(b w)                                   */
+    int          n_also;                 /* further points; outputs 1, 2, ... of the plan          */
+    lw_aim       also[LW_ALSO_MAX];
+    double      *c, *s;                  /* cos, sin of the prescribed input angles, or NULL       */
+    double      *angle;                  /* those angles [rad], or NULL                            */
+    bool         closed;
+    void        *store;
+    /* variables */
+    int          n_dim, n_var, i_input0, i_tool0;          /* -1: not there                        */
+    double       lo[LW_VAR_MAX], hi[LW_VAR_MAX];           /* bounds, scaled; may be infinite      */
+    int          n_linear;                                  /* linear[j] . x >= LW_LINEAR_LEAST     */
+    double       linear[LW_LINEAR_MAX][LW_VAR_MAX];
+    double       min_transmission, max_acceleration;       /* scaled; 0: not asked                 */
+    int          n_zone;
+    lw_zone      zone[LW_ZONE_MAX];                         /* scaled                               */
+} lw_problem;
+
+const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */
+int         lw_problem_index(const lw_problem *p, const char *name); /* -1: no such variable       */
+
+/* Make the problem of fitting one family, in one assembly mode and sense, to a target.
+ * LW_E_ARG with a text: bounds that exclude everything, a task the target has no columns for, ...
+ * LW_E_KIND: this family cannot do this task (a slider input has no crank angle to prescribe). */
+lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const struct lw_family *family,
+                          double mode, int sense, lw_problem *p, lw_error *e);
+void      lw_problem_free(lw_problem *p);
+
+/* Dimensions in the user's frame and SI from variables, and back. */
+void lw_problem_to_dims(const lw_problem *p, const double *x, double *dim);
+void lw_problem_from_dims(const lw_problem *p, const double *dim, double *x);
+
+/* Scratch for the calls below.  Opaque memory of this size, one a thread, 64-byte aligned;
+ * _init once before the first use. It remembers the last assignment, nothing that changes an answer. */
+size_t lw_problem_work_size(const lw_problem *p);
+void   lw_problem_work_init(const lw_problem *p, void *work);
+
+/* f(x), and its gradient (n_var) when grad is given.  INFINITY when the linkage cannot close at some
+ * station (prescribed timing) or not at all; grad is then the direction that lessens the opening. */
+double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work);
+
+/* Residuals r (n_residual) with f = sum r^2, and their derivatives j[i*n_var + d] (may be NULL).
+ * false where f is INFINITY. */
+size_t lw_problem_residual_count(const lw_problem *p);
+bool   lw_problem_residuals(const lw_problem *p, const double *x, double *r, double *j, void *work);
+
+/* Subsidiary conditions g(x) >= 0 (n_constraint) and their derivatives j[i*n_var + d] (may be NULL):
+ * the linear ones, the opening of prescribed stations, transmission, acceleration. All of order one. */
+size_t lw_problem_constraint_count(const lw_problem *p);
+void   lw_problem_constraints(const lw_problem *p, const double *x, double *g, double *j, void *work);
+
+#endif

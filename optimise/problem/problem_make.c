@@ -1,0 +1,374 @@
+/* optimise/problem/problem_make.c - from a target and what is asked for to a problem: stations scaled, the plan
+ * of the family, variables with their bounds, linear conditions. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
+#include "optimise/search/tracers.h"
+
+/* "+r3+r4-r1-r2" into coefficients by variable. */
+static void linear_row(const lw_problem *p, const char *text, double *row)
+{
+    while (*text) {
+        double sign = *text++ == '-' ? -1 : 1;
+        char name[16] = "";
+        for (size_t k = 0; *text && *text != '+' && *text != '-' && k + 1 < sizeof name; text++)
+            name[k++] = *text;
+        int i = lw_problem_index(p, name);
+        if (i >= 0)
+            row[i] += sign;
+    }
+}
+
+/* Sums over the weighted points of the target, relative to its first. */
+typedef struct moments { double weight, x, y; } moments;
+
+static void add_points(const lw_target *t, const double *x, const double *y, const double *weight, moments *m)
+{
+    for (size_t i = 0; x && i < t->n; i++) {
+        m->weight += weight[i];
+        m->x += weight[i]*(x[i] - t->x[0]);
+        m->y += weight[i]*(y[i] - t->y[0]);
+    }
+}
+
+static double spread(const lw_problem *p, const double *x, const double *y, const double *weight, double all)
+{
+    double sum = 0;
+    for (size_t i = 0; x && i < p->n; i++)
+        sum += weight[i]/all*(pow(x[i] - p->origin.x, 2) + pow(y[i] - p->origin.y, 2));
+    return sum;
+}
+
+/* Origin and unit: centre of all points and their mean distance from it. */
+static void find_scale(const lw_target *t, lw_problem *p)
+{
+    moments m = { 0, 0, 0 };
+    p->origin = lw_v2(0, 0);
+    p->unit = 1;
+    if (!t->x)
+        return;
+    add_points(t, t->x, t->y, t->weight, &m);
+    for (int i = 0; i < t->n_also; i++)
+        add_points(t, t->also[i].x, t->also[i].y, t->also[i].weight, &m);
+    p->origin = lw_v2(t->x[0] + m.x/m.weight, t->y[0] + m.y/m.weight);
+    double sum = spread(p, t->x, t->y, t->weight, m.weight);
+    for (int i = 0; i < t->n_also; i++)
+        sum += spread(p, t->also[i].x, t->also[i].y, t->also[i].weight, m.weight);
+    p->unit = sum > 0 ? sqrt(sum) : 1;
+}
+
+static void scale_points(const lw_problem *p, const double *x, const double *y, double *to_x, double *to_y)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        to_x[i] = (x[i] - p->origin.x)/p->unit;
+        to_y[i] = (y[i] - p->origin.y)/p->unit;
+    }
+}
+
+/* Arrays of a further point, five of n from a on: scaled places, angles; weights come later. */
+static void make_aim(const lw_target *t, const lw_also *from, const lw_problem *p, double *a, lw_aim *aim)
+{
+    size_t n = p->n;
+    *aim = (lw_aim){ .x = from->x ? a : NULL, .y = from->x ? a + n : NULL, .theta = from->theta ? a + 2*n : NULL,
+                     .wa = a + 3*n, .wb = a + 4*n, .i_tool = -1 };
+    if (aim->x)
+        scale_points(p, from->x, from->y, aim->x, aim->y);
+    if (aim->theta)
+        memcpy(aim->theta, from->theta, sizeof *aim->theta*t->n);
+}
+
+static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
+{
+    size_t n = p->n = t->n;
+    double *a = calloc(n*(9 + 5*(size_t)t->n_also) + 1, sizeof *a);
+    if (!a)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
+    p->store = a;
+    p->x = a; p->y = a + n; p->w = a + 2*n; p->c = a + 3*n; p->s = a + 4*n; p->angle = a + 5*n;
+    p->theta = t->theta ? a + 6*n : NULL;
+    p->wa = a + 7*n; p->wb = a + 8*n;
+    find_scale(t, p);
+    if (t->x)
+        scale_points(p, t->x, t->y, p->x, p->y);
+    for (size_t i = 0; i < n; i++) {
+        p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);   /* each way one half    */
+        if (p->theta)
+            p->theta[i] = t->theta[i];
+    }
+    p->n_also = t->n_also;
+    for (int i = 0; i < t->n_also; i++)
+        make_aim(t, &t->also[i], p, a + n*(9 + 5*(size_t)i), &p->also[i]);
+    return LW_OK;
+}
+
+/* Prescribed inputs, as the plan counts them: over p->plan.laps.  Which of its laps a station is in, where the timing is
+ * that of one turn, is a matter of the phases of the wheels, which are dimensions. */
+static void make_timing(const lw_target *t, lw_problem *p)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        p->angle[i] = t->angle ? t->angle[i]/p->plan.laps : 0;
+        p->c[i] = cos(p->angle[i]);
+        p->s[i] = sin(p->angle[i]);
+    }
+}
+
+static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem *p, lw_error *e)
+{
+    lw_linkage k;
+    lw_status st = lw_tracers_linkage(p->family, t, s, &k, e);
+    if (st == LW_OK)
+        st = lw_plan_make_geared(&k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, &p->plan, e);
+    if (st != LW_OK)
+        return st;
+    p->n_dim = p->n_var = p->plan.n_dim;
+    p->i_input0 = p->timing == LW_TIMING_PRESCRIBED ? p->n_var++ : -1;
+    p->i_tool0 = p->theta ? p->n_var++ : -1;
+    for (int i = 0; i < p->n_also; i++)
+        p->also[i].i_tool = p->also[i].theta ? p->n_var++ : -1;
+    return LW_OK;
+}
+
+/* Limits of link sizes relative to the path when nobody gave any: 1/1000 to 10 diagonals. */
+static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec *out)
+{
+    double d = t->x && t->extent > 0 ? t->extent : 1;
+    *out = *s;
+    if (!(s->length_hi > 0)) {
+        out->length_lo = t->x ? 1e-3*d : 0.02;       /* of a function: in frame lengths           */
+        out->length_hi = t->x ? 10*d : 50;
+    }
+    if (!(s->position_hi > s->position_lo)) {
+        out->position_lo = -INFINITY;
+        out->position_hi = INFINITY;
+    }
+}
+
+static lw_status bad_bound(lw_error *e, const char *name, double lo, double hi)
+{
+    return lw_error_set(e, LW_E_ARG, "bounds of %s exclude everything: %g to %g; the lower end must "
+                        "not exceed the upper, and a length must be able to be positive", name, lo, hi);
+}
+
+static void fix(lw_problem *p, int i, double value)
+{
+    if (i >= 0)
+        p->lo[i] = p->hi[i] = value;
+}
+
+static bool is_coordinate_free(const lw_fit_spec *s)
+{
+    return !isfinite(s->position_lo) && !isfinite(s->position_hi);
+}
+
+static void range_of(const lw_problem *p, const lw_fit_spec *s, const lw_target *t, int i)
+{
+    lw_problem *q = (lw_problem *)p;
+    double lo = -INFINITY, hi = INFINITY;
+    if (i < p->n_dim && p->plan.dim[i].kind == LW_DIM_LENGTH) {
+        lo = s->length_lo/p->unit;
+        hi = s->length_hi/p->unit;
+    } else if (i < p->n_dim && p->plan.dim[i].kind == LW_DIM_COORDINATE) {
+        double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
+        double reach = 10*(t->x && t->extent > 0 ? t->extent : 1)/p->unit;
+        lo = is_coordinate_free(s) ? -reach : (s->position_lo - shift)/p->unit;
+        hi = is_coordinate_free(s) ? reach : (s->position_hi - shift)/p->unit;
+    }
+    q->lo[i] = lo;
+    q->hi[i] = hi;
+}
+
+static lw_status named_bound(lw_problem *p, const lw_bound *b, lw_error *e)
+{
+    int i = lw_problem_index(p, b->name);
+    if (i < 0)
+        return LW_OK;                                        /* a name of another type's dimension    */
+    bool angle = i >= p->n_dim || p->plan.dim[i].kind == LW_DIM_ANGLE;
+    double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
+    p->lo[i] = angle ? b->lo : (b->lo - shift)/p->unit;
+    p->hi[i] = angle ? b->hi : (b->hi - shift)/p->unit;
+    if (!(b->lo <= b->hi))
+        return bad_bound(e, b->name, b->lo, b->hi);
+    return LW_OK;
+}
+
+int lw_problem_first_length(const lw_problem *p)
+{
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH)
+            return i;
+    return -1;
+}
+
+static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)
+{
+    lw_fit_spec s;
+    default_range(t, spec, &s);
+    if (!(s.length_lo <= s.length_hi) || s.length_lo < 0)
+        return bad_bound(e, "the lengths", s.length_lo, s.length_hi);
+    for (int i = 0; i < p->n_var; i++)
+        range_of(p, &s, t, i);
+    if (p->datum != LW_DATUM_FREE)
+        fix(p, p->i_input0, 0);
+    for (int i = 0; i < s.n_bound; i++) {
+        lw_status st = named_bound(p, &s.bound[i], e);
+        if (st != LW_OK)
+            return st;
+    }
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
+            if (!(p->hi[i] > 0))
+                return bad_bound(e, p->plan.dim[i].name, p->lo[i]*p->unit, p->hi[i]*p->unit);
+            p->lo[i] = fmax(p->lo[i], 1e-9*fmin(1, p->hi[i]));    /* a link has a length          */
+        }
+    for (int i = 0; i < p->n_also; i++)
+        if (!p->also[i].x) {                                 /* where on its link does not matter      */
+            fix(p, p->plan.i_cx[i + 1], 0);
+            fix(p, p->plan.i_cy[i + 1], 0);
+        }
+    if (p->task == LW_TASK_FUNCTION) {                       /* place, size, tracer do not matter     */
+        static const char *const idle[] = { "x0", "y0", "theta0", "cy" };
+        for (int k = 0; k < 4; k++)
+            fix(p, lw_problem_index(p, idle[k]), 0);
+        fix(p, lw_problem_index(p, "cx"), 1);
+        if (!(spec->length_hi > 0))                          /* else any size in that range will do */
+            fix(p, p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]), 1);
+    }
+    return LW_OK;
+}
+
+static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *e)
+{
+    if (t->n < 2)
+        return lw_error_set(e, LW_E_ARG, "one point only: a linkage is found for two points or more");
+    if (s->task != LW_TASK_FUNCTION && t->x && !(t->size > 0))
+        return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
+    if (s->timing == LW_TIMING_NONE && s->task != LW_TASK_FUNCTION && t->n_also > 0)
+        return lw_error_set(e, LW_E_ARG, "several points are where the target says at the same time, so their stations "
+                            "have an order; timing none, which scores one curve both ways, knows none: use free "
+                            "timing");
+    for (int i = 0; i < t->n_also && s->task == LW_TASK_FUNCTION; i++)
+        if (t->also[i].x)
+            return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; "
+                                "use the path task, with the output angle as a further point", i + 2);
+    if (s->task == LW_TASK_FUNCTION && s->n_zone > 0)
+        return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
+                            "mean nothing to it; leave them out, or use the path task");
+    if (s->task != LW_TASK_FUNCTION && !t->x)
+        return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
+                            "for input and output angles use the function task");
+    if (s->task != LW_TASK_PATH && !t->theta)
+        return lw_error_set(e, LW_E_ARG, "the target has no column theta (tool or output angle), "
+                            "which the %s task needs",
+                            s->task == LW_TASK_MOTION ? "motion" : "function");
+    bool timed = s->timing == LW_TIMING_PRESCRIBED || s->task == LW_TASK_FUNCTION;
+    if (timed && !t->angle)
+        return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
+                            "target; without one use free timing");
+    return LW_OK;
+}
+
+/* Can linkages of this family do it at all? */
+static lw_status check_family(const lw_problem *p, lw_error *e)
+{
+    if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
+        return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
+                            "prescribe");
+    if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
+        return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
+    return LW_OK;
+}
+
+/* Every length at most `ratio` times every other. */
+static lw_status ratio_rows(double ratio, lw_problem *p, lw_error *e)
+{
+    for (int i = 0; i < p->n_dim && ratio > 0; i++)
+        for (int j = 0; j < p->n_dim; j++) {
+            if (i == j || p->plan.dim[i].kind != LW_DIM_LENGTH || p->plan.dim[j].kind != LW_DIM_LENGTH)
+                continue;
+            if (p->n_linear == LW_LINEAR_MAX)
+                return lw_error_set(e, LW_E_KIND, "it has too many lengths for a bound on their ratio");
+            p->linear[p->n_linear][i] = ratio;
+            p->linear[p->n_linear++][j] = -1;
+        }
+    return LW_OK;
+}
+
+static void scale_zones(const lw_fit_spec *s, lw_problem *p)
+{
+    p->n_zone = s->n_zone;
+    for (int i = 0; i < s->n_zone; i++) {
+        lw_zone *z = &p->zone[i];
+        *z = s->zone[i];
+        z->at = lw_v2_scale(lw_v2_sub(z->at, p->origin), 1/p->unit);
+        if (z->kind == LW_ZONE_PIVOTS_BOX || z->kind == LW_ZONE_NO_BOX)
+            z->to = lw_v2_scale(lw_v2_sub(z->to, p->origin), 1/p->unit);
+        z->reach /= p->unit;
+    }
+}
+
+/* f counts in units of the scaled target; the user's objective is scale * f. */
+static void weigh(const lw_target *t, const lw_fit_spec *s, lw_problem *p)
+{
+    bool function = p->task == LW_TASK_FUNCTION;
+    double angle = function ? s->b : s->b/(s->a*p->unit*p->unit);
+    p->scale = function ? 1 : s->a*p->unit*p->unit;
+    p->a = function ? 0 : 1;
+    p->b = p->task == LW_TASK_PATH ? 0 : angle;
+    for (size_t i = 0; i < p->n; i++) {
+        p->wa[i] = sqrt(p->a*p->w[i]);
+        p->wb[i] = sqrt(p->b*p->w[i]);
+        for (int k = 0; k < p->n_also; k++) {
+            p->also[k].wa[i] = sqrt(p->a*t->also[k].weight[i]);
+            p->also[k].wb[i] = sqrt(angle*t->also[k].weight[i]);
+        }
+    }
+}
+
+lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_family *family,
+                          double mode, int sense, lw_problem *p, lw_error *e)
+{
+    memset(p, 0, sizeof *p);
+    if (!family->linkage && !lw_type_find(family->type))
+        return lw_error_set(e, LW_E_KIND, "no linkage type %s", family->type);
+    lw_status st = check_task(t, s, e);
+    if (st != LW_OK)
+        return st;
+    p->family = family;
+    p->task = s->task;
+    p->timing = s->task == LW_TASK_FUNCTION ? LW_TIMING_PRESCRIBED : s->timing;
+    p->datum = s->datum;
+    p->branch.turns = family->turns;
+    p->must_turn = s->crank_only;
+    p->branch.sense = sense < 0 ? -1 : 1;
+    p->closed = t->closed;
+    for (int d = 0; d < LW_MODE_MAX; d++)
+        p->branch.mode[d] = mode;
+    if ((st = make_stations(t, p, e)) != LW_OK)
+        return st;
+    if (p->task == LW_TASK_PATH)
+        p->theta = NULL;
+    if ((st = make_plan(t, s, p, e)) != LW_OK || (st = check_family(p, e)) != LW_OK
+        || (st = make_bounds(t, s, p, e)) != LW_OK) {
+        lw_problem_free(p);
+        return st;
+    }
+    make_timing(t, p);
+    weigh(t, s, p);
+    p->min_transmission = s->min_transmission;
+    p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
+                                                : s->max_acceleration*p->plan.laps*p->plan.laps/p->unit;
+    for (int j = 0; j < 4 && family->linear[j]; j++)
+        linear_row(p, family->linear[j], p->linear[p->n_linear++]);
+    scale_zones(s, p);
+    if ((st = ratio_rows(s->length_ratio, p, e)) != LW_OK)
+        lw_problem_free(p);
+    return st;
+}
+
+void lw_problem_free(lw_problem *p)
+{
+    free(p->store);
+    p->store = NULL;
+}

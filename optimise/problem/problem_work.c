@@ -1,0 +1,141 @@
+/* optimise/problem/problem_work.c - the scratch of one thread, laid out in memory of the caller. */
+#include <string.h>
+
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
+
+size_t lw_problem_lane_count(const lw_problem *p)
+{
+    return p->n + (p->timing == LW_TIMING_NONE ? LW_CURVE_SAMPLES : 0);
+}
+
+bool lw_problem_has_modes(const lw_problem *p)
+{
+    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->branch.through);
+}
+
+int lw_problem_component_count(const lw_problem *p)
+{
+    int n = p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+    for (int i = 0; i < p->n_also; i++)
+        n += (p->also[i].x ? 2 : 0) + (p->also[i].theta ? 1 : 0);
+    return n;
+}
+
+void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)
+{
+    lw_batch_frame(&p->plan, in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
+    for (int i = 1; i <= p->n_also; i++) {
+        lw_batch_frame(&p->plan, in, i, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose_m);
+        for (size_t k = 0; k < in->n; k++)
+            margin[k] = fmin(margin[k], w->pose_m[k]);
+    }
+}
+
+/* Hand out 64-byte aligned pieces; with base NULL it only counts. */
+static void *piece(char *base, size_t *at, size_t bytes)
+{
+    size_t here = *at;
+    *at = (*at + bytes + 63) & ~(size_t)63;
+    return base ? base + here : NULL;
+}
+
+/* Lanes of one point, with the turn of its link when that is asked for. */
+static void lay_out_lanes(const lw_problem *p, size_t ld, bool turn, lw_jacobian *j, char *base, size_t *at)
+{
+    double **each[] = { &j->x, &j->y, &j->u, &j->v, &j->margin, &j->tx, &j->ty, &j->tt };
+    for (size_t i = 0; i < sizeof each/sizeof *each; i++)
+        *each[i] = piece(base, at, ld*sizeof(double));
+    j->jx = piece(base, at, ld*sizeof(double)*(size_t)p->n_dim);
+    j->jy = piece(base, at, ld*sizeof(double)*(size_t)p->n_dim);
+    j->jt = turn ? piece(base, at, ld*sizeof(double)*(size_t)p->n_dim) : NULL;
+    j->ld = ld;
+    if (!turn)
+        j->tt = NULL;
+}
+
+static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
+{
+    size_t at = (sizeof *w + 63) & ~(size_t)63;
+    size_t lanes = lw_problem_lane_count(p), ld = (lanes + 7) & ~(size_t)7, v = sizeof(double);
+    size_t m = LW_CURVE_SAMPLES;
+    w->n = p->n;
+    w->n_lane = lanes;
+    w->ld = ld;
+    w->n_row = lw_problem_component_count(p);
+    double **lane_arrays[] = { &w->phase, &w->input, &w->rate, &w->normal_x, &w->normal_y,
+                               &w->by_input, &w->c, &w->s, &w->around, &w->psi_c, &w->psi_s };
+    for (size_t i = 0; i < sizeof lane_arrays/sizeof *lane_arrays; i++)
+        *lane_arrays[i] = piece(base, &at, ld*v);
+    lay_out_lanes(p, ld, p->theta, &w->jac, base, &at);
+    for (int k = 0; k < p->n_also; k++) {
+        lw_also_work *a = &w->also[k];
+        lay_out_lanes(p, ld, p->also[k].theta, &a->jac, base, &at);
+        double **curve[] = { &a->curve_x, &a->curve_y, &a->curve_u, &a->curve_v };
+        for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
+            *curve[i] = piece(base, &at, m*v);
+    }
+    size_t dyads = (size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1);
+    w->mode = piece(base, &at, ld*v*dyads);
+    w->turn_mode = piece(base, &at, m*v*dyads);
+    w->leg = piece(base, &at, ld*sizeof *w->leg);
+    w->row = piece(base, &at, ld*v*(size_t)(w->n_row*p->n_var));
+    w->res = piece(base, &at, ld*v*(size_t)w->n_row);
+    double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
+                         &w->curve_u, &w->curve_v,
+                         &w->foot_x, &w->foot_y, &w->turn, &w->way_c, &w->way_s };
+    for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
+        *curve[i] = piece(base, &at, m*v);
+    w->way_mode = piece(base, &at, m*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
+    w->way_leg = piece(base, &at, m*sizeof(short));
+    size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
+    double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v, &w->pose_m,
+                        &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };
+    for (size_t i = 0; i < sizeof pose/sizeof *pose; i++)
+        *pose[i] = piece(base, &at, poses*v);
+    w->pose.jx = piece(base, &at, poses*v*(size_t)p->n_dim);
+    w->pose.jy = piece(base, &at, poses*v*(size_t)p->n_dim);
+    w->pose.jt = w->pose.tt = NULL;
+    w->pose.ld = poses;
+    w->g_now = piece(base, &at, g*v);
+    w->g_up = piece(base, &at, g*v);
+    w->g_down = piece(base, &at, g*v);
+    w->cost = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*v);
+    w->best = piece(base, &at, 2*(LW_CURVE_SAMPLES + 1)*v);
+    w->from = piece(base, &at, p->n*(LW_CURVE_SAMPLES + 1)*sizeof(short));
+    w->order = piece(base, &at, 2*p->n*sizeof(short));
+    w->try_theta = piece(base, &at, 3*ld*v);
+    w->pool = piece(base, &at, 3*ld*v);
+    w->slide = piece(base, &at, ld*v*(size_t)p->n_var);
+    w->keep_theta = piece(base, &at, ld*v);
+    w->best_theta = piece(base, &at, ld*v);
+    w->slip = piece(base, &at, ld*v);
+    w->tie = piece(base, &at, ld*sizeof(bool));
+    w->batch = piece(base, &at, lw_batch_work_size(&p->plan));
+    return at;
+}
+
+size_t lw_problem_work_size(const lw_problem *p)
+{
+    lw_work w;
+    return lay_out(p, &w, NULL);
+}
+
+void lw_problem_work_init(const lw_problem *p, void *work)
+{
+    lw_work *w = work;
+    memset(work, 0, lay_out(p, w, NULL));         /* lanes beyond the last stay zero in sums        */
+    lay_out(p, w, work);
+    lw_problem_work_branch(p, w);
+}
+
+void lw_problem_work_branch(const lw_problem *p, lw_work *w)
+{
+    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+        w->turn[j] = 2*LW_PI*(j + (p->branch.turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
+        w->turn_c[j] = cos(w->turn[j]);
+        w->turn_s[j] = sin(w->turn[j]);
+    }
+    w->least_margin = lw_problem_has_modes(p) ? -1e-9 : 0;
+    w->swing.known = false;
+}

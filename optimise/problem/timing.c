@@ -1,0 +1,387 @@
+/* optimise/problem/timing.c - which input belongs to which station when the timing is free: a monotone
+ * assignment to samples of the curve by dynamic programming, then Newton steps along the curve. */
+#include <string.h>
+
+#include "optimise/problem/problem_internal.h"
+
+enum { M = LW_CURVE_SAMPLES };
+
+void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    bool modes = lw_problem_has_modes(p);
+    for (int j = 0; j < M && !p->branch.turns; j++) {
+        lw_spot at = lw_circuit_spot(p, w, w->turn[j]);
+        w->turn_c[j] = at.c;
+        w->turn_s[j] = at.s;
+        if (modes)
+            lw_circuit_put_mode(p, w, at.leg, w->turn_mode + j, M);
+    }
+    if (modes) {
+        in.mode = w->turn_mode;
+        in.mode_stride = M;
+    }
+    lw_batch_point(&p->plan, &in, 0, w->batch, w->curve_x, w->curve_y, w->curve_u, w->curve_v,
+                   w->curve_m);
+    for (int i = 0; i < p->n_also; i++) {
+        const lw_also_work *a = &w->also[i];
+        lw_batch_point(&p->plan, &in, i + 1, w->batch, a->curve_x, a->curve_y, a->curve_u, a->curve_v, w->pose_m);
+        for (int j = 0; j < M; j++)
+            w->curve_m[j] = fmin(w->curve_m[j], w->pose_m[j]);
+    }
+}
+
+/* What a further point adds to the cost of station i at each sample. */
+static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim, size_t i, double *c)
+{
+    double wa = aim->wa[i]*aim->wa[i], wb = aim->wb[i]*aim->wb[i];
+    for (int j = 0; aim->x && j < M; j++) {
+        double dx = a->curve_x[j] - aim->x[i], dy = a->curve_y[j] - aim->y[i];
+        c[j] += wa*(dx*dx + dy*dy);
+    }
+    for (int j = 0; aim->theta && j < M; j++) {
+        double turn = remainder(atan2(a->curve_v[j], a->curve_u[j]) + x[aim->i_tool] - aim->theta[i], 2*LW_PI);
+        c[j] += wb*turn*turn;
+    }
+}
+
+/* What it costs to put station i at sample j. */
+static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        double *c = w->cost + i*M;
+        for (int j = 0; j < M; j++) {
+            double dx = w->curve_x[j] - p->x[i], dy = w->curve_y[j] - p->y[i];
+            c[j] = p->w[i]*p->a*(dx*dx + dy*dy);
+        }
+        for (int j = 0; p->theta && j < M; j++) {
+            double turn = atan2(w->curve_v[j], w->curve_u[j]) + x[p->i_tool0] - p->theta[i];
+            turn = remainder(turn, 2*LW_PI);
+            c[j] += p->w[i]*p->b*turn*turn;
+        }
+        for (int k = 0; k < p->n_also; k++)
+            add_costs(x, &w->also[k], &p->also[k], i, c);
+        for (int j = 0; j < M; j++)
+            if (!(w->curve_m[j] >= 0))
+                c[j] = 1e30;
+    }
+}
+
+/* Cheapest rising assignment with station 0 at sample `first`; order[] gets steps behind first. */
+static double rising(const lw_problem *p, lw_work *w, int first, int stride, short *order)
+{
+    double *best = w->best;
+    size_t n = p->n;
+    for (int k = 0; k <= M; k++)
+        best[k] = w->cost[first];
+    for (size_t i = 1; i < n; i++) {
+        const double *c = w->cost + i*M;
+        short *from = w->from + i*(M + 1);
+        double least = 1e300;
+        short at = 0;
+        for (int k = 0, j = first; k <= M; k++, j = (j + stride) & (M - 1)) {
+            if (best[k] < least) {
+                least = best[k];
+                at = (short)k;
+            }
+            from[k] = at;
+            best[k] = least + c[j];
+        }
+    }
+    int end = 0;
+    for (int k = 1; k <= M; k++)
+        if (best[k] < best[end])
+            end = k;
+    double f = best[end];
+    for (size_t i = n - 1; i > 0; i--) {
+        order[i] = (short)end;
+        end = w->from[i*(M + 1) + (size_t)end];
+    }
+    order[0] = 0;
+    return n == 1 ? w->cost[first] : f;
+}
+
+/* Nearest samples without regard to order. */
+static void nearest(const lw_problem *p, lw_work *w)
+{
+    for (size_t i = 0; i < p->n; i++) {
+        const double *c = w->cost + i*M;
+        int best = 0;
+        for (int j = 1; j < M; j++)
+            if (c[j] < c[best])
+                best = j;
+        w->phase[i] = w->turn[best];
+    }
+}
+
+/* The curve in the sense of the run: the samples at which station 0 may start are the local minima
+ * of its distance; each gives one dynamic programme. */
+static bool monotone(const lw_problem *p, lw_work *w)
+{
+    int stride = p->branch.sense > 0 ? 1 : M - 1, kept = -1;
+    double least = 1e29;
+    short *now = w->order, *keep = w->order + p->n;
+    for (int j = 0; j < M; j++) {
+        const double *c = w->cost;
+        if (c[j] > c[(j + 1) & (M - 1)] || c[j] >= c[(j + M - 1) & (M - 1)])
+            continue;
+        double f = rising(p, w, j, stride, now);
+        if (f < least) {
+            least = f;
+            kept = j;
+            memcpy(keep, now, p->n*sizeof *now);
+        }
+    }
+    for (size_t i = 0; kept >= 0 && i < p->n; i++)
+        w->phase[i] = w->turn[kept] + p->branch.sense*keep[i]*(2*LW_PI/M);
+    return kept >= 0;
+}
+
+/* Between samples: one Gauss-Newton step with the tangent differenced from the neighbours.  Not quite to
+ * the middle, where a limit of motion may be: there the tangent is 0/0. */
+static void between_samples(const lw_problem *p, lw_work *w)
+{
+    const double width = 2*LW_PI/M;
+    for (size_t i = 0; i < p->n; i++) {
+        int j = (int)lrint((w->phase[i] - w->turn[0])/width) & (M - 1);
+        int a = (j + M - 1) & (M - 1), b = (j + 1) & (M - 1);
+        double tx = 0.5*(w->curve_x[b] - w->curve_x[a]), ty = 0.5*(w->curve_y[b] - w->curve_y[a]);
+        double t2 = tx*tx + ty*ty;
+        double s = tx*(p->x[i] - w->curve_x[j]) + ty*(p->y[i] - w->curve_y[j]);
+        for (int k = 0; k < p->n_also; k++) {
+            const lw_also_work *z = &w->also[k];
+            const lw_aim *aim = &p->also[k];
+            if (!aim->x)
+                continue;
+            tx = 0.5*(z->curve_x[b] - z->curve_x[a]);
+            ty = 0.5*(z->curve_y[b] - z->curve_y[a]);
+            t2 += tx*tx + ty*ty;
+            s += tx*(aim->x[i] - z->curve_x[j]) + ty*(aim->y[i] - z->curve_y[j]);
+        }
+        w->try_theta[i] = 1;
+        if (t2 > 0)
+            w->phase[i] += width*fmax(-0.49, fmin(0.49, s/t2));
+    }
+    if (p->timing == LW_TIMING_FREE)
+        lw_assign_order(p, w->phase, w->try_theta, w->pool);
+}
+
+bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (!lw_circuit_find(p, x, w))
+        return false;
+    lw_assign_sample(p, x, w);
+    fill_costs(p, x, w);
+    bool found = true;
+    if (p->timing == LW_TIMING_NONE)
+        nearest(p, w);
+    else
+        found = monotone(p, w);
+    if (found)
+        between_samples(p, w);
+    if (p->timing == LW_TIMING_NONE)
+        lw_assign_samples(p, w, w->curve_x, w->curve_y);
+    return found;
+}
+
+/* Blocks of stations at one input, in order: their mean and weight and how many they are. */
+typedef struct blocks { double *mean, *mass, *size; size_t n; } blocks;
+
+static void pool_blocks(const lw_problem *p, const double *theta, const double *weight, blocks *b)
+{
+    b->n = 0;
+    for (size_t i = 0; i < p->n; i++) {
+        size_t top = b->n++;
+        b->mean[top] = p->branch.sense*theta[i];
+        b->mass[top] = weight[i];
+        b->size[top] = 1;
+        for (; top > 0 && b->mean[top - 1] > b->mean[top]; top--, b->n--) {
+            double m = b->mass[top - 1] + b->mass[top];
+            b->mean[top - 1] = (b->mean[top - 1]*b->mass[top - 1] + b->mean[top]*b->mass[top])/m;
+            b->mass[top - 1] = m;
+            b->size[top - 1] += b->size[top];
+        }
+    }
+}
+
+/* More than a turn: the last block and the first, a turn on, become one, and what they then run into. */
+static void pool_round_the_turn(blocks *b)
+{
+    size_t lo = 0, hi = b->n - 1;
+    if (hi == 0 || b->mean[hi] - b->mean[lo] <= 2*LW_PI)
+        return;
+    double mass = b->mass[lo] + b->mass[hi];
+    double mean = (b->mean[lo]*b->mass[lo] + (b->mean[hi] - 2*LW_PI)*b->mass[hi])/mass;
+    while (lo + 1 < hi) {
+        bool up = b->mean[lo + 1] < mean;
+        if (!up && b->mean[hi - 1] <= mean + 2*LW_PI)
+            break;
+        size_t take = up ? ++lo : --hi;
+        double at = b->mean[take] - (up ? 0 : 2*LW_PI);
+        mean = (mean*mass + at*b->mass[take])/(mass + b->mass[take]);
+        mass += b->mass[take];
+    }
+    for (size_t k = 0; k <= lo; k++)
+        b->mean[k] = mean;
+    for (size_t k = hi; k < b->n; k++)
+        b->mean[k] = mean + 2*LW_PI;
+}
+
+void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
+{
+    blocks b = { .mean = scratch, .mass = scratch + p->n, .size = scratch + 2*p->n };
+    pool_blocks(p, theta, weight, &b);
+    pool_round_the_turn(&b);
+    for (size_t k = 0, i = 0; k < b.n; k++)
+        for (double q = 0; q < b.size[k]; q++)
+            theta[i++] = p->branch.sense*b.mean[k];
+}
+
+bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
+{
+    if (p->timing != LW_TIMING_FREE || p->n < 2)
+        return false;
+    return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
+                        : w->phase[k] == p->branch.sense*(p->branch.sense*w->phase[0] + 2*LW_PI);
+}
+
+/* Newton step of each station along the curve, with the second derivative by secant where two
+ * evaluations give one. */
+static void propose(const lw_problem *p, lw_work *w, bool have_old)
+{
+    double *old = w->try_theta, *slope_old = old + w->ld, *curvature = old + 2*w->ld;
+    double t[LW_ROW_MAX];
+    for (size_t k = 0; k < p->n; k++) {
+        double t2 = lw_problem_tangent(p, w, k, t), slope = 0;
+        for (int i = 0; i < w->n_row; i++)
+            slope += t[i]*w->res[(size_t)i*w->ld + k];
+        double bend = t2 + 1e-30;
+        double moved = w->phase[k] - old[k];
+        if (have_old && fabs(moved) > 1e-13) {
+            double secant = (slope - slope_old[k])/moved;
+            if (secant > 0.02*t2)
+                bend = secant;
+        }
+        old[k] = w->phase[k];
+        slope_old[k] = slope;
+        curvature[k] = bend;
+        w->phase[k] -= slope/bend;
+    }
+}
+
+/* No station farther than this from where it was; done after the order, since a mean of steps cut
+ * short is no step of a block.  The longest move. */
+static double shorten(const lw_problem *p, lw_work *w)
+{
+    const double most = 0.3, *old = w->try_theta;
+    double longest = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        double move = w->phase[k] - old[k];
+        if (!(fabs(move) <= most))
+            w->phase[k] = old[k] + copysign(most, move);
+        longest = fmax(longest, fmin(most, fabs(move)));
+    }
+    return longest;
+}
+
+bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
+{
+    const double rounding = 1e-9;      /* f so little above the least is as good: f is flat there, and going back to its */
+                                       /* least would keep only half the digits of the inputs                           */
+    double least = INFINITY, *kept = w->keep_theta;
+    bool back = false;
+    for (int i = 0;; i++) {
+        if (!lw_problem_turn_stations(p, x, w) || !lw_problem_lanes(p, x, w))
+            return false;
+        double f = lw_problem_rows(p, x, w, false);
+        if (f <= least) {
+            least = f;
+            memcpy(kept, w->phase, p->n*sizeof *kept);
+        }
+        if (i >= steps && (f <= least*(1 + rounding) || back))
+            return true;
+        if (i >= steps) {                                /* Newton went astray: back to the best, once, */
+                                                         /* as groups that are followed give f but for rounding */
+            memcpy(w->phase, kept, p->n*sizeof *kept);
+            back = true;
+            continue;
+        }
+        propose(p, w, i > 0);
+        if (p->timing == LW_TIMING_FREE)
+            lw_assign_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
+        if (shorten(p, w) < 1e-12)
+            steps = i + 1;
+    }
+}
+
+/* ---- both ways: curve to target ------------------------------------------------------------ */
+
+/* Nearest points of the target polygon to M points, side after side so that the points vectorise. */
+static void feet_on_target(const lw_problem *p, const double *x, const double *y, double *fx,
+                           double *fy)
+{
+    double least[M];
+    size_t last = p->closed ? p->n : p->n - 1;
+    for (int j = 0; j < M; j++) {
+        fx[j] = p->x[0];
+        fy[j] = p->y[0];
+        least[j] = (x[j] - fx[j])*(x[j] - fx[j]) + (y[j] - fy[j])*(y[j] - fy[j]);
+    }
+    for (size_t i = 0; i < last; i++) {
+        size_t k = i + 1 < p->n ? i + 1 : 0;
+        double ax = p->x[i], ay = p->y[i], dx = p->x[k] - ax, dy = p->y[k] - ay;
+        double d2 = dx*dx + dy*dy, ux = d2 > 0 ? dx/d2 : 0, uy = d2 > 0 ? dy/d2 : 0;
+        for (int j = 0; j < M; j++) {
+            double t = (x[j] - ax)*ux + (y[j] - ay)*uy;
+            t = t > 0 ? t : 0;
+            t = t < 1 ? t : 1;
+            double qx = ax + t*dx, qy = ay + t*dy;
+            double d = (x[j] - qx)*(x[j] - qx) + (y[j] - qy)*(y[j] - qy);
+            bool nearer = d < least[j];
+            least[j] = nearer ? d : least[j];
+            fx[j] = nearer ? qx : fx[j];
+            fy[j] = nearer ? qy : fy[j];
+        }
+    }
+}
+
+/* An open target is met by a piece of the curve: the samples outside the piece that runs from the
+ * first station's input to the last's, on the side where more stations lie, do not count. */
+static bool outside_piece(const lw_problem *p, const lw_work *w, int sample, double from, double span)
+{
+    if (p->closed || p->n < 2)
+        return false;
+    double at = remainder(w->turn[sample] - from, 2*LW_PI);
+    if (span > 0)
+        return !((at < 0 ? at + 2*LW_PI : at) <= span);
+    return !((at > 0 ? at - 2*LW_PI : at) >= span);
+}
+
+static double covered_span(const lw_problem *p, const lw_work *w)
+{
+    double from = w->phase[0], rise = remainder(w->phase[p->n - 1] - from, 2*LW_PI);
+    if (rise < 0)
+        rise += 2*LW_PI;
+    size_t inside = 0;
+    for (size_t i = 1; i + 1 < p->n; i++) {
+        double at = remainder(w->phase[i] - from, 2*LW_PI);
+        inside += (at < 0 ? at + 2*LW_PI : at) <= rise;
+    }
+    return 2*inside + 2 >= p->n ? rise : rise - 2*LW_PI;
+}
+
+void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y)
+{
+    double total = 0, span = covered_span(p, w);
+    for (size_t i = 0; i < p->n; i++)
+        total += p->w[i];
+    w->sample_weight = total/M;
+    feet_on_target(p, x, y, w->foot_x, w->foot_y);
+    for (int j = 0; j < M; j++) {
+        w->phase[p->n + (size_t)j] = w->turn[j];
+        if (outside_piece(p, w, j, w->phase[0], span)) {
+            w->foot_x[j] = x[j];
+            w->foot_y[j] = y[j];
+        }
+    }
+}

@@ -1,0 +1,157 @@
+#include "optimise/report/likeness.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { N = LW_LIKENESS_POINTS, PIECES = 8 };
+#define CORNER 0.7              /* a target that turns more than this at a station has a corner there [rad] */
+
+/* ---- the curve of a target ---------------------------------------------------------------------------- */
+
+static lw_vec2 station(const lw_target *t, size_t i)
+{
+    i %= t->n;
+    return lw_v2(t->x[i], t->y[i]);
+}
+
+static lw_vec2 unit(lw_vec2 a)
+{
+    double l = lw_v2_norm(a);
+    return l > 0 ? lw_v2_scale(a, 1/l) : a;
+}
+
+/* Direction of the curve at a station: that of the circle through it and its neighbours, along a/a^2 + b/b^2; (0, 0)
+ * at corners, ends, and where two stations are one. */
+static lw_vec2 tangent(const lw_target *t, size_t i)
+{
+    static const lw_vec2 none = { 0, 0 };
+    if (!t->closed && (i == 0 || i + 1 == t->n))
+        return none;
+    lw_vec2 a = lw_v2_sub(station(t, i), station(t, i + t->n - 1)), b = lw_v2_sub(station(t, i + 1), station(t, i));
+    double a2 = lw_v2_dot(a, a), b2 = lw_v2_dot(b, b);
+    if (!(a2 > 0 && b2 > 0) || lw_v2_dot(a, b) < cos(CORNER)*sqrt(a2*b2))
+        return none;
+    return unit(lw_v2_add(lw_v2_scale(a, 1/a2), lw_v2_scale(b, 1/b2)));
+}
+
+static bool is_none(lw_vec2 a) { return a.x == 0 && a.y == 0; }
+
+/* The other end's direction of an arc with chord d. */
+static lw_vec2 mirrored(lw_vec2 tangent, lw_vec2 d)
+{
+    lw_vec2 along = unit(d);
+    return lw_v2_sub(lw_v2_scale(along, 2*lw_v2_dot(along, tangent)), tangent);
+}
+
+/* PIECES points from station i on, the next one not among them: a cubic with the directions of both (Hermite); at a
+ * corner and at an end an arc; between two of them straight. */
+static void span(const lw_target *t, size_t i, lw_vec2 out[PIECES])
+{
+    lw_vec2 p = station(t, i), d = lw_v2_sub(station(t, i + 1), p), u = tangent(t, i), v = tangent(t, (i + 1) % t->n);
+    if (is_none(u) && is_none(v))
+        u = v = unit(d);
+    else if (is_none(u))
+        u = mirrored(v, d);
+    else if (is_none(v))
+        v = mirrored(u, d);
+    double l = lw_v2_norm(d);
+    for (int k = 0; k < PIECES; k++) {
+        double s = (double)k/PIECES, r = 1 - s;
+        lw_vec2 bend = lw_v2_add(lw_v2_scale(u, l*s*r*r), lw_v2_scale(v, -l*s*s*r));
+        out[k] = lw_v2_add(lw_v2_add(p, lw_v2_scale(d, s*s*(3 - 2*s))), bend);
+    }
+}
+
+/* The curve drawn through the stations; *n points.  NULL: no memory.  Free with free(). */
+static lw_vec2 *curve_of(const lw_target *t, size_t *n)
+{
+    size_t spans = t->closed ? t->n : t->n - 1;
+    lw_vec2 *p = malloc(sizeof *p*(spans*PIECES + 1));
+    *n = spans*PIECES + !t->closed;
+    for (size_t i = 0; p && i < spans; i++)
+        span(t, i, p + i*PIECES);
+    if (p && !t->closed)
+        p[spans*PIECES] = station(t, t->n - 1);
+    return p;
+}
+
+/* ---- distances ------------------------------------------------------------------------------------------ */
+
+/* N points at equal steps along a polyline; of an open one both ends, of a closed one no end twice. */
+static bool resample(const lw_vec2 *p, size_t n, bool closed, lw_vec2 out[N])
+{
+    double total = 0, done = 0;
+    size_t last = closed ? n : n - 1, k = 0;
+    for (size_t i = 0; i < last; i++)
+        total += lw_v2_norm(lw_v2_sub(p[(i + 1) % n], p[i]));
+    if (!(total > 0))
+        return false;
+    for (int j = 0; j < N; j++) {
+        double want = total*j/(closed ? N : N - 1), step;
+        lw_vec2 d;
+        for (;; k++) {
+            d = lw_v2_sub(p[(k + 1) % n], p[k % n]);
+            step = lw_v2_norm(d);
+            if (done + step >= want || k + 1 >= last)
+                break;
+            done += step;
+        }
+        double share = step > 0 ? fmin(1, (want - done)/step) : 0;
+        out[j] = lw_v2_add(p[k % n], lw_v2_scale(d, share));
+    }
+    return true;
+}
+
+static double rms_radius(const lw_vec2 p[N])
+{
+    lw_vec2 mean = { 0, 0 };
+    double sum = 0;
+    for (int i = 0; i < N; i++)
+        mean = lw_v2_add(mean, lw_v2_scale(p[i], 1.0/N));
+    for (int i = 0; i < N; i++)
+        sum += pow(lw_v2_norm(lw_v2_sub(p[i], mean)), 2);
+    return sqrt(sum/N);
+}
+
+/* Mean distance from the points of a to the polyline through those of b. */
+static double nearest(const lw_vec2 a[N], const lw_vec2 b[N], bool closed)
+{
+    double sum = 0;
+    for (int i = 0; i < N; i++) {
+        double least = INFINITY;
+        for (int j = 0; j < (closed ? N : N - 1); j++)
+            least = fmin(least, lw_v2_segment_distance(a[i], b[j], b[(j + 1) % N]));
+        sum += least;
+    }
+    return sum/N;
+}
+
+/* Mean distance of equal ranks, a's rank i beside b's `first` + sense*i. */
+static double in_order(const lw_vec2 a[N], const lw_vec2 b[N], int first, int sense)
+{
+    double sum = 0;
+    for (int i = 0; i < N; i++)
+        sum += lw_v2_norm(lw_v2_sub(a[i], b[((first + sense*i) % N + N) % N]));
+    return sum/N;
+}
+
+void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out)
+{
+    lw_vec2 want[N], have[N];
+    size_t n_drawn;
+    lw_vec2 *drawn = curve_of(t, &n_drawn);
+    *out = (lw_likeness){ NAN, NAN, NAN, NAN };
+    bool there = drawn && resample(drawn, n_drawn, t->closed, want) && resample(curve, n, t->closed, have);
+    free(drawn);
+    if (!there)
+        return;
+    double radius = rms_radius(want), best = INFINITY;
+    out->to_curve = nearest(want, have, t->closed)/radius;
+    out->to_target = nearest(have, want, t->closed)/radius;
+    out->chamfer = 0.5*(out->to_curve + out->to_target);
+    for (int first = 0; first < (t->closed ? N : 1); first++) {
+        best = fmin(best, in_order(want, have, first, 1));
+        best = fmin(best, in_order(want, have, t->closed ? first : N - 1, -1));
+    }
+    out->ordered = best/radius;
+}

@@ -1,0 +1,26 @@
+/* optimise/report/likeness.h - how alike two curves are, as tools that learn linkages from curves report it.
+ *
+ * The curve of a target goes through its stations, smoothly but at corners: a polygon of chords would lie beside
+ * the curve it was taken from, by more than good linkages do.  Both curves are cut into LW_LIKENESS_POINTS points at
+ * equal steps of their length; distances are means, divided by the RMS radius of the target (of its points about
+ * their mean).
+ *     chamfer    half of: from each target point to the nearest place of the curve, and the other way
+ *     ordered    between points of equal rank, at the best shift (closed curves) and sense
+ * (Nobari et al. 2024, "LInK", report both; they add the two directions of the Chamfer distance.) */
+#ifndef LW_OPTIMISE_LIKENESS_H
+#define LW_OPTIMISE_LIKENESS_H
+
+#include "optimise/task/target.h"
+#include "base/vec2.h"
+
+#define LW_LIKENESS_POINTS 200
+
+typedef struct lw_likeness {
+    double to_curve, to_target;     /* the two directions of the Chamfer distance                   */
+    double chamfer, ordered;        /* NaN for targets without extent, or without memory            */
+} lw_likeness;
+
+/* curve (n) is a polyline, closed if the target is.  n >= 2. */
+void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out);
+
+#endif

@@ -1,0 +1,411 @@
+#include "optimise/report/report.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mbs/kinematics/motion.h"
+#include "mbs/plan/pose.h"
+#include "mbs/kinematics/output_limits.h"
+#include "optimise/report/report_internal.h"
+#include "optimise/search/tracers.h"
+
+/* ---- posture ------------------------------------------------------------------------------ */
+
+static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_linkage *k,
+                           lw_plan *plan, lw_error *e)
+{
+    lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
+    snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
+    return st == LW_OK ? lw_plan_make_geared(k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
+                       : st;
+}
+
+/* Angles of the tracers' tools in the posture of a pose of the candidate. */
+static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose *pose, lw_linkage *k)
+{
+    for (int i = 0; i <= t->n_also; i++)
+        k->tracer[i].angle = pose->angle[k->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
+}
+
+/* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
+static void modes_at(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
+{
+    memcpy(modes, c->branch.mode, sizeof c->branch.mode);
+    for (int d = 0; c->mode_of && d < plan->n_dyad; d++)
+        modes[d] = c->mode_of[station*(size_t)plan->n_dyad + (size_t)d];
+}
+
+/* ---- errors at the stations ------------------------------------------------------------------- */
+
+/* Sums over the stations of one point, and what is farthest off. */
+typedef struct sums {
+    double f, distance, square, angle, distance_max, angle_max;
+    size_t worst, worst_angle;
+} sums;
+
+static void add_distance(double weight, double d, size_t i, sums *sum)
+{
+    sum->f += weight*d*d;
+    sum->distance += d;
+    sum->square += d*d;
+    if (d > sum->distance_max || i == 0) {
+        sum->distance_max = d;
+        sum->worst = i;
+    }
+}
+
+static void add_angle(double weight, double d, size_t i, sums *sum)
+{
+    d = remainder(d, 2*LW_PI);
+    sum->f += weight*d*d;
+    sum->angle += fabs(d);
+    if (fabs(d) > sum->angle_max || i == 0) {
+        sum->angle_max = fabs(d);
+        sum->worst_angle = i;
+    }
+}
+
+/* One station: eq. 17 and what people want to know of it, for each point. */
+static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *k, size_t i,
+                        const lw_pose *pose, lw_vec2 *at, sums *sum)
+{
+    lw_vec2 p = at[i] = pose->tracer[0][0];
+    double weight = t->weight[i];
+    if (s->task != LW_TASK_FUNCTION)
+        add_distance(s->a*weight, hypot(p.x - t->x[i], p.y - t->y[i]), i, &sum[0]);
+    if (s->task != LW_TASK_PATH)
+        add_angle(s->b*weight, pose->angle[k->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
+    for (int q = 0; q < t->n_also; q++) {
+        const lw_also *a = &t->also[q];
+        p = at[(size_t)(q + 1)*t->n + i] = pose->tracer[q + 1][0];
+        if (a->x)
+            add_distance(s->a*a->weight[i], hypot(p.x - a->x[i], p.y - a->y[i]), i, &sum[q + 1]);
+        if (a->theta)
+            add_angle(s->b*a->weight[i], pose->angle[k->tracer[q + 1].link][0] + c->tool[q] - a->theta[i], i,
+                      &sum[q + 1]);
+    }
+}
+
+static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_report *r)
+{
+    double n = (double)t->n;
+    bool path = s->task != LW_TASK_FUNCTION, angle = s->task != LW_TASK_PATH;
+    r->error_mean = path ? sum->distance/n : NAN;
+    r->error_rms = path ? sqrt(sum->square/n) : NAN;
+    r->error_max = path ? sum->distance_max : NAN;
+    r->error_percent = t->length > 0 ? 100*r->error_mean/t->length : NAN;
+    r->worst = path ? sum->worst : sum->worst_angle;
+    r->angle_mean = angle ? sum->angle/n : NAN;
+    r->angle_max = angle ? sum->angle_max : NAN;
+}
+
+static void errors_of_further(const lw_also *a, double n, const sums *sum, lw_also_error *r)
+{
+    r->mean = a->x ? sum->distance/n : NAN;
+    r->rms = a->x ? sqrt(sum->square/n) : NAN;
+    r->max = a->x ? sum->distance_max : NAN;
+    r->percent = a->length > 0 ? 100*r->mean/a->length : NAN;
+    r->worst = a->x ? sum->worst : sum->worst_angle;
+    r->angle_mean = a->theta ? sum->angle/n : NAN;
+    r->angle_max = a->theta ? sum->angle_max : NAN;
+}
+
+/* at: positions, n of each point. */
+static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                                const lw_plan *plan, lw_vec2 *at, lw_report *r)
+{
+    sums sum[1 + LW_ALSO_MAX] = { { .f = 0 } };
+    for (size_t i = 0; i < t->n; i++) {
+        double modes[LW_MODE_MAX];
+        lw_pose pose;
+        modes_at(c, plan, i, modes);
+        if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
+            return LW_OPEN;
+        add_station(t, s, c, &r->linkage, i, &pose, at, sum);
+    }
+    r->objective = sum[0].f;
+    errors_of_first(t, s, &sum[0], r);
+    r->n_also = t->n_also;
+    for (int k = 0; k < t->n_also; k++) {
+        r->objective += sum[k + 1].f;
+        errors_of_further(&t->also[k], (double)t->n, &sum[k + 1], &r->also[k]);
+    }
+    return LW_OK;
+}
+
+/* ---- the motion ----------------------------------------------------------------------------- */
+
+static double distance_to_target(const lw_target *t, lw_vec2 p)
+{
+    double least = hypot(p.x - t->x[0], p.y - t->y[0]);
+    size_t last = t->closed ? t->n : t->n - 1;
+    for (size_t i = 0; i < last; i++) {
+        size_t k = i + 1 < t->n ? i + 1 : 0;
+        least = fmin(least, lw_v2_segment_distance(p, lw_v2(t->x[i], t->y[i]), lw_v2(t->x[k], t->y[k])));
+    }
+    return least;
+}
+
+enum { LOOKS = 720 };             /* at a motion                                                  */
+
+/* Over [from, to] in one mode: the farthest the tracer goes from the target. */
+static void stray(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes, double from,
+                  double to, lw_report *r)
+{
+    lw_pose pose;
+    for (int k = 0; k <= LOOKS; k++)
+        if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/LOOKS, 0, &pose) == LW_OK)
+            r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
+}
+
+/* The arc in which station 0 is; -1: none. */
+static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c)
+{
+    double modes[LW_MODE_MAX];
+    modes_at(c, plan, 0, modes);
+    int at = lw_motion_arc(plan, m, modes, c->input[0]);
+    for (int d = 0; d < plan->n_dyad; d++)             /* dyads of two slides have one mode       */
+        modes[d] = 1;
+    return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
+}
+
+void lw_report_reversal(lw_report *r, bool limit, int joint, double input)
+{
+    const lw_joint *j = &r->linkage.joint[joint];
+    if (r->n_reversal < LW_REVERSAL_MAX)
+        r->reversal[r->n_reversal++] = (lw_reversal){ limit, joint, j->link[j->link[0] == r->linkage.ground], input };
+}
+
+/* The range of the arc, in the turn of station 0, and where joints turn back in it. */
+static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_arc *a, lw_report *r)
+{
+    lw_turning turn[LW_REVERSAL_MAX];
+    double middle = 0.5*(a->first + a->last), turns = 0;
+    if (!plan->input_is_slider && !a->turns)
+        turns = 2*LW_PI*round((c->input[0] - middle)/(2*LW_PI));
+    double first = a->turns ? c->input[0] : a->first + turns, last = a->turns ? first + 2*LW_PI : a->last + turns;
+    r->input_first = plan->laps*first;
+    r->input_last = plan->laps*last;
+    for (int end = 0; end < 2; end++)
+        if (a->limit[end])
+            lw_report_reversal(r, true, plan->input_joint, plan->laps*(end ? last : first));
+    int n = lw_turning_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
+    for (int i = 0; i < n; i++)
+        lw_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
+}
+
+/* Inputs the stations span: the whole turn for closed targets. */
+static void covered(const lw_target *t, const lw_candidate *c, double *from, double *to)
+{
+    *from = *to = c->input[0];
+    for (size_t i = 1; i < t->n; i++) {
+        *from = fmin(*from, c->input[i]);
+        *to = fmax(*to, c->input[i]);
+    }
+}
+
+/* From station to station where the input does not turn, of closed targets back to the first; where the assembly
+ * changes the way is over a limit, where it is 0 and grows beyond all bounds. */
+static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
+                       lw_way *way)
+{
+    size_t spans = t->closed ? t->n : t->n - 1;
+    int looks = spans < LOOKS/8 ? LOOKS/(int)spans : 8;
+    for (size_t i = 0; i < spans; i++) {
+        double here[LW_MODE_MAX], next[LW_MODE_MAX];
+        size_t k = (i + 1) % t->n;
+        modes_at(c, plan, i, here);
+        modes_at(c, plan, k, next);
+        bool on = memcmp(here, next, sizeof *here*(size_t)plan->n_dyad) == 0;
+        lw_way_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], looks, way);
+        if (!on) {
+            way->margin_least = fmin(way->margin_least, 0);
+            way->acceleration = INFINITY;
+        }
+    }
+}
+
+/* What holds on the circuit of station 0. */
+static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
+                             const lw_motion *m, lw_way *way, lw_report *r)
+{
+    int at = arc_of(plan, m, c);
+    r->circuits = m->n_circuit;
+    if (at < 0)
+        return;
+    const lw_arc *a = &m->arc[at];
+    r->turns = a->turns;
+    describe_arc(plan, c, a, r);
+    if (r->turns)
+        lw_way_run(plan, s, c->dim, a->mode, a->first, a->last, LOOKS, way);
+    else
+        go_the_way(t, plan, s, c, way);
+    if (!r->turns)
+        return;
+    r->transmission_min = a->transmission_min;           /* in [0, pi], and to the last digit        */
+    r->transmission_max = a->transmission_max;
+}
+
+static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
+
+static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                            const lw_plan *plan, const lw_cycle *cycle, lw_way *way, lw_report *r)
+{
+    lw_motion m;
+    double from, to;
+    covered(t, c, &from, &to);
+    if (plan->n_higher)
+        lw_report_curve(plan, s, c, from, to, way, r);
+    else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
+        describe_circuit(t, plan, s, c, &m, way, r);
+    r->acceleration_max = way->acceleration;
+    if (isnan(r->transmission_min) && !isnan(way->margin_least)) {
+        r->transmission_min = angle_of(way->margin_least);
+        r->transmission_max = angle_of(way->margin_most);
+    }
+    if (s->task == LW_TASK_FUNCTION) {
+        r->curve_max = NAN;
+        return;
+    }
+    for (int j = 0; j < cycle->n; j++)
+        stray(t, plan, c, cycle->leg[j].mode, lw_cycle_first(cycle, j), cycle->leg[j].last, r);
+    if (t->closed && r->turns)
+        to = from + 2*LW_PI;
+    bool used[2] = { false, false };
+    for (size_t i = 0; i < t->n && cycle->n == 0; i++) {
+        double modes[LW_MODE_MAX];
+        modes_at(c, plan, i, modes);
+        if (!used[modes[0] > 0])
+            stray(t, plan, c, modes, from, to, r);
+        used[modes[0] > 0] = true;
+    }
+}
+
+/* The angle in [0, 2 pi) that is a whole number of turns away. */
+static double turn_up(double angle)
+{
+    double a = remainder(angle, 2*LW_PI);
+    return a < 0 ? a + 2*LW_PI : a;
+}
+
+/* Stations without an order: the piece of the motion from the first station to the last that more of the others
+ * lie on; all of it for closed targets. */
+static double covered_way(const lw_target *t, const lw_candidate *c, bool turns)
+{
+    double way = c->input[t->n - 1] - c->input[0];
+    size_t inside = 0;
+    if (!turns)
+        return way;
+    if (t->closed)
+        return 2*LW_PI;
+    way = turn_up(way);
+    for (size_t i = 1; i + 1 < t->n; i++)
+        inside += turn_up(c->input[i] - c->input[0]) <= way;
+    return 2*inside + 2 >= t->n ? way : way - 2*LW_PI;
+}
+
+/* The way from station a to the next. */
+static double way_on(const lw_target *t, const lw_candidate *c, bool turns, size_t a)
+{
+    size_t b = (a + 1) % t->n;
+    double way = c->input[b] - c->input[a];
+    return b == 0 && turns ? c->branch.sense*turn_up(c->branch.sense*way) : way;
+}
+
+/* A stretch of the curve from station a on, steps points at equal inputs. */
+static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, double way, int steps, lw_vec2 *curve)
+{
+    double modes[LW_MODE_MAX];
+    size_t n = 0;
+    modes_at(c, plan, a, modes);
+    for (int k = 0; k < steps; k++) {
+        lw_pose pose;
+        if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/steps, 0, &pose) == LW_OK)
+            curve[n++] = pose.tracer[0][0];
+    }
+    return n;
+}
+
+/* The curve as it is run through: from station to station where they have an order. */
+static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+                           const lw_cycle *cycle, lw_report *r)
+{
+    enum { STEPS = 12, WHOLE = 400 };
+    size_t spans = t->closed ? t->n : t->n - 1, n = 0;
+    lw_vec2 *curve = malloc(sizeof *curve*(spans*STEPS + WHOLE + 1));
+    if (!curve)
+        return;
+    bool circuit = cycle->n > 0, piece = circuit || (s->timing == LW_TIMING_NONE && !c->mode_of);
+    if (circuit)
+        n = lw_report_cycle_points(plan, c, cycle, WHOLE, curve);
+    else if (piece)
+        n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
+    for (size_t i = 0; i < spans && !piece; i++) {
+        double here[LW_MODE_MAX], next[LW_MODE_MAX];
+        modes_at(c, plan, i, here);
+        modes_at(c, plan, (i + 1) % t->n, next);
+        n += stretch(c, plan, i, way_on(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
+    }
+    if (!t->closed && !piece)
+        n += stretch(c, plan, t->n - 1, 0, 1, curve + n);
+    if (n >= 2)
+        lw_likeness_measure(t, curve, n, &r->likeness);
+    free(curve);
+}
+
+static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
+{
+    if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
+        return;
+    r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
+    if (s->task != LW_TASK_FUNCTION && t->n_also == 0    /* its tracer is not on the coupler; or one is not all */
+        && lw_fourbar_cognates(c->dim, c->mode_of ? c->mode_of[0] : c->branch.mode[0], r->cognate, r->cognate_mode) == LW_OK)
+        r->n_cognate = 2;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------- */
+
+lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_report *r, lw_error *e)
+{
+    lw_plan plan;
+    lw_way way = lw_way_begin();
+    lw_cycle cycle;
+    double modes[LW_MODE_MAX];
+    memset(r, 0, sizeof *r);
+    lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
+    if (st != LW_OK)
+        return st;
+    for (int i = 0; i < plan.n_dim; i++) {
+        memcpy(r->dim_name[i], plan.dim[i].name, sizeof r->dim_name[i]);
+        r->dim_kind[i] = plan.dim[i].kind;
+    }
+    modes_at(c, &plan, 0, modes);
+    lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
+    if (!at)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
+    r->laps = plan.laps;
+    r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
+    r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
+    if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
+        || station_errors(t, s, c, &plan, at, r) != LW_OK)
+        snprintf(r->fault, sizeof r->fault, "the linkage does not close at every station");
+    else {
+        lw_pose pose;
+        lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
+        turn_tools(c, t, &pose, &r->linkage);
+        r->linkage.units = t->units;
+        lw_report_cycle(t, &plan, c, modes, &cycle);
+        r->legs = cycle.n;
+        describe_motion(t, s, c, &plan, &cycle, &way, r);
+        if (s->task != LW_TASK_FUNCTION)
+            compare_curves(t, s, c, &plan, &cycle, r);
+        classify(t, s, c, r);
+        lw_verify(t, s, c, &plan, at, r);
+        r->meets = lw_way_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
+        r->verified &= r->meets;
+    }
+    free(at);
+    return LW_OK;
+}

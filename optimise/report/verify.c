@@ -1,0 +1,260 @@
+/* optimise/report/verify.c - every result is simulated again from its file by code that shares nothing with
+ * the plan. */
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mbs/constraints/motion_curve.h"
+#include "mbs/constraints/newton.h"
+#include "mbs/plan/pose.h"
+#include "optimise/report/report_internal.h"
+
+typedef struct replay {
+    const lw_target    *t;
+    const lw_fit_spec  *s;
+    const lw_candidate *c;
+    const lw_plan      *plan;
+    lw_report          *r;
+    lw_linkage          k, now;     /* as read back from its text; its posture at a station */
+    double              shift;      /* input of the file minus input in the ground frame */
+    lw_newton          *newton;     /* moved from station to station, or ...             */
+    lw_system           system;
+    lw_branch          *curve;      /* ... all of its motion, through limits             */
+    double              q[LW_SYSTEM_Q_MAX];
+} replay;
+
+/* The first posture through text, as a file would carry it. */
+static bool open_file(replay *v)
+{
+    lw_error why = { .text = "" };
+    char *text = lw_linkage_write(&v->r->linkage, 0);
+    bool ok = text && lw_linkage_read(text, strlen(text), "result", &v->k, &why) == LW_OK;
+    free(text);
+    if (ok && v->c->mode_of)
+        ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
+          && lw_branch_create(&v->system, NULL, &(lw_branch_options){ .input = 0 }, &v->curve, &why) == LW_OK;
+    else if (ok)
+        ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
+    v->now = v->k;
+    v->shift = v->k.input[0].value - v->plan->laps*v->c->input[0];
+    if (!ok)
+        snprintf(v->r->fault, sizeof v->r->fault, "its file does not read back: %.200s", why.text);
+    return ok;
+}
+
+/* What distances of points count against: a function has no path. */
+static double size_of(const replay *v) { return v->s->task == LW_TASK_FUNCTION ? 1 : v->t->length; }
+
+/* ---- from station to station without a limit -------------------------------------------------------- */
+
+static bool move_to(replay *v, size_t i, double to)
+{
+    double reached, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    lw_status st = lw_newton_move(v->newton, to, &reached);
+    if (st != LW_OK && !(fabs(reached - to) <= near)) {
+        snprintf(v->r->fault, sizeof v->r->fault,
+                 "station %zu cannot be reached from the one before: the motion ends at input %.9g of %.9g",
+                 i + 1, reached, to);
+        return false;
+    }
+    for (int k = 0; k <= v->t->n_also; k++) {
+        lw_tracer *p = &v->now.tracer[k];
+        p->at = lw_newton_tracer(v->newton, k);
+        p->angle = v->k.tracer[k].angle + lw_newton_angle(v->newton, p->link);
+    }
+    return true;
+}
+
+/* ---- on the curve of all postures, through limits ---------------------------------------------------- */
+
+/* The posture at a place of the curve: how far its points are from those stated, at the most. */
+static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
+{
+    double most = 0;
+    lw_branch_pose(v->curve, place, v->q, NULL);
+    v->now = v->k;
+    lw_system_write(&v->system, v->q, &v->now);
+    for (int k = 0; k <= v->t->n_also; k++)
+        most = fmax(most, lw_v2_norm(lw_v2_sub(v->now.tracer[k].at, at[(size_t)k*v->t->n + i])));
+    return most;
+}
+
+/* Next to a limit the input says little of where a linkage is: the place nearby at which the first point is nearest. */
+static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i)
+{
+    double end = lw_branch_segments(v->curve), h = 1e-4;
+    for (int step = 0; step < 4; step++) {
+        double lo = fmax(0, place - h), hi = fmin(end, place + h);
+        distance_at(v, lo, at, i);
+        lw_vec2 first = v->now.tracer[0].at;
+        distance_at(v, hi, at, i);
+        lw_vec2 by = lw_v2_scale(lw_v2_sub(v->now.tracer[0].at, first), 1/(hi - lo));
+        distance_at(v, place, at, i);
+        double move = lw_v2_dot(lw_v2_sub(at[i], v->now.tracer[0].at), by)/(lw_v2_dot(by, by) + 1e-300);
+        place = fmin(fmax(place + fmin(fmax(move, -0.1), 0.1), 0), end);
+        h = fmax(1e-7, fmin(h, 10*fabs(move)));
+    }
+    return place;
+}
+
+/* Between two limits the input goes one way: where it is `input` there, some whole turns off, or as near as an end is.
+ * Better than *least becomes *best. */
+static void search_piece(replay *v, double first, double last, double input, const lw_vec2 *at, size_t i, double *least,
+                         double *best)
+{
+    double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    for (int e = 0; e < 2; e++) {
+        lw_branch_pose(v->curve, place[e], v->q, NULL);
+        ends[e] = lw_branch_input(v->curve, v->q);
+    }
+    double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->laps;
+    bool slider = v->plan->input_is_slider;
+    int turns = slider ? 0 : (int)((hi - lo)/turn) + 1;
+    double from = slider ? input : input + turn*ceil((lo - near - input)/turn);
+    for (int k = 0; k <= turns; k++) {
+        double want = from + turn*k, here;
+        if (want < lo - near || want > hi + near || !(first < last))
+            continue;
+        if (want <= lo || want >= hi)
+            here = place[(want <= lo) == (ends[0] < ends[1]) ? 0 : 1];
+        else
+            here = lw_branch_find(v->curve, first, last, want);
+        double away = distance_at(v, here, at, i);
+        if (away < *least) {
+            *least = away;
+            *best = here;
+        }
+    }
+}
+
+static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
+{
+    int n;
+    const lw_branch_event *e = lw_branch_events(v->curve, &n);
+    double end = lw_branch_segments(v->curve), from = 0, best = 0, least = INFINITY;
+    for (int k = 0; k <= n; k++) {
+        if (k < n && e[k].kind != LW_EVENT_LIMIT)
+            continue;
+        double to = k < n ? e[k].station : end;
+        search_piece(v, from, to, input, at, i, &least, &best);
+        from = to;
+    }
+    if (least <= 1e-3*size_of(v))
+        distance_at(v, nearest_place(v, best, at, i), at, i);
+    else
+        snprintf(v->r->fault, sizeof v->r->fault,
+                 "station %zu lies on another branch than the one before: no limit of motion joins them", i + 1);
+    return v->r->fault[0] == 0;
+}
+
+/* ---- errors ------------------------------------------------------------------------------------------ */
+
+static bool go_to(replay *v, size_t i, const lw_vec2 *at)
+{
+    double to = v->plan->laps*v->c->input[i] + v->shift;
+    return v->curve ? look_up(v, i, to, at) : move_to(v, i, to);
+}
+
+/* What the angle of a tool is off. */
+static double turn_error(const replay *v, int point, double want)
+{
+    return remainder(v->now.tracer[point].angle - want, 2*LW_PI);
+}
+
+/* Eq. 17 at a station; distance is that of the first point. */
+static double square_error(const replay *v, size_t i, double *distance)
+{
+    const lw_target *t = v->t;
+    lw_vec2 p = v->now.tracer[0].at;
+    double f = 0, a = v->s->a, b = v->s->b;
+    if (v->s->task != LW_TASK_FUNCTION) {
+        *distance = hypot(p.x - t->x[i], p.y - t->y[i]);
+        f += a*t->weight[i]**distance**distance;
+    }
+    if (v->s->task != LW_TASK_PATH)
+        f += b*t->weight[i]*pow(turn_error(v, 0, t->theta[i]), 2);
+    for (int k = 0; k < t->n_also; k++) {
+        const lw_also *also = &t->also[k];
+        p = v->now.tracer[k + 1].at;
+        if (also->x)
+            f += a*also->weight[i]*(pow(p.x - also->x[i], 2) + pow(p.y - also->y[i], 2));
+        if (also->theta)
+            f += b*also->weight[i]*pow(turn_error(v, k + 1, also->theta[i]), 2);
+    }
+    return f;
+}
+
+/* What the coordinates' own digits cannot hold is no disagreement. */
+static double allowed(const replay *v)
+{
+    double reach = 0;
+    for (int j = 0; j < v->k.n_joint; j++)
+        reach = fmax(reach, fmax(fabs(v->k.joint[j].at.x), fabs(v->k.joint[j].at.y)));
+    for (size_t i = 0; v->t->x && i < v->t->n; i++)
+        reach = fmax(reach, fmax(fabs(v->t->x[i]), fabs(v->t->y[i])));
+    for (int k = 0; k < v->t->n_also; k++)
+        for (size_t i = 0; v->t->also[k].x && i < v->t->n; i++)
+            reach = fmax(reach, fmax(fabs(v->t->also[k].x[i]), fabs(v->t->also[k].y[i])));
+    return 1e-9*size_of(v) + 256*DBL_EPSILON*reach;
+}
+
+/* Does what the search said of the candidate agree, when each station is off by `off` at most?  With both
+ * ways scored the stations are half of it, or less. */
+static bool claim_holds(const replay *v, double f, double off)
+{
+    double weight = 0, also = 0, claim = v->c->objective;
+    for (size_t i = 0; i < v->t->n; i++) {
+        weight += v->t->weight[i];
+        for (int k = 0; k < v->t->n_also; k++)
+            also += v->t->also[k].weight[i];
+    }
+    double a = v->s->task == LW_TASK_FUNCTION ? 0 : v->s->a, b = v->s->task == LW_TASK_PATH ? 0 : v->s->b;
+    double slack = off*sqrt(a*(weight + also)) + 1e-9*sqrt(b*weight + v->s->b*also) + 1e-9*sqrt(f);
+    if (v->s->timing == LW_TIMING_NONE && v->s->task != LW_TASK_FUNCTION)
+        return sqrt(0.5*f) <= sqrt(claim) + slack;
+    return fabs(sqrt(f) - sqrt(claim)) <= slack;
+}
+
+static void judge(const replay *v, bool followed)
+{
+    lw_report *r = v->r;
+    bool same = r->difference <= allowed(v), claimed = claim_holds(v, r->verified_objective, allowed(v));
+    r->verified = followed && same && claimed;
+    if (followed && !same)
+        snprintf(r->fault, sizeof r->fault,
+                 "an independent simulation is %.3g away from the stated positions", r->difference);
+    else if (followed && !claimed)
+        snprintf(r->fault, sizeof r->fault, "an independent simulation comes to the objective %.9g, the search to %.9g",
+                 r->verified_objective, v->c->objective);
+}
+
+void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
+               const lw_vec2 *at, lw_report *r)
+{
+    replay *v = malloc(sizeof *v);
+    if (!v) {
+        snprintf(r->fault, sizeof r->fault, "no memory to simulate it again");
+        return;
+    }
+    *v = (replay){ .t = t, .s = s, .c = c, .plan = plan, .r = r };
+    bool followed = open_file(v);
+    for (size_t i = 0; i < t->n && followed; i++) {
+        double distance = 0;
+        followed = go_to(v, i, at);
+        if (!followed)
+            break;
+        for (int k = 0; k <= t->n_also; k++) {
+            lw_vec2 p = v->now.tracer[k].at, here = at[(size_t)k*t->n + i];
+            double away = hypot(p.x - here.x, p.y - here.y);
+            if (!isnan(r->difference) && !(away <= r->difference))
+                r->difference = away;
+        }
+        r->verified_objective += square_error(v, i, &distance);
+        r->verified_mean += distance/(double)t->n;
+    }
+    lw_newton_free(v->newton);
+    lw_branch_free(v->curve);
+    judge(v, followed);
+    free(v);
+}

@@ -1,0 +1,108 @@
+#include "optimise/search/pool.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+lw_variables lw_pool_variables(const lw_problem *p)
+{
+    lw_variables v = { .n = p->n_var };
+    for (int i = 0; i < p->n_var; i++)
+        if (i >= p->n_dim || p->plan.dim[i].kind == LW_DIM_ANGLE)
+            v.angle[i/64] |= (uint64_t)1 << i % 64;
+    return v;
+}
+
+/* Variables alike: lengths and coordinates to a part of the larger, angles the short way round. */
+static bool alike(const lw_variables *v, const double *a, const double *b)
+{
+    for (int i = 0; i < v->n; i++) {
+        bool angle = v->angle[i/64] >> i % 64 & 1;
+        double d = angle ? remainder(a[i] - b[i], 2*LW_PI) : a[i] - b[i];
+        double size = angle ? 1 : fmax(1, fmax(fabs(a[i]), fabs(b[i])));
+        if (fabs(d) > 1e-4*size)
+            return false;
+    }
+    return true;
+}
+
+static bool same(const lw_variables *v, const lw_found *a, const lw_found *b)
+{
+    double f = fmax(a->f, b->f);
+    return a->arm == b->arm && fabs(a->f - b->f) <= 1e-4*f + 1e-24 && alike(v, a->x, b->x);
+}
+
+static void take_out(lw_pool *p, int i)
+{
+    p->n--;
+    memmove(p->item + i, p->item + i + 1, sizeof p->item[0]*(size_t)(p->n - i));
+}
+
+void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
+{
+    lw_found put = *c;
+    put.hits = put.hits > 0 ? put.hits : 1;
+    if (!isfinite(put.f))
+        return;
+    for (int i = 0; i < p->n; i++)
+        if (same(of, &p->item[i], &put)) {
+            int hits = p->item[i].hits + put.hits;
+            if (p->item[i].f <= put.f) {
+                p->item[i].hits = hits;
+                return;
+            }
+            put.hits = hits;
+            take_out(p, i);
+            break;
+        }
+    int at = p->n;
+    while (at > 0 && p->item[at - 1].f > put.f)
+        at--;
+    if (at == LW_POOL_MAX)
+        return;
+    int move = (p->n < LW_POOL_MAX ? p->n : LW_POOL_MAX - 1) - at;
+    memmove(p->item + at + 1, p->item + at, sizeof p->item[0]*(size_t)move);
+    p->item[at] = put;
+    p->n = at + move + 1;
+}
+
+enum { HEAD = 5 };           /* numbers of a find before its variables */
+
+static size_t size_of_one(const lw_few *few)
+{
+    return (size_t)(HEAD + few->of.n + few->n_mode);
+}
+
+lw_few *lw_few_of(const lw_pool *p, int most, const lw_variables *of, int n_mode)
+{
+    lw_few head = { .n = p->n < most ? p->n : most, .n_mode = n_mode, .of = *of };
+    size_t one = size_of_one(&head);
+    lw_few *few = head.n > 0 ? malloc(sizeof *few + sizeof(double)*one*(size_t)head.n) : NULL;
+    if (!few)
+        return NULL;
+    *few = head;
+    few->arm = p->item[0].arm;
+    for (int i = 0; i < few->n; i++) {
+        const lw_found *c = &p->item[i];
+        double *at = few->number + one*(size_t)i;
+        memcpy(at, (double[HEAD]){ c->f, c->branch.sense, c->branch.turns, c->branch.mid, c->branch.half },
+               HEAD*sizeof *at);
+        memcpy(at + HEAD, c->x, sizeof *at*(size_t)of->n);
+        memcpy(at + HEAD + of->n, c->branch.mode, sizeof *at*(size_t)n_mode);
+    }
+    return few;
+}
+
+double lw_few_f(const lw_few *few, int i)
+{
+    return few->number[size_of_one(few)*(size_t)i];
+}
+
+void lw_few_get(const lw_few *few, int i, lw_found *c)
+{
+    const double *at = few->number + size_of_one(few)*(size_t)i;
+    *c = (lw_found){ .f = at[0], .arm = few->arm, .hits = 1,
+                     .branch = { .sense = (int)at[1], .turns = at[2] != 0, .mid = at[3], .half = at[4] } };
+    memcpy(c->x, at + HEAD, sizeof *at*(size_t)few->of.n);
+    memcpy(c->branch.mode, at + HEAD + few->of.n, sizeof *at*(size_t)few->n_mode);
+}

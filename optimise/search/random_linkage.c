@@ -1,0 +1,523 @@
+#include "optimise/search/random_linkage.h"
+
+#include <complex.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
+
+enum { M = LW_CURVE_SAMPLES };
+
+/* Points and directions of the plan's registers over the inputs of the motion: all of a turn, or one. */
+typedef struct drawing {
+    const lw_plan *plan;
+    const double  *u;               /* numbers not used yet                                         */
+    double        *shape, *mode;
+    int            n;               /* inputs                                                       */
+    double         input[M];
+    bool           drawn[LW_DIM_MAX];
+    double         length[LW_LINK_MAX];     /* of the first two pins of a link, 0: not known        */
+    double complex reg[LW_REG_MAX][M];
+} drawing;
+
+int lw_member_draws(const lw_problem *p)
+{
+    const lw_linkage *k = p->family->linkage;
+    int n = p->plan.n_dim + p->plan.n_dyad + 2;
+    if (p->plan.n_higher > 0)
+        n = 2 + 3*k->n_joint;
+    return n < LW_MEMBER_DRAW_MAX ? n : LW_MEMBER_DRAW_MAX;
+}
+
+static double ratio(double u, double lo, double hi)
+{
+    return lo*exp(u*log(hi/lo));
+}
+
+static void choose(drawing *d, int dim, double value)
+{
+    d->shape[dim] = value;
+    d->drawn[dim] = true;
+    if (d->plan->dim[dim].role == LW_ROLE_R)
+        d->length[d->plan->dim[dim].link] = value;
+}
+
+/* ---- points and lines on links -------------------------------------------------------------------- */
+
+/* A pin of a link: the crank's at distance one, others near the size of their link. */
+static void draw_point(drawing *d, const lw_step *s)
+{
+    if (s->dim[0] < 0 || d->drawn[s->dim[0]])            /* the link's origin needs no numbers      */
+        return;
+    int link = d->plan->dim[s->dim[0]].link;
+    double size = d->length[link] > 0 ? d->length[link] : link == d->plan->link[1] ? 1 : 2.5;
+    if (s->dim[1] < 0) {
+        choose(d, s->dim[0], link == d->plan->link[1] ? 1 : size*ratio(*d->u++, 0.12, 4));
+        return;
+    }
+    double complex at = size*ratio(d->u[0], 0.15, 3)*cexp(2*LW_PI*I*d->u[1]);
+    d->u += 2;
+    choose(d, s->dim[0], creal(at));
+    choose(d, s->dim[1], cimag(at));
+}
+
+static void step_point(drawing *d, const lw_step *s)
+{
+    draw_point(d, s);
+    double complex arm = (s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0) + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + arm*d->reg[s->in[1]][k];
+}
+
+static void step_line(drawing *d, const lw_step *s)
+{
+    if (s->dim[0] >= 0 && !d->drawn[s->dim[0]]) {
+        double v = 2**d->u++ - 1;
+        choose(d, s->dim[0], 4*v*v*v);
+    }
+    if (s->dim[1] >= 0 && !d->drawn[s->dim[1]])
+        choose(d, s->dim[1], LW_PI*(2**d->u++ - 1));
+    double e = s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0;
+    double complex turn = cexp(I*(s->dim[1] >= 0 ? d->shape[s->dim[1]] : 0));
+    for (int k = 0; k < d->n; k++) {
+        double complex w = d->reg[s->in[1]][k]*turn;
+        d->reg[s->out[1]][k] = w;
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + I*e*w;
+    }
+}
+
+/* ---- dyads ------------------------------------------------------------------------------------------ */
+
+static double sign_of(drawing *d, const lw_step *s)
+{
+    return d->mode[s->dyad] = *d->u++ < 0.5 ? -1 : 1;
+}
+
+/* Least and greatest distance of two points over the motion. */
+static void distances(const drawing *d, int a, int b, double *least, double *most)
+{
+    *least = INFINITY;
+    *most = 0;
+    for (int k = 0; k < d->n; k++) {
+        double r = cabs(d->reg[b][k] - d->reg[a][k]);
+        *least = fmin(*least, r);
+        *most = fmax(*most, r);
+    }
+}
+
+/* Both lengths together exceed the greatest distance, their difference is below the least. */
+static bool step_rrr(drawing *d, const lw_step *s)
+{
+    double least, most, mode = sign_of(d, s);
+    distances(d, s->in[0], s->in[1], &least, &most);
+    double sum = fmax(most, 1e-3)*(1 + ratio(d->u[0], 0.004, 4)), differ = least*0.995*(2*d->u[1] - 1);
+    d->u += 2;
+    choose(d, s->dim[0], 0.5*(sum + differ));
+    choose(d, s->dim[1], 0.5*(sum - differ));
+    for (int k = 0; k < d->n; k++) {
+        double complex a = d->reg[s->in[0]][k], b = d->reg[s->in[1]][k];
+        double r = cabs(b - a), r1 = d->shape[s->dim[0]], r2 = d->shape[s->dim[1]];
+        double along = (r*r + r1*r1 - r2*r2)/(2*r), h2 = r1*r1 - along*along;
+        if (!(h2 > 0))
+            return false;
+        double complex c = a + (b - a)/r*(along + I*mode*sqrt(h2));
+        d->reg[s->out[0]][k] = (c - a)/r1;
+        if (s->out[1] >= 0)
+            d->reg[s->out[1]][k] = (c - b)/r2;
+        if (s->out[2] >= 0)
+            d->reg[s->out[2]][k] = c;
+    }
+    return true;
+}
+
+/* The link is longer than the pin's greatest distance from the line. */
+static bool step_rrp(drawing *d, const lw_step *s)
+{
+    double most = 0, mode = sign_of(d, s);
+    for (int k = 0; k < d->n; k++)
+        most = fmax(most, fabs(cimag((d->reg[s->in[0]][k] - d->reg[s->in[1]][k])*conj(d->reg[s->in[2]][k]))));
+    choose(d, s->dim[0], most > 1e-6 ? most*(1 + ratio(*d->u++, 0.004, 8)) : ratio(*d->u++, 0.2, 4));
+    double r = d->shape[s->dim[0]];
+    for (int k = 0; k < d->n; k++) {
+        double complex a = d->reg[s->in[0]][k], w = d->reg[s->in[2]][k];
+        double complex foot = (a - d->reg[s->in[1]][k])*conj(w);
+        double complex c = d->reg[s->in[1]][k] + w*(creal(foot) + mode*sqrt(r*r - cimag(foot)*cimag(foot)));
+        d->reg[s->out[0]][k] = (c - a)/r;
+        if (s->out[1] >= 0)
+            d->reg[s->out[1]][k] = c;
+    }
+    return true;
+}
+
+/* The offset is smaller than the least distance of the pins. */
+static bool step_rpr(drawing *d, const lw_step *s)
+{
+    double least, most, mode = sign_of(d, s), v;
+    distances(d, s->in[0], s->in[1], &least, &most);
+    if (!(least > 0))
+        return false;
+    if (s->dim[0] >= 0) {
+        v = 2**d->u++ - 1;
+        choose(d, s->dim[0], 0.99*least*v*v*v);
+    }
+    double e = s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0;
+    for (int k = 0; k < d->n; k++) {
+        double complex ab = d->reg[s->in[1]][k] - d->reg[s->in[0]][k];
+        double r2 = creal(ab)*creal(ab) + cimag(ab)*cimag(ab);
+        d->reg[s->out[0]][k] = ab/(mode*sqrt(r2 - e*e) + I*e);
+    }
+    return true;
+}
+
+static bool step_lines(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++) {
+        double complex q = d->reg[s->in[0]][k], w = d->reg[s->in[1]][k];
+        double complex across = d->reg[s->in[3]][k];
+        double sine = cimag(conj(w)*across);
+        if (!(fabs(sine) > 1e-3))
+            return false;
+        double t = cimag(conj(d->reg[s->in[2]][k] - q)*across)/sine;
+        d->reg[s->out[0]][k] = q + t*w;
+    }
+    return true;
+}
+
+static bool step_gear(drawing *d, const lw_step *s)
+{
+    if (s->dim[0] >= 0)
+        choose(d, s->dim[0], LW_PI*(2**d->u++ - 1));
+    for (int k = 0; k < d->n; k++) {
+        double complex u = cexp(I*(s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0));
+        for (int h = 0; h < 2 && s->in[h] >= 0; h++)
+            for (int m = 0; m < abs(s->power[h]); m++)
+                u *= s->power[h] < 0 ? conj(d->reg[s->in[h]][k]) : d->reg[s->in[h]][k];
+        d->reg[s->out[0]][k] = u;
+    }
+    return true;
+}
+
+/* ---- racks ----------------------------------------------------------------------------------------- */
+
+/* A pitch radius of either sign. */
+static double radius(double u, double lo, double hi)
+{
+    double v = 2*u - 1;
+    return copysign(ratio(fabs(v), lo, hi), v);
+}
+
+static void step_slide(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + creal(d->reg[s->in[2]][k])*d->reg[s->in[1]][k];
+}
+
+static void step_along(drawing *d, const lw_step *s)
+{
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = creal((d->reg[s->in[2]][k] - d->reg[s->in[0]][k])*conj(d->reg[s->in[1]][k]));
+}
+
+/* The pinion goes to and fro by a third of 1 rad to two turns. */
+static void step_roll(drawing *d, const lw_step *s)
+{
+    double least = INFINITY, most = -INFINITY;
+    for (int k = 0; k < d->n; k++) {
+        least = fmin(least, creal(d->reg[s->in[1]][k]));
+        most = fmax(most, creal(d->reg[s->in[1]][k]));
+    }
+    double way = most - least > 1e-3 ? most - least : 2;
+    choose(d, s->dim[0], radius(*d->u++, way/12, 3*way));
+    choose(d, s->dim[1], least - d->shape[s->dim[0]]*2*LW_PI**d->u++);
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k]*cexp(I*(creal(d->reg[s->in[1]][k]) - d->shape[s->dim[1]])/d->shape[s->dim[0]]);
+}
+
+/* The middle of the rack is that of its pinion's way, which is less than a turn. */
+static bool step_rack(drawing *d, const lw_step *s)
+{
+    double angle[M], least = INFINITY, most = -INFINITY;
+    for (int k = 0; k < d->n; k++) {
+        double a = carg(d->reg[s->in[0]][k]*conj(d->reg[s->in[1]][k]));
+        angle[k] = k > 0 ? angle[k - 1] + remainder(a - angle[k - 1], 2*LW_PI) : a;
+        least = fmin(least, angle[k]);
+        most = fmax(most, angle[k]);
+    }
+    double back = angle[0] - angle[d->n - 1];
+    if (most - least > 2*LW_RACK_REACH || fabs(back - remainder(back, 2*LW_PI)) > 1)
+        return false;
+    double middle = 0.5*(least + most), v = 2*d->u[1] - 1;
+    choose(d, s->dim[0], radius(d->u[0], 0.15, 3));
+    choose(d, s->dim[1], 4*v*v*v - d->shape[s->dim[0]]*middle);
+    choose(d, s->dim[2], middle);
+    d->mode[s->dyad] = 1;
+    d->u += 2;
+    for (int k = 0; k < d->n; k++)
+        d->reg[s->out[0]][k] = d->shape[s->dim[1]] + d->shape[s->dim[0]]*angle[k];
+    return true;
+}
+
+/* ---- all of it ---------------------------------------------------------------------------------------- */
+
+static bool take_step(drawing *d, const lw_step *s)
+{
+    switch (s->kind) {
+    case LW_STEP_INPUT_PIN:
+        for (int k = 0; k < d->n; k++)
+            d->reg[s->out[0]][k] = cexp(I*d->input[k]);
+        return true;
+    case LW_STEP_INPUT_SLIDE:
+        for (int k = 0; k < d->n; k++)
+            d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + d->input[k]*d->reg[s->in[1]][k];
+        return true;
+    case LW_STEP_POINT: step_point(d, s); return true;
+    case LW_STEP_LINE:  step_line(d, s); return true;
+    case LW_STEP_RRR:   return step_rrr(d, s);
+    case LW_STEP_RRP:   return step_rrp(d, s);
+    case LW_STEP_RPR:   return step_rpr(d, s);
+    case LW_STEP_PRP:
+    case LW_STEP_PPR:   return step_lines(d, s);
+    case LW_STEP_GEAR:  return step_gear(d, s);
+    case LW_STEP_SLIDE: step_slide(d, s); return true;
+    case LW_STEP_ALONG: step_along(d, s); return true;
+    case LW_STEP_ROLL:  step_roll(d, s); return true;
+    case LW_STEP_RACK:  return step_rack(d, s);
+    default:            return false;
+    }
+}
+
+/* The steps that the point depends on, its own place excepted: that is solved for. */
+static bool run_steps(drawing *d)
+{
+    const lw_plan *plan = d->plan;
+    for (int k = 0; k < d->n; k++) {
+        d->reg[0][k] = 0;
+        d->reg[1][k] = 1;
+    }
+    bool all = plan->n_output > 1;                   /* several points: their steps in one             */
+    for (int i = 0; i < (all ? plan->n_step : plan->n_output_step[0]); i++) {
+        const lw_step *s = &plan->step[all ? i : plan->output_step[0][i]];
+        bool tracer = s->kind == LW_STEP_POINT && s->dim[0] >= 0 && plan->dim[s->dim[0]].role == LW_ROLE_CX;
+        if (!tracer && !take_step(d, s))
+            return false;
+    }
+    return true;
+}
+
+/* The range about the branch's `mid` in which it closes, looked for in steps of a part of `reach`. */
+static bool find_range(lw_problem *p, const double *shape, double reach, lw_work *w)
+{
+    int half = M/2, lo = half, hi = half;
+    double width = reach/half;
+    for (int k = 0; k < M; k++) {
+        double at = p->branch.mid + (k - half)*width;
+        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
+        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
+    }
+    lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->branch.mode };
+    lw_problem_margin(p, &in, w, w->pose.margin);
+    while (lo > 0 && w->pose.margin[lo - 1] > 1e-3)
+        lo--;
+    while (hi < M - 1 && w->pose.margin[hi + 1] > 1e-3)
+        hi++;
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    double unit = size >= 0 ? shape[size] : 1;
+    p->branch.half = 0.5*(hi - lo)*width/unit;
+    p->branch.mid = (p->branch.mid + (0.5*(hi + lo) - half)*width)/unit;
+    return hi > lo + 2;
+}
+
+/* The circuit through the branch's `mid`, over the limits of the motion; mid and half become those of its first stroke,
+ * all but the very limits. */
+static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
+{
+    int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
+    double unit = size >= 0 ? shape[size] : 1, mid = p->branch.mid;
+    if (!p->closed || p->timing == LW_TIMING_PRESCRIBED || p->plan.n_higher > 0)
+        return false;
+    p->branch.through = true;
+    p->branch.mid = mid/unit;
+    lw_problem_work_branch(p, w);
+    bool found = lw_circuit_find(p, shape, w) && !w->swing.turning;
+    p->branch.through = found;
+    p->branch.mid = found ? w->swing.stroke[0].mid/unit : mid;
+    p->branch.half = found ? (1 - 1e-6)*w->swing.stroke[0].half/unit : 0;
+    lw_problem_work_branch(p, w);
+    return found;
+}
+
+/* A closed curve asks for a way there and another way back; what has none goes to and fro. */
+static bool find_way(lw_problem *p, const double *shape, lw_work *w)
+{
+    return find_circuit(p, shape, w) || find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
+}
+
+/* A group with gears is followed from its seed by half a turn either way: is it at the same place there?  Places just
+ * before and behind tell, between which the step is like those on both sides.  (Lanes in order would be one way.) */
+static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
+{
+    enum { N = 4 };
+    static const double off[N] = { -1e-4, 1e-4, -2e-4, 2e-4 };
+    static const int before[N - 1] = { 2, 0, 1 }, behind[N - 1] = { 0, 1, 3 };
+    const lw_plan *plan = &p->plan;
+    double c[N], s[N], px[N], py[N], u[N], v[N], step[N - 1];
+    bool gears = false;
+    for (int g = 0; g < plan->n_higher; g++)
+        gears = gears || plan->higher[g].n_gear > 0;
+    if (!gears)
+        return true;
+    for (int k = 0; k < N; k++) {
+        double t = p->branch.mode[plan->n_mode - 1] + LW_PI + off[k];
+        c[k] = cos(t);
+        s[k] = sin(t);
+    }
+    lw_lanes in = { .n = N, .c = c, .s = s, .dim = x, .mode = p->branch.mode };
+    lw_batch_point(plan, &in, 0, w->batch, px, py, u, v, NULL);
+    for (int k = 0; k < N - 1; k++) {
+        int a = before[k], b = behind[k];
+        step[k] = hypot(px[b] - px[a], py[b] - py[a])/lw_plan_size(plan, x) + hypot(u[b] - u[a], v[b] - v[a]);
+    }
+    return step[1] <= 10*(step[0] + step[2]) + 1e-9;
+}
+
+/* Does it close at every sample of a turn, and come back? */
+static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
+{
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    lw_problem_margin(p, &in, w, w->pose.margin);
+    for (int k = 0; k < M; k++)
+        if (!(w->pose.margin[k] > 0))
+            return false;
+    return comes_back(p, x, w);
+}
+
+bool lw_member_posture(lw_problem *p, double *x, void *work)
+{
+    double dim[LW_DIM_MAX], input;
+    memset(x, 0, sizeof *x*(size_t)p->n_var);
+    if (lw_plan_read(&p->plan, p->family->linkage, dim, p->branch.mode, &input, NULL) != LW_OK)
+        return false;
+    lw_problem_from_dims(p, dim, x);
+    for (int i = 0; i < p->n_dim; i++)
+        x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
+    if (p->i_input0 >= 0 && p->datum == LW_DATUM_FREE)
+        x[p->i_input0] = input;
+    p->branch.mid = p->plan.input_is_slider ? input/p->unit : input;
+    p->branch.through = false;
+    p->branch.turns = true;
+    lw_problem_work_branch(p, work);
+    p->branch.turns = !p->plan.input_is_slider && closes_all_round(p, x, work);
+    if (p->must_turn && !p->branch.turns)
+        return false;
+    lw_problem_work_branch(p, work);
+    return p->branch.turns || find_way(p, x, work);
+}
+
+/* ---- postures ------------------------------------------------------------------------------------------ */
+
+static int driven_link(const lw_linkage *k, int input)
+{
+    const lw_joint *j = &k->joint[k->input[input].joint];
+    return j->link[j->link[0] == k->ground];
+}
+
+/* The input whose link carries the joint beside its own, -1: none. */
+static int crank_with(const lw_linkage *k, int joint)
+{
+    for (int i = 0; i < k->n_input; i++) {
+        int driven = driven_link(k, i);
+        if (joint != k->input[i].joint && (k->joint[joint].link[0] == driven || k->joint[joint].link[1] == driven))
+            return i;
+    }
+    return -1;
+}
+
+/* Where a driven link turns; of one that slides the middle of the square. */
+static lw_vec2 hub(const lw_linkage *k, int input)
+{
+    const lw_joint *j = &k->joint[k->input[input].joint];
+    return j->kind == LW_JOINT_REVOLUTE ? j->at : lw_v2(0, 0);
+}
+
+/* Joints anywhere in a square of four cranks to each side, the first input's pin in its middle, those of driven links at
+ * about one crank from theirs. */
+static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
+{
+    *k = *p->family->linkage;
+    for (int j = 0; j < k->n_joint; j++) {
+        lw_joint *i = &k->joint[j];
+        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
+        if (j == k->input[0].joint && i->kind == LW_JOINT_REVOLUTE)
+            i->at = lw_v2(0, 0);
+        if (i->kind != LW_JOINT_REVOLUTE)
+            i->along = lw_v2_polar(1, LW_PI*v[2]);
+    }
+    for (int j = 0; j < k->n_joint; j++) {
+        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        int crank = crank_with(k, j);
+        if (crank >= 0 && k->joint[j].kind == LW_JOINT_REVOLUTE)
+            k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
+    }
+    for (int r = 0; r < p->plan.n_rack; r++) {
+        const lw_rack *q = &p->plan.rack[r];
+        double rho = radius(u[(3*q->joint) % (LW_MEMBER_DRAW_MAX - 2)], 0.15, 3);
+        k->joint[q->joint].ratio = q->side ? rho : 1/rho;
+    }
+    k->tracer[0].at = lw_v2(1, 1);
+}
+
+/* The driven links made smaller, about their pins at the ground. */
+static void shorten_cranks(lw_linkage *k, double by)
+{
+    for (int j = 0; j < k->n_joint; j++) {
+        int crank = crank_with(k, j);
+        if (crank < 0)
+            continue;
+        lw_vec2 pin = hub(k, crank);
+        k->joint[j].at = lw_v2_add(pin, lw_v2_scale(lw_v2_sub(k->joint[j].at, pin), by));
+    }
+}
+
+/* A posture's dimensions; its crank turns fully, or it goes to and fro about the posture. */
+static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work *w)
+{
+    lw_linkage k;
+    double input;
+    scatter(p, u, &k);
+    for (int i = 0; i < 5; i++, shorten_cranks(&k, 0.5)) {
+        if (lw_plan_read(&p->plan, &k, shape, p->branch.mode, &input, NULL) != LW_OK)
+            return false;
+        if (!p->branch.turns) {
+            p->branch.mid = input;
+            return find_way(p, shape, w);
+        }
+        if (closes_all_round(p, shape, w))
+            return true;
+    }
+    return false;
+}
+
+bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
+{
+    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
+    bool slides = p->plan.input_is_slider;
+    p->branch.turns = !slides && (turns || u[0] < 0.5);
+    p->branch.through = false;
+    p->branch.mid = slides ? 6*u[1] - 3 : 2*LW_PI*u[1];
+    d.n = p->branch.turns ? M : 1;
+    for (int k = 0; k < d.n; k++)
+        d.input[k] = p->branch.turns ? 2*LW_PI*k/M : p->branch.mid;
+    memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
+    if (p->plan.n_higher > 0) {
+        lw_problem_work_branch(p, work);
+        return draw_posture(p, u + 2, shape, work);
+    }
+    for (int i = 0; i < LW_MODE_MAX; i++)
+        p->branch.mode[i] = 1;
+    if (!run_steps(&d))
+        return false;
+    lw_problem_work_branch(p, work);
+    return p->branch.turns || find_way(p, shape, work);
+}

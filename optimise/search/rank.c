@@ -1,0 +1,173 @@
+/* optimise/search/rank.c - what the caller gets: candidates in order, no two of one curve. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "mbs/plan/pose.h"
+#include "optimise/search/fit_internal.h"
+#include "optimise/problem/problem_internal.h"
+
+/* The curve of one find: where its stations and its samples are. */
+typedef struct trail {
+    const lw_found *of;
+    double *px, *py;             /* stations of every point, one point after the other           */
+    double  cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
+} trail;
+
+static double nearest_of(const trail *t, double x, double y)
+{
+    double least = INFINITY;
+    for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+        int k = (j + 1) % LW_CURVE_SAMPLES;
+        least = fmin(least, lw_v2_segment_distance(lw_v2(x, y), lw_v2(t->cx[j], t->cy[j]),
+                                                   lw_v2(t->cx[k], t->cy[k])));
+    }
+    return least;
+}
+
+/* One curve (cognates, or a linkage met twice), and all further points alike: the stations' points agree, and the rest to what
+ * polygons of samples can tell. */
+static bool same_curves(const trail *a, const trail *b, size_t n)
+{
+    for (size_t k = 0; k < n; k++)
+        if (hypot(a->px[k] - b->px[k], a->py[k] - b->py[k]) > 1e-4)
+            return false;
+    for (int j = 0; j < LW_CURVE_SAMPLES; j += 4)
+        if (nearest_of(b, a->cx[j], a->cy[j]) > 0.03)
+            return false;
+    return true;
+}
+
+/* One generator of a function: links of the same proportions.  An offset to the other side with the slide
+ * turned round is the same. */
+static bool same_links(lw_search *s, const lw_found *a, const lw_found *b)
+{
+    lw_status st;
+    const lw_problem *p = lw_search_made(s, 0, a->arm, false, &st);
+    const lw_problem *q = p ? lw_search_made(s, 0, b->arm, false, &st) : NULL;
+    if (!q || strcmp(lw_family_type(p->family), lw_family_type(q->family)) != 0 || p->n_dim != q->n_dim)
+        return false;
+    int first = p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]);
+    for (int i = 0; i < p->n_dim; i++) {
+        double u = fabs(a->x[i]/a->x[first]), v = fabs(b->x[i]/b->x[first]);
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > 1e-4*fmax(1, u))
+            return false;
+    }
+    return true;
+}
+
+/* The problem of a find in its branch, its stations at the inputs that suit them; NULL: there are none. */
+static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
+{
+    lw_status st;
+    lw_problem *p = lw_search_problem(s, 0, c->arm, false, &st);
+    if (!p)
+        return NULL;
+    *w = s->bench[0].work;
+    p->branch = c->branch;
+    lw_problem_work_branch(p, *w);
+    return lw_problem_settle(p, c->x, *w) ? p : NULL;
+}
+
+static bool follow(lw_search *s, const lw_found *c, trail *t)
+{
+    lw_work *w;
+    const lw_problem *p = settled(s, c, &w);
+    t->of = c;
+    if (!p)
+        return false;
+    for (int i = 0; i <= p->n_also; i++) {
+        memcpy(t->px + (size_t)i*p->n, lw_work_jac(w, i)->x, sizeof *t->px*p->n);
+        memcpy(t->py + (size_t)i*p->n, lw_work_jac(w, i)->y, sizeof *t->py*p->n);
+    }
+    if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
+        for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
+            t->cx[j] = t->px[0];
+            t->cy[j] = t->py[0];
+        }
+        return true;
+    }
+    lw_assign_sample(p, c->x, w);
+    memcpy(t->cx, w->curve_x, sizeof t->cx);
+    memcpy(t->cy, w->curve_y, sizeof t->cy);
+    return true;
+}
+
+/* The family of a candidate, with families in memory of its own. */
+static bool give_family(const lw_search *s, int arm, lw_candidate *out)
+{
+    out->own = s->o->families ? malloc(sizeof *out->own) : NULL;
+    return (out->own || !s->o->families) && lw_search_family(s, arm, out->own, &out->family) == LW_OK;
+}
+
+/* Rounding may put a station at a limit just beyond it: back inside, by as little as it takes. */
+static void pull_inside(const lw_problem *p, const lw_work *w, size_t k, lw_candidate *c)
+{
+    double mode[LW_MODE_MAX], from = c->input[k];
+    double step = copysign(1e-16*w->swing.stroke[w->leg[k]].half, w->psi_c[k])*(p->plan.input_is_slider ? p->unit : 1);
+    lw_pose pose;
+    memcpy(mode, c->mode_of + k*(size_t)c->n_dyad, sizeof *mode*(size_t)c->n_dyad);
+    for (int i = 0; i < 20 && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
+        c->input[k] = from + step;
+}
+
+/* What the caller gets of one find. */
+static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
+{
+    lw_work *w;
+    const lw_problem *p = settled(s, c, &w);
+    if (!p)
+        return false;
+    *out = (lw_candidate){ .branch = p->branch,
+                           .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
+                           .seconds = c->seconds, .stop = c->stop };
+    lw_problem_to_dims(p, c->x, out->dim);
+    out->input0 = p->i_input0 >= 0 ? c->x[p->i_input0] : 0;
+    out->tool0 = p->i_tool0 >= 0 ? c->x[p->i_tool0] : 0;
+    for (int i = 0; i < p->n_also; i++)
+        out->tool[i] = p->also[i].i_tool >= 0 ? c->x[p->also[i].i_tool] : 0;
+    bool both_modes = lw_problem_has_modes(p);
+    out->input = malloc(sizeof *out->input*p->n);
+    size_t dyads = (size_t)(out->n_dyad = p->plan.n_dyad);
+    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n*dyads) : NULL;
+    if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->arm, out)) {
+        lw_candidate_free(out);
+        return false;
+    }
+    for (size_t k = 0; k < p->n; k++)
+        out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
+    for (size_t k = 0; both_modes && k < p->n; k++) {
+        lw_circuit_put_mode(p, w, w->leg[k], out->mode_of + k*dyads, 1);
+        if (!w->swing.turning)
+            pull_inside(p, w, k, out);
+    }
+    return true;
+}
+
+lw_status lw_search_rank(lw_search *s, lw_fit *out)
+{
+    int most = s->o->n_result > 0 ? s->o->n_result : 1;
+    size_t n = s->t->n*(size_t)(1 + s->t->n_also);
+    trail *seen = calloc((size_t)most + 1, sizeof *seen);
+    double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
+    out->candidate = calloc((size_t)most, sizeof *out->candidate);
+    if (!seen || !points || !out->candidate) {
+        free(seen);
+        free(points);
+        return LW_E_MEMORY;
+    }
+    for (int i = 0; i < s->pool.n && out->n < most; i++) {
+        const lw_found *c = &s->pool.item[i];
+        trail *t = &seen[out->n];
+        t->px = points + 2*n*(size_t)out->n;
+        t->py = t->px + n;
+        bool fresh = follow(s, c, t);
+        for (int k = 0; fresh && k < out->n; k++)
+            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_links(s, t->of, seen[k].of)
+                                                        : !same_curves(t, &seen[k], n);
+        if (fresh && hand_out(s, c, &out->candidate[out->n]))
+            out->n++;
+    }
+    free(seen);
+    free(points);
+    return LW_OK;
+}

@@ -1,0 +1,216 @@
+#include "optimise/search/staged_search.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "optimise/search/grow.h"
+
+enum { PARENTS = 4, CHILDREN = 24 };       /* of a stage that are grown, and into how many in all   */
+
+typedef struct grown {
+    int            n;
+    lw_family_made made[CHILDREN];
+    lw_family      family[CHILDREN];
+} grown;
+
+int lw_candidate_links(const lw_candidate *c)
+{
+    return c->family->links > 0 ? c->family->links : c->family->linkage ? c->family->linkage->n_link : 4;
+}
+
+/* ---- the starts of a stage ------------------------------------------------------------------------ */
+
+/* Inputs over which a candidate is used. */
+static void used_range(const lw_target *t, const lw_candidate *c, double *first, double *last)
+{
+    *first = *last = c->input[0];
+    for (size_t i = 1; i < t->n; i++) {
+        *first = fmin(*first, c->input[i]);
+        *last = fmax(*last, c->input[i]);
+    }
+}
+
+static void grow_one(const lw_target *t, const lw_stage *stage, const lw_candidate *c, const lw_report *r,
+                     lw_rng *rng, grown *to)
+{
+    double first, last;
+    lw_family_made *g = &to->made[to->n];
+    char name[sizeof g->name];
+    used_range(t, c, &first, &last);
+    if (lw_linkage_grow(&r->linkage, c->branch.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
+        return;
+    snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
+    if (stage->name && !stage->name(stage->context, &g->linkage, name, sizeof name))
+        return;
+    snprintf(g->linkage.name, sizeof g->linkage.name, "%.*s", (int)sizeof g->linkage.name - 1, name);
+    memcpy(g->name, name, sizeof name);
+    to->family[to->n++] = (lw_family){ .name = g->name, .linkage = &g->linkage, .posture = true,
+                                       .links = lw_candidate_links(c) + 2 };
+}
+
+static bool changes_mode(const lw_target *t, const lw_candidate *c)
+{
+    size_t dyads = (size_t)c->n_dyad;
+    for (size_t i = dyads; c->mode_of && i < t->n*dyads; i++)
+        if (c->mode_of[i] != c->mode_of[i - dyads])
+            return true;
+    return false;
+}
+
+/* Children of the best results with `links` links. */
+static void grow(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, const lw_fit *from, int links,
+                 grown *to)
+{
+    int parents = 0;
+    lw_rng rng;
+    lw_report *r = malloc(sizeof *r);
+    lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
+    for (int i = 0; r && i < from->n && parents < PARENTS; i++) {
+        const lw_candidate *c = &from->candidate[i];
+        if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_report_make(t, &o->spec, c, r, NULL) != LW_OK
+            || !r->verified)
+            continue;
+        int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
+        parents++;
+        for (int k = 0; k < want && to->n < CHILDREN; k++)
+            grow_one(t, stage, c, r, &rng, to);
+    }
+    free(r);
+}
+
+/* ---- the list of results --------------------------------------------------------------------------- */
+
+static int by_objective(const void *a, const void *b)
+{
+    const lw_candidate *p = a, *q = b;
+    if (p->objective != q->objective)
+        return p->objective < q->objective ? -1 : 1;
+    return lw_candidate_links(p) - lw_candidate_links(q);
+}
+
+/* The candidates of one more stage among the others. */
+static lw_status merge(lw_fit *all, lw_fit *more)
+{
+    lw_candidate *list = realloc(all->candidate, sizeof *list*(size_t)(all->n + more->n + 1));
+    if (!list)
+        return LW_E_MEMORY;
+    for (int i = 0; i < more->n; i++)
+        list[all->n + i] = more->candidate[i];
+    all->candidate = list;
+    all->n += more->n;
+    qsort(list, (size_t)all->n, sizeof *list, by_objective);
+    all->starts += more->starts;
+    all->improved += more->improved;
+    all->evals += more->evals;
+    all->rounds += more->rounds;
+    all->seconds += more->seconds;
+    all->stop = more->stop;
+    if (more->skipped[0] && !all->skipped[0])
+        memcpy(all->skipped, more->skipped, sizeof all->skipped);
+    more->n = 0;                                         /* they belong to `all` now               */
+    return LW_OK;
+}
+
+/* ---- stages ------------------------------------------------------------------------------------------ */
+
+/* What the survey keeps of a stage's fit. */
+static lw_status take(lw_survey *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
+{
+    r->starts = fit->starts;
+    r->improved = fit->improved;
+    r->evals = fit->evals;
+    r->stop = fit->stop;
+    r->best = fit->n ? fit->candidate[0].objective : INFINITY;
+    r->state = fit->state;
+    r->n_state = fit->n_state > 0 ? fit->n_state - r->n_grown : 0;
+    fit->state = NULL;
+    lw_status st = merge(&out->fit, fit) == LW_OK ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory for the results");
+    lw_fit_free(fit);
+    return st;
+}
+
+static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int before,
+                           double seconds, lw_survey *out, lw_error *e)
+{
+    lw_fit_options mine = *o;
+    lw_stage_result *r = &out->stage[out->n_stage++];
+    lw_fit fit;
+    grown *more = calloc(1, sizeof *more);
+    *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
+    if (!more)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to grow");
+    if (stage->families.make && before > 0 && o->spec.task == LW_TASK_PATH)
+        grow(t, o, stage, &out->fit, before, more);
+    r->n_grown = more->n;
+    lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
+    lw_families all = lw_families_join(&pair);
+    double start = lw_clock_wall();
+    mine.families = stage->families.make ? &all : NULL;
+    mine.max_seconds = seconds;
+    lw_status st = lw_fit_run(t, &mine, &fit, e);
+    r->seconds = lw_clock_wall() - start;
+    if (st >= 0 && take(out, r, &fit, e) != LW_OK)
+        st = LW_E_MEMORY;
+    free(more);
+    return st;
+}
+
+/* A linkage met again, or a cognate: as many links and the same error to rounding. */
+static bool again(const lw_candidate *a, const lw_candidate *b)
+{
+    return lw_candidate_links(a) == lw_candidate_links(b)
+        && fabs(a->objective - b->objective) <= 1e-9*b->objective && b->objective > 1e-20;
+}
+
+/* No more than wanted, but of every stage its best, and some more in case the best has a defect. */
+static void shorten(lw_survey *s, int most)
+{
+    lw_fit *f = &s->fit;
+    int n = 0;
+    enum { OF_EACH = 4 };
+    int seen[LW_LINK_MAX + 1] = { 0 };
+    for (int i = 0; i < f->n; i++) {
+        lw_candidate *c = &f->candidate[i];
+        int links = lw_candidate_links(c);
+        if ((n < most || seen[links] < OF_EACH) && (n == 0 || !again(c, &f->candidate[n - 1]))) {
+            f->candidate[n++] = *c;
+            seen[links]++;
+        } else {
+            lw_candidate_free(c);
+        }
+    }
+    f->n = n;
+}
+
+lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
+                        lw_survey *out, lw_error *e)
+{
+    lw_status st = LW_OK;
+    double start = lw_clock_wall();
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
+        double left = o->max_seconds - (lw_clock_wall() - start), share = left/(n_stage - i);
+        lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
+                                  o->max_seconds > 0 ? fmax(share, 1e-3) : 0, out, e);
+        if (now < 0 && now != LW_E_KIND) {
+            lw_survey_free(out);
+            return now;
+        }
+        st = now == LW_STOPPED ? now : st;
+        if (now == LW_STOPPED && o->interrupt && *o->interrupt)
+            break;
+    }
+    shorten(out, o->n_result > 0 ? o->n_result : 1);
+    return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
+}
+
+void lw_survey_free(lw_survey *s)
+{
+    lw_fit_free(&s->fit);
+    for (int i = 0; i < s->n_stage; i++)
+        free(s->stage[i].state);
+    memset(s, 0, sizeof *s);
+}

@@ -1,0 +1,46 @@
+/* optimise/search/staged_search.h - one target, linkages of four, six, eight links: fits stage by stage, the best of
+ * each stage grown into starts of the next, so that more links are never worse than fewer.
+ *
+ * Which topologies there are the caller says (enumerate/ is not known here). */
+#ifndef LW_OPTIMISE_SURVEY_H
+#define LW_OPTIMISE_SURVEY_H
+
+#include "optimise/report/report.h"
+
+#define LW_STAGE_MAX 24
+
+/* The families of one number of links; families.make NULL: four-link types, as lw_fit_options.types says. */
+typedef struct lw_stage {
+    int              links;
+    lw_families      families;
+    /* What a grown linkage of the stage is called; false: it is not wanted.  NULL: by its parent. */
+    bool           (*name)(void *context, const lw_linkage *k, char *name, size_t size);
+    void            *context;
+} lw_stage;
+
+/* What came of a stage. */
+typedef struct lw_stage_result {
+    int        links, n_grown;       /* starts grown out of the stage before                        */
+    double     best;                 /* objective; INFINITY: nothing                                */
+    long       starts, improved, evals;
+    double     seconds;              /* of the stage                                                */
+    int        n_state;
+    unsigned char *state;            /* lw_fit_state of the stage's families, without grown ones (n_state) */
+    lw_stop    stop;
+} lw_stage_result;
+
+typedef struct lw_survey {
+    lw_fit          fit;             /* candidates of all stages, best first; of every stage its best  */
+    int             n_stage;
+    lw_stage_result stage[LW_STAGE_MAX];
+} lw_survey;
+
+/* o->families is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
+lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
+                        lw_survey *out, lw_error *e);
+void      lw_survey_free(lw_survey *s);
+
+/* Links of a candidate's mechanism. */
+int lw_candidate_links(const lw_candidate *c);
+
+#endif

@@ -1,0 +1,226 @@
+#include "optimise/search/tracers.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+
+unsigned lw_tracers_mask(const lw_target *t)
+{
+    return (1u << (1 + t->n_also)) - 1;
+}
+
+static int driven_link(const lw_linkage *k)
+{
+    const lw_joint *j = &k->joint[k->input[0].joint];
+    return j->link[j->link[0] == k->ground];
+}
+
+static bool at_ground(const lw_linkage *k, int link)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        for (int side = 0; side < 2; side++)
+            if (k->joint[j].link[side] == link && k->joint[j].link[!side] == k->ground)
+                return true;
+    return false;
+}
+
+/* What a link is for a tracer. */
+static lw_carrier carrier_of(const lw_linkage *k, int link)
+{
+    return link == driven_link(k) ? LW_CARRIER_INPUT : at_ground(k, link) ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
+}
+
+/* Does a link stay parallel to itself: joined by a slide to the ground? */
+static bool only_slides(const lw_linkage *k, int link)
+{
+    for (int j = 0; j < k->n_joint; j++)
+        for (int side = 0; side < 2; side++)
+            if (k->joint[j].kind == LW_JOINT_SLIDER && k->joint[j].link[side] == link
+                && k->joint[j].link[!side] == k->ground)
+                return true;
+    return false;
+}
+
+/* A tracer on a link, near its joints: where exactly is read by nobody. */
+static void put_tracer(lw_linkage *k, int i, int link)
+{
+    lw_tracer *p = &k->tracer[i];
+    lw_vec2 sum = lw_v2(0, 0);
+    int n = 0;
+    memset(p, 0, sizeof *p);
+    snprintf(p->name, sizeof p->name, "P%d", i + 1);
+    for (int j = 0; j < k->n_joint; j++)
+        if (k->joint[j].link[0] == link || k->joint[j].link[1] == link) {
+            sum = lw_v2_add(sum, k->joint[j].at);
+            n++;
+        }
+    p->link = link;
+    p->at = n ? lw_v2_scale(sum, 1.0/n) : sum;
+    k->n_tracer = i + 1;
+}
+
+static lw_status no_angle(lw_error *e, int number)
+{
+    return lw_error_set(e, LW_E_KIND, "the link of point %d slides and has no angle", number);
+}
+
+lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fit_spec *s, lw_linkage *k, lw_error *e)
+{
+    lw_family_linkage(f, s->task, k);
+    for (int i = 0; i < t->n_also; i++) {
+        bool angle = !t->also[i].x;
+        lw_carrier c = s->carrier[i];
+        if (c == LW_CARRIER_ANY)
+            c = angle && s->task != LW_TASK_FUNCTION ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
+        int link = k->n_tracer > i + 1 ? k->tracer[i + 1].link : -1;
+        for (int l = 0; l < k->n_link && link < 0; l++)
+            if (l != k->ground && carrier_of(k, l) == c)
+                link = l;
+        if (link < 0)
+            return lw_error_set(e, LW_E_KIND, "it has no link such as point %d is to lie on", i + 2);
+        if (t->also[i].theta && only_slides(k, link))
+            return no_angle(e, i + 2);
+        if (k->n_tracer <= i + 1)
+            put_tracer(k, i + 1, link);
+    }
+    k->n_tracer = 1 + t->n_also;
+    return LW_OK;
+}
+
+/* ---- every choice of links --------------------------------------------------------------------------------- */
+
+typedef struct choice {
+    const lw_linkage  *linkage;                      /* of the family                                */
+    const lw_target   *t;
+    const lw_fit_spec *s;
+    lw_tracer_spread  *out;
+    lw_tracer_choice   now;
+    bool               partial[LW_LINK_MAX];         /* a point there feels fewer links              */
+} choice;
+
+/* Does a point on this link feel fewer links than there are? */
+static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
+{
+    lw_linkage alone = *k;
+    put_tracer(&alone, 0, link);
+    return lw_plan_make_any(&alone, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK && plan->n_link < k->n_link;
+}
+
+/* May point i (0: the first) lie on this link? */
+static bool suits(const choice *c, int i, int link)
+{
+    const lw_linkage *k = c->linkage;
+    const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
+    lw_carrier is = carrier_of(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
+    bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
+    bool angle = a ? a->theta != NULL : c->s->task != LW_TASK_PATH;
+    if (link == k->ground || (angle && only_slides(k, link)))
+        return false;
+    if (i == 0 && link != k->tracer[0].link && !c->partial[link])
+        return false;
+    if (want != LW_CARRIER_ANY)
+        return is == want;
+    return place ? is == LW_CARRIER_COUPLER || (i == 0 && link == k->tracer[0].link) : is != LW_CARRIER_INPUT;
+}
+
+static lw_status add_choice(choice *c)
+{
+    lw_tracer_spread *s = c->out;
+    if (s->n == LW_SPREAD_MAX)
+        return LW_E_ARG;
+    lw_tracer_choice *more = lw_room(s->choice, s->n, &s->capacity, sizeof *more);
+    if (!more)
+        return LW_E_MEMORY;
+    s->choice = more;
+    s->choice[s->n++] = c->now;
+    return LW_OK;
+}
+
+/* Links for point i and those behind it; one of all lies where the family's tracer does. */
+static lw_status choose(choice *c, int i, bool met)
+{
+    const lw_linkage *k = c->linkage;
+    lw_status st = LW_OK;
+    if (i > c->t->n_also || i > LW_ALSO_MAX)
+        return met ? add_choice(c) : LW_OK;
+    for (int l = 0; l < k->n_link && st == LW_OK; l++)
+        if (suits(c, i, l)) {
+            c->now.link[i] = (signed char)l;
+            st = choose(c, i + 1, met || l == k->tracer[0].link);
+        }
+    return st;
+}
+
+static lw_status spread_one(choice *c, lw_plan *plan)
+{
+    const lw_linkage *k = c->linkage;
+    c->now.link[0] = -1;
+    if (k->n_tracer > c->t->n_also)
+        return add_choice(c);
+    for (int l = 0; l < k->n_link; l++)
+        c->partial[l] = l != k->ground && feels_fewer(k, l, plan);
+    return choose(c, 0, false);
+}
+
+lw_status lw_tracers_spread(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
+                            lw_tracer_spread *out, lw_error *e)
+{
+    lw_plan *plan = malloc(sizeof *plan);
+    lw_family_made *made = malloc(sizeof *made);
+    lw_status st = plan && made ? LW_OK : LW_E_MEMORY;
+    *out = (lw_tracer_spread){ .of = *of, .n_point = 1 + t->n_also };
+    for (int i = 0; i < of->n && st == LW_OK; i++) {
+        choice c = { .linkage = &made->linkage, .t = t, .s = s, .out = out, .now.family = i };
+        if ((st = of->make(of->of, i, made)) == LW_OK)
+            st = spread_one(&c, plan);
+    }
+    free(made);
+    free(plan);
+    if (st == LW_OK)
+        return LW_OK;
+    lw_tracer_spread_free(out);
+    if (st == LW_E_MEMORY)
+        return lw_error_set(e, st, "no memory for the choices of links");
+    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say for the further ones "
+                        "on which they lie (input, coupler, output), or look through fewer topologies", LW_SPREAD_MAX,
+                        1 + t->n_also);
+}
+
+void lw_tracer_spread_free(lw_tracer_spread *s)
+{
+    free(s->choice);
+    memset(s, 0, sizeof *s);
+}
+
+static lw_status make_choice(const void *of, int i, lw_family_made *made)
+{
+    const lw_tracer_spread *s = of;
+    const lw_tracer_choice *c = &s->choice[i];
+    lw_linkage *k = &made->linkage;
+    lw_status st = s->of.make(s->of.of, c->family, made);
+    if (st != LW_OK)
+        return st;
+    made->name[strcspn(made->name, ",")] = 0;
+    for (int p = 0; p < s->n_point && p <= LW_ALSO_MAX; p++) {
+        int link = c->link[0] < 0 ? k->tracer[p].link : c->link[p];
+        if (c->link[0] >= 0 && (p > 0 || link != k->tracer[0].link))
+            put_tracer(k, p, link);
+        size_t at = strlen(made->name);
+        snprintf(made->name + at, sizeof made->name - at, "%s%d", p == 0 ? ", points on links " : ", ", link + 1);
+    }
+    snprintf(k->name, sizeof k->name, "%.*s", (int)sizeof k->name - 1, made->name);
+    return LW_OK;
+}
+
+static lw_turn turn_of_choice(const void *of, int i)
+{
+    const lw_tracer_spread *s = of;
+    return s->of.turn(s->of.of, s->choice[i].family);
+}
+
+lw_families lw_tracer_spread_families(const lw_tracer_spread *s)
+{
+    return (lw_families){ s->n, make_choice, turn_of_choice, s };
+}

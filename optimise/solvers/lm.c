@@ -1,0 +1,335 @@
+#include "optimise/solvers/lm.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "optimise/problem/family.h"
+#include "optimise/problem/problem_internal.h"
+#include "optimise/solvers/qp.h"
+
+enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
+
+lw_lm_options lw_lm_options_default(void)
+{
+    return (lw_lm_options){ .max_steps = 300, .f_tol = 1e-10, .f_stop = 1e-30, .reassign = true };
+}
+
+/* The step's quadratic model over the variables that may move. */
+typedef struct model {
+    int    n, var[LW_QP_MAX];                       /* free variables                          */
+    double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
+    double step[LW_QP_MAX];
+    int    m;                                       /* conditions on the step: a step >= b     */
+    double a[ROW_MAX*LW_QP_MAX], b[ROW_MAX];
+} model;
+
+static void choose_variables(const lw_problem *p, model *q)
+{
+    q->n = 0;
+    for (int i = 0; i < p->n_var && q->n < LW_QP_MAX; i++)
+        if (p->lo[i] < p->hi[i])
+            q->var[q->n++] = i;
+}
+
+/* sign step[i] >= b */
+static void bound_row(model *q, int i, double sign, double b)
+{
+    double *a = q->a + q->m*q->n;
+    memset(a, 0, sizeof *a*(size_t)q->n);
+    a[i] = sign;
+    q->b[q->m++] = b;
+}
+
+static void conditions(const lw_problem *p, const double *x, model *q)
+{
+    q->m = 0;
+    for (int i = 0; i < q->n; i++) {
+        int v = q->var[i];
+        if (isfinite(p->lo[v]))
+            bound_row(q, i, 1, p->lo[v] - x[v]);
+        if (isfinite(p->hi[v]))
+            bound_row(q, i, -1, x[v] - p->hi[v]);
+    }
+    for (int j = 0; j < p->n_linear; j++) {
+        double now = 0;
+        for (int v = 0; v < p->n_var; v++)
+            now += p->linear[j][v]*x[v];
+        for (int i = 0; i < q->n; i++)
+            q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
+        q->b[q->m++] = LW_LINEAR_LEAST - now;
+    }
+}
+
+/* J'J and J'r from the rows. */
+static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
+{
+    lw_normal in = { q->n, w->n_row, q->var, w->row, w->res, (size_t)p->n_var, w->ld };
+    lw_batch_normal(&p->plan, &in, q->h, q->g);
+}
+
+/* Solve for the damped step; returns the fall of f the model promises, or -1. */
+static double solve_step(model *q, double damping)
+{
+    int n = q->n;
+    double l[LW_QP_MAX*LW_QP_MAX], most = 0, promise = 0;
+    memcpy(l, q->h, sizeof(double)*(size_t)(n*n));
+    for (int i = 0; i < n; i++)
+        most = fmax(most, q->h[i*n + i]);
+    for (int i = 0; i < n; i++)
+        l[i*n + i] += damping*fmax(q->h[i*n + i], 1e-10*most) + 1e-15*most + 1e-300;
+    if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->step))
+        return -1;
+    for (int i = 0; i < n; i++) {
+        double hs = 0;
+        for (int j = 0; j < n; j++)
+            hs += (j <= i ? q->h[i*n + j] : q->h[j*n + i])*q->step[j];
+        promise -= q->step[i]*(2*q->g[i] + hs);
+    }
+    return promise;
+}
+
+/* Inputs of free stations follow the step. */
+static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
+{
+    double *weight = w->try_theta;
+    for (size_t k = 0; k < p->n; k++) {
+        weight[k] = 1;
+        if (w->tie[k])
+            continue;
+        double d = w->slip[k];
+        for (int i = 0; i < q->n; i++)
+            d += w->slide[(size_t)q->var[i]*w->ld + k]*q->step[i];
+        w->phase[k] -= fmax(-0.3, fmin(0.3, d));
+    }
+    if (p->timing == LW_TIMING_FREE)
+        lw_assign_order(p, w->phase, weight, w->pool);
+}
+
+/* f at x; jac and residuals are left in w. */
+static double evaluate(const lw_problem *p, const double *x, lw_work *w)
+{
+    if (p->timing == LW_TIMING_PRESCRIBED)
+        lw_problem_prescribe(p, x, w);
+    else if (!lw_problem_turn_stations(p, x, w))
+        return INFINITY;
+    if (!lw_problem_lanes(p, x, w))
+        return INFINITY;
+    if (p->timing == LW_TIMING_NONE)
+        lw_assign_samples(p, w, w->jac.x + p->n, w->jac.y + p->n);
+    return lw_problem_rows(p, x, w, false);
+}
+
+typedef struct run {
+    const lw_problem    *p;
+    const lw_lm_options *o;
+    lw_work *w;
+    model    q;
+    double   f, damping, growth;
+    int      steps, idle;
+    long     evals;
+} run;
+
+static void clip(const lw_problem *p, double *x)
+{
+    for (int i = 0; i < p->n_var; i++)
+        x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
+}
+
+/* One accepted step, or none: LW_STOP_EVALS when it moved on, else why it cannot. */
+static lw_stop advance(run *r, double *x)
+{
+    const lw_problem *p = r->p;
+    double *keep = r->w->keep_theta, trial[LW_VAR_MAX];
+    lw_problem_rows(p, x, r->w, true);
+    normal_equations(p, r->w, &r->q);
+    conditions(p, x, &r->q);
+    memcpy(keep, r->w->phase, p->n*sizeof *keep);
+    for (; r->steps < r->o->max_steps; r->steps++) {
+        double promise = solve_step(&r->q, r->damping);
+        if (promise >= 0 && promise <= 1e-16*r->f)
+            return LW_STOP_GRADIENT;
+        memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
+        for (int i = 0; i < r->q.n; i++)
+            trial[r->q.var[i]] += r->q.step[i];
+        clip(p, trial);
+        if (p->timing != LW_TIMING_PRESCRIBED)
+            move_inputs(p, r->w, &r->q);
+        double f = promise < 0 ? INFINITY : evaluate(p, trial, r->w);
+        r->evals++;
+        if (f < r->f) {
+            double gain = (r->f - f)/promise;
+            r->damping = fmax(1e-14, r->damping*fmax(0.1, 1 - pow(2*gain - 1, 3)));
+            r->growth = 2;
+            r->idle = f > r->f*(1 - r->o->f_tol) ? r->idle + 1 : 0;
+            r->f = f;
+            r->steps++;
+            memcpy(x, trial, sizeof trial[0]*(size_t)p->n_var);
+            return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
+        }
+        memcpy(r->w->phase, keep, p->n*sizeof *keep);
+        r->damping = fmax(r->damping, 1e-12)*r->growth;
+        r->growth *= 2;
+        if (r->damping > 1e12)
+            return LW_STOP_X_TOL;
+    }
+    return LW_STOP_EVALS;
+}
+
+/* Asked to stop from outside? */
+static bool called_off(const run *r, lw_stop *why)
+{
+    if (r->o->interrupt && *r->o->interrupt)
+        *why = LW_STOP_USER;
+    else if (r->o->until > 0 && lw_clock_wall() > r->o->until)
+        *why = LW_STOP_TIME;
+    else
+        return false;
+    return true;
+}
+
+static lw_stop descend(run *r, double *x)
+{
+    lw_stop why;
+    r->damping = 1e-3;
+    r->growth = 2;
+    r->idle = 0;
+    while (r->steps < r->o->max_steps) {
+        lw_stop s = advance(r, x);
+        if (r->o->improved)
+            r->o->improved(r->o->context, r->evals, r->f);
+        if (called_off(r, &why))
+            return why;
+        if (r->f <= r->o->f_stop)
+            return LW_STOP_F_TARGET;
+        if (s != LW_STOP_EVALS)
+            return s;
+        if (r->o->f_hopeless > 0 && r->steps > r->o->patience && r->f > r->o->f_hopeless)
+            return LW_STOP_FAILED;
+    }
+    return LW_STOP_EVALS;
+}
+
+/* A free station may belong elsewhere on the curve by now: assign anew, keep what is better. */
+static bool reassigned(run *r, const double *x)
+{
+    double *inputs = r->w->best_theta, f = r->f;
+    memcpy(inputs, r->w->phase, r->p->n*sizeof *inputs);
+    if (lw_problem_settle(r->p, x, r->w))
+        f = lw_problem_rows(r->p, x, r->w, false);
+    r->evals++;
+    if (f < r->f*(1 - 1e-7)) {
+        r->f = f;
+        return true;
+    }
+    memcpy(r->w->phase, inputs, r->p->n*sizeof *inputs);
+    return false;
+}
+
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
+                     void *work, long *evals, lw_stop *stop)
+{
+    run r;                                               /* its model is too large to be cleared    */
+    bool closes = true;
+    r.p = p;
+    r.o = o;
+    r.w = work;
+    r.evals = 1;
+    r.steps = r.idle = 0;
+    choose_variables(p, &r.q);
+    if (!keep_inputs && p->timing != LW_TIMING_PRESCRIBED)
+        closes = lw_problem_settle(p, x, r.w);
+    r.f = closes ? evaluate(p, x, r.w) : INFINITY;
+    *stop = LW_STOP_FAILED;
+    if (isfinite(r.f)) {
+        *stop = descend(&r, x);
+        bool again = o->reassign && p->timing != LW_TIMING_PRESCRIBED && *stop != LW_STOP_FAILED;
+        for (int i = 0; i < 4 && again && r.steps < o->max_steps && reassigned(&r, x); i++)
+            *stop = descend(&r, x);
+    }
+    *evals += r.evals;
+    return r.f;
+}
+
+bool lw_lm_feasible(const lw_problem *p, double *x)
+{
+    model q;
+    choose_variables(p, &q);
+    clip(p, x);
+    double l[LW_QP_MAX*LW_QP_MAX];
+    for (int j = 0, bad = 0; j < p->n_linear; j++) {
+        double now = 0;
+        for (int v = 0; v < p->n_var; v++)
+            now += p->linear[j][v]*x[v];
+        bad += now < LW_LINEAR_LEAST;
+        if (j + 1 == p->n_linear && !bad)
+            return true;
+    }
+    memset(l, 0, sizeof *l*(size_t)(q.n*q.n));
+    for (int i = 0; i < q.n; i++) {
+        l[i*q.n + i] = 1/fmax(0.1, fabs(x[q.var[i]]));
+        q.g[i] = 0;
+    }
+    conditions(p, x, &q);
+    if (p->n_linear && !lw_qp_solve(q.n, l, q.g, q.m, q.a, q.b, q.step))
+        return false;
+    for (int i = 0; p->n_linear && i < q.n; i++)
+        x[q.var[i]] += q.step[i];
+    clip(p, x);
+    return true;
+}
+
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
+                         long *evals, lw_stop *stop)
+{
+    double f = lw_lm_improve(p, o, x, false, work, evals, stop);
+    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, 1e-12, work))
+        return f;
+    lw_solver_options so = lw_solver_options_default();
+    lw_solver_result r;
+    so.max_evals = p->family->linkage || p->n_zone > 0 ? fmin(o->max_steps, 200) : 4L*o->max_steps;
+    so.interrupt = o->interrupt;
+    so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
+    lw_status st = lw_solver_find("slsqp")->run(p, &so, x, &r);
+    *evals += r.evals;
+    *stop = r.stop;
+    return st >= 0 && st != LW_NOTHING ? r.f : INFINITY;
+}
+
+/* ---- as a row of the table ------------------------------------------------------------------- */
+
+typedef struct report { const lw_solver_options *o; double start; } report;
+
+static void pass_on(void *context, long evals, double f)
+{
+    report *r = context;
+    if (r->o->improved)
+        r->o->improved(r->o->context, evals, lw_clock_wall() - r->start, f);
+}
+
+lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+                    lw_solver_result *r)
+{
+    report told = { o, lw_clock_wall() };
+    lw_lm_options lm = { .max_steps = (int)fmin(o->max_evals, 1e9), .f_tol = fmax(o->f_tol, 1e-15),
+                         .f_stop = o->f_target, .reassign = true, .interrupt = o->interrupt,
+                         .until = o->max_seconds > 0 ? told.start + o->max_seconds : 0,
+                         .improved = pass_on, .context = &told };
+    size_t size = (lw_problem_work_size(p) + 127) & ~(size_t)63;
+    void *work = aligned_alloc(64, size);
+    *r = (lw_solver_result){ .f = INFINITY, .stop = LW_STOP_FAILED };
+    if (!work)
+        return LW_E_MEMORY;
+    double best[LW_VAR_MAX];
+    memcpy(best, x, sizeof best[0]*(size_t)p->n_var);
+    lw_problem_work_init(p, work);
+    if (lw_lm_feasible(p, best))
+        r->f = lw_lm_conditioned(p, &lm, best, work, &r->evals, &r->stop);
+    free(work);
+    r->seconds = lw_clock_wall() - told.start;
+    if (!isfinite(r->f))
+        return LW_NOTHING;
+    memcpy(x, best, sizeof best[0]*(size_t)p->n_var);
+    bool limited = r->stop == LW_STOP_EVALS || r->stop == LW_STOP_TIME || r->stop == LW_STOP_USER;
+    return limited ? LW_STOPPED : LW_OK;
+}

@@ -1,0 +1,45 @@
+/* optimise/solvers/lm.h - Levenberg-Marquardt for linkages: the local workhorse.
+ *
+ * Residuals' derivatives are exact; the inputs of free stations are eliminated from each step and
+ * moved along with it; bounds and linear conditions are kept by solving the step as a quadratic
+ * program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached
+ * to rounding.  Damping after Nielsen 1999.  No allocation. */
+#ifndef LW_OPTIMISE_LM_H
+#define LW_OPTIMISE_LM_H
+
+#include "optimise/solvers/solver.h"
+
+typedef struct lw_lm_options {
+    int    max_steps;      /* trial steps                                                          */
+    double f_tol;          /* stop when a step lessens f by less than this part of it, three times */
+    double f_stop;         /* good enough                                                          */
+    double f_hopeless;     /* give up when f is above this after `patience` steps; 0: never        */
+    int    patience;
+    bool   reassign;       /* at the end, look for a better assignment of free stations and go on  */
+    double until;          /* wall clock (base/clock.h) at which to stop; 0: never                 */
+    const volatile int *interrupt;               /* not NULL and *interrupt != 0: stop             */
+    void (*improved)(void *context, long evals, double f);     /* after each step; may be NULL     */
+    void  *context;
+} lw_lm_options;
+lw_lm_options lw_lm_options_default(void);
+
+/* Improve x (n_var), which must meet bounds and linear conditions (see lw_lm_feasible), in place.
+ * `keep_inputs`: the inputs of free stations in work are a good start for x; otherwise they are
+ * assigned from scratch.  Returns f; INFINITY, x untouched, when the linkage cannot close at x. */
+double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
+                     void *work, long *evals, lw_stop *stop);
+
+/* lw_lm_improve, and from where it ends SLSQP when conditions on the motion (transmission angle,
+ * acceleration, closure) are violated there.  INFINITY when no point that meets them was seen. */
+double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
+                         long *evals, lw_stop *stop);
+
+/* Move x to the nearest point that meets bounds and linear conditions (in the metric of the
+ * variables' own sizes).  false when they contradict each other. */
+bool lw_lm_feasible(const lw_problem *p, double *x);
+
+/* What the row `lm` of the solver table runs. */
+lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
+                    lw_solver_result *r);
+
+#endif

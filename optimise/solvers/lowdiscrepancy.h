@@ -1,0 +1,13 @@
+/* optimise/solvers/lowdiscrepancy.h - points that fill a cube evenly: Sobol's sequence of GSL, shifted at
+ * random (Cranley & Patterson 1976) so that every seed and every block has its own. */
+#ifndef LW_OPTIMISE_LOWDISCREPANCY_H
+#define LW_OPTIMISE_LOWDISCREPANCY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/rng.h"
+
+/* n points of [0, 1)^d, d <= 40, one after the other in u.  false when out of memory. */
+bool lw_low_discrepancy(lw_rng *shift, size_t n, int d, double *u);
+
+#endif

@@ -1,0 +1,239 @@
+#include "optimise/solvers/qp.h"
+
+#include <math.h>
+#include <string.h>
+
+/* All three work column by column: the operations of one column do not wait for each other. */
+bool lw_qp_cholesky(int n, double *h)
+{
+    double column[LW_QP_MAX];
+    for (int k = 0; k < n; k++) {
+        double pivot = h[k*n + k];
+        if (!(pivot > 0 && isfinite(pivot)))
+            return false;
+        h[k*n + k] = sqrt(pivot);
+        for (int i = k + 1; i < n; i++)
+            column[i] = h[i*n + k] /= h[k*n + k];
+        for (int i = k + 1; i < n; i++)
+            for (int q = k + 1; q <= i; q++)
+                h[i*n + q] -= column[i]*column[q];
+    }
+    return true;
+}
+
+static void forward(int n, const double *l, double *v)          /* v = L^-1 v */
+{
+    for (int q = 0; q < n; q++) {
+        v[q] /= l[q*n + q];
+        for (int i = q + 1; i < n; i++)
+            v[i] -= l[i*n + q]*v[q];
+    }
+}
+
+static void backward(int n, const double *l, double *v)         /* v = L^-T v */
+{
+    for (int q = n - 1; q >= 0; q--) {
+        v[q] /= l[q*n + q];
+        for (int i = 0; i < q; i++)
+            v[i] -= l[q*n + i]*v[q];
+    }
+}
+
+static double dot(int n, const double *a, const double *b)
+{
+    double s = 0;
+    for (int i = 0; i < n; i++)
+        s += a[i]*b[i];
+    return s;
+}
+
+/* The active conditions: rows L^-1 a as columns of an orthonormal q and a triangle r, remade from
+ * scratch at every change: with so few unknowns that is cheaper than being clever. */
+typedef struct active {
+    int    n, count;
+    int    row[LW_QP_MAX];
+    double u[LW_QP_MAX + 1];                    /* multipliers, >= 0                     */
+    double q[LW_QP_MAX][LW_QP_MAX];             /* q[k] is the k-th orthonormal vector   */
+    double r[LW_QP_MAX][LW_QP_MAX];
+    double size;                                /* largest |L'p| so far                  */
+} active;
+
+static void remake(active *w, const double *l, const double *a)
+{
+    int n = w->n;
+    for (int k = 0; k < w->count; k++) {
+        double *v = w->q[k];
+        memcpy(v, a + w->row[k]*n, sizeof(double)*(size_t)n);
+        forward(n, l, v);
+        for (int i = 0; i < k; i++) {
+            w->r[i][k] = dot(n, w->q[i], v);
+            for (int c = 0; c < n; c++)
+                v[c] -= w->r[i][k]*w->q[i][c];
+        }
+        w->r[k][k] = sqrt(dot(n, v, v));
+        for (int c = 0; c < n; c++)
+            v[c] /= w->r[k][k];
+    }
+}
+
+/* Split y = L^-1 a_p into its part z outside the active space and the multiplier change d. */
+static double split(const active *w, const double *y, double *z, double *d)
+{
+    int n = w->n;
+    memcpy(z, y, sizeof(double)*(size_t)n);
+    for (int k = 0; k < w->count; k++) {
+        d[k] = dot(n, w->q[k], y);
+        for (int c = 0; c < n; c++)
+            z[c] -= d[k]*w->q[k][c];
+    }
+    for (int k = w->count - 1; k >= 0; k--) {
+        for (int i = k + 1; i < w->count; i++)
+            d[k] -= w->r[k][i]*d[i];
+        d[k] /= w->r[k][k];
+    }
+    return dot(n, z, z);
+}
+
+static void drop(active *w, int k, const double *l, const double *a)
+{
+    for (int i = k + 1; i < w->count; i++) {
+        w->row[i - 1] = w->row[i];
+        w->u[i - 1] = w->u[i];
+    }
+    w->count--;
+    remake(w, l, a);
+}
+
+static double gap_of(int n, int j, const double *a, const double *b, const double *p)
+{
+    return dot(n, a + j*n, p) - b[j];
+}
+
+/* What rounding can make of a p on its way here, in condition j: p is known to a few units in the last
+ * place in the metric of H only, where the way is at most `size` long. */
+static double rounding(const active *w, int j, const double *l, const double *a, const double *b,
+                       const double *p)
+{
+    int n = w->n;
+    double y[LW_QP_MAX], scale = fabs(b[j]);
+    for (int c = 0; c < n; c++)
+        scale += fabs(a[j*n + c]*p[c]);
+    memcpy(y, a + j*n, sizeof(double)*(size_t)n);
+    forward(n, l, y);
+    return 1e-13*scale + 1e-14*sqrt(dot(n, y, y))*w->size;
+}
+
+static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
+                         const double *p, double *gap)
+{
+    int worst = -1, n = w->n;
+    double least = 0;
+    for (int j = 0; j < m; j++) {
+        double s = gap_of(n, j, a, b, p);
+        bool passed_over = s >= least;
+        for (int k = 0; k < w->count && !passed_over; k++)
+            passed_over = w->row[k] == j;
+        if (!passed_over && s < -rounding(w, j, l, a, b, p)) {
+            least = s;
+            worst = j;
+        }
+    }
+    *gap = least;
+    return worst;
+}
+
+static void grow(active *w, const double *l, const double *p)
+{
+    double y2 = 0;
+    for (int i = 0; i < w->n; i++) {
+        double y = 0;
+        for (int q = i; q < w->n; q++)
+            y += l[q*w->n + i]*p[q];
+        y2 += y*y;
+    }
+    w->size = fmax(w->size, sqrt(y2));
+}
+
+/* Move p onto the active conditions, which it left by the rounding of its way. */
+static void settle(const active *w, const double *l, const double *a, const double *b, double *p)
+{
+    int n = w->n;
+    double step[LW_QP_MAX] = { 0 }, v[LW_QP_MAX];
+    for (int k = 0; k < w->count; k++) {
+        v[k] = -gap_of(n, w->row[k], a, b, p);
+        for (int i = 0; i < k; i++)
+            v[k] -= w->r[i][k]*v[i];
+        v[k] /= w->r[k][k];
+        for (int c = 0; c < n; c++)
+            step[c] += v[k]*w->q[k][c];
+    }
+    backward(n, l, step);
+    for (int c = 0; c < n; c++)
+        p[c] += step[c];
+}
+
+/* Bring condition j in: move in primal and dual space until it holds. */
+static bool bring_in(active *w, int j, double gap, const double *l, const double *a, double *p)
+{
+    int n = w->n;
+    double y[LW_QP_MAX], z[LW_QP_MAX], d[LW_QP_MAX], u_new = 0;
+    memcpy(y, a + j*n, sizeof(double)*(size_t)n);
+    forward(n, l, y);
+    double y2 = dot(n, y, y);
+    for (int guard = 0; guard < 4*LW_QP_MAX; guard++) {
+        double z2 = split(w, y, z, d), t1 = INFINITY, t2 = INFINITY;
+        int leave = -1;
+        for (int k = 0; k < w->count; k++)
+            if (d[k] > 0 && w->u[k]/d[k] < t1) {
+                t1 = w->u[k]/d[k];
+                leave = k;
+            }
+        if (z2 > 1e-22*y2 && w->count < n)
+            t2 = -gap/z2;
+        double t = fmin(t1, t2);
+        if (!isfinite(t))
+            return false;
+        for (int k = 0; k < w->count; k++)
+            w->u[k] = fmax(0, w->u[k] - t*d[k]);
+        u_new += t;
+        if (isfinite(t2)) {
+            backward(n, l, z);
+            for (int c = 0; c < n; c++)
+                p[c] += t*z[c];
+            gap += t*z2;
+            grow(w, l, p);
+        }
+        if (t2 <= t1) {
+            w->row[w->count] = j;
+            w->u[w->count++] = u_new;
+            remake(w, l, a);
+            return true;
+        }
+        drop(w, leave, l, a);
+    }
+    return false;
+}
+
+bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b,
+                 double *p)
+{
+    active w;                                   /* q and r are filled as far as they are read    */
+    w.n = n;
+    w.count = 0;
+    for (int i = 0; i < n; i++)
+        p[i] = -g[i];
+    forward(n, l, p);
+    w.size = sqrt(dot(n, p, p));
+    backward(n, l, p);
+    for (int round = 0; round < 20*LW_QP_MAX; round++) {
+        double gap;
+        int j = most_violated(&w, m, l, a, b, p, &gap);
+        if (j < 0) {
+            settle(&w, l, a, b, p);
+            return true;
+        }
+        if (!bring_in(&w, j, gap, l, a, p))
+            return false;
+    }
+    return false;
+}

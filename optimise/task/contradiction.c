@@ -1,0 +1,87 @@
+#include "optimise/task/contradiction.h"
+
+#include <math.h>
+#include "optimise/problem/problem_internal.h"
+
+enum { EDGES = 2 + 2*LW_ZONE_MAX };
+
+/* Does a forbidden zone hold the whole of a box? */
+static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
+{
+    if (no->kind == LW_ZONE_NO_BOX)
+        return no->at.x <= lower.x && no->at.y <= lower.y && no->to.x >= upper.x && no->to.y >= upper.y;
+    lw_vec2 far = lw_v2(fmax(fabs(lower.x - no->at.x), fabs(upper.x - no->at.x)),
+                        fmax(fabs(lower.y - no->at.y), fabs(upper.y - no->at.y)));
+    return no->kind == LW_ZONE_NO_CIRCLE && lw_v2_norm(far) <= no->reach;
+}
+
+static double along(lw_vec2 p, bool y) { return y ? p.y : p.x; }
+
+/* Where a box is cut by the edges of the zones, in order, its own ends included. */
+static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[EDGES])
+{
+    double lo = along(box->at, y), hi = along(box->to, y);
+    int n = 0;
+    edge[n++] = lo;
+    edge[n++] = hi;
+    for (int i = 0; i < s->n_zone; i++) {
+        const lw_zone *z = &s->zone[i];
+        double side[2] = { along(z->at, y) - z->reach, z->kind == LW_ZONE_NO_BOX ? along(z->to, y)
+                                                                                : along(z->at, y) + z->reach };
+        for (int k = 0; k < 2 && lw_zone_forbids(z); k++)
+            if (side[k] > lo && side[k] < hi)
+                edge[n++] = side[k];
+    }
+    for (int i = 1; i < n; i++)
+        for (int k = i; k > 0 && edge[k - 1] > edge[k]; k--) {
+            double swap = edge[k];
+            edge[k] = edge[k - 1];
+            edge[k - 1] = swap;
+        }
+    return n;
+}
+
+/* Is every piece of the box within one of the zones? */
+static bool all_forbidden(const lw_fit_spec *s, const lw_zone *box)
+{
+    double x[EDGES], y[EDGES];
+    int nx = cuts(s, box, false, x), ny = cuts(s, box, true, y);
+    for (int i = 0; i + 1 < nx; i++)
+        for (int j = 0; j + 1 < ny; j++) {
+            bool held = false;
+            for (int k = 0; k < s->n_zone && !held; k++)
+                held = lw_zone_forbids(&s->zone[k])
+                    && swallows(&s->zone[k], lw_v2(x[i], y[j]), lw_v2(x[i + 1], y[j + 1]));
+            if (!held)
+                return false;
+        }
+    return true;
+}
+
+/* Is the square of the positions beside the place of the pivots? */
+static bool out_of_range(const lw_fit_spec *s, const lw_zone *z)
+{
+    double lo = s->position_lo, hi = s->position_hi, least = INFINITY, most = -INFINITY;
+    if (z->kind == LW_ZONE_PIVOTS_BOX)
+        return z->at.x > hi || z->at.y > hi || z->to.x < lo || z->to.y < lo;
+    for (int i = 0; i < 4; i++) {
+        double off = lw_v2_cross(z->to, lw_v2_sub(lw_v2(i & 1 ? lo : hi, i & 2 ? lo : hi), z->at));
+        least = fmin(least, off);
+        most = fmax(most, off);
+    }
+    return least > z->reach || most < -z->reach;
+}
+
+const char *lw_contradiction(const lw_fit_spec *s)
+{
+    for (int i = 0; i < s->n_zone; i++) {
+        const lw_zone *z = &s->zone[i];
+        if (lw_zone_forbids(z))
+            continue;
+        if (s->position_lo < s->position_hi && out_of_range(s, z))
+            return "the pivots have to be where the range of positions does not reach";
+        if (z->kind == LW_ZONE_PIVOTS_BOX && all_forbidden(s, z))
+            return "forbidden zones hold the whole box in which the pivots have to be";
+    }
+    return NULL;
+}

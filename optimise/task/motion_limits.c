@@ -1,0 +1,82 @@
+#include "optimise/task/motion_limits.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "optimise/problem/problem_internal.h"
+
+#define OFF 1e-3
+
+lw_way lw_way_begin(void)
+{
+    return (lw_way){ .margin_least = NAN, .margin_most = NAN };
+}
+
+static double depth(const lw_zone *z, const lw_plan *plan, const lw_pose *pose)
+{
+    double least = 0;
+    for (int j = 0; j < LW_JOINT_MAX; j++)
+        if (plan->joint_point[j] >= 0)
+            least = fmin(least, lw_zone_outside(z, pose->joint[j][0]));
+    for (int i = 0; i < plan->n_output; i++)
+        least = fmin(least, lw_zone_outside(z, pose->tracer[i][0]));
+    return -least;
+}
+
+void lw_way_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_way *w)
+{
+    double a = s->task == LW_TASK_FUNCTION ? fabs(pose->angle[plan->output_link[0]][2])
+                                           : lw_v2_norm(pose->tracer[0][2]);
+    w->margin_least = fmin(w->margin_least, pose->margin);              /* NaN gives way            */
+    w->margin_most = fmax(w->margin_most, pose->margin);
+    w->acceleration = fmax(w->acceleration, a/plan->laps/plan->laps);
+    for (int i = 0; i < s->n_zone; i++)
+        if (lw_zone_forbids(&s->zone[i]))
+            w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, pose));
+}
+
+void lw_way_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes, double from,
+                double to, int looks, lw_way *w)
+{
+    lw_pose pose;
+    for (int k = 0; k <= looks; k++)
+        if (lw_pose_solve(plan, dim, modes, from + (to - from)*k/looks, 2, &pose) == LW_OK)
+            lw_way_pose(plan, s, &pose, w);
+}
+
+/* How far a fixed pivot is from where it has to be. */
+static double astray(const lw_zone *z, lw_vec2 at)
+{
+    if (z->kind == LW_ZONE_PIVOTS_BOX)
+        return lw_zone_outside(z, at);
+    return fabs(lw_v2_cross(z->to, lw_v2_sub(at, z->at))) - z->reach;
+}
+
+static double pivots_astray(const lw_fit_spec *s, const lw_linkage *k)
+{
+    double most = 0;
+    for (int i = 0; i < s->n_zone; i++)
+        for (int j = 0; j < k->n_joint; j++)
+            if (!lw_zone_forbids(&s->zone[i]) && k->joint[j].kind == LW_JOINT_REVOLUTE
+                && (k->joint[j].link[0] == k->ground || k->joint[j].link[1] == k->ground))
+                most = fmax(most, astray(&s->zone[i], k->joint[j].at));
+    return most;
+}
+
+bool lw_way_meets(const lw_way *w, const lw_fit_spec *s, const lw_linkage *k, double size, char *why, size_t room)
+{
+    double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, k);
+    char text[160] = "";
+    if (s->min_transmission > 0 && !(sine >= sin(s->min_transmission) - OFF))
+        snprintf(text, sizeof text, "its transmission angle falls to %.4g deg, and %.4g were asked for",
+                 asin(sine)*180/LW_PI, s->min_transmission*180/LW_PI);
+    else if (s->max_acceleration > 0 && !(w->acceleration <= (1 + OFF)*s->max_acceleration))
+        snprintf(text, sizeof text, "its acceleration rises to %.4g times what was allowed",
+                 w->acceleration/s->max_acceleration);
+    else if (w->intrusion > OFF*m)
+        snprintf(text, sizeof text, "it enters a forbidden zone as deep as %.3g of the target's size", w->intrusion/m);
+    else if (pivots > OFF*m)
+        snprintf(text, sizeof text, "a fixed pivot is %.3g of the target's size from where it has to be", pivots/m);
+    if (why && text[0])
+        snprintf(why, room, "%s", text);
+    return !text[0];
+}

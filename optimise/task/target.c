@@ -1,0 +1,215 @@
+/* The stations of a target in memory: allocation, checks, size. */
+#include "optimise/task/target_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+double *lw_target_array(const lw_target *t, lw_field role)
+{
+    switch (role) {
+    case LW_FIELD_X:      return t->x;
+    case LW_FIELD_Y:      return t->y;
+    case LW_FIELD_THETA:  return t->theta;
+    case LW_FIELD_ANGLE:  return t->angle;
+    case LW_FIELD_WEIGHT: return t->weight;
+    default:              break;
+    }
+    const lw_also *a = &t->also[((int)role - LW_FIELD_ALSO)/4];
+    switch (lw_field_first(role)) {
+    case LW_FIELD_X:      return a->x;
+    case LW_FIELD_Y:      return a->y;
+    case LW_FIELD_THETA:  return a->theta;
+    default:              return a->weight;
+    }
+}
+
+/* The arrays of further points; a weight that is not given is that of the stations. */
+static void hand_out(lw_target *t, double *const p[LW_FIELD_COUNT])
+{
+    t->n_also = 0;
+    for (int i = 0; i < LW_ALSO_MAX; i++) {
+        double *const *mine = p + lw_field_also(LW_FIELD_X, i);
+        if (mine[0] || mine[2])
+            t->also[t->n_also++] = (lw_also){ .x = mine[0], .y = mine[1], .theta = mine[2],
+                                              .weight = mine[3] ? mine[3] : t->weight };
+    }
+}
+
+lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_FIELD_COUNT], lw_error *e)
+{
+    double *p[LW_FIELD_COUNT] = { NULL };
+    size_t many = 0;
+    *t = (lw_target){ .n = n, .units = lw_units_si() };
+    for (int role = 0; role < LW_FIELD_COUNT; role++)
+        many += has[role] || role == LW_FIELD_WEIGHT;
+    double *block = malloc(n*(many*sizeof(double) + sizeof(long)));
+    if (!block)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
+    t->store = block;
+    for (int role = 0; role < LW_FIELD_COUNT; role++)
+        if (has[role] || role == LW_FIELD_WEIGHT) {
+            p[role] = block;
+            block += n;
+        }
+    t->x = p[LW_FIELD_X];
+    t->y = p[LW_FIELD_Y];
+    t->theta = p[LW_FIELD_THETA];
+    t->angle = p[LW_FIELD_ANGLE];
+    t->weight = p[LW_FIELD_WEIGHT];
+    t->line = (long *)block;
+    hand_out(t, p);
+    for (size_t i = 0; i < n; i++) {
+        t->weight[i] = 1;
+        t->line[i] = 0;
+    }
+    return LW_OK;
+}
+
+void lw_target_free(lw_target *t)
+{
+    free(t->store);
+    *t = (lw_target){ .n = 0 };
+}
+
+/* Weights of the stations, or of a further point (from 0; -1: the first). */
+static lw_status check_weights(const lw_target *t, int point, lw_target_place *place, lw_error *e)
+{
+    const double *weight = point < 0 ? t->weight : t->also[point].weight;
+    lw_field role = point < 0 ? LW_FIELD_WEIGHT : lw_field_also(LW_FIELD_WEIGHT, point);
+    double most = 0;
+    for (size_t i = 0; i < t->n; i++) {
+        *place = (lw_target_place){ i, role };
+        if (!(weight[i] >= 0))
+            return lw_error_set(e, LW_E_ARG, "a weight is at least 0, this one is %g; 0 leaves the station out",
+                                weight[i]);
+        most = fmax(most, weight[i]);
+    }
+    place->station = 0;
+    return most > 0 ? LW_OK : lw_error_set(e, LW_E_ARG, "all weights are 0, so nothing is asked for; give one "
+                                           "station at least a positive weight");
+}
+
+static double step(const double *x, const double *y, size_t i, size_t k)
+{
+    return hypot(x[k] - x[i], y[k] - y[i]);
+}
+
+/* The box made larger by n points; length of the polygon through them, not closed, and its longest side. */
+static double run_along(const double *x, const double *y, size_t n, lw_vec2 *lo, lw_vec2 *hi, double *longest)
+{
+    double length = 0;
+    for (size_t i = 0; i < n; i++) {
+        *lo = lw_v2(fmin(lo->x, x[i]), fmin(lo->y, y[i]));
+        *hi = lw_v2(fmax(hi->x, x[i]), fmax(hi->y, y[i]));
+        double d = i ? step(x, y, i - 1, i) : 0;
+        *longest = fmax(*longest, d);
+        length += d;
+    }
+    return length;
+}
+
+/* Bounding box, closed or not (by guess: the gap is no longer than one and a half of the longest step,
+ * or than a twentieth of the path: dense curves need not end at their beginning), length. */
+static void measure(lw_target *t, int closed)
+{
+    lw_vec2 lo = { t->x[0], t->y[0] }, hi = lo;
+    double longest = 0, other = 0;
+    t->length = run_along(t->x, t->y, t->n, &lo, &hi, &longest);
+    double gap = step(t->x, t->y, t->n - 1, 0);
+    t->size = hypot(hi.x - lo.x, hi.y - lo.y);
+    t->closed = closed >= 0 ? closed > 0 : t->n > 2 && t->size > 0 && gap <= fmax(1.5*longest, t->length/20);
+    if (t->closed)
+        t->length += gap;
+    for (int i = 0; i < t->n_also; i++) {
+        lw_also *a = &t->also[i];
+        if (!a->x)
+            continue;
+        a->length = run_along(a->x, a->y, t->n, &lo, &hi, &other);
+        if (t->closed)
+            a->length += step(a->x, a->y, t->n - 1, 0);
+    }
+    t->extent = hypot(hi.x - lo.x, hi.y - lo.y);
+}
+
+lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e)
+{
+    lw_status s = check_weights(t, -1, place, e);
+    for (int i = 0; s == LW_OK && i < t->n_also; i++)
+        if (t->also[i].weight != t->weight)
+            s = check_weights(t, i, place, e);
+    if (s != LW_OK)
+        return s;
+    if (t->x)
+        measure(t, closed);
+    else
+        t->closed = closed > 0;
+    return t->angle ? lw_target_order(t, place, e) : LW_OK;
+}
+
+static lw_status fill(lw_target *t, const double *const from[LW_FIELD_COUNT], lw_error *e)
+{
+    for (int role = 0; role < LW_FIELD_COUNT; role++) {
+        double *to = lw_target_array(t, (lw_field)role);
+        double most = lw_field_most((lw_field)role);
+        for (size_t i = 0; from[role] && i < t->n; i++) {
+            if (!(fabs(from[role][i]) <= most))
+                return lw_error_set(e, LW_E_ARG, "station %zu has a number that is not finite or beyond %g", i + 1,
+                                    most);
+            to[i] = from[role][i];
+        }
+    }
+    return LW_OK;
+}
+
+static lw_status check_also(const lw_also *a, bool path, int number, lw_error *e)
+{
+    if (!a->x != !a->y || (!a->x && !a->theta))
+        return lw_error_set(e, LW_E_ARG, "point %d needs x and y, or an angle theta, or both", number);
+    if (a->x && !path)
+        return lw_error_set(e, LW_E_ARG, "point %d has x and y but the first one has none: number points with a path "
+                            "first", number);
+    return LW_OK;
+}
+
+lw_status lw_target_make_all(size_t n, const double *x, const double *y, const double *theta, const double *angle,
+                             const double *weight, const lw_also *also, int n_also, int closed, lw_target *t,
+                             lw_error *e)
+{
+    const double *from[LW_FIELD_COUNT] = { x, y, theta, angle, weight };
+    bool has[LW_FIELD_COUNT];
+    lw_target_place place;
+    lw_status s = LW_OK;
+    *t = (lw_target){ .n = 0 };
+    if (n < 1 || n > LW_STATION_MAX)
+        return lw_error_set(e, LW_E_ARG, "a target has 1 to %d stations, not %zu", LW_STATION_MAX, n);
+    if (!x != !y || (!x && !(theta && angle)))
+        return lw_error_set(e, LW_E_ARG, "a path needs x and y, a function angle and theta");
+    if (n_also < 0 || n_also > LW_ALSO_MAX)
+        return lw_error_set(e, LW_E_ARG, "a target has %d points at most", LW_ALSO_MAX + 1);
+    for (int i = 0; i < n_also && s == LW_OK; i++) {
+        const double **mine = from + lw_field_also(LW_FIELD_X, i);
+        mine[0] = also[i].x;
+        mine[1] = also[i].y;
+        mine[2] = also[i].theta;
+        mine[3] = also[i].weight == weight ? NULL : also[i].weight;
+        s = check_also(&also[i], x != NULL, i + 2, e);
+    }
+    for (int role = 0; role < LW_FIELD_COUNT; role++)
+        has[role] = from[role] != NULL;
+    if (s == LW_OK)
+        s = lw_target_allocate(t, n, has, e);
+    if (s == LW_OK)
+        s = fill(t, from, e);
+    if (s == LW_OK)
+        s = lw_target_finish(t, closed, &place, e);
+    if (s != LW_OK)
+        lw_target_free(t);
+    return s;
+}
+
+lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta, const double *angle,
+                         const double *weight, int closed, lw_target *t, lw_error *e)
+{
+    return lw_target_make_all(n, x, y, theta, angle, weight, NULL, 0, closed, t, e);
+}

@@ -1,0 +1,82 @@
+/* optimise/task/target.h - what the point (or the output) must do: stations read from a CSV file.
+ *
+ *     # comments; "# closed: yes|no" and "# units: mm deg" are obeyed, all others passed over
+ *     x,y[,theta][,angle|t][,weight]         path or motion: theta is the tool angle, angle the input
+ *     angle,theta[,weight]                   function: input angle, output angle
+ *     ...,x2,y2[,theta2][,weight2]           where a further point is at the same stations, and how its link is
+ *     ...,theta2[,weight2]                   turned; or only an output angle that goes with it; then 3, 4
+ *
+ * Also understood, because published files use them: theta_in for the input angle, in which case
+ * `angle` is the tool (or output) angle; suffixes _rad, _deg, _mm, _m ... fix the unit of a column, and
+ * with it of all columns of its kind.  A column t is the input in turns: from 0 to 1 is one turn.
+ * Fields are separated by commas, or by semicolons, tabs or blanks when the header has no comma.
+ * docs/notation.md, "Target", has the whole of it.
+ *
+ * Any number of stations from 1 on is read; whether they are enough is the fitter's business. */
+#ifndef LW_OPTIMISE_TARGET_H
+#define LW_OPTIMISE_TARGET_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include "base/error.h"
+#include "base/units.h"
+
+#define LW_STATION_MAX 100000
+#define LW_ALSO_MAX 3             /* further points                                                  */
+
+/* What a further point of the linkage does at the stations of the first. */
+typedef struct lw_also {
+    double *x, *y;              /* [m]; NULL when only the angle of its link is asked for   (n)    */
+    double *theta;              /* tool or output angle [rad]; NULL when not given          (n)    */
+    double *weight;             /* that of the stations when not given                      (n)    */
+    double  length;             /* of its polygon, closed if the target is [m]; 0 without points   */
+} lw_also;
+
+typedef struct lw_target {
+    size_t   n;                 /* stations                                                        */
+    double  *x, *y;             /* [m]; NULL for a function                             (n)        */
+    double  *theta;             /* tool or output angle [rad]; NULL when not given      (n)        */
+    double  *angle;             /* input angle [rad], rising or falling throughout, over LW_LAP_MAX turns at most
+                                 * (a wrap at the full turn is undone); NULL when not given (n)    */
+    double  *weight;            /* >= 0, not all 0; 1 when not given                    (n)        */
+    long    *line;              /* line of the file, for messages; 0 by _make           (n)        */
+    bool     closed;            /* the last station is followed by the first                      */
+    double   length;            /* length of the polygon through the stations, closed if so [m]    */
+    double   size;              /* diagonal of the bounding box [m]; both 0 for a function         */
+    int      n_also;
+    lw_also  also[LW_ALSO_MAX]; /* further points, in the order of their numbers          (n_also) */
+    double   extent;            /* diagonal of the box of all points [m]; size when there is one   */
+    lw_units units;
+    void    *store;             /* what _free frees                                                */
+} lw_target;
+
+/* Options of reading that a command line may force. */
+typedef struct lw_target_options {
+    int         closed;         /* 1 yes, 0 no, -1 by the file: its "closed" comment, or by guess:
+                                 * the gap from last to first is no longer than 1.5 times the longest
+                                 * step or a twentieth of the path (a last station that repeats
+                                 * the first is kept); functions are open                          */
+    const char *length_unit;    /* NULL: by the file, else metre; overrules a "units" comment      */
+    const char *angle_unit;     /* NULL: by the file, else radian; overrules likewise              */
+} lw_target_options;
+
+/* Read; o may be NULL.  LW_E_NOTATION, LW_E_ARG (an option) or LW_E_MEMORY; after a failure t is
+ * empty and needs no _free. */
+lw_status lw_target_read(const char *text, size_t size, const char *file,
+                         const lw_target_options *o, lw_target *t, lw_error *e);
+/* From arrays in SI (copied). x and y both or, for a function, neither; theta, angle, weight may be NULL;
+ * closed as in the options.  The same conditions as for a file, LW_E_ARG when they are not met. */
+lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta,
+                         const double *angle, const double *weight, int closed, lw_target *t,
+                         lw_error *e);
+/* The same with further points; also[i].length is not looked at. */
+lw_status lw_target_make_all(size_t n, const double *x, const double *y, const double *theta,
+                             const double *angle, const double *weight, const lw_also *also, int n_also,
+                             int closed, lw_target *t, lw_error *e);
+/* Targets of one point each that belong together row by row as one target, each point with its own weights; one part
+ * alone is copied.  Input angles of one part are those of all.  LW_E_ARG, naming the tracer: other numbers of rows,
+ * input angles that disagree, too many. */
+lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t, lw_error *e);
+void      lw_target_free(lw_target *t);
+
+#endif

@@ -1,0 +1,74 @@
+/* Lines and fields of a table written by people and spreadsheets. */
+#include "optimise/task/target_internal.h"
+
+#include <string.h>
+#include <strings.h>
+
+static bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+lw_lines lw_lines_start(const char *text, size_t size)
+{
+    bool marked = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0;     /* byte order mark */
+    return (lw_lines){ .text = text, .size = size, .at = marked ? 3 : 0 };
+}
+
+/* A line ends with \n, \r\n or \r. */
+bool lw_lines_next(lw_lines *l)
+{
+    if (l->at >= l->size)
+        return false;
+    const char *s = l->text + l->at;
+    size_t rest = l->size - l->at, n = 0;
+    while (n < rest && s[n] != '\n' && s[n] != '\r')
+        n++;
+    l->at += n + (n < rest) + (n + 1 < rest && s[n] == '\r' && s[n+1] == '\n');
+    l->number++;
+    const char *hash = memchr(s, '#', n);
+    l->line = (lw_span){ s, hash ? (size_t)(hash - s) : n };
+    l->comment = (lw_span){ NULL, 0 };
+    if (hash)
+        l->comment = lw_span_trim((lw_span){ hash + 1, n - l->line.n - 1 });
+    return true;
+}
+
+lw_span lw_span_trim(lw_span s)
+{
+    while (s.n > 0 && is_blank(*s.s))
+        s.s++, s.n--;
+    while (s.n > 0 && is_blank(s.s[s.n - 1]))
+        s.n--;
+    return s;
+}
+
+bool lw_span_blank(lw_span s) { return lw_span_trim(s).n == 0; }
+
+bool lw_span_is(lw_span s, const char *word)
+{
+    return s.n == strlen(word) && strncasecmp(s.s, word, s.n) == 0;
+}
+
+static lw_span unquote(lw_span s)
+{
+    if (s.n >= 2 && s.s[0] == '"' && s.s[s.n - 1] == '"')
+        return lw_span_trim((lw_span){ s.s + 1, s.n - 2 });
+    return s;
+}
+
+bool lw_field_next(lw_span line, char separator, size_t *at, lw_span *field)
+{
+    size_t i = *at;
+    if (separator == ' ') {
+        while (i < line.n && is_blank(line.s[i]))
+            i++;
+        if (i == line.n)
+            return false;
+    } else if (i > line.n) {
+        return false;                      /* the field behind the last separator was the last */
+    }
+    size_t start = i;
+    while (i < line.n && (separator == ' ' ? !is_blank(line.s[i]) : line.s[i] != separator))
+        i++;
+    *field = unquote(lw_span_trim((lw_span){ line.s + start, i - start }));
+    *at = separator == ' ' ? i : i + 1;
+    return true;
+}

@@ -1,0 +1,367 @@
+/* Through singular postures by every formulation, by position and by branch; near misses; runs that are stopped
+ * within a step. */
+#include "mbs/ode/integrate.h"
+#include "tests/dynamics_run.h"
+
+static drun d, other;
+
+static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                      LW_FORMULATION_GGL };
+
+/* Greatest turn of bodies that should keep theirs, over all samples; and where the first crank's end is at last. */
+typedef struct watch { int first, n; const lw_system *s; double turned, q[LW_SYSTEM_Q_MAX]; } watch;
+
+static lw_status look(void *context, const lw_moment *m)
+{
+    watch *w = context;
+    for (int b = w->first; b < w->first + w->n; b++)
+        w->turned = fmax(w->turned, fabs(m->q[3*b + 2]));
+    memcpy(w->q, m->q, (size_t)w->s->n_q*sizeof *w->q);
+    return LW_OK;
+}
+
+static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w)
+{
+    lw_dynamics *made = NULL;
+    lw_vec2 at = { NAN, NAN };
+    d.o.formulation = f;
+    d.o.relative = d.o.absolute = tolerance;
+    d.o.to = to;
+    d.o.intervals = 200;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+    if (!made)
+        return at;
+    w->s = lw_dynamics_system(made);
+    w->turned = 0;
+    CHECK_INT(lw_dynamics_run(made, look, w, &d.report, &d.e), LW_OK);
+    at = lw_system_point(w->s, w->s->tracer_body[0], w->s->tracer_arm[0], w->q);
+    CHECK(d.report.worst_off < 1e-12);
+    lw_dynamics_free(made);
+    return at;
+}
+
+/* N-four-bar, N = 2 (A02), through ten singular postures: 20 digits by elliptic functions.  The error is a multiple of
+ * the tolerance, for all of them. */
+static void two_four_bars(void)
+{
+    static const struct { int least, most; double times; } with[] = { { 6, 13, 3000 }, { 6, 13, 3000 }, { 7, 11, 3e4 },
+                                                                      { 8, 11, 5e4 } };
+    drun_read(&d, "examples/two-four-bars.json");
+    for (int f = 0; f < 4; f++)
+        for (int k = with[f].least; k <= with[f].most; k++) {
+            watch w = { .first = 3, .n = 2 };
+            lw_vec2 at = crank_end(all[f], pow(10, -k), 10, &w);
+            CHECK_NEAR(at.x, 0.32845811154081537865, with[f].times*pow(10, -k), 0);
+            CHECK_NEAR(at.y, 0.94451853817860096216, with[f].times*pow(10, -k), 0);
+            CHECK(w.turned < 1e-9);
+        }
+    lw_model_free(&d.model);
+}
+
+/* A third crank, a row too many: those kept become dependent in postures that are not singular.  It moves as the
+ * pendulum that test_dynamics_hard.c has up to the first singular posture. */
+#define CRANK(n, x) "{'name': 'A" n "', 'links': ['ground', 'c" n "'], 'at': [" x ", 0]}," \
+                    "{'name': 'B" n "', 'links': ['c" n "', 'coupler'], 'at': [" x ".6, 0.8]}"
+static const char three_cranks[] = "{'linkwright': 1, 'links': ['ground',"
+    "{'name': 'c0', 'mass': 1, 'centre': [0.3, 0.4]}, {'name': 'c1', 'mass': 1, 'centre': [1.3, 0.4]},"
+    "{'name': 'c2', 'mass': 1, 'centre': [2.3, 0.4]},"
+    "{'name': 'coupler', 'mass': 2, 'centre': [1.1, 0.8], 'inertia': 1}],"
+    "'joints': [" CRANK("0", "0") "," CRANK("1", "1") "," CRANK("2", "2") "],"
+    "'input': {'joint': 'A0', 'speed': 0.3}, 'gravity': [0, -9.81],"
+    "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0.6, 0.8]}]}";
+
+static void redundant_rows(void)
+{
+    static const double tolerance[] = { 0, 1e-12, 1e-10, 1e-10 }, slack[] = { 0, 1e-8, 3e-6, 3e-6 };
+    drun_read_format(&other, "{'linkwright': 1, 'links': ['ground', {'name': 'bob', 'mass': 1,"
+        "'centre': [0.47142857142857142857, 0.62857142857142857143]}],"
+        "'joints': [{'name': 'A', 'links': ['ground', 'bob'], 'at': [0, 0]}], 'input': {'joint': 'A', 'speed': 0.3},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'bob', 'at': [0.6, 0.8]}]}", 0, 0);
+    CHECK_INT(drun_to(&other, LW_FORMULATION_REDUCED, 1e-13, 4, 4), LW_OK);
+    drun_read_format(&d, three_cranks, 0, 0);
+    for (int f = 1; f < 4; f++) {
+        watch w = { .first = 3, .n = 1 };
+        lw_vec2 at = crank_end(all[f], tolerance[f], 4, &w);
+        CHECK_NEAR(at.x, other.tracer[4].x, slack[f], 0);
+        CHECK_NEAR(at.y, other.tracer[4].y, slack[f], 0);
+        CHECK(w.turned < 1e-9);
+    }
+    lw_model_free(&d.model);
+    lw_model_free(&other.model);
+}
+
+/* A parallelogram that swings about its singular posture on a spring and never leaves its neighbourhood, from rest at
+ * 0.2 rad: 0.2 cos(w t), w^2 = k/(2 I + m) with the coupler's mass at the radius 1. */
+static void swings_about_it(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0],"
+        "'inertia': 0.5}, {'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
+        "{'name': 'c', 'mass': 1, 'centre': [2, 0], 'inertia': 0.5}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [%s]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [%s]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [2, 0]}],"
+        "'input': {'joint': 'A'}, 'springs': [{'joint': 'A', 'stiffness': 8, 'free': -0.2}],"
+        "'tracers': [{'name': 'P', 'link': 'a', 'at': [%s]}]}";
+    char first[64], second[64], whole[2000];
+    double x = cos(0.2), y = sin(0.2);
+    snprintf(first, sizeof first, "%.17g, %.17g", x, y);
+    snprintf(second, sizeof second, "%.17g, %.17g", x + 2, y);
+    snprintf(whole, sizeof whole, text, x + 1, y, first, second, first);
+    drun_read_format(&d, whole, 0, 0);
+    for (int f = 0; f < 4; f++) {
+        watch w = { .first = 1, .n = 1 };
+        lw_vec2 at = crank_end(all[f], f < 2 ? 1e-12 : 1e-10, 7, &w);
+        double angle = 0.2*cos(7*sqrt(8/2.0));
+        CHECK_NEAR(at.x, cos(angle), f < 2 ? 1e-10 : 1e-6, 0);
+        CHECK_NEAR(at.y, sin(angle), f < 2 ? 1e-10 : 1e-6, 0);
+        CHECK(w.turned < 1e-9);
+    }
+    lw_model_free(&d.model);
+}
+
+/* A pendulum on the bar of a parallelogram, which passes singular postures at any place of it: no curve there, but a
+ * leap that every method takes; the tracer is the bob. */
+static void two_freedoms(void)
+{
+    static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],"
+        "'inertia': 0.083}, {'name': 'b', 'mass': 1, 'centre': [0.5, 1], 'inertia': 0.083},"
+        "{'name': 'c', 'mass': 1, 'centre': [1, 0.5], 'inertia': 0.083},"
+        "{'name': 'bob', 'mass': 0.5, 'centre': [0.5, 0.6], 'inertia': 0.02}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]}, {'name': 'B', 'links': ['a', 'b'], 'at': [0, 1]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [1, 1]}, {'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]},"
+        "{'name': 'P', 'links': ['b', 'bob'], 'at': [0.5, 1]}], 'input': {'joint': 'A', 'speed': -1},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'T', 'link': 'bob', 'at': [0.5, 0.6]}]}";
+    static const int tightest[] = { 0, 11, 11, 10 };
+    watch w = { .first = 1, .n = 1 };
+    drun_read_format(&d, text, 0, 0);
+    lw_vec2 want = crank_end(LW_FORMULATION_INDEX1, 1e-12, 3, &w);
+    CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
+    for (int f = 1; f < 4; f++)
+        for (int k = 7; k <= tightest[f]; k++) {
+            lw_vec2 at = crank_end(all[f], pow(10, -k), 3, &w);
+            CHECK_NEAR(at.x, want.x, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
+            CHECK_NEAR(at.y, want.y, (f == 1 ? 300 : 1e4)*pow(10, -k), 0);
+            CHECK(w.turned < 1e-9);
+        }
+    lw_model_free(&d.model);
+}
+
+/* Change-point four-bars: ground, crank, coupler, rocker; the crank's angle and speed at the start, the side of the
+ * rocker's pin.  Parallelogram, antiparallelogram, kites, rhombus in two of its three ways. */
+static const struct { double length[4], angle, side, speed; } change_point[] = {
+    { { 4, 1, 4, 1 }, 1, 1, 6 }, { { 4, 1, 4, 1 }, 1, -1, 6 },
+    { { 3, 1, 1, 3 }, 1, 1, 6 }, { { 3, 1, 1, 3 }, 1, -1, 6 },
+    { { 1, 1, 1, 1 }, 1.2, 1, 6 }, { { 1, 1, 1, 1 }, 2, -1, -6 },
+};
+
+static void read_change_point(int k)
+{
+    const double *l = change_point[k].length, angle = change_point[k].angle;
+    lw_vec2 b = lw_v2_polar(l[1], angle), to = lw_v2_sub(lw_v2(l[0], 0), b);
+    double d2 = lw_v2_dot(to, to), along = 0.5*(d2 + l[2]*l[2] - l[3]*l[3])/d2;
+    double off = change_point[k].side*sqrt(l[2]*l[2]/d2 - along*along);
+    lw_vec2 c = lw_v2(b.x + along*to.x - off*to.y, b.y + along*to.y + off*to.x);
+    char text[2000];
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',"
+        "{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.1},"
+        "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.2},"
+        "{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.3}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]},"
+        "{'name': 'D', 'links': ['ground', 'c'], 'at': [%.17g, 0]}], 'input': {'joint': 'A', 'speed': %.17g},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'a', 'at': [%.17g, %.17g]}]}", b.x/2, b.y/2,
+        (b.x + c.x)/2, (b.y + c.y)/2, (l[0] + c.x)/2, c.y/2, b.x, b.y, c.x, c.y, l[0], change_point[k].speed,
+        b.x, b.y);
+    drun_read_format(&d, text, 0, 0);
+}
+
+static void change_points(void)
+{
+    for (size_t k = 0; k < sizeof change_point/sizeof *change_point; k++) {
+        read_change_point((int)k);
+        watch w = { .n = 0 };
+        lw_vec2 want = crank_end(LW_FORMULATION_REDUCED, 1e-13, 5, &w);
+        CHECK_INT(d.report.formulation, LW_FORMULATION_REDUCED);
+        for (int e = 6; e <= 12; e += 2) {
+            lw_vec2 at = crank_end(LW_FORMULATION_INDEX1, pow(10, -e), 5, &w);
+            CHECK_NEAR(at.x, want.x, 300*pow(10, -e), 0);
+            CHECK_NEAR(at.y, want.y, 300*pow(10, -e), 0);
+        }
+        for (int f = 2; f < 4; f++) {
+            lw_vec2 at = crank_end(all[f], 1e-9, 5, &w);
+            CHECK_NEAR(at.x, want.x, 3e-4, 0);
+            CHECK_NEAR(at.y, want.y, 3e-4, 0);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
+/* Ten parallelograms in a row, whose change points all have to be seen as one; the motion is that of one crank,
+ * s'' = -g 15.5/(11/3 + 10) cos s. */
+static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)
+{
+    (void)context, (void)t;
+    dy[0] = y[1];
+    dy[1] = -9.81*15.5/(11./3 + 10)*cos(y[0]);
+    return LW_OK;
+}
+
+static void ten_in_a_row(void)
+{
+    static char text[12000];
+    int n = snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground'");
+    for (int i = 0; i <= 10; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'c%d', 'mass': 1, 'centre': [%d, 0.5],"
+                      "'inertia': 0.083333333333333333}", i, i);
+    for (int i = 0; i < 10; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'b%d', 'mass': 1, 'centre': [%d.5, 1],"
+                      "'inertia': 0.083333333333333333}", i, i);
+    n += snprintf(text + n, sizeof text - (size_t)n, "], 'joints': [{'name': 'A', 'links': ['ground', 'c0'],"
+                  "'at': [0, 0]}");
+    for (int i = 0, k = 1; i < 10; i++, k++)
+        n += snprintf(text + n, sizeof text - (size_t)n, ", {'name': 'A%d', 'links': ['ground', 'c%d'],"
+                      "'at': [%d, 0]}, {'name': 'B%d', 'links': ['c%d', 'b%d'], 'at': [%d, 1]},"
+                      "{'name': 'C%d', 'links': ['b%d', 'c%d'], 'at': [%d, 1]}", i, k, k, i, i, i, i, i, i, k, k);
+    snprintf(text + n, sizeof text - (size_t)n, "], 'input': {'joint': 'A', 'speed': -1}, 'gravity': [0, -9.81],"
+             "'tracers': [{'name': 'P', 'link': 'c0', 'at': [0, 1]}]}");
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    lw_ode ode = { .n = 2, .rate = rate_of_ten };
+    lw_ode_options o = { .relative = 1e-14, .absolute = 1e-14 };
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double work[64], y[2] = { LW_PI/2, -1 };
+    CHECK(lw_integrate_work(2, 0) <= 64);
+    CHECK_INT(lw_integrate_start(&w, &ode, &o, work, 0, y, NULL), LW_OK);
+    while (stop != LW_ODE_END && lw_integrate_step(&w, 5, &stop, NULL) == LW_OK) {
+    }
+    drun_read_text(&d, text);
+    for (int f = -1; f < 2; f++) {
+        watch of = { .first = 11, .n = 10 };
+        lw_vec2 at = crank_end(f < 0 ? LW_FORMULATION_AUTO : all[f], 1e-11, 5, &of);
+        CHECK_NEAR(at.x, cos(w.y[0]), 1e-8, 0);
+        CHECK_NEAR(at.y, sin(w.y[0]), 1e-8, 0);
+        CHECK(of.turned < 1e-9);
+    }
+    lw_model_free(&d.model);
+}
+
+/* ---- near misses --------------------------------------------------------------------------------- */
+
+/* A rhombus whose coupler is longer by eps: no crank of it turns fully. */
+static void read_rhombus(double eps)
+{
+    double b[2] = { 0.5, 0.5*sqrt(3) }, span = 1, along = (span*span + (1 + eps)*(1 + eps) - 1)/(2*span);
+    double off = sqrt((1 + eps)*(1 + eps) - along*along);
+    lw_vec2 to = lw_v2(1 - b[0], -b[1]), c = lw_v2(b[0] + along*to.x - off*to.y, b[1] + along*to.y + off*to.x);
+    char text[2000];
+    snprintf(text, sizeof text, "{'linkwright': 1, 'links': ['ground',"
+        "{'name': 'a', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},"
+        "{'name': 'b', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083},"
+        "{'name': 'c', 'mass': 1, 'centre': [%.17g, %.17g], 'inertia': 0.083}], 'joints': ["
+        "{'name': 'A', 'links': ['ground', 'a'], 'at': [0, 0]},"
+        "{'name': 'B', 'links': ['a', 'b'], 'at': [%.17g, %.17g]},"
+        "{'name': 'C', 'links': ['b', 'c'], 'at': [%.17g, %.17g]},"
+        "{'name': 'D', 'links': ['ground', 'c'], 'at': [1, 0]}], 'input': {'joint': 'A', 'speed': -1},"
+        "'gravity': [0, -9.81], 'tracers': [{'name': 'P', 'link': 'c', 'at': [%.17g, %.17g]}]}", b[0]/2, b[1]/2,
+        (b[0] + c.x)/2, (b[1] + c.y)/2, (1 + c.x)/2, c.y/2, b[0], b[1], c.x, c.y, c.x, c.y);
+    drun_read_format(&d, text, 0, 0);
+}
+
+/* Where branches come near each other but do not meet, nobody goes straight on: the input turns back before its dead
+ * point, and all agree; what is nearer than the tolerance meets. */
+static void near_misses(void)
+{
+    static const double eps[] = { 1e-2, -1e-2, 1e-3, 1e-4, -1e-4 };
+    for (int k = 0; k < 5; k++) {
+        read_rhombus(eps[k]);
+        for (int f = 0; f < 2; f++) {
+            watch w = { .n = 0 };
+            lw_vec2 at = crank_end(f ? LW_FORMULATION_INDEX1 : LW_FORMULATION_AUTO, 1e-12, 1.5, &w);
+            double c = 1 + eps[k];
+            CHECK(w.q[2] > (c > 1 ? -LW_PI/3 : -2*LW_PI));
+            if (f) {
+                CHECK_NEAR(at.x, other.tracer[0].x, 1e-8, 0);
+                CHECK_NEAR(at.y, other.tracer[0].y, 1e-8, 0);
+            }
+            other.tracer[0] = at;
+            CHECK(d.report.energy_error < 1e-10*d.report.energy_scale);
+        }
+        lw_model_free(&d.model);
+    }
+    read_rhombus(1e-9);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 1.5, 10), LW_E_NUMERIC);
+    CHECK_HAS(d.e.text, "come as near");
+    CHECK_HAS(d.e.text, "tolerance above");
+    CHECK_INT(d.report.formulation, LW_FORMULATION_INDEX1);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1.5, 10), LW_OK);
+    other.tracer[0] = d.tracer[10];
+    lw_model_free(&d.model);
+    read_rhombus(0);
+    CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-12, 1.5, 10), LW_OK);
+    CHECK_NEAR(d.tracer[10].x, other.tracer[0].x, 1e-5, 0);
+    CHECK_NEAR(d.tracer[10].y, other.tracer[0].y, 1e-5, 0);
+    lw_model_free(&d.model);
+}
+
+/* ---- limits -------------------------------------------------------------------------------------- */
+
+static volatile sig_atomic_t halt;
+
+typedef struct counter { long calls, at, after; } counter;
+
+static void count(void *context, double t, const double *q, const double *v, double *force, double *dq, double *dv,
+                  double *power)
+{
+    counter *c = context;
+    (void)t, (void)q, (void)v, (void)force, (void)dq, (void)dv, (void)power;
+    if (++c->calls == c->at)
+        halt = 1;
+    c->after += halt && c->calls > c->at;
+}
+
+/* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be tried. */
+static void stopped_within_a_step(void)
+{
+    drun_read(&d, "examples/two-four-bars.json");
+    for (int f = 1; f < 4; f++)
+        for (long at = 500; at < 510; at++) {
+            counter c = { .at = at };
+            halt = 0;
+            d.o.stop = &halt;
+            d.o.extra = (lw_extra_force){ .context = &c, .apply = count };
+            CHECK_INT(drun_to(&d, all[f], 1e-10, 1e6, 1000000), LW_STOPPED);
+            CHECK_HAS(d.e.text, "stopped at");
+            CHECK(c.calls >= at && c.after <= 2);
+            CHECK(d.n_moment >= 1 && d.report.t < 10);
+        }
+    lw_model_free(&d.model);
+}
+
+/* As many steps as were allowed, and no more, over all restarts behind singular postures. */
+static void steps_allowed(void)
+{
+    drun_read(&d, "examples/two-four-bars.json");
+    for (int f = 0; f < 4; f++)
+        for (long most = 10; most <= 2000; most *= 200) {
+            d.o.max_step = most;
+            CHECK_INT(drun_to(&d, all[f], 1e-10, 1e5, 10), LW_STOPPED);
+            CHECK(d.report.steps + d.report.refused >= most && d.report.steps <= most + 20);
+            CHECK(d.report.t > 0 && d.report.t < 1000);
+        }
+    lw_model_free(&d.model);
+}
+
+int main(void)
+{
+    RUN(two_four_bars);
+    RUN(redundant_rows);
+    RUN(swings_about_it);
+    RUN(two_freedoms);
+    RUN(change_points);
+    RUN(ten_in_a_row);
+    RUN(near_misses);
+    RUN(stopped_within_a_step);
+    RUN(steps_allowed);
+    return check_end();
+}

@@ -1,0 +1,136 @@
+/* A motion as conditions see it, against brute force on random four-bars. */
+#include "optimise/task/motion_limits.h"
+#include "tests/fit_problem.h"
+
+static lw_rng rng;
+
+static double pin_depth(const lw_zone *z, const lw_pose *pose, const lw_plan *plan)
+{
+    double most = 0;
+    for (int j = 0; j < LW_JOINT_MAX; j++)
+        if (plan->joint_point[j] >= 0)
+            most = fmax(most, z->reach - lw_v2_norm(lw_v2_sub(pose->joint[j][0], z->at)));
+    return fmax(most, z->reach - lw_v2_norm(lw_v2_sub(pose->tracer[0][0], z->at)));
+}
+
+static void a_turn_is_that_of_its_poses(void)
+{
+    for (int trial = 0; trial < 30; trial++) {
+        enum { LOOKS = 360 };
+        member m;
+        lw_pose pose;
+        lw_fit_spec s = lw_fit_spec_default();
+        double least = INFINITY, most = 0, fast = 0, deep = 0;
+        draw_member("crank-rocker", 1, false, &rng, &m);
+        CHECK_INT(lw_pose_solve(&m.plan, m.dim, &m.mode, 1, 0, &pose), LW_OK);
+        s.n_zone = 1;
+        s.zone[0] = (lw_zone){ LW_ZONE_NO_CIRCLE, lw_v2_add(pose.tracer[0][0], lw_v2(0.2, 0)), { 0, 0 }, 0.3 };
+        for (int k = 0; k <= LOOKS; k++) {
+            lw_pose a, b;
+            const double h = 1e-4;
+            double at = 2*LW_PI*k/LOOKS;
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at, 0, &pose);
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at + h, 0, &b);
+            lw_vec2 second = lw_v2_sub(lw_v2_add(a.tracer[0][0], b.tracer[0][0]), lw_v2_scale(pose.tracer[0][0], 2));
+            least = fmin(least, pose.margin);
+            most = fmax(most, pose.margin);
+            fast = fmax(fast, lw_v2_norm(second)/h/h);
+            deep = fmax(deep, pin_depth(&s.zone[0], &pose, &m.plan));
+        }
+        lw_way w = lw_way_begin();
+        lw_way_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
+        CHECK_NEAR(w.margin_least, least, 1e-14, 0);
+        CHECK_NEAR(w.margin_most, most, 1e-14, 0);
+        CHECK_NEAR(w.acceleration, fast, 1e-5, 1e-5);
+        CHECK_NEAR(w.intrusion, deep, 1e-12, 0);
+        CHECK(w.intrusion > 0.05);
+    }
+}
+
+/* Of a function the acceleration is the output angle's, and its condition in a fit is of the same. */
+static void a_function_is_judged_by_its_output(void)
+{
+    for (int trial = 0; trial < 30; trial++) {
+        enum { LOOKS = 64 };
+        member m;
+        stations st;
+        lw_target t;
+        lw_problem p;
+        lw_fit_spec s = lw_fit_spec_default();
+        double x[LW_VAR_MAX] = { 0 }, g[4*LW_CURVE_SAMPLES + LW_LINEAR_MAX], fast = 0, least = INFINITY;
+        const double h = 1e-4;
+        s.task = LW_TASK_FUNCTION;
+        s.timing = LW_TIMING_PRESCRIBED;
+        draw_member("crank-rocker", 1, true, &rng, &m);
+        trace_member(&m, 12, &st);
+        for (int k = 0; k < LOOKS; k++) {
+            lw_pose a, b, c;
+            double at = 2*LW_PI*k/LOOKS;
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at - h, 0, &a);
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at, 0, &b);
+            lw_pose_solve(&m.plan, m.dim, &m.mode, at + h, 0, &c);
+            double up = remainder(c.angle[3][0] - b.angle[3][0], 2*LW_PI), down = remainder(b.angle[3][0] - a.angle[3][0], 2*LW_PI);
+            fast = fmax(fast, fabs(up - down)/h/h);
+        }
+        lw_way w = lw_way_begin();
+        lw_way_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
+        CHECK_NEAR(w.acceleration, fast, 1e-5, 1e-5);
+        s.max_acceleration = 0.9*fast;
+        target_of(&st, &s, &t);
+        CHECK_INT(lw_problem_make(&t, &s, m.family, m.mode, 1, &p, NULL), LW_OK);
+        variables_of(&p, &m, x);
+        x[0] = m.dim[0];
+        void *work = new_work(&p);
+        lw_problem_constraints(&p, x, g, NULL, work);
+        for (size_t i = (size_t)p.n_linear; i < lw_problem_constraint_count(&p); i++)
+            least = fmin(least, g[i]);
+        CHECK(least < 1 - 1/(0.9*0.9) + 1e-4 && least > 1 - 1/(0.85*0.85));
+        free(work);
+        lw_problem_free(&p);
+        lw_target_free(&t);
+    }
+}
+
+static void every_condition_is_asked(void)
+{
+    static const lw_way good = { 0.5, 0.9, 2, 0 };
+    char why[160] = "";
+    lw_linkage k;
+    lw_fit_spec s = lw_fit_spec_default();
+    lw_type_linkage(lw_type_find("RRRR"), &k);
+    k.joint[0].at = lw_v2(1, 1);
+    k.joint[3].at = lw_v2(3, 1.5);
+    CHECK(lw_way_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
+    s.min_transmission = asin(sqrt(0.5)) - 1e-6;
+    s.max_acceleration = 2;
+    s.n_zone = 1;
+    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 0, 0 }, { 3, 2 }, 0 };
+    CHECK(lw_way_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
+    lw_way bad[3] = { good, good, good };
+    bad[0].margin_least = 0.4;
+    bad[1].acceleration = 2.1;
+    bad[2].intrusion = 0.1;
+    static const char *const words[] = { "transmission", "acceleration", "forbidden" };
+    for (int i = 0; i < 3; i++) {
+        CHECK(!lw_way_meets(&bad[i], &s, &k, 1, why, sizeof why));
+        CHECK(strstr(why, words[i]) != NULL);
+    }
+    s.zone[0].to.x = 2.9;
+    CHECK(!lw_way_meets(&good, &s, &k, 1, why, sizeof why) && strstr(why, "pivot"));
+    s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_LINE, { 0, 1 }, { 1, 0 }, 0.5 };
+    CHECK(lw_way_meets(&good, &s, &k, 1, NULL, 0));
+    s.zone[0].reach = 0.4;
+    CHECK(!lw_way_meets(&good, &s, &k, 1, NULL, 0));
+    lw_way none = lw_way_begin();
+    CHECK(!lw_way_meets(&none, &s, &k, 1, NULL, 0));
+}
+
+int main(void)
+{
+    lw_rng_seed(&rng, check_seed(), 1);
+    RUN(a_turn_is_that_of_its_poses);
+    RUN(a_function_is_judged_by_its_output);
+    RUN(every_condition_is_asked);
+    return check_end();
+}

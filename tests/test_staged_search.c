@@ -1,0 +1,147 @@
+/* Searches by number of links: a six-bar's curve is found again, more links are never worse, and the answer does
+ * not depend on the number of threads. */
+#include "optimise/search/staged_search.h"
+#include "tests/six_bar.h"
+
+static lw_fit_options options(lw_timing timing, int jobs)
+{
+    lw_fit_options o = lw_fit_options_default();
+    o.spec.timing = timing;
+    o.jobs = jobs;
+    o.budget = 60000;
+    o.max_rounds = 6;
+    o.n_result = 5;
+    return o;
+}
+
+/* Best objective with so many links. */
+static double best_of(const lw_survey *s, int links)
+{
+    double best = INFINITY;
+    for (int i = 0; i < s->fit.n; i++)
+        if (lw_candidate_links(&s->fit.candidate[i]) == links)
+            best = fmin(best, s->fit.candidate[i].objective);
+    return best;
+}
+
+static void the_true_topology_gives_the_curve_back(void)
+{
+    lw_linkage k = six_bar();
+    lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
+    lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
+    lw_target t;
+    lw_survey s;
+    lw_error e = { .text = "" };
+    o.max_rounds = 40;
+    o.budget = 1000000;
+    six_bar_target(&k, 40, true, &t);
+    CHECK_INT(lw_survey_run(&t, &o, stage, 2, &s, &e), LW_OK);
+    CHECK(best_of(&s, 6) < 1e-20);
+    CHECK(best_of(&s, 4) > 1e-4);
+    lw_report *r = malloc(sizeof *r);
+    CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
+    CHECK(r->verified && r->error_max < 1e-9);
+    free(r);
+    lw_survey_free(&s);
+    lw_target_free(&t);
+}
+
+static void more_links_are_never_worse(void)
+{
+    static const double px[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, py[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
+    lw_linkage k = six_bar();
+    lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
+                         { .links = 8, .families = lw_families_of(NULL, 0) } };     /* of eight only grown ones */
+    lw_fit_options o = options(LW_TIMING_FREE, 0);
+    lw_target t;
+    lw_survey s;
+    CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    CHECK_INT(lw_survey_run(&t, &o, stage, 3, &s, NULL), LW_OK);
+    CHECK(best_of(&s, 6) <= best_of(&s, 4)*(1 + 1e-9));
+    CHECK(best_of(&s, 8) <= best_of(&s, 6)*(1 + 1e-9));
+    CHECK(s.stage[2].n_grown > 4);
+    for (int i = 0; i < s.fit.n; i++) {
+        lw_report *r = malloc(sizeof *r);
+        CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL), LW_OK);
+        CHECK_NEAR(r->objective, s.fit.candidate[i].objective, 1e-12, 1e-6);
+        free(r);
+    }
+    lw_survey_free(&s);
+    lw_target_free(&t);
+}
+
+static void threads_do_not_change_the_answer(void)
+{
+    lw_linkage k = six_bar();
+    lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
+    lw_target t;
+    lw_survey s[2];
+    six_bar_target(&k, 12, false, &t);
+    for (int i = 0; i < 2; i++) {
+        lw_fit_options o = options(LW_TIMING_FREE, 1 + 2*i);
+        o.budget = 20000;
+        o.max_rounds = 3;
+        CHECK_INT(lw_survey_run(&t, &o, stage, 2, &s[i], NULL), LW_OK);
+    }
+    CHECK_INT(s[0].fit.n, s[1].fit.n);
+    CHECK_INT(s[0].fit.evals, s[1].fit.evals);
+    for (int i = 0; i < s[0].fit.n && i < s[1].fit.n; i++)
+        CHECK(memcmp(s[0].fit.candidate[i].dim, s[1].fit.candidate[i].dim,
+                     sizeof(double)*(size_t)s[0].fit.candidate[i].n_dim) == 0);
+    lw_survey_free(&s[0]);
+    lw_survey_free(&s[1]);
+    lw_target_free(&t);
+}
+
+/* More families than a sweep may look at: some have their turn in a later one, some none, by any number of threads. */
+static void families_beyond_a_sweep(void)
+{
+    enum { N = 120 };
+    static lw_family list[N];
+    lw_linkage k = six_bar();
+    lw_target t;
+    lw_fit fit[2];
+    six_bar_target(&k, 24, false, &t);
+    for (int i = 0; i < 24; i += 3)                      /* not to be met: no search ends early       */
+        t.x[i] += i % 2 ? 0.4 : -0.4;
+    for (int i = 0; i < N; i++)
+        list[i] = (lw_family){ .name = "six-bar", .linkage = &k, .links = 6 };
+    lw_families f = lw_families_of(list, N);
+    for (int i = 0; i < 2; i++) {
+        lw_fit_options o = options(LW_TIMING_FREE, 1 + 2*i);
+        o.families = &f;
+        o.sweep = 100;
+        o.budget = 1000000;
+        o.max_rounds = 6;
+        CHECK_INT(lw_fit_run(&t, &o, &fit[i], NULL), LW_OK);
+    }
+    int count[LW_FIT_STATES] = { 0 };
+    CHECK_INT(fit[0].n_state, N);
+    for (int i = 0; i < N; i++)
+        count[fit[0].state[i]]++;
+    CHECK_INT(count[LW_FIT_CLOSED], 64);                 /* two sweeps of the 32 that keep threads busy */
+    CHECK_INT(count[LW_FIT_UNREACHED], N - 64);
+    CHECK(memcmp(fit[0].state, fit[1].state, N) == 0);
+    CHECK_INT(fit[0].evals, fit[1].evals);
+    CHECK_INT(fit[0].n, fit[1].n);
+    for (int i = 0; i < fit[0].n && i < fit[1].n; i++) {
+        const lw_candidate *a = &fit[0].candidate[i], *b = &fit[1].candidate[i];
+        CHECK(a->family == &a->own->family && a->family->linkage == &a->own->linkage);
+        CHECK(memcmp(a->dim, b->dim, sizeof(double)*(size_t)a->n_dim) == 0);
+    }
+    lw_fit_free(&fit[0]);
+    lw_fit_free(&fit[1]);
+    lw_target_free(&t);
+}
+
+int main(void)
+{
+    RUN(the_true_topology_gives_the_curve_back);
+    RUN(more_links_are_never_worse);
+    RUN(threads_do_not_change_the_answer);
+    RUN(families_beyond_a_sweep);
+    return check_end();
+}

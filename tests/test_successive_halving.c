@@ -1,0 +1,162 @@
+/* Shares of the rounds: every family has its turn, the cheap ones before the dear ones, the better ones more. */
+#include "optimise/search/fit_internal.h"
+#include "tests/check.h"
+
+/* Every seventh family is worked out by groups where `dear` says so, the last three are starts. */
+typedef struct crowd { int n; bool dear; } crowd;
+
+static lw_turn turn_of(const void *of, int i)
+{
+    const crowd *c = of;
+    return i >= c->n - 3 ? LW_TURN_START : c->dear && i % 7 == 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
+}
+
+static double worth(int arm) { return 1 + arm*2654435761u % 100003; }
+
+/* A find of the arm that is worth so much. */
+static lw_few *find_of(int arm)
+{
+    static lw_pool pool;
+    lw_variables v = { .n = 1 };
+    pool.n = 0;
+    lw_found c = { .f = worth(arm), .arm = arm };
+    lw_pool_put(&pool, &c, &v);
+    return lw_few_of(&pool, 1, &v, 0);
+}
+
+static lw_search *begin(crowd *c, lw_families *f, lw_fit_options *o)
+{
+    lw_search *s = calloc(1, sizeof *s);
+    *f = (lw_families){ c->n, NULL, turn_of, c };
+    *o = (lw_fit_options){ .families = f, .seed = 1, .sweep = o->sweep };
+    s->o = o;
+    s->n_arm = c->n;
+    s->arm = calloc((size_t)c->n + 1, sizeof *s->arm);
+    CHECK_INT(lw_search_share_begin(s), LW_OK);
+    return s;
+}
+
+static void end(lw_search *s)
+{
+    for (int i = 0; i < s->n_arm; i++)
+        free(s->arm[i].best);
+    free(s->arm);
+    free(s->sweep.order);
+    free(s->sweep.arm);
+    free(s);
+}
+
+/* What the jobs of a round would find. */
+static void learn(lw_search *s)
+{
+    for (int j = 0; j < s->n_job; j++) {
+        lw_arm *a = &s->arm[s->job[j].arm];
+        a->state = LW_FIT_CLOSED;
+        a->starts++;
+        if (!a->best)
+            a->best = find_of(s->job[j].arm);
+    }
+}
+
+static bool in_round(const lw_search *s, int arm)
+{
+    for (int j = 0; j < s->n_job; j++)
+        if (s->job[j].arm == arm)
+            return true;
+    return false;
+}
+
+static void few_families_are_all_looked_at(void)
+{
+    crowd c = { .n = 20 };
+    lw_families f;
+    lw_fit_options o = { 0 };
+    lw_search *s = begin(&c, &f, &o);
+    lw_search_share(s);
+    for (int i = 0; i < c.n; i++)
+        CHECK(in_round(s, i));
+    for (int left = 10; left >= 3; left = (left + 1)/2) {            /* the better half each time            */
+        learn(s);
+        lw_search_share(s);
+        for (int i = 0; i < c.n; i++) {
+            int better = 0;
+            for (int k = 0; k < c.n; k++)
+                better += worth(k) < worth(i);
+            CHECK_INT(in_round(s, i), better < left);
+        }
+    }
+    learn(s);
+    lw_search_share(s);                                              /* and all over again                   */
+    for (int i = 0; i < c.n; i++)
+        CHECK(in_round(s, i));
+    end(s);
+}
+
+/* Of thousands each has its turn before any has two first looks; starts come first, groups last and by themselves. */
+static void many_families_have_their_turn(void)
+{
+    static const long sweep[] = { 0, 20000 };
+    for (int trial = 0; trial < 2; trial++) {
+        crowd c = { .n = trial ? 1500 : 20000, .dear = true };
+        lw_families f;
+        lw_fit_options o = { .sweep = sweep[trial] };
+        lw_search *s = begin(&c, &f, &o);
+        int looked = 0, rounds = 0, *seen = calloc((size_t)c.n, sizeof *seen);
+        lw_turn last = LW_TURN_START;
+        for (; looked < c.n && rounds < 400; rounds++) {
+            lw_search_share(s);
+            CHECK(s->n_job > 0 && s->n_job <= LW_JOB_MAX);
+            for (int j = 0; j < s->n_job && s->sweep.rung == 0; j++) {
+                int arm = s->job[j].arm, fresh = !seen[arm];
+                lw_turn turn = turn_of(&c, arm);
+                CHECK(fresh && !s->job[j].around);
+                CHECK(turn == LW_TURN_START || turn >= last);
+                CHECK((turn == LW_TURN_GROUPS) == (turn_of(&c, s->job[0].arm) == LW_TURN_GROUPS));
+                CHECK(turn != LW_TURN_START || rounds == 0);
+                last = turn == LW_TURN_START ? last : turn;
+                seen[arm] = 1;
+                looked += fresh;
+            }
+            learn(s);
+        }
+        CHECK_INT(looked, c.n);
+        free(seen);
+        end(s);
+    }
+}
+
+/* Those that cannot do the task take no part; when none is left there is nothing to do. */
+static void the_unable_are_left_out(void)
+{
+    crowd c = { .n = 60, .dear = true };
+    lw_families f;
+    lw_fit_options o = { 0 };
+    lw_search *s = begin(&c, &f, &o);
+    for (int i = 0; i < c.n; i++)
+        s->arm[i].state = i % 2 ? LW_FIT_UNABLE : LW_FIT_UNREACHED;
+    for (int round = 0; round < 12; round++) {
+        lw_search_share(s);
+        CHECK(s->n_job > 0);
+        for (int j = 0; j < s->n_job; j++)
+            CHECK(s->job[j].arm % 2 == 0);
+        learn(s);
+    }
+    for (int i = 0; i < c.n; i++)
+        s->arm[i].state = LW_FIT_UNABLE;
+    lw_search_share(s);
+    CHECK_INT(s->n_job, 0);
+    end(s);
+    c.n = 0;
+    s = begin(&c, &f, &o);
+    lw_search_share(s);
+    CHECK_INT(s->n_job, 0);
+    end(s);
+}
+
+int main(void)
+{
+    RUN(few_families_are_all_looked_at);
+    RUN(many_families_have_their_turn);
+    RUN(the_unable_are_left_out);
+    return check_end();
+}
