@@ -139,7 +139,7 @@ static bool expand(const lw_mechanism *m, const lw_assur_group *g, body *b)
 
 static int class_of(const body *b)
 {
-    lw_circuits c;
+    lw_chain_circuits c;
     int best = 2;
     if (b->n == 1)
         return 1;

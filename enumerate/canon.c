@@ -279,7 +279,7 @@ static igraph_error_t bliss_label(const lw_graph *g, const uint8_t *rank, uint8_
     return error;
 }
 
-static igraph_error_t take_generators(const igraph_vector_int_list_t *list, lw_group *group)
+static igraph_error_t take_generators(const igraph_vector_int_list_t *list, lw_symmetry_group *group)
 {
     igraph_integer_t n = igraph.vector_int_list_size(list);
     group->generator = malloc((size_t)(n ? n : 1)*sizeof *group->generator);
@@ -294,7 +294,7 @@ static igraph_error_t take_generators(const igraph_vector_int_list_t *list, lw_g
     return IGRAPH_SUCCESS;
 }
 
-static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_group *group)
+static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_symmetry_group *group)
 {
     bliss b;
     igraph_vector_int_list_t list;
@@ -313,7 +313,7 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_gro
 }
 
 /* The labelling or the group, whichever is asked for; the other is NULL. */
-static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_group *group)
+static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_symmetry_group *group)
 {
     pthread_mutex_lock(&igraph_lock);
     lw_status status = need_igraph();
@@ -360,7 +360,7 @@ lw_status lw_structure_canonical(const lw_structure *s, lw_structure *form)
 
 /* ---- groups ------------------------------------------------------------------------------------- */
 
-static void find_orbits(lw_group *group)
+static void find_orbits(lw_symmetry_group *group)
 {
     bool merged = true;
     for (int i = 0; i < group->n; i++)
@@ -378,16 +378,16 @@ static void find_orbits(lw_group *group)
     }
 }
 
-lw_status lw_graph_group(const lw_graph *g, lw_group *group)
+lw_status lw_graph_group(const lw_graph *g, lw_symmetry_group *group)
 {
     uint8_t rank[LW_GRAPH_MAX];
-    *group = (lw_group){ .n = g->n };
+    *group = (lw_symmetry_group){ .n = g->n };
     lw_status status = tell_apart(g, rank) ? LW_OK : ask_bliss(g, rank, NULL, group);
     find_orbits(group);
     return status;
 }
 
-void lw_group_free(lw_group *group)
+void lw_symmetry_group_free(lw_symmetry_group *group)
 {
     free(group->generator);
     group->generator = NULL;
@@ -450,7 +450,7 @@ static lw_status add_element(element_set *set, const uint8_t *p)
     return LW_OK;
 }
 
-lw_status lw_group_elements(const lw_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n)
+lw_status lw_symmetry_group_elements(const lw_symmetry_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n)
 {
     element_set set = { .length = group->n };
     uint8_t p[LW_GRAPH_MAX] = { 0 };

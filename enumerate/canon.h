@@ -45,18 +45,18 @@ lw_status lw_chain_canonical(const lw_chain *c, lw_chain *form);
 lw_status lw_structure_canonical(const lw_structure *s, lw_structure *form);
 
 /* The automorphism group.  p is a permutation: vertex i goes to p[i]. */
-typedef struct lw_group {
+typedef struct lw_symmetry_group {
     int     n;                                    /* vertices                                       */
     int     n_generator;                          /* 0 for the trivial group                        */
-    uint8_t (*generator)[LW_GRAPH_MAX];           /* (n_generator) owned, see lw_group_free         */
+    uint8_t (*generator)[LW_GRAPH_MAX];           /* (n_generator) owned, see lw_symmetry_group_free         */
     uint8_t orbit[LW_GRAPH_MAX];                  /* lowest vertex of the orbit of each vertex      */
-} lw_group;
+} lw_symmetry_group;
 
-lw_status lw_graph_group(const lw_graph *g, lw_group *group);
-void      lw_group_free(lw_group *group);
+lw_status lw_graph_group(const lw_graph *g, lw_symmetry_group *group);
+void      lw_symmetry_group_free(lw_symmetry_group *group);
 
 /* All elements, the identity first.  *element is allocated, free with free(); *n at least 1.
  * LW_E_MEMORY also when there are more than 2^24. */
-lw_status lw_group_elements(const lw_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n);
+lw_status lw_symmetry_group_elements(const lw_symmetry_group *group, uint8_t (**element)[LW_GRAPH_MAX], size_t *n);
 
 #endif

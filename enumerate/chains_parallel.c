@@ -75,7 +75,7 @@ typedef struct printing {
     lw_ordered      out;
 } printing;
 
-typedef struct page { const printing *all; lw_piece piece; uint64_t skip; } page;
+typedef struct page { const printing *all; lw_ordered_part piece; uint64_t skip; } page;
 
 static lw_status print_item(void *context, const lw_chain_item *item)
 {

@@ -32,10 +32,10 @@ static bool structure_not_planar(const lw_structure *s) { return !structure_plan
 static bool chain_asymmetric(const lw_chain *c)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     lw_graph_of_chain(c, &g);
     bool trivial = lw_graph_group(&g, &group) == LW_OK && group.n_generator == 0;
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return trivial;
 }
 

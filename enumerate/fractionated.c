@@ -142,12 +142,12 @@ static lw_status dress(dressing *d, int link, int p, int f)
 static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     uint8_t (*element)[LW_GRAPH_MAX] = NULL;
     lw_graph_of_chain(d->block, &g);
     lw_status status = lw_graph_group(&g, &group);
     if (status == LW_OK)
-        status = lw_group_elements(&group, &element, &d->n_element);
+        status = lw_symmetry_group_elements(&group, &element, &d->n_element);
     d->element = (const uint8_t (*)[LW_GRAPH_MAX])element;
     d->root = -1;
     if (status == LW_OK && !rooted_too)
@@ -158,7 +158,7 @@ static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
             status = dress(d, 0, p, f);
     }
     free(element);
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return status;
 }
 

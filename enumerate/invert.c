@@ -6,7 +6,7 @@
 lw_status lw_chain_orbits(const lw_chain *c, uint8_t *lowest, int *n_class)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     lw_graph_of_chain(c, &g);
     lw_status status = lw_graph_group(&g, &group);
     if (status == LW_OK) {
@@ -15,7 +15,7 @@ lw_status lw_chain_orbits(const lw_chain *c, uint8_t *lowest, int *n_class)
         if (n_class)
             *n_class = lw_ground_choices(lowest, c->n_link, ground);
     }
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return status;
 }
 

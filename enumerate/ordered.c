@@ -35,7 +35,7 @@ void lw_ordered_stop(lw_ordered *o, lw_status status)
     pthread_mutex_unlock(&o->lock);
 }
 
-static void pass_on_locked(lw_ordered *o, lw_piece *p)
+static void pass_on_locked(lw_ordered *o, lw_ordered_part *p)
 {
     if (o->status == LW_OK && p->size > 0) {
         lw_status status = o->sink(o->context, p->text, p->size);
@@ -45,10 +45,10 @@ static void pass_on_locked(lw_ordered *o, lw_piece *p)
     p->size = 0;
 }
 
-void lw_piece_begin(lw_piece *p, lw_ordered *o, size_t job) { *p = (lw_piece){ .to = o, .job = job }; }
+void lw_piece_begin(lw_ordered_part *p, lw_ordered *o, size_t job) { *p = (lw_ordered_part){ .to = o, .job = job }; }
 
 /* Wait for the job's turn and pass on what it has. */
-static void empty_piece(lw_piece *p)
+static void empty_piece(lw_ordered_part *p)
 {
     lw_ordered *o = p->to;
     pthread_mutex_lock(&o->lock);
@@ -58,7 +58,7 @@ static void empty_piece(lw_piece *p)
     pthread_mutex_unlock(&o->lock);
 }
 
-char *lw_piece_space(lw_piece *p, size_t most)
+char *lw_piece_space(lw_ordered_part *p, size_t most)
 {
     if (p->size > 0 && p->size + most > PIECE_MAX)
         empty_piece(p);
@@ -82,7 +82,7 @@ char *lw_piece_space(lw_piece *p, size_t most)
 static void advance_locked(lw_ordered *o)
 {
     o->turn++;
-    for (lw_piece *next = &o->parked[o->turn % LW_PARKED_MAX]; o->is_parked[o->turn % LW_PARKED_MAX];
+    for (lw_ordered_part *next = &o->parked[o->turn % LW_PARKED_MAX]; o->is_parked[o->turn % LW_PARKED_MAX];
          next = &o->parked[o->turn % LW_PARKED_MAX]) {
         pass_on_locked(o, next);
         free(next->text);
@@ -93,7 +93,7 @@ static void advance_locked(lw_ordered *o)
     pthread_cond_broadcast(&o->moved);
 }
 
-void lw_piece_end(lw_piece *p)
+void lw_piece_end(lw_ordered_part *p)
 {
     lw_ordered *o = p->to;
     pthread_mutex_lock(&o->lock);

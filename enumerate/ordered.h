@@ -17,17 +17,17 @@ typedef lw_status lw_text_sink(void *context, const char *text, size_t size);
 
 #define LW_PARKED_MAX 64
 
-typedef struct lw_piece {
+typedef struct lw_ordered_part {
     struct lw_ordered *to;
     size_t             job, size, room;
     char              *text;
-} lw_piece;
+} lw_ordered_part;
 
 typedef struct lw_ordered {
     pthread_mutex_t lock;
     pthread_cond_t  moved;
     size_t          turn;                        /* the job whose text goes out now               */
-    lw_piece        parked[LW_PARKED_MAX];       /* by job modulo the size; text NULL: empty      */
+    lw_ordered_part        parked[LW_PARKED_MAX];       /* by job modulo the size; text NULL: empty      */
     bool            is_parked[LW_PARKED_MAX];
     lw_text_sink   *sink;
     void           *context;
@@ -39,10 +39,10 @@ lw_status lw_ordered_close(lw_ordered *o);       /* what stopped it, or LW_OK */
 
 /* A job's text: begin; make room for some bytes, write up to that many there, add what was written, as often
  * as needed; end.  lw_piece_space gives NULL when all is stopped: then end.  Every job must begin and end. */
-void  lw_piece_begin(lw_piece *p, lw_ordered *o, size_t job);
-char *lw_piece_space(lw_piece *p, size_t most);
-static inline void lw_piece_add(lw_piece *p, size_t size) { p->size += size; }
-void  lw_piece_end(lw_piece *p);
+void  lw_piece_begin(lw_ordered_part *p, lw_ordered *o, size_t job);
+char *lw_piece_space(lw_ordered_part *p, size_t most);
+static inline void lw_piece_add(lw_ordered_part *p, size_t size) { p->size += size; }
+void  lw_piece_end(lw_ordered_part *p);
 
 /* Stop all jobs with this status, unless they are stopped already. */
 void lw_ordered_stop(lw_ordered *o, lw_status status);

@@ -24,14 +24,14 @@ static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
 lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     graph_of(m, kinds, &g);
     *s = (lw_symmetry){ .n_link = m->n_link, .n_joint = m->n_joint };
     lw_status status = lw_graph_group(&g, &group);
     if (status != LW_OK)
         return status;
-    status = lw_group_elements(&group, &s->link, &s->n);
-    lw_group_free(&group);
+    status = lw_symmetry_group_elements(&group, &s->link, &s->n);
+    lw_symmetry_group_free(&group);
     if (status != LW_OK)
         return status;
     s->joint = malloc(s->n*sizeof *s->joint);
@@ -56,13 +56,13 @@ void lw_symmetry_free(lw_symmetry *s)
 lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     graph_of(m, true, &g);
     lw_status status = lw_graph_group(&g, &group);
     if (status != LW_OK)
         return status;
     memcpy(lowest, group.orbit, (size_t)m->n_link);
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return LW_OK;
 }
 

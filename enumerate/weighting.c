@@ -51,13 +51,13 @@ static lw_status fill_lines(lw_weighting *w)
 static lw_status find_group(lw_weighting *w)
 {
     lw_graph graph;
-    lw_group group;
+    lw_symmetry_group group;
     forget_group(w);
     lw_graph_of_structure(&w->s, &graph);
     lw_status status = lw_graph_group(&graph, &group);
     if (status == LW_OK)
-        status = lw_group_elements(&group, &w->circle, &w->n_element);
-    lw_group_free(&group);
+        status = lw_symmetry_group_elements(&group, &w->circle, &w->n_element);
+    lw_symmetry_group_free(&group);
     return status == LW_OK ? fill_lines(w) : status;
 }
 
@@ -83,7 +83,7 @@ typedef struct listing {
     const lw_weighting *w;
     lw_weighting_visit *visit;
     void               *context;
-    lw_search           search;
+    lw_weighting_search           search;
     uint8_t             weight[LW_LINE_MAX];
 } listing;
 
@@ -107,10 +107,10 @@ static lw_status list_one(listing *l)
 }
 
 /* Earlier lines first, more binary links first: weightings fall. */
-static lw_status list_from(listing *l, const lw_stand *s)
+static lw_status list_from(listing *l, const lw_weighting_state *s)
 {
-    const lw_search *search = &l->search;
-    uint64_t can = lw_search_candidates(search, s);
+    const lw_weighting_search *search = &l->search;
+    uint64_t can = lw_weighting_candidates(search, s);
     lw_status status = LW_OK;
     for (; can && status == LW_OK; can &= can - 1) {
         int k = __builtin_ctzll(can);
@@ -123,7 +123,7 @@ static lw_status list_from(listing *l, const lw_stand *s)
         if (s->left > search->most*search->lines_left[k])
             break;
         for (int n = lw_search_most(search, s, k); n > 0 && status == LW_OK; n--) {
-            lw_stand after;
+            lw_weighting_state after;
             if (!lw_search_settle(search, s, k, n, &after))
                 continue;
             l->weight[k] = (uint8_t)n;
@@ -136,7 +136,7 @@ static lw_status list_from(listing *l, const lw_stand *s)
 
 lw_status lw_weighting_each(const lw_weighting *w, lw_weighting_visit *visit, void *context)
 {
-    lw_stand start = { .left = w->n_binary };
+    lw_weighting_state start = { .left = w->n_binary };
     listing l = { .w = w, .visit = visit, .context = context };
     if (w->n_binary < 0)
         return LW_OK;

@@ -6,12 +6,12 @@
 #include "enumerate/weighting_internal.h"
 
 typedef struct tally {
-    lw_search search;
+    lw_weighting_search search;
     uint64_t  n_chain, n_place;           /* weightings; fixed places on lines, summed over them */
 } tally;
 
 /* Places on a line with n binary links that the automorphism keeps, new ones only. */
-static int fixed_places(const lw_search *t, int k, int n, int before)
+static int fixed_places(const lw_weighting_search *t, int k, int n, int before)
 {
     const lw_unknown *x = &t->x[k];
     if (!x->fixed || ((t->tied >> k & 1) && n == before))
@@ -20,7 +20,7 @@ static int fixed_places(const lw_search *t, int k, int n, int before)
 }
 
 /* One binary link is left: every candidate of one line can take it. */
-static void count_last(tally *t, const lw_stand *s, uint64_t can, int n_place)
+static void count_last(tally *t, const lw_weighting_state *s, uint64_t can, int n_place)
 {
     can &= t->search.single;
     uint64_t n = (uint64_t)__builtin_popcountll(can);
@@ -29,10 +29,10 @@ static void count_last(tally *t, const lw_stand *s, uint64_t can, int n_place)
     t->n_place += n*(uint64_t)(n_place + 1) - alike;
 }
 
-static void count_from(tally *t, const lw_stand *s, int n_place)
+static void count_from(tally *t, const lw_weighting_state *s, int n_place)
 {
-    const lw_search *search = &t->search;
-    uint64_t can = lw_search_candidates(search, s);
+    const lw_weighting_search *search = &t->search;
+    uint64_t can = lw_weighting_candidates(search, s);
     if (s->left == 1) {
         count_last(t, s, can, n_place);
         return;
@@ -42,7 +42,7 @@ static void count_from(tally *t, const lw_stand *s, int n_place)
         if (s->left > search->most*search->lines_left[k])
             return;
         for (int n = lw_search_most(search, s, k); n > 0; n--) {
-            lw_stand after;
+            lw_weighting_state after;
             if (!lw_search_settle(search, s, k, n, &after))
                 continue;
             int places = n_place + fixed_places(search, k, n, s->before);
@@ -58,7 +58,7 @@ static void count_from(tally *t, const lw_stand *s, int n_place)
 
 static void count_fixed(const lw_weighting *w, size_t g, tally *t)
 {
-    lw_stand start = { .left = w->n_binary };
+    lw_weighting_state start = { .left = w->n_binary };
     lw_search_start(&t->search, w, g);
     t->n_chain = t->n_place = 0;
     if (w->n_binary > 0)

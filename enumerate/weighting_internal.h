@@ -23,7 +23,7 @@ struct lw_weighting {
 };
 
 /* One critical set per byte, sixteen to a block. */
-typedef int8_t lw_lanes __attribute__((vector_size(16)));
+typedef int8_t lw_weighting_lanes __attribute__((vector_size(16)));
 
 /* A cycle of lines under an automorphism holds the same on each line: one unknown.  Under the identity
  * every line is an unknown, in the order of lines. */
@@ -32,32 +32,32 @@ typedef struct lw_unknown {
     bool fixed, turned;                   /* one line, kept in place; end for end                     */
 } lw_unknown;
 
-typedef struct lw_search {
+typedef struct lw_weighting_search {
     int        n_unknown, n_block;
     int        most;                      /* binary links on one line                                 */
     lw_unknown x[LW_LINE_MAX];
     uint64_t   tied;                      /* unknowns that hold at most as much as the one before     */
     uint64_t   single;                    /* unknowns of one line                                     */
     int        lines_left[LW_LINE_MAX + 1];
-    lw_lanes  *column;                    /* (n_unknown) lines of the unknown in each set             */
-    lw_lanes  *supply;                    /* (n_unknown + 1) what unknowns k .. can give each set     */
-    lw_lanes  *lack;                      /* (n_unknown + 1) by depth: what each set is short of      */
+    lw_weighting_lanes  *column;                    /* (n_unknown) lines of the unknown in each set             */
+    lw_weighting_lanes  *supply;                    /* (n_unknown + 1) what unknowns k .. can give each set     */
+    lw_weighting_lanes  *lack;                      /* (n_unknown + 1) by depth: what each set is short of      */
     uint64_t  *inside;                    /* (sets) unknowns wholly inside a set                      */
-} lw_search;
+} lw_weighting_search;
 
 /* Where the search stands: unknowns before `next` are settled, the last of them holds `before`. */
-typedef struct lw_stand { int depth, next, before, left; } lw_stand;
+typedef struct lw_weighting_state { int depth, next, before, left; } lw_weighting_state;
 
 /* Memory for searches over w; then set one up for automorphism g. */
-lw_status lw_search_open(lw_search *t, const lw_weighting *w);
-void      lw_search_start(lw_search *t, const lw_weighting *w, size_t g);
-void      lw_search_close(lw_search *t);
+lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w);
+void      lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g);
+void      lw_search_close(lw_weighting_search *t);
 
 /* Unknowns that may be the next to hold something. */
-uint64_t lw_search_candidates(const lw_search *t, const lw_stand *s);
+uint64_t lw_weighting_candidates(const lw_weighting_search *t, const lw_weighting_state *s);
 
 /* Most that unknown k may hold. */
-static inline int lw_search_most(const lw_search *t, const lw_stand *s, int k)
+static inline int lw_search_most(const lw_weighting_search *t, const lw_weighting_state *s, int k)
 {
     int most = t->tied >> k & 1 && s->before < t->most ? s->before : t->most;
     return most*t->x[k].n_line <= s->left ? most : s->left/t->x[k].n_line;
@@ -65,6 +65,6 @@ static inline int lw_search_most(const lw_search *t, const lw_stand *s, int k)
 
 /* Let unknown k hold n on each of its lines and all between it and s->next nothing; false when what is
  * left cannot satisfy every set, each asked alone. */
-bool lw_search_settle(const lw_search *t, const lw_stand *s, int k, int n, lw_stand *after);
+bool lw_search_settle(const lw_weighting_search *t, const lw_weighting_state *s, int k, int n, lw_weighting_state *after);
 
 #endif

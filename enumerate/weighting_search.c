@@ -5,10 +5,10 @@
 
 static int block_count(const lw_weighting *w) { return w->critical.n ? (w->critical.n + 15)/16 : 1; }
 
-lw_status lw_search_open(lw_search *t, const lw_weighting *w)
+lw_status lw_search_open(lw_weighting_search *t, const lw_weighting *w)
 {
     size_t n_block = (size_t)block_count(w), states = (size_t)(w->s.n_line + 1)*n_block;
-    *t = (lw_search){ .n_block = (int)n_block, .most = w->most };
+    *t = (lw_weighting_search){ .n_block = (int)n_block, .most = w->most };
     t->column = malloc(3*states*sizeof *t->column + 16*n_block*sizeof *t->inside);
     if (!t->column)
         return LW_E_MEMORY;
@@ -18,10 +18,10 @@ lw_status lw_search_open(lw_search *t, const lw_weighting *w)
     return LW_OK;
 }
 
-void lw_search_close(lw_search *t) { free(t->column); }
+void lw_search_close(lw_weighting_search *t) { free(t->column); }
 
 /* The cycles of lines of automorphism g, in the order of their first lines. */
-static void find_unknowns(const lw_weighting *w, size_t g, lw_search *t)
+static void find_unknowns(const lw_weighting *w, size_t g, lw_weighting_search *t)
 {
     uint64_t seen = 0;
     t->n_unknown = 0;
@@ -42,7 +42,7 @@ static void find_unknowns(const lw_weighting *w, size_t g, lw_search *t)
     }
 }
 
-static void find_supply(lw_search *t)
+static void find_supply(lw_weighting_search *t)
 {
     int n_block = t->n_block;
     memset(t->supply + t->n_unknown*n_block, 0, (size_t)n_block*sizeof *t->supply);
@@ -54,7 +54,7 @@ static void find_supply(lw_search *t)
     }
 }
 
-void lw_search_start(lw_search *t, const lw_weighting *w, size_t g)
+void lw_search_start(lw_weighting_search *t, const lw_weighting *w, size_t g)
 {
     find_unknowns(w, g, t);
     find_supply(t);
@@ -67,13 +67,13 @@ void lw_search_start(lw_search *t, const lw_weighting *w, size_t g)
     }
 }
 
-uint64_t lw_search_candidates(const lw_search *t, const lw_stand *s)
+uint64_t lw_weighting_candidates(const lw_weighting_search *t, const lw_weighting_state *s)
 {
-    const lw_lanes *lack = t->lack + s->depth*t->n_block;
+    const lw_weighting_lanes *lack = t->lack + s->depth*t->n_block;
     uint64_t later = (((uint64_t)1 << t->n_unknown) - 1) & ~(uint64_t)0 << s->next;
     uint64_t can = later & (~t->tied | (s->before ? (uint64_t)1 << s->next : 0));
     for (int b = 0; b < t->n_block; b++) {
-        lw_lanes tight = (lw_lanes)(lack[b] == (int8_t)s->left);
+        lw_weighting_lanes tight = (lw_weighting_lanes)(lack[b] == (int8_t)s->left);
         uint64_t half[2];
         memcpy(half, &tight, sizeof half);
         for (int h = 0; h < 2; h++)
@@ -83,19 +83,19 @@ uint64_t lw_search_candidates(const lw_search *t, const lw_stand *s)
     return can;
 }
 
-bool lw_search_settle(const lw_search *t, const lw_stand *s, int k, int n, lw_stand *after)
+bool lw_search_settle(const lw_weighting_search *t, const lw_weighting_state *s, int k, int n, lw_weighting_state *after)
 {
     int n_block = t->n_block, given = n < 2 ? n : 2, left = s->left - n*t->x[k].n_line;
-    const lw_lanes *lack = t->lack + s->depth*n_block, *column = t->column + k*n_block;
-    const lw_lanes *supply = t->supply + (k + 1)*n_block;
-    lw_lanes *next = t->lack + (s->depth + 1)*n_block, sign = { 0 };
+    const lw_weighting_lanes *lack = t->lack + s->depth*n_block, *column = t->column + k*n_block;
+    const lw_weighting_lanes *supply = t->supply + (k + 1)*n_block;
+    lw_weighting_lanes *next = t->lack + (s->depth + 1)*n_block, sign = { 0 };
     if (left > t->most*t->lines_left[k + 1])
         return false;
     for (int b = 0; b < n_block; b++) {
         next[b] = lack[b] - column[b]*(int8_t)given;
         sign |= ((int8_t)left - next[b]) | (supply[b] - next[b]);
     }
-    *after = (lw_stand){ s->depth + 1, k + 1, n, left };
+    *after = (lw_weighting_state){ s->depth + 1, k + 1, n, left };
     uint64_t half[2];
     memcpy(half, &sign, sizeof half);
     return !((half[0] | half[1]) & 0x8080808080808080u);

@@ -64,7 +64,7 @@ static uint64_t circuit_of(const graph *g, int v, int x, int y, uint8_t *walk)
     return edges;
 }
 
-static void add_of_length(const graph *g, int length, uint64_t *rows, int *n_row, lw_circuits *c)
+static void add_of_length(const graph *g, int length, uint64_t *rows, int *n_row, lw_chain_circuits *c)
 {
     for (int v = 0; v < g->n; v++)
         for (int x = 0; x < g->n; x++)
@@ -81,7 +81,7 @@ static void add_of_length(const graph *g, int length, uint64_t *rows, int *n_row
             }
 }
 
-lw_status lw_circuit_basis(int n, const uint32_t *adjacent, lw_circuits *c)
+lw_status lw_circuit_basis(int n, const uint32_t *adjacent, lw_chain_circuits *c)
 {
     graph g = { .n = n, .adjacent = adjacent };
     uint64_t rows[LW_JOINT_MAX];

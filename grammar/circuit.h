@@ -12,18 +12,18 @@
 #include "base/status.h"
 #include "grammar/linkage.h"
 
-#define LW_CIRCUIT_MAX (LW_JOINT_MAX)
+#define LW_CHAIN_CIRCUIT_MAX (LW_JOINT_MAX)
 
 /* Circuit k visits vertex[first[k]] .. vertex[first[k+1]-1] in turn, no vertex twice. */
-typedef struct lw_circuits {
+typedef struct lw_chain_circuits {
     int     n_circuit;
-    int     first[LW_CIRCUIT_MAX + 1];
-    uint8_t vertex[LW_CIRCUIT_MAX*LW_LINK_MAX];
-} lw_circuits;
+    int     first[LW_CHAIN_CIRCUIT_MAX + 1];
+    uint8_t vertex[LW_CHAIN_CIRCUIT_MAX*LW_LINK_MAX];
+} lw_chain_circuits;
 
 /* Circuits by rising length, L = e - v + (pieces) of them.  adjacent: a bit mask per vertex, as in
  * grammar/planar.h.  The same masks give the same basis.  LW_E_ARG for more than LW_JOINT_MAX edges. */
-lw_status lw_circuit_basis(int n, const uint32_t *adjacent, lw_circuits *c);
+lw_status lw_circuit_basis(int n, const uint32_t *adjacent, lw_chain_circuits *c);
 
 /* Sets of edges as bits: add `row` to an echelon basis of *n_row rows (64 at most); false when it
  * depends on them. */

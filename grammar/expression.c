@@ -99,7 +99,7 @@ static size_t digits(const parser *p, size_t at)
 static lw_operand number(double v) { return (lw_operand){ -1, v }; }
 
 /* One more operation, or its value where that is known now.  `at`: where it stands in the text. */
-static lw_status emit(parser *p, size_t at, lw_node n, lw_operand *out)
+static lw_status emit(parser *p, size_t at, lw_expression_node n, lw_operand *out)
 {
     lw_expression *x = p->x;
     if (n.op != LW_OP_VARIABLE && n.a.node < 0 && n.b.node < 0) {
@@ -117,12 +117,12 @@ static lw_status emit(parser *p, size_t at, lw_node n, lw_operand *out)
 
 static lw_status binary(parser *p, size_t at, lw_op op, lw_operand a, lw_operand b, lw_operand *out)
 {
-    return emit(p, at, (lw_node){ .op = op, .a = a, .b = b }, out);
+    return emit(p, at, (lw_expression_node){ .op = op, .a = a, .b = b }, out);
 }
 
 static lw_status unary_op(parser *p, size_t at, lw_op op, lw_operand a, lw_operand *out)
 {
-    return emit(p, at, (lw_node){ .op = op, .a = a, .b = number(0) }, out);
+    return emit(p, at, (lw_expression_node){ .op = op, .a = a, .b = number(0) }, out);
 }
 
 /* ---- functions that are spelt out --------------------------------------------------------------- */
@@ -197,7 +197,7 @@ static lw_status spell_table(parser *p, size_t at, const argument *a, int n, lw_
             return fault(p, at, "the points of this table are too far apart, or too close, to compute with");
         }
     x->n_spline++;
-    return emit(p, at, (lw_node){ .op = LW_OP_SPLINE, .index = x->n_spline - 1, .a = a[0].o,
+    return emit(p, at, (lw_expression_node){ .op = LW_OP_SPLINE, .index = x->n_spline - 1, .a = a[0].o,
                                   .b = number(0) }, out);
 }
 
@@ -322,7 +322,7 @@ static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
         return fault(p, at, "the expression depends on too many quantities: at most %d",
                      LW_EXPRESSION_VARIABLE_MAX);
     x->variable[x->n_variable] = id;
-    return emit(p, at, (lw_node){ .op = LW_OP_VARIABLE, .index = x->n_variable++, .a = number(0),
+    return emit(p, at, (lw_expression_node){ .op = LW_OP_VARIABLE, .index = x->n_variable++, .a = number(0),
                                   .b = number(0) }, out);
 }
 

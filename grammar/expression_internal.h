@@ -30,11 +30,11 @@ typedef struct lw_spline {         /* natural cubic spline; straight outside */
 
 typedef struct lw_operand { int node; double value; } lw_operand;     /* node -1: a constant */
 
-typedef struct lw_node {
+typedef struct lw_expression_node {
     lw_op      op;
     int        index;              /* of the variable or spline */
     lw_operand a, b;
-} lw_node;
+} lw_expression_node;
 
 struct lw_expression {
     char       *text;
@@ -42,15 +42,15 @@ struct lw_expression {
     lw_operand  result;
     int         variable[LW_EXPRESSION_VARIABLE_MAX];
     lw_spline  *spline;
-    lw_node     node[];
+    lw_expression_node     node[];
 };
 
 /* The result of one operation; b is not looked at by those with one operand. */
-double lw_op_value(const lw_expression *x, const lw_node *n, double a, double b);
+double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b);
 
 /* The cubic that LW_OP_CUBIC or LW_OP_SPLINE is at u and from there on in the direction (its sign):
  * p[0] + p[1] d + p[2] d^2 + p[3] d^3,  d = difference to u. */
-void lw_op_piece(const lw_expression *x, const lw_node *n, double u, int direction, double p[4]);
+void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, double p[4]);
 
 /* Second derivatives of the natural cubic spline through the n >= 2 points, x rising.  work (n). */
 void lw_spline_bend(int n, const double *x, const double *y, double *work, double *bend);

@@ -241,7 +241,7 @@ static void half_sine(int order, const series a, series c)
         c[i] = -k[i]/2;
 }
 
-static void piecewise(const lw_expression *x, const lw_node *n, int order, const series a, series c)
+static void piecewise(const lw_expression *x, const lw_expression_node *n, int order, const series a, series c)
 {
     double p[4];
     series d, next;
@@ -265,7 +265,7 @@ static void scale_into(int order, double factor, const series a, series c)
 }
 
 /* c[0] is there already. */
-static void function(const lw_expression *x, const lw_node *n, int order, const series a, series c)
+static void function(const lw_expression *x, const lw_expression_node *n, int order, const series a, series c)
 {
     series other;
     switch (n->op) {
@@ -301,7 +301,7 @@ static void choose(int order, bool least, const series a, const series b, series
     copy((least ? s < 0 : s > 0) ? b : a, c);
 }
 
-static void operation(const lw_expression *x, const lw_node *n, int order, const series a,
+static void operation(const lw_expression *x, const lw_expression_node *n, int order, const series a,
                       const series b, series c)
 {
     double value = lw_op_value(x, n, a[0], b[0]);
@@ -343,7 +343,7 @@ void lw_expression_series(const lw_expression *x, int order, const double *v, do
     double done[LW_EXPRESSION_NODE_MAX][TERMS];
     series a, b;
     for (int i = 0; i < x->n_node; i++) {
-        const lw_node *n = &x->node[i];
+        const lw_expression_node *n = &x->node[i];
         if (n->op == LW_OP_VARIABLE) {
             memset(done[i], 0, sizeof done[i]);
             memcpy(done[i], v + (size_t)n->index*(size_t)(order + 1),

@@ -56,7 +56,7 @@ static void spline_piece(const lw_spline *s, double u, int direction, double p[4
     p[0] = d == h ? s->y[low+1] : s->y[low] + d*(slope + d*(s->bend[low]/2 + d*jump/6));
 }
 
-void lw_op_piece(const lw_expression *x, const lw_node *n, double u, int direction, double p[4])
+void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, double p[4])
 {
     p[1] = p[2] = p[3] = 0;
     if (n->op == LW_OP_SPLINE) {
@@ -89,7 +89,7 @@ static double modulo(double a, double b)
     return r != 0 && (r < 0) != (b < 0) ? r + b : r;
 }
 
-double lw_op_value(const lw_expression *x, const lw_node *n, double a, double b)
+double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b)
 {
     double p[4];
     if (isnan(a))
@@ -135,7 +135,7 @@ static double of(const lw_operand *o, const double *value)
 static void run(const lw_expression *x, const double *v, double *value)
 {
     for (int i = 0; i < x->n_node; i++) {
-        const lw_node *n = &x->node[i];
+        const lw_expression_node *n = &x->node[i];
         value[i] = n->op == LW_OP_VARIABLE
                  ? v[n->index] : lw_op_value(x, n, of(&n->a, value), of(&n->b, value));
     }
@@ -170,7 +170,7 @@ static void atan2_partials(double a, double b, double *da, double *db)
     *db = -a/r/r;
 }
 
-static double piece_slope(const lw_expression *x, const lw_node *n, double u)
+static double piece_slope(const lw_expression *x, const lw_expression_node *n, double u)
 {
     double p[4];
     lw_op_piece(x, n, u, 1, p);
@@ -178,7 +178,7 @@ static double piece_slope(const lw_expression *x, const lw_node *n, double u)
 }
 
 /* Derivatives of operation n with value f by its operands; at a kink the right-hand one. */
-static void partials(const lw_expression *x, const lw_node *n, double a, double b, double f,
+static void partials(const lw_expression *x, const lw_expression_node *n, double a, double b, double f,
                      double *da, double *db)
 {
     *da = *db = 0;
@@ -225,7 +225,7 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
     if (x->result.node >= 0)
         share[x->result.node] = 1;
     for (int i = x->n_node - 1; i >= 0; i--) {
-        const lw_node *n = &x->node[i];
+        const lw_expression_node *n = &x->node[i];
         double da, db;
         if (share[i] == 0)                                 /* the branch of max not taken: 0 times inf is no share */
             continue;

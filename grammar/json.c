@@ -205,7 +205,7 @@ static const char *kind_text(lw_json_kind kind)
     return "true, false or null";
 }
 
-lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e)
+lw_status lw_json_expect(const lw_json_node *n, lw_json_kind kind, lw_error *e)
 {
     lw_json_kind found = lw_json_kind_of(n);
     if (found == kind)
@@ -215,7 +215,7 @@ lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e)
 
 lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e)
 {
-    lw_status s = lw_json_want(n, LW_JSON_NUMBER, e);
+    lw_status s = lw_json_expect(n, LW_JSON_NUMBER, e);
     if (s == LW_OK)
         *out = json_number_value(n->value);
     return s;
@@ -228,7 +228,7 @@ const char *lw_json_text(const lw_json_node *n)
 
 lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *e)
 {
-    lw_status s = lw_json_want(n, LW_JSON_TEXT, e);
+    lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
     if (s != LW_OK)
         return s;
     size_t length = json_string_length(n->value);

@@ -51,7 +51,7 @@ lw_status lw_json_fault_inside(const lw_json_node *n, size_t at, lw_error *e, co
     __attribute__((format(printf, 4, 5)));
 
 /* Fault unless the node is of this kind. */
-lw_status lw_json_want(const lw_json_node *n, lw_json_kind kind, lw_error *e);
+lw_status lw_json_expect(const lw_json_node *n, lw_json_kind kind, lw_error *e);
 lw_status lw_json_number(const lw_json_node *n, double *out, lw_error *e);
 /* A text of 1 to size-1 bytes into out; the node's own text (no copy) by lw_json_text. */
 lw_status lw_json_name(const lw_json_node *n, char *out, size_t size, lw_error *e);

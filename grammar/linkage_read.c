@@ -45,7 +45,7 @@ static lw_status read_unit(const lw_json_node *units, const char *key, const cha
     lw_json_node n;
     if (!lw_json_member(units, key, &n))
         return LW_OK;
-    lw_status s = lw_json_want(&n, LW_JSON_TEXT, e);
+    lw_status s = lw_json_expect(&n, LW_JSON_TEXT, e);
     if (s == LW_OK && !set(u, lw_json_text(&n)))
         s = lw_json_fault(&n, e, "unknown unit \"%.20s\"; known are %s", lw_json_text(&n), choice);
     return s;
@@ -57,7 +57,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
     lw_json_node n;
     if (!lw_json_member(root, "units", &n))
         return LW_OK;
-    lw_status s = lw_json_want(&n, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(&n, LW_JSON_OBJECT, e);
     if (s == LW_OK)
         s = lw_json_known_keys(&n, known, COUNT(known), e);
     if (s == LW_OK)
@@ -94,7 +94,7 @@ static lw_status gather_links(const lw_json_node *root, lw_linkage *k, lw_error 
         s = lw_read_list(&joints, 1, LW_JOINT_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&joints); i++) {
         lw_json_node joint = lw_json_element(&joints, i);
-        s = lw_json_want(&joint, LW_JSON_OBJECT, e);
+        s = lw_json_expect(&joint, LW_JSON_OBJECT, e);
         if (s == LW_OK)
             s = lw_read_need(&joint, "links", &links, e);
         if (s == LW_OK)
@@ -141,13 +141,13 @@ static lw_status read_head(const lw_json_node *root, lw_linkage *k, lw_error *e)
                                          "inputs", "tracers", "fit", "$schema", "gravity", "springs", "dampers",
                                          "forces", "motors" };
     lw_json_node n;
-    lw_status s = lw_json_want(root, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)
         s = read_version(root, e);
     if (s == LW_OK)
         s = lw_json_known_keys(root, known, COUNT(known), e);
     if (s == LW_OK && lw_json_member(root, "name", &n)) {
-        s = lw_json_want(&n, LW_JSON_TEXT, e);
+        s = lw_json_expect(&n, LW_JSON_TEXT, e);
         if (s == LW_OK && *lw_json_text(&n))
             s = lw_json_name(&n, k->name, sizeof k->name, e);
     }
@@ -164,7 +164,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
     j->kind = LW_JOINT_REVOLUTE;
     if (!lw_json_member(joint, "kind", &n))
         return LW_OK;
-    lw_status s = lw_json_want(&n, LW_JSON_TEXT, e);
+    lw_status s = lw_json_expect(&n, LW_JSON_TEXT, e);
     if (s != LW_OK)
         return s;
     const char *kind = lw_json_text(&n);
@@ -231,7 +231,7 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
     static const char *const known[] = { "name", "kind", "links", "at", "along", "angle", "ratio", "friction",
                                          "stop", "clearance" };
     lw_json_node name, links, at;
-    lw_status s = lw_json_want(joint, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(joint, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(joint, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(joint, "name", &name, e)) == LW_OK)
         s = lw_json_name(&name, j->name, sizeof j->name, e);
@@ -337,7 +337,7 @@ static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *
     static const char *const known[] = { "joint", "value", "first", "last", "motion", "speed", "ratio" };
     lw_json_node joint;
     bool has_first = false, has_last = false;
-    lw_status s = lw_json_want(input, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(input, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(input, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(input, "joint", &joint, e)) == LW_OK)
         s = lw_read_joint(&joint, k, &in->joint, e);
@@ -378,7 +378,7 @@ static lw_status read_tracer(const lw_json_node *tracer, lw_linkage *k, lw_trace
     static const char *const known[] = { "name", "link", "at", "angle" };
     lw_json_node name, link, at;
     bool given;
-    lw_status s = lw_json_want(tracer, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(tracer, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(tracer, known, COUNT(known), e)) == LW_OK &&
         (s = lw_read_need(tracer, "name", &name, e)) == LW_OK)
         s = lw_json_name(&name, t->name, sizeof t->name, e);

@@ -42,7 +42,7 @@ static lw_status read_whole(const lw_json_node *n, int least, int most, const ch
 /* Two different links at the head of a list of at least two. */
 static lw_status read_pair(const lw_json_node *list, int n_link, int pair[2], lw_error *e)
 {
-    lw_status s = lw_json_want(list, LW_JSON_ARRAY, e);
+    lw_status s = lw_json_expect(list, LW_JSON_ARRAY, e);
     if (s == LW_OK && lw_json_count(list) < 2)
         s = lw_json_fault(list, e, "a joint names its two links");
     for (int i = 0; i < 2 && s == LW_OK; i++) {
@@ -83,7 +83,7 @@ static lw_status read_joints(const lw_json_node *root, lw_mechanism *m, lw_error
     lw_json_node list;
     if (!lw_json_member(root, "joints", &list))
         return lw_json_fault(root, e, "\"joints\" is missing");
-    lw_status s = lw_json_want(&list, LW_JSON_ARRAY, e);
+    lw_status s = lw_json_expect(&list, LW_JSON_ARRAY, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&list); i++) {
         lw_json_node n = lw_json_element(&list, i);
         s = read_joint(&n, m, e);
@@ -98,7 +98,7 @@ static lw_status read_inputs(const lw_json_node *root, lw_mechanism *m, lw_error
     uint64_t driven = 0;
     if (!lw_json_member(root, "inputs", &list))
         return LW_OK;
-    lw_status s = lw_json_want(&list, LW_JSON_ARRAY, e);
+    lw_status s = lw_json_expect(&list, LW_JSON_ARRAY, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(&list); i++) {
         lw_json_node n = lw_json_element(&list, i);
         int pair[2], j;
@@ -136,7 +136,7 @@ static lw_status read_root(const lw_json_node *root, lw_mechanism *m, lw_error *
                                          "output" };
     lw_json_node n;
     int version, n_link = 1;
-    lw_status s = lw_json_want(root, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK)
         s = lw_json_known_keys(root, known, 6, e);
     if (s == LW_OK && lw_json_member(root, "linkwright", &n))

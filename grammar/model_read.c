@@ -232,7 +232,7 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
     };
     lw_json_node at;
     f->speed = 0.001;
-    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = want_kinds(n, m, joint, "rtp", "friction", e)) == LW_OK &&
         (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
@@ -256,7 +256,7 @@ static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_err
         { "stiffness", 1, 0, INFINITY, &p->stiffness, NULL },
         { "damping", 1, 0, INFINITY, &p->damping, NULL },
     };
-    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = want_kinds(n, m, joint, "rt", "stops", e)) == LW_OK)
         s = read_numbers(n, numbers, COUNT(numbers), e);
@@ -302,7 +302,7 @@ static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, l
     };
     lw_json_node at;
     *c = (lw_clearance){ .exponent = 1, .restitution = 1, .friction_speed = 0.001 };
-    lw_status s = lw_json_want(n, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
         (s = want_kinds(n, m, joint, "r", "a clearance", e)) == LW_OK &&
         (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
@@ -437,7 +437,7 @@ static lw_status read_spring(const lw_json_node *object, size_t index, lw_model 
     static const char *const dashpot[] = { "name", "links", "at", "joint", "damping" };
     const char *what = damper ? "damper" : "spring";
     lw_json_node n, joint;
-    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK)
         s = lw_json_known_keys(object, damper ? dashpot : spring, damper ? COUNT(dashpot) : COUNT(spring), e);
     if (s != LW_OK)
@@ -459,7 +459,7 @@ static lw_status read_force(const lw_json_node *object, size_t index, lw_model *
     lw_force *f = &m->force[m->n_force++];
     lw_json_node n;
     int frame = 0;
-    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = read_load_name(object, "force", index, f->name, e)) == LW_OK &&
         (s = lw_read_need(object, "link", &n, e)) == LW_OK)
@@ -487,7 +487,7 @@ static lw_status read_motor(const lw_json_node *object, size_t index, lw_model *
     const number numbers[] = {
         { "stall", 1, ANY, &p->stall, NULL }, { "free_speed", 1, ANY, &p->free_speed, NULL },
     };
-    lw_status s = lw_json_want(object, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(object, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(object, known, COUNT(known), e)) == LW_OK &&
         (s = read_load_name(object, "motor", index, p->name, e)) == LW_OK &&
         (s = read_load_joint(object, "motors", m, &p->joint, e)) == LW_OK &&

@@ -12,8 +12,8 @@
 
 lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out)
 {
-    if (p->n_point == LW_POINT_MAX)
-        return lw_cursor_fail(where, "this is one point too many: at most %d", LW_POINT_MAX);
+    if (p->n_point == LW_POINTS_MAX)
+        return lw_cursor_fail(where, "this is one point too many: at most %d", LW_POINTS_MAX);
     *out = &p->point[p->n_point++];
     memset(*out, 0, sizeof **out);
     (*out)->where = *where;

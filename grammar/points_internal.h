@@ -13,7 +13,7 @@
 #include "grammar/linkage.h"
 #include "grammar/text_internal.h"
 
-#define LW_POINT_MAX (LW_JOINT_MAX + LW_TRACER_MAX)
+#define LW_POINTS_MAX (LW_JOINT_MAX + LW_TRACER_MAX)
 
 typedef enum lw_point_type { LW_POINT_PIN, LW_POINT_SLIDER, LW_POINT_SLOT } lw_point_type;
 
@@ -30,7 +30,7 @@ typedef struct lw_point {
 typedef struct lw_points {
     int      n_point, n_link, ground;  /* ground -1: not named yet                                  */
     char     name[LW_LINK_MAX][LW_NAME_SIZE];
-    lw_point point[LW_POINT_MAX];
+    lw_point point[LW_POINTS_MAX];
 } lw_points;
 
 /* The next point, zeroed but for `where`; a fault there when there are too many. */

@@ -13,7 +13,7 @@ lw_status lw_read_need(const lw_json_node *object, const char *key, lw_json_node
 
 lw_status lw_read_list(const lw_json_node *n, size_t least, size_t most, lw_error *e)
 {
-    lw_status s = lw_json_want(n, LW_JSON_ARRAY, e);
+    lw_status s = lw_json_expect(n, LW_JSON_ARRAY, e);
     size_t count = s == LW_OK ? lw_json_count(n) : least;
     if (count >= least && count <= most)
         return s;
@@ -67,7 +67,7 @@ static int find(const char *name, const char *const *names, int n)
 lw_status lw_read_look_up(const lw_json_node *n, const char *what, const char *const *names, int n_name, int *out,
                          lw_error *e)
 {
-    lw_status s = lw_json_want(n, LW_JSON_TEXT, e);
+    lw_status s = lw_json_expect(n, LW_JSON_TEXT, e);
     if (s != LW_OK)
         return s;
     const char *name = lw_json_text(n);

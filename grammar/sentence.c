@@ -88,7 +88,7 @@ static void write_regions(const lw_regions *r, const lw_mechanism *m, lw_sentenc
 }
 
 /* Joints in no circuit: the ends fall apart without them. */
-static bool is_bridge(const lw_circuits *c, int a, int b)
+static bool is_bridge(const lw_chain_circuits *c, int a, int b)
 {
     for (int k = 0; k < c->n_circuit; k++)
         for (int i = c->first[k]; i < c->first[k + 1]; i++) {
@@ -99,7 +99,7 @@ static bool is_bridge(const lw_circuits *c, int a, int b)
     return true;
 }
 
-static void write_basis(const lw_circuits *c, const lw_mechanism *m, lw_sentence *s)
+static void write_basis(const lw_chain_circuits *c, const lw_mechanism *m, lw_sentence *s)
 {
     s->basis = true;
     for (int k = 0; k < c->n_circuit; k++) {
@@ -117,7 +117,7 @@ lw_status lw_sentence_from_mechanism(const lw_mechanism *m, lw_sentence *s)
 {
     lw_chain c;
     lw_regions r;
-    lw_circuits basis;
+    lw_chain_circuits basis;
     uint32_t adjacent[LW_LINK_MAX];
     lw_mechanism_chain(m, &c);
     for (int i = 0; i < m->n_link; i++)

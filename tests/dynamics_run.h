@@ -10,7 +10,7 @@
 typedef struct drun {
     lw_model    model;
     lw_system   system;
-    lw_report   report;
+    lw_dynamics_report   report;
     lw_error    e;
     lw_status   status;
     int         n_moment;

@@ -19,19 +19,19 @@ static void gradient_is_the_slope(void)
         double k = trial%3 ? pow(10, lw_rng_range(&rng, -4, 1)) : 0, x[3], g[3], h = 1e-5;
         for (int i = 0; i < 3; i++)
             x[i] = lw_rng_range(&rng, 0.9*low[i], 0.9*high[i]);
-        lw_stage s = { .record = &r, .k = k, .wall = 1000, .last_eval = 1000000, .best = INFINITY, .lowest = INFINITY };
+        lw_barrier_stage s = { .record = &r, .k = k, .wall = 1000, .last_eval = 1000000, .best = INFINITY, .lowest = INFINITY };
         double room = lw_record_conditions(&r, x, false)[0];
         if (fabs(room) < 0.1 || (room < 0 && k == 0))           /* the kink, and where f counts */
             continue;
-        double f = lw_stage_value(&s, x, g);
+        double f = lw_barrier_stage_value(&s, x, g);
         CHECK((f >= 1000) == (room < 0));
         CHECK(isinf(lw_barrier_value(&r, k, x, NULL)) == (room < 0));
         for (int i = 0; i < 3; i++) {
             double y[3] = { x[0], x[1], x[2] };
             y[i] = x[i] + h;
-            double up = lw_stage_value(&s, y, NULL);
+            double up = lw_barrier_stage_value(&s, y, NULL);
             y[i] = x[i] - h;
-            double down = lw_stage_value(&s, y, NULL);
+            double down = lw_barrier_stage_value(&s, y, NULL);
             /* h^2 F'''/6 with F''' up to 2 k (0.2*5/0.1)^3; rounding eps F/h */
             CHECK_NEAR((up - down)/(2*h), g[i], 1e-10*(1 + k)*1e3 + 1e-10*fabs(f), 1e-8);
         }

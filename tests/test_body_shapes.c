@@ -43,7 +43,7 @@ static double phase(const lw_scene *s, size_t frame, const lw_wheel *w, double a
 static void check_mesh(const lw_scene *s, int joint)
 {
     lw_wheel w[2];
-    CHECK(lw_anatomy_gear(s, joint, w));
+    CHECK(lw_body_shapes_gear(s, joint, w));
     CHECK_NEAR(w[0].pitch, w[1].pitch, 0, 1e-9);
     lw_vec2 contact = lw_v2_add(w[0].centre, lw_v2_scale(w[0].along, w[0].radius));
     lw_gear g;
@@ -71,17 +71,17 @@ static void teeth_mesh(void)
     CHECK_INT(model_read("geared-five-bar", &k), LW_OK);
     CHECK_INT(lw_scene_make(&k, NULL, NULL, &s, &e), LW_OK);
     check_mesh(&s, 5);
-    CHECK(lw_anatomy_gear(&s, 5, w));
+    CHECK(lw_body_shapes_gear(&s, 5, w));
     CHECK_NEAR(w[0].radius, 0.02, 1e-12, 0);
     CHECK_NEAR(w[1].radius, 0.04, 1e-12, 0);
     CHECK_INT(w[1].teeth, 2*w[0].teeth);
     CHECK(w[1].gap && !w[0].gap && !w[0].ring && !w[1].ring);
-    CHECK(!lw_anatomy_gear(&s, 0, w));
+    CHECK(!lw_body_shapes_gear(&s, 0, w));
     lw_scene_free(&s);
     planet_scene(&s);
     check_mesh(&s, 2);
     check_mesh(&s, 7);
-    CHECK(lw_anatomy_gear(&s, 2, w));
+    CHECK(lw_body_shapes_gear(&s, 2, w));
     CHECK(w[0].ring && !w[1].ring && !w[1].gap);
     CHECK_NEAR(w[0].radius, 3.2, 1e-9, 0);
     lw_scene_free(&s);
@@ -93,7 +93,7 @@ static void racks_are_long_enough(void)
     lw_scene s;
     lw_wheel w[2];
     planet_scene(&s);
-    CHECK(lw_anatomy_gear(&s, 6, w));
+    CHECK(lw_body_shapes_gear(&s, 6, w));
     CHECK(!w[0].rack && w[1].rack && w[1].gap);
     CHECK_NEAR(w[0].radius, 0.8, 1e-12, 0);
     CHECK_NEAR(w[1].hi, 1, 1e-9, 0);
@@ -104,8 +104,8 @@ static void racks_are_long_enough(void)
 
 static bool has_node(const lw_scene *s, int link, lw_vec2 at)
 {
-    lw_node node[LW_NODE_MAX];
-    int n = lw_anatomy_nodes(s, link, node);
+    lw_shape_node node[LW_NODE_MAX];
+    int n = lw_body_shapes_nodes(s, link, node);
     for (int i = 0; i < n; i++)
         if (lw_v2_norm(lw_v2_sub(node[i].at, at)) < 1e-12)
             return true;
@@ -138,7 +138,7 @@ static void pistons_stay_in_their_tubes(void)
     CHECK_INT(lw_scene_make(&m.linkage, NULL, &o, &s, &e), LW_OK);
     for (int j = 2; j <= 6; j += 4) {
         lw_cylinder c;
-        CHECK(lw_anatomy_cylinder(&s, j, &c));
+        CHECK(lw_body_shapes_cylinder(&s, j, &c));
         CHECK_INT(c.tube, m.linkage.joint[j].link[0]);
         CHECK_INT(c.rod, m.linkage.joint[j].link[1]);
         for (size_t f = 0; f < s.n_frame; f++) {
@@ -147,7 +147,7 @@ static void pistons_stay_in_their_tubes(void)
             CHECK(length > c.tube_length && piston > 0 && piston < c.tube_length);
         }
     }
-    CHECK(!lw_anatomy_cylinder(&s, 0, &(lw_cylinder){ .tube = 0 }));
+    CHECK(!lw_body_shapes_cylinder(&s, 0, &(lw_cylinder){ .tube = 0 }));
     lw_scene_free(&s);
     lw_model_free(&m);
     free(text);

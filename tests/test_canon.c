@@ -107,11 +107,11 @@ static lw_graph heawood(void)
 
 static size_t order_of(const lw_graph *g)
 {
-    lw_group group;
+    lw_symmetry_group group;
     uint8_t (*element)[LW_GRAPH_MAX];
     size_t n;
     CHECK_INT(lw_graph_group(g, &group), LW_OK);
-    CHECK_INT(lw_group_elements(&group, &element, &n), LW_OK);
+    CHECK_INT(lw_symmetry_group_elements(&group, &element, &n), LW_OK);
     for (size_t k = 0; k < n; k++) {
         lw_graph same = renamed(g, element[k]);
         CHECK(memcmp(&same, g, sizeof same) == 0);
@@ -121,7 +121,7 @@ static size_t order_of(const lw_graph *g)
         }
     }
     free(element);
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return n;
 }
 

@@ -56,7 +56,7 @@ static void no_shorter_basis(void)
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 400; trial++) {
         lw_mechanism m = random_topology(&rng, 3 + trial % 7, trial % 8, "r");
-        lw_circuits c;
+        lw_chain_circuits c;
         s.m = &m;
         rows_of(&m, s.row);
         CHECK_INT(lw_circuit_basis(m.n_link, s.row, &c), LW_OK);
@@ -73,7 +73,7 @@ static void no_shorter_basis(void)
 static void known_lengths(void)
 {
     lw_chain watt = watt_chain(), stephenson = stephenson_chain();
-    lw_circuits c;
+    lw_chain_circuits c;
     uint32_t row[LW_LINK_MAX];
     for (int i = 0; i < 6; i++)
         row[i] = lw_chain_neighbours(&watt, i);

@@ -12,10 +12,10 @@ static int circuits(const lw_linkage *k, uint64_t seed)
     lw_circuits c;
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_branch_options){ .input = 0 }, 40, seed, NULL, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 40, seed, NULL, &c, &e), LW_OK);
     CHECK(c.since == 40 && !c.full && c.closed <= c.draws);
     for (int i = 0; i < c.n; i++)
-        CHECK(lw_branch_worst(c.curve[i]) <= 1e-12*s.unit);
+        CHECK(lw_motion_curve_worst(c.curve[i]) <= 1e-12*s.unit);
     int n = c.n;
     lw_circuits_free(&c);
     return n;
@@ -56,7 +56,7 @@ static void six_links_as_the_plan_says(void)
         for (int j = 0; j < 7; j++)
             add_pin(&l, pair[trial%2][j][0], pair[trial%2][j][1], random_place(&r));
         add_input(&l, 0, lw_linkage_posture_input(&l, 0));
-        CHECK_INT(lw_plan_make(&l, (lw_want){ .all_joints = true }, &p, NULL), LW_OK);
+        CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ .all_joints = true }, &p, NULL), LW_OK);
         CHECK_INT(lw_plan_read(&p, &l, dim, mode, &input, NULL), LW_OK);
         CHECK_INT(lw_motion_find(&p, dim, m), LW_OK);
         CHECK_INT(circuits(&l, 1), m->n_circuit);
@@ -76,23 +76,23 @@ static void both_branches_at_a_change_point(void)
     lw_error e = { 0 };
     fourbar_linkage(&l, k, 1, 0.5);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_circuits_find(&s, &(lw_branch_options){ .input = 0 }, 30, 1, NULL, &c, &e), LW_OK);
+    CHECK_INT(lw_circuits_find(&s, &(lw_motion_curve_options){ .input = 0 }, 30, 1, NULL, &c, &e), LW_OK);
     CHECK_INT(c.n, 2);
     for (int i = 0; i < c.n; i++) {
         int n, crossings = 0;
-        const lw_branch_event *event = lw_branch_events(c.curve[i], &n);
+        const lw_motion_curve_event *event = lw_motion_curve_events(c.curve[i], &n);
         for (int j = 0; j < n; j++)
             if (event[j].kind == LW_EVENT_CROSSING) {
                 crossings++;
                 CHECK_NEAR(sin(event[j].input), 0, 1e-10, 0);
-                CHECK(lw_branch_other(c.curve[i], j, q) && lw_branch_holds(c.curve[1 - i], q));
+                CHECK(lw_motion_curve_other(c.curve[i], j, q) && lw_motion_curve_holds(c.curve[1 - i], q));
             } else
-                CHECK(!lw_branch_other(c.curve[i], j, q));
+                CHECK(!lw_motion_curve_other(c.curve[i], j, q));
         CHECK_INT(crossings, 2);
-        CHECK_INT(abs(lw_branch_turns(c.curve[i], -1)), 1);
+        CHECK_INT(abs(lw_motion_curve_turns(c.curve[i], -1)), 1);
         for (int j = 0; j <= 200; j++) {
-            lw_branch_pose(c.curve[i], lw_branch_segments(c.curve[i])*j/200.0, q, NULL);
-            double angle = lw_branch_input(c.curve[i], q);
+            lw_motion_curve_pose(c.curve[i], lw_motion_curve_segments(c.curve[i])*j/200.0, q, NULL);
+            double angle = lw_motion_curve_input(c.curve[i], q);
             lw_vec2 at = lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q);
             lw_vec2 a = lw_v2_sub(fourbar_at(k, 1, angle).p, at), b = lw_v2_sub(fourbar_at(k, -1, angle).p, at);
             CHECK_NEAR(fmin(lw_v2_norm(a), lw_v2_norm(b)), 0, 2e-8, 0);      /* half the digits of the formula */

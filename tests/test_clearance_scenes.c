@@ -54,7 +54,7 @@ static long same_motion(const lw_model *m, double time, int samples, double tigh
     twin t = { 0 };
     track k;
     lw_dynamics *d = NULL;
-    lw_report r;
+    lw_dynamics_report r;
     lw_error e = { 0 };
     lw_dynamics_options o = lw_dynamics_options_default();
     o.analysis = LW_ANALYSIS_DYNAMIC, o.formulation = LW_FORMULATION_INDEX1;

@@ -40,7 +40,7 @@ typedef struct subject {
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     void      *batch;
-    lw_cycle   cycle;
+    lw_closed_motion   cycle;
     lw_status  status;
 } subject;
 
@@ -48,10 +48,10 @@ static subject *begin(const lw_linkage *k)
 {
     subject *s = malloc(sizeof *s);
     s->k = *k;
-    CHECK_INT(lw_plan_make(k, (lw_want){ 1, true }, &s->plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 1, true }, &s->plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&s->plan, k, s->dim, s->mode, &s->input, NULL), LW_OK);
     s->batch = aligned_alloc(64, (lw_batch_work_size(&s->plan) + 127) & ~(size_t)63);
-    s->status = lw_cycle_find(&s->plan, s->dim, s->mode, s->input, s->batch, &s->cycle);
+    s->status = lw_closed_motion_find(&s->plan, s->dim, s->mode, s->input, s->batch, &s->cycle);
     return s;
 }
 
@@ -66,7 +66,7 @@ static void end(subject *s)
 /* The arc that is this leg; -1: there is none. */
 static int arc_of_leg(const subject *s, const lw_motion *m, int j, double tolerance)
 {
-    double a = lw_cycle_first(&s->cycle, j), b = s->cycle.leg[j].last, lo = fmin(a, b), hi = fmax(a, b);
+    double a = lw_closed_motion_first(&s->cycle, j), b = s->cycle.leg[j].last, lo = fmin(a, b), hi = fmax(a, b);
     for (int i = 0; i < m->n_arc; i++)
         if (memcmp(m->arc[i].mode, s->cycle.leg[j].mode, sizeof(double)*(size_t)s->plan.n_dyad) == 0
             && fabs(remainder(m->arc[i].first - lo, 2*LW_PI)) < tolerance
@@ -124,13 +124,13 @@ static void limits_are_those_of_the_branch(void)
         lw_linkage k = draw(trial % N_NET, &rng);
         subject *s = begin(&k);
         lw_system y;
-        lw_branch *b = NULL;
+        lw_motion_curve *b = NULL;
         if (s->status == LW_OK && s->cycle.n > 0 && lw_system_make(&k, NULL, 0, &y, NULL) == LW_OK
-            && lw_branch_create(&y, NULL, &(lw_branch_options){ .input = 0 }, &b, NULL) == LW_OK
-            && lw_branch_ended(b) == LW_BRANCH_CLOSED) {
+            && lw_motion_curve_create(&y, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, NULL) == LW_OK
+            && lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED) {
             int n, limits = 0;
             bool same = true;
-            const lw_branch_event *e = lw_branch_events(b, &n);
+            const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
             for (int i = 0; i < n; i++) {
                 if (e[i].kind != LW_EVENT_LIMIT)
                     continue;
@@ -138,11 +138,11 @@ static void limits_are_those_of_the_branch(void)
                 same &= fabs(remainder(at - s->cycle.leg[limits % s->cycle.n].last, 2*LW_PI)) < 1e-9;
                 limits++;
             }
-            same &= limits == s->cycle.n && 2*LW_PI*abs(lw_branch_turns(b, -1)) == fabs(s->cycle.gain);
+            same &= limits == s->cycle.n && 2*LW_PI*abs(lw_motion_curve_turns(b, -1)) == fabs(s->cycle.gain);
             other += !same;
             compared++;
         }
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
         end(s);
     }
     CHECK(compared > 15 && other <= 1);              /* gaps narrower than a sample                       */
@@ -155,9 +155,9 @@ static double differenced(subject *s, int j, int d, double h)
 {
     double at = s->dim[d], end[2];
     for (int side = 0; side < 2; side++) {
-        lw_cycle c;
+        lw_closed_motion c;
         s->dim[d] = side ? at + h : at - h;
-        bool same = lw_cycle_find(&s->plan, s->dim, s->mode, s->input, s->batch, &c) == LW_OK && c.n == s->cycle.n;
+        bool same = lw_closed_motion_find(&s->plan, s->dim, s->mode, s->input, s->batch, &c) == LW_OK && c.n == s->cycle.n;
         end[side] = same && c.leg[j].dyad == s->cycle.leg[j].dyad ? c.leg[j].last : NAN;
     }
     s->dim[d] = at;
@@ -175,7 +175,7 @@ static void ends_have_the_derivatives_they_claim(void)
         subject *s = begin(&k);
         int n = s->status == LW_OK ? s->cycle.n : 0;
         if (n > 0)
-            lw_cycle_slopes(&s->plan, s->dim, &s->cycle, s->batch, by);
+            lw_closed_motion_slopes(&s->plan, s->dim, &s->cycle, s->batch, by);
         for (int j = 0; j < n; j++)
             for (int d = 0; d < s->plan.n_dim; d++) {
                 double fine = differenced(s, j, d, 1e-6), error = fabs(differenced(s, j, d, 2e-6) - fine);

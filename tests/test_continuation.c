@@ -26,7 +26,7 @@ static void draw_linkage(lw_rng *r, lw_linkage *k)
 }
 
 /* |A^+ (G'(a) - G'(b)) v| in the norm of the bound, over kappa |a - b| |v|: never above 1 within the reach. */
-static double worst_ratio(lw_rng *r, lw_follow *f, const double *q, double kappa)
+static double worst_ratio(lw_rng *r, lw_continuation *f, const double *q, double kappa)
 {
     double worst = 0;
     static double jac[2][LW_SYSTEM_Q_MAX*LW_SYSTEM_ROW_MAX];
@@ -36,10 +36,10 @@ static double worst_ratio(lw_rng *r, lw_follow *f, const double *q, double kappa
             double size, share = pow(lw_rng_uniform(r), 0.3)/kappa;
             for (int i = 0; i < f->n; i++)
                 v[i] = f->curved[i] ? lw_rng_normal(r) : 0;
-            size = lw_follow_distance(f, v, zero);
+            size = lw_continuation_distance(f, v, zero);
             for (int i = 0; i < f->n; i++)
                 at[side][i] = q[i] + share*v[i]/size;
-            lw_follow_assemble(f, at[side]);
+            lw_continuation_assemble(f, at[side]);
             memcpy(jac[side], f->matrix, (size_t)f->m*(size_t)f->n*sizeof(double));
         }
         for (int i = 0; i < f->n; i++)
@@ -48,13 +48,13 @@ static double worst_ratio(lw_rng *r, lw_follow *f, const double *q, double kappa
         for (int i = 0; i < f->n; i++)
             for (int m = 0; m < f->m; m++)
                 out[m] += (jac[0][m + f->m*i] - jac[1][m + f->m*i])*v[i];
-        lw_follow_factor(f, q);
+        lw_continuation_factor(f, q);
         if (f->plane)
-            lw_follow_tangent(f);
-        lw_follow_solve(f, out);
-        double by = kappa*lw_follow_distance(f, at[0], at[1])*lw_follow_distance(f, v, zero);
+            lw_continuation_tangent(f);
+        lw_continuation_solve(f, out);
+        double by = kappa*lw_continuation_distance(f, at[0], at[1])*lw_continuation_distance(f, v, zero);
         if (by > 0)
-            worst = fmax(worst, lw_follow_distance(f, out, zero)/by);
+            worst = fmax(worst, lw_continuation_distance(f, out, zero)/by);
     }
     return worst;
 }
@@ -69,7 +69,7 @@ static void the_bound_holds(void)
     for (int trial = 0; trial < 300; trial++) {
         lw_linkage k;
         lw_system s;
-        lw_follow f;
+        lw_continuation f;
         double q[LW_SYSTEM_Q_MAX];
         int all[LW_INPUT_MAX] = { 0 };
         lw_error e = { 0 };
@@ -77,19 +77,19 @@ static void the_bound_holds(void)
         draw_linkage(&r, &k);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, &e), LW_OK);
         CHECK_INT(s.n_q - s.n_row, 1);
-        CHECK(lw_follow_create(&s, all, plane ? 0 : 1, plane, &f));
+        CHECK(lw_continuation_create(&s, all, plane ? 0 : 1, plane, &f));
         lw_system_posture(&s, q);
         for (int i = 0; i < s.n_q; i++)                    /* the bound needs no posture that closes */
             q[i] += lw_rng_range(&r, -1, 1);
         if (plane)
-            CHECK(lw_follow_freedoms(&f, q, f.row) == 1);
-        if (lw_follow_factor(&f, q) > 1e-9 && (!plane || lw_follow_tangent(&f))) {
-            double ratio = worst_ratio(&r, &f, q, lw_follow_bound(&f, q));
+            CHECK(lw_continuation_freedoms(&f, q, f.row) == 1);
+        if (lw_continuation_factor(&f, q) > 1e-9 && (!plane || lw_continuation_tangent(&f))) {
+            double ratio = worst_ratio(&r, &f, q, lw_continuation_bound(&f, q));
             CHECK(ratio <= 1 + 1e-9);
             worst = fmax(worst, ratio);
             looked++;
         }
-        lw_follow_free(&f);
+        lw_continuation_free(&f);
     }
     CHECK(looked > 250);
     CHECK(worst > 0.05);                                    /* the bound is no giant */
@@ -104,22 +104,22 @@ static void the_bound_is_sharp_for_pins(void)
     for (int trial = 0; trial < 200; trial++) {
         lw_linkage k;
         lw_system s;
-        lw_follow f;
+        lw_continuation f;
         double q[9];
         blank_linkage(&k, 4);
         for (int i = 0; i < 4; i++)
             add_pin(&k, i, (i + 1)%4, random_place(&r));
         add_input(&k, 0, 0);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-        CHECK(lw_follow_create(&s, NULL, 0, true, &f));
+        CHECK(lw_continuation_create(&s, NULL, 0, true, &f));
         lw_system_posture(&s, q);
-        lw_follow_freedoms(&f, q, f.row);
-        if (lw_follow_factor(&f, q) > 1e-9 && lw_follow_tangent(&f)) {
-            double ratio = worst_ratio(&r, &f, q, lw_follow_bound(&f, q));
+        lw_continuation_freedoms(&f, q, f.row);
+        if (lw_continuation_factor(&f, q) > 1e-9 && lw_continuation_tangent(&f)) {
+            double ratio = worst_ratio(&r, &f, q, lw_continuation_bound(&f, q));
             CHECK(ratio <= 1 + 1e-9);
             most = fmax(most, ratio);
         }
-        lw_follow_free(&f);
+        lw_continuation_free(&f);
     }
     CHECK(most > 0.6);
 }
@@ -132,20 +132,20 @@ static void series_follow_the_curve(void)
     for (int trial = 0; trial < 50; trial++) {
         lw_linkage k;
         lw_system s;
-        lw_follow f;
+        lw_continuation f;
         double series[9*LW_SYSTEM_Q_MAX], at[LW_SYSTEM_Q_MAX], left[2];
         draw_linkage(&r, &k);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-        CHECK(lw_follow_create(&s, NULL, 0, true, &f));
+        CHECK(lw_continuation_create(&s, NULL, 0, true, &f));
         lw_system_posture(&s, series);
-        CHECK_INT(lw_follow_freedoms(&f, series, f.row), 1);
-        lw_follow_factor(&f, series);
-        lw_follow_tangent(&f);
-        double h = 0.1/lw_follow_bound(&f, series);
-        lw_follow_series(&f, 8, NULL, series);
+        CHECK_INT(lw_continuation_freedoms(&f, series, f.row), 1);
+        lw_continuation_factor(&f, series);
+        lw_continuation_tangent(&f);
+        double h = 0.1/lw_continuation_bound(&f, series);
+        lw_continuation_series(&f, 8, NULL, series);
         for (int half = 0; half < 2; half++) {
-            lw_follow_sum(&f, 8, series, half ? 0.5*h : h, at);
-            left[half] = lw_follow_residual(&f, at);
+            lw_continuation_sum(&f, 8, series, half ? 0.5*h : h, at);
+            left[half] = lw_continuation_residual(&f, at);
         }
         CHECK(left[0] < 1e-6);
         CHECK(left[1] <= fmax(left[0]/200, 4e-15));          /* 2^9 and a bit of order 10 */
@@ -153,7 +153,7 @@ static void series_follow_the_curve(void)
         for (int i = 0; i < f.n; i++)
             along += (at[i] - series[i])*series[f.n + i];
         CHECK_NEAR(along, 0.5*h, 1e-14, 0);
-        lw_follow_free(&f);
+        lw_continuation_free(&f);
     }
 }
 
@@ -161,7 +161,7 @@ static void freedoms_by_rank(void)
 {
     lw_linkage k;
     lw_system s;
-    lw_follow f;
+    lw_continuation f;
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     for (int flat = 0; flat < 2; flat++) {                   /* a parallelogram, and its change point */
         double d[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 };
@@ -169,12 +169,12 @@ static void freedoms_by_rank(void)
         fourbar_linkage(&k, d, 1, flat ? 0 : 0.5);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
         lw_system_posture(&s, q);
-        CHECK(lw_follow_create(&s, NULL, 0, true, &f));
-        CHECK_INT(lw_follow_freedoms(&f, q, v), 1 + flat);
-        lw_follow_free(&f);
-        CHECK(lw_follow_create(&s, &input, 1, false, &f));
-        CHECK_INT(lw_follow_freedoms(&f, q, v), flat);
-        lw_follow_free(&f);
+        CHECK(lw_continuation_create(&s, NULL, 0, true, &f));
+        CHECK_INT(lw_continuation_freedoms(&f, q, v), 1 + flat);
+        lw_continuation_free(&f);
+        CHECK(lw_continuation_create(&s, &input, 1, false, &f));
+        CHECK_INT(lw_continuation_freedoms(&f, q, v), flat);
+        lw_continuation_free(&f);
     }
 }
 

@@ -230,7 +230,7 @@ static unsigned defects_again(const lw_candidate *c, size_t n, bool function)
     unsigned found = 0;
     lw_type_linkage(lw_type_find(c->family->type), &k);
     k.tracer[0].link = function ? 3 : 2;
-    CHECK_INT(lw_plan_make(&k, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, c->dim, &m), LW_OK);
     int first = lw_motion_arc(&plan, &m, &c->mode_of[0], c->input[0]);
     for (size_t j = 0; j < n && first >= 0; j++) {
@@ -248,9 +248,9 @@ static void check_results(const lw_target *t, lw_task task, const lw_exact *x)
     spec.task = task;
     spec.timing = task == LW_TASK_FUNCTION ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     for (int i = 0; i < x->fit.n; i++) {
-        lw_report r;
+        lw_fit_report r;
         const lw_candidate *c = &x->fit.candidate[i];
-        CHECK_INT(lw_report_make(t, &spec, c, &r, NULL), LW_OK);
+        CHECK_INT(lw_fit_report_make(t, &spec, c, &r, NULL), LW_OK);
         CHECK_NEAR(r.objective, 0, 1e-18*(1 + t->size*t->size), 0);
         CHECK(!isnan(r.objective));
         CHECK_INT(x->defect[i] & ~(unsigned)LW_DEFECT_ORDER, defects_again(c, t->n, task == LW_TASK_FUNCTION));
@@ -327,16 +327,16 @@ static void conditions_leave_linkages_out(void)
         int n_length = 0, n_zone = 0, n_quick = 0;
         for (int i = 0; i < x.fit.n; i++) {
             const lw_candidate *c = &x.fit.candidate[i];
-            lw_report r;
+            lw_fit_report r;
             n_length += ratio_of(c->dim) <= 4;
             double bx = c->dim[6] + c->dim[0]*cos(c->dim[8]), by = c->dim[7] + c->dim[0]*sin(c->dim[8]);
             n_zone += fmax(fmax(fabs(c->dim[6]), fabs(c->dim[7])), fmax(fabs(bx), fabs(by))) <= 3;
-            CHECK_INT(lw_report_make(&t, &all, c, &r, NULL), LW_OK);
+            CHECK_INT(lw_fit_report_make(&t, &all, c, &r, NULL), LW_OK);
             n_quick += r.acceleration_max <= quick.max_acceleration && !(x.defect[i] & ~1u);
         }
         for (int i = 0; i < by_speed.fit.n; i++) {
-            lw_report r;
-            CHECK_INT(lw_report_make(&t, &quick, &by_speed.fit.candidate[i], &r, NULL), LW_OK);
+            lw_fit_report r;
+            CHECK_INT(lw_fit_report_make(&t, &quick, &by_speed.fit.candidate[i], &r, NULL), LW_OK);
             CHECK(r.meets || (by_speed.defect[i] & ~1u));
             n_quick -= !(by_speed.defect[i] & ~1u);
         }

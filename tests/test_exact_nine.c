@@ -130,8 +130,8 @@ static void all_triples_are_found(void)
     CHECK_INT(found.n_real, 3*found.n_real_triple);               /* three cognates each ...                   */
     CHECK_INT(found.fit.n, found.n_real_triple);                  /* ... of which the best is listed           */
     for (int i = 0; i < found.fit.n; i++) {
-        lw_report r;
-        CHECK_INT(lw_report_make(&t, &o.spec, &found.fit.candidate[i], &r, NULL), LW_OK);
+        lw_fit_report r;
+        CHECK_INT(lw_fit_report_make(&t, &o.spec, &found.fit.candidate[i], &r, NULL), LW_OK);
         CHECK_NEAR(r.error_max, 0, 1e-9*t.size, 0);
         CHECK(found.defect[i] & LW_DEFECT_CIRCUIT ? !r.verified : r.verified);
         if (traces_the_curve(&found.fit.candidate[i])) {

@@ -110,7 +110,7 @@ static int make_target(const lw_linkage *k, lw_target *t)
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, x[STATIONS], y[STATIONS], angle[STATIONS];
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make_geared(k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make_geared(k, (lw_plan_outputs){ 1, true }, &plan, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < STATIONS; i++) {
@@ -129,29 +129,29 @@ static int make_target(const lw_linkage *k, lw_target *t)
 static void found_again(lw_linkage k, int laps, long budget)
 {
     lw_family f = { .name = "geared", .linkage = &k, .links = k.n_link };
-    lw_stage stage[] = { { .links = k.n_link, .families = lw_families_of(&f, 1) } };
+    lw_search_stage stage[] = { { .links = k.n_link, .families = lw_families_of(&f, 1) } };
     lw_fit_options o = lw_fit_options_default();
     lw_target t;
-    lw_survey s;
+    lw_staged_search s;
     lw_error e = { .text = "" };
     CHECK_INT(make_target(&k, &t), laps);
     o.spec.timing = LW_TIMING_PRESCRIBED;
     o.max_rounds = 40;
     o.budget = budget;
     o.n_result = 3;
-    CHECK_INT(lw_survey_run(&t, &o, stage, 1, &s, &e), LW_OK);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, 1, &s, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK(s.fit.n > 0 && s.fit.candidate[0].objective < 1e-18);
     printf("# %s %g, %ld evaluations\n", k.name, s.fit.n ? s.fit.candidate[0].objective : NAN, s.fit.evals);
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     if (s.fit.n > 0) {
-        CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
+        CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
         CHECK(r->verified && r->error_max < 1e-8);
         CHECK_TEXT(r->fault, "");
         CHECK_INT(r->laps, laps);
     }
     free(r);
-    lw_survey_free(&s);
+    lw_staged_search_free(&s);
     lw_target_free(&t);
 }
 
@@ -183,7 +183,7 @@ static bool comes_back(const lw_problem *p, const lw_linkage *topology, const do
     lw_linkage k = *topology;
     lw_plan plan;
     lw_newton *n;
-    CHECK_INT(lw_plan_make_geared(topology, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make_geared(topology, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
     double seed = p->branch.mode[plan.n_mode - 1];
     if (lw_plan_write(&plan, shape, p->branch.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
         return false;
@@ -212,10 +212,10 @@ static void members_come_back(void)
         lw_problem_work_init(&p, work);
         lw_rng_seed(&rng, check_seed(), (uint64_t)i);
         for (int trial = 0; trial < 150; trial++) {
-            double u[LW_MEMBER_DRAW_MAX], shape[LW_VAR_MAX];
-            for (int d = 0; d < LW_MEMBER_DRAW_MAX; d++)
+            double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
+            for (int d = 0; d < LW_RANDOM_LINKAGE_DRAW_MAX; d++)
                 u[d] = lw_rng_uniform(&rng);
-            if (!lw_member_draw(&p, u, true, shape, work))
+            if (!lw_random_linkage_draw(&p, u, true, shape, work))
                 continue;
             drawn++;
             back += comes_back(&p, &of[i], shape);

@@ -10,7 +10,7 @@
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 
-typedef struct curve { lw_system s; lw_branch *b; } curve;
+typedef struct curve { lw_system s; lw_motion_curve *b; } curve;
 
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
 
@@ -19,8 +19,8 @@ static curve *follow(const lw_linkage *k, int most)
     curve *c = calloc(1, sizeof *c);
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &c->s, &e), LW_OK);
-    lw_branch_options o = { .input = 0, .most_segments = most };
-    CHECK_INT(lw_branch_create(&c->s, NULL, &o, &c->b, &e), LW_OK);
+    lw_motion_curve_options o = { .input = 0, .most_segments = most };
+    CHECK_INT(lw_motion_curve_create(&c->s, NULL, &o, &c->b, &e), LW_OK);
     if (!c->b)
         fprintf(stderr, "%s\n", e.text);
     return c;
@@ -28,22 +28,22 @@ static curve *follow(const lw_linkage *k, int most)
 
 static void drop(curve *c)
 {
-    lw_branch_free(c->b);
+    lw_motion_curve_free(c->b);
     free(c);
 }
 
 static lw_vec2 tracer_at(const curve *c, int i, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_branch_pose(c->b, station, q, NULL);
+    lw_motion_curve_pose(c->b, station, q, NULL);
     return lw_system_point(&c->s, c->s.tracer_body[i], c->s.tracer_arm[i], q);
 }
 
 static double input_at(const curve *c, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_branch_pose(c->b, station, q, NULL);
-    return lw_branch_input(c->b, q);
+    lw_motion_curve_pose(c->b, station, q, NULL);
+    return lw_motion_curve_input(c->b, q);
 }
 
 static double residual(const curve *c, const double *q)
@@ -55,10 +55,10 @@ static double residual(const curve *c, const double *q)
     return most;
 }
 
-static int count(const curve *c, lw_branch_event_kind kind)
+static int count(const curve *c, lw_motion_curve_event_kind kind)
 {
     int n, found = 0;
-    const lw_branch_event *e = lw_branch_events(c->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(c->b, &n);
     for (int i = 0; i < n; i++)
         found += e[i].kind == kind;
     return found;
@@ -73,7 +73,7 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
     lw_plan plan;
     static lw_pose pose;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    CHECK_INT(lw_plan_make(l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, l, dim, mode, &input, NULL), LW_OK);
     /* closed form: Q from two pins 2 h apart whose places hold some ulps (9e-16) of 5 */
     for (int i = 0; i <= 100; i++)
@@ -111,15 +111,15 @@ static void peaucellier_all_around(void)
     add_tracer(&l, 6, q);
     curve *v = follow(&l, 0);
     int n;
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_LIMIT), 2);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     for (int i = 0; i < n; i++)
         if (e[i].kind != LW_EVENT_TURNING)
             CHECK_NEAR(fabs(e[i].input), limit, 1e-10, 0);
     for (int i = 0; i <= 2000; i++) {
-        double station = lw_branch_segments(v->b)*i/2000.0, input = fabs(input_at(v, station));
+        double station = lw_motion_curve_segments(v->b)*i/2000.0, input = fabs(input_at(v, station));
         double tolerance = input < limit - 0.05 ? 5e-14 : 5e-12;        /* 1e-14 and 1e-12 of the arms */
         CHECK_NEAR(tracer_at(v, 0, station).x, 16/3.0, tolerance, 0);
     }
@@ -142,17 +142,17 @@ static void scott_russell_all_around(void)
     add_input(&l, 0, 0.7);
     add_tracer(&l, 2, lw_v2(0, 2*sin(0.7)));
     curve *v = follow(&l, 0);
-    CHECK_INT(lw_branch_turns(v->b, -1), 1);
+    CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     for (int i = 0; i <= 3600; i++) {
         double input = 0.7 + 2*LW_PI*i/3600;
-        double station = lw_branch_find(v->b, 0, lw_branch_segments(v->b), input), away = fabs(cos(input));
+        double station = lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), input), away = fabs(cos(input));
         lw_vec2 p = tracer_at(v, 0, station);
         CHECK_NEAR(p.x, 0, away > 0.1 ? 2e-14 : 2e-12, 0);
         CHECK_NEAR(p.y, 2*sin(input), 4e-14, 0);
     }
     for (int i = -10; i <= 10; i++) {
-        double station = lw_branch_find(v->b, 0, lw_branch_segments(v->b), 0.5*LW_PI + i*1e-7*LW_PI/180);
+        double station = lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), 0.5*LW_PI + i*1e-7*LW_PI/180);
         CHECK_NEAR(tracer_at(v, 0, station).x, 0, 2e-12, 0);
     }
     drop(v);
@@ -176,14 +176,14 @@ static void parallelograms_in_a_row(void)
         }
         add_input(&l, 0, 0.5);
         curve *v = follow(&l, 0);
-        const lw_branch_event *e = lw_branch_events(v->b, &found);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        CHECK_INT(lw_branch_turns(v->b, -1), 1);
+        const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &found);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
         for (int i = 0; i < found; i++)
             CHECK_NEAR(sin(e[i].input), 0, 1e-10, 0);
         for (int i = 0; i <= 500; i++) {
-            lw_branch_pose(v->b, lw_branch_segments(v->b)*i/500.0, q, NULL);
+            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/500.0, q, NULL);
             for (int body = n + 1; body < 2*n + 1; body++)
                 CHECK_NEAR(q[3*body + 2], 0, 1e-11, 0);
             CHECK(residual(v, q) <= 1e-12);
@@ -203,7 +203,7 @@ static void jansen_by_reference(void)
     int n = 0;
     jansen_linkage(&l);
     curve *v = follow(&l, 0);
-    CHECK_INT(lw_branch_turns(v->b, -1), 1);
+    CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(lw_file_read("tests/data/linkages/jansen.csv", &text, &size, NULL), LW_OK);
     for (const char *line = text; line && *line; line += strcspn(line, "\n"), line += *line == '\n') {
         double d[11];
@@ -212,7 +212,7 @@ static void jansen_by_reference(void)
             continue;
         for (int c = 0; c < 11; c++, at += *at == ',')
             d[c] = strtod(at, &at);
-        double station = lw_branch_find(v->b, 0, lw_branch_segments(v->b), d[0]*LW_PI/180);
+        double station = lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), d[0]*LW_PI/180);
         CHECK_NEAR(distance(tracer_at(v, 0, station), lw_v2(d[9], d[10])), 0, 1e-11, 0);
         n++;
     }
@@ -233,15 +233,15 @@ static void by_plan_and_curve(const char *file)
     CHECK_INT(lw_file_read(file, &text, &size, NULL), LW_OK);
     CHECK_INT(lw_linkage_read(text, size, file, &l, NULL), LW_OK);
     free(text);
-    CHECK_INT(lw_plan_make(&l, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     curve *v = follow(&l, 0);
-    CHECK_INT(abs(lw_branch_turns(v->b, -1)), 1);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+    CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     for (int i = 0; i <= 360; i++) {
         double u = l.input[0].value + 2*LW_PI*i/360;
         CHECK_INT(lw_pose_solve(&plan, dim, mode, input + 2*LW_PI*i/360, 0, &pose), LW_OK);
-        lw_vec2 p = tracer_at(v, 0, lw_branch_find(v->b, 0, lw_branch_segments(v->b), u));
+        lw_vec2 p = tracer_at(v, 0, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), u));
         CHECK_NEAR(distance(p, pose.tracer[0][0]), 0, 1e-13*v->s.unit*20, 0);
     }
     drop(v);
@@ -278,16 +278,16 @@ static void drive_every_joint(const lw_linkage *l, const double *q)
         lw_linkage k = *l;
         double series[3*LW_SYSTEM_Q_MAX], phi[3*LW_SYSTEM_ROW_MAX], speed[3] = { 0, 1, 0 }, counted[3];
         lw_system s;
-        lw_branch *b;
+        lw_motion_curve *b;
         k.n_input = 0;
         add_input(&k, j, 0);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-        CHECK_INT(lw_branch_create(&s, q, &(lw_branch_options){ .most_segments = 1 }, &b, NULL), LW_OK);
+        CHECK_INT(lw_motion_curve_create(&s, q, &(lw_motion_curve_options){ .most_segments = 1 }, &b, NULL), LW_OK);
         if (!b)
             continue;
         memcpy(series, q, (size_t)s.n_q*sizeof *q);
         all.inputs++;
-        if (lw_branch_rates(b, 2, speed, series)) {
+        if (lw_motion_curve_rates(b, 2, speed, series)) {
             double most = 1;
             for (int i = 0; i < 3*s.n_q; i++)
                 most = fmax(most, fabs(series[i]));
@@ -298,7 +298,7 @@ static void drive_every_joint(const lw_linkage *l, const double *q)
             CHECK_NEAR(counted[1], 1, 1e-9*most, 0);
         } else
             all.dead++;
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
     }
 }
 
@@ -314,9 +314,9 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
         curve *v = follow(&l, 60);
         if (v->b) {
             all.curves++;
-            CHECK(lw_branch_worst(v->b) <= 1e-12*v->s.unit);
+            CHECK(lw_motion_curve_worst(v->b) <= 1e-12*v->s.unit);
             for (int i = 0; i < 20; i++) {
-                lw_branch_pose(v->b, lw_rng_range(&all.rng, 0, lw_branch_segments(v->b)), q, NULL);
+                lw_motion_curve_pose(v->b, lw_rng_range(&all.rng, 0, lw_motion_curve_segments(v->b)), q, NULL);
                 CHECK(residual(v, q) <= 1e-12);
             }
             drive_every_joint(&l, q);
@@ -361,12 +361,12 @@ static lw_status relabel_chain(void *context, const lw_chain_item *item)
     mixed.input[0].joint = to[0];
     curve *v = follow(&l, 150), *w = follow(&mixed, 150);
     if (v->b && w->b) {
-        CHECK_INT(lw_branch_ended(v->b), lw_branch_ended(w->b));
-        CHECK_INT(lw_branch_segments(v->b), lw_branch_segments(w->b));
-        CHECK_NEAR(lw_branch_length(v->b), lw_branch_length(w->b), 1e-12, 1e-12);
+        CHECK_INT(lw_motion_curve_ended(v->b), lw_motion_curve_ended(w->b));
+        CHECK_INT(lw_motion_curve_segments(v->b), lw_motion_curve_segments(w->b));
+        CHECK_NEAR(lw_motion_curve_length(v->b), lw_motion_curve_length(w->b), 1e-12, 1e-12);
         for (int i = 0; i <= 40; i++) {
-            double arc = lw_branch_length(v->b)*i/40;
-            double a = lw_branch_station(v->b, arc), b = lw_branch_station(w->b, arc);
+            double arc = lw_motion_curve_length(v->b)*i/40;
+            double a = lw_motion_curve_station(v->b, arc), b = lw_motion_curve_station(w->b, arc);
             for (int k = 0; k < l.n_link; k++)
                 CHECK_NEAR(distance(tracer_at(v, k, a), tracer_at(w, k, b)), 0, 1e-12, 0);
         }
@@ -411,14 +411,14 @@ static void stephenson_driven_at_the_floating_link(void)
         lw_newton *s;
         CHECK_INT(lw_newton_create(&l, &s, NULL), LW_OK);
         int n;
-        const lw_branch_event *e = lw_branch_events(v->b, &n);
-        double last = lw_branch_segments(v->b);
+        const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+        double last = lw_motion_curve_segments(v->b);
         for (int i = n - 1; i >= 0; i--)
             last = e[i].kind == LW_EVENT_LIMIT ? e[i].station : last;
         end = fmin(end, input_at(v, last));
         ends += end < 0.4;
         CHECK_INT(lw_newton_move(s, 0.99*end, &reached), LW_OK);
-        double station = lw_branch_find(v->b, 0, last, 0.99*end);
+        double station = lw_motion_curve_find(v->b, 0, last, 0.99*end);
         CHECK_NEAR(distance(tracer_at(v, 0, station), lw_newton_tracer(s, 0)), 0, 1e-10, 0);
         if (end < 0.4) {
             CHECK_INT(lw_newton_move(s, end + 0.01, &reached), LW_OPEN);
@@ -450,14 +450,14 @@ static void six_links_next_to_a_change_point(void)
     add_pin(&l, 4, 5, lw_v2_add(tip, lw_v2(2, 3)));
     add_pin(&l, 5, 0, lw_v2(6, 3));
     curve *v = follow(&l, 0);
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 0);
     for (int i = 0; i < n; i++)
         for (int d = 0; d < c.n_limit && e[i].kind == LW_EVENT_LIMIT; d++)
             of_first += fabs(remainder(e[i].input - c.limit[d], 2*LW_PI)) < 1e-10;
     CHECK(of_first >= 2);
-    CHECK(lw_branch_worst(v->b) <= 1e-12);
+    CHECK(lw_motion_curve_worst(v->b) <= 1e-12);
     drop(v);
 }
 

@@ -18,7 +18,7 @@ static void a_roller_is_held(void)
     lw_linkage k;
     uint64_t held;
     lw_system s;
-    lw_branch *b;
+    lw_motion_curve *b;
     double q[9];
     blank_linkage(&k, 4);
     add_pin(&k, 0, 1, lw_v2(0, 0));
@@ -33,12 +33,12 @@ static void a_roller_is_held(void)
     CHECK_INT(held, 1 << 1);
     CHECK_INT(find(&k).freedom, 1);
     CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-    CHECK_INT(lw_branch_create(&s, NULL, &(lw_branch_options){ .input = 0 }, &b, NULL), LW_OK);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, NULL), LW_OK);
     for (int i = 0; i <= 50; i++) {
-        lw_branch_pose(b, lw_branch_segments(b)*i/50.0, q, NULL);
-        CHECK_NEAR(lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q).x, 2.4 + cos(lw_branch_input(b, q)), 1e-13, 0);
+        lw_motion_curve_pose(b, lw_motion_curve_segments(b)*i/50.0, q, NULL);
+        CHECK_NEAR(lw_system_point(&s, s.tracer_body[0], s.tracer_arm[0], q).x, 2.4 + cos(lw_motion_curve_input(b, q)), 1e-13, 0);
     }
-    lw_branch_free(b);
+    lw_motion_curve_free(b);
 }
 
 /* Two bars hang on a crank-rocker, a block slides on its coupler: three joints, not the four-bar's. */

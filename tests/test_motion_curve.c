@@ -6,7 +6,7 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-typedef struct curve { lw_system s; lw_branch *b; } curve;
+typedef struct curve { lw_system s; lw_motion_curve *b; } curve;
 
 static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
 
@@ -15,7 +15,7 @@ static curve *follow(const lw_linkage *k)
     curve *c = calloc(1, sizeof *c);
     lw_error e = { 0 };
     CHECK_INT(lw_system_make(k, NULL, 0, &c->s, &e), LW_OK);
-    CHECK_INT(lw_branch_create(&c->s, NULL, &(lw_branch_options){ .input = 0 }, &c->b, &e), LW_OK);
+    CHECK_INT(lw_motion_curve_create(&c->s, NULL, &(lw_motion_curve_options){ .input = 0 }, &c->b, &e), LW_OK);
     if (!c->b)
         fprintf(stderr, "%s\n", e.text);
     return c;
@@ -23,7 +23,7 @@ static curve *follow(const lw_linkage *k)
 
 static void drop(curve *c)
 {
-    lw_branch_free(c->b);
+    lw_motion_curve_free(c->b);
     free(c);
 }
 
@@ -41,10 +41,10 @@ static double residual(const curve *c, const double *q)
     return most;
 }
 
-static int count(const curve *c, lw_branch_event_kind kind)
+static int count(const curve *c, lw_motion_curve_event_kind kind)
 {
     int n, found = 0;
-    const lw_branch_event *e = lw_branch_events(c->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(c->b, &n);
     for (int i = 0; i < n; i++)
         found += e[i].kind == kind;
     return found;
@@ -79,9 +79,9 @@ static void four_bars_of_all_classes(void)
         fourbar_linkage(&l, k, mode, start);
         curve *v = follow(&l);
         int n;
-        const lw_branch_event *e = lw_branch_events(v->b, &n);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        CHECK_INT(abs(lw_branch_turns(v->b, -1)), c.crank);
+        const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), c.crank);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 0);
         CHECK_INT(count(v, LW_EVENT_LIMIT), c.crank ? 0 : 2);
         for (int i = 0; i < n; i++)
@@ -96,10 +96,10 @@ static void four_bars_of_all_classes(void)
                 CHECK_NEAR(off, 0, 1e-10, 0);
             }
         for (int i = 0; i < 50; i++) {
-            double station = lw_rng_range(&r, 0, lw_branch_segments(v->b));
-            lw_branch_pose(v->b, station, q, NULL);
+            double station = lw_rng_range(&r, 0, lw_motion_curve_segments(v->b));
+            lw_motion_curve_pose(v->b, station, q, NULL);
             CHECK(residual(v, q) <= 3e-15);
-            double angle = lw_branch_input(v->b, q);
+            double angle = lw_motion_curve_input(v->b, q);
             fourbar_joints p = fourbar_at(k, 1, angle), m = fourbar_at(k, -1, angle);
             double off = fmin(distance(tracer(v, 0, q), p.p), distance(tracer(v, 0, q), m.p));
             CHECK(off <= 1e-12 || off <= 1e-7*sqrt(fmin(fabs(angle - first), fabs(angle - last))) || off < 2e-8);
@@ -115,12 +115,12 @@ static void arcs_and_stations_agree(void)
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
     curve *v = follow(&l);
-    double length = lw_branch_length(v->b), sum = 0;
-    lw_branch_pose(v->b, 0, p, NULL);
+    double length = lw_motion_curve_length(v->b), sum = 0;
+    lw_motion_curve_pose(v->b, 0, p, NULL);
     for (int i = 0; i <= 400; i++) {
-        double s = lw_branch_station(v->b, length*i/400);
-        CHECK_NEAR(lw_branch_arc(v->b, s), length*i/400, 1e-13, 0);
-        lw_branch_pose(v->b, s, q, NULL);
+        double s = lw_motion_curve_station(v->b, length*i/400);
+        CHECK_NEAR(lw_motion_curve_arc(v->b, s), length*i/400, 1e-13, 0);
+        lw_motion_curve_pose(v->b, s, q, NULL);
         double step = 0;
         for (int j = 0; j < 9; j++) {
             step += (q[j] - p[j])*(q[j] - p[j]);
@@ -131,8 +131,8 @@ static void arcs_and_stations_agree(void)
             CHECK_NEAR(sqrt(step), length/400, 0, 2e-3);
     }
     CHECK_NEAR(sum, length, 0, 2e-4);
-    lw_branch_pose(v->b, 0, q, NULL);
-    lw_branch_pose(v->b, lw_branch_segments(v->b), p, NULL);
+    lw_motion_curve_pose(v->b, 0, q, NULL);
+    lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b), p, NULL);
     for (int j = 0; j < 9; j++)
         CHECK_NEAR(remainder(q[j] - p[j], j%3 == 2 ? 2*LW_PI : 100), 0, 1e-14, 0);
     drop(v);
@@ -149,8 +149,8 @@ static void near_change_points(void)
         fourbar_linkage(&l, k, 1, 0.5);
         curve *v = follow(&l);
         int n;
-        const lw_branch_event *e = lw_branch_events(v->b, &n);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+        const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 0);
         CHECK_INT(count(v, LW_EVENT_LIMIT), 2);
         for (int i = 0; i < n; i++)
@@ -171,23 +171,23 @@ static void straight_on_through_change_points(void)
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
     curve *v = follow(&l);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-    CHECK_INT(lw_branch_turns(v->b, -1), 1);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+    CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     CHECK_INT(count(v, LW_EVENT_LIMIT), 0);
     int n;
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     for (int i = 0; i < n; i++)
         CHECK_NEAR(sin(e[i].input), 0, 1e-10, 0);
     for (int i = 0; i <= 3000; i++) {
-        double station = lw_branch_segments(v->b)*i/3000.0;
+        double station = lw_motion_curve_segments(v->b)*i/3000.0;
         if (i%10 == 0)                                      /* close to the change point too */
             station = e[0].station + 1e-3*pow(0.5, i/60.0)*(i%20 ? 1 : -1);
-        lw_branch_pose(v->b, station, q, NULL);
+        lw_motion_curve_pose(v->b, station, q, NULL);
         CHECK_NEAR(q[5], 0, 1e-12, 0);
         CHECK(residual(v, q) <= 1e-12);
         fourbar_joints p = fourbar_at(k, 1, 0.5);
-        lw_vec2 at = lw_v2_add(lw_v2_sub(p.p, p.a), lw_v2_polar(1, lw_branch_input(v->b, q)));
+        lw_vec2 at = lw_v2_add(lw_v2_sub(p.p, p.a), lw_v2_polar(1, lw_motion_curve_input(v->b, q)));
         CHECK_NEAR(distance(tracer(v, 0, q), at), 0, 4e-12, 0);
     }
     drop(v);
@@ -203,11 +203,11 @@ static void rates_through_change_points(void)
     fourbar_linkage(&l, k, 1, 0.5);
     curve *v = follow(&l);
     int n;
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     CHECK_INT(n, 2);
     for (int i = 0; i < 60; i++) {
         double off = i < 2 ? 0 : 0.1*pow(0.6, i)*(i%4 < 2 ? 1 : -1);
-        CHECK(lw_branch_motion(v->b, e[i%2].station + off, 3, motion, q));
+        CHECK(lw_motion_curve_motion(v->b, e[i%2].station + off, 3, motion, q));
         for (int order = 1; order <= 3; order++) {
             double *c = q + 9*order;
             CHECK_NEAR(c[2], order == 1, most[order], 0);  /* turns of crank, coupler, rocker */
@@ -234,16 +234,16 @@ static void drawn_at_change_points(void)
             add_input(&l, 0, 0.5*LW_PI + turn);
         }
         curve *v = follow(&l);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        CHECK_INT(abs(lw_branch_turns(v->b, -1)), 1);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
-        CHECK(!lw_branch_rests(v->b));
+        CHECK(!lw_motion_curve_rests(v->b));
         for (int j = 0; j <= 100; j++) {
-            lw_branch_pose(v->b, lw_branch_segments(v->b)*j/100.0, q, NULL);
+            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*j/100.0, q, NULL);
             CHECK(residual(v, q) <= 1e-12);
         }
         lw_system_posture(&v->s, q);
-        CHECK(lw_branch_holds(v->b, q));
+        CHECK(lw_motion_curve_holds(v->b, q));
         drop(v);
     }
 }
@@ -260,10 +260,10 @@ static void the_input_stands_still(void)
     add_pin(&l, 3, 0, lw_v2(2, 1));
     add_input(&l, 0, 0);
     curve *v = follow(&l);
-    CHECK(lw_branch_rests(v->b));
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-    CHECK_INT(abs(lw_branch_turns(v->b, 2)), 1);
-    CHECK(!lw_branch_motion(v->b, 0.5, 1, (double[]){ 0, 1 }, q));
+    CHECK(lw_motion_curve_rests(v->b));
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+    CHECK_INT(abs(lw_motion_curve_turns(v->b, 2)), 1);
+    CHECK(!lw_motion_curve_motion(v->b, 0.5, 1, (double[]){ 0, 1 }, q));
     drop(v);
 }
 
@@ -276,11 +276,11 @@ static void starts_next_to_change_points(void)
         lw_linkage l;
         fourbar_linkage(&l, k, sin(angle) > 0 ? 1 : -1, angle);
         curve *v = follow(&l);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        CHECK_INT(lw_branch_turns(v->b, -1), 1);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
         for (int n = 0; n <= 40; n++) {
-            lw_branch_pose(v->b, lw_branch_segments(v->b)*n/40.0, q, NULL);
+            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*n/40.0, q, NULL);
             CHECK_NEAR(q[5], 0, 1e-9, 0);                  /* the posture itself holds the angle to 1e-16/angle */
         }
         drop(v);
@@ -300,15 +300,15 @@ static void equal_slider_crank(void)
     add_input(&l, 0, 0.6);
     add_tracer(&l, 3, lw_v2(2*cos(0.6), 0));
     curve *v = follow(&l);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     int n;
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     for (int i = 0; i < n; i++)
         CHECK_NEAR(e[i].kind == LW_EVENT_CROSSING ? cos(e[i].input) : sin(e[i].input), 0, 1e-10, 0);
     for (int i = 0; i <= 1000; i++) {
-        lw_branch_pose(v->b, lw_branch_segments(v->b)*i/1000.0, q, NULL);
-        CHECK_NEAR(tracer(v, 0, q).x, 2*cos(lw_branch_input(v->b, q)), 1e-12, 0);
+        lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/1000.0, q, NULL);
+        CHECK_NEAR(tracer(v, 0, q).x, 2*cos(lw_motion_curve_input(v->b, q)), 1e-12, 0);
     }
     drop(v);
 }
@@ -329,11 +329,11 @@ static void gears_close_after_several_turns(void)
         add_gear(&l, 1, 2, lw_v2(2, 0), -1.0*ratio[i][0]/ratio[i][1]);
         add_input(&l, 0, 0);
         curve *v = follow(&l);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        CHECK_INT(lw_branch_turns(v->b, -1), ratio[i][1]);
-        CHECK_INT(lw_branch_turns(v->b, 2), -ratio[i][0]);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        CHECK_INT(lw_motion_curve_turns(v->b, -1), ratio[i][1]);
+        CHECK_INT(lw_motion_curve_turns(v->b, 2), -ratio[i][0]);
         for (int n = 0; n < 50; n++) {
-            lw_branch_pose(v->b, lw_branch_segments(v->b)*n/50.0, q, NULL);
+            lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*n/50.0, q, NULL);
             CHECK_NEAR(q[5], -q[2]*ratio[i][0]/ratio[i][1], 1e-14, 0);
             CHECK(residual(v, q) <= 1e-14);
         }
@@ -362,21 +362,21 @@ static void six_bars_agree_with_newton(void)
         add_input(&l, 0, 0);
         add_tracer(&l, 4, lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
         curve *v = follow(&l);
-        const lw_branch_event *e = lw_branch_events(v->b, &n);
-        CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_CLOSED);
-        double first = 0, last = lw_branch_segments(v->b);
+        const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
+        CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
+        double first = 0, last = lw_motion_curve_segments(v->b);
         for (int i = n - 1; i >= 0; i--)                   /* up to the first limit */
             if (e[i].kind == LW_EVENT_LIMIT)
                 last = e[i].station;
         lw_newton *s;
         CHECK_INT(lw_newton_create(&l, &s, NULL), LW_OK);
-        lw_branch_pose(v->b, last, q, NULL);
-        double end = lw_branch_input(v->b, q);
-        bool limit = last < lw_branch_segments(v->b);
+        lw_motion_curve_pose(v->b, last, q, NULL);
+        double end = lw_motion_curve_input(v->b, q);
+        bool limit = last < lw_motion_curve_segments(v->b);
         for (int i = 1; i <= 10; i++) {
-            double input = end*i/10, at = i < 10 ? lw_branch_find(v->b, first, last, input) : last;
-            lw_branch_pose(v->b, at, q, NULL);
-            CHECK_NEAR(lw_branch_input(v->b, q), input, 2e-14, 0);      /* of stations up to some 1000 */
+            double input = end*i/10, at = i < 10 ? lw_motion_curve_find(v->b, first, last, input) : last;
+            lw_motion_curve_pose(v->b, at, q, NULL);
+            CHECK_NEAR(lw_motion_curve_input(v->b, q), input, 2e-14, 0);      /* of stations up to some 1000 */
             lw_status status = lw_newton_move(s, i == 10 && limit ? end + 1e-3 : input, &reached);
             CHECK_INT(status, i == 10 && limit ? LW_OPEN : LW_OK);
             CHECK_NEAR(reached, input, 1e-10, 0);
@@ -384,7 +384,7 @@ static void six_bars_agree_with_newton(void)
             CHECK(residual(v, q) <= 1e-14);
         }
         lw_newton_free(s);
-        CHECK(lw_branch_worst(v->b) <= 1e-14);
+        CHECK(lw_motion_curve_worst(v->b) <= 1e-14);
         drop(v);
     }
 }
@@ -397,11 +397,11 @@ static void sides_change_at_limits(void)
     int n, side[2] = { 0, 0 };
     fourbar_linkage(&l, k, 1, 0.5);
     curve *v = follow(&l);
-    const lw_branch_event *e = lw_branch_events(v->b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_LIMIT) {
-            side[0] = lw_branch_side(v->b, e[i].station - 1e-3);
-            side[1] = lw_branch_side(v->b, e[i].station + 1e-3);
+            side[0] = lw_motion_curve_side(v->b, e[i].station - 1e-3);
+            side[1] = lw_motion_curve_side(v->b, e[i].station + 1e-3);
             CHECK(side[0]*side[1] == -1);
         }
     drop(v);
@@ -423,10 +423,10 @@ static void rates_by_the_input(void)
     add_tracer(&l, 3, pin);
     curve *v = follow(&l);
     for (int i = 0; i < 40; i++) {
-        double at = i/40.0*lw_branch_segments(v->b), speed = i%2 ? -3 : 1, motion[4] = { 0, speed, 0, 0 };
-        lw_branch_pose(v->b, at, q, NULL);
-        double x = lw_branch_input(v->b, q);
-        CHECK(lw_branch_rates(v->b, 3, motion, q));
+        double at = i/40.0*lw_motion_curve_segments(v->b), speed = i%2 ? -3 : 1, motion[4] = { 0, speed, 0, 0 };
+        lw_motion_curve_pose(v->b, at, q, NULL);
+        double x = lw_motion_curve_input(v->b, q);
+        CHECK(lw_motion_curve_rates(v->b, 3, motion, q));
         lw_system_point_series(&v->s, v->s.tracer_body[0], v->s.tracer_arm[0], 3, q, p);
         double u = rr*sin(x) - ee, u1 = rr*cos(x), u2 = -rr*sin(x), u3 = -rr*cos(x);
         double w = sqrt(ll*ll - u*u), w1 = -u*u1/w, w2 = -(u1*u1 + u*u2 + w1*w1)/w, w3 = -(3*u1*u2 + u*u3 + 3*w1*w2)/w;
@@ -448,11 +448,11 @@ static void knows_its_postures(void)
     fourbar_linkage(&other, k, -1, 0.5);
     curve *v = follow(&l), *w = follow(&other);
     for (int i = 0; i < 20; i++) {
-        lw_branch_pose(v->b, lw_branch_segments(v->b)*i/20.0, q, NULL);
+        lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/20.0, q, NULL);
         q[2] += 2*LW_PI;
-        CHECK(lw_branch_holds(v->b, q));
+        CHECK(lw_motion_curve_holds(v->b, q));
         q[5] += 1e-3;
-        CHECK(!lw_branch_holds(v->b, q));
+        CHECK(!lw_motion_curve_holds(v->b, q));
     }
     drop(v);
     drop(w);
@@ -472,15 +472,15 @@ static void curves_without_end(void)
     l.joint[1].kind = LW_JOINT_SLOT;
     l.joint[1].along = lw_v2_polar(1, 0.3);
     curve *v = follow(&l);
-    CHECK_INT(lw_branch_ended(v->b), LW_BRANCH_FAR);
-    double start = lw_branch_start(v->b);
-    CHECK(start > 1 && start < lw_branch_segments(v->b) - 1);
-    lw_branch_pose(v->b, start, q, NULL);
-    CHECK_NEAR(lw_branch_input(v->b, q), 5, 1e-15, 0);
-    lw_branch_pose(v->b, 0, q, NULL);
-    CHECK(lw_branch_input(v->b, q) < 5 - 20);
-    lw_branch_pose(v->b, lw_branch_find(v->b, 0, lw_branch_segments(v->b), -7.25), q, NULL);
-    CHECK_NEAR(lw_branch_input(v->b, q), -7.25, 1e-14, 0);
+    CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_FAR);
+    double start = lw_motion_curve_start(v->b);
+    CHECK(start > 1 && start < lw_motion_curve_segments(v->b) - 1);
+    lw_motion_curve_pose(v->b, start, q, NULL);
+    CHECK_NEAR(lw_motion_curve_input(v->b, q), 5, 1e-15, 0);
+    lw_motion_curve_pose(v->b, 0, q, NULL);
+    CHECK(lw_motion_curve_input(v->b, q) < 5 - 20);
+    lw_motion_curve_pose(v->b, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), -7.25), q, NULL);
+    CHECK_NEAR(lw_motion_curve_input(v->b, q), -7.25, 1e-14, 0);
     drop(v);
 }
 
@@ -488,25 +488,25 @@ static void refuses_with_reasons(void)
 {
     lw_linkage l;
     lw_system s;
-    lw_branch *b;
+    lw_motion_curve *b;
     lw_error e = { 0 };
-    const lw_branch_options o = { .input = 0 };
+    const lw_motion_curve_options o = { .input = 0 };
     blank_linkage(&l, 5);
     for (int i = 0; i < 5; i++)
         add_pin(&l, i, (i + 1)%5, lw_v2_polar(1, 1.2*i));
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_ARG);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_ARG);
     CHECK_HAS(e.text, "no input");
     add_input(&l, 0, 0);
     lw_system_make(&l, NULL, 0, &s, &e);
-    CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_ARG);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_ARG);
     CHECK_HAS(e.text, "2 freedoms but 1 input; drive 1 more joint");
     blank_linkage(&l, 3);
     for (int i = 0; i < 3; i++)
         add_pin(&l, i, (i + 1)%3, lw_v2_polar(1, 2.2*i));
     add_input(&l, 0, 0);
     lw_system_make(&l, NULL, 0, &s, &e);
-    CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "cannot move");
     blank_linkage(&l, 6);                                   /* two parallelograms drawn flat */
     for (int i = 0; i < 3; i++)
@@ -517,9 +517,9 @@ static void refuses_with_reasons(void)
     }
     add_input(&l, 0, 0);
     CHECK_INT(lw_system_make(&l, NULL, 0, &s, &e), LW_OK);
-    CHECK_INT(lw_branch_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
+    CHECK_INT(lw_motion_curve_create(&s, NULL, &o, &b, &e), LW_E_NUMERIC);
     CHECK_HAS(e.text, "it is a branch point");
-    lw_branch_free(NULL);
+    lw_motion_curve_free(NULL);
 }
 
 int main(void)

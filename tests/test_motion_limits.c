@@ -38,8 +38,8 @@ static void a_turn_is_that_of_its_poses(void)
             fast = fmax(fast, lw_v2_norm(second)/h/h);
             deep = fmax(deep, pin_depth(&s.zone[0], &pose, &m.plan));
         }
-        lw_way w = lw_way_begin();
-        lw_way_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
+        lw_motion_limits w = lw_motion_limits_begin();
+        lw_motion_limits_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
         CHECK_NEAR(w.margin_least, least, 1e-14, 0);
         CHECK_NEAR(w.margin_most, most, 1e-14, 0);
         CHECK_NEAR(w.acceleration, fast, 1e-5, 1e-5);
@@ -73,8 +73,8 @@ static void a_function_is_judged_by_its_output(void)
             double up = remainder(c.angle[3][0] - b.angle[3][0], 2*LW_PI), down = remainder(b.angle[3][0] - a.angle[3][0], 2*LW_PI);
             fast = fmax(fast, fabs(up - down)/h/h);
         }
-        lw_way w = lw_way_begin();
-        lw_way_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
+        lw_motion_limits w = lw_motion_limits_begin();
+        lw_motion_limits_run(&m.plan, &s, m.dim, &m.mode, 0, 2*LW_PI, LOOKS, &w);
         CHECK_NEAR(w.acceleration, fast, 1e-5, 1e-5);
         s.max_acceleration = 0.9*fast;
         target_of(&st, &s, &t);
@@ -94,36 +94,36 @@ static void a_function_is_judged_by_its_output(void)
 
 static void every_condition_is_asked(void)
 {
-    static const lw_way good = { 0.5, 0.9, 2, 0 };
+    static const lw_motion_limits good = { 0.5, 0.9, 2, 0 };
     char why[160] = "";
     lw_linkage k;
     lw_fit_spec s = lw_fit_spec_default();
     lw_type_linkage(lw_type_find("RRRR"), &k);
     k.joint[0].at = lw_v2(1, 1);
     k.joint[3].at = lw_v2(3, 1.5);
-    CHECK(lw_way_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
+    CHECK(lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
     s.min_transmission = asin(sqrt(0.5)) - 1e-6;
     s.max_acceleration = 2;
     s.n_zone = 1;
     s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 0, 0 }, { 3, 2 }, 0 };
-    CHECK(lw_way_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
-    lw_way bad[3] = { good, good, good };
+    CHECK(lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && !why[0]);
+    lw_motion_limits bad[3] = { good, good, good };
     bad[0].margin_least = 0.4;
     bad[1].acceleration = 2.1;
     bad[2].intrusion = 0.1;
     static const char *const words[] = { "transmission", "acceleration", "forbidden" };
     for (int i = 0; i < 3; i++) {
-        CHECK(!lw_way_meets(&bad[i], &s, &k, 1, why, sizeof why));
+        CHECK(!lw_motion_limits_meets(&bad[i], &s, &k, 1, why, sizeof why));
         CHECK(strstr(why, words[i]) != NULL);
     }
     s.zone[0].to.x = 2.9;
-    CHECK(!lw_way_meets(&good, &s, &k, 1, why, sizeof why) && strstr(why, "pivot"));
+    CHECK(!lw_motion_limits_meets(&good, &s, &k, 1, why, sizeof why) && strstr(why, "pivot"));
     s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_LINE, { 0, 1 }, { 1, 0 }, 0.5 };
-    CHECK(lw_way_meets(&good, &s, &k, 1, NULL, 0));
+    CHECK(lw_motion_limits_meets(&good, &s, &k, 1, NULL, 0));
     s.zone[0].reach = 0.4;
-    CHECK(!lw_way_meets(&good, &s, &k, 1, NULL, 0));
-    lw_way none = lw_way_begin();
-    CHECK(!lw_way_meets(&none, &s, &k, 1, NULL, 0));
+    CHECK(!lw_motion_limits_meets(&good, &s, &k, 1, NULL, 0));
+    lw_motion_limits none = lw_motion_limits_begin();
+    CHECK(!lw_motion_limits_meets(&none, &s, &k, 1, NULL, 0));
 }
 
 int main(void)

@@ -36,7 +36,7 @@ static lw_status check_sink(void *context, const char *text, size_t size)
 static void write_lines(void *context, size_t job, int thread)
 {
     run *r = context;
-    lw_piece p;
+    lw_ordered_part p;
     (void)thread;
     lw_piece_begin(&p, &r->out, job);
     if (job % 16 == 0)

@@ -12,7 +12,7 @@ static void setup(const char *type, lw_linkage *k, lw_plan *plan, double *dim, d
     double input;
     lw_error e;
     lw_type_linkage(lw_type_find(type), k);
-    CHECK_INT(lw_plan_make(k, (lw_want){ .tracers = 1, .all_joints = true }, plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, plan, &e), LW_OK);
     CHECK_INT(lw_plan_read(plan, k, dim, mode, &input, &e), LW_OK);
 }
 
@@ -42,8 +42,8 @@ static void rocker_turns_back_at_dead_points(void)
             continue;
         for (int i = 0; i < 4; i++)
             set(&plan, dim, (const char *[]){ "r1", "r2", "r3", "r4" }[i], r[i]);
-        lw_turning t[8];
-        int n = lw_turning_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
+        lw_output_limits t[8];
+        int n = lw_output_limits_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
         CHECK_INT(n, 2);
         for (int i = 0; i < n; i++) {
             double near = 10;
@@ -61,8 +61,8 @@ static void slider_turns_at_stroke_ends(void)
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     setup("RRRP", &k, &plan, dim, mode);
-    lw_turning t[8];
-    int n = lw_turning_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
+    lw_output_limits t[8];
+    int n = lw_output_limits_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 8);
     CHECK_INT(n, 2);
     for (int i = 0; i < n; i++) {
         lw_pose pose;
@@ -79,15 +79,15 @@ static void none_and_too_many(void)
     lw_linkage k;
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    lw_turning t[2] = { { -7, -7, -7 }, { -7, -7, -7 } };
+    lw_output_limits t[2] = { { -7, -7, -7 }, { -7, -7, -7 } };
     setup("RRRR", &k, &plan, dim, mode);
     static const double drag[4] = { 1, 4, 4.5, 4 }, rocker[4] = { 5, 2, 4, 4 };
     for (int i = 0; i < 4; i++)
         set(&plan, dim, (const char *[]){ "r1", "r2", "r3", "r4" }[i], drag[i]);
-    CHECK_INT(lw_turning_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 2), 0);
+    CHECK_INT(lw_output_limits_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 2), 0);
     for (int i = 0; i < 4; i++)
         set(&plan, dim, (const char *[]){ "r1", "r2", "r3", "r4" }[i], rocker[i]);
-    CHECK_INT(lw_turning_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 1), 1);
+    CHECK_INT(lw_output_limits_find(&plan, &k, dim, mode, -LW_PI, LW_PI, t, 1), 1);
     CHECK_INT(t[1].link, -7);
 }
 
@@ -98,7 +98,7 @@ static void standing_still_is_no_turning(void)
     lw_linkage k;
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    lw_turning t[8];
+    lw_output_limits t[8];
     setup("RRRP", &k, &plan, dim, mode);
     set(&plan, dim, "r2", 0.05);
     set(&plan, dim, "r3", 0.05);
@@ -106,7 +106,7 @@ static void standing_still_is_no_turning(void)
     int n[2];
     for (int i = 0; i < 2; i++) {
         mode[0] = i ? -1 : 1;
-        n[i] = lw_turning_find(&plan, &k, dim, mode, -1.4, 1.4, t, 8);
+        n[i] = lw_output_limits_find(&plan, &k, dim, mode, -1.4, 1.4, t, 8);
     }
     CHECK_INT(n[0] + n[1], 1);
 }

@@ -466,7 +466,7 @@ static void guides_cover_the_travel(void)
     for (int j = 0; j < k.n_joint; j++) {
         if (k.joint[j].kind != LW_JOINT_SLIDER)
             continue;
-        lw_slide w = lw_anatomy_slide(&s, j);
+        lw_slide w = lw_body_shapes_slide(&s, j);
         CHECK_INT(w.guide, k.ground);
         CHECK_NEAR(w.hi - w.lo, 0.2, 1e-4, 0);          /* a bar of 0.1 m runs 0.1 m each way */
     }

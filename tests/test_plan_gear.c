@@ -11,7 +11,7 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-static const lw_want all = { .tracers = 1, .all_joints = true };
+static const lw_plan_outputs all = { .tracers = 1, .all_joints = true };
 
 static void drive(lw_linkage *k, int joint)
 {

@@ -27,7 +27,7 @@ static void draw(lw_rng *r, const lw_chain *c, int ground, int input, int slider
         add_tracer(k, i, random_place(r));
 }
 
-static bool read(subject *q, lw_want want)
+static bool read(subject *q, lw_plan_outputs want)
 {
     lw_error e = { .text = "" };
     if (lw_plan_make_any(&q->k, want, &q->p, &e) != LW_OK) {
@@ -123,7 +123,7 @@ static void eight_bars_from(uint64_t seed, void (*check)(subject *, lw_rng *), i
                 if (lw_rng_uniform(&r) >= share)
                     continue;
                 draw(&r, &all.chain[c], ground, input, sliders, &q.k);
-                if (read(&q, (lw_want){ 255, true }))
+                if (read(&q, (lw_plan_outputs){ 255, true }))
                     check(&q, &r);
             }
     free(all.chain);

@@ -5,19 +5,19 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-typedef struct ride { lw_system s; lw_drive *d; lw_error e; lw_status status; } ride;
+typedef struct ride { lw_system s; lw_prescribed_motion *d; lw_error e; lw_status status; } ride;
 
-static ride *start(const lw_linkage *k, lw_drive_motion *motion, void *context, double t)
+static ride *start(const lw_linkage *k, lw_input_function *motion, void *context, double t)
 {
     ride *r = calloc(1, sizeof *r);
     CHECK_INT(lw_system_make(k, NULL, 0, &r->s, &r->e), LW_OK);
-    r->status = lw_drive_create(&r->s, motion, context, t, &r->d, &r->e);
+    r->status = lw_prescribed_motion_create(&r->s, motion, context, t, &r->d, &r->e);
     return r;
 }
 
 static void stop(ride *r)
 {
-    lw_drive_free(r->d);
+    lw_prescribed_motion_free(r->d);
     free(r);
 }
 
@@ -25,13 +25,13 @@ static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)
 
 static lw_vec2 tracer(const ride *r, int i)
 {
-    return lw_system_point(&r->s, r->s.tracer_body[i], r->s.tracer_arm[i], lw_drive_pose(r->d));
+    return lw_system_point(&r->s, r->s.tracer_body[i], r->s.tracer_arm[i], lw_prescribed_motion_pose(r->d));
 }
 
 static double residual(const ride *r)
 {
     double phi[LW_SYSTEM_ROW_MAX], most = 0;
-    lw_system_rows(&r->s, lw_drive_pose(r->d), phi, NULL);
+    lw_system_rows(&r->s, lw_prescribed_motion_pose(r->d), phi, NULL);
     for (int i = 0; i < r->s.n_row; i++)
         most = fmax(most, fabs(phi[i]));
     return most;
@@ -83,10 +83,10 @@ static void two_inputs_of_a_five_bar(void)
     for (int i = 0; i <= 100; i++) {
         double t = i <= 50 ? 0.13*i - 1 : 0.21*(100 - i) - 1, q[4*12], h = 1e-3;   /* and back */
         lw_vec2 p[4];
-        CHECK_INT(lw_drive_to(r->d, t), LW_OK);
+        CHECK_INT(lw_prescribed_motion_to(r->d, t), LW_OK);
         CHECK_NEAR(distance(tracer(r, 0), five_bar_tip(t)), 0, 1e-13, 0);
         CHECK(residual(r) <= 2e-15);
-        CHECK(lw_drive_rates(r->d, 3, q));
+        CHECK(lw_prescribed_motion_rates(r->d, 3, q));
         lw_system_point_series(&r->s, r->s.tracer_body[0], r->s.tracer_arm[0], 3, q, p);
         lw_vec2 f[5];
         for (int k = 0; k < 5; k++)
@@ -95,7 +95,7 @@ static void two_inputs_of_a_five_bar(void)
         CHECK_NEAR(2*p[2].y, (16*(f[3].y + f[1].y) - (f[4].y + f[0].y) - 30*f[2].y)/(12*h*h), 1e-6, 0);
         CHECK_NEAR(6*p[3].x, (f[4].x - f[0].x - 2*(f[3].x - f[1].x))/(2*h*h*h), 1e-2, 0);
     }
-    CHECK_INT(lw_drive_crossings(r->d, NULL), 0);
+    CHECK_INT(lw_prescribed_motion_crossings(r->d, NULL), 0);
     stop(r);
 }
 
@@ -124,12 +124,12 @@ static void the_time_of_a_limit(void)
         fourbar_linkage(&l, k, trial%2 ? 1 : -1, angle);
         ride *r = start(&l, square, &angle, 0);
         CHECK_INT(r->status, LW_OK);
-        CHECK_INT(lw_drive_to(r->d, 0.5*sqrt(last - angle)), LW_OK);
+        CHECK_INT(lw_prescribed_motion_to(r->d, 0.5*sqrt(last - angle)), LW_OK);
         CHECK_NEAR(distance(tracer(r, 0), fourbar_at(k, trial%2 ? 1 : -1, angle + 0.25*(last - angle)).p), 0, 1e-13, 0);
-        CHECK_INT(lw_drive_to(r->d, 5), LW_OPEN);
-        CHECK_NEAR(lw_drive_time(r->d), sqrt(last - angle), 1e-10, 0);
+        CHECK_INT(lw_prescribed_motion_to(r->d, 5), LW_OPEN);
+        CHECK_NEAR(lw_prescribed_motion_time(r->d), sqrt(last - angle), 1e-10, 0);
         CHECK(residual(r) <= 1e-14);
-        CHECK_INT(lw_drive_to(r->d, 0), LW_OK);            /* and back the way it came */
+        CHECK_INT(lw_prescribed_motion_to(r->d, 0), LW_OK);            /* and back the way it came */
         CHECK_NEAR(distance(tracer(r, 0), fourbar_at(k, trial%2 ? 1 : -1, angle).p), 0, 1e-12, 0);
         stop(r);
     }
@@ -162,13 +162,13 @@ static void parallelograms_go_straight_on(void)
         double at;
         for (int i = 1; i <= 42; i++) {
             double t = 0.1*i;
-            CHECK_INT(lw_drive_to(r->d, t), LW_OK);
-            CHECK_NEAR(lw_drive_time(r->d), t, 0, 0);
+            CHECK_INT(lw_prescribed_motion_to(r->d, t), LW_OK);
+            CHECK_NEAR(lw_prescribed_motion_time(r->d), t, 0, 0);
             CHECK_NEAR(distance(tracer(r, 0), lw_v2_add(lw_v2(n, 0), lw_v2_polar(1, 0.5 + 3*t))), 0, 1e-11, 0);
-            if (lw_drive_crossings(r->d, &at) == 1)
+            if (lw_prescribed_motion_crossings(r->d, &at) == 1)
                 CHECK_NEAR(at, (LW_PI - 0.5)/3, 1e-10, 0);
         }
-        CHECK_INT(lw_drive_crossings(r->d, &at), 4);
+        CHECK_INT(lw_prescribed_motion_crossings(r->d, &at), 4);
         CHECK_NEAR(at, (4*LW_PI - 0.5)/3, 1e-10, 0);
         stop(r);
     }
@@ -186,23 +186,23 @@ static void stops_at_branch_points(void)
     for (int turn = 1; turn <= 4; turn++)
         for (size_t i = 0; i < sizeof off/sizeof *off; i++) {
             double t = (turn*LW_PI - 0.5)/3 + off[i], u = 0.5 + 3*t;
-            CHECK_INT(lw_drive_to(r->d, t), LW_OK);
-            CHECK_NEAR(lw_drive_time(r->d), t, 0, 0);
+            CHECK_INT(lw_prescribed_motion_to(r->d, t), LW_OK);
+            CHECK_NEAR(lw_prescribed_motion_time(r->d), t, 0, 0);
             CHECK(residual(r) <= 1e-12);
-            CHECK_NEAR(remainder(lw_drive_pose(r->d)[5], 2*LW_PI), 0, 1e-11, 0);
+            CHECK_NEAR(remainder(lw_prescribed_motion_pose(r->d)[5], 2*LW_PI), 0, 1e-11, 0);
             lw_vec2 at = lw_v2_add(fourbar_at(k, 1, 0.5).p, lw_v2_sub(lw_v2_polar(1, u), lw_v2_polar(1, 0.5)));
             CHECK_NEAR(distance(tracer(r, 0), at), 0, 1e-11, 0);
             if (i < 2)
                 continue;
-            CHECK(lw_drive_rates(r->d, 3, q));              /* turns of crank and rocker */
+            CHECK(lw_prescribed_motion_rates(r->d, 3, q));              /* turns of crank and rocker */
             for (int order = 1; order <= 3; order++) {
                 CHECK_NEAR(q[9*order + 2], order == 1 ? 3 : 0, 1e-4, 0);
                 CHECK_NEAR(q[9*order + 8], order == 1 ? 3 : 0, 1e-4, 0);
             }
         }
-    CHECK_INT(lw_drive_crossings(r->d, NULL), 4);
-    CHECK_INT(lw_drive_to(r->d, 0), LW_OK);                 /* and back */
-    CHECK_NEAR(lw_drive_pose(r->d)[2], 0, 1e-11, 0);
+    CHECK_INT(lw_prescribed_motion_crossings(r->d, NULL), 4);
+    CHECK_INT(lw_prescribed_motion_to(r->d, 0), LW_OK);                 /* and back */
+    CHECK_NEAR(lw_prescribed_motion_pose(r->d)[2], 0, 1e-11, 0);
     stop(r);
 }
 
@@ -234,7 +234,7 @@ static void a_cylinder_between_moving_links(void)
     CHECK_INT(r->status, LW_OK);
     for (int i = 0; i <= 60; i++) {
         double t = 0.1*i, u[2];
-        CHECK_INT(lw_drive_to(r->d, t), LW_OK);
+        CHECK_INT(lw_prescribed_motion_to(r->d, t), LW_OK);
         stroke(NULL, t, 0, u);
         lw_vec2 pin = lw_v2_polar(1, u[1]), want = meet(pin, length + u[0] - 0.5, lw_v2(3, 0), sqrt(5), 1);
         CHECK_NEAR(distance(tracer(r, 0), want), 0, 1e-13, 0);
@@ -264,8 +264,8 @@ static void says_what_is_wrong(void)
     stop(r);
     r = start(&l, nowhere, NULL, 1.5);
     CHECK_INT(r->status, LW_OK);
-    CHECK_INT(lw_drive_to(r->d, 3), LW_E_NUMERIC);
-    CHECK_INT(lw_drive_to(r->d, INFINITY), LW_E_ARG);
+    CHECK_INT(lw_prescribed_motion_to(r->d, 3), LW_E_NUMERIC);
+    CHECK_INT(lw_prescribed_motion_to(r->d, INFINITY), LW_E_ARG);
     stop(r);
     l.n_input = 0;
     r = start(&l, nowhere, NULL, 0);

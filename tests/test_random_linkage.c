@@ -29,7 +29,7 @@ static bool newton_goes(const lw_problem *p, const lw_linkage *topology, const d
     lw_plan plan;
     lw_newton *n;
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make(topology, (lw_want){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(topology, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
     if (lw_plan_write(&plan, shape, p->branch.mode, from, &k) != LW_OK || lw_newton_create(&k, &n, &e) != LW_OK)
         return false;
     bool ok = lw_newton_move(n, lw_newton_input(n) + to - from, NULL) == LW_OK;
@@ -47,10 +47,10 @@ static void members_close_where_they_say(void)
     int turns = 0, rocks = 0, arrived = 0, drawn = 0;
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 300; trial++) {
-        double u[LW_MEMBER_DRAW_MAX], shape[LW_VAR_MAX];
-        for (int i = 0; i < LW_MEMBER_DRAW_MAX; i++)
+        double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
+        for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX; i++)
             u[i] = lw_rng_uniform(&rng);
-        if (!lw_member_draw(&p, u, false, shape, work))
+        if (!lw_random_linkage_draw(&p, u, false, shape, work))
             continue;
         drawn++;
         turns += p.branch.turns;
@@ -73,10 +73,10 @@ static void the_crank_turns_when_it_must(void)
     lw_rng rng;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 100; trial++) {
-        double u[LW_MEMBER_DRAW_MAX], shape[LW_VAR_MAX];
-        for (int i = 0; i < LW_MEMBER_DRAW_MAX; i++)
+        double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
+        for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX; i++)
             u[i] = lw_rng_uniform(&rng);
-        CHECK(lw_member_draw(&p, u, true, shape, work) && p.branch.turns);
+        CHECK(lw_random_linkage_draw(&p, u, true, shape, work) && p.branch.turns);
     }
     free(work);
     lw_problem_free(&p);
@@ -90,7 +90,7 @@ static void the_posture_is_a_start(void)
         lw_problem p;
         double x[LW_VAR_MAX];
         void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
-        CHECK(lw_member_posture(&p, x, work) && p.branch.turns);
+        CHECK(lw_random_linkage_posture(&p, x, work) && p.branch.turns);
         double f0 = lw_problem_value(&p, x, NULL, work);
         CHECK_NEAR(f0, 0, timing == LW_TIMING_NONE ? 0.2 : 1e-20, 0);    /* a polygon is no curve         */
         free(work);
@@ -108,7 +108,7 @@ static void derivatives_are_those_of_f(void)
         lw_problem p;
         double x[LW_VAR_MAX], grad[LW_VAR_MAX];
         void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
-        CHECK(lw_member_posture(&p, x, work));
+        CHECK(lw_random_linkage_posture(&p, x, work));
         for (int v = 0; v < p.n_var; v++)
             x[v] += 0.01*lw_rng_normal(&rng);
         CHECK(isfinite(lw_problem_value(&p, x, grad, work)));

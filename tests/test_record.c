@@ -26,13 +26,13 @@ static void keeps_the_best_feasible_point(void)
 }
 
 /* A method that sees a good point and ends with worse, infeasible and undefined ones. */
-static lw_stop liar(lw_stage *s, const double *x)
+static lw_stop liar(lw_barrier_stage *s, const double *x)
 {
     const double good[3] = { 3.6, 3.6, 4.6 }, out[3] = { 4, 4, 5 }, none[3] = { NAN, 0, 0 };
-    lw_stage_value(s, good, NULL);
-    lw_stage_value(s, x, NULL);
-    CHECK(isfinite(lw_stage_value(s, none, NULL)));
-    lw_stage_value(s, out, NULL);
+    lw_barrier_stage_value(s, good, NULL);
+    lw_barrier_stage_value(s, x, NULL);
+    CHECK(isfinite(lw_barrier_stage_value(s, none, NULL)));
+    lw_barrier_stage_value(s, out, NULL);
     return LW_STOP_F_TOL;
 }
 
@@ -52,11 +52,11 @@ static void trusts_no_method(void)
 }
 
 /* A method that comes to the condition from outside and stays a little outside. */
-static lw_stop outsider(lw_stage *s, const double *x)
+static lw_stop outsider(lw_barrier_stage *s, const double *x)
 {
     double t = sqrt(48/3.0) + 1e-10, y[3] = { t, t, t };
     (void)x;
-    lw_stage_value(s, y, NULL);
+    lw_barrier_stage_value(s, y, NULL);
     return LW_STOP_X_TOL;
 }
 

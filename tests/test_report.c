@@ -54,11 +54,11 @@ static void make(const char *family, double mode, lw_task task, double shake, lw
     claim(k);
 }
 
-static lw_report report_of(const made *k)
+static lw_fit_report report_of(const made *k)
 {
-    lw_report r;
+    lw_fit_report r;
     lw_error e = { .text = "" };
-    CHECK_INT(lw_report_make(&k->t, &k->spec, &k->c, &r, &e), LW_OK);
+    CHECK_INT(lw_fit_report_make(&k->t, &k->spec, &k->c, &r, &e), LW_OK);
     return r;
 }
 
@@ -81,7 +81,7 @@ static void every_honest_candidate_is_verified(void)
             if (!can_do(f->name, task))
                 continue;
             make(f->name, trial % 2 ? 1 : -1, task, 0.05, &rng, &k);
-            lw_report r = report_of(&k);
+            lw_fit_report r = report_of(&k);
             if (!r.verified)
                 fprintf(stderr, "%s: %s\n", f->name, r.fault);
             CHECK(r.verified && r.fault[0] == 0);
@@ -104,7 +104,7 @@ static void dimensions_of_fit_and_report_agree(void)
             if (!can_do(f->name, (lw_task)task))
                 continue;
             make(f->name, 1, (lw_task)task, 0.05, &rng, &k);
-            lw_report r = report_of(&k);
+            lw_fit_report r = report_of(&k);
             CHECK_INT(lw_problem_make(&k.t, &k.spec, f, 1, 1, &p, NULL), LW_OK);
             for (int i = 0; i < p.n_dim; i++) {
                 CHECK_TEXT(r.dim_name[i], lw_problem_variable(&p, i));
@@ -125,7 +125,7 @@ static void errors_are_those_by_hand(void)
         double sum = 0, square = 0, most = 0, length = 0;
         size_t worst = 0;
         make(trial % 2 ? "crank-rocker" : "drag-link", 1, LW_TASK_PATH, 0.2, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         for (size_t i = 0; i < 9; i++) {
             lw_vec2 p = fourbar_at(k.c.dim, 1, k.input[i]).p;
             double d = hypot(p.x - k.st.x[i], p.y - k.st.y[i]);
@@ -154,7 +154,7 @@ static void angles_are_those_by_hand(void)
         made k;
         double sum = 0, most = 0;
         make("crank-rocker", 1, LW_TASK_MOTION, 0.2, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         for (size_t i = 0; i < 9; i++) {
             fourbar_joints q = fourbar_at(k.c.dim, 1, k.input[i]);
             double tool = atan2(q.b.y - q.a.y, q.b.x - q.a.x) + 0.125;
@@ -182,7 +182,7 @@ static void motion_is_that_of_brute_force(void)
         made k;
         double least = 9, most = 0, farthest = 0, stride = 0;
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0.2, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         for (int q = 0; q < LOOKS; q++) {
             fourbar_joints j = fourbar_at(k.c.dim, k.m.mode, 2*LW_PI*q/LOOKS);
             lw_vec2 u = lw_v2_sub(j.a, j.b), v = lw_v2_sub(j.b0, j.b);
@@ -214,7 +214,7 @@ static void cognates_trace_the_curve(void)
     for (int trial = 0; trial < 20; trial++) {
         made k;
         make("crank-rocker", trial % 2 ? 1 : -1, LW_TASK_PATH, 0, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         CHECK_INT(r.n_cognate, 2);
         for (size_t i = 0; i < 9; i++) {
             lw_vec2 p = lw_v2(k.st.x[i], k.st.y[i]);
@@ -249,7 +249,7 @@ static void what_was_tampered_with_is_not_verified(void)
         CHECK(!report_of(&k).verified);
         k.c.dim[trial % 6] -= 1e-3;
         k.input[trial % 9] += 1e-2;
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         CHECK(!r.verified);
         CHECK_HAS(r.fault, "objective");
         k.input[trial % 9] = NAN;
@@ -267,7 +267,7 @@ static void positions_that_disagree_are_not_verified(void)
     for (int trial = 0; trial < 4; trial++) {
         made k;
         make("crank-rocker", 1, LW_TASK_PATH, 0.1, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         lw_vec2 at[STATION_MAX];
         for (size_t i = 0; i < 9; i++)
             at[i] = fourbar_at(k.c.dim, 1, k.input[i]).p;
@@ -320,7 +320,7 @@ static void a_circuit_through_both_assemblies_is_verified(void)
     for (int trial = 0; trial < 40; trial++) {
         made k;
         if (make_swing(&rng, trial % 2 ? 1 : -1, &k)) {
-            lw_report r = report_of(&k);
+            lw_fit_report r = report_of(&k);
             if (!r.verified)
                 fprintf(stderr, "%s\n", r.fault);
             CHECK(r.verified);
@@ -343,7 +343,7 @@ static void stations_in_two_circuits_are_refused(void)
             k.mode[i] = i < 5 ? 1 : -1;
         k.c.mode_of = k.mode;
         k.c.objective = eq17(&k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         CHECK(!r.verified);
         CHECK_HAS(r.fault, "station 6 lies on another branch");
         lw_target_free(&k.t);
@@ -371,7 +371,7 @@ static void stations_beyond_a_gap_are_refused(void)
     for (size_t i = 0; n == 2 && i < 9; i++)
         k.st.input[i] = arc[i < 4 ? 0 : 1]->first + 0.1*(double)(i + 1)*(arc[0]->last - arc[0]->first);
     claim(&k);
-    lw_report report = report_of(&k);
+    lw_fit_report report = report_of(&k);
     CHECK(!report.verified);
     CHECK_HAS(report.fault, "station 5 cannot be reached");
     lw_target_free(&k.t);
@@ -384,7 +384,7 @@ static void what_does_not_close_says_so(void)
     made k;
     make("crank-rocker", 1, LW_TASK_PATH, 0, &rng, &k);
     k.c.dim[0] *= 100;
-    lw_report r = report_of(&k);
+    lw_fit_report r = report_of(&k);
     CHECK(!r.verified);
     CHECK_HAS(r.fault, "close");
     lw_target_free(&k.t);
@@ -413,7 +413,7 @@ static void far_small_and_large_results_are_verified(void)
         lw_target_free(&k.t);
         target_of(&k.st, &k.spec, &k.t);
         claim(&k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         if (!r.verified)
             fprintf(stderr, "%s, size %g: %s\n", k.m.family->name, z, r.fault);
         CHECK(r.verified);
@@ -438,14 +438,14 @@ static void sliding_inputs_pass_their_limits(void)
     for (int k = 0; k < 3; k++) {
         lw_fit_options o = lw_fit_options_default();
         lw_fit f;
-        lw_report r;
+        lw_fit_report r;
         o.types = types[k];
         o.max_rounds = 2;
         o.n_result = 1;
         CHECK_INT(lw_fit_run(&t, &o, &f, NULL), LW_OK);
         CHECK_INT(f.n, 1);
         if (f.n == 1) {
-            CHECK_INT(lw_report_make(&t, &o.spec, &f.candidate[0], &r, NULL), LW_OK);
+            CHECK_INT(lw_fit_report_make(&t, &o.spec, &f.candidate[0], &r, NULL), LW_OK);
             CHECK_TEXT(r.fault, "");
             CHECK(r.verified);
             if (k == 0)
@@ -468,7 +468,7 @@ static double rate_of(const lw_plan *plan, const double *dim, const double *mode
 
 /* Turns of links pinned to the ground change their sense as often as is said, and there; the input cannot be moved
  * beyond its limits, and up to them. Reversals counted. */
-static int check_reversals(const lw_plan *plan, const lw_candidate *c, const double *mode, const lw_report *r)
+static int check_reversals(const lw_plan *plan, const lw_candidate *c, const double *mode, const lw_fit_report *r)
 {
     enum { STEPS = 3000 };
     const lw_linkage *k = &r->linkage;
@@ -512,7 +512,7 @@ static void limits_and_dead_points_are_where_samples_change_sign(void)
     for (int trial = 0; trial < 45; trial++) {
         made k;
         make(family[trial % 3], trial % 2 ? 1 : -1, LW_TASK_PATH, 0.05, &rng, &k);
-        lw_report r = report_of(&k);
+        lw_fit_report r = report_of(&k);
         found += check_reversals(&k.m.plan, &k.c, k.c.branch.mode, &r);
         lw_target_free(&k.t);
     }
@@ -554,7 +554,7 @@ static void motion_of_higher_groups(void)
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], first, least = 9, most = 0, fastest = 0;
         lw_error e = { .text = "" };
         made m = { .spec = lw_fit_spec_default() };
-        CHECK_INT(lw_plan_make_any(&k, (lw_want){ 1, true }, &plan, &e), LW_OK);
+        CHECK_INT(lw_plan_make_any(&k, (lw_plan_outputs){ 1, true }, &plan, &e), LW_OK);
         CHECK_INT(plan.n_higher, 1);
         CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &first, &e), LW_OK);
         static lw_vec2 around[N + 3], *p = around + 1;
@@ -583,7 +583,7 @@ static void motion_of_higher_groups(void)
             m.st.y[q] = p[at].y;
         }
         target_of(&m.st, &m.spec, &m.t);
-        lw_report r = report_of(&m);
+        lw_fit_report r = report_of(&m);
         CHECK_INT(r.turns, known[i].turns);
         CHECK_INT(r.circuits, known[i].turns ? 2 : 1);
         CHECK_NEAR(r.input_last - r.input_first, known[i].turns ? 2*LW_PI : 0.5093697156951267 + 1.8154101282362176, 1e-9, 0);

@@ -15,7 +15,7 @@ static lw_fit_options options(lw_timing timing, int jobs)
 }
 
 /* Best objective with so many links. */
-static double best_of(const lw_survey *s, int links)
+static double best_of(const lw_staged_search *s, int links)
 {
     double best = INFINITY;
     for (int i = 0; i < s->fit.n; i++)
@@ -28,22 +28,22 @@ static void the_true_topology_gives_the_curve_back(void)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
+    lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
     lw_fit_options o = options(LW_TIMING_PRESCRIBED, 0);
     lw_target t;
-    lw_survey s;
+    lw_staged_search s;
     lw_error e = { .text = "" };
     o.max_rounds = 40;
     o.budget = 1000000;
     six_bar_target(&k, 40, true, &t);
-    CHECK_INT(lw_survey_run(&t, &o, stage, 2, &s, &e), LW_OK);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s, &e), LW_OK);
     CHECK(best_of(&s, 6) < 1e-20);
     CHECK(best_of(&s, 4) > 1e-4);
-    lw_report *r = malloc(sizeof *r);
-    CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
+    lw_fit_report *r = malloc(sizeof *r);
+    CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
     CHECK(r->verified && r->error_max < 1e-9);
     free(r);
-    lw_survey_free(&s);
+    lw_staged_search_free(&s);
     lw_target_free(&t);
 }
 
@@ -52,23 +52,23 @@ static void more_links_are_never_worse(void)
     static const double px[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, py[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
     lw_linkage k = six_bar();
     lw_family six = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
+    lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&six, 1) },
                          { .links = 8, .families = lw_families_of(NULL, 0) } };     /* of eight only grown ones */
     lw_fit_options o = options(LW_TIMING_FREE, 0);
     lw_target t;
-    lw_survey s;
+    lw_staged_search s;
     CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
-    CHECK_INT(lw_survey_run(&t, &o, stage, 3, &s, NULL), LW_OK);
+    CHECK_INT(lw_staged_search_run(&t, &o, stage, 3, &s, NULL), LW_OK);
     CHECK(best_of(&s, 6) <= best_of(&s, 4)*(1 + 1e-9));
     CHECK(best_of(&s, 8) <= best_of(&s, 6)*(1 + 1e-9));
     CHECK(s.stage[2].n_grown > 4);
     for (int i = 0; i < s.fit.n; i++) {
-        lw_report *r = malloc(sizeof *r);
-        CHECK_INT(lw_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL), LW_OK);
+        lw_fit_report *r = malloc(sizeof *r);
+        CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[i], r, NULL), LW_OK);
         CHECK_NEAR(r->objective, s.fit.candidate[i].objective, 1e-12, 1e-6);
         free(r);
     }
-    lw_survey_free(&s);
+    lw_staged_search_free(&s);
     lw_target_free(&t);
 }
 
@@ -76,23 +76,23 @@ static void threads_do_not_change_the_answer(void)
 {
     lw_linkage k = six_bar();
     lw_family f = { .name = "six-bar", .linkage = &k, .links = 6 };
-    lw_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
+    lw_search_stage stage[] = { { .links = 4 }, { .links = 6, .families = lw_families_of(&f, 1) } };
     lw_target t;
-    lw_survey s[2];
+    lw_staged_search s[2];
     six_bar_target(&k, 12, false, &t);
     for (int i = 0; i < 2; i++) {
         lw_fit_options o = options(LW_TIMING_FREE, 1 + 2*i);
         o.budget = 20000;
         o.max_rounds = 3;
-        CHECK_INT(lw_survey_run(&t, &o, stage, 2, &s[i], NULL), LW_OK);
+        CHECK_INT(lw_staged_search_run(&t, &o, stage, 2, &s[i], NULL), LW_OK);
     }
     CHECK_INT(s[0].fit.n, s[1].fit.n);
     CHECK_INT(s[0].fit.evals, s[1].fit.evals);
     for (int i = 0; i < s[0].fit.n && i < s[1].fit.n; i++)
         CHECK(memcmp(s[0].fit.candidate[i].dim, s[1].fit.candidate[i].dim,
                      sizeof(double)*(size_t)s[0].fit.candidate[i].n_dim) == 0);
-    lw_survey_free(&s[0]);
-    lw_survey_free(&s[1]);
+    lw_staged_search_free(&s[0]);
+    lw_staged_search_free(&s[1]);
     lw_target_free(&t);
 }
 

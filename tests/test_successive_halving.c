@@ -14,14 +14,14 @@ static lw_turn turn_of(const void *of, int i)
 static double worth(int arm) { return 1 + arm*2654435761u % 100003; }
 
 /* A find of the arm that is worth so much. */
-static lw_few *find_of(int arm)
+static lw_best_starts *find_of(int arm)
 {
     static lw_pool pool;
     lw_variables v = { .n = 1 };
     pool.n = 0;
     lw_found c = { .f = worth(arm), .arm = arm };
     lw_pool_put(&pool, &c, &v);
-    return lw_few_of(&pool, 1, &v, 0);
+    return lw_best_starts_of(&pool, 1, &v, 0);
 }
 
 static lw_search *begin(crowd *c, lw_families *f, lw_fit_options *o)
@@ -32,7 +32,7 @@ static lw_search *begin(crowd *c, lw_families *f, lw_fit_options *o)
     s->o = o;
     s->n_arm = c->n;
     s->arm = calloc((size_t)c->n + 1, sizeof *s->arm);
-    CHECK_INT(lw_search_share_begin(s), LW_OK);
+    CHECK_INT(lw_search_halving_begin(s), LW_OK);
     return s;
 }
 
@@ -50,7 +50,7 @@ static void end(lw_search *s)
 static void learn(lw_search *s)
 {
     for (int j = 0; j < s->n_job; j++) {
-        lw_arm *a = &s->arm[s->job[j].arm];
+        lw_search_candidate *a = &s->arm[s->job[j].arm];
         a->state = LW_FIT_CLOSED;
         a->starts++;
         if (!a->best)
@@ -72,12 +72,12 @@ static void few_families_are_all_looked_at(void)
     lw_families f;
     lw_fit_options o = { 0 };
     lw_search *s = begin(&c, &f, &o);
-    lw_search_share(s);
+    lw_search_halving(s);
     for (int i = 0; i < c.n; i++)
         CHECK(in_round(s, i));
     for (int left = 10; left >= 3; left = (left + 1)/2) {            /* the better half each time            */
         learn(s);
-        lw_search_share(s);
+        lw_search_halving(s);
         for (int i = 0; i < c.n; i++) {
             int better = 0;
             for (int k = 0; k < c.n; k++)
@@ -86,7 +86,7 @@ static void few_families_are_all_looked_at(void)
         }
     }
     learn(s);
-    lw_search_share(s);                                              /* and all over again                   */
+    lw_search_halving(s);                                              /* and all over again                   */
     for (int i = 0; i < c.n; i++)
         CHECK(in_round(s, i));
     end(s);
@@ -104,7 +104,7 @@ static void many_families_have_their_turn(void)
         int looked = 0, rounds = 0, *seen = calloc((size_t)c.n, sizeof *seen);
         lw_turn last = LW_TURN_START;
         for (; looked < c.n && rounds < 400; rounds++) {
-            lw_search_share(s);
+            lw_search_halving(s);
             CHECK(s->n_job > 0 && s->n_job <= LW_JOB_MAX);
             for (int j = 0; j < s->n_job && s->sweep.rung == 0; j++) {
                 int arm = s->job[j].arm, fresh = !seen[arm];
@@ -135,7 +135,7 @@ static void the_unable_are_left_out(void)
     for (int i = 0; i < c.n; i++)
         s->arm[i].state = i % 2 ? LW_FIT_UNABLE : LW_FIT_UNREACHED;
     for (int round = 0; round < 12; round++) {
-        lw_search_share(s);
+        lw_search_halving(s);
         CHECK(s->n_job > 0);
         for (int j = 0; j < s->n_job; j++)
             CHECK(s->job[j].arm % 2 == 0);
@@ -143,12 +143,12 @@ static void the_unable_are_left_out(void)
     }
     for (int i = 0; i < c.n; i++)
         s->arm[i].state = LW_FIT_UNABLE;
-    lw_search_share(s);
+    lw_search_halving(s);
     CHECK_INT(s->n_job, 0);
     end(s);
     c.n = 0;
     s = begin(&c, &f, &o);
-    lw_search_share(s);
+    lw_search_halving(s);
     CHECK_INT(s->n_job, 0);
     end(s);
 }

@@ -41,29 +41,29 @@ typedef struct journey { int limits, passed[STATIONS]; double x[STATIONS], y[STA
 static bool travel(const lw_linkage *k, size_t n, journey *to)
 {
     lw_system *s = malloc(sizeof *s);
-    lw_branch *b = NULL;
+    lw_motion_curve *b = NULL;
     double q[LW_SYSTEM_Q_MAX];
     int n_event = 0;
     to->limits = 0;
     if (lw_system_make(k, NULL, 0, s, NULL) == LW_OK
-        && lw_branch_create(s, NULL, &(lw_branch_options){ .input = 0 }, &b, NULL) == LW_OK
-        && lw_branch_ended(b) == LW_BRANCH_CLOSED) {
-        const lw_branch_event *e = lw_branch_events(b, &n_event);
+        && lw_motion_curve_create(s, NULL, &(lw_motion_curve_options){ .input = 0 }, &b, NULL) == LW_OK
+        && lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED) {
+        const lw_motion_curve_event *e = lw_motion_curve_events(b, &n_event);
         for (int i = 0; i < n_event; i++)
             to->limits += e[i].kind == LW_EVENT_LIMIT;
         for (size_t i = 0; i < n; i++) {
-            double place = lw_branch_station(b, lw_branch_length(b)*(double)i/(double)n);
-            lw_branch_pose(b, place, q, NULL);
+            double place = lw_motion_curve_station(b, lw_motion_curve_length(b)*(double)i/(double)n);
+            lw_motion_curve_pose(b, place, q, NULL);
             lw_vec2 p = lw_system_point(s, s->tracer_body[0], s->tracer_arm[0], q);
             to->x[i] = p.x;
             to->y[i] = p.y;
-            to->input[i] = lw_branch_input(b, q) - k->input[0].value;
+            to->input[i] = lw_motion_curve_input(b, q) - k->input[0].value;
             to->passed[i] = 0;
             for (int j = 0; j < n_event; j++)
                 to->passed[i] += e[j].kind == LW_EVENT_LIMIT && e[j].station < place;
         }
     }
-    lw_branch_free(b);
+    lw_motion_curve_free(b);
     free(s);
     return to->limits > 0;
 }
@@ -86,7 +86,7 @@ static void *begin(const lw_family *f, const lw_target *t, lw_problem *p, double
     CHECK_INT(lw_problem_make(t, &spec, f, 1, 1, p, &e), LW_OK);
     void *work = aligned_alloc(64, (lw_problem_work_size(p) + 127) & ~(size_t)63);
     lw_problem_work_init(p, work);
-    CHECK(lw_member_posture(p, x, work));
+    CHECK(lw_random_linkage_posture(p, x, work));
     return work;
 }
 
@@ -124,7 +124,7 @@ static void the_true_dimensions_have_no_error(void)
             other++;                                     /* limits closer than samples                   */
         else {
             place(&p, &way, input, w);
-            CHECK(lw_assign_refine(&p, x, w, 60));
+            CHECK(lw_timing_refine(&p, x, w, 60));
             CHECK_NEAR(lw_problem_rows(&p, x, w, false), 0, 1e-18, 0);
             seen[trial % N_NET]++;
             many += way.limits > 2;
@@ -142,7 +142,7 @@ static void the_true_dimensions_have_no_error(void)
 /* Do the stations rest where they are: is f the same after more steps? */
 static bool at_rest(const lw_problem *p, const double *x, double f, lw_work *w)
 {
-    return lw_problem_settle(p, x, w) && lw_assign_refine(p, x, w, 60) && lw_assign_refine(p, x, w, 60)
+    return lw_problem_settle(p, x, w) && lw_timing_refine(p, x, w, 60) && lw_timing_refine(p, x, w, 60)
         && fabs(lw_problem_rows(p, x, w, false) - f) < 1e-10*f;
 }
 
@@ -197,7 +197,7 @@ static void derivatives_hold_over_limits(void)
 static void a_search_finds_the_curve(void)
 {
     lw_rng rng;
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     lw_rng_seed(&rng, 20260101, 4);
     for (int which = 0; which < 2; which++) {
         lw_linkage k;
@@ -221,7 +221,7 @@ static void a_search_finds_the_curve(void)
         if (fit.n > 0) {
             const lw_candidate *c = &fit.candidate[0];
             CHECK(sqrt(c->objective/30) < 0.01*t.size);
-            CHECK_INT(lw_report_make(&t, &o.spec, c, r, &e), LW_OK);
+            CHECK_INT(lw_fit_report_make(&t, &o.spec, c, r, &e), LW_OK);
             CHECK_TEXT(r->fault, "");
             CHECK(r->verified);
         }

@@ -2,10 +2,10 @@
 #include "optimise/task/task_file.h"
 #include "tests/check.h"
 
-static lw_status read(const char *text, lw_brief *b, lw_error *e)
+static lw_status read(const char *text, lw_task_file *b, lw_error *e)
 {
     *e = (lw_error){ .text = "" };
-    return lw_brief_read(text, strlen(text), "t.json", b, e);
+    return lw_task_file_read(text, strlen(text), "t.json", b, e);
 }
 
 static void everything_is_read(void)
@@ -17,7 +17,7 @@ static void everything_is_read(void)
         "\"lengths\":{\"least\":5,\"most\":50,\"ratio\":6},\"positions\":{\"least\":-7,\"most\":8},"
         "\"pivots\":{\"line\":[[1,1],[1,3]],\"within\":0.5},"
         "\"forbidden\":[{\"circle\":[[9,8],2]},{\"box\":[[20,30],[40,50]]}]}";
-    lw_brief b;
+    lw_task_file b;
     lw_error e;
     CHECK_INT(read(text, &b, &e), LW_OK);
     CHECK_TEXT(b.name, "n");
@@ -41,7 +41,7 @@ static void everything_is_read(void)
     CHECK_INT(b.spec.zone[1].kind, LW_ZONE_NO_CIRCLE);
     CHECK_NEAR(b.spec.zone[1].reach, 2e-3, 0, 1e-15);
     CHECK_NEAR(b.spec.zone[2].to.x, 0.04, 0, 1e-15);
-    lw_brief_free(&b);
+    lw_task_file_free(&b);
 }
 
 static void faults_have_a_place(void)
@@ -80,7 +80,7 @@ static void faults_have_a_place(void)
         { "{\"linkwright-task\":1,\"target\":\"a\",\"point_links\":[\"rocker\"]}", 1, 50, "no link \"rocker\"" },
     };
     for (size_t i = 0; i < sizeof bad/sizeof *bad; i++) {
-        lw_brief b;
+        lw_task_file b;
         lw_error e;
         CHECK_INT(read(bad[i].text, &b, &e), LW_E_NOTATION);
         CHECK_INT(e.line, bad[i].line);
@@ -101,10 +101,10 @@ static void what_can_be_done_is_no_contradiction(void)
         "{\"linkwright-task\":1,\"target\":\"a\",\"pivots\":{\"box\":[[3,3],[6,6]]},\"positions\":{\"least\":0,\"most\":4}}"
     };
     for (size_t i = 0; i < sizeof good/sizeof *good; i++) {
-        lw_brief b;
+        lw_task_file b;
         lw_error e;
         CHECK_INT(read(good[i], &b, &e), LW_OK);
-        lw_brief_free(&b);
+        lw_task_file_free(&b);
     }
 }
 
@@ -113,11 +113,11 @@ static void dwells_become_stations(void)
     static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"angle\":0,\"theta\":1},{\"angle\":3,\"theta\":2}],"
                                "\"dwell\":[{\"from\":1,\"to\":2,\"theta\":5,\"points\":3,\"weight\":4}]}";
     static const double angle[] = { 0, 1, 1.5, 2, 3 }, theta[] = { 1, 5, 5, 5, 2 }, weight[] = { 1, 4, 4, 4, 1 };
-    lw_brief b;
+    lw_task_file b;
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_OK);
     CHECK_INT(t.n, 5);
     for (size_t i = 0; i < 5 && i < t.n; i++) {
         CHECK_NEAR(t.angle[i], angle[i], 1e-15, 0);
@@ -126,9 +126,9 @@ static void dwells_become_stations(void)
     }
     lw_target_free(&t);
     b.dwell[0].from = -1;                                /* the first station is inside now        */
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 1");
-    lw_brief_free(&b);
+    lw_task_file_free(&b);
 }
 
 static void tracers_have_targets_of_their_own(void)
@@ -141,7 +141,7 @@ static void tracers_have_targets_of_their_own(void)
                                   "{\"x\":0,\"y\":0,\"x2\":30,\"y2\":15,\"theta2\":90,\"weight2\":3},"
                                   "{\"x\":3,\"y\":1,\"x2\":5,\"y2\":5,\"theta2\":80,\"weight2\":2}],\"point_links\":[\"input\"],"
                                   "\"forbidden\":[{\"circle\":[[30,15],1]}]}";
-    lw_brief b;
+    lw_task_file b;
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
@@ -151,35 +151,35 @@ static void tracers_have_targets_of_their_own(void)
     CHECK_INT(b.spec.carrier[0], LW_CARRIER_OUTPUT);
     CHECK_INT(b.spec.carrier[1], LW_CARRIER_ANY);
     CHECK_NEAR(b.also[1].stations.theta[1], LW_PI/4, 0, 1e-15);
-    lw_brief_free(&b);
+    lw_task_file_free(&b);
     CHECK_INT(read(columns, &b, &e), LW_OK);
     CHECK_INT(b.stations.n_also, 1);
     CHECK_INT(b.spec.carrier[0], LW_CARRIER_INPUT);
     CHECK_NEAR(b.stations.also[0].x[0], 0.03, 0, 1e-15);
     CHECK_NEAR(b.stations.also[0].theta[0], LW_PI/2, 0, 1e-15);
     CHECK_NEAR(b.stations.also[0].weight[1], 2, 0, 0);
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 1 of point 2 lies inside a forbidden zone");
     b.spec.n_zone = 0;
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_OK);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_OK);
     CHECK(t.n_also == 1 && t.also[0].y[1] == b.stations.also[0].y[1]);
     lw_target_free(&t);
     b.n_dwell = 1;
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
-    lw_brief_free(&b);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    lw_task_file_free(&b);
 }
 
 static void a_station_in_a_forbidden_zone(void)
 {
     static const char text[] = "{\"linkwright-task\":1,\"stations\":[{\"x\":0,\"y\":0},{\"x\":3,\"y\":1}],"
                                "\"forbidden\":[{\"circle\":[[3,1.5],1]}]}";
-    lw_brief b;
+    lw_task_file b;
     lw_error e;
     lw_target t;
     CHECK_INT(read(text, &b, &e), LW_OK);
-    CHECK_INT(lw_brief_target(&b, &b.stations, &t, &e), LW_E_ARG);
+    CHECK_INT(lw_task_file_target(&b, &b.stations, &t, &e), LW_E_ARG);
     CHECK_HAS(e.text, "station 2 lies inside a forbidden zone");
-    lw_brief_free(&b);
+    lw_task_file_free(&b);
 }
 
 int main(void)

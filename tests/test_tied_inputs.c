@@ -20,7 +20,7 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-static const lw_want all = { .tracers = 1, .all_joints = true };
+static const lw_plan_outputs all = { .tracers = 1, .all_joints = true };
 
 static void tie(lw_linkage *k, int joint, double ratio)
 {
@@ -181,7 +181,7 @@ static void goes_with_the_first_in_time(void)
         lw_model m;
         lw_linkage k, there;
         lw_system s;
-        lw_drive *d;
+        lw_prescribed_motion *d;
         if (slides)
             crank_and_slide(&k);
         else
@@ -189,19 +189,19 @@ static void goes_with_the_first_in_time(void)
         lw_model_from_linkage(&k, &m);
         CHECK_INT(lw_model_drive(&m, 0, "0.7853981633974483 + 0.3*sin(2*t)", NULL), LW_OK);
         CHECK_INT(lw_system_make(&k, NULL, 0, &s, NULL), LW_OK);
-        CHECK_INT(lw_drive_create(&s, lw_drive_of_model, &m, 0, &d, NULL), LW_OK);
+        CHECK_INT(lw_prescribed_motion_create(&s, lw_prescribed_motion_of_model, &m, 0, &d, NULL), LW_OK);
         for (int i = 0; i <= 20; i++) {
             double u[2*LW_INPUT_MAX], t = 0.2*i;
-            CHECK_INT(lw_drive_to(d, t), LW_OK);
-            lw_drive_of_model(&m, t, 1, u);
+            CHECK_INT(lw_prescribed_motion_to(d, t), LW_OK);
+            lw_prescribed_motion_of_model(&m, t, 1, u);
             there = k;
-            lw_system_write(&s, lw_drive_pose(d), &there);
+            lw_system_write(&s, lw_prescribed_motion_pose(d), &there);
             CHECK_NEAR(there.input[0].value, LW_PI/4 + 0.3*sin(2*t), 1e-12, 0);
             CHECK_NEAR(there.input[1].value, k.input[1].value + k.input[1].ratio*0.3*sin(2*t), 1e-11, 0);
             CHECK_NEAR(there.input[1].value, u[2], 1e-11, 0);
             CHECK_NEAR(u[3], k.input[1].ratio*0.6*cos(2*t), 1e-12, 0);
         }
-        lw_drive_free(d);
+        lw_prescribed_motion_free(d);
         lw_model_free(&m);
     }
 }
@@ -245,7 +245,7 @@ static void run_model(lw_model *m, lw_analysis analysis, lw_formulation formulat
 {
     lw_dynamics_options o = lw_dynamics_options_default();
     lw_dynamics *d = NULL;
-    lw_report r;
+    lw_dynamics_report r;
     lw_error e = { .text = "" };
     memset(out, 0, sizeof *out);
     o.analysis = analysis;

@@ -54,7 +54,7 @@ static void order_is_isotonic_regression(void)
             w[i] = trial % 5 ? lw_rng_range(&rng, 0.1, 3) : 1;
             got[i] = p.branch.sense*v[i];
         }
-        lw_assign_order(&p, got, w, scratch);
+        lw_timing_order(&p, got, w, scratch);
         for (size_t i = 0; i < p.n; i++) {
             CHECK_NEAR(p.branch.sense*got[i], isotonic(p.n, v, w, i), 1e-13, 1e-13);
             CHECK(i == 0 || p.branch.sense*got[i] >= p.branch.sense*got[i - 1]);
@@ -78,7 +78,7 @@ static void order_goes_round_at_most_once(void)
             w[i] = lw_rng_range(&rng, 0.1, 3);
             got[i] = p.branch.sense*v[i];
         }
-        lw_assign_order(&p, got, w, scratch);
+        lw_timing_order(&p, got, w, scratch);
         for (size_t i = 0; i < p.n; i++) {
             got[i] *= p.branch.sense;
             CHECK(i == 0 || got[i] >= got[i - 1]);
@@ -107,7 +107,7 @@ static void order_leaves_what_is_in_order(void)
     double v[5] = { -3, -1, -1, 0.5, 3 }, w[5] = { 1, 2, 3, 4, 5 }, got[5], scratch[15];
     lw_problem p = { .n = 5, .branch.sense = 1 };
     memcpy(got, v, sizeof v);
-    lw_assign_order(&p, got, w, scratch);
+    lw_timing_order(&p, got, w, scratch);
     CHECK(memcmp(got, v, sizeof v) == 0);
 }
 
@@ -144,7 +144,7 @@ static void programme_finds_the_cheapest_sequence(void)
         double x[LW_VAR_MAX], cheapest = INFINITY, over_all = INFINITY, got = INFINITY;
         scatter(3, LW_TIMING_FREE, 0.6, trial % 2 ? 1 : -1, &rng, &p, x);
         lw_work *w = new_work(&p);
-        CHECK(lw_assign(&p, x, w));
+        CHECK(lw_timing_assign(&p, x, w));
         check_costs(&p, w);
         const short *steps = w->order + p.n;
         for (int first = 0; first < M; first++) {
@@ -180,12 +180,12 @@ static void check_blocks(const lw_problem *p, const double *x, const lw_work *w)
 {
     for (size_t a = 0, count; a < p->n; a += count) {
         count = 1;
-        while (a + count < p->n && lw_assign_joined(p, w, a + count - 1))
+        while (a + count < p->n && lw_timing_joined(p, w, a + count - 1))
             count++;
         size_t before = 0;                               /* stations behind the turn               */
-        while (a == 0 && before < p->n && lw_assign_joined(p, w, p->n - 1 - before))
+        while (a == 0 && before < p->n && lw_timing_joined(p, w, p->n - 1 - before))
             before++;
-        if (a > 0 && a + count == p->n && lw_assign_joined(p, w, p->n - 1))
+        if (a > 0 && a + count == p->n && lw_timing_joined(p, w, p->n - 1))
             return;                                      /* seen with station 0                    */
         double here = 0, least = INFINITY;
         for (int k = 0; k <= 40; k++) {
@@ -209,7 +209,7 @@ static void refined_stations_stand_at_their_feet(void)
         lw_timing timing = trial % 2 ? LW_TIMING_FREE : LW_TIMING_NONE;
         scatter(10, timing, trial % 3 ? 0.05 : 0.3, trial % 4 < 2 ? 1 : -1, &rng, &p, x);
         lw_work *w = new_work(&p);
-        CHECK(lw_assign(&p, x, w) && lw_assign_refine(&p, x, w, 1000));      /* in a fit 60 steps are enough */
+        CHECK(lw_timing_assign(&p, x, w) && lw_timing_refine(&p, x, w, 1000));      /* in a fit 60 steps are enough */
         check_blocks(&p, x, w);
         for (size_t i = 0; timing == LW_TIMING_FREE && i + 1 < p.n; i++)
             CHECK(p.branch.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
@@ -298,7 +298,7 @@ static void feet_on_the_polygon_are_the_nearest(void)
         CHECK(lw_problem_settle(&p, x, w));
         for (int j = 0; j < M; j++) {
             double sx = w->jac.x[p.n + (size_t)j], sy = w->jac.y[p.n + (size_t)j], least = INFINITY;
-            lw_assign_samples(&p, w, w->jac.x + p.n, w->jac.y + p.n);
+            lw_timing_samples(&p, w, w->jac.x + p.n, w->jac.y + p.n);
             for (size_t i = 0; i < p.n; i++)
                 for (int q = 0; q <= 400; q++) {
                     size_t k = (i + 1) % p.n;

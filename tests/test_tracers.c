@@ -29,7 +29,7 @@ static void draw_machine(lw_rng *rng, machine *m)
     lw_fit_spec s = lw_fit_spec_default();
     double r2 = lw_rng_range(rng, 0.5, 1.2), size[3];
     CHECK_INT(lw_tracers_linkage(family_named("crank-rocker"), &like, &s, &k, &e), LW_OK);
-    CHECK_INT(lw_plan_make(&k, (lw_want){ lw_tracers_mask(&like), true }, &m->plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ lw_tracers_mask(&like), true }, &m->plan, &e), LW_OK);
     do
         for (int i = 0; i < 3; i++)
             size[i] = lw_rng_range(rng, 1.5, 4)*r2;
@@ -74,9 +74,9 @@ static lw_target target_rows(rows *r, bool timed)
 static void check_found(const machine *m, const lw_target *t, const lw_fit_options *o, const lw_fit *fit)
 {
     lw_error e;
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     const lw_candidate *c = &fit->candidate[0];
-    CHECK_INT(lw_report_make(t, &o->spec, c, r, &e), LW_OK);
+    CHECK_INT(lw_fit_report_make(t, &o->spec, c, r, &e), LW_OK);
     CHECK(r->verified);
     CHECK_NEAR(c->objective, 0, 1e-22, 0);
     for (int i = 0; i < N_NAME; i++) {
@@ -267,7 +267,7 @@ static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
     k->n_tracer = 3;
     k->tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
     k->tracer[2] = (lw_tracer){ .name = "H", .link = 5, .at = { -3, 2.5 } };
-    CHECK_INT(lw_plan_make(k, (lw_want){ 7, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 7, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
         lw_pose pose;
@@ -300,7 +300,7 @@ static void gradient_of_a_six_bar_is_that_of_differences(void)
         s.timing = trial % 2 ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
         CHECK_INT(lw_problem_make(&t, &s, &f, 1, 1, &p, &e), LW_OK);
         void *work = new_work(&p);
-        CHECK(lw_member_posture(&p, x, work));
+        CHECK(lw_random_linkage_posture(&p, x, work));
         for (int i = 0; i < p.n_var; i++)
             if (p.lo[i] < p.hi[i])
                 x[i] += 0.003*lw_rng_normal(&rng);
@@ -405,7 +405,7 @@ static void points_on_two_links_are_found_again(void)
     lw_fit_options o = lw_fit_options_default();
     k.n_tracer = 2;
     k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
-    CHECK_INT(lw_plan_make(&k, (lw_want){ 3, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 3, true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
         lw_pose pose;
@@ -431,11 +431,11 @@ static void points_on_two_links_are_found_again(void)
     CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
     CHECK(fit.n > 0);
     if (fit.n > 0) {
-        lw_report *report = malloc(sizeof *report);
+        lw_fit_report *report = malloc(sizeof *report);
         CHECK_NEAR(fit.candidate[0].objective, 0, 1e-18, 0);
         CHECK_INT(fit.candidate[0].family->linkage->tracer[0].link, 4);
         CHECK_INT(fit.candidate[0].family->linkage->tracer[1].link, 2);
-        CHECK_INT(lw_report_make(&t, &o.spec, &fit.candidate[0], report, &e), LW_OK);
+        CHECK_INT(lw_fit_report_make(&t, &o.spec, &fit.candidate[0], report, &e), LW_OK);
         CHECK(report->verified && report->also[0].max < 1e-8 && report->error_max < 1e-8);
         free(report);
     }

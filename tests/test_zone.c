@@ -7,7 +7,7 @@
 static const double px[] = { 0, 1, 2, 3, 3.2, 2.6, 1.5, 0.4 }, py[] = { 0, 0.1, 0, 0.3, 1.2, 1.8, 1.7, 1.1 };
 
 /* The best four-bar under the conditions of s. */
-static bool best(const lw_fit_spec *s, lw_report *r)
+static bool best(const lw_fit_spec *s, lw_fit_report *r)
 {
     lw_fit_options o = lw_fit_options_default();
     lw_target t;
@@ -20,7 +20,7 @@ static bool best(const lw_fit_spec *s, lw_report *r)
     CHECK_INT(lw_fit_run(&t, &o, &f, &e), LW_OK);
     bool found = false;
     for (int i = 0; i < f.n && !found; i++)
-        found = lw_report_make(&t, s, &f.candidate[i], r, NULL) == LW_OK && r->verified;
+        found = lw_fit_report_make(&t, s, &f.candidate[i], r, NULL) == LW_OK && r->verified;
     lw_fit_free(&f);
     lw_target_free(&t);
     CHECK(found);
@@ -42,7 +42,7 @@ static bool is_fixed(const lw_linkage *k, int j)
 
 static void pivots_in_a_box_and_on_a_line(void)
 {
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.n_zone = 1;
     s.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { -2, -4 }, { 5, -1 }, 0 };
@@ -62,7 +62,7 @@ static void pivots_in_a_box_and_on_a_line(void)
 
 static void nothing_enters_a_circle(void)
 {
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     lw_newton *n;
     s.n_zone = 1;
@@ -145,7 +145,7 @@ static void nothing_meets_a_contradiction(void)
 
 static void lengths_of_one_order(void)
 {
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     lw_fit_spec s = cranks();
     s.length_ratio = 2.5;
     if (best(&s, r)) {

@@ -8,8 +8,8 @@
  *
  * One assembly mode is enough: the other gives the mirror image with the tracer mirrored, and curves are
  * compared with their mirror images (descriptor.h). */
-#ifndef LW_CATALOGUES_CURVES_H
-#define LW_CATALOGUES_CURVES_H
+#ifndef LW_CATALOGUES_CURVES_CURVES_H
+#define LW_CATALOGUES_CURVES_CURVES_H
 
 #include "catalogues/curves/descriptor.h"
 #include "mbs/kinematics/motion.h"

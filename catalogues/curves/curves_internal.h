@@ -1,6 +1,6 @@
 /* catalogues/curves/curves_internal.h - curves of topologies with more than four links. */
-#ifndef LW_CATALOGUES_CURVES_INTERNAL_H
-#define LW_CATALOGUES_CURVES_INTERNAL_H
+#ifndef LW_CATALOGUES_CURVES_CURVES_INTERNAL_H
+#define LW_CATALOGUES_CURVES_CURVES_INTERNAL_H
 
 #include "catalogues/curves/curves.h"
 #include "optimise/problem/problem.h"

@@ -145,17 +145,17 @@ bool lw_curve_topology_draw(const lw_curve_topology *t, const uint32_t key[2], b
     lw_problem *p = work;
     void *own = (unsigned char *)work + rounded(sizeof *p);
     const lw_plan *plan = &t->problem.plan;
-    double u[LW_MEMBER_DRAW_MAX + 2];
+    double u[LW_RANDOM_LINKAGE_DRAW_MAX + 2];
     lw_rng rng;
     lw_rng_seed(&rng, (uint64_t)key[1] << 32 | key[0], 0x6d656d62u);
-    for (int i = 0; i < LW_MEMBER_DRAW_MAX + 2; i++)
+    for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX + 2; i++)
         u[i] = lw_rng_uniform(&rng);
     *p = t->problem;
     lw_problem_work_init(p, own);
-    if (!lw_member_draw(p, u, turns, dim, own))
+    if (!lw_random_linkage_draw(p, u, turns, dim, own))
         return false;
     double length = link_length(plan, t->linkage.tracer[0].link, dim);
-    lw_vec2 at = lw_v2_polar(REACH*length*u[LW_MEMBER_DRAW_MAX], 2*LW_PI*u[LW_MEMBER_DRAW_MAX + 1]);
+    lw_vec2 at = lw_v2_polar(REACH*length*u[LW_RANDOM_LINKAGE_DRAW_MAX], 2*LW_PI*u[LW_RANDOM_LINKAGE_DRAW_MAX + 1]);
     dim[plan->i_cx[0]] = 0.5*length + at.x;
     dim[plan->i_cy[0]] = at.y;
     memcpy(mode, p->branch.mode, sizeof *mode*(size_t)plan->n_dyad);

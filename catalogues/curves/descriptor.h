@@ -15,8 +15,8 @@
  * units of the size, as far as the terms kept can tell.  |c_k| changes by none of the first two, hence
  *     sum (|a_k| - |b_k|)^2  <=  distance^2
  * (triangle inequality), which is what an index can be made of. */
-#ifndef LW_CATALOGUES_DESCRIPTOR_H
-#define LW_CATALOGUES_DESCRIPTOR_H
+#ifndef LW_CATALOGUES_CURVES_DESCRIPTOR_H
+#define LW_CATALOGUES_CURVES_DESCRIPTOR_H
 
 #include <stdbool.h>
 #include <stddef.h>

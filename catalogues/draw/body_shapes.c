@@ -111,7 +111,7 @@ static void travel(const lw_scene *s, int base, int moving, lw_vec2 p, lw_vec2 a
     }
 }
 
-lw_slide lw_anatomy_slide(const lw_scene *s, int j)
+lw_slide lw_body_shapes_slide(const lw_scene *s, int j)
 {
     const lw_linkage *k = &s->linkage;
     const lw_joint *line = &k->joint[j];
@@ -127,7 +127,7 @@ lw_slide lw_anatomy_slide(const lw_scene *s, int j)
 
 /* ---- cylinders ---------------------------------------------------------------------------------- */
 
-bool lw_anatomy_cylinder(const lw_scene *s, int j, lw_cylinder *c)
+bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c)
 {
     const lw_linkage *k = &s->linkage;
     const lw_joint *line = &k->joint[j];
@@ -186,7 +186,7 @@ static bool set_wheel(const lw_scene *s, const lw_gear *g, int side, int link, l
     return w->radius > 0 && isfinite(w->radius);
 }
 
-bool lw_anatomy_gear(const lw_scene *s, int j, lw_wheel w[2])
+bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel w[2])
 {
     const lw_linkage *k = &s->linkage;
     lw_gear g;
@@ -220,18 +220,18 @@ bool lw_anatomy_gear(const lw_scene *s, int j, lw_wheel w[2])
 /* ---- links -------------------------------------------------------------------------------------- */
 
 /* Add a node unless one is there already, within rounding of the coordinates. */
-static int add_node(lw_node *node, int n, lw_vec2 at, int joint, int tracer)
+static int add_node(lw_shape_node *node, int n, lw_vec2 at, int joint, int tracer)
 {
     for (int i = 0; i < n; i++)
         if (lw_v2_norm(lw_v2_sub(node[i].at, at)) <= 1e-12*(fabs(at.x) + fabs(at.y)))
             return n;
     if (n == LW_NODE_MAX)
         return n;
-    node[n] = (lw_node){ at, joint, tracer };
+    node[n] = (lw_shape_node){ at, joint, tracer };
     return n + 1;
 }
 
-int lw_anatomy_nodes(const lw_scene *s, int link, lw_node node[LW_NODE_MAX])
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE_MAX])
 {
     const lw_linkage *k = &s->linkage;
     int n = 0;
@@ -244,7 +244,7 @@ int lw_anatomy_nodes(const lw_scene *s, int link, lw_node node[LW_NODE_MAX])
         if ((line->kind != LW_JOINT_SLIDER && line->kind != LW_JOINT_SLOT)
             || (line->link[0] != link && line->link[1] != link))
             continue;
-        lw_slide w = lw_anatomy_slide(s, j);
+        lw_slide w = lw_body_shapes_slide(s, j);
         if (w.block == link)
             n = add_node(node, n, w.at, -1, -1);
         else

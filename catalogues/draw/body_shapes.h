@@ -1,8 +1,8 @@
 /* catalogues/draw/body_shapes.h - the bodies as which a linkage is drawn: which link of a sliding pair is the
  * guide and which the block, where the block sits, how far it travels, which points a link must reach.
  * All in metres, in the posture shown. */
-#ifndef LW_CATALOGUES_ANATOMY_H
-#define LW_CATALOGUES_ANATOMY_H
+#ifndef LW_CATALOGUES_DRAW_BODY_SHAPES_H
+#define LW_CATALOGUES_DRAW_BODY_SHAPES_H
 
 #include "catalogues/draw/scene.h"
 
@@ -18,7 +18,7 @@ typedef struct lw_slide {
 
 /* Joint j of the scene's linkage, LW_JOINT_SLIDER or LW_JOINT_SLOT.  The ground is always the guide;
  * else the block is the link whose pin lies nearer to the line, then the one without a tracer. */
-lw_slide lw_anatomy_slide(const lw_scene *s, int j);
+lw_slide lw_body_shapes_slide(const lw_scene *s, int j);
 
 /* A cylinder: an input between two moving links whose pins both lie on its line. */
 typedef struct lw_cylinder {
@@ -30,7 +30,7 @@ typedef struct lw_cylinder {
 } lw_cylinder;
 
 /* False where joint j is none, or its stroke is too long for one (more than 0.9 of its least length). */
-bool lw_anatomy_cylinder(const lw_scene *s, int j, lw_cylinder *c);
+bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c);
 
 /* One side of a gear pair: a wheel, or a rack. */
 typedef struct lw_wheel {
@@ -47,12 +47,12 @@ typedef struct lw_wheel {
 
 /* Both sides of gear joint j; the numbers of teeth are chosen to fit the radii.  False: no gear pair that turns on a
  * carrier (a cam, say), or wheels without size. */
-bool lw_anatomy_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
+bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
 
-typedef struct lw_node { lw_vec2 at; int joint, tracer; } lw_node;   /* -1: not that */
+typedef struct lw_shape_node { lw_vec2 at; int joint, tracer; } lw_shape_node;   /* -1: not that */
 
 /* The points that hold a link together: its pins and welds (several on one place count once), its tracers, its
  * blocks, and for a guide the feet of its pins on the line.  Returns their number. */
-int lw_anatomy_nodes(const lw_scene *s, int link, lw_node node[LW_NODE_MAX]);
+int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE_MAX]);
 
 #endif

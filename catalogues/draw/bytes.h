@@ -3,8 +3,8 @@
  *
  * A failed allocation is remembered and makes every later call do nothing; ask once, at the end.
  * Numbers are written without the C library's formats, so the program's locale does not matter. */
-#ifndef LW_CATALOGUES_BYTES_H
-#define LW_CATALOGUES_BYTES_H
+#ifndef LW_CATALOGUES_DRAW_BYTES_H
+#define LW_CATALOGUES_DRAW_BYTES_H
 
 #include <stdbool.h>
 #include <stddef.h>

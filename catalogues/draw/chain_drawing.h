@@ -4,8 +4,8 @@
  * A slider (t) is a block on a rail of its first link, on a hatched line when that is the frame; a pin in a
  * slot (p) a slot along the side of its link; a gear or cam contact (g) two circles that touch.  Driven
  * joints carry an arrow; the driven link is purple, the output green. */
-#ifndef LW_CATALOGUES_CHAIN_DRAWING_H
-#define LW_CATALOGUES_CHAIN_DRAWING_H
+#ifndef LW_CATALOGUES_DRAW_CHAIN_DRAWING_H
+#define LW_CATALOGUES_DRAW_CHAIN_DRAWING_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/draw/chain_layout.h"

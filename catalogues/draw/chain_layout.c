@@ -8,10 +8,10 @@
 #define FIRST_RUN  30         /* steps that each of them gets     */
 #define LAST_RUN   400        /* steps of the best                */
 
-void lw_trial_places(const lw_trial *t, lw_chain_layout *l)
+void lw_layout_draft_places(const lw_layout_draft *t, lw_chain_layout *l)
 {
     const lw_mechanism *m = t->m;
-    const lw_way *way = t->way;
+    const lw_embedding *way = t->way;
     const lw_web *w = &t->web;
     const lw_vec2 *p = t->p;
     l->n_joint = m->n_joint;
@@ -35,7 +35,7 @@ void lw_trial_places(const lw_trial *t, lw_chain_layout *l)
 
 /* ---- which is best ------------------------------------------------------------------------------ */
 
-lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t)
+lw_status lw_layout_draft_begin(const lw_mechanism *m, const lw_embedding *way, lw_layout_draft *t)
 {
     t->m = m;
     t->way = way;
@@ -47,7 +47,7 @@ lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t)
         return s;
     double scale = 0, weight = 0;
     for (int i = 0; i < t->relax.n_spring; i++) {
-        const lw_spring *k = &t->relax.spring[i];
+        const lw_layout_spring *k = &t->relax.spring[i];
         scale += k->weight*lw_v2_norm(lw_v2_sub(t->p[k->a], t->p[k->b]))/k->length;
         weight += k->weight;
     }
@@ -57,7 +57,7 @@ lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t)
 }
 
 /* Less is better: energy, with a little credit for symmetry. */
-static double score(const lw_trial *t)
+static double score(const lw_layout_draft *t)
 {
     return t->energy*(1 - 0.1*fmin(2, log2(t->web.n_group)));
 }
@@ -65,7 +65,7 @@ static double score(const lw_trial *t)
 /* ---- how it stands on the page ------------------------------------------------------------------ */
 
 /* Bars level or upright, wider than tall, the heavier half below. */
-static double stance(const lw_trial *t, lw_vec2 turn)
+static double stance(const lw_layout_draft *t, lw_vec2 turn)
 {
     double cost = 0, top = -1e9, low = 1e9, left = 1e9, right = -1e9, mean = 0;
     int n = t->web.n_vertex;
@@ -86,7 +86,7 @@ static double stance(const lw_trial *t, lw_vec2 turn)
     return cost + 1.5*fmax(0, tall) + 0.6*(mean - (top + low)/2)/fmax(top - low, 1e-9);
 }
 
-static void try_stance(const lw_trial *t, lw_vec2 turn, double extra, double *least, lw_vec2 *best)
+static void try_stance(const lw_layout_draft *t, lw_vec2 turn, double extra, double *least, lw_vec2 *best)
 {
     double cost = stance(t, turn) + extra;
     if (cost < *least - 1e-9) {
@@ -96,7 +96,7 @@ static void try_stance(const lw_trial *t, lw_vec2 turn, double extra, double *le
 }
 
 /* An axis of symmetry upright, or level where that is much lower; without one a side of the outer loop level. */
-void lw_trial_stand_up(lw_trial *t)
+void lw_layout_draft_stand_up(lw_layout_draft *t)
 {
     double least = 1e9;
     lw_vec2 best = { 1, 0 };
@@ -120,13 +120,13 @@ void lw_trial_stand_up(lw_trial *t)
 
 /* ---- all together ------------------------------------------------------------------------------- */
 
-static lw_status lay_out(const lw_mechanism *m, const lw_way *way, int n_way, lw_chain_layout *l)
+static lw_status lay_out(const lw_mechanism *m, const lw_embedding *way, int n_way, lw_chain_layout *l)
 {
-    lw_trial *t = calloc((size_t)n_way, sizeof *t);
+    lw_layout_draft *t = calloc((size_t)n_way, sizeof *t);
     int best[2] = { -1, -1 };
     lw_status s = t ? LW_OK : LW_E_MEMORY;
     for (int i = 0; s == LW_OK && i < n_way; i++) {
-        s = lw_trial_begin(m, &way[i], &t[i]);
+        s = lw_layout_draft_begin(m, &way[i], &t[i]);
         if (s != LW_OK)
             break;
         t[i].energy = lw_relax_run(&t[i].web, &t[i].relax, FIRST_RUN, t[i].p);
@@ -141,10 +141,10 @@ static lw_status lay_out(const lw_mechanism *m, const lw_way *way, int n_way, lw
         t[best[k]].energy = lw_relax_run(&t[best[k]].web, &t[best[k]].relax, LAST_RUN, t[best[k]].p);
     if (s == LW_OK) {
         bool second = best[1] >= 0 && score(&t[best[1]]) < score(&t[best[0]]);
-        lw_trial *b = &t[best[second]];
+        lw_layout_draft *b = &t[best[second]];
         if (m->ground == LW_NONE)
-            lw_trial_stand_up(b);
-        lw_trial_places(b, l);
+            lw_layout_draft_stand_up(b);
+        lw_layout_draft_places(b, l);
         l->symmetry = b->web.n_group;
     }
     for (int i = 0; t && i < n_way; i++)
@@ -162,7 +162,7 @@ lw_status lw_chain_layout_make(const lw_mechanism *m, lw_chain_layout *l, lw_err
     if (m->n_link < 2 || !lw_chain_is_connected(&c))
         return lw_error_set(e, LW_E_ARG, m->n_link < 2 ? "a picture of a chain needs two links or more"
                                                        : "the links do not hang together: draw each part alone");
-    lw_way *way = malloc(WAYS*sizeof *way);
+    lw_embedding *way = malloc(WAYS*sizeof *way);
     lw_status s = way ? lw_ways_find(m, WAYS, way, &n_way) : LW_E_MEMORY;
     l->planar = s == LW_OK;
     if (s == LW_OK)

@@ -15,8 +15,8 @@
  *
  * A chain whose graph is not planar is cut at one binary link or more until it is, drawn, and the bars
  * are put back straight where they cross fewest links.  Same chain, same picture. */
-#ifndef LW_CATALOGUES_CHAIN_LAYOUT_H
-#define LW_CATALOGUES_CHAIN_LAYOUT_H
+#ifndef LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
+#define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 
 #include "base/vec2.h"
 #include "grammar/mechanism.h"

@@ -19,9 +19,9 @@
 
 typedef struct contest {
     const lw_mechanism *m;           /* pins only */
-    lw_trial *trial;                 /* two: */
-    lw_trial *now, *best;
-    lw_way    way[2];                /* of trial[0], trial[1]          */
+    lw_layout_draft *trial;                 /* two: */
+    lw_layout_draft *now, *best;
+    lw_embedding    way[2];                /* of trial[0], trial[1]          */
     int       n_cross;               /* of the best; -1: there is none */
 } contest;
 
@@ -103,7 +103,7 @@ static int sets_of(const lw_mechanism *m, uint32_t *set)
 /* ---- putting back ------------------------------------------------------------------------------- */
 
 /* The embedding of the parts as orders of joints around the links of the whole. */
-static void mend(const lw_mechanism *m, const lw_way *parts, lw_way *whole)
+static void mend(const lw_mechanism *m, const lw_embedding *parts, lw_embedding *whole)
 {
     *whole = *parts;
     whole->rings.n_link = m->n_link;
@@ -122,7 +122,7 @@ static void mend(const lw_mechanism *m, const lw_way *parts, lw_way *whole)
 static void judge(contest *c)
 {
     lw_chain_layout l = { .n_joint = c->m->n_joint };
-    lw_trial_places(c->now, &l);
+    lw_layout_draft_places(c->now, &l);
     lw_chain_layout_measure(c->m, &l);
     l.n_cross += l.least_gap < 1e-3;                  /* a joint on a bar: nothing would push it away */
     bool better = c->n_cross < 0 || l.n_cross < c->n_cross
@@ -131,7 +131,7 @@ static void judge(contest *c)
         lw_relax_free(&c->now->relax);
         return;
     }
-    lw_trial *t = c->best;
+    lw_layout_draft *t = c->best;
     if (c->n_cross >= 0)
         lw_relax_free(&t->relax);
     c->best = c->now;
@@ -139,16 +139,16 @@ static void judge(contest *c)
     c->n_cross = l.n_cross;
 }
 
-static lw_way *way_of(contest *c, const lw_trial *t)
+static lw_embedding *way_of(contest *c, const lw_layout_draft *t)
 {
     return &c->way[t - c->trial];
 }
 
 /* Draw one embedding of the parts, then the whole with its places. */
-static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_way *way, uint32_t cut)
+static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_embedding *way, uint32_t cut)
 {
-    lw_trial *t = c->now;
-    lw_status s = lw_trial_begin(parts, way, t);
+    lw_layout_draft *t = c->now;
+    lw_status s = lw_layout_draft_begin(parts, way, t);
     if (s != LW_OK) {
         lw_relax_free(&t->relax);
         return s;
@@ -185,7 +185,7 @@ static lw_status try_cuts(contest *c)
     uint32_t set[SETS_MAX];
     int n = sets_of(c->m, set);
     int left = MORE;
-    lw_way *way = malloc(WAYS*sizeof *way);
+    lw_embedding *way = malloc(WAYS*sizeof *way);
     lw_status s = way ? LW_OK : LW_E_MEMORY;
     for (int i = 0; s == LW_OK && i < n && left > 0; i++) {
         lw_mechanism parts;
@@ -239,12 +239,12 @@ static void order_by_angle(const lw_mechanism *m, const lw_vec2 *p, lw_rings *r)
 /* Any rings and places by chance, led to where the springs want them; then the rings that fit. */
 static lw_status enter_chance(contest *c, lw_rng *rng)
 {
-    lw_trial *t = c->now;
-    lw_way *way = way_of(c, t);
+    lw_layout_draft *t = c->now;
+    lw_embedding *way = way_of(c, t);
     lw_status s = LW_OK;
     t->m = c->m;
     t->way = way;
-    *way = (lw_way){ .rings = { .n_link = c->m->n_link, .n_dart = 2*c->m->n_joint } };
+    *way = (lw_embedding){ .rings = { .n_link = c->m->n_link, .n_dart = 2*c->m->n_joint } };
     for (int d = 0; d < way->rings.n_dart; d++)
         way->rings.link[d] = c->m->link[d >> 1][d & 1];
     for (int v = 0; v < LW_WEB_VERTEX; v++)
@@ -276,7 +276,7 @@ lw_status lw_layout_crossing(const lw_mechanism *m, lw_chain_layout *l)
 {
     lw_mechanism pins = *m;
     lw_rng rng;
-    lw_trial *t = calloc(2, sizeof *t);
+    lw_layout_draft *t = calloc(2, sizeof *t);
     contest c = { .m = &pins, .n_cross = -1, .trial = t, .now = t, .best = t + 1 };
     memset(pins.kind, 'r', sizeof pins.kind);
     lw_rng_seed(&rng, 1, 0);
@@ -286,8 +286,8 @@ lw_status lw_layout_crossing(const lw_mechanism *m, lw_chain_layout *l)
     if (s == LW_OK) {
         c.best->energy = lw_relax_run(&c.best->web, &c.best->relax, LAST_RUN, c.best->p);
         if (m->ground == LW_NONE)
-            lw_trial_stand_up(c.best);
-        lw_trial_places(c.best, l);
+            lw_layout_draft_stand_up(c.best);
+        lw_layout_draft_places(c.best, l);
         l->symmetry = 1;
     }
     if (t && c.n_cross >= 0)

@@ -1,6 +1,6 @@
 /* catalogues/draw/chain_layout_internal.h - the steps of a layout: embedding, web of joints, start, relaxing. */
-#ifndef LW_CATALOGUES_CHAIN_LAYOUT_INTERNAL_H
-#define LW_CATALOGUES_CHAIN_LAYOUT_INTERNAL_H
+#ifndef LW_CATALOGUES_DRAW_CHAIN_LAYOUT_INTERNAL_H
+#define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_INTERNAL_H
 
 #include "catalogues/draw/chain_layout.h"
 
@@ -23,27 +23,27 @@ int lw_rings_loops(const lw_rings *r, uint8_t *loop_of);
 
 /* One way to draw: an embedding and the dart at which its outer loop is entered.  With a ground, that dart
  * arrives at the ground, whose joints are then read from the dart behind it. */
-typedef struct lw_way {
+typedef struct lw_embedding {
     lw_rings rings;
     uint8_t  outer;
     int      n_loop, n_outer, symmetry;
     uint64_t hash;
     double   promise;                /* less is tried earlier */
-} lw_way;
+} lw_embedding;
 
 /* Ways of the planar chain m, alike ones once, the most promising first; *n_way of at most `room`.
  * LW_NOTHING: the graph is not planar. */
-lw_status lw_ways_find(const lw_mechanism *m, int room, lw_way *way, int *n_way);
+lw_status lw_ways_find(const lw_mechanism *m, int room, lw_embedding *way, int *n_way);
 
 /* The automorphisms of the map that keep its outer loop: to[g][dart]; mirror[g] when they turn it over;
  * the first is the identity.  start[g]: the dart of the outer loop that the first one goes to.
  * Returns their number, at most LW_WEB_GROUP. */
-typedef struct lw_group {
+typedef struct lw_layout_symmetry {
     int     n;
     uint8_t to[LW_WEB_GROUP][LW_DART_MAX];
     bool    mirror[LW_WEB_GROUP];
-} lw_group;
-void lw_way_group(const lw_mechanism *m, const lw_way *w, lw_group *g);
+} lw_layout_symmetry;
+void lw_embedding_symmetry(const lw_mechanism *m, const lw_embedding *w, lw_layout_symmetry *g);
 
 /* The map of joints: vertices are joints and free ends; edges bars and sides of polygons. */
 typedef struct lw_web {
@@ -63,17 +63,17 @@ typedef struct lw_web {
     lw_vec2 turn[LW_WEB_GROUP];
 } lw_web;
 
-void lw_web_make(const lw_mechanism *m, const lw_way *way, lw_web *w);
+void lw_web_make(const lw_mechanism *m, const lw_embedding *way, lw_web *w);
 
 /* First places p (n_vertex), no crossing.  LW_E_MEMORY. */
 lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
 
 /* Shape of the web, worked out once: wanted distances. */
-typedef struct lw_spring { uint8_t a, b; double length, scale, weight; } lw_spring;      /* scale = 1/length^2 */
+typedef struct lw_layout_spring { uint8_t a, b; double length, scale, weight; } lw_layout_spring;      /* scale = 1/length^2 */
 typedef struct lw_relax {
     int        n_spring, n_corner;
     uint32_t   ghost;                    /* links whose sides push nothing away  */
-    lw_spring *spring;
+    lw_layout_spring *spring;
     uint8_t  (*corner)[3];               /* joint, and the other ends of two sides that meet in it */
     double    *number;                   /* room for the descent                 */
 } lw_relax;
@@ -84,19 +84,19 @@ void      lw_relax_free(lw_relax *r);
 double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p);
 
 /* One way with its web and places. */
-typedef struct lw_trial {
+typedef struct lw_layout_draft {
     const lw_mechanism *m;
-    const lw_way *way;
+    const lw_embedding *way;
     lw_web   web;
     lw_relax relax;                      /* lw_relax_free it */
     lw_vec2  p[LW_WEB_VERTEX];
     double   energy;
-} lw_trial;
+} lw_layout_draft;
 
 /* Web, first places at the right scale, and springs. */
-lw_status lw_trial_begin(const lw_mechanism *m, const lw_way *way, lw_trial *t);
-void      lw_trial_stand_up(lw_trial *t);                             /* turn it as it reads best   */
-void      lw_trial_places(const lw_trial *t, lw_chain_layout *l);     /* joints, rings and ends     */
+lw_status lw_layout_draft_begin(const lw_mechanism *m, const lw_embedding *way, lw_layout_draft *t);
+void      lw_layout_draft_stand_up(lw_layout_draft *t);                             /* turn it as it reads best   */
+void      lw_layout_draft_places(const lw_layout_draft *t, lw_chain_layout *l);     /* joints, rings and ends     */
 
 /* A chain whose graph is not planar. */
 lw_status lw_layout_crossing(const lw_mechanism *m, lw_chain_layout *l);

@@ -50,7 +50,7 @@ static void fill_distances(const lw_web *w, double *far)
 
 static void add_spring(lw_relax *r, int a, int b, double length, double weight)
 {
-    r->spring[r->n_spring++] = (lw_spring){ (uint8_t)a, (uint8_t)b, length, 1/(length*length), weight };
+    r->spring[r->n_spring++] = (lw_layout_spring){ (uint8_t)a, (uint8_t)b, length, 1/(length*length), weight };
 }
 
 static void add_springs(const lw_web *w, const double *far, lw_relax *r)
@@ -132,7 +132,7 @@ static double springs(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
 {
     double f = 0;
     for (int i = 0; i < r->n_spring; i++) {
-        const lw_spring *s = &r->spring[i];
+        const lw_layout_spring *s = &r->spring[i];
         double x = p[s->a].x - p[s->b].x, y = p[s->a].y - p[s->b].y, r2 = x*x + y*y;
         double d2 = (r2 > 1e-12 ? r2 : 1e-12)*s->scale, back = 1/d2;
         f += 0.25*s->weight*(d2 + back - 2);

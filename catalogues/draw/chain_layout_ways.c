@@ -67,7 +67,7 @@ typedef struct start { uint8_t dart; bool mirror; } start;
 
 /* Where the map may be entered so that its outer loop stays: at each of its darts, either way round; with a
  * ground only beside the one corner. */
-static int starts_of(const lw_mechanism *m, const lw_way *w, start *s)
+static int starts_of(const lw_mechanism *m, const lw_embedding *w, start *s)
 {
     const uint8_t *after = w->rings.after;
     int n = 0, d = w->outer;
@@ -84,7 +84,7 @@ static int starts_of(const lw_mechanism *m, const lw_way *w, start *s)
     return n;
 }
 
-void lw_way_group(const lw_mechanism *m, const lw_way *w, lw_group *g)
+void lw_embedding_symmetry(const lw_mechanism *m, const lw_embedding *w, lw_layout_symmetry *g)
 {
     start s[2*LW_DART_MAX];
     uint8_t before[LW_DART_MAX], code[2][CODE_MAX], seen[2][LW_DART_MAX];
@@ -103,7 +103,7 @@ void lw_way_group(const lw_mechanism *m, const lw_way *w, lw_group *g)
 }
 
 /* The least description, hashed (FNV-1a), and how often it is met. */
-static void characterise(const lw_mechanism *m, lw_way *w)
+static void characterise(const lw_mechanism *m, lw_embedding *w)
 {
     start s[2*LW_DART_MAX];
     uint8_t before[LW_DART_MAX], least[CODE_MAX], code[CODE_MAX], seen[LW_DART_MAX];
@@ -124,7 +124,7 @@ static void characterise(const lw_mechanism *m, lw_way *w)
 }
 
 /* Symmetry first, then a long outer loop and inner loops of like length. */
-static double promise_of(const lw_way *w, const int *length)
+static double promise_of(const lw_embedding *w, const int *length)
 {
     double sum = 0, inner = w->rings.n_dart - w->n_outer, mean = inner/fmax(1, w->n_loop - 1);
     for (int i = 0; i < w->n_loop; i++)
@@ -136,11 +136,11 @@ static double promise_of(const lw_way *w, const int *length)
 typedef struct finder {
     const lw_mechanism *m;
     int     room, n;
-    lw_way *way;
+    lw_embedding *way;
 } finder;
 
 /* Put w in its place among the ways, unless it is there already or promises too little. */
-static void offer(finder *f, const lw_way *w)
+static void offer(finder *f, const lw_embedding *w)
 {
     int at = f->n;
     for (int i = 0; i < f->n; i++)
@@ -160,7 +160,7 @@ static void offer_loops(finder *f, const lw_rings *r)
 {
     uint8_t loop_of[LW_DART_MAX];
     int length[LW_DART_MAX] = { 0 }, ground = f->m->ground;
-    lw_way w = { .rings = *r };
+    lw_embedding w = { .rings = *r };
     uint64_t done[2] = { 0, 0 };
     w.n_loop = lw_rings_loops(r, loop_of);
     for (int d = 0; d < r->n_dart; d++)
@@ -278,7 +278,7 @@ static lw_status try_one_order(finder *f, orders *o)
     return s;
 }
 
-lw_status lw_ways_find(const lw_mechanism *m, int room, lw_way *way, int *n_way)
+lw_status lw_ways_find(const lw_mechanism *m, int room, lw_embedding *way, int *n_way)
 {
     orders o;
     finder f = { .m = m, .room = room, .way = way };

@@ -126,7 +126,7 @@ static void add_loop(const lw_rings *r, lw_web *w, int first, int *place)
     close_face(w, n);
 }
 
-static void add_loops(const lw_mechanism *m, const lw_way *way, lw_web *w, int *place)
+static void add_loops(const lw_mechanism *m, const lw_embedding *way, lw_web *w, int *place)
 {
     uint8_t loop_of[LW_DART_MAX];
     int n = lw_rings_loops(&way->rings, loop_of), other[LW_DART_MAX];
@@ -144,11 +144,11 @@ static void add_loops(const lw_mechanism *m, const lw_way *way, lw_web *w, int *
 }
 
 /* Symmetries of the map as turns of the page; none but the identity when blocks are not alike under them. */
-static void add_group(const lw_mechanism *m, const lw_way *way, const int *place, lw_web *w)
+static void add_group(const lw_mechanism *m, const lw_embedding *way, const int *place, lw_web *w)
 {
-    lw_group g;
+    lw_layout_symmetry g;
     int size = w->face_first[1];
-    lw_way_group(m, way, &g);
+    lw_embedding_symmetry(m, way, &g);
     for (int k = 0; k < g.n; k++) {
         int image = g.to[k][way->outer];
         memset(w->to[k], 255, sizeof w->to[k]);
@@ -174,7 +174,7 @@ static void add_group(const lw_mechanism *m, const lw_way *way, const int *place
     }
 }
 
-void lw_web_make(const lw_mechanism *m, const lw_way *way, lw_web *w)
+void lw_web_make(const lw_mechanism *m, const lw_embedding *way, lw_web *w)
 {
     uint8_t same_as[LW_JOINT_MAX];
     int place[LW_DART_MAX];

@@ -5,8 +5,8 @@
  *
  * When the linkage is so much larger than the path that the path would be a speck, a second panel
  * shows the path alone. */
-#ifndef LW_CATALOGUES_DIAGRAM_H
-#define LW_CATALOGUES_DIAGRAM_H
+#ifndef LW_CATALOGUES_DRAW_DIAGRAM_H
+#define LW_CATALOGUES_DRAW_DIAGRAM_H
 
 #include "catalogues/draw/drawing.h"
 #include "catalogues/draw/scene.h"

@@ -1,7 +1,7 @@
 /* catalogues/draw/diagram_internal.h - the parts of a diagram: diagram.c (views, curves, target),
  * diagram_linkage.c (links, joints, their labels), diagram_margin.c (title, scale, legend). */
-#ifndef LW_CATALOGUES_DIAGRAM_INTERNAL_H
-#define LW_CATALOGUES_DIAGRAM_INTERNAL_H
+#ifndef LW_CATALOGUES_DRAW_DIAGRAM_INTERNAL_H
+#define LW_CATALOGUES_DRAW_DIAGRAM_INTERNAL_H
 
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/labels.h"

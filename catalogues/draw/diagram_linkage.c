@@ -45,11 +45,11 @@ static void draw_guide(lw_sketch *k, int joint)
 {
     const lw_linkage *l = linkage(k);
     lw_cylinder c;
-    if (lw_anatomy_cylinder(k->s, joint, &c)) {
+    if (lw_body_shapes_cylinder(k->s, joint, &c)) {
         draw_cylinder(k, &c, joint);
         return;
     }
-    lw_slide w = lw_anatomy_slide(k->s, joint);
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
     double end = 30*k->u/k->d->view[0].scale, u = k->u;
     lw_vec2 a = lw_sketch_pixel(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.lo - end)));
     lw_vec2 b = lw_sketch_pixel(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.hi + end)));
@@ -86,9 +86,9 @@ static void draw_guide(lw_sketch *k, int joint)
 static void draw_block(lw_sketch *k, int joint)
 {
     lw_cylinder c;
-    if (lw_anatomy_cylinder(k->s, joint, &c))
+    if (lw_body_shapes_cylinder(k->s, joint, &c))
         return;
-    lw_slide w = lw_anatomy_slide(k->s, joint);
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
     lw_vec2 at = lw_sketch_pixel(k, 0, w.at);
     lw_symbol_block(k->d, bearer(linkage(k), joint, w.block), at, lw_v2(w.along.x, -w.along.y),
                     link_ink(linkage(k), w.block), k->u);
@@ -112,7 +112,7 @@ static bool is_drawn(const lw_sketch *k, int joint, const lw_wheel *w)
 {
     for (int i = 0; i < joint; i++) {
         lw_wheel other[2];
-        if (linkage(k)->joint[i].kind != LW_JOINT_GEAR || !lw_anatomy_gear(k->s, i, other))
+        if (linkage(k)->joint[i].kind != LW_JOINT_GEAR || !lw_body_shapes_gear(k->s, i, other))
             continue;
         for (int side = 0; side < 2; side++)
             if (other[side].link == w->link && other[side].rack == w->rack
@@ -147,7 +147,7 @@ static void draw_wheel(lw_sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
 static void draw_gear(lw_sketch *k, int joint)
 {
     lw_wheel w[2];
-    if (!lw_anatomy_gear(k->s, joint, w))
+    if (!lw_body_shapes_gear(k->s, joint, w))
         return;
     for (int side = 0; side < 2; side++)
         if (!is_drawn(k, joint, &w[side]))
@@ -157,9 +157,9 @@ static void draw_gear(lw_sketch *k, int joint)
 /* Direction on the page from a point of a link to the middle of its other nodes; (0, 0) when there are none. */
 static lw_vec2 inwards(const lw_sketch *k, int link, lw_vec2 from)
 {
-    lw_node node[LW_NODE_MAX];
+    lw_shape_node node[LW_NODE_MAX];
     lw_vec2 sum = { 0, 0 };
-    int n = lw_anatomy_nodes(k->s, link, node);
+    int n = lw_body_shapes_nodes(k->s, link, node);
     for (int i = 0; i < n; i++)
         sum = lw_v2_add(sum, lw_v2_sub(node[i].at, from));
     double length = lw_v2_norm(sum);
@@ -177,9 +177,9 @@ static void draw_weld(lw_sketch *k, int joint)
 
 static void draw_link(lw_sketch *k, int link)
 {
-    lw_node node[LW_NODE_MAX];
+    lw_shape_node node[LW_NODE_MAX];
     lw_vec2 p[LW_NODE_MAX];
-    int n = lw_anatomy_nodes(k->s, link, node);
+    int n = lw_body_shapes_nodes(k->s, link, node);
     for (int i = 0; i < n; i++) {
         p[i] = lw_sketch_pixel(k, 0, node[i].at);
         for (int j = 0; j < i; j++)
@@ -248,9 +248,9 @@ static void draw_pins(lw_sketch *k)
 /* Direction from the input pin to the middle of the driven link's other nodes [rad, page upright]. */
 static double driven_direction(const lw_sketch *k, int link, lw_vec2 pin)
 {
-    lw_node node[LW_NODE_MAX];
+    lw_shape_node node[LW_NODE_MAX];
     lw_vec2 sum = { 0, 0 };
-    int n = lw_anatomy_nodes(k->s, link, node);
+    int n = lw_body_shapes_nodes(k->s, link, node);
     for (int i = 0; i < n; i++)
         sum = lw_v2_add(sum, lw_v2_sub(node[i].at, pin));
     return atan2(sum.y, sum.x);
@@ -273,7 +273,7 @@ static void draw_input(lw_sketch *k, int input)
                               4*k->u, 2);
         return;
     }
-    lw_slide w = lw_anatomy_slide(k->s, joint);
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
     double sign = (w.block == driven) != back ? 1 : -1;
     carrier.link = w.guide == l->ground ? -1 : w.guide;
     lw_vec2 along = lw_v2(sign*w.along.x, -sign*w.along.y);
@@ -335,9 +335,9 @@ static void label_points(lw_sketch *k)
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
         bool slides = j->kind == LW_JOINT_SLIDER;
-        lw_slide w = slides ? lw_anatomy_slide(k->s, i) : (lw_slide){ .at = j->at };
+        lw_slide w = slides ? lw_body_shapes_slide(k->s, i) : (lw_slide){ .at = j->at };
         lw_cylinder c;
-        if (slides && lw_anatomy_cylinder(k->s, i, &c)) {
+        if (slides && lw_body_shapes_cylinder(k->s, i, &c)) {
             w.at = lw_v2_add(c.pin[0], lw_v2_scale(c.along, 0.5*c.tube_length));
             w.block = c.tube;
         }
@@ -351,8 +351,8 @@ static void label_points(lw_sketch *k)
 /* The two nodes of a link whose distance is `length`: where a dimension "r<k>" stands. */
 static bool find_length(const lw_scene *s, int link, double length, lw_vec2 *a, lw_vec2 *b)
 {
-    lw_node node[LW_NODE_MAX];
-    int n = lw_anatomy_nodes(s, link, node);
+    lw_shape_node node[LW_NODE_MAX];
+    int n = lw_body_shapes_nodes(s, link, node);
     for (int i = 0; i < n; i++)
         for (int j = i + 1; j < n; j++)
             if (fabs(lw_v2_norm(lw_v2_sub(node[i].at, node[j].at)) - length) <= 1e-6*length) {
@@ -382,8 +382,8 @@ static void label_lengths(lw_sketch *k)
             && find_length(s, s->dim_link[i], s->dim[i], &a, &b))
             label_length(k, s->dim_link[i], s->dim_name[i], s->dim[i], a, b);
     for (int link = 0; s->n_dim == 0 && link < s->linkage.n_link; link++) {
-        lw_node node[LW_NODE_MAX];
-        if (link != s->linkage.ground && lw_anatomy_nodes(s, link, node) == 2)
+        lw_shape_node node[LW_NODE_MAX];
+        if (link != s->linkage.ground && lw_body_shapes_nodes(s, link, node) == 2)
             label_length(k, link, "", lw_v2_norm(lw_v2_sub(node[0].at, node[1].at)), node[0].at,
                          node[1].at);
     }

@@ -1,6 +1,6 @@
 /* catalogues/draw/draw.h - from a scene to a file of the kind its name asks for. */
-#ifndef LW_CATALOGUES_DRAW_H
-#define LW_CATALOGUES_DRAW_H
+#ifndef LW_CATALOGUES_DRAW_DRAW_H
+#define LW_CATALOGUES_DRAW_DRAW_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/draw/plot.h"

@@ -3,8 +3,8 @@
  *
  * Shapes name inks, not colours, so that a page can show the same drawing light and dark; and they
  * name the link they move with, so that an animation is the same drawing with links moved. */
-#ifndef LW_CATALOGUES_DRAWING_H
-#define LW_CATALOGUES_DRAWING_H
+#ifndef LW_CATALOGUES_DRAW_DRAWING_H
+#define LW_CATALOGUES_DRAW_DRAWING_H
 
 #include <stdbool.h>
 #include <stddef.h>

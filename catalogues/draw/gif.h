@@ -1,7 +1,7 @@
 /* catalogues/draw/gif.h - the bridge to giflib: the motion of a scene as an animation that loops for ever,
  * with one palette for all frames. */
-#ifndef LW_CATALOGUES_GIF_H
-#define LW_CATALOGUES_GIF_H
+#ifndef LW_CATALOGUES_DRAW_GIF_H
+#define LW_CATALOGUES_DRAW_GIF_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/draw/scene.h"

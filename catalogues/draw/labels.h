@@ -3,8 +3,8 @@
  *
  * Ink is kept as a coarse map of how much is drawn where, so that a candidate costs four look-ups
  * (summed-area table, Crow 1984) whatever the drawing holds. */
-#ifndef LW_CATALOGUES_LABELS_H
-#define LW_CATALOGUES_LABELS_H
+#ifndef LW_CATALOGUES_DRAW_LABELS_H
+#define LW_CATALOGUES_DRAW_LABELS_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -8,21 +8,21 @@
 #define REACH 8.0                     /* a curve that leaves is followed this many sizes of the linkage */
 #define PATIENCE 60                   /* postures without a new curve after which no more are looked for */
 
-static double input_at(lw_branch *b, double station)
+static double input_at(lw_motion_curve *b, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_branch_pose(b, station, q, NULL);
-    return lw_branch_input(b, q);
+    lw_motion_curve_pose(b, station, q, NULL);
+    return lw_motion_curve_input(b, q);
 }
 
 /* The limits next to the posture on curve 0, before and behind it, as stations; where there is none the ends of the
  * curve.  Returns how many limits the curve has. */
-static int limits_around(const lw_branch *b, double at, double around[2])
+static int limits_around(const lw_motion_curve *b, double at, double around[2])
 {
     int n, found = 0;
-    const lw_branch_event *e = lw_branch_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
     around[0] = 0;
-    around[1] = lw_branch_segments(b);
+    around[1] = lw_motion_curve_segments(b);
     for (int i = 0; i < n; i++) {
         if (e[i].kind != LW_EVENT_LIMIT)
             continue;
@@ -35,92 +35,92 @@ static int limits_around(const lw_branch *b, double at, double around[2])
     return found;
 }
 
-void lw_course_choose(lw_course *c, int curve)
+void lw_motion_path_choose(lw_motion_path *c, int curve)
 {
-    lw_branch *b = c->curves.curve[curve];
-    double around[2], start = lw_branch_start(b), length = lw_branch_length(b);
+    lw_motion_curve *b = c->curves.curve[curve];
+    double around[2], start = lw_motion_curve_start(b), length = lw_motion_curve_length(b);
     c->shown = curve;
-    c->loops = lw_branch_ended(b) == LW_BRANCH_CLOSED;
-    c->turns = c->loops ? abs(lw_branch_turns(b, -1)) : 0;
+    c->loops = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
+    c->turns = c->loops ? abs(lw_motion_curve_turns(b, -1)) : 0;
     bool even = limits_around(b, 0, around) == 0 && c->turns > 0;
     c->pace = even ? LW_PACE_INPUT : LW_PACE_ARC;
     c->from = input_at(b, 0);
-    c->to = input_at(b, lw_branch_segments(b));
-    c->start = c->loops ? 0 : acos(1 - 2*fmin(fmax(lw_branch_arc(b, start)/length, 0), 1))/LW_PI;
+    c->to = input_at(b, lw_motion_curve_segments(b));
+    c->start = c->loops ? 0 : acos(1 - 2*fmin(fmax(lw_motion_curve_arc(b, start)/length, 0), 1))/LW_PI;
 }
 
-lw_status lw_course_along(const lw_linkage *k, bool all, lw_course *c, lw_error *e)
+lw_status lw_motion_path_along(const lw_linkage *k, bool all, lw_motion_path *c, lw_error *e)
 {
-    const lw_branch_options o = { .input = 0, .reach = REACH };
-    *c = (lw_course){ .turns = 0 };
+    const lw_motion_curve_options o = { .input = 0, .reach = REACH };
+    *c = (lw_motion_path){ .turns = 0 };
     lw_status st = lw_system_make(k, NULL, 0, &c->s, e);
     if (st == LW_OK && all)
         st = lw_circuits_find(&c->s, &o, PATIENCE, 1, NULL, &c->curves, e);
     else if (st == LW_OK) {
-        st = lw_branch_create(&c->s, NULL, &o, &c->curves.curve[0], e);
+        st = lw_motion_curve_create(&c->s, NULL, &o, &c->curves.curve[0], e);
         c->curves.n = st == LW_OK;
     }
     if (st == LW_OK)
-        lw_course_choose(c, 0);
+        lw_motion_path_choose(c, 0);
     return st;
 }
 
-lw_status lw_course_in_time(const lw_linkage *k, lw_drive_motion *motion, void *context, double from, double to,
-                            lw_course *c, lw_error *e)
+lw_status lw_motion_path_in_time(const lw_linkage *k, lw_input_function *motion, void *context, double from, double to,
+                            lw_motion_path *c, lw_error *e)
 {
     double q[LW_SYSTEM_Q_MAX], apart = 0;
-    *c = (lw_course){ .pace = LW_PACE_TIME, .from = from, .to = to };
+    *c = (lw_motion_path){ .pace = LW_PACE_TIME, .from = from, .to = to };
     lw_status st = lw_system_make(k, NULL, 0, &c->s, e);
     if (st == LW_OK)
-        st = lw_drive_create(&c->s, motion, context, from, &c->drive, e);
+        st = lw_prescribed_motion_create(&c->s, motion, context, from, &c->drive, e);
     if (st != LW_OK)
         return st;
-    memcpy(q, lw_drive_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
-    if (lw_drive_to(c->drive, to) != LW_OK) {
-        double last = lw_drive_time(c->drive);
+    memcpy(q, lw_prescribed_motion_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
+    if (lw_prescribed_motion_to(c->drive, to) != LW_OK) {
+        double last = lw_prescribed_motion_time(c->drive);
         c->to = from + (last - from)*(1 - 1e-9);
         return lw_error_set(e, LW_OPEN, "the inputs cannot go on beyond t = %.6g s", last);
     }
     for (int i = 0; i < c->s.n_q; i++) {
-        double d = lw_drive_pose(c->drive)[i] - q[i];
+        double d = lw_prescribed_motion_pose(c->drive)[i] - q[i];
         apart = fmax(apart, fabs(i % 3 == 2 ? remainder(d, 2*LW_PI) : d));
     }
     c->loops = apart < 1e-6;
     return LW_OK;
 }
 
-void lw_course_free(lw_course *c)
+void lw_motion_path_free(lw_motion_path *c)
 {
     lw_circuits_free(&c->curves);
-    lw_drive_free(c->drive);
+    lw_prescribed_motion_free(c->drive);
     c->drive = NULL;
 }
 
 /* Station of curve 0 where the input is u, which lies between the limits next to the posture.  On a closed curve the
  * posture is station 0 and its surroundings lie at both ends of the stations. */
-static double station_of(const lw_course *c, double u)
+static double station_of(const lw_motion_path *c, double u)
 {
-    lw_branch *b = c->curves.curve[0];
-    double around[2], at = lw_branch_start(b), end = lw_branch_segments(b), total = c->turns ? input_at(b, end)
+    lw_motion_curve *b = c->curves.curve[0];
+    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b), total = c->turns ? input_at(b, end)
                                                                                             - input_at(b, 0) : 0;
     int limits = limits_around(b, at, around);
-    if (lw_branch_ended(b) != LW_BRANCH_CLOSED)
-        return lw_branch_find(b, around[0], around[1], u);
+    if (lw_motion_curve_ended(b) != LW_MOTION_CURVE_CLOSED)
+        return lw_motion_curve_find(b, around[0], around[1], u);
     double first = input_at(b, 0);
     if (limits == 0)
-        return lw_branch_find(b, 0, end, total != 0 ? u - total*floor((u - first)/total) : u);
+        return lw_motion_curve_find(b, 0, end, total != 0 ? u - total*floor((u - first)/total) : u);
     if (u >= first)
-        return lw_branch_find(b, 0, around[1], u);
+        return lw_motion_curve_find(b, 0, around[1], u);
     limits_around(b, end, around);
-    return lw_branch_find(b, around[0], end, u + input_at(b, end) - first);
+    return lw_motion_curve_find(b, around[0], end, u + input_at(b, end) - first);
 }
 
 /* The inputs at the limits next to the posture of curve 0, the lesser first. */
-static void input_limits(const lw_course *c, double limit[2])
+static void input_limits(const lw_motion_path *c, double limit[2])
 {
-    lw_branch *b = c->curves.curve[0];
-    double around[2], at = lw_branch_start(b), end = lw_branch_segments(b);
-    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
+    lw_motion_curve *b = c->curves.curve[0];
+    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b);
+    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
     int n = limits_around(b, at, around);
     if (closed && n == 0) {
         limit[0] = -INFINITY;
@@ -136,11 +136,11 @@ static void input_limits(const lw_course *c, double limit[2])
     limit[1] = fmax(a, z);
 }
 
-void lw_course_restrict(lw_course *c, double first, double last)
+void lw_motion_path_restrict(lw_motion_path *c, double first, double last)
 {
     double limit[2];
-    lw_course_choose(c, 0);
-    double now = input_at(c->curves.curve[0], lw_branch_start(c->curves.curve[0]));
+    lw_motion_path_choose(c, 0);
+    double now = input_at(c->curves.curve[0], lw_motion_curve_start(c->curves.curve[0]));
     input_limits(c, limit);
     c->from = fmax(first, limit[0]);
     c->to = fmin(last, limit[1]);
@@ -159,10 +159,10 @@ static double first_input(const lw_system *s, const double *q)
 }
 
 /* Station on the shown curve; *input, when it is chosen, where. */
-static double station_at(const lw_course *c, double t, double *input)
+static double station_at(const lw_motion_path *c, double t, double *input)
 {
-    lw_branch *b = c->curves.curve[c->shown];
-    double end = lw_branch_segments(b), eased = 0.5 - 0.5*cos(LW_PI*t);
+    lw_motion_curve *b = c->curves.curve[c->shown];
+    double end = lw_motion_curve_segments(b), eased = 0.5 - 0.5*cos(LW_PI*t);
     if (c->pace == LW_PACE_RANGE) {
         *input = c->from + eased*(c->to - c->from);
         return station_of(c, *input);
@@ -170,18 +170,18 @@ static double station_at(const lw_course *c, double t, double *input)
     if (t == 0 || t == 1)
         return t*end;
     if (c->pace == LW_PACE_INPUT)
-        return lw_branch_find(b, 0, end, c->from + t*(c->to - c->from));
-    return lw_branch_station(b, lw_branch_length(b)*(c->loops ? t : eased));
+        return lw_motion_curve_find(b, 0, end, c->from + t*(c->to - c->from));
+    return lw_motion_curve_station(b, lw_motion_curve_length(b)*(c->loops ? t : eased));
 }
 
-double lw_course_at(lw_course *c, double t, double *q)
+double lw_motion_path_at(lw_motion_path *c, double t, double *q)
 {
     double input = NAN;
     t = fmin(fmax(t, 0), 1);
     if (c->pace == LW_PACE_TIME) {
-        lw_drive_to(c->drive, c->from + t*(c->to - c->from));
-        memcpy(q, lw_drive_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
+        lw_prescribed_motion_to(c->drive, c->from + t*(c->to - c->from));
+        memcpy(q, lw_prescribed_motion_pose(c->drive), (size_t)c->s.n_q*sizeof *q);
     } else
-        lw_branch_pose(c->curves.curve[c->shown], station_at(c, t, &input), q, NULL);
+        lw_motion_curve_pose(c->curves.curve[c->shown], station_at(c, t, &input), q, NULL);
     return isnan(input) ? first_input(&c->s, q) : input;
 }

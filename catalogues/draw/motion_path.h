@@ -3,44 +3,44 @@
  *
  * Along a curve t goes evenly with the input when the input turns without end, else evenly with the arc, to where the
  * curve closes, or there and back between its two ends. */
-#ifndef LW_CATALOGUES_COURSE_H
-#define LW_CATALOGUES_COURSE_H
+#ifndef LW_CATALOGUES_DRAW_MOTION_PATH_H
+#define LW_CATALOGUES_DRAW_MOTION_PATH_H
 
 #include "mbs/constraints/circuits.h"
 #include "mbs/constraints/prescribed_motion.h"
 
-typedef enum lw_course_pace { LW_PACE_INPUT, LW_PACE_ARC, LW_PACE_RANGE, LW_PACE_TIME } lw_course_pace;
+typedef enum lw_motion_path_pace { LW_PACE_INPUT, LW_PACE_ARC, LW_PACE_RANGE, LW_PACE_TIME } lw_motion_path_pace;
 
-typedef struct lw_course {
+typedef struct lw_motion_path {
     lw_system      s;
     lw_circuits    curves;          /* curve 0 holds the posture of the linkage                       */
-    lw_drive      *drive;           /* NULL: along curve `shown`                                      */
+    lw_prescribed_motion      *drive;           /* NULL: along curve `shown`                                      */
     int            shown;
-    lw_course_pace pace;
+    lw_motion_path_pace pace;
     double         from, to;        /* LW_PACE_INPUT, _RANGE: of the input; _TIME: of the time [s]    */
     bool           loops;           /* t = 1 is t = 0                                                 */
     double         start;           /* t of the drawn posture (curve 0; in time: 0)                   */
     int            turns;           /* whole turns of the input until the curve closes, 0: it swings  */
-} lw_course;                        /* { 0 } is empty                                                 */
+} lw_motion_path;                        /* { 0 } is empty                                                 */
 
 /* Follow the curve of k's posture by its first input, others at rest; all: the curves of other circuits and
- * assemblies too, as far as they are found (those of one seed).  Failures of lw_system_make, lw_branch_create. */
-lw_status lw_course_along(const lw_linkage *k, bool all, lw_course *c, lw_error *e);
+ * assemblies too, as far as they are found (those of one seed).  Failures of lw_system_make, lw_motion_curve_create. */
+lw_status lw_motion_path_along(const lw_linkage *k, bool all, lw_motion_path *c, lw_error *e);
 
 /* Move all inputs of k by `motion` from time `from` to `to`, from the posture of the linkage; ends before the first
- * time that cannot be reached, with LW_OPEN and a text.  Other failures as lw_drive_create. */
-lw_status lw_course_in_time(const lw_linkage *k, lw_drive_motion *motion, void *context, double from, double to,
-                            lw_course *c, lw_error *e);
-void      lw_course_free(lw_course *c);
+ * time that cannot be reached, with LW_OPEN and a text.  Other failures as lw_prescribed_motion_create. */
+lw_status lw_motion_path_in_time(const lw_linkage *k, lw_input_function *motion, void *context, double from, double to,
+                            lw_motion_path *c, lw_error *e);
+void      lw_motion_path_free(lw_motion_path *c);
 
 /* Show all of this curve. */
-void      lw_course_choose(lw_course *c, int curve);
+void      lw_motion_path_choose(lw_motion_path *c, int curve);
 
 /* Show only where the input is between first and last, as far as that is reached from the posture without passing
  * a limit: there and back. */
-void      lw_course_restrict(lw_course *c, double first, double last);
+void      lw_motion_path_restrict(lw_motion_path *c, double first, double last);
 
 /* Coordinates (n_q of s) at t; returns what the first input is there [rad] or [m], through turns; 0 without input. */
-double    lw_course_at(lw_course *c, double t, double *q);
+double    lw_motion_path_at(lw_motion_path *c, double t, double *q);
 
 #endif

@@ -1,6 +1,6 @@
 /* catalogues/draw/plot.h - series of numbers on linear or logarithmic axes. */
-#ifndef LW_CATALOGUES_PLOT_H
-#define LW_CATALOGUES_PLOT_H
+#ifndef LW_CATALOGUES_DRAW_PLOT_H
+#define LW_CATALOGUES_DRAW_PLOT_H
 
 #include "catalogues/draw/drawing.h"
 

@@ -23,7 +23,7 @@ typedef struct lw_work {
     lw_motion  motion;
     lw_walk    walk;                       /* of the circuit that holds the posture                */
     bool       by_course;                  /* no closed form: then the motion is the course, not the walk */
-    lw_course  course;
+    lw_motion_path  course;
     double     q[LW_SYSTEM_Q_MAX];         /* the posture at work                                   */
 } lw_work;
 
@@ -139,7 +139,7 @@ static void keep_dimensions(lw_work *w)
  * dimensions are told all the same where there is any plan. */
 static bool prepare(lw_work *w)
 {
-    const lw_want want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
+    const lw_plan_outputs want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
     bool any = choose_references(w) && lw_plan_make_any(&w->linkage, want, &w->plan, NULL) == LW_OK
                && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
     if (any)
@@ -171,7 +171,7 @@ double lw_scene_dimension(const lw_scene *s, int i)
 static double move_to(lw_work *w, double t)
 {
     if (w->by_course)
-        return lw_course_at(&w->course, t, w->q);
+        return lw_motion_path_at(&w->course, t, w->q);
     lw_walk_pose(&w->walk, t, &w->pose);
     return w->pose.input;
 }
@@ -359,8 +359,8 @@ static void sweep(void *linkage, double t, int order, double *u)
 static bool inputs_are_alike(const lw_model *m, double a, double b)
 {
     double u[2*LW_INPUT_MAX], v[2*LW_INPUT_MAX];
-    lw_drive_of_model((void *)m, a, 1, u);
-    lw_drive_of_model((void *)m, b, 1, v);
+    lw_prescribed_motion_of_model((void *)m, a, 1, u);
+    lw_prescribed_motion_of_model((void *)m, b, 1, v);
     for (int i = 0; i < 2*lw_linkage_free_inputs(&m->linkage); i++)
         if (!(fabs(u[i] - v[i]) <= 1e-6*(1 + fabs(u[i]))))
             return false;
@@ -411,13 +411,13 @@ static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *w
         ranges = ranges || k->input[i].first != k->input[i].last;
     }
     if (motions)
-        return lw_course_in_time(k, lw_drive_of_model, (void *)o->model, 0,
+        return lw_motion_path_in_time(k, lw_prescribed_motion_of_model, (void *)o->model, 0,
                                  o->until > 0 ? o->until : duration(o->model), &w->course, why);
     if (ranges)
-        return lw_course_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
-    lw_status st = lw_course_along(k, o->other_branches, &w->course, why);
+        return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
+    lw_status st = lw_motion_path_along(k, o->other_branches, &w->course, why);
     if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(&w->linkage))
-        st = lw_course_along(k, o->other_branches, &w->course, why);
+        st = lw_motion_path_along(k, o->other_branches, &w->course, why);
     return st;
 }
 
@@ -438,17 +438,17 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
         return make_frames(s, 1);
     }
     for (int i = 1; i < w->course.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
-        lw_course_choose(&w->course, i);
+        lw_motion_path_choose(&w->course, i);
         if (!take_curves(w, false, n))
             return false;
     }
     if (!w->course.drive)
-        lw_course_choose(&w->course, 0);
+        lw_motion_path_choose(&w->course, 0);
     n *= (size_t)fmin(fmax(w->course.turns, 1), 20);
     if (!w->course.drive && is_restricted(w)) {
         if (!take_curves(w, false, n))
             return false;
-        lw_course_restrict(&w->course, fmin(in->first, in->last), fmax(in->first, in->last));
+        lw_motion_path_restrict(&w->course, fmin(in->first, in->last), fmax(in->first, in->last));
     }
     return take_curves(w, true, n) && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
 }
@@ -485,7 +485,7 @@ lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_
         w->s = s;
         w->linkage = *k;
         ok = show_motion(w, o);
-        lw_course_free(&w->course);
+        lw_motion_path_free(&w->course);
     }
     free(w);
     if (ok)

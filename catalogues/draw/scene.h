@@ -7,8 +7,8 @@
  * their plan, all others - higher groups, gears, welds, inputs between moving links - along their curve of postures
  * (catalogues/draw/motion_path.h): through all turns until it closes.  Several inputs move together, by their motions in time or
  * else through their ranges; without either the first moves and the others rest. */
-#ifndef LW_CATALOGUES_SCENE_H
-#define LW_CATALOGUES_SCENE_H
+#ifndef LW_CATALOGUES_DRAW_SCENE_H
+#define LW_CATALOGUES_DRAW_SCENE_H
 
 #include <stdbool.h>
 #include <stddef.h>

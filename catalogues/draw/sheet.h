@@ -1,6 +1,6 @@
 /* catalogues/draw/sheet.h - many chains on a page, in rows, each with its caption. */
-#ifndef LW_CATALOGUES_SHEET_H
-#define LW_CATALOGUES_SHEET_H
+#ifndef LW_CATALOGUES_DRAW_SHEET_H
+#define LW_CATALOGUES_DRAW_SHEET_H
 
 #include "catalogues/draw/drawing.h"
 #include "catalogues/draw/chain_layout.h"

@@ -1,7 +1,7 @@
 /* catalogues/draw/svg.h - a drawing as SVG 1.1 text.  Elements carry class (role), data-item and data-link,
  * text stays text, and the same drawing gives the same bytes. */
-#ifndef LW_CATALOGUES_SVG_H
-#define LW_CATALOGUES_SVG_H
+#ifndef LW_CATALOGUES_DRAW_SVG_H
+#define LW_CATALOGUES_DRAW_SVG_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/draw/drawing.h"

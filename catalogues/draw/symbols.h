@@ -1,7 +1,7 @@
 /* catalogues/draw/symbols.h - the signs of a kinematic diagram, in pixels, in the spirit of ISO 3952-1.
  * u is the size of things on the page: 1 for a picture of 1000 by 750. */
-#ifndef LW_CATALOGUES_SYMBOLS_H
-#define LW_CATALOGUES_SYMBOLS_H
+#ifndef LW_CATALOGUES_DRAW_SYMBOLS_H
+#define LW_CATALOGUES_DRAW_SYMBOLS_H
 
 #include "catalogues/draw/drawing.h"
 

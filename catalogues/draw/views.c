@@ -70,7 +70,7 @@ lw_box lw_scene_path_box(const lw_scene *s)
 static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
 {
     lw_wheel w[2];
-    if (!lw_anatomy_gear(s, joint, w))
+    if (!lw_body_shapes_gear(s, joint, w))
         return;
     for (int side = 0; side < 2; side++) {
         double r = w[side].radius + 0.3*w[side].pitch;
@@ -97,7 +97,7 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
                 add_gear(b, s, frame, i);
             continue;
         }
-        lw_slide w = lw_anatomy_slide(s, i);
+        lw_slide w = lw_body_shapes_slide(s, i);
         lw_vec2 lo = lw_v2_add(w.at, lw_v2_scale(w.along, w.lo));
         lw_vec2 hi = lw_v2_add(w.at, lw_v2_scale(w.along, w.hi));
         lw_box_add(b, lw_scene_at(s, frame, w.block, w.at));

@@ -1,6 +1,6 @@
 /* catalogues/draw/views.h - which part of the plane a diagram shows, and at what scale. */
-#ifndef LW_CATALOGUES_VIEWS_H
-#define LW_CATALOGUES_VIEWS_H
+#ifndef LW_CATALOGUES_DRAW_VIEWS_H
+#define LW_CATALOGUES_DRAW_VIEWS_H
 
 #include "catalogues/draw/drawing.h"
 #include "catalogues/draw/labels.h"

@@ -39,7 +39,7 @@ static int limit_at(const lw_plan *plan, const lw_arc *a, double input, double s
 
 /* The arc into which the linkage passes at the end of stage s: of those that end there with one dyad
  * turned over the one whose posture is the same.  -1: none. */
-static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_stage *s, int *end)
+static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_walk_stage *s, int *end)
 {
     const lw_arc *now = &m->arc[s->arc];
     double slack = 1e-9*(w->plan->input_is_slider ? now->last - now->first : 1), least = INFINITY;
@@ -66,8 +66,8 @@ static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_stage *s, i
 static void add_stage(lw_walk *w, const lw_motion *m, int arc, int begin)
 {
     const lw_arc *a = &m->arc[arc];
-    lw_stage *s = &w->stage[w->n_stage++];
-    *s = (lw_stage){ .arc = arc, .from = begin ? a->last : a->first, .to = begin ? a->first : a->last };
+    lw_walk_stage *s = &w->stage[w->n_stage++];
+    *s = (lw_walk_stage){ .arc = arc, .from = begin ? a->last : a->first, .to = begin ? a->first : a->last };
     memcpy(s->mode, a->mode, sizeof s->mode);
 }
 
@@ -83,7 +83,7 @@ void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, in
         return;
     }
     while (w->n_stage < LW_ARC_MAX) {
-        const lw_stage *s = &w->stage[w->n_stage - 1];
+        const lw_walk_stage *s = &w->stage[w->n_stage - 1];
         const lw_arc *last = &m->arc[s->arc];
         int end = 0, next = last->limit[s->to == last->last] ? arc_beyond(w, m, s, &end) : -1;
         w->loops = next == arc;
@@ -98,7 +98,7 @@ void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, in
 
 void lw_walk_restrict(lw_walk *w, double first, double last)
 {
-    lw_stage *s = &w->stage[0];
+    lw_walk_stage *s = &w->stage[0];
     if (!w->turns) {                              /* in a full turn the posture may be anywhere */
         first = fmax(first, fmin(s->from, s->to));
         last = fmin(last, fmax(s->from, s->to));
@@ -112,7 +112,7 @@ void lw_walk_restrict(lw_walk *w, double first, double last)
 double lw_walk_input(const lw_walk *w, double t)
 {
     int i = (int)fmin(fmax(floor(t), 0), w->n_stage - 1);
-    const lw_stage *s = &w->stage[i];
+    const lw_walk_stage *s = &w->stage[i];
     double u = fmin(fmax(t - i, 0), 1);
     if (!w->turns)
         u = 0.5 - 0.5*cos(LW_PI*u);
@@ -121,7 +121,7 @@ double lw_walk_input(const lw_walk *w, double t)
 
 double lw_walk_time(const lw_walk *w, double input)
 {
-    const lw_stage *s = &w->stage[0];
+    const lw_walk_stage *s = &w->stage[0];
     double u = fmin(fmax((input - s->from)/(s->to - s->from), 0), 1);
     return w->turns ? u : acos(1 - 2*u)/LW_PI;
 }

@@ -1,25 +1,25 @@
 /* catalogues/draw/walk.h - the motion of a linkage through its circuit, in order: along an arc to the limit
  * of its input, through the limit into the other assembly of the dyad that is stretched there, and
  * on, until it is back where it began. */
-#ifndef LW_CATALOGUES_WALK_H
-#define LW_CATALOGUES_WALK_H
+#ifndef LW_CATALOGUES_DRAW_WALK_H
+#define LW_CATALOGUES_DRAW_WALK_H
 
 #include "mbs/kinematics/motion.h"
 #include "mbs/plan/plan.h"
 #include "mbs/plan/pose.h"
 
 /* One arc, walked from `from` to `to` (either may be the greater). */
-typedef struct lw_stage {
+typedef struct lw_walk_stage {
     int    arc;                         /* in lw_motion                                             */
     double from, to;                    /* input [rad] or [m]                                       */
     double mode[LW_MODE_MAX];
-} lw_stage;
+} lw_walk_stage;
 
 typedef struct lw_walk {
     const lw_plan *plan;
     const double  *dim;
     int      n_stage;
-    lw_stage stage[LW_ARC_MAX];         /* the first is the arc it was made from                    */
+    lw_walk_stage stage[LW_ARC_MAX];         /* the first is the arc it was made from                    */
     bool     loops;                     /* the end of the last stage is the beginning of the first  */
     bool     turns;                     /* one stage, a full turn                                   */
 } lw_walk;

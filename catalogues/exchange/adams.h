@@ -10,8 +10,8 @@
  *
  * A line that begins with a comma goes on with the statement before, '!' begins a comment, and the comment
  * adams_view_name='...' names the statement behind it. */
-#ifndef LW_CATALOGUES_ADAMS_H
-#define LW_CATALOGUES_ADAMS_H
+#ifndef LW_CATALOGUES_EXCHANGE_ADAMS_H
+#define LW_CATALOGUES_EXCHANGE_ADAMS_H
 
 #include <stdbool.h>
 #include "base/error.h"

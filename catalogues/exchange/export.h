@@ -2,8 +2,8 @@
  *
  * Every writer adds text to out in SI (metres, radians), numbers with 15 digits; after a failure out is
  * freed.  LW_E_KIND: the linkage has something the format cannot say; LW_E_MEMORY. */
-#ifndef LW_CATALOGUES_EXPORT_H
-#define LW_CATALOGUES_EXPORT_H
+#ifndef LW_CATALOGUES_EXCHANGE_EXPORT_H
+#define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
 #include "catalogues/draw/bytes.h"
 #include "grammar/linkage.h"

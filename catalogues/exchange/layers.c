@@ -81,7 +81,7 @@ static lw_slide slide_of(const lw_scene *s, int j)
     const lw_joint *p = &s->linkage.joint[j];
     if (p->kind == LW_JOINT_SLOT)
         return (lw_slide){ .guide = p->link[0], .block = p->link[1], .at = p->at, .along = p->along };
-    return lw_anatomy_slide(s, j);
+    return lw_body_shapes_slide(s, j);
 }
 
 /* How far a point of the block runs along the guide's line, seen from the guide; where it turns back between two
@@ -174,7 +174,7 @@ static verdict judge(const lw_approach *d, double limit)
 }
 
 /* Links and pins of one scene as bodies; pins after links. */
-static lw_status move_all(const work *w, const lw_scene *s, lw_body *body)
+static lw_status move_all(const work *w, const lw_scene *s, lw_plate_body *body)
 {
     lw_status st = LW_OK;
     int n = s->linkage.n_link;
@@ -186,7 +186,7 @@ static lw_status move_all(const work *w, const lw_scene *s, lw_body *body)
 }
 
 /* Try every pair that wants it in the postures of s.  Returns how many do so still. */
-static int look_at_pairs(work *w, const lw_scene *s, const lw_body *body)
+static int look_at_pairs(work *w, const lw_scene *s, const lw_plate_body *body)
 {
     int n = s->linkage.n_link, n_open = 0;
     for (int a = 0; a < n + w->l->n_pin; a++)
@@ -242,7 +242,7 @@ static lw_status find_conflicts(work *w)
     settle_joints(w);
     for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
         const lw_scene *s = level ? &fine : w->s;
-        lw_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
+        lw_plate_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
         size_t wanted = w->s->n_frame << 2*level;
         if (level)
             st = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);

@@ -7,8 +7,8 @@
  * must stay apart in all of the motion, and so must a pin and the plates it passes: between the scene's postures too,
  * by what each can move from one to the next; where that does not tell, 4 and 16 times as many postures are looked
  * at, and what is not certain then is taken to meet. */
-#ifndef LW_CATALOGUES_LAYERS_H
-#define LW_CATALOGUES_LAYERS_H
+#ifndef LW_CATALOGUES_EXCHANGE_LAYERS_H
+#define LW_CATALOGUES_EXCHANGE_LAYERS_H
 
 #include "catalogues/draw/scene.h"
 

@@ -41,17 +41,17 @@ double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b)
 
 /* ---- a motion ---------------------------------------------------------------------------------------------- */
 
-void lw_body_free(lw_body *b)
+void lw_body_free(lw_plate_body *b)
 {
     free(b->at);
     free(b->way);
-    *b = (lw_body){ 0 };
+    *b = (lw_plate_body){ 0 };
 }
 
 static double norm2(lw_vec2 v) { return lw_v2_dot(v, v); }
 
 /* The largest second difference of a corner around posture f, which in a motion back and forth is an inner one. */
-static double bend_at(const lw_scene *s, const lw_body *b, size_t f)
+static double bend_at(const lw_scene *s, const lw_plate_body *b, size_t f)
 {
     size_t last = s->n_frame - 1, mid = s->loops ? f : f == 0 ? 1 : f == last ? last - 1 : f;
     size_t from = s->loops ? (mid + last) % s->n_frame : mid - 1, to = (mid + 1) % s->n_frame;
@@ -67,7 +67,7 @@ static double bend_at(const lw_scene *s, const lw_body *b, size_t f)
 /* The posture before f; the first itself when the motion goes back and forth. */
 static size_t before(const lw_scene *s, size_t f) { return f > 0 ? f - 1 : s->loops ? s->n_frame - 1 : 0; }
 
-lw_status lw_body_move(const lw_scene *s, int link, const lw_vec2 *corner, int n, lw_body *b)
+lw_status lw_body_move(const lw_scene *s, int link, const lw_vec2 *corner, int n, lw_plate_body *b)
 {
     size_t m = (size_t)n;
     b->n = n;
@@ -90,7 +90,7 @@ lw_status lw_body_move(const lw_scene *s, int link, const lw_vec2 *corner, int n
     return LW_OK;
 }
 
-lw_approach lw_body_approach(const lw_scene *s, const lw_body *a, const lw_body *b)
+lw_approach lw_body_approach(const lw_scene *s, const lw_plate_body *a, const lw_plate_body *b)
 {
     lw_approach least = { INFINITY, INFINITY };
     size_t last = s->n_frame - 1;

@@ -6,8 +6,8 @@
  *
  * Every page is whole in itself: style sheet and script inside, named by their hashes in a policy that lets
  * nothing be loaded; all texts of the catalogue are escaped.  Without scripts the pages can be read too. */
-#ifndef LW_CATALOGUES_ATLAS_HTML_H
-#define LW_CATALOGUES_ATLAS_HTML_H
+#ifndef LW_CATALOGUES_PAGES_ATLAS_HTML_H
+#define LW_CATALOGUES_PAGES_ATLAS_HTML_H
 
 #include "catalogues/store/store.h"
 

@@ -1,6 +1,6 @@
 /* catalogues/pages/atlas_html_internal.h - the pages of an atlas, each from what is known of its chain. */
-#ifndef LW_CATALOGUES_ATLAS_HTML_INTERNAL_H
-#define LW_CATALOGUES_ATLAS_HTML_INTERNAL_H
+#ifndef LW_CATALOGUES_PAGES_ATLAS_HTML_INTERNAL_H
+#define LW_CATALOGUES_PAGES_ATLAS_HTML_INTERNAL_H
 
 #include "catalogues/pages/atlas_html.h"
 #include "catalogues/draw/bytes.h"

@@ -2,8 +2,8 @@
  *
  * Everything is inside the file: it opens from a disk without a network, and its content security
  * policy forbids it to load anything.  The script only plays postures worked out before. */
-#ifndef LW_CATALOGUES_PAGE_H
-#define LW_CATALOGUES_PAGE_H
+#ifndef LW_CATALOGUES_PAGES_PAGE_H
+#define LW_CATALOGUES_PAGES_PAGE_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/draw/scene.h"

@@ -1,6 +1,6 @@
 /* catalogues/pages/page_internal.h - the parts of a page that are made apart: head, motions and tables. */
-#ifndef LW_CATALOGUES_PAGE_INTERNAL_H
-#define LW_CATALOGUES_PAGE_INTERNAL_H
+#ifndef LW_CATALOGUES_PAGES_PAGE_INTERNAL_H
+#define LW_CATALOGUES_PAGES_PAGE_INTERNAL_H
 
 #include "catalogues/draw/drawing.h"
 #include "catalogues/pages/page.h"

@@ -1,7 +1,7 @@
 /* catalogues/pages/sha256.h - the SHA-256 hash (FIPS 180-4), by which a page's content security policy names the
  * one script and the one style sheet it allows. */
-#ifndef LW_CATALOGUES_SHA256_H
-#define LW_CATALOGUES_SHA256_H
+#ifndef LW_CATALOGUES_PAGES_SHA256_H
+#define LW_CATALOGUES_PAGES_SHA256_H
 
 #include <stddef.h>
 

@@ -5,8 +5,8 @@
  * least and greatest sizes are kept, which bound the distance of all its curves from any target from
  * below (descriptor.h).  A search takes blocks in the order of that bound until it exceeds the worst of the
  * curves wanted: the answer is exact, as if every curve had been compared. */
-#ifndef LW_CATALOGUES_ATLAS_H
-#define LW_CATALOGUES_ATLAS_H
+#ifndef LW_CATALOGUES_STORE_ATLAS_H
+#define LW_CATALOGUES_STORE_ATLAS_H
 
 #include "catalogues/curves/curves.h"
 #include "catalogues/store/store.h"

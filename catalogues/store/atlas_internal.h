@@ -1,6 +1,6 @@
 /* catalogues/store/atlas_internal.h - blocks of curves as they lie in the store. */
-#ifndef LW_CATALOGUES_ATLAS_INTERNAL_H
-#define LW_CATALOGUES_ATLAS_INTERNAL_H
+#ifndef LW_CATALOGUES_STORE_ATLAS_INTERNAL_H
+#define LW_CATALOGUES_STORE_ATLAS_INTERNAL_H
 
 #include "catalogues/store/atlas.h"
 

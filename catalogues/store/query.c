@@ -27,7 +27,7 @@ typedef struct reader {
     token                   next;
     const lw_query_options *o;
     lw_query               *q;
-    const lw_field         *used[FIELD_MAX];
+    const lw_query_field         *used[FIELD_MAX];
     int                     n_used, depth;
     size_t                  n_text;
     lw_error               *e;
@@ -117,9 +117,9 @@ static bool is_word(const token *t, const char *word)
 
 /* ---- fields ------------------------------------------------------------------------------------------ */
 
-static const lw_field *find_field(const char *at, size_t n)
+static const lw_query_field *find_field(const char *at, size_t n)
 {
-    for (const lw_field *f = lw_fields; f->name; f++)
+    for (const lw_query_field *f = lw_fields; f->name; f++)
         if (strlen(f->name) == n && strncmp(f->name, at, n) == 0)
             return f;
     return NULL;
@@ -130,7 +130,7 @@ static lw_status unknown_field(reader *r, const char *at, size_t n)
     const char *names[FIELD_MAX];
     char word[40];
     int count = 0;
-    for (const lw_field *f = lw_fields; f->name && count < FIELD_MAX; f++)
+    for (const lw_query_field *f = lw_fields; f->name && count < FIELD_MAX; f++)
         names[count++] = f->name;
     snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
     const char *near = lw_suggest(word, names, count);
@@ -138,7 +138,7 @@ static lw_status unknown_field(reader *r, const char *at, size_t n)
                        near ? "; did you mean '" : "; --fields lists them", near ? near : "", near ? "'?" : "");
 }
 
-static void use(reader *r, const lw_field *f)
+static void use(reader *r, const lw_query_field *f)
 {
     for (int i = 0; i < r->n_used; i++)
         if (r->used[i] == f)
@@ -151,7 +151,7 @@ static lw_status choose_list(reader *r)
 {
     bool free = r->o->list == LW_LIST_ANY;
     int first = free ? 0 : (int)r->o->list, last = free ? LW_LIST_ANY - 1 : first;
-    const lw_field *missing = NULL;
+    const lw_query_field *missing = NULL;
     for (int l = first; l <= last; l++) {
         missing = NULL;
         for (int i = 0; i < r->n_used && !missing; i++)
@@ -195,7 +195,7 @@ static lw_status add_text(reader *r, const char *at, size_t n, bool part)
 }
 
 /* "2", "1e-3", "2mm", "30deg" */
-static lw_status read_number(reader *r, const lw_field *f, double *v)
+static lw_status read_number(reader *r, const lw_query_field *f, double *v)
 {
     const token *t = &r->next;
     size_t digits = t->n;
@@ -233,7 +233,7 @@ static lw_status read_flag(reader *r)
     return fault(r, t->at, "yes or no is wanted, not '%.*s'", t->at, t->n);
 }
 
-static lw_status read_value(reader *r, const lw_field *f, bool pattern)
+static lw_status read_value(reader *r, const lw_query_field *f, bool pattern)
 {
     const token t = r->next;
     lw_status s;
@@ -257,14 +257,14 @@ static lw_status read_value(reader *r, const lw_field *f, bool pattern)
 /* ---- tests ------------------------------------------------------------------------------------------- */
 
 /* Fields stand in the SQL as a byte 1 and their number until the list is chosen. */
-static void put_field(reader *r, const lw_field *f)
+static void put_field(reader *r, const lw_query_field *f)
 {
     char mark[3] = { 1, (char)(f - lw_fields + 1), 0 };
     use(r, f);
     lw_bytes_text(&r->q->sql, mark);
 }
 
-static lw_status read_set(reader *r, const lw_field *f)
+static lw_status read_set(reader *r, const lw_query_field *f)
 {
     lw_status s = advance(r);
     if (s == LW_OK && r->next.sign != '(')
@@ -285,7 +285,7 @@ static lw_status read_set(reader *r, const lw_field *f)
 }
 
 /* field = least..greatest: the first value is written already. */
-static lw_status read_range(reader *r, const lw_field *f, char sign)
+static lw_status read_range(reader *r, const lw_query_field *f, char sign)
 {
     if (sign != '=' || f->kind == LW_FIELD_TEXT || f->kind == LW_FIELD_FLAG)
         return fault(r, r->next.at, "a range 4..8 comes after '=' and between numbers%.*s", "", 0);
@@ -314,7 +314,7 @@ static const char *operator_text(char sign)
     }
 }
 
-static lw_status read_comparison(reader *r, const lw_field *f)
+static lw_status read_comparison(reader *r, const lw_query_field *f)
 {
     const token op = r->next;
     const char *text = operator_text(op.sign);
@@ -351,7 +351,7 @@ static lw_status read_test(reader *r)
     const token t = r->next;
     if (t.kind == END)
         return fault(r, t.at, "the question ends where a field is wanted%.*s", "", 0);
-    const lw_field *f = t.kind == WORD ? find_field(t.at, t.n) : NULL;
+    const lw_query_field *f = t.kind == WORD ? find_field(t.at, t.n) : NULL;
     if (t.kind != WORD)
         return fault(r, t.at, "a field is wanted, not '%.*s'", t.at, t.n);
     if (!f)
@@ -434,7 +434,7 @@ static lw_status each_field(reader *r, const char *list, bool put)
     for (const char *at = list; *at || first; first = false) {
         size_t n = strcspn(at, ",");
         bool falling = put && *at == '-';
-        const lw_field *f = find_field(at + falling, n - falling);
+        const lw_query_field *f = find_field(at + falling, n - falling);
         r->text = list;
         if (!f)
             return unknown_field(r, at + falling, n - falling);
@@ -454,7 +454,7 @@ static void put_columns(const lw_query *q, const char *list, lw_bytes *sql)
 {
     for (const char *at = list; *at;) {
         size_t n = strcspn(at, ",");
-        const lw_field *f = find_field(at, n);
+        const lw_query_field *f = find_field(at, n);
         lw_bytes_text(sql, at == list ? "SELECT " : ", ");
         lw_bytes_text(sql, f->sql[q->list]);
         lw_bytes_text(sql, " AS \"");

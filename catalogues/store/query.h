@@ -10,8 +10,8 @@
  *
  * What nobody knows (null) is neither equal nor unequal to anything but  none.  Every value goes into the SQL
  * as a parameter and every field comes out of a table here, so that no text can become SQL. */
-#ifndef LW_CATALOGUES_QUERY_H
-#define LW_CATALOGUES_QUERY_H
+#ifndef LW_CATALOGUES_STORE_QUERY_H
+#define LW_CATALOGUES_STORE_QUERY_H
 
 #include "catalogues/draw/bytes.h"
 #include "catalogues/store/store.h"
@@ -29,13 +29,13 @@ typedef enum lw_field_kind {
     LW_FIELD_INTEGER, LW_FIELD_REAL, LW_FIELD_LENGTH, LW_FIELD_ANGLE, LW_FIELD_TEXT, LW_FIELD_FLAG
 } lw_field_kind;
 
-typedef struct lw_field {
+typedef struct lw_query_field {
     const char   *name, *about;
     lw_field_kind kind;
     const char   *sql[LW_LIST_ANY];              /* in each list; NULL: not there                    */
-} lw_field;
+} lw_query_field;
 
-extern const lw_field lw_fields[];               /* ends with name NULL                              */
+extern const lw_query_field lw_fields[];               /* ends with name NULL                              */
 extern const char *const lw_list_names[LW_LIST_ANY + 1];
 
 typedef struct lw_query_options {

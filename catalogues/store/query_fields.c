@@ -12,7 +12,7 @@ const char *const lw_list_names[LW_LIST_ANY + 1] = { "chains", "mechanisms", "li
     { "(SELECT " x " FROM run WHERE id = c.run)", "(SELECT " x " FROM run WHERE id = m.run)", \
       "(SELECT " x " FROM run WHERE id = k.run)", "(SELECT " x " FROM run WHERE id = s.run)" }
 
-const lw_field lw_fields[] = {
+const lw_query_field lw_fields[] = {
     { "id", "number of the row", LW_FIELD_INTEGER, { "c.id", "m.id", "k.id", "s.id" } },
     { "links", "number of links", LW_FIELD_INTEGER, OF_CHAIN_TOO("links") },
     { "dof", "degree of freedom", LW_FIELD_INTEGER, OF_CHAIN_TOO("dof") },

@@ -7,8 +7,8 @@
  *
  * One program writes at a time: it holds FILE-lock, in which its process number and command line stand, and
  * which disappears with it.  Any number may read meanwhile.  A store belongs to one thread. */
-#ifndef LW_CATALOGUES_STORE_H
-#define LW_CATALOGUES_STORE_H
+#ifndef LW_CATALOGUES_STORE_STORE_H
+#define LW_CATALOGUES_STORE_STORE_H
 
 #include <stdbool.h>
 #include <stddef.h>

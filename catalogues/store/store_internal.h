@@ -1,7 +1,7 @@
 /* catalogues/store/store_internal.h - what the files of the store share: statements made once, values bound by
  * a format, SQLite's failures in our words. */
-#ifndef LW_CATALOGUES_STORE_INTERNAL_H
-#define LW_CATALOGUES_STORE_INTERNAL_H
+#ifndef LW_CATALOGUES_STORE_STORE_INTERNAL_H
+#define LW_CATALOGUES_STORE_STORE_INTERNAL_H
 
 #include <sqlite3.h>
 #include "catalogues/store/store.h"

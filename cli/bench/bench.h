@@ -1,7 +1,7 @@
 /* cli/bench/bench.h - the parts of `linkwright bench fit`: problems with known figures, runs that leave a
  * curve of error against work, and what is printed and drawn of them. */
-#ifndef LW_CLI_BENCH_H
-#define LW_CLI_BENCH_H
+#ifndef CLI_BENCH_BENCH_H
+#define CLI_BENCH_BENCH_H
 
 #include "cli/program/output.h"
 #include "optimise/search/fit.h"

@@ -54,10 +54,10 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
     w->stop |= cli_interrupted();
 }
 
-static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const lw_survey *s, outcome *out)
+static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const lw_staged_search *s, outcome *out)
 {
     double seconds = 0;
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     out->n = s->n_stage;
     for (int k = 0; k < s->n_stage && r; k++) {
         best *b = &out->best[k];
@@ -67,7 +67,7 @@ static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const
         for (int i = 0; i < s->fit.n; i++) {
             const lw_candidate *c = &s->fit.candidate[i];
             if (lw_candidate_links(c) > b->links || c->objective >= b->objective
-                || lw_report_make(&p->target, spec, c, r, NULL) != LW_OK || !r->verified)
+                || lw_fit_report_make(&p->target, spec, c, r, NULL) != LW_OK || !r->verified)
                 continue;
             b->objective = c->objective;
             b->percent = r->error_percent;
@@ -83,8 +83,8 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     cli_topologies topologies;
     cli_fit_stages stages;
     cli_fit_known none = { 0 };
-    lw_survey survey;
-    cli_topology_wish wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
+    lw_staged_search survey;
+    cli_topology_request wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
                                .timed = p->spec.task == LW_TASK_FUNCTION
                                      || p->spec.timing == LW_TIMING_PRESCRIBED };
     lw_status st = cli_topologies_make(&wish, &topologies, e);
@@ -104,11 +104,11 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     f.improved = record;
     f.context = &out->watch;
     out->watch.started = lw_clock_wall();
-    st = lw_survey_run(&p->target, &f, stages.stage, stages.n, &survey, e);
+    st = lw_staged_search_run(&p->target, &f, stages.stage, stages.n, &survey, e);
     if (st >= 0 && st != LW_NOTHING)
         pick_best(p, &f.spec, &survey, out);
     if (st >= 0)
-        lw_survey_free(&survey);
+        lw_staged_search_free(&survey);
     cli_topologies_free(&topologies);
     return st < 0 ? st : LW_OK;
 }

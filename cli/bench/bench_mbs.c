@@ -182,7 +182,7 @@ static lw_status keep(void *context, const lw_moment *m)
 
 /* Set up and run once; the row takes the shorter times. */
 static lw_status run_once(const lw_model *m, const lw_dynamics_options *o, keeper *k, bool timed, cli_mbs_row *row,
-                          lw_report *report, lw_error *e)
+                          lw_dynamics_report *report, lw_error *e)
 {
     lw_dynamics *d;
     double start = lw_clock_cpu();
@@ -213,7 +213,7 @@ static lw_status one_row(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m
     lw_dynamics_options o = lw_dynamics_options_default();
     cli_mbs_row *row = *out = cli_mbs_add(b, p->name, lw_formulation_name(f), tolerance);
     keeper k = { .motion = { .n_body = m->linkage.n_link - 1 } };
-    lw_report report;
+    lw_dynamics_report report;
     lw_error e = { 0 };
     k.motion.place = malloc(sizeof(double)*3*(size_t)(r->n_row*k.motion.n_body));
     if (!row || !k.motion.place) {

@@ -1,7 +1,7 @@
 /* cli/bench/bench_mbs.h - the parts of `linkwright bench mbs`: reference problems of multibody dynamics, one row a solver and
  * tolerance, other programs' solvers in the same run, and what is printed and drawn of them. */
-#ifndef LW_CLI_BENCH_MBS_H
-#define LW_CLI_BENCH_MBS_H
+#ifndef CLI_BENCH_BENCH_MBS_H
+#define CLI_BENCH_BENCH_MBS_H
 
 #include "cli/program/output.h"
 

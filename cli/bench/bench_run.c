@@ -78,9 +78,9 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
 static double verified_error(const cli_bench_problem *p, const lw_fit *fit)
 {
     double least = INFINITY;
-    lw_report *report = malloc(sizeof *report);
+    lw_fit_report *report = malloc(sizeof *report);
     for (int i = 0; i < fit->n && report; i++)
-        if (lw_report_make(&p->target, &p->spec, &fit->candidate[i], report, NULL) == LW_OK
+        if (lw_fit_report_make(&p->target, &p->spec, &fit->candidate[i], report, NULL) == LW_OK
             && report->verified)
             least = fmin(least, report->verified_objective);
     free(report);

@@ -6,8 +6,8 @@
  *
  * No model file says this: links of models are rigid.  It is here to show the integrators where the fast
  * vibration of the coupler lies beside the slow motion of the crank. */
-#ifndef LW_MBS_FLEXIBLE_CRANK_H
-#define LW_MBS_FLEXIBLE_CRANK_H
+#ifndef CLI_BENCH_FLEXIBLE_CRANK_H
+#define CLI_BENCH_FLEXIBLE_CRANK_H
 
 #include "mbs/ode/integrate.h"
 

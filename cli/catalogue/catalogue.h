@@ -1,6 +1,6 @@
 /* cli/catalogue/catalogue.h - the actions of the catalogue command, one file each, and what they share. */
-#ifndef LW_CLI_CATALOGUE_H
-#define LW_CLI_CATALOGUE_H
+#ifndef CLI_CATALOGUE_CATALOGUE_H
+#define CLI_CATALOGUE_CATALOGUE_H
 
 #include "catalogues/store/store.h"
 #include "cli/program/output.h"

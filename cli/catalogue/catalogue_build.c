@@ -133,7 +133,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
 static lw_status count_symmetry(const lw_chain *c, entry *x)
 {
     lw_graph g;
-    lw_group group;
+    lw_symmetry_group group;
     uint8_t (*element)[LW_GRAPH_MAX] = NULL;
     size_t n = 1;
     lw_graph_of_chain(c, &g);
@@ -141,7 +141,7 @@ static lw_status count_symmetry(const lw_chain *c, entry *x)
     if (s != LW_OK)
         return s;
     if (group.n_generator > 0)
-        s = lw_group_elements(&group, &element, &n);
+        s = lw_symmetry_group_elements(&group, &element, &n);
     x->row.symmetry = n;
     x->row.n_ground = 0;
     for (int i = 0; i < c->n_link; i++) {
@@ -154,7 +154,7 @@ static lw_status count_symmetry(const lw_chain *c, entry *x)
         }
     }
     free(element);
-    lw_group_free(&group);
+    lw_symmetry_group_free(&group);
     return s;
 }
 

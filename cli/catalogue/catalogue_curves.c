@@ -72,7 +72,7 @@ static lw_status begin(job *j)
 static lw_status add_topologies(job *j, int links)
 {
     cli_topologies all;
-    cli_topology_wish w = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
+    cli_topology_request w = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
                             .jobs = j->call->common.jobs };
     lw_family_made *made = malloc(sizeof *made);
     lw_status status = made ? cli_topologies_make(&w, &all, &j->e) : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
@@ -145,7 +145,7 @@ static void print_dimensions(const lw_linkage *k, double unit, FILE *f)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    if (lw_plan_make(k, (lw_want){ 1, false }, &plan, NULL) != LW_OK
+    if (lw_plan_make(k, (lw_plan_outputs){ 1, false }, &plan, NULL) != LW_OK
         || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK)
         return;
     for (int d = 0; d < plan.n_dim; d++)

@@ -213,7 +213,7 @@ static int print_fields(const cli_call *call)
     lw_error e = { 0 };
     if (cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
-    for (const lw_field *f = lw_fields; f->name; f++) {
+    for (const lw_query_field *f = lw_fields; f->name; f++) {
         fprintf(out.f, "%-17s %s [", f->name, f->about);
         for (int l = 0, n = 0; l < LW_LIST_ANY; l++)
             if (f->sql[l])

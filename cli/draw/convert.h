@@ -1,6 +1,6 @@
 /* cli/draw/convert.h - the formats of linkages that `linkwright convert` reads and writes, one row each. */
-#ifndef LW_CLI_CONVERT_H
-#define LW_CLI_CONVERT_H
+#ifndef CLI_DRAW_CONVERT_H
+#define CLI_DRAW_CONVERT_H
 
 #include <stdbool.h>
 #include "cli/program/output.h"

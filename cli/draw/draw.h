@@ -1,6 +1,6 @@
 /* cli/draw/draw.h - the two halves of `linkwright draw`: a linkage, and chains and mechanisms. */
-#ifndef LW_CLI_DRAW_H
-#define LW_CLI_DRAW_H
+#ifndef CLI_DRAW_DRAW_H
+#define CLI_DRAW_DRAW_H
 
 #include "catalogues/draw/draw.h"
 #include "cli/program/output.h"

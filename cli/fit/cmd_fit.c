@@ -246,7 +246,7 @@ static bool is_dimension(const char *types, const char *name)
         lw_plan plan;
         lw_type_linkage(t, &k);
         bool asked = strcmp(types, "all") == 0 || strstr(types, t->name) || strstr(types, t->letters);
-        if (asked && lw_plan_make(&k, (lw_want){ .tracers = 1 }, &plan, NULL) == LW_OK
+        if (asked && lw_plan_make(&k, (lw_plan_outputs){ .tracers = 1 }, &plan, NULL) == LW_OK
             && lw_plan_dim(&plan, name) >= 0)
             return true;
     }
@@ -309,7 +309,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     if (s->exact && !cli_given(&call->parsed, "type"))
         o.types = NULL;                              /* as their number suggests */
     lw_status st = s->exact ? cli_fit_exact(call, set, &o, e)
-                 : lw_survey_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
+                 : lw_staged_search_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
     cli_progress_end(&progress.line);
     return st;
 }
@@ -353,7 +353,7 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
 static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
 {
     const settings *s = call->settings;
-    const lw_brief *b = &set->brief;
+    const lw_task_file *b = &set->brief;
     char kinds[8] = "";
     int links = said(call, "links", s->links, b->links), dof = said(call, "dof", s->dof, b->dof);
     bool counted = b->links > 0 || cli_given(&call->parsed, "links");
@@ -363,7 +363,7 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
             kinds[strlen(kinds)] = *at;
     if (!counted && links < least_links(dof))
         links = least_links(dof);
-    cli_topology_wish w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
+    cli_topology_request w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
                             .only = named ? b->topology : s->topology, .task = set->spec.task,
                             .interrupt = cli_stop_flag(),
                             .timed = set->spec.task == LW_TASK_FUNCTION
@@ -410,8 +410,8 @@ static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
     if (!set->report || !set->which)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
     for (int i = 0; i < n; i++) {
-        lw_report *r = &set->report[set->n];
-        lw_status st = lw_report_make(&set->target, &set->spec, &set->survey.fit.candidate[i], r, e);
+        lw_fit_report *r = &set->report[set->n];
+        lw_status st = lw_fit_report_make(&set->target, &set->spec, &set->survey.fit.candidate[i], r, e);
         if (st != LW_OK)
             return st;
         if (r->verified) {
@@ -436,7 +436,7 @@ static void name_of(const char *path, char *name, size_t size)
 
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
-    const lw_report *r = &set->report[0];
+    const lw_fit_report *r = &set->report[0];
     if (set->survey.fit.skipped[0])
         cli_note(call, "%s: skipped %s", set->path, set->survey.fit.skipped);
     if (set->n == 0 && set->left_out == 0)
@@ -454,7 +454,7 @@ static lw_status read_wish(const char *path, const lw_target_options *o, cli_fit
 {
     size_t n = strlen(path);
     set->has_brief = n > 5 && strcmp(path + n - 5, ".json") == 0;
-    return set->has_brief ? cli_read_brief(path, o, &set->brief, &set->target, e)
+    return set->has_brief ? cli_read_task_file(path, o, &set->brief, &set->target, e)
                           : cli_read_target(path, o, &set->target, e);
 }
 
@@ -494,8 +494,8 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
 static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
-    lw_brief_free(&set->brief);
-    lw_survey_free(&set->survey);
+    lw_task_file_free(&set->brief);
+    lw_staged_search_free(&set->survey);
     for (int i = 0; i < LW_STAGE_MAX; i++)
         lw_tracer_spread_free(&set->spread[i]);
     cli_fit_known_free(&set->known);

@@ -75,7 +75,7 @@ static int try_choice(job *b, int input, int tracer, lw_linkage *k)
     m.output = tracer;
     lw_rng_seed(&rng, b->call->common.seed, 7);
     if (plan && lw_linkage_sketch(&m, &rng, k) == LW_OK
-        && lw_plan_make_any(k, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK)
+        && lw_plan_make_any(k, (lw_plan_outputs){ .tracers = 1 }, plan, NULL) == LW_OK)
         links = plan->n_link;
     free(plan);
     return links;
@@ -180,7 +180,7 @@ static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
-    bool ok = plan && lw_plan_make_any(&b->sketch, (lw_want){ .tracers = 1, .all_joints = true }, plan, NULL) == LW_OK;
+    bool ok = plan && lw_plan_make_any(&b->sketch, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, plan, NULL) == LW_OK;
     double scale = plan && ok && plan->input_is_slider ? p->unit : 1, mid = p->branch.turns ? 0 : p->branch.mid*scale;
     bool found = false;
     memcpy(mode, p->branch.mode, sizeof mode);
@@ -304,11 +304,11 @@ static lw_status run_first(job *b, lw_error *e)
 }
 
 /* The best that a second simulation confirms. */
-static const lw_candidate *best_of(const job *b, const lw_fit *fit, lw_report *r, lw_error *e, lw_status *st)
+static const lw_candidate *best_of(const job *b, const lw_fit *fit, lw_fit_report *r, lw_error *e, lw_status *st)
 {
     *st = LW_OK;
     for (int i = 0; i < fit->n && *st == LW_OK; i++) {
-        *st = lw_report_make(&b->target, &b->spec, &fit->candidate[i], r, e);
+        *st = lw_fit_report_make(&b->target, &b->spec, &fit->candidate[i], r, e);
         if (*st == LW_OK && r->verified)
             return &fit->candidate[i];
     }
@@ -321,7 +321,7 @@ static lw_status print_final(job *b, const lw_fit *fit, lw_error *e)
 {
     FILE *f = b->out.f;
     lw_status st;
-    lw_report *r = calloc(1, sizeof *r);
+    lw_fit_report *r = calloc(1, sizeof *r);
     if (!r)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a report");
     const lw_candidate *c = best_of(b, fit, r, e, &st);

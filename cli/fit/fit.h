@@ -1,6 +1,6 @@
 /* cli/fit/fit.h - the parts of the fit command: what was found for one target, printed and drawn. */
-#ifndef LW_CLI_FIT_H
-#define LW_CLI_FIT_H
+#ifndef CLI_FIT_FIT_H
+#define CLI_FIT_FIT_H
 
 #include "cli/fit/fit_stages.h"
 #include "cli/program/json.h"
@@ -17,15 +17,15 @@ typedef struct cli_fit_set {
     lw_target   target;
     lw_fit_spec spec;
     bool        has_brief;        /* the target is a task file                                     */
-    lw_brief    brief;
-    lw_survey   survey;           /* what was found, by number of links                            */
+    lw_task_file    brief;
+    lw_staged_search   survey;           /* what was found, by number of links                            */
     cli_topologies topologies;    /* what was looked through beyond four links                     */
     cli_fit_known  known;         /* linkages to start from                                        */
     cli_fit_stages stages;
     lw_tracer_spread spread[LW_STAGE_MAX];   /* of a stage's families, for several points         */
     int         n;                /* results that passed the second simulation                     */
     int        *which;            /* their candidates                                       (n)    */
-    lw_report  *report;           /*                                                        (n)    */
+    lw_fit_report  *report;           /*                                                        (n)    */
     int         left_out;         /* candidates with a defect: a station on another branch         */
     uint64_t    seed;
     bool        is_exact;         /* precision points: fit above is that of ...                     */
@@ -61,6 +61,6 @@ void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
 
 /* Value of a dimension in the user's unit: angles in radians. */
-double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si);
+double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si);
 
 #endif

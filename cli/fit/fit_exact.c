@@ -34,8 +34,8 @@ lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e
     if (!s->report || !s->which)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
     for (int i = 0; i < n; i++) {
-        lw_report *r = &s->report[s->n];
-        lw_status st = lw_report_make(&s->target, &s->spec, &s->survey.fit.candidate[i], r, e);
+        lw_fit_report *r = &s->report[s->n];
+        lw_status st = lw_fit_report_make(&s->target, &s->spec, &s->survey.fit.candidate[i], r, e);
         if (st != LW_OK)
             return st;
         if (r->verified || (s->exact.defect[i] && r->meets)) {

@@ -28,7 +28,7 @@ lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carr
 lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e)
 {
     for (int i = 0; i < s->stages.n && s->target.n_also > 0; i++) {
-        lw_stage *g = &s->stages.stage[i];
+        lw_search_stage *g = &s->stages.stage[i];
         if (!g->families.make)
             continue;
         lw_status st = lw_tracers_spread(&g->families, &s->target, &s->spec, &s->spread[i], e);
@@ -61,7 +61,7 @@ static double length(const cli_fit_set *s, double metres)
 
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f)
 {
-    const lw_report *r = &s->report[i];
+    const lw_fit_report *r = &s->report[i];
     for (int k = 0; k < r->n_also; k++) {
         const lw_also_error *a = &r->also[k];
         const lw_linkage *l = &r->linkage;
@@ -76,7 +76,7 @@ void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f)
 
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j)
 {
-    const lw_report *r = &s->report[i];
+    const lw_fit_report *r = &s->report[i];
     const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
     if (r->n_also == 0)
         return;

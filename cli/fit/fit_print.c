@@ -5,7 +5,7 @@
 
 #include "cli/fit/fit.h"
 
-double cli_fit_value(const cli_fit_set *s, const lw_report *r, int dim, double si)
+double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si)
 {
     return r->dim_kind[dim] == LW_DIM_ANGLE ? si : si/s->target.units.metre;
 }
@@ -20,7 +20,7 @@ static const lw_candidate *candidate(const cli_fit_set *s, int i)
     return &s->survey.fit.candidate[s->which[i]];
 }
 
-static const char *class_of(const lw_report *r)
+static const char *class_of(const lw_fit_report *r)
 {
     return r->has_class ? r->barker.symbol : "-";
 }
@@ -32,7 +32,7 @@ static const char *const task_names[] = { "path", "function", "motion" };
 
 static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
-    const lw_report *r = &s->report[i];
+    const lw_fit_report *r = &s->report[i];
     const lw_candidate *c = candidate(s, i);
     double deg = 180/LW_PI;
     fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class_of(r));
@@ -184,7 +184,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
 
 /* ---- JSON --------------------------------------------------------------------------------------- */
 
-static void json_class(const lw_report *r, cli_json *j)
+static void json_class(const lw_fit_report *r, cli_json *j)
 {
     cli_json_text(j, "class", r->has_class ? r->barker.symbol : NULL);
     if (!r->has_class)
@@ -193,7 +193,7 @@ static void json_class(const lw_report *r, cli_json *j)
     cli_json_real(j, "class_margin", r->barker.margin);
 }
 
-static void json_cognates(const cli_fit_set *s, const lw_report *r, cli_json *j)
+static void json_cognates(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
 {
     cli_json_array(j, "cognates");
     for (int i = 0; i < r->n_cognate; i++) {
@@ -206,7 +206,7 @@ static void json_cognates(const cli_fit_set *s, const lw_report *r, cli_json *j)
     cli_json_end(j);
 }
 
-static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
+static void json_errors(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
 {
     cli_json_real(j, "error_mean", length(s, r->error_mean));
     cli_json_real(j, "error_rms", length(s, r->error_rms));
@@ -223,7 +223,7 @@ static void json_errors(const cli_fit_set *s, const lw_report *r, cli_json *j)
 }
 
 /* Where joints turn back; inputs as in `inputs`. */
-static void json_reversals(const lw_report *r, bool limit, cli_json *j)
+static void json_reversals(const lw_fit_report *r, bool limit, cli_json *j)
 {
     cli_json_array(j, limit ? "limits" : "dead_points");
     for (int i = 0; i < r->n_reversal; i++) {
@@ -240,7 +240,7 @@ static void json_reversals(const lw_report *r, bool limit, cli_json *j)
 }
 
 /* As the joint of the linkage turns. */
-static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     if (r->laps == 1) {
         cli_json_reals(j, "inputs", c->input, s->target.n);
@@ -253,7 +253,7 @@ static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_re
 }
 
 /* Through limits: how many legs its motion has, and on which of them the stations are, by their assemblies. */
-static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     if (r->legs == 0)
         return;
@@ -268,7 +268,7 @@ static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_rep
     cli_json_end(j);
 }
 
-static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_report *r, cli_json *j)
+static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
     if (r->laps > 1)
@@ -292,7 +292,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_re
 
 static void json_result(const cli_fit_set *s, int i, cli_json *j)
 {
-    const lw_report *r = &s->report[i];
+    const lw_fit_report *r = &s->report[i];
     const lw_candidate *c = candidate(s, i);
     cli_json_object(j, NULL);
     cli_json_int(j, "rank", i + 1);

@@ -75,7 +75,7 @@ typedef struct sheet {
 
 static void describe(const cli_fit_set *s, int i, sheet *h)
 {
-    const lw_report *r = &s->report[i];
+    const lw_fit_report *r = &s->report[i];
     const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
     if (r->has_class)
         snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s", r->barker.symbol,

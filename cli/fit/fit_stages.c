@@ -128,7 +128,7 @@ static int add_stage(cli_topologies *all, lw_families topologies, lw_families kn
     if (s->n == LW_STAGE_MAX)
         return LW_STAGE_MAX;
     *pair = (lw_families_pair){ topologies, known };
-    s->stage[s->n] = (lw_stage){ .links = links, .families = lw_families_join(pair), .context = all,
+    s->stage[s->n] = (lw_search_stage){ .links = links, .families = lw_families_join(pair), .context = all,
                                  .name = all->n > 0 ? cli_topologies_name : NULL };
     return s->n++;
 }
@@ -146,7 +146,7 @@ void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stag
 {
     const lw_families none = lw_families_of(NULL, 0);
     s->n = t->dof <= 1;                                  /* the types have F = 1                   */
-    s->stage[0] = (lw_stage){ .links = 4 };
+    s->stage[0] = (lw_search_stage){ .links = 4 };
     for (int links = 2; links <= LW_LINK_MAX; links++) {
         lw_families known = known_with(k, links);
         cli_topology_stage *own = lower_with(t, links);

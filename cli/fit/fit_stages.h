@@ -2,8 +2,8 @@
  * links (of several freedoms: these alone), and linkages to start from, each with those of its own number; then the
  * topologies with sliders, last those with slots and gears, so that what comes before is the same search as without
  * them. */
-#ifndef LW_CLI_FIT_STAGES_H
-#define LW_CLI_FIT_STAGES_H
+#ifndef CLI_FIT_FIT_STAGES_H
+#define CLI_FIT_FIT_STAGES_H
 
 #include "cli/fit/fit_topologies.h"
 
@@ -23,7 +23,7 @@ void      cli_fit_known_free(cli_fit_known *k);
 
 typedef struct cli_fit_stages {
     int              n;
-    lw_stage         stage[LW_STAGE_MAX];
+    lw_search_stage         stage[LW_STAGE_MAX];
     lw_families_pair pair[LW_STAGE_MAX];     /* topologies of a stage, and what is known            */
 } cli_fit_stages;
 

@@ -5,13 +5,13 @@
 #include <string.h>
 
 #include "base/parallel.h"
-#include "base/room.h"
+#include "base/growable_array.h"
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 
 /* What becomes of one chain. */
 typedef struct maker {
-    const cli_topology_wish  *w;
+    const cli_topology_request  *w;
     const cli_topology_chain *chain;
     int                      index;              /* of the chain in the stage's list               */
     cli_topology_stage       own;                /* families and numbers of this chain alone       */
@@ -62,7 +62,7 @@ static lw_status count_input(void *context, const lw_mechanism *m)
 static lw_status add_family(maker *mk, const cli_topology *f)
 {
     cli_topology_stage *s = &mk->own;
-    cli_topology *more = lw_room(s->family, s->n_family, &s->capacity, sizeof *more);
+    cli_topology *more = lw_array_grow(s->family, s->n_family, &s->capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->family = more;
@@ -85,7 +85,7 @@ static bool try_inputs(maker *mk, cli_topology *f, int *links)
 {
     lw_linkage k;
     if (cli_topology_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
-        || lw_plan_make_geared(&k, (lw_want){ .tracers = 1 }, mk->plan, NULL) != LW_OK)
+        || lw_plan_make_geared(&k, (lw_plan_outputs){ .tracers = 1 }, mk->plan, NULL) != LW_OK)
         return false;
     f->turn = mk->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
     *links = links_of(mk->plan, &k);
@@ -432,7 +432,7 @@ static void make_chain(void *context, size_t job, int thread)
 
 static lw_status list_chain(cli_topology_stage *s, const lw_chain *c, int number, int n2)
 {
-    cli_topology_chain *more = lw_room(s->list, s->n_list, &s->list_capacity, sizeof *more);
+    cli_topology_chain *more = lw_array_grow(s->list, s->n_list, &s->list_capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->list = more;
@@ -498,7 +498,7 @@ static lw_status join_families(const maker *part, cli_topology_stage *to)
 }
 
 /* Those of pins and sliders alone (higher false), or those with slots and gears. */
-static lw_status make_stage(const cli_topology_wish *w, cli_topology_stage *to, bool met[64], lw_error *e)
+static lw_status make_stage(const cli_topology_request *w, cli_topology_stage *to, bool met[64], lw_error *e)
 {
     lw_status st = LW_OK;
     for (int n2 = to->higher; st == LW_OK && (n2 == 0 || (to->higher && to->links + n2 <= CLI_TOPOLOGY_EXPANDED)); n2++)
@@ -518,7 +518,7 @@ static lw_status make_stage(const cli_topology_wish *w, cli_topology_stage *to, 
     return st;
 }
 
-static lw_status check_names(const cli_topology_wish *w, const bool met[64], lw_error *e)
+static lw_status check_names(const cli_topology_request *w, const bool met[64], lw_error *e)
 {
     int k = 0;
     for (const char *at = w->only; strcmp(w->only, "all") != 0 && *at; k++) {
@@ -538,7 +538,7 @@ bool cli_topology_higher(const char *kinds)
 }
 
 /* A stage that holds nothing to count is none. */
-static lw_status add_stage(const cli_topology_wish *w, cli_topologies *t, int links, bool higher, bool met[64], lw_error *e)
+static lw_status add_stage(const cli_topology_request *w, cli_topologies *t, int links, bool higher, bool met[64], lw_error *e)
 {
     if (t->n == LW_STAGE_MAX)
         return LW_OK;
@@ -552,7 +552,7 @@ static lw_status add_stage(const cli_topology_wish *w, cli_topologies *t, int li
     return st;
 }
 
-lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e)
+lw_status cli_topologies_make(const cli_topology_request *w, cli_topologies *t, lw_error *e)
 {
     lw_status st = LW_OK;
     bool met[64] = { false };

@@ -1,7 +1,7 @@
 /* cli/fit/fit_topologies.h - from numbers of links to families that a fit can search: every chain, ground link and
  * tracer link once up to symmetry, those left out with the reason, and the inputs of each counted. */
-#ifndef LW_CLI_FIT_TOPOLOGIES_H
-#define LW_CLI_FIT_TOPOLOGIES_H
+#ifndef CLI_FIT_FIT_TOPOLOGIES_H
+#define CLI_FIT_FIT_TOPOLOGIES_H
 
 #include "cli/fit/fit_topology.h"
 #include "optimise/search/staged_search.h"
@@ -47,7 +47,7 @@ typedef struct cli_topologies {
     cli_topology_stage stage[LW_STAGE_MAX];
 } cli_topologies;
 
-typedef struct cli_topology_wish {
+typedef struct cli_topology_request {
     int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too; F = 2: 5, 7, 9 */
     int         dof;           /* F, 1 .. CLI_TOPOLOGY_INPUTS: so many inputs, all but the first tied */
     const char *kinds;         /* letters of joints, of "rtpg"                                    */
@@ -57,14 +57,14 @@ typedef struct cli_topology_wish {
     bool        timed;         /* the input matters: every input at the ground by itself           */
     int         jobs;          /* threads; < 1: one per core                                       */
     const volatile int *interrupt;   /* not 0: count no further; NULL: nobody asks                  */
-} cli_topology_wish;
+} cli_topology_request;
 
 /* Do these kinds of joints hold one of two freedoms? */
 bool cli_topology_higher(const char *kinds);
 
 /* Those of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three.
  * With a text: LW_E_ARG, a name in `only` that nothing bears; LW_NOTHING, interrupted. */
-lw_status cli_topologies_make(const cli_topology_wish *w, cli_topologies *t, lw_error *e);
+lw_status cli_topologies_make(const cli_topology_request *w, cli_topologies *t, lw_error *e);
 void      cli_topologies_free(cli_topologies *t);
 
 /* The mechanisms of a stage, as families: all, those of pins alone, the others. */
@@ -72,7 +72,7 @@ lw_families cli_topology_families(const cli_topology_stage *s);
 lw_families cli_topology_pins(const cli_topology_stage *s);
 lw_families cli_topology_slides(const cli_topology_stage *s);
 
-/* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_stage.name with a
+/* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_search_stage.name with a
  * cli_topologies as context); false: it is not among those to be fitted. */
 bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size_t size);
 

@@ -1,7 +1,7 @@
 /* cli/fit/fit_topology.h - one mechanism of a search in a few bytes, and what is made of it when somebody wants it: its
  * linkage, its name. */
-#ifndef LW_CLI_FIT_TOPOLOGY_H
-#define LW_CLI_FIT_TOPOLOGY_H
+#ifndef CLI_FIT_FIT_TOPOLOGY_H
+#define CLI_FIT_FIT_TOPOLOGY_H
 
 #include "enumerate/canon.h"
 #include "grammar/mechanism.h"

@@ -1,6 +1,6 @@
 /* cli/fit/plasma.h - what PLASMA prints (Makkonen 1999, paper F section 7). */
-#ifndef LW_CLI_PLASMA_H
-#define LW_CLI_PLASMA_H
+#ifndef CLI_FIT_PLASMA_H
+#define CLI_FIT_PLASMA_H
 
 #include <stdio.h>
 #include "grammar/lam.h"

@@ -1,6 +1,6 @@
 /* cli/motion/clearance.h - sweeps of a model with clearance over speeds and laws of contact. */
-#ifndef LW_CLI_CLEARANCE_H
-#define LW_CLI_CLEARANCE_H
+#ifndef CLI_MOTION_CLEARANCE_H
+#define CLI_MOTION_CLEARANCE_H
 
 #include "cli/program/output.h"
 #include "mbs/dynamics/clearance.h"

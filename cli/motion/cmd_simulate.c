@@ -105,7 +105,7 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
     return st;
 }
 
-static void explain(const cli_call *call, const lw_report *r)
+static void explain(const cli_call *call, const lw_dynamics_report *r)
 {
     cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
              r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant, r->redundant == 1 ? "" : "s");

@@ -200,7 +200,7 @@ static int fail_in(const cli_call *call, lw_error *e)
 /* Only the stretch that holds the posture of the file. */
 static void keep_posture(cli_curve_trace *t)
 {
-    double start = lw_branch_start(t->curves.curve[0]);
+    double start = lw_motion_curve_start(t->curves.curve[0]);
     for (int i = 0; i < t->n_stretch; i++) {
         const cli_stretch *s = &t->stretch[i];
         if (s->curve == 0 && (s->n_part > 1 || (s->part[0].from <= start && start <= s->part[0].to))) {
@@ -213,7 +213,7 @@ static void keep_posture(cli_curve_trace *t)
 
 static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all, lw_error *e)
 {
-    lw_branch_options o = { .input = 0 };
+    lw_motion_curve_options o = { .input = 0 };
     lw_status st = LW_OK;
     if (all) {
         st = lw_circuits_find(&t->s, &o, 300, call->common.seed, cli_stop_flag(), &t->curves, e);
@@ -222,13 +222,13 @@ static lw_status find_curves(const cli_call *call, cli_curve_trace *t, bool all,
                      t->curves.n, t->curves.n == 1 ? "" : "s", t->curves.since, t->curves.closed,
                      t->curves.full ? "; there are more than can be listed" : "");
     } else {
-        st = lw_branch_create(&t->s, NULL, &o, &t->curves.curve[0], e);
+        st = lw_motion_curve_create(&t->s, NULL, &o, &t->curves.curve[0], e);
         t->curves.n = st == LW_OK;
     }
     for (int i = 0; st == LW_OK && i < t->curves.n; i++) {
-        lw_branch_end end = lw_branch_ended(t->curves.curve[i]);
-        if (end == LW_BRANCH_LOST || end == LW_BRANCH_STOPPED)
-            cli_note(call, "circuit %d is not followed to its end: %s", i + 1, end == LW_BRANCH_LOST
+        lw_motion_curve_end end = lw_motion_curve_ended(t->curves.curve[i]);
+        if (end == LW_MOTION_CURVE_LOST || end == LW_MOTION_CURVE_STOPPED)
+            cli_note(call, "circuit %d is not followed to its end: %s", i + 1, end == LW_MOTION_CURVE_LOST
                      ? "no step is short enough at a singular posture" : "it has not closed after 20000 steps");
     }
     return st;
@@ -270,7 +270,7 @@ static bool all_rest(const cli_curve_trace *t)
 {
     bool rest = true;
     for (int i = 0; i < t->curves.n; i++)
-        rest = rest && lw_branch_rests(t->curves.curve[i]);
+        rest = rest && lw_motion_curve_rests(t->curves.curve[i]);
     return rest;
 }
 
@@ -363,8 +363,8 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
     char text[8192];
     lw_error e = { 0 };
     lw_output o;
-    bool dyads = lw_plan_make(k, (lw_want){ .tracers = tracers }, &plan, &e) == LW_OK;
-    lw_status st = lw_plan_make_any(k, (lw_want){ .tracers = tracers }, &plan, &e);
+    bool dyads = lw_plan_make(k, (lw_plan_outputs){ .tracers = tracers }, &plan, &e) == LW_OK;
+    lw_status st = lw_plan_make_any(k, (lw_plan_outputs){ .tracers = tracers }, &plan, &e);
     if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     if (st == LW_E_KIND)
@@ -437,7 +437,7 @@ static int choose_way(const job *j)
     if (!t)
         return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
     t->k = *k;
-    lw_status st = lw_plan_make(k, (lw_want){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
+    lw_status st = lw_plan_make(k, (lw_plan_outputs){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
     int code;
     if (st == LW_OK)
         code = by_plan(j, t);

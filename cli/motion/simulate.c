@@ -238,7 +238,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
             fprintf(s->f, "# incomplete: ended at t = %.12g s: %s\n", s->report.t, e->text);
         return;
     }
-    const lw_report *r = &s->report;
+    const lw_dynamics_report *r = &s->report;
     cli_json_end(&s->j);
     cli_json_text(&s->j, "formulation", lw_formulation_name(r->formulation));
     cli_json_bool(&s->j, "complete", status == LW_OK);
@@ -257,7 +257,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     cli_json_real(&s->j, "energy_scale", r->energy_scale);
     cli_json_array(&s->j, "events");
     for (int i = 0; i < r->n_happening; i++) {
-        const lw_happening *h = &r->happening[i];
+        const lw_run_event *h = &r->happening[i];
         cli_json_object(&s->j, NULL);
         cli_json_real(&s->j, "t", h->t);
         cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
@@ -272,7 +272,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
 
 void cli_simulate_report(const cli_simulate *s)
 {
-    const lw_report *r = &s->report;
+    const lw_dynamics_report *r = &s->report;
     const cli_call *c = s->call;
     char text[1024];
     if (r->period > 0)
@@ -286,7 +286,7 @@ void cli_simulate_report(const cli_simulate *s)
         cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
                  r->redundant, r->redundant == 1 ? " is" : "s are", text);
     for (int i = 0; i < r->n_happening && i < 10; i++) {
-        const lw_happening *h = &r->happening[i];
+        const lw_run_event *h = &r->happening[i];
         cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
                  h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
     }

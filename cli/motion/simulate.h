@@ -1,6 +1,6 @@
 /* cli/motion/simulate.h - a run as rows of named columns: CSV, JSON, plots, frames of a GIF. */
-#ifndef LW_CLI_SIMULATE_H
-#define LW_CLI_SIMULATE_H
+#ifndef CLI_MOTION_SIMULATE_H
+#define CLI_MOTION_SIMULATE_H
 
 #include "cli/program/command.h"
 #include "cli/program/json.h"
@@ -22,7 +22,7 @@ typedef struct cli_simulate {
     size_t          n_row, room;
     double         *row;                 /* (room * n_column)                                          */
     double         *q;                   /* (room * n_q)                                               */
-    lw_report       report;
+    lw_dynamics_report       report;
 } cli_simulate;
 
 /* Name the columns of a model. */

@@ -1,6 +1,6 @@
 /* cli/motion/simulate_linear.h - `simulate --analysis linear`: modes about a posture, its rest, or along the motion. */
-#ifndef LW_CLI_SIMULATE_LINEAR_H
-#define LW_CLI_SIMULATE_LINEAR_H
+#ifndef CLI_MOTION_SIMULATE_LINEAR_H
+#define CLI_MOTION_SIMULATE_LINEAR_H
 
 #include "cli/program/command.h"
 #include "grammar/model.h"

@@ -161,9 +161,9 @@ static void csv_arc(const cli_trace *t, const cli_piece *p)
 
 static void csv_turnings(const cli_trace *t, const cli_piece *p)
 {
-    lw_turning turn[TURN_MAX];
+    lw_output_limits turn[TURN_MAX];
     const double *mode = t->motion.arc[p->arc].mode;
-    int n = lw_turning_find(&t->plan, &t->k, t->dim, mode, p->first, p->last, turn, TURN_MAX);
+    int n = lw_output_limits_find(&t->plan, &t->k, t->dim, mode, p->first, p->last, turn, TURN_MAX);
     for (int i = 0; i < n; i++) {
         fprintf(t->rows.f, "# dead point of arc %d: %s turns back at input ", p->arc + 1,
                 t->k.link_name[turn[i].link]);
@@ -196,7 +196,7 @@ static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
 {
     const lw_arc *a = &t->motion.arc[p->arc];
     char mode[LW_MODE_MAX + 1];
-    lw_turning turn[TURN_MAX];
+    lw_output_limits turn[TURN_MAX];
     cli_json_object(j, NULL);
     cli_json_int(j, "arc", p->arc + 1);
     cli_json_text(j, "mode", mode_text(t, a, mode));
@@ -208,7 +208,7 @@ static void json_piece(cli_trace *t, cli_json *j, const cli_piece *p)
     cli_json_reals(j, "transmission_angle", (double[]){ a->transmission_min/t->k.units.radian,
                                                         a->transmission_max/t->k.units.radian }, 2);
     cli_json_array(j, "dead_points");
-    int n = lw_turning_find(&t->plan, &t->k, t->dim, a->mode, p->first, p->last, turn, TURN_MAX);
+    int n = lw_output_limits_find(&t->plan, &t->k, t->dim, a->mode, p->first, p->last, turn, TURN_MAX);
     for (int i = 0; i < n; i++) {
         cli_json_object(j, NULL);
         cli_json_text(j, "link", t->k.link_name[turn[i].link]);

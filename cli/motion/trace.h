@@ -1,7 +1,7 @@
 /* cli/motion/trace.h - the rows of `linkwright trace`: which ranges of the input, and the two ways to print
  * them. */
-#ifndef LW_CLI_TRACE_H
-#define LW_CLI_TRACE_H
+#ifndef CLI_MOTION_TRACE_H
+#define CLI_MOTION_TRACE_H
 
 #include "cli/motion/trace_rows.h"
 #include "mbs/kinematics/motion.h"

@@ -44,11 +44,11 @@ void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_
 
 /* ---- stretches --------------------------------------------------------------------------------- */
 
-static double input_at(lw_branch *b, double station)
+static double input_at(lw_motion_curve *b, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_branch_pose(b, station, q, NULL);
-    return lw_branch_input(b, q);
+    lw_motion_curve_pose(b, station, q, NULL);
+    return lw_motion_curve_input(b, q);
 }
 
 static void add_stretch(cli_curve_trace *t, cli_stretch s)
@@ -90,8 +90,8 @@ static void cut_stretch(cli_curve_trace *t, cli_stretch s)
 
 static void stretch_from_to(cli_curve_trace *t, int curve, double from, double to, bool limit0, bool limit1)
 {
-    lw_branch *b = t->curves.curve[curve];
-    double end = lw_branch_segments(b);
+    lw_motion_curve *b = t->curves.curve[curve];
+    double end = lw_motion_curve_segments(b);
     cli_stretch s = { .curve = curve, .limit = { limit0, limit1 }, .n_part = 1 };
     s.part[0].from = from;
     s.part[0].to = fmin(to, end);
@@ -103,21 +103,21 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
         s.last = input_at(b, to - end) + s.part[1].more;
     } else
         s.last = input_at(b, to);
-    s.turns = lw_branch_ended(b) == LW_BRANCH_CLOSED && !limit0 && !limit1;
+    s.turns = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED && !limit0 && !limit1;
     s.zero = s.first;
-    s.lap = s.turns && lw_branch_turns(b, -1) != 0 ? s.last - s.first : 0;
+    s.lap = s.turns && lw_motion_curve_turns(b, -1) != 0 ? s.last - s.first : 0;
     cut_stretch(t, s);
 }
 
 /* From limit to limit; what lies before the first is, on a closed curve, what lies behind the last. */
 static void cut_curve(cli_curve_trace *t, int curve)
 {
-    lw_branch *b = t->curves.curve[curve];
-    double first = -1, last = -1, end = lw_branch_segments(b);
+    lw_motion_curve *b = t->curves.curve[curve];
+    double first = -1, last = -1, end = lw_motion_curve_segments(b);
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
-    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
-    if (lw_branch_rests(b))
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
+    if (lw_motion_curve_rests(b))
         return;
     for (int i = 0; i < n; i++) {
         if (e[i].kind != LW_EVENT_LIMIT)
@@ -146,7 +146,7 @@ void cli_curve_stretches(cli_curve_trace *t)
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 /* How often a closed curve has been gone round where the input of a stretch is u. */
-static double laps_at(lw_branch *b, const cli_stretch *s, double u)
+static double laps_at(lw_motion_curve *b, const cli_stretch *s, double u)
 {
     if (s->lap != 0)
         return floor((u - s->zero)/s->lap);
@@ -154,17 +154,17 @@ static double laps_at(lw_branch *b, const cli_stretch *s, double u)
 }
 
 /* Station of the curve where the input is u, on a stretch that holds it. */
-static double station_at(lw_branch *b, const cli_stretch *s, double u, double laps)
+static double station_at(lw_motion_curve *b, const cli_stretch *s, double u, double laps)
 {
     int part = s->lap == 0 && laps > 0;
-    return lw_branch_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - laps*s->lap);
+    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - laps*s->lap);
 }
 
 /* In every lap of a closed curve links turn as often as they do until it closes. */
-static void count_turns(const cli_curve_trace *t, const lw_branch *b, double laps, double *q)
+static void count_turns(const cli_curve_trace *t, const lw_motion_curve *b, double laps, double *q)
 {
     for (int body = 0; body < t->s.n_body; body++)
-        q[3*body + 2] += 2*LW_PI*laps*lw_branch_turns(b, t->s.link[body]);
+        q[3*body + 2] += 2*LW_PI*laps*lw_motion_curve_turns(b, t->s.link[body]);
 }
 
 /* What derivatives are by: the free input in its own unit, or time. */
@@ -174,10 +174,10 @@ static double rate_unit(const cli_curve_trace *t)
 }
 
 /* The posture of a station and its derivatives; false where there are none. */
-static bool fill_series(cli_curve_trace *t, lw_branch *b, double station, double *series)
+static bool fill_series(cli_curve_trace *t, lw_motion_curve *b, double station, double *series)
 {
     double motion[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
-    bool good = lw_branch_motion(b, station, CLI_ROW_ORDER, motion, series);
+    bool good = lw_motion_curve_motion(b, station, CLI_ROW_ORDER, motion, series);
     if (!good)
         memset(series + t->s.n_q, 0, (size_t)(CLI_ROW_ORDER*t->s.n_q)*sizeof *series);
     return good;
@@ -186,7 +186,7 @@ static bool fill_series(cli_curve_trace *t, lw_branch *b, double station, double
 /* Row `i` of a stretch, where the input is u: on the curve. */
 static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
 {
-    lw_branch *b = t->curves.curve[s->curve];
+    lw_motion_curve *b = t->curves.curve[s->curve];
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
     bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
     double laps = laps_at(b, s, u);
@@ -200,10 +200,10 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
 }
 
 /* Behind a branch point a group may be in another assembly mode than its seed before it. */
-static bool crosses(const lw_branch *b)
+static bool crosses(const lw_motion_curve *b)
 {
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_CROSSING)
             return true;
@@ -213,9 +213,9 @@ static bool crosses(const lw_branch *b)
 static void stretch_rows(cli_curve_trace *t, int index)
 {
     const cli_stretch *s = &t->stretch[index];
-    lw_branch *b = t->curves.curve[s->curve];
+    lw_motion_curve *b = t->curves.curve[s->curve];
     double middle = 0.5*(s->first + s->last);
-    int side = lw_branch_side(b, station_at(b, s, middle, laps_at(b, s, middle)));
+    int side = lw_motion_curve_side(b, station_at(b, s, middle, laps_at(b, s, middle)));
     bool groups = t->groups && !crosses(b);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
@@ -230,17 +230,17 @@ static void stretch_rows(cli_curve_trace *t, int index)
 
 static void cycle_rows(cli_curve_trace *t, int curve)
 {
-    lw_branch *b = t->curves.curve[curve];
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_branch_length(b);
+    lw_motion_curve *b = t->curves.curve[curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_motion_curve_length(b);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         cli_row row = { .arc = curve + 1, .n_lead = 2 };
         double arc = length*i/t->steps;
-        double station = i == t->steps ? lw_branch_segments(b) : lw_branch_station(b, arc);
-        int side = lw_branch_side(b, station);
+        double station = i == t->steps ? lw_motion_curve_segments(b) : lw_motion_curve_station(b, arc);
+        int side = lw_motion_curve_side(b, station);
         row.mode = side > 0 ? "+" : side < 0 ? "-" : "0";
         row.rates = fill_series(t, b, station, series);
         row.lead[0] = arc;
-        row.lead[1] = lw_branch_input(b, series)/cli_curve_unit(t, 0);
+        row.lead[1] = lw_motion_curve_input(b, series)/cli_curve_unit(t, 0);
         cli_curve_values(t, series, i == 0, &row);
         cli_rows_put(&t->rows, &row);
     }
@@ -248,42 +248,42 @@ static void cycle_rows(cli_curve_trace *t, int curve)
 
 /* ---- what is told of a curve ------------------------------------------------------------------- */
 
-static const char *end_text(const cli_curve_trace *t, const lw_branch *b, char text[128])
+static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *b, char text[128])
 {
-    int turns = lw_branch_turns(b, -1);
-    switch (lw_branch_ended(b)) {
-    case LW_BRANCH_CLOSED:
+    int turns = lw_motion_curve_turns(b, -1);
+    switch (lw_motion_curve_ended(b)) {
+    case LW_MOTION_CURVE_CLOSED:
         if (turns != 0)
             snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
-        else if (lw_branch_rests(b))
+        else if (lw_motion_curve_rests(b))
             snprintf(text, 128, "closes, the input stands still");
         else
             snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
         return text;
-    case LW_BRANCH_FAR:
+    case LW_MOTION_CURVE_FAR:
         return "leaves for beyond 30 sizes of the linkage, where it is cut";
-    case LW_BRANCH_LOST:
+    case LW_MOTION_CURVE_LOST:
         return "ends at a singular posture that could not be passed";
-    case LW_BRANCH_STOPPED:
+    case LW_MOTION_CURVE_STOPPED:
         break;
     }
     return "is not at its end after the steps that are allowed";
 }
 
 /* The circuit that crosses `curve` at an event, -1 when none that was found does. */
-static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_branch_event *e)
+static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e)
 {
     double q[LW_SYSTEM_Q_MAX];
     if (e->kind != LW_EVENT_CROSSING)
         return -1;
-    lw_branch_pose(t->curves.curve[curve], e->station, q, NULL);
+    lw_motion_curve_pose(t->curves.curve[curve], e->station, q, NULL);
     for (int i = 0; i < t->curves.n; i++)
-        if (i != curve && lw_branch_holds(t->curves.curve[i], q))
+        if (i != curve && lw_motion_curve_holds(t->curves.curve[i], q))
             return i;
     return -1;
 }
 
-static void event_text(const cli_curve_trace *t, int curve, const lw_branch_event *e, char text[128])
+static void event_text(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e, char text[128])
 {
     const char *slides = e->joint >= 0 && t->k->joint[e->joint].kind == LW_JOINT_SLIDER ? "slider" : "pin";
     int other = crossing_circuit(t, curve, e);
@@ -298,17 +298,17 @@ static void event_text(const cli_curve_trace *t, int curve, const lw_branch_even
 
 static void csv_curve(cli_curve_trace *t, int curve)
 {
-    const lw_branch *b = t->curves.curve[curve];
+    const lw_motion_curve *b = t->curves.curve[curve];
     char text[128];
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
     fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, b, text),
-            lw_branch_length(b), lw_branch_worst(b)/t->k->units.metre);
+            lw_motion_curve_length(b), lw_motion_curve_worst(b)/t->k->units.metre);
     for (int i = 0; i < n; i++) {
         event_text(t, curve, &e[i], text);
         fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
         cli_row_number(t->rows.f, e[i].input/cli_curve_unit(t, 0));
-        fprintf(t->rows.f, ", arc %.10g\n", lw_branch_arc(b, e[i].station));
+        fprintf(t->rows.f, ", arc %.10g\n", lw_motion_curve_arc(b, e[i].station));
     }
 }
 
@@ -324,17 +324,17 @@ static void csv_stretch(cli_curve_trace *t, int index)
 
 static void json_events(cli_curve_trace *t, int curve)
 {
-    const lw_branch *b = t->curves.curve[curve];
+    const lw_motion_curve *b = t->curves.curve[curve];
     static const char *const kind[] = { "limit", "dead_point", "branch_point" };
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
     cli_json_array(t->rows.json, "events");
     for (int i = 0; i < n; i++) {
         cli_json_object(t->rows.json, NULL);
         cli_json_text(t->rows.json, "kind", kind[e[i].kind]);
         cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
         cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
-        cli_json_real(t->rows.json, "along", lw_branch_arc(b, e[i].station));
+        cli_json_real(t->rows.json, "along", lw_motion_curve_arc(b, e[i].station));
         int other = crossing_circuit(t, curve, &e[i]);
         if (other >= 0)
             cli_json_int(t->rows.json, "circuit", other + 1);
@@ -346,14 +346,14 @@ static void json_events(cli_curve_trace *t, int curve)
 static void json_circuit(cli_curve_trace *t, int curve)
 {
     static const char *const end[] = { "closed", "far", "singular", "stopped" };
-    const lw_branch *b = t->curves.curve[curve];
+    const lw_motion_curve *b = t->curves.curve[curve];
     cli_json *j = t->rows.json;
     cli_json_object(j, NULL);
     cli_json_int(j, "circuit", curve + 1);
-    cli_json_text(j, "ends", end[lw_branch_ended(b)]);
-    cli_json_int(j, "turns", lw_branch_turns(b, -1));
-    cli_json_real(j, "length", lw_branch_length(b));
-    cli_json_real(j, "residual", lw_branch_worst(b)/t->k->units.metre);
+    cli_json_text(j, "ends", end[lw_motion_curve_ended(b)]);
+    cli_json_int(j, "turns", lw_motion_curve_turns(b, -1));
+    cli_json_real(j, "length", lw_motion_curve_length(b));
+    cli_json_real(j, "residual", lw_motion_curve_worst(b)/t->k->units.metre);
     json_events(t, curve);
     cli_json_end(j);
 }

@@ -1,6 +1,6 @@
 /* cli/motion/trace_curve.h - `linkwright trace` for any linkage: along its curves of postures, or in time. */
-#ifndef LW_CLI_TRACE_CURVE_H
-#define LW_CLI_TRACE_CURVE_H
+#ifndef CLI_MOTION_TRACE_CURVE_H
+#define CLI_MOTION_TRACE_CURVE_H
 
 #include "cli/motion/trace_groups.h"
 #include "grammar/model.h"

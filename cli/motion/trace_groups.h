@@ -1,7 +1,7 @@
 /* cli/motion/trace_groups.h - rows of a trace between two postures of its curve, by the plan of its groups (mbs/plan/plan.h):
  * seeded with a posture on the curve, a few rows on are got in a fraction of the time, to the same rounding. */
-#ifndef LW_CLI_TRACE_GROUPS_H
-#define LW_CLI_TRACE_GROUPS_H
+#ifndef CLI_MOTION_TRACE_GROUPS_H
+#define CLI_MOTION_TRACE_GROUPS_H
 
 #include "cli/motion/trace_rows.h"
 #include "mbs/plan/pose.h"

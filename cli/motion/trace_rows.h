@@ -1,6 +1,6 @@
 /* cli/motion/trace_rows.h - the rows of `linkwright trace`, however their postures were found: as CSV or JSON. */
-#ifndef LW_CLI_TRACE_ROWS_H
-#define LW_CLI_TRACE_ROWS_H
+#ifndef CLI_MOTION_TRACE_ROWS_H
+#define CLI_MOTION_TRACE_ROWS_H
 
 #include <signal.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* cli/program/command.h - one row per command; main.c holds the table. */
-#ifndef LW_CLI_COMMAND_H
-#define LW_CLI_COMMAND_H
+#ifndef CLI_PROGRAM_COMMAND_H
+#define CLI_PROGRAM_COMMAND_H
 
 #include "cli/program/option.h"
 

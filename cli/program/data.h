@@ -1,6 +1,6 @@
 /* cli/program/data.h - where the published tables and problems lie. */
-#ifndef LW_CLI_DATA_H
-#define LW_CLI_DATA_H
+#ifndef CLI_PROGRAM_DATA_H
+#define CLI_PROGRAM_DATA_H
 
 #include <stddef.h>
 

@@ -8,8 +8,8 @@
  *
  * Keys are given inside objects and NULL inside arrays.  Doubles read back bit-equal; NaN and
  * infinities, which JSON does not have, become null. */
-#ifndef LW_CLI_JSON_H
-#define LW_CLI_JSON_H
+#ifndef CLI_PROGRAM_JSON_H
+#define CLI_PROGRAM_JSON_H
 
 #include <stdbool.h>
 #include <stddef.h>

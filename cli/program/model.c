@@ -128,7 +128,7 @@ static lw_status read_source(const char *path, const char *name, const lw_target
     return cli_read_target(file, o, read, e);
 }
 
-static lw_status read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+static lw_status read_brief(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e)
 {
     lw_target read[1 + LW_ALSO_MAX], joined;
     const lw_target *part[1 + LW_ALSO_MAX];
@@ -140,7 +140,7 @@ static lw_status read_brief(const char *path, const lw_target_options *o, lw_bri
     for (int i = 0; i < b->n_also && s == LW_OK; i++)
         s = read_source(path, b->also[i].target, &b->also[i].stations, &mine, &read[i + 1], &part[i + 1], e);
     if (s == LW_OK && (s = lw_target_join(part, 1 + b->n_also, &joined, e)) == LW_OK) {
-        s = lw_brief_target(b, &joined, t, e);
+        s = lw_task_file_target(b, &joined, t, e);
         lw_target_free(&joined);
     }
     for (int i = 0; i <= LW_ALSO_MAX; i++)
@@ -148,13 +148,13 @@ static lw_status read_brief(const char *path, const lw_target_options *o, lw_bri
     return s;
 }
 
-lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e)
+lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
     lw_status s = lw_file_read(path, &text, &size, e);
     if (s == LW_OK)
-        s = lw_brief_read(text, size, path, b, e);
+        s = lw_task_file_read(text, size, path, b, e);
     free(text);
     if (s != LW_OK)
         return s;
@@ -162,6 +162,6 @@ lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief 
     if (s != LW_OK && !e->file[0])
         snprintf(e->file, sizeof e->file, "%s", path);
     if (s != LW_OK)
-        lw_brief_free(b);
+        lw_task_file_free(b);
     return s;
 }

@@ -1,6 +1,6 @@
 /* cli/program/model.h - reading what the commands are given: linkages, also out of the results of fit. */
-#ifndef LW_CLI_MODEL_H
-#define LW_CLI_MODEL_H
+#ifndef CLI_PROGRAM_MODEL_H
+#define CLI_PROGRAM_MODEL_H
 
 #include "grammar/linkage.h"
 #include "optimise/task/task_file.h"
@@ -22,6 +22,6 @@ lw_status cli_linkage_text(const char *path, int which, char **text, size_t *siz
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
 /* A task file, and its target: stations of its own, or the CSV file it names, beside it; with its dwells. */
-lw_status cli_read_brief(const char *path, const lw_target_options *o, lw_brief *b, lw_target *t, lw_error *e);
+lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e);
 
 #endif

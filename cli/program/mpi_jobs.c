@@ -14,9 +14,9 @@ enum { TAG_TASK = 1, TAG_ANSWER };
 /* In front of every answer. */
 typedef struct heading { uint64_t task; int64_t status; } heading;
 
-bool cli_spread_available(void) { return true; }
+bool cli_mpi_available(void) { return true; }
 
-int cli_spread_begin(void)
+int cli_mpi_begin(void)
 {
     int rank;
     MPI_Init(NULL, NULL);
@@ -24,7 +24,7 @@ int cli_spread_begin(void)
     return rank;
 }
 
-void cli_spread_end(void) { MPI_Finalize(); }
+void cli_mpi_end(void) { MPI_Finalize(); }
 
 static void send_task(int rank, uint64_t task) { MPI_Send(&task, 1, MPI_UINT64_T, rank, TAG_TASK, MPI_COMM_WORLD); }
 
@@ -40,7 +40,7 @@ static void begin_answer(lw_bytes *answer, uint64_t task)
 }
 
 /* Ask for a task by sending the last answer, at first an empty one, until there is none. */
-static lw_status work_for_others(const cli_spread_work *w)
+static lw_status work_for_others(const cli_mpi_work *w)
 {
     lw_bytes answer = { 0 };
     uint64_t task = NO_TASK;
@@ -67,7 +67,7 @@ static lw_status work_for_others(const cli_spread_work *w)
 typedef struct kept { char *data; size_t size; bool here; } kept;
 
 typedef struct desk {
-    const cli_spread_work *w;
+    const cli_mpi_work *w;
     size_t    next, turn;             /* task to hand out; task whose answer is taken next          */
     size_t    n_kept;
     kept     *early;                  /* answers by task modulo n_kept                              */
@@ -123,7 +123,7 @@ static int hand_out(desk *d)
     return n_left;
 }
 
-static lw_status serve(const cli_spread_work *w, int n_rank)
+static lw_status serve(const cli_mpi_work *w, int n_rank)
 {
     desk d = { .w = w, .n_kept = KEPT_BY_RANK*(size_t)n_rank };
     d.early = calloc(d.n_kept, sizeof *d.early);
@@ -141,7 +141,7 @@ static lw_status serve(const cli_spread_work *w, int n_rank)
     return d.status;
 }
 
-static lw_status work_alone(const cli_spread_work *w)
+static lw_status work_alone(const cli_mpi_work *w)
 {
     lw_status status = LW_OK;
     for (size_t k = 0; k < w->n_task && status == LW_OK; k++) {
@@ -154,7 +154,7 @@ static lw_status work_alone(const cli_spread_work *w)
     return status;
 }
 
-lw_status cli_spread_run(const cli_spread_work *w)
+lw_status cli_mpi_run(const cli_mpi_work *w)
 {
     int rank, n_rank;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
@@ -164,10 +164,10 @@ lw_status cli_spread_run(const cli_spread_work *w)
 
 #else
 
-bool cli_spread_available(void) { return false; }
-int  cli_spread_begin(void) { return 0; }
-void cli_spread_end(void) { }
-lw_status cli_spread_run(const cli_spread_work *w)
+bool cli_mpi_available(void) { return false; }
+int  cli_mpi_begin(void) { return 0; }
+void cli_mpi_end(void) { }
+lw_status cli_mpi_run(const cli_mpi_work *w)
 {
     (void)w;
     return LW_E_KIND;

@@ -5,8 +5,8 @@
  * Understood: --name value, --name=value, -x value, -xvalue; "--" ends options; a word such as -3.5
  * is a number, never an option; the value may be negative.  An option given twice, options that
  * exclude each other and values outside their range are refused with a text that says what to do. */
-#ifndef LW_CLI_OPTION_H
-#define LW_CLI_OPTION_H
+#ifndef CLI_PROGRAM_OPTION_H
+#define CLI_PROGRAM_OPTION_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* cli/program/output.h - what the commands share at their ends: messages, exit codes, -o, Ctrl-C. */
-#ifndef LW_CLI_OUTPUT_H
-#define LW_CLI_OUTPUT_H
+#ifndef CLI_PROGRAM_OUTPUT_H
+#define CLI_PROGRAM_OUTPUT_H
 
 #include <signal.h>
 #include "base/file.h"

@@ -1,8 +1,8 @@
 /* cli/program/progress.h - one line on standard error that is written over: how far, how fast, how long yet.
  *
  * Silent with --quiet, when standard error is no terminal, and during the first second. */
-#ifndef LW_CLI_PROGRESS_H
-#define LW_CLI_PROGRESS_H
+#ifndef CLI_PROGRAM_PROGRESS_H
+#define CLI_PROGRAM_PROGRESS_H
 
 #include "cli/program/command.h"
 

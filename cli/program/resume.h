@@ -2,8 +2,8 @@
  *
  * They are written to FILE.partial, which becomes FILE in the end.  A program that was killed leaves FILE.partial,
  * one that was asked to stop leaves FILE: --resume goes on with the one that holds more whole lines. */
-#ifndef LW_CLI_RESUME_H
-#define LW_CLI_RESUME_H
+#ifndef CLI_PROGRAM_RESUME_H
+#define CLI_PROGRAM_RESUME_H
 
 #include <stdint.h>
 #include "cli/program/output.h"

@@ -1,7 +1,7 @@
 /* cli/program/topology.h - reading chains and mechanisms from a file or standard input in any notation, and
  * writing them in the notation that --format names. */
-#ifndef LW_CLI_TOPOLOGY_H
-#define LW_CLI_TOPOLOGY_H
+#ifndef CLI_PROGRAM_TOPOLOGY_H
+#define CLI_PROGRAM_TOPOLOGY_H
 
 #include <stdio.h>
 #include "cli/program/output.h"

@@ -124,7 +124,7 @@ static int read_settings(task *t)
         return cli_usage(t->call, "--part is R/M with 1 <= R <= M, for example 2/5, not '%s'", s->part);
     if (filter && !(t->how.filter = lw_filter_find(filter)))
         return unknown_filter(t->call, filter);
-    if (s->mpi && !cli_spread_available())
+    if (s->mpi && !cli_mpi_available())
         return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with it");
     if (s->mpi && s->resume)
         return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
@@ -286,9 +286,9 @@ static lw_status spread_count(task *t)
     for (size_t i = 0; i < t->table.n_row; i++)
         t->table.row[i].n = (lw_tally){ 0, 0 };
     t->table.total = (lw_tally){ 0, 0 };
-    cli_spread_work w = { COUNT_TASKS, work_count, take_count, t };
+    cli_mpi_work w = { COUNT_TASKS, work_count, take_count, t };
     t->spread = true;
-    lw_status spread = cli_spread_run(&w);
+    lw_status spread = cli_mpi_run(&w);
     return status == LW_OK ? spread : status;
 }
 
@@ -410,9 +410,9 @@ static lw_status spread_list(task *t)
 {
     const lw_structures *set = lw_chains_structures(t->chains);
     t->n_task = set ? lw_structures_count(set, lw_structures_loops(set)) : 1;
-    cli_spread_work w = { t->n_task, work_list, take_list, t };
+    cli_mpi_work w = { t->n_task, work_list, take_list, t };
     t->spread = true;
-    return cli_spread_run(&w);
+    return cli_mpi_run(&w);
 }
 
 static lw_status list_all(task *t, lw_error *e)
@@ -482,10 +482,10 @@ static lw_status work_not(void *context, size_t k, lw_bytes *answer)
 
 static void end_spread(task *t)
 {
-    cli_spread_work w = { 0, work_not, NULL, NULL };
+    cli_mpi_work w = { 0, work_not, NULL, NULL };
     if (!t->spread)
-        (void)cli_spread_run(&w);
-    cli_spread_end();
+        (void)cli_mpi_run(&w);
+    cli_mpi_end();
 }
 
 static int run(const cli_call *call)
@@ -497,7 +497,7 @@ static int run(const cli_call *call)
         return code;
     cli_watch_interrupt();
     if (t.s->mpi)
-        rank = cli_spread_begin();
+        rank = cli_mpi_begin();
     if (rank > 0)
         help_out(&t);
     else

@@ -54,7 +54,7 @@ size_t lw_inverse_rows(const lw_plan *p)
 }
 
 /* Registers of eight lanes. */
-size_t lw_follow_size(const lw_plan *p)
+size_t lw_continuation_size(const lw_plan *p)
 {
     return (lw_lane_rows(p) + group_rows(p))*LW_GROUP;
 }
@@ -65,7 +65,7 @@ size_t lw_batch_work_size(const lw_plan *p)
 {
     size_t n = lw_lane_rows(p)*LW_BLOCK + group_rows(p)*LW_GROUP;
     if (p->n_higher)
-        n += lw_inverse_rows(p)*LW_BLOCK + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP) + lw_follow_size(p);
+        n += lw_inverse_rows(p)*LW_BLOCK + ((size_t)p->n_row + 1)*(LW_CHUNK + LW_GROUP) + lw_continuation_size(p);
     return sizeof(double)*n;
 }
 

@@ -20,8 +20,8 @@
  * dim_stride or mode_stride each lane is followed from its own seed.  A lane that is not reached has the last
  * posture on the way and the margin minus how far its input lies beyond [rad, or over lw_plan_size]; -1 when
  * there is no posture near the seed.  The way ends at limits and at branch points of a group. */
-#ifndef LW_MBS_BATCH_H
-#define LW_MBS_BATCH_H
+#ifndef LW_MBS_BATCH_BATCH_H
+#define LW_MBS_BATCH_BATCH_H
 
 #include "mbs/plan/plan.h"
 

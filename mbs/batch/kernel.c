@@ -51,7 +51,7 @@ static void set_ground(const run *k, int which)
  * Frames over candidates need none but zeros, when all their numbers come from the caller. */
 static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, const rows *out, int frame)
 {
-    const lw_short *f = &plan->output_short[which];
+    const lw_fast_dyad *f = &plan->output_short[which];
     if (!f->is_short || (!out->margin && out->u && !frame))
         return LW_BLOCK;
     if (!in->dim_stride && !in->mode_stride)
@@ -289,7 +289,7 @@ static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, voi
     c->q.seat = work;
     c->q.row = LW_CHUNK + LW_GROUP;
     double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
-    c->lane_work = follow + lw_follow_size(plan);
+    c->lane_work = follow + lw_continuation_size(plan);
     c->next = 0;
     if (!in->dim_stride && !in->mode_stride)
         follow_from_seed(&c->f, plan, in->dim, in->mode, false, follow);
@@ -304,7 +304,7 @@ static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
     c->first = c->next;
     c->next += n;
     c->part = part_of(in, c->first, n);
-    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_follow_size(plan), &c->q);
+    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
     return true;
 }
 
@@ -526,7 +526,7 @@ static void keep_least(double *restrict acc, const double *margin, size_t n)
 /* The sums of a short plan to their dimensions: twice, the square's derivative. */
 static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
 {
-    const lw_short *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_short[which];
     const struct { int dim; const double *acc; } to[] = {
         { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e }, { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
         { f->d1, a->d1 }, { f->d2, a->d2 }, { p->i_cx[which], a->cx }, { p->i_cy[which], a->cy },

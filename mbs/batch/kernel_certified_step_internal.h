@@ -12,8 +12,8 @@
  * input is a joint of the group, what it alone turns or moves of a column Q adds |J^-1 dQ| r.  r is half
  * the movement, what it bends, and how far the polynomial was wrong at the further end, which bounds its error in
  * between; it is widened where that helps. */
-#ifndef LW_MBS_KERNEL_TRIAL_INTERNAL_H
-#define LW_MBS_KERNEL_TRIAL_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
 
 #include "mbs/batch/kernel_higher_internal.h"
 #include "mbs/batch/kernel_steps_internal.h"
@@ -28,7 +28,7 @@
 #define GEARED_MOST 0.5                    /* a turn in a group with gears, as far as boxes go        */
 
 /* A posture of the higher groups. */
-typedef struct place { double t, row[LW_ROW_MAX]; } place;
+typedef struct place { double t, row[LW_GROUP_ROW_MAX]; } place;
 
 /* How far the way has been gone. */
 typedef struct stand {
@@ -52,8 +52,8 @@ typedef struct follower {
     bool    fine;                          /* postures are wanted to rounding, with their inverses    */
     int     at_lane;                       /* of the last trial: the present                          */
     pack    c, s;
-    pack    row[LW_ROW_MAX];               /* of the last trial                                       */
-    pack    guess[LW_ROW_MAX];             /* where it began                                          */
+    pack    row[LW_GROUP_ROW_MAX];               /* of the last trial                                       */
+    pack    guess[LW_GROUP_ROW_MAX];             /* where it began                                          */
     pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
     pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
     mask    sure;

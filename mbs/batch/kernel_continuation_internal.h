@@ -4,8 +4,8 @@
  * Those of eight postures tried that are sure one after the other are taken (kernel_trial_internal.h).  Lanes that lie
  * closer than a step are put between.  At a limit of motion the steps shrink until they are too short to matter: there
  * the way ends. */
-#ifndef LW_MBS_KERNEL_FOLLOW_INTERNAL_H
-#define LW_MBS_KERNEL_FOLLOW_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_CONTINUATION_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_CONTINUATION_INTERNAL_H
 
 #include "mbs/batch/kernel_certified_step_internal.h"
 
@@ -21,7 +21,7 @@
 
 static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1.0/f->plan->laps; }
 
-/* work: lw_follow_size doubles. */
+/* work: lw_continuation_size doubles. */
 static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
                              double *work)
 {
@@ -246,7 +246,7 @@ LW_INLINE void between_at(const follower *f, const between *b, pack t, pack *row
 /* `count` lanes from `first` on, eight or more, in the order of the way or the other: the last eight once more. */
 static void put_block(const follower *f, const chunk *q, const between *b, size_t first, size_t count)
 {
-    pack row[LW_ROW_MAX + 1];
+    pack row[LW_GROUP_ROW_MAX + 1];
     for (size_t i = 0; i < count; i += LW_GROUP) {
         size_t at = first + (i + LW_GROUP <= count ? i : count - LW_GROUP);
         between_at(f, b, get8(q->t + at), row);
@@ -258,7 +258,7 @@ static void put_block(const follower *f, const chunk *q, const between *b, size_
 /* Lanes i .. end-1 of the way, between nodes of which they are not far. */
 static void put_between(const follower *f, const chunk *q, const way *y, const node *near, int n, size_t i, size_t end)
 {
-    pack t = { 0 }, row[LW_ROW_MAX + 1];
+    pack t = { 0 }, row[LW_GROUP_ROW_MAX + 1];
     between b = { near, n, { 0 } };
     if (i == end)
         return;
@@ -396,7 +396,7 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, boo
 
 /* One posture for mbs/plan/pose.c. */
 static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                        lw_seat *seat)
+                        lw_group_pose *seat)
 {
     follower f;
     follow_from_seed(&f, plan, dim, mode, true, work);

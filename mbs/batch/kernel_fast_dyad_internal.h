@@ -1,16 +1,16 @@
-/* mbs/batch/kernel_fast_dyad_internal.h - one loop for all steps of the commonest plans (lw_short in mbs/plan/plan.h), from the
+/* mbs/batch/kernel_fast_dyad_internal.h - one loop for all steps of the commonest plans (lw_fast_dyad in mbs/plan/plan.h), from the
  * same dyad formulas as the loops of single steps.  Included by mbs/batch/kernel.c alone.
  *
  * `pin` (crank or slider input) and `dyad` are constants wherever these functions are inlined. */
-#ifndef LW_MBS_KERNEL_SHORT_INTERNAL_H
-#define LW_MBS_KERNEL_SHORT_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_FAST_DYAD_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_FAST_DYAD_INTERNAL_H
 
 #include "mbs/batch/kernel_run_internal.h"
 
 /* The line of RRP along x, at a distance; or through the origin, turned. */
 enum { SHORT_RRR, SHORT_RRP, SHORT_RRP_TURNED, SHORT_RPR };
 
-static int short_kind(const lw_short *f)
+static int short_kind(const lw_fast_dyad *f)
 {
     return f->dyad == LW_STEP_RRR ? SHORT_RRR : f->dyad == LW_STEP_RPR ? SHORT_RPR
          : f->beta < 0 ? SHORT_RRP : SHORT_RRP_TURNED;
@@ -35,7 +35,7 @@ LW_INLINE const double *short_dim(const run *k, int d) { return d < 0 ? zeros : 
 static number_rows short_rows(const run *k, int which)
 {
     const lw_plan *p = k->plan;
-    const lw_short *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_short[which];
     int turn = p->n_angle - 1;
     return (number_rows){
         short_dim(k, f->r2), short_dim(k, f->e_in), short_dim(k, f->b), short_dim(k, f->e),
@@ -148,13 +148,13 @@ LW_INLINE void short_points(const run *k, const number_rows *r, size_t n, const 
     }
 }
 
-/* Rows of the Jacobian by the names of lw_short; spare ones where the plan has no such dimension. */
+/* Rows of the Jacobian by the names of lw_fast_dyad; spare ones where the plan has no such dimension. */
 typedef struct bar_rows { double *r2, *e_in, *b, *e, *beta, *d1, *d2, *cx, *cy, *turn, *input; } bar_rows;
 
 static bar_rows short_bars(const run *k, int which, double *base, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
-    const lw_short *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_short[which];
     const int d[10] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2,
                         p->i_cx[which], p->i_cy[which], p->i_theta0 };
     double *row[10], *spare = k->spare + 2*k->nb;
@@ -281,7 +281,7 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
     case SHORT_RRP_TURNED: loop(__VA_ARGS__, pin, SHORT_RRP_TURNED); break;                    \
     default:               loop(__VA_ARGS__, pin, SHORT_RPR);                                  \
     }
-#define LW_EACH_SHORT(f, loop, ...)                                                            \
+#define LW_EACH_FAST_DYAD(f, loop, ...)                                                            \
     do {                                                                                       \
         if (k->plan->input_is_slider)                                                          \
             LW_EACH_DYAD(f, loop, 0, __VA_ARGS__)                                              \
@@ -291,38 +291,38 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
 
 static void short_block(const run *k, int which, size_t n, const rows *out, int per_lane, int frame)
 {
-    const lw_short *f = &k->plan->output_short[which];
+    const lw_fast_dyad *f = &k->plan->output_short[which];
     const number_rows r = short_rows(k, which);
     rows to = { out->x, out->y, out->u, out->v, out->margin ? out->margin : k->margin };
     int form = (frame ? FRAME : out->u ? PLACE_TURN : PLACE) + (out->margin || (out->u && !frame));
     switch (form + 8*per_lane) {
-    case PLACE:                 LW_EACH_SHORT(f, short_points, k, &r, n, &to, 0, PLACE); break;
-    case PLACE_MARGIN:          LW_EACH_SHORT(f, short_points, k, &r, n, &to, 0, PLACE_MARGIN); break;
-    case PLACE_TURN_MARGIN:     LW_EACH_SHORT(f, short_points, k, &r, n, &to, 0, PLACE_TURN_MARGIN); break;
-    case FRAME:                 LW_EACH_SHORT(f, short_points, k, &r, n, &to, 0, FRAME); break;
-    case FRAME_MARGIN:          LW_EACH_SHORT(f, short_points, k, &r, n, &to, 0, FRAME_MARGIN); break;
-    case 8 + PLACE:             LW_EACH_SHORT(f, short_points, k, &r, n, &to, 1, PLACE); break;
-    case 8 + PLACE_MARGIN:      LW_EACH_SHORT(f, short_points, k, &r, n, &to, 1, PLACE_MARGIN); break;
-    case 8 + PLACE_TURN_MARGIN: LW_EACH_SHORT(f, short_points, k, &r, n, &to, 1, PLACE_TURN_MARGIN); break;
-    case 8 + FRAME:             LW_EACH_SHORT(f, short_points, k, &r, n, &to, 1, FRAME); break;
-    default:                    LW_EACH_SHORT(f, short_points, k, &r, n, &to, 1, FRAME_MARGIN);
+    case PLACE:                 LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE); break;
+    case PLACE_MARGIN:          LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE_MARGIN); break;
+    case PLACE_TURN_MARGIN:     LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE_TURN_MARGIN); break;
+    case FRAME:                 LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, FRAME); break;
+    case FRAME_MARGIN:          LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, FRAME_MARGIN); break;
+    case 8 + PLACE:             LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE); break;
+    case 8 + PLACE_MARGIN:      LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE_MARGIN); break;
+    case 8 + PLACE_TURN_MARGIN: LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE_TURN_MARGIN); break;
+    case 8 + FRAME:             LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, FRAME); break;
+    default:                    LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, FRAME_MARGIN);
     }
 }
 
 static void short_block_sum(const run *k, int which, size_t n, const target *t, sums *a)
 {
-    const lw_short *f = &k->plan->output_short[which];
+    const lw_fast_dyad *f = &k->plan->output_short[which];
     const number_rows r = short_rows(k, which);
     if (t->w)
-        LW_EACH_SHORT(f, short_sum, k, &r, n, t, a, 1);
+        LW_EACH_FAST_DYAD(f, short_sum, k, &r, n, t, a, 1);
     else
-        LW_EACH_SHORT(f, short_sum, k, &r, n, t, a, 0);
+        LW_EACH_FAST_DYAD(f, short_sum, k, &r, n, t, a, 0);
 }
 
 /* Dimensions the output does not depend on: derivative 0. */
 static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobian *out)
 {
-    const lw_short *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_short[which];
     const int used[] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2, p->i_cx[which],
                          p->i_cy[which], p->i_x0, p->i_y0, p->i_theta0 };
     for (int d = 0; d < p->n_dim; d++) {
@@ -341,7 +341,7 @@ static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobia
 static void short_block_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
 {
     const lw_plan *p = k->plan;
-    const lw_short *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_short[which];
     const number_rows r = short_rows(k, which);
     rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
                 out->margin ? out->margin : k->margin };
@@ -352,9 +352,9 @@ static void short_block_jacobian(const run *k, int which, size_t n, const lw_jac
         bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);
         fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);
         fill(out->jt + (size_t)p->i_y0*out->ld, 0, n);
-        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 1);
+        LW_EACH_FAST_DYAD(f, short_jacobian, k, &r, n, &to, bar, 1);
     } else
-        LW_EACH_SHORT(f, short_jacobian, k, &r, n, &to, bar, 0);
+        LW_EACH_FAST_DYAD(f, short_jacobian, k, &r, n, &to, bar, 0);
     fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
     fill(out->jx + (size_t)p->i_y0*out->ld, 0, n);
     fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);

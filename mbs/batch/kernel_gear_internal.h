@@ -4,8 +4,8 @@
  * A row is an angle that has to be 0, linear in the turns and displacements, of which only the direction is known: the
  * product of the unit vectors to their powers.  So its sine is what is left, and its derivatives are those of the angle
  * itself, which it is at the solution. */
-#ifndef LW_MBS_KERNEL_GEAR_INTERNAL_H
-#define LW_MBS_KERNEL_GEAR_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_GEAR_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_GEAR_INTERNAL_H
 
 #include "mbs/batch/kernel_pack_internal.h"
 

@@ -8,8 +8,8 @@
  * of a dyad it is the squared sine by which dyads are measured.  A turn by delta changes a column by at most
  * |delta|; so while  sum of delta^2 < 1/|N^-1|^2 = margin/n  the Jacobian stays regular and there is no second
  * solution (mean value theorem): steps are kept to a half of that. */
-#ifndef LW_MBS_KERNEL_HIGHER_INTERNAL_H
-#define LW_MBS_KERNEL_HIGHER_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_HIGHER_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_HIGHER_INTERNAL_H
 
 #include "mbs/batch/kernel_gear_internal.h"
 
@@ -511,7 +511,7 @@ static void slide_step(const run *k, const lw_step *s, size_t n)
 {
     const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]);
     const out_rows o = out_reg(k, s->out[0]);
-    LW_LANES(n) put(o, i, lw_point(get(q, i), get(w, i), d.x[i], 0));
+    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d.x[i], 0));
 }
 
 /* ---- backwards ---------------------------------------------------------------------------------------- */

@@ -3,8 +3,8 @@
  *
  * Every product is eight sums, lane number modulo eight, added up in one order: the same bits however many are worked
  * on at a time. */
-#ifndef LW_MBS_KERNEL_NORMAL_INTERNAL_H
-#define LW_MBS_KERNEL_NORMAL_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_NORMAL_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_NORMAL_INTERNAL_H
 
 #include "mbs/batch/kernel_higher_internal.h"
 

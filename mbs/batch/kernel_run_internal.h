@@ -1,7 +1,7 @@
 /* mbs/batch/kernel_run_internal.h - the registers of a block of lanes and the loops over it.  Included by mbs/batch/kernel.c
  * alone, once per instruction set. */
-#ifndef LW_MBS_KERNEL_RUN_INTERNAL_H
-#define LW_MBS_KERNEL_RUN_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
 
 #include <string.h>
 #include "mbs/batch/kernels_internal.h"

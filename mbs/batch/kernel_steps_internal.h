@@ -1,7 +1,7 @@
 /* mbs/batch/kernel_steps_internal.h - each step of a plan as one loop over a block, forwards and backwards.  Included by
  * mbs/batch/kernel.c alone. */
-#ifndef LW_MBS_KERNEL_STEPS_INTERNAL_H
-#define LW_MBS_KERNEL_STEPS_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_STEPS_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_STEPS_INTERNAL_H
 
 #include "mbs/batch/kernel_higher_internal.h"
 
@@ -19,7 +19,7 @@ static void input_slide(const run *k, const lw_step *s, size_t n)
     const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]);
     const out_rows o = out_reg(k, s->out[0]);
     const double *d = k->c;
-    LW_LANES(n) put(o, i, lw_point(get(q, i), get(w, i), d[i], 0));
+    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d[i], 0));
 }
 
 LW_INLINE void point(const run *k, const lw_step *s, size_t n, const int per_lane)
@@ -27,7 +27,7 @@ LW_INLINE void point(const run *k, const lw_step *s, size_t n, const int per_lan
     const in_rows o = in_reg(k, s->in[0]), d = in_reg(k, s->in[1]);
     const out_rows p = out_reg(k, s->out[0]);
     const double *x = dim_of(k, s->dim[0]), *y = dim_of(k, s->dim[1]), x0 = *x, y0 = *y;
-    LW_LANES(n) put(p, i, lw_point(get(o, i), get(d, i), per_lane ? x[i] : x0, per_lane ? y[i] : y0));
+    LW_LANES(n) put(p, i, lw_frame_point(get(o, i), get(d, i), per_lane ? x[i] : x0, per_lane ? y[i] : y0));
 }
 
 LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane)
@@ -38,7 +38,7 @@ LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane
     const double e0 = *e, c0 = *c, t0 = *t;
     LW_LANES(n) {
         lw_vec2 along = lw_v2_turn(lw_v2(per_lane ? c[i] : c0, per_lane ? t[i] : t0), get(d, i));
-        lw_vec2 at = lw_point(get(o, i), along, 0, per_lane ? e[i] : e0);
+        lw_vec2 at = lw_frame_point(get(o, i), along, 0, per_lane ? e[i] : e0);
         put(w, i, along);
         put(q, i, at);
     }
@@ -317,7 +317,7 @@ static void back_rrr(const run *k, const lw_step *s, size_t n)
     const double *v_bar = s->out[1] < 0 ? reg_x(k, 0) : bar_x(k, s->out[1]);
     double *r1_bar = dim_bar(k, s->dim[0]), *r2_bar = dim_bar(k, s->dim[1]);
     LW_LANES(n) {
-        lw_vec2 u1 = get(u, i), c = get(c_bar, i), tip = lw_point(get(a, i), u1, r1, 0);
+        lw_vec2 u1 = get(u, i), c = get(c_bar, i), tip = lw_frame_point(get(a, i), u1, r1, 0);
         lw_vec2 u2 = lw_v2_scale(lw_v2_sub(tip, get(b, i)), by_r2);
         double d1 = lw_v2_dot(c, u1), d2 = 0, turn = u_bar[i] + r1*lw_v2_dot(c, lw_v2_perp(u1));
         lw_vec2 pull = lw_rrr_back(u1, u2, r1, r2, inv[i], turn, v_bar[i], &d1, &d2);

@@ -2,8 +2,8 @@
  *
  * Every instruction set gives the same bits: no contraction, no reassociation, sums in eight accumulators
  * (lane number modulo eight).  Internal to mbs. */
-#ifndef LW_MBS_KERNELS_INTERNAL_H
-#define LW_MBS_KERNELS_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNELS_INTERNAL_H
+#define LW_MBS_BATCH_KERNELS_INTERNAL_H
 
 #include "mbs/batch/batch.h"
 
@@ -14,11 +14,11 @@
 
 /* Where the higher groups of a plan are at one input: a row x, y for each turn's direction and d for each
  * displacement; inverse Jacobian of each, one after the other; least margin. */
-#define LW_ROW_MAX     (2*LW_MODE_MAX)
+#define LW_GROUP_ROW_MAX     (2*LW_MODE_MAX)
 #define LW_INVERSE_MAX (LW_HIGHER_MAX*LW_UNKNOWN_MAX*LW_UNKNOWN_MAX)
-typedef struct lw_seat {
-    double row[LW_ROW_MAX], inverse[LW_INVERSE_MAX], margin;
-} lw_seat;
+typedef struct lw_group_pose {
+    double row[LW_GROUP_ROW_MAX], inverse[LW_INVERSE_MAX], margin;
+} lw_group_pose;
 
 typedef struct lw_kernels {
     const char *isa;
@@ -30,15 +30,15 @@ typedef struct lw_kernels {
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
-    /* The higher groups at one input, followed there from the seed; work of lw_follow_size. */
-    void (*seat)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_seat *seat);
+    /* The higher groups at one input, followed there from the seed; work of lw_continuation_size. */
+    void (*seat)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work, lw_group_pose *seat);
 } lw_kernels;
 
 /* Doubles of scratch: registers and so forth of n lanes; inverses a lane; to follow the higher groups. */
 size_t lw_lane_rows(const lw_plan *plan);
 size_t lw_inverse_rows(const lw_plan *plan);
-size_t lw_follow_size(const lw_plan *plan);
-#define LW_FOLLOW_MAX 40000   /* the most lw_follow_size can be                                       */
+size_t lw_continuation_size(const lw_plan *plan);
+#define LW_CONTINUATION_MAX 40000   /* the most lw_continuation_size can be                                       */
 
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);

@@ -86,51 +86,51 @@ static void draw(lw_rng *r, const lw_system *s, double *q)
 static bool known(const lw_circuits *c, const double *q)
 {
     for (int i = 0; i < c->n; i++)
-        if (lw_branch_holds(c->curve[i], q))
+        if (lw_motion_curve_holds(c->curve[i], q))
             return true;
     return false;
 }
 
 /* Another curve, unless there is no room. */
-static lw_status add_curve(const lw_system *s, const lw_branch_options *o, const double *q, lw_circuits *c)
+static lw_status add_curve(const lw_system *s, const lw_motion_curve_options *o, const double *q, lw_circuits *c)
 {
-    lw_branch *b;
-    lw_status status = lw_branch_create(s, q, o, &b, NULL);
+    lw_motion_curve *b;
+    lw_status status = lw_motion_curve_create(s, q, o, &b, NULL);
     if (status != LW_OK)
         return status;
     c->since = 0;
     if (c->n < LW_CIRCUIT_MAX)
         c->curve[c->n++] = b;
     else {
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
         c->full = true;
     }
     return LW_OK;
 }
 
 /* The curves that cross those from `first` on, and so forth. */
-static lw_status add_crossing(const lw_system *s, const lw_branch_options *o, int first, lw_circuits *c)
+static lw_status add_crossing(const lw_system *s, const lw_motion_curve_options *o, int first, lw_circuits *c)
 {
     double q[LW_SYSTEM_Q_MAX];
     lw_status status = LW_OK;
     for (int i = first; i < c->n && status != LW_E_MEMORY; i++) {
         int n;
-        lw_branch_events(c->curve[i], &n);
+        lw_motion_curve_events(c->curve[i], &n);
         for (int event = 0; event < n && !c->full && status != LW_E_MEMORY; event++)
-            if (lw_branch_other(c->curve[i], event, q) && !known(c, q))
+            if (lw_motion_curve_other(c->curve[i], event, q) && !known(c, q))
                 status = add_curve(s, o, q, c);
     }
     return status == LW_E_MEMORY ? status : LW_OK;
 }
 
-lw_status lw_circuits_find(const lw_system *s, const lw_branch_options *o, int patience, uint64_t seed,
+lw_status lw_circuits_find(const lw_system *s, const lw_motion_curve_options *o, int patience, uint64_t seed,
                          const volatile sig_atomic_t *stop, lw_circuits *c, lw_error *e)
 {
     closer by;
     lw_rng r;
     double q[LW_SYSTEM_Q_MAX];
     memset(c, 0, sizeof *c);
-    lw_status status = lw_branch_create(s, NULL, o, &c->curve[0], e);
+    lw_status status = lw_motion_curve_create(s, NULL, o, &c->curve[0], e);
     if (status != LW_OK)
         return status;
     c->n = 1;
@@ -161,6 +161,6 @@ lw_status lw_circuits_find(const lw_system *s, const lw_branch_options *o, int p
 void lw_circuits_free(lw_circuits *c)
 {
     for (int i = 0; i < c->n; i++)
-        lw_branch_free(c->curve[i]);
+        lw_motion_curve_free(c->curve[i]);
     c->n = 0;
 }

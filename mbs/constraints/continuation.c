@@ -12,7 +12,7 @@ static bool projects(const lw_system_joint *j) { return j->kind == LW_JOINT_SLID
 static bool is_point(const lw_system_joint *j) { return j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED; }
 
 /* Turns always count; places where a row projects them on a turning line. */
-static void choose_norm(lw_follow *f)
+static void choose_norm(lw_continuation *f)
 {
     for (int b = 0; b < f->s->n_body; b++)
         f->curved[3*b + 2] = true;
@@ -24,7 +24,7 @@ static void choose_norm(lw_follow *f)
         }
 }
 
-bool lw_follow_create(const lw_system *s, const int *held, int n_held, bool plane, lw_follow *f)
+bool lw_continuation_create(const lw_system *s, const int *held, int n_held, bool plane, lw_continuation *f)
 {
     memset(f, 0, sizeof *f);
     f->s = s;
@@ -50,12 +50,12 @@ bool lw_follow_create(const lw_system *s, const int *held, int n_held, bool plan
     return true;
 }
 
-void lw_follow_free(lw_follow *f) { free(f->store); }
+void lw_continuation_free(lw_continuation *f) { free(f->store); }
 
 /* ---- equations --------------------------------------------------------------------------------- */
 
 /* Equations at q into f->rest, and their derivatives; returns the greatest in size. */
-static double assemble(lw_follow *f, const double *q, bool derivatives)
+static double assemble(lw_continuation *f, const double *q, bool derivatives)
 {
     const lw_system *s = f->s;
     lw_system_frames at;
@@ -82,16 +82,16 @@ static double assemble(lw_follow *f, const double *q, bool derivatives)
     return most;
 }
 
-void lw_follow_assemble(lw_follow *f, const double *q) { assemble(f, q, true); }
+void lw_continuation_assemble(lw_continuation *f, const double *q) { assemble(f, q, true); }
 
-double lw_follow_factor(lw_follow *f, const double *q)
+double lw_continuation_factor(lw_continuation *f, const double *q)
 {
     f->has_tangent = false;
     assemble(f, q, true);
     return f->m < f->n ? 0.0 : lw_qr_factor(f->m, f->n, f->matrix, f->diag);
 }
 
-void lw_follow_solve(const lw_follow *f, double *b)
+void lw_continuation_solve(const lw_continuation *f, double *b)
 {
     double last = f->plane ? b[f->m - 1] : 0.0, along = 0.0;
     lw_qr_solve(f->m, f->n, f->matrix, f->diag, b);
@@ -103,7 +103,7 @@ void lw_follow_solve(const lw_follow *f, double *b)
         b[i] += (last - along)*f->tangent[i];
 }
 
-bool lw_follow_tangent(lw_follow *f)
+bool lw_continuation_tangent(lw_continuation *f)
 {
     double length = 0.0;
     memset(f->work, 0, (size_t)f->m*sizeof *f->work);
@@ -119,7 +119,7 @@ bool lw_follow_tangent(lw_follow *f)
 }
 
 /* What rounding leaves of the equations. */
-static double rounding(const lw_follow *f, const double *q)
+static double rounding(const lw_continuation *f, const double *q)
 {
     double most = 1.0;
     for (int i = 0; i < f->n; i++)
@@ -127,7 +127,7 @@ static double rounding(const lw_follow *f, const double *q)
     return 8.0*DBL_EPSILON*most;
 }
 
-bool lw_follow_correct(lw_follow *f, double *q)
+bool lw_continuation_correct(lw_continuation *f, double *q)
 {
     double last = 0.0, enough = fmin(1e-9, 1e-9/sqrt(fmax(1.0, f->kappa)));
     for (int iteration = 0; iteration < 20; iteration++) {
@@ -143,13 +143,13 @@ bool lw_follow_correct(lw_follow *f, double *q)
         for (int i = 0; i < f->n; i++)
             q[i] -= f->rest[i];
         if (length <= enough)                          /* the next would be below rounding          */
-            return lw_follow_residual(f, q) <= rounding(f, q);
+            return lw_continuation_residual(f, q) <= rounding(f, q);
         last = length;
     }
     return false;
 }
 
-double lw_follow_residual(lw_follow *f, const double *q)
+double lw_continuation_residual(lw_continuation *f, const double *q)
 {
     double most = 0.0;
     assemble(f, q, false);
@@ -158,7 +158,7 @@ double lw_follow_residual(lw_follow *f, const double *q)
     return most;
 }
 
-double lw_follow_distance(const lw_follow *f, const double *q, const double *p)
+double lw_continuation_distance(const lw_continuation *f, const double *q, const double *p)
 {
     double sum = 0.0;
     for (int i = 0; i < f->n; i++)
@@ -168,7 +168,7 @@ double lw_follow_distance(const lw_follow *f, const double *q, const double *p)
 
 /* ---- the bound --------------------------------------------------------------------------------- */
 
-static double dot(const lw_follow *f, const double *a, const double *b)
+static double dot(const lw_continuation *f, const double *a, const double *b)
 {
     double sum = 0.0;
     for (int i = 0; i < f->n; i++)
@@ -177,7 +177,7 @@ static double dot(const lw_follow *f, const double *a, const double *b)
 }
 
 /* The arms of body b at its pins, turned by `by`, as right-hand side; false when it has none. */
-static bool stack_arms(const lw_follow *f, const lw_system_frames *at, int b, lw_vec2 by, double *out)
+static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int b, lw_vec2 by, double *out)
 {
     bool any = false;
     lw_vec2 dir = lw_v2_turn(at->dir[b + 1], by);
@@ -196,15 +196,15 @@ static bool stack_arms(const lw_follow *f, const lw_system_frames *at, int b, lw
 }
 
 /* Greatest over the bodies of the length of A^+ (second derivative by the body's turn), however it turns. */
-static double pin_bound(lw_follow *f, const lw_system_frames *at)
+static double pin_bound(lw_continuation *f, const lw_system_frames *at)
 {
     double most = 0.0, *g = f->rest, *h = f->work;
     for (int b = 0; b < f->s->n_body; b++) {
         if (!stack_arms(f, at, b, lw_v2(1.0, 0.0), g))
             continue;
-        lw_follow_solve(f, g);
+        lw_continuation_solve(f, g);
         stack_arms(f, at, b, lw_v2(0.0, 1.0), h);
-        lw_follow_solve(f, h);
+        lw_continuation_solve(f, h);
         double gg = dot(f, g, g), hh = dot(f, h, h), gh = dot(f, g, h);
         most = fmax(most, 0.5*(gg + hh) + hypot(0.5*(gg - hh), gh));
     }
@@ -226,15 +226,15 @@ static double projection_norm(const lw_system_joint *j, const lw_system_frames *
 }
 
 /* |A^+ e_row| */
-static double row_gain(lw_follow *f, int row)
+static double row_gain(lw_continuation *f, int row)
 {
     memset(f->work, 0, (size_t)f->m*sizeof *f->work);
     f->work[row] = 1.0;
-    lw_follow_solve(f, f->work);
+    lw_continuation_solve(f, f->work);
     return sqrt(dot(f, f->work, f->work));
 }
 
-static double projection_bound(lw_follow *f, const lw_system_frames *at, double reach)
+static double projection_bound(lw_continuation *f, const lw_system_frames *at, double reach)
 {
     const lw_system *s = f->s;
     double sum = 0.0;
@@ -255,7 +255,7 @@ static double projection_bound(lw_follow *f, const lw_system_frames *at, double 
     return sum;
 }
 
-double lw_follow_bound(lw_follow *f, const double *q)
+double lw_continuation_bound(lw_continuation *f, const double *q)
 {
     lw_system_frames at;
     lw_system_place(f->s, q, &at);
@@ -268,7 +268,7 @@ double lw_follow_bound(lw_follow *f, const double *q)
 
 /* ---- series ------------------------------------------------------------------------------------ */
 
-void lw_follow_series(lw_follow *f, int order, const double *value, double *q)
+void lw_continuation_series(lw_continuation *f, int order, const double *value, double *q)
 {
     const lw_system *s = f->s;
     double count[LW_SYSTEM_ORDER_MAX + 1];
@@ -285,12 +285,12 @@ void lw_follow_series(lw_follow *f, int order, const double *value, double *q)
         }
         if (f->plane)
             f->work[f->m - 1] = k == 1 ? 1.0 : 0.0;
-        lw_follow_solve(f, f->work);
+        lw_continuation_solve(f, f->work);
         memcpy(c, f->work, (size_t)f->n*sizeof *c);
     }
 }
 
-void lw_follow_sum(const lw_follow *f, int order, const double *q, double h, double *out)
+void lw_continuation_sum(const lw_continuation *f, int order, const double *q, double h, double *out)
 {
     for (int i = 0; i < f->n; i++) {
         double sum = q[(long)order*f->n + i];

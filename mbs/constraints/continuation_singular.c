@@ -7,16 +7,16 @@
 #include "base/rng.h"
 
 /* Solution of A x = right, in f->work */
-static void solve_for(lw_follow *f, const double *q, const double *right)
+static void solve_for(lw_continuation *f, const double *q, const double *right)
 {
-    lw_follow_factor(f, q);
+    lw_continuation_factor(f, q);
     memcpy(f->work, right, (size_t)f->m*sizeof *right);
-    lw_follow_solve(f, f->work);
+    lw_continuation_solve(f, f->work);
 }
 
 /* Smooth along the motion, and 0 where rank is lost: the solution grows as 1/distance there, of which this is the
  * reciprocal along a fixed direction (bordering: Govaerts 2000, chapter 3). */
-static double singularity(lw_follow *f, const double *q, const double *right, const double *along)
+static double singularity(lw_continuation *f, const double *q, const double *right, const double *along)
 {
     double sum = 0.0;
     solve_for(f, q, right);
@@ -25,7 +25,7 @@ static double singularity(lw_follow *f, const double *q, const double *right, co
     return 1.0/sum;
 }
 
-double lw_follow_locate(lw_follow *f, int order, const double *series, double guess,
+double lw_continuation_locate(lw_continuation *f, int order, const double *series, double guess,
                         void (*set)(void *context, double x), void *context)
 {
     double x[4], g[4], at = 0.0, speed = 0.0;
@@ -40,16 +40,16 @@ double lw_follow_locate(lw_follow *f, int order, const double *series, double gu
     lw_rng_seed(&rng, 7, 0);
     for (int i = 0; i < f->m - f->plane; i++)             /* any that is not special shows the loss */
         right[i] = lw_rng_range(&rng, -1.0, 1.0);
-    lw_follow_sum(f, order, series, guess + delta, q);
+    lw_continuation_sum(f, order, series, guess + delta, q);
     set(context, guess + delta);
-    lw_follow_correct(f, q);
+    lw_continuation_correct(f, q);
     solve_for(f, q, right);                               /* where the loss shows already */
     memcpy(along, f->work, (size_t)f->n*sizeof *along);
     for (int i = 0; i < 4; i++) {
         x[i] = guess + delta*(i < 2 ? i - 2 : i - 1);
-        lw_follow_sum(f, order, series, x[i], q);
+        lw_continuation_sum(f, order, series, x[i], q);
         set(context, x[i]);
-        lw_follow_correct(f, q);
+        lw_continuation_correct(f, q);
         g[i] = singularity(f, q, right, along);
     }
     /* several ranks lost one behind the other: 0 of that order, told by the growth over a double distance */
@@ -67,7 +67,7 @@ double lw_follow_locate(lw_follow *f, int order, const double *series, double gu
 }
 
 /* Rows and driven inputs at q, by columns */
-static void fill(const lw_follow *f, const double *q, int m, double *a)
+static void fill(const lw_continuation *f, const double *q, int m, double *a)
 {
     lw_system_frames at;
     memset(a, 0, (size_t)m*(size_t)f->n*sizeof *a);
@@ -77,7 +77,7 @@ static void fill(const lw_follow *f, const double *q, int m, double *a)
         lw_system_count(f->s, &at, f->s->input_joint[f->held[i]], a + f->s->n_row + i, m);
 }
 
-int lw_follow_freedoms(const lw_follow *f, const double *q, double *direction)
+int lw_continuation_freedoms(const lw_continuation *f, const double *q, double *direction)
 {
     int m = f->s->n_row + f->n_held, n = f->n, freedoms = -1;
     double *memory = malloc(lw_rank_doubles(m, n)*sizeof *memory), length = 0.0;

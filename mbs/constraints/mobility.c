@@ -18,7 +18,7 @@ typedef struct search {
     double      q0[LW_SYSTEM_Q_MAX];
     double     *block;        /* of what follows */
     double     *q;            /* (2 WALKS, n_q): postures on the ways, the middle and the end of each */
-    lw_stand    best, now;    /* where the most moves; the posture looked at */
+    lw_mobility_pose    best, now;    /* where the most moves; the posture looked at */
     int         n_q, n_stand;
     bool        moved[LW_LINK_MAX], worked[LW_JOINT_MAX];
 } search;
@@ -71,7 +71,7 @@ static bool works(const lw_system *s, int j, const double *q, const double *dq)
 }
 
 /* Mark links and joints that move at a posture. */
-static void mark_moving(search *f, const lw_stand *t)
+static void mark_moving(search *f, const lw_mobility_pose *t)
 {
     const lw_system *s = f->s;
     for (int i = 0; i < t->freedom; i++) {
@@ -346,12 +346,12 @@ static void find_generic(search *f, const lw_linkage *k, uint64_t seed)
 static void keep_best(search *f)
 {
     lw_mobility *m = f->m;
-    lw_stand *t = &f->now;
+    lw_mobility_pose *t = &f->now;
     bool first = f->n_stand++ == 0;
     mark_moving(f, t);
     m->least_freedom = first || t->freedom < m->least_freedom ? t->freedom : m->least_freedom;
     if (first || t->freedom > f->best.freedom || (t->freedom == f->best.freedom && t->rank > f->best.rank)) {
-        lw_stand swap = f->best;
+        lw_mobility_pose swap = f->best;
         f->best = *t;
         *t = swap;
     }
@@ -434,8 +434,8 @@ lw_status lw_mobility_find(const lw_linkage *k, const lw_mobility_options *o, lw
         free(f.block);
         return lw_error_set(e, LW_E_MEMORY, memory);
     }
-    f.best = (lw_stand){ .q = f.block, .motion = f.block + n };
-    f.now = (lw_stand){ .q = f.block + n + room, .motion = f.block + 2*n + room };
+    f.best = (lw_mobility_pose){ .q = f.block, .motion = f.block + n };
+    f.now = (lw_mobility_pose){ .q = f.block + n + room, .motion = f.block + 2*n + room };
     status = look(&f, k, o->seed);
     lw_drift_free(&f.d);
     free(f.block);

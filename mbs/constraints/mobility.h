@@ -10,8 +10,8 @@
  *
  * Not found: motions that leave the posture only in directions which none of the random pushes comes
  * near, and motions shorter than 1/1000 of the size.  Links below about 1e-5 of the size count as points. */
-#ifndef LW_MBS_MOBILITY_H
-#define LW_MBS_MOBILITY_H
+#ifndef LW_MBS_CONSTRAINTS_MOBILITY_H
+#define LW_MBS_CONSTRAINTS_MOBILITY_H
 
 #include <stdbool.h>
 #include <stdint.h>

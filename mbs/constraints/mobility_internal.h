@@ -1,6 +1,6 @@
 /* mbs/constraints/mobility_internal.h - moving a linkage blindly: steps off a posture and back to closure. */
-#ifndef LW_MBS_MOBILITY_INTERNAL_H
-#define LW_MBS_MOBILITY_INTERNAL_H
+#ifndef LW_MBS_CONSTRAINTS_MOBILITY_INTERNAL_H
+#define LW_MBS_CONSTRAINTS_MOBILITY_INTERNAL_H
 
 #include "base/rank.h"
 #include "base/rng.h"
@@ -19,10 +19,10 @@ typedef struct lw_drift {
 
 /* A posture and the motions from there: columns motion[i*n_q ..], i = 0 .. freedom - 1, square to each
  * other, of length 1. */
-typedef struct lw_stand {
+typedef struct lw_mobility_pose {
     int     rank, first_order, freedom;
     double *q, *motion;
-} lw_stand;
+} lw_mobility_pose;
 
 lw_status lw_drift_create(const lw_system *s, double tolerance, lw_drift *d);
 void      lw_drift_free(lw_drift *d);
@@ -50,6 +50,6 @@ double lw_drift_settle(lw_drift *d, const double *from, const double *along, dou
 double lw_drift_walk(lw_drift *d, lw_rng *r, double *q, double *residual);
 
 /* What moves at t->q, of first order and truly.  t->motion has room for n_q columns. */
-void lw_drift_stand(lw_drift *d, bool moves, lw_stand *t);
+void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_pose *t);
 
 #endif

@@ -7,7 +7,7 @@
 
 /* ---- making ------------------------------------------------------------------------------------ */
 
-static lw_status check(const lw_system *s, const lw_branch_options *o, lw_error *e)
+static lw_status check(const lw_system *s, const lw_motion_curve_options *o, lw_error *e)
 {
     if (o->input < 0 || o->input >= s->n_input)
         return lw_error_set(e, LW_E_ARG, "the linkage has no input to move it by");
@@ -19,7 +19,7 @@ static lw_status check(const lw_system *s, const lw_branch_options *o, lw_error 
     return LW_OK;
 }
 
-static bool allocate(const lw_system *s, const lw_branch_options *o, lw_branch *b)
+static bool allocate(const lw_system *s, const lw_motion_curve_options *o, lw_motion_curve *b)
 {
     int rest[LW_INPUT_MAX], all[LW_INPUT_MAX], n_rest = 0;
     for (int i = 0; i < s->n_input; i++) {
@@ -32,18 +32,18 @@ static bool allocate(const lw_system *s, const lw_branch_options *o, lw_branch *
     b->input = o->input;
     b->reach = o->reach > 0.0 ? o->reach : 30.0;
     b->most = o->most_segments > 0 ? o->most_segments : 20000;
-    b->series = calloc((size_t)(LW_BRANCH_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
-    if (!b->series || !lw_follow_create(s, rest, n_rest, true, &b->f)
-        || !lw_follow_create(s, all, s->n_input, false, &b->driven))
+    b->series = calloc((size_t)(LW_MOTION_CURVE_ORDER + 1 + 3)*(size_t)b->n, sizeof *b->series);
+    if (!b->series || !lw_continuation_create(s, rest, n_rest, true, &b->f)
+        || !lw_continuation_create(s, all, s->n_input, false, &b->driven))
         return false;
-    b->a = b->series + (LW_BRANCH_ORDER + 1)*b->n;
+    b->a = b->series + (LW_MOTION_CURVE_ORDER + 1)*b->n;
     b->b = b->a + b->n;
     b->c = b->b + b->n;
     return true;
 }
 
 /* The other inputs stay where they are in the posture. */
-static lw_status place_start(lw_branch *b, const double *q)
+static lw_status place_start(lw_motion_curve *b, const double *q)
 {
     b->node = calloc(64, sizeof *b->node);
     if (!b->node)
@@ -61,30 +61,30 @@ static lw_status place_start(lw_branch *b, const double *q)
     return LW_OK;
 }
 
-lw_status lw_branch_create(const lw_system *s, const double *q, const lw_branch_options *o, lw_branch **out,
+lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o, lw_motion_curve **out,
                            lw_error *e)
 {
     *out = NULL;
     lw_status status = check(s, o, e);
     if (status != LW_OK)
         return status;
-    lw_branch *b = calloc(1, sizeof *b);
+    lw_motion_curve *b = calloc(1, sizeof *b);
     if (!b || !allocate(s, o, b) || place_start(b, q) != LW_OK) {
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
-    status = lw_branch_walk(b, e);
-    if (status == LW_OK && lw_branch_find_events(b) != LW_OK)
+    status = lw_motion_curve_walk(b, e);
+    if (status == LW_OK && lw_motion_curve_find_events(b) != LW_OK)
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status != LW_OK) {
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
         return status;
     }
     *out = b;
     return LW_OK;
 }
 
-void lw_branch_free(lw_branch *b)
+void lw_motion_curve_free(lw_motion_curve *b)
 {
     if (!b)
         return;
@@ -95,33 +95,33 @@ void lw_branch_free(lw_branch *b)
     free(b->before);
     free(b->event);
     free(b->series);
-    lw_follow_free(&b->f);
-    lw_follow_free(&b->driven);
+    lw_continuation_free(&b->f);
+    lw_continuation_free(&b->driven);
     free(b);
 }
 
 /* ---- places ------------------------------------------------------------------------------------ */
 
 /* Between here and a branch point there is no good Newton step; the series from the base holds. */
-static bool near_singular(const lw_branch_segment *s, double h)
+static bool near_singular(const lw_motion_curve_segment *s, double h)
 {
     return s->singular >= 0.0 && fabs(h - s->singular) < 3e-3;
 }
 
-static bool settle(lw_branch *b, const lw_branch_segment *s, double h, double *q)
+static bool settle(lw_motion_curve *b, const lw_motion_curve_segment *s, double h, double *q)
 {
-    lw_branch_node *base = &b->node[s->base];
+    lw_motion_curve_node *base = &b->node[s->base];
     const double *t = lw_node_tangent(b, s->base), *c = lw_node_bend(b, s->base);
     for (int i = 0; i < b->n; i++) {
         b->f.row[i] = s->way*t[i];
         b->f.origin[i] = base->q[i];
     }
     if (s->singular >= 0.0) {
-        lw_follow_factor(&b->f, base->q);
-        lw_follow_tangent(&b->f);
+        lw_continuation_factor(&b->f, base->q);
+        lw_continuation_tangent(&b->f);
         memcpy(b->series, base->q, (size_t)b->n*sizeof *q);
-        lw_follow_series(&b->f, LW_BRANCH_ORDER, NULL, b->series);
-        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, h, q);
+        lw_continuation_series(&b->f, LW_MOTION_CURVE_ORDER, NULL, b->series);
+        lw_continuation_sum(&b->f, LW_MOTION_CURVE_ORDER, b->series, h, q);
         if (near_singular(s, h))
             return true;
     } else
@@ -129,13 +129,13 @@ static bool settle(lw_branch *b, const lw_branch_segment *s, double h, double *q
             q[i] = base->q[i] + h*(b->f.row[i] + h*c[i]);
     b->f.distance = h;
     b->f.kappa = base->kappa;
-    return lw_follow_correct(&b->f, q);
+    return lw_continuation_correct(&b->f, q);
 }
 
-void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q, double *tangent)
+void lw_motion_curve_at(lw_motion_curve *b, const lw_motion_curve_segment *s, double h, double *q, double *tangent)
 {
     if (h <= 0.0 || h >= s->length) {
-        const lw_branch_node *end = &b->node[h <= 0.0 ? s->base : s->far];
+        const lw_motion_curve_node *end = &b->node[h <= 0.0 ? s->base : s->far];
         memcpy(q, end->q, (size_t)b->n*sizeof *q);
         if (tangent)
             memcpy(tangent, end->q + b->n, (size_t)b->n*sizeof *q);
@@ -148,7 +148,7 @@ void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q,
         double length = 0.0;
         for (int i = 0; i < b->n; i++) {
             tangent[i] = 0.0;
-            for (int k = LW_BRANCH_ORDER; k > 0; k--)
+            for (int k = LW_MOTION_CURVE_ORDER; k > 0; k--)
                 tangent[i] = tangent[i]*h + k*b->series[k*b->n + i];
             length += tangent[i]*tangent[i];
         }
@@ -156,13 +156,13 @@ void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q,
             tangent[i] *= s->way/sqrt(length);
         return;
     }
-    lw_follow_factor(&b->f, q);
-    lw_follow_tangent(&b->f);
+    lw_continuation_factor(&b->f, q);
+    lw_continuation_tangent(&b->f);
     for (int i = 0; i < b->n; i++)
         tangent[i] = s->way*b->f.tangent[i];
 }
 
-static const lw_branch_segment *segment_of(const lw_branch *b, double station, double *share)
+static const lw_motion_curve_segment *segment_of(const lw_motion_curve *b, double station, double *share)
 {
     int i = (int)station;
     i = i < 0 ? 0 : i >= b->n_segment ? b->n_segment - 1 : i;
@@ -170,28 +170,28 @@ static const lw_branch_segment *segment_of(const lw_branch *b, double station, d
     return &b->segment[i];
 }
 
-void lw_branch_pose(lw_branch *b, double station, double *q, double *tangent)
+void lw_motion_curve_pose(lw_motion_curve *b, double station, double *q, double *tangent)
 {
     double share;
-    const lw_branch_segment *s = segment_of(b, station, &share);
-    lw_branch_at(b, s, lw_segment_way(s, share), q, tangent);
+    const lw_motion_curve_segment *s = segment_of(b, station, &share);
+    lw_motion_curve_at(b, s, lw_segment_way(s, share), q, tangent);
 }
 
 /* Arc from the base to h */
-static double arc_to(const lw_branch_segment *s, double h)
+static double arc_to(const lw_motion_curve_segment *s, double h)
 {
     return h + s->square*h*h*h/3.0 + s->cube*h*h*h*h/4.0;
 }
 
-double lw_branch_arc(const lw_branch *b, double station)
+double lw_motion_curve_arc(const lw_motion_curve *b, double station)
 {
     double share;
-    const lw_branch_segment *s = segment_of(b, station, &share);
+    const lw_motion_curve_segment *s = segment_of(b, station, &share);
     double h = lw_segment_way(s, share), arc = arc_to(s, h);
     return b->before[s - b->segment] + (s->way > 0 ? arc : s->arc - arc);
 }
 
-double lw_branch_station(const lw_branch *b, double arc)
+double lw_motion_curve_station(const lw_motion_curve *b, double arc)
 {
     int lo = 0, hi = b->n_segment;
     while (hi - lo > 1) {
@@ -201,7 +201,7 @@ double lw_branch_station(const lw_branch *b, double arc)
         else
             hi = middle;
     }
-    const lw_branch_segment *s = &b->segment[lo];
+    const lw_motion_curve_segment *s = &b->segment[lo];
     double rest = arc - b->before[lo], want = s->way > 0 ? rest : s->arc - rest, h0 = 0.0, h1 = s->length;
     for (int i = 0; i < 100 && h1 - h0 > 1e-16*s->length; i++) {      /* bisection: arc_to rises */
         double h = 0.5*(h0 + h1);
@@ -215,18 +215,18 @@ double lw_branch_station(const lw_branch *b, double arc)
     return lo + (s->way > 0 ? share : 1.0 - share);
 }
 
-double lw_branch_find(lw_branch *b, double first, double last, double input)
+double lw_motion_curve_find(lw_motion_curve *b, double first, double last, double input)
 {
     double *q = b->c, x[2] = { first, last }, g[2];
     for (int i = 0; i < 2; i++) {
-        lw_branch_pose(b, x[i], q, NULL);
-        g[i] = lw_branch_input(b, q) - input;
+        lw_motion_curve_pose(b, x[i], q, NULL);
+        g[i] = lw_motion_curve_input(b, q) - input;
     }
     double lo = floor(first) + 1.0;                       /* whole segments first */
     while (lo < last) {
         double hi = ceil(last) - 1.0, middle = lo < hi ? floor(0.5*(lo + hi)) : lo;
-        lw_branch_pose(b, middle, q, NULL);
-        double at = lw_branch_input(b, q) - input;
+        lw_motion_curve_pose(b, middle, q, NULL);
+        double at = lw_motion_curve_input(b, q) - input;
         int side = (at > 0.0) == (g[0] > 0.0) ? 0 : 1;
         x[side] = middle;
         g[side] = at;
@@ -239,8 +239,8 @@ double lw_branch_find(lw_branch *b, double first, double last, double input)
         double at = x[1] - g[1]*(x[1] - x[0])/(g[1] - g[0]);
         if (!(at > x[0] && at < x[1]))
             at = fabs(g[0]) < fabs(g[1]) ? x[0] : x[1];
-        lw_branch_pose(b, at, q, NULL);
-        double value = lw_branch_input(b, q) - input;
+        lw_motion_curve_pose(b, at, q, NULL);
+        double value = lw_motion_curve_input(b, q) - input;
         if (fabs(value) <= 2e-16*fmax(unit, fabs(input)) || at == x[0] || at == x[1])
             return at;
         int side = (value > 0.0) == (g[0] > 0.0) ? 0 : 1;
@@ -255,36 +255,36 @@ double lw_branch_find(lw_branch *b, double first, double last, double input)
 
 /* ---- questions --------------------------------------------------------------------------------- */
 
-lw_branch_end lw_branch_ended(const lw_branch *b)   { return b->end; }
-int           lw_branch_segments(const lw_branch *b) { return b->n_segment; }
-bool          lw_branch_rests(const lw_branch *b)   { return b->rests; }
-double        lw_branch_length(const lw_branch *b)  { return b->before[b->n_segment]; }
-double        lw_branch_start(const lw_branch *b)   { return b->start; }
-double        lw_branch_worst(const lw_branch *b)   { return b->worst*b->s->unit; }
+lw_motion_curve_end lw_motion_curve_ended(const lw_motion_curve *b)   { return b->end; }
+int           lw_motion_curve_segments(const lw_motion_curve *b) { return b->n_segment; }
+bool          lw_motion_curve_rests(const lw_motion_curve *b)   { return b->rests; }
+double        lw_motion_curve_length(const lw_motion_curve *b)  { return b->before[b->n_segment]; }
+double        lw_motion_curve_start(const lw_motion_curve *b)   { return b->start; }
+double        lw_motion_curve_worst(const lw_motion_curve *b)   { return b->worst*b->s->unit; }
 
-const lw_branch_event *lw_branch_events(const lw_branch *b, int *n)
+const lw_motion_curve_event *lw_motion_curve_events(const lw_motion_curve *b, int *n)
 {
     *n = b->n_event;
     return b->event;
 }
 
-double lw_branch_input(const lw_branch *b, const double *q)
+double lw_motion_curve_input(const lw_motion_curve *b, const double *q)
 {
     int joint = b->s->input_joint[b->input];
     double unit = b->s->joint[joint].kind == LW_JOINT_REVOLUTE ? 1.0 : b->s->unit;
     return b->s->input_value[b->input] + unit*lw_system_measure(b->s, joint, q, NULL);
 }
 
-int lw_branch_turns(const lw_branch *b, int link)
+int lw_motion_curve_turns(const lw_motion_curve *b, int link)
 {
     const double *first = b->node[b->segment[0].base].q, *last = b->node[b->segment[b->n_segment - 1].far].q;
     double way;
-    if (b->end != LW_BRANCH_CLOSED)
+    if (b->end != LW_MOTION_CURVE_CLOSED)
         return 0;
     if (link < 0) {
         if (b->s->joint[b->s->input_joint[b->input]].kind != LW_JOINT_REVOLUTE)
             return 0;
-        way = lw_branch_input(b, last) - lw_branch_input(b, first);
+        way = lw_motion_curve_input(b, last) - lw_motion_curve_input(b, first);
     } else {
         int body = b->s->body[link];
         way = body < 0 ? 0.0 : last[3*body + 2] - first[3*body + 2];
@@ -293,7 +293,7 @@ int lw_branch_turns(const lw_branch *b, int link)
 }
 
 /* A segment holds q when the plane through it has its point of the segment there. */
-static bool segment_holds(lw_branch *b, const lw_branch_segment *s, const double *q)
+static bool segment_holds(lw_motion_curve *b, const lw_motion_curve_segment *s, const double *q)
 {
     const double *base = b->node[s->base].q, *t = lw_node_tangent(b, s->base);
     double h = 0.0, size = 0.0, gap = 0.0;
@@ -307,13 +307,13 @@ static bool segment_holds(lw_branch *b, const lw_branch_segment *s, const double
     }
     if (h < -1e-9 || h > s->length + 1e-9 || size > 4.0*s->arc*s->arc + 1e-12)
         return false;
-    lw_branch_at(b, s, h, b->b, NULL);
+    lw_motion_curve_at(b, s, h, b->b, NULL);
     for (int i = 0; i < b->n; i++)
         gap = fmax(gap, fabs(b->b[i] - b->c[i]));
     return gap < 1e-7;
 }
 
-bool lw_branch_holds(lw_branch *b, const double *q)
+bool lw_motion_curve_holds(lw_motion_curve *b, const double *q)
 {
     for (int i = 0; i < b->n_segment; i++)
         if (segment_holds(b, &b->segment[i], q))
@@ -321,10 +321,10 @@ bool lw_branch_holds(lw_branch *b, const double *q)
     return false;
 }
 
-int lw_branch_side(lw_branch *b, double station)
+int lw_motion_curve_side(lw_motion_curve *b, double station)
 {
-    lw_branch_pose(b, station, b->a, NULL);
-    lw_follow_factor(&b->driven, b->a);
+    lw_motion_curve_pose(b, station, b->a, NULL);
+    lw_continuation_factor(&b->driven, b->a);
     if (b->driven.m != b->driven.n)
         return 0;
     return lw_qr_determinant(b->n, b->driven.diag) < 0.0 ? -1 : 1;

@@ -9,39 +9,39 @@
  * A place on the curve is a station, 0 .. n_segment: segment number and how far along it (as a share of its
  * plane's way).  Arc lengths are in the coordinates of mbs/constraints/system.h: places over the size of the posture and turns
  * [rad] of all moving links; good to about 1e-4, meant for even spacing. */
-#ifndef LW_MBS_BRANCH_H
-#define LW_MBS_BRANCH_H
+#ifndef LW_MBS_CONSTRAINTS_MOTION_CURVE_H
+#define LW_MBS_CONSTRAINTS_MOTION_CURVE_H
 
 #include "mbs/constraints/system.h"
 
-typedef enum lw_branch_event_kind {
+typedef enum lw_motion_curve_event_kind {
     LW_EVENT_LIMIT,           /* the free input turns back: a limit of it, its dead point              */
     LW_EVENT_TURNING,         /* another joint at the ground turns back: end of a swing, a dead point of the */
                               /* linkage if that joint drove it                                        */
     LW_EVENT_CROSSING         /* branch point: branches cross, the curve goes straight on              */
-} lw_branch_event_kind;
+} lw_motion_curve_event_kind;
 
-typedef struct lw_branch_event {
-    lw_branch_event_kind kind;
+typedef struct lw_motion_curve_event {
+    lw_motion_curve_event_kind kind;
     int    joint;             /* that turns back; -1                                               */
     double station;           /* located to 1e-10 of the arc                                        */
     double input;             /* of the free input [rad] or [m], as lw_input counts                 */
-} lw_branch_event;
+} lw_motion_curve_event;
 
-typedef enum lw_branch_end {
-    LW_BRANCH_CLOSED,         /* the curve is closed: its last posture is its first                 */
-    LW_BRANCH_FAR,            /* it leaves for beyond `reach`, both ways                            */
-    LW_BRANCH_LOST,           /* an end is a singular posture that could not be passed              */
-    LW_BRANCH_STOPPED         /* `most_segments` were not enough                                    */
-} lw_branch_end;
+typedef enum lw_motion_curve_end {
+    LW_MOTION_CURVE_CLOSED,         /* the curve is closed: its last posture is its first                 */
+    LW_MOTION_CURVE_FAR,            /* it leaves for beyond `reach`, both ways                            */
+    LW_MOTION_CURVE_LOST,           /* an end is a singular posture that could not be passed              */
+    LW_MOTION_CURVE_STOPPED         /* `most_segments` were not enough                                    */
+} lw_motion_curve_end;
 
-typedef struct lw_branch_options {
+typedef struct lw_motion_curve_options {
     int    input;             /* the free input                                                     */
     double reach;             /* of links from the middle of the posture, in sizes of it; 0: 30      */
     int    most_segments;     /* 0: 20000                                                          */
-} lw_branch_options;
+} lw_motion_curve_options;
 
-typedef struct lw_branch lw_branch;
+typedef struct lw_motion_curve lw_motion_curve;
 
 /* Follow the curve through posture q (NULL: the drawn one) of the linkage that s was made from; s must outlive
  * it.  Station 0 is the posture if the curve is closed; the curve begins with a growing input there.  Where the
@@ -49,56 +49,56 @@ typedef struct lw_branch lw_branch;
  *
  * LW_E_ARG: the linkage has not one input more than the inputs at rest leave freedoms, in number; LW_E_NUMERIC: it
  * cannot move, or more than two branches meet in the posture. */
-lw_status lw_branch_create(const lw_system *s, const double *q, const lw_branch_options *o, lw_branch **out,
+lw_status lw_motion_curve_create(const lw_system *s, const double *q, const lw_motion_curve_options *o, lw_motion_curve **out,
                            lw_error *e);
-void      lw_branch_free(lw_branch *b);
+void      lw_motion_curve_free(lw_motion_curve *b);
 
-lw_branch_end lw_branch_ended(const lw_branch *b);
-int           lw_branch_segments(const lw_branch *b);
-double        lw_branch_length(const lw_branch *b);            /* arc                                    */
-double        lw_branch_start(const lw_branch *b);             /* station of the posture it began with    */
-double        lw_branch_worst(const lw_branch *b);             /* greatest residual at the joints of segments [m] */
+lw_motion_curve_end lw_motion_curve_ended(const lw_motion_curve *b);
+int           lw_motion_curve_segments(const lw_motion_curve *b);
+double        lw_motion_curve_length(const lw_motion_curve *b);            /* arc                                    */
+double        lw_motion_curve_start(const lw_motion_curve *b);             /* station of the posture it began with    */
+double        lw_motion_curve_worst(const lw_motion_curve *b);             /* greatest residual at the joints of segments [m] */
 
 /* Whole turns of a link (link < 0: of the input, if it is a pin) over a closed curve. */
-int           lw_branch_turns(const lw_branch *b, int link);
+int           lw_motion_curve_turns(const lw_motion_curve *b, int link);
 
 /* Events in the order of their stations; *n their number. */
-const lw_branch_event *lw_branch_events(const lw_branch *b, int *n);
+const lw_motion_curve_event *lw_motion_curve_events(const lw_motion_curve *b, int *n);
 
 /* A posture q (n_q) on the other branch at event number `event`, a crossing, a little way off.  False where more than
  * two branches meet, or where it touches. */
-bool   lw_branch_other(lw_branch *b, int event, double *q);
+bool   lw_motion_curve_other(lw_motion_curve *b, int event, double *q);
 
 /* Coordinates (n_q) of a station, and the unit tangent there when given. */
-void   lw_branch_pose(lw_branch *b, double station, double *q, double *tangent);
+void   lw_motion_curve_pose(lw_motion_curve *b, double station, double *q, double *tangent);
 
 /* What the free input is in a posture [rad] or [m], as lw_input counts; through turns. */
-double lw_branch_input(const lw_branch *b, const double *q);
+double lw_motion_curve_input(const lw_motion_curve *b, const double *q);
 
-double lw_branch_arc(const lw_branch *b, double station);
-double lw_branch_station(const lw_branch *b, double arc);
+double lw_motion_curve_arc(const lw_motion_curve *b, double station);
+double lw_motion_curve_station(const lw_motion_curve *b, double arc);
 
 /* Between two stations without a limit of the input in between: where the input is `input`, to rounding. */
-double lw_branch_find(lw_branch *b, double first, double last, double input);
+double lw_motion_curve_find(lw_motion_curve *b, double first, double last, double input);
 
 /* Is posture q (closing, this free input or another) on the curve?  Whole turns of links do not count. */
-bool   lw_branch_holds(lw_branch *b, const double *q);
+bool   lw_motion_curve_holds(lw_motion_curve *b, const double *q);
 
 /* +1, -1: side of the linkage with respect to its input, which changes at every limit; 0 where it cannot be told
  * (more equations than coordinates). */
-int    lw_branch_side(lw_branch *b, double station);
+int    lw_motion_curve_side(lw_motion_curve *b, double station);
 
 /* Coefficients q[k*n_q + i], k = 0 .. order, of the motion by the inputs through posture q[0 ..]: input i is input
  * there plus the sum of motion[i*(order + 1) + k] x^k [rad] or [m], k >= 1.  False at a dead point of the
  * inputs, where there is none. */
-bool   lw_branch_rates(lw_branch *b, int order, const double *motion, double *q);
+bool   lw_motion_curve_rates(lw_motion_curve *b, int order, const double *motion, double *q);
 
 /* The same through the posture of a station, which is put into q[0 ..]: the free input moves by motion[k] x^k, k = 1 ..
  * order <= 8, the others rest.  Branch points are no exception: there the derivatives are those of the curve,
  * which goes straight on. */
-bool   lw_branch_motion(lw_branch *b, double station, int order, const double *motion, double *q);
+bool   lw_motion_curve_motion(lw_motion_curve *b, double station, int order, const double *motion, double *q);
 
 /* Does the free input stand still on the whole curve, while links move? */
-bool   lw_branch_rests(const lw_branch *b);
+bool   lw_motion_curve_rests(const lw_motion_curve *b);
 
 #endif

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Rate of joint j by arc at a posture and its derivative there, of a curve q + t s + c s^2. */
-static void rate_at(const lw_branch *b, int joint, const double *node, double rate[2])
+static void rate_at(const lw_motion_curve *b, int joint, const double *node, double rate[2])
 {
     double count[3];
     lw_system_measure_series(b->s, joint, 2, node, count);
@@ -14,33 +14,33 @@ static void rate_at(const lw_branch *b, int joint, const double *node, double ra
 }
 
 /* Rate alone, at distance h of a segment. */
-static double rate_on(lw_branch *b, const lw_branch_segment *s, int joint, double h)
+static double rate_on(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h)
 {
     double count[2], *q = b->series;                      /* posture and tangent, one after the other */
-    lw_branch_at(b, s, h, b->b, b->c);
+    lw_motion_curve_at(b, s, h, b->b, b->c);
     memcpy(q, b->b, (size_t)b->n*sizeof *q);
     memcpy(q + b->n, b->c, (size_t)b->n*sizeof *q);
     lw_system_measure_series(b->s, joint, 1, q, count);
     return count[1];
 }
 
-static lw_status add_event(lw_branch *b, lw_branch_event_kind kind, int joint, const lw_branch_segment *s, double h)
+static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, int joint, const lw_motion_curve_segment *s, double h)
 {
     if (b->n_event % 32 == 0) {
-        lw_branch_event *grown = realloc(b->event, (size_t)(b->n_event + 32)*sizeof *grown);
+        lw_motion_curve_event *grown = realloc(b->event, (size_t)(b->n_event + 32)*sizeof *grown);
         if (!grown)
             return LW_E_MEMORY;
         b->event = grown;
     }
     double share = h/s->length;
-    lw_branch_at(b, s, h, b->a, NULL);
+    lw_motion_curve_at(b, s, h, b->a, NULL);
     double station = (double)(s - b->segment) + (s->way > 0 ? share : 1.0 - share);
-    b->event[b->n_event++] = (lw_branch_event){ kind, joint, station, lw_branch_input(b, b->a) };
+    b->event[b->n_event++] = (lw_motion_curve_event){ kind, joint, station, lw_motion_curve_input(b, b->a) };
     return LW_OK;
 }
 
 /* The root of the rate between h0 and h1, where it has values r0, r1 of different sign. */
-static double root(lw_branch *b, const lw_branch_segment *s, int joint, double h0, double r0, double h1, double r1)
+static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h0, double r0, double h1, double r1)
 {
     int kept = -1;
     for (int i = 0; i < 80 && h1 - h0 > 1e-15*s->length; i++) {
@@ -83,7 +83,7 @@ static double dip(double r0, double r1, double d0, double d1)
 }
 
 /* Does the joint stand still on the whole curve, but for rounding next to branch points? */
-static bool stands_still(const lw_branch *b, int joint)
+static bool stands_still(const lw_motion_curve *b, int joint)
 {
     double most = 0.0, rate[2];
     for (int i = 0; i < b->n_node; i++) {
@@ -93,10 +93,10 @@ static bool stands_still(const lw_branch *b, int joint)
     return most < 1e-8;
 }
 
-static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
+static lw_status watch(lw_motion_curve *b, int joint, lw_motion_curve_event_kind kind)
 {
     for (int i = 0; i < b->n_segment; i++) {
-        const lw_branch_segment *s = &b->segment[i];
+        const lw_motion_curve_segment *s = &b->segment[i];
         double r0[2], r1[2];
         lw_status status = LW_OK;
         rate_at(b, joint, b->node[s->base].q, r0);
@@ -104,7 +104,7 @@ static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
         double L = s->way*s->arc, tiny = 1e-13;
         if (fabs(r0[0]) < tiny && fabs(r1[0]) < tiny)
             continue;
-        if (fabs(r0[0]) < tiny && s->way > 0 && i == 0 && b->end == LW_BRANCH_CLOSED) {
+        if (fabs(r0[0]) < tiny && s->way > 0 && i == 0 && b->end == LW_MOTION_CURVE_CLOSED) {
             status = add_event(b, kind, joint, s, 0.0);   /* the drawn posture is one */
         } else if (r0[0]*r1[0] < 0.0) {
             status = add_event(b, kind, joint, s, root(b, s, joint, 0.0, r0[0], s->length, r1[0]));
@@ -127,11 +127,11 @@ static lw_status watch(lw_branch *b, int joint, lw_branch_event_kind kind)
 
 static int by_station(const void *x, const void *y)
 {
-    const lw_branch_event *p = x, *q = y;
+    const lw_motion_curve_event *p = x, *q = y;
     return p->station != q->station ? (p->station < q->station ? -1 : 1) : (int)p->kind - (int)q->kind;
 }
 
-lw_status lw_branch_find_events(lw_branch *b)
+lw_status lw_motion_curve_find_events(lw_motion_curve *b)
 {
     lw_status status = LW_OK;
     int input = b->s->input_joint[b->input];

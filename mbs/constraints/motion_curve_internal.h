@@ -1,63 +1,63 @@
 /* mbs/constraints/motion_curve_internal.h - what the files of mbs/branch share. */
-#ifndef LW_MBS_BRANCH_INTERNAL_H
-#define LW_MBS_BRANCH_INTERNAL_H
+#ifndef LW_MBS_CONSTRAINTS_MOTION_CURVE_INTERNAL_H
+#define LW_MBS_CONSTRAINTS_MOTION_CURVE_INTERNAL_H
 
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/constraints/continuation_internal.h"
 
-#define LW_BRANCH_ORDER 8                  /* of the series over a branch point                        */
+#define LW_MOTION_CURVE_ORDER 8                  /* of the series over a branch point                        */
 
-typedef struct lw_branch_node {
+typedef struct lw_motion_curve_node {
     double *q;                             /* posture, unit tangent, half the curvature vector: 3 x n */
     double  kappa;
-} lw_branch_node;
+} lw_motion_curve_node;
 
 /* From node `base` to node `far`: on planes across the tangent of the base, 0 .. length from it. */
-typedef struct lw_branch_segment {
+typedef struct lw_motion_curve_segment {
     int    base, far;
     int    way;                            /* +1: base first; -1: far first                           */
     double length, arc;                    /* arc: of the segment                                     */
     double square, cube;                   /* d arc / d h = 1 + square h^2 + cube h^3                   */
     double singular;                       /* h of a branch point on it, -1: none                     */
-} lw_branch_segment;
+} lw_motion_curve_segment;
 
-struct lw_branch {
+struct lw_motion_curve {
     const lw_system *s;
-    lw_follow         f;                   /* on the curve                                            */
-    lw_follow         driven;              /* all inputs given                                        */
+    lw_continuation         f;                   /* on the curve                                            */
+    lw_continuation         driven;              /* all inputs given                                        */
     int               n, input, most;
     double            reach;
-    lw_branch_node   *node;
-    lw_branch_segment *segment;
+    lw_motion_curve_node   *node;
+    lw_motion_curve_segment *segment;
     double           *before;              /* arc before each segment (n_segment + 1)                  */
     int               n_node, n_segment;
     int               start;               /* segments before the posture                             */
-    lw_branch_end     end;
+    lw_motion_curve_end     end;
     bool              rests;               /* the free input, all along                               */
     double            worst;
-    lw_branch_event  *event;
+    lw_motion_curve_event  *event;
     int               n_event;
-    double           *series;              /* (LW_BRANCH_ORDER + 1) x n                               */
+    double           *series;              /* (LW_MOTION_CURVE_ORDER + 1) x n                               */
     double           *a, *b, *c;           /* scratch, n each                                         */
 };
 
-static inline double *lw_node_tangent(const lw_branch *b, int node) { return b->node[node].q + b->n; }
-static inline double *lw_node_bend(const lw_branch *b, int node) { return b->node[node].q + 2*b->n; }
+static inline double *lw_node_tangent(const lw_motion_curve *b, int node) { return b->node[node].q + b->n; }
+static inline double *lw_node_bend(const lw_motion_curve *b, int node) { return b->node[node].q + 2*b->n; }
 
 /* Go along the curve from the posture of node 0, both ways if it does not close (branch_walk.c). */
-lw_status lw_branch_walk(lw_branch *b, lw_error *e);
+lw_status lw_motion_curve_walk(lw_motion_curve *b, lw_error *e);
 
 /* Posture at distance h from the base of a segment; tangent on the side of growing stations. */
-void lw_branch_at(lw_branch *b, const lw_branch_segment *s, double h, double *q, double *tangent);
+void lw_motion_curve_at(lw_motion_curve *b, const lw_motion_curve_segment *s, double h, double *q, double *tangent);
 
 /* From q, a simple branch point, a little way along the branch on which the input moves faster: into q, which is
  * left as it was when there is none (branch_cross.c). */
-bool lw_branch_leave(lw_branch *b, double *q);
+bool lw_motion_curve_leave(lw_motion_curve *b, double *q);
 
 /* Fill b->event, sorted (branch_event.c). */
-lw_status lw_branch_find_events(lw_branch *b);
+lw_status lw_motion_curve_find_events(lw_motion_curve *b);
 
-static inline double lw_segment_way(const lw_branch_segment *s, double share)
+static inline double lw_segment_way(const lw_motion_curve_segment *s, double share)
 {
     return s->way > 0 ? share*s->length : (1.0 - share)*s->length;
 }

@@ -10,20 +10,20 @@ static const double knot[] = { -0.1, -0.06, -0.03, 0.03, 0.06, 0.1 };
 enum { KNOTS = sizeof knot/sizeof *knot, TERMS = 2*KNOTS };
 static const double least_rate = 1e-8;     /* of the input by arc: below it turns back, or rests           */
 
-static bool input_turns(const lw_branch *b, int input)
+static bool input_turns(const lw_motion_curve *b, int input)
 {
     return b->s->joint[b->s->input_joint[input]].kind == LW_JOINT_REVOLUTE;
 }
 
-bool lw_branch_rates(lw_branch *b, int order, const double *motion, double *q)
+bool lw_motion_curve_rates(lw_motion_curve *b, int order, const double *motion, double *q)
 {
     double scaled[LW_INPUT_MAX*(LW_SYSTEM_ORDER_MAX + 1)];
     for (int i = 0; i < b->s->n_input; i++)
         for (int k = 0; k <= order; k++)
             scaled[i*(order + 1) + k] = motion[i*(order + 1) + k]/(input_turns(b, i) ? 1.0 : b->s->unit);
-    if (!(lw_follow_factor(&b->driven, q) > 1e-13))
+    if (!(lw_continuation_factor(&b->driven, q) > 1e-13))
         return false;
-    lw_follow_series(&b->driven, order, scaled, q);
+    lw_continuation_series(&b->driven, order, scaled, q);
     return true;
 }
 
@@ -45,20 +45,20 @@ static void taylor(int n, const double *x, const double *f, const double *df, in
 }
 
 /* Posture and tangent `away` from place `arc` of the curve, over the end of a closed one, whole turns from q. */
-static void look_beside(lw_branch *b, double arc, double away, const double *q, double *p, double *tangent)
+static void look_beside(lw_motion_curve *b, double arc, double away, const double *q, double *p, double *tangent)
 {
-    double length = lw_branch_length(b), at = arc + fmin(1.0, length)*away;
-    if (b->end == LW_BRANCH_CLOSED)
+    double length = lw_motion_curve_length(b), at = arc + fmin(1.0, length)*away;
+    if (b->end == LW_MOTION_CURVE_CLOSED)
         at -= length*floor(at/length);
-    lw_branch_pose(b, lw_branch_station(b, fmin(fmax(at, 0.0), length)), p, tangent);
+    lw_motion_curve_pose(b, lw_motion_curve_station(b, fmin(fmax(at, 0.0), length)), p, tangent);
     for (int i = 2; i < b->n; i += 3)
         p[i] -= 2.0*LW_PI*round((p[i] - q[i])/(2.0*LW_PI));
 }
 
 /* The curve through posture q, next to the branch point at `arc`, as series in the distance along its direction. */
-static void series_beside(lw_branch *b, double arc, const double *q, const double *direction, int order, double *out)
+static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order, double *out)
 {
-    double x[TERMS], f[TERMS*LW_SYSTEM_Q_MAX], df[TERMS*LW_SYSTEM_Q_MAX], one[LW_BRANCH_ORDER + 1];
+    double x[TERMS], f[TERMS*LW_SYSTEM_Q_MAX], df[TERMS*LW_SYSTEM_Q_MAX], one[LW_MOTION_CURVE_ORDER + 1];
     int n = 0;
     for (int k = 0; k < KNOTS; k++) {
         double *p = b->a, *t = b->b, along = 0.0, distance = 0.0;
@@ -86,7 +86,7 @@ static void series_beside(lw_branch *b, double arc, const double *q, const doubl
 
 /* power[j][k]: coefficient k of d(x)^j, where d solves  sum of u_j d^j = sum of w_k x^k,  j, k = 1 .. order: each d_k
  * follows from those before it. */
-static void invert(int order, const double *u, const double *w, double power[][LW_BRANCH_ORDER + 1])
+static void invert(int order, const double *u, const double *w, double power[][LW_MOTION_CURVE_ORDER + 1])
 {
     for (int k = 1; k <= order; k++) {
         double rest = w[k];
@@ -102,10 +102,10 @@ static void invert(int order, const double *u, const double *w, double power[][L
 
 /* The curve is a series in a distance, and so is its free input: the motion is the one put into the other's
  * inverse. */
-static bool motion_beside(lw_branch *b, double arc, const double *direction, int order, const double *w, double *q)
+static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w, double *q)
 {
-    double curve[(LW_BRANCH_ORDER + 1)*LW_SYSTEM_Q_MAX], u[LW_BRANCH_ORDER + 1];
-    double power[LW_BRANCH_ORDER + 1][LW_BRANCH_ORDER + 1] = { { 0 } };
+    double curve[(LW_MOTION_CURVE_ORDER + 1)*LW_SYSTEM_Q_MAX], u[LW_MOTION_CURVE_ORDER + 1];
+    double power[LW_MOTION_CURVE_ORDER + 1][LW_MOTION_CURVE_ORDER + 1] = { { 0 } };
     series_beside(b, arc, q, direction, order, curve);
     lw_system_measure_series(b->s, b->s->input_joint[b->input], order, curve, u);
     if (!(fabs(u[1]) > least_rate))
@@ -121,30 +121,30 @@ static bool motion_beside(lw_branch *b, double arc, const double *direction, int
 }
 
 /* The arc of the branch point next to `arc`; false when there is none. */
-static bool branch_point_near(const lw_branch *b, double arc, double *at)
+static bool branch_point_near(const lw_motion_curve *b, double arc, double *at)
 {
-    double most = fmin(1.0, lw_branch_length(b))*beside, length = lw_branch_length(b);
+    double most = fmin(1.0, lw_motion_curve_length(b))*beside, length = lw_motion_curve_length(b);
     for (int i = 0; i < b->n_event; i++) {
         if (b->event[i].kind != LW_EVENT_CROSSING)
             continue;
-        double gap = fabs(arc - (*at = lw_branch_arc(b, b->event[i].station)));
-        if (gap < most || (b->end == LW_BRANCH_CLOSED && length - gap < most))
+        double gap = fabs(arc - (*at = lw_motion_curve_arc(b, b->event[i].station)));
+        if (gap < most || (b->end == LW_MOTION_CURVE_CLOSED && length - gap < most))
             return true;
     }
     return false;
 }
 
-bool lw_branch_motion(lw_branch *b, double station, int order, const double *motion, double *q)
+bool lw_motion_curve_motion(lw_motion_curve *b, double station, int order, const double *motion, double *q)
 {
-    double direction[LW_SYSTEM_Q_MAX], all[LW_INPUT_MAX*(LW_BRANCH_ORDER + 1)] = { 0 }, at;
+    double direction[LW_SYSTEM_Q_MAX], all[LW_INPUT_MAX*(LW_MOTION_CURVE_ORDER + 1)] = { 0 }, at;
     double *own = all + b->input*(order + 1), unit = input_turns(b, b->input) ? 1.0 : b->s->unit;
-    lw_branch_pose(b, station, q, direction);
+    lw_motion_curve_pose(b, station, q, direction);
     if (b->rests)
         return false;
     for (int k = 1; k <= order; k++)
         own[k] = motion[k];
-    if (!branch_point_near(b, lw_branch_arc(b, station), &at))
-        return lw_branch_rates(b, order, all, q);
+    if (!branch_point_near(b, lw_motion_curve_arc(b, station), &at))
+        return lw_motion_curve_rates(b, order, all, q);
     for (int k = 1; k <= order; k++)
         own[k] /= unit;
     return motion_beside(b, at, direction, order, own, q);

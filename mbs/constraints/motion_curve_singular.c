@@ -46,7 +46,7 @@ static int null_vector(int m, int n, const double *a, const double *without, dou
 }
 
 /* psi F''[v, v]/2 at q */
-static double bent(const lw_branch *b, const double *q, const double *v, const double *psi, double *series,
+static double bent(const lw_motion_curve *b, const double *q, const double *v, const double *psi, double *series,
                    double *phi)
 {
     double sum = 0.0, count[3];
@@ -65,10 +65,10 @@ static double bent(const lw_branch *b, const double *q, const double *v, const d
 }
 
 /* Rows and resting inputs without the plane, by columns: m x n, and transposed. */
-static void derivatives(lw_branch *b, const double *q, double *a, double *transposed)
+static void derivatives(lw_motion_curve *b, const double *q, double *a, double *transposed)
 {
     int m = b->f.m - 1, n = b->n;
-    lw_follow_assemble(&b->f, q);
+    lw_continuation_assemble(&b->f, q);
     for (int i = 0; i < n; i++)
         for (int r = 0; r < m; r++)
             a[r + (long)m*i] = transposed[i + (long)n*r] = b->f.matrix[r + (long)b->f.m*i];
@@ -79,7 +79,7 @@ typedef struct crossing { double *t, *n, *sum, *psi, *series, *phi, *store; } cr
 
 /* At q; own: the direction of a branch that is known, NULL: none.  False where it is not simple; free_crossing in
  * any case. */
-static bool make_crossing(lw_branch *b, const double *q, const double *own, crossing *c)
+static bool make_crossing(lw_motion_curve *b, const double *q, const double *own, crossing *c)
 {
     int m = b->f.m - 1, n = b->n;
     c->store = calloc(2*(size_t)m*(size_t)n + (size_t)m + 6*(size_t)n + 3*(size_t)b->s->n_row, sizeof *c->store);
@@ -103,7 +103,7 @@ static bool make_crossing(lw_branch *b, const double *q, const double *own, cros
 static void free_crossing(crossing *c) { free(c->store); }
 
 /* psi F''/2 of t, t; of n, n; and twice that of t, n. */
-static void form(const lw_branch *b, const double *q, crossing *c, double *tt, double *nn, double *tn)
+static void form(const lw_motion_curve *b, const double *q, crossing *c, double *tt, double *nn, double *tn)
 {
     for (int i = 0; i < b->n; i++)
         c->sum[i] = c->t[i] + c->n[i];
@@ -113,7 +113,7 @@ static void form(const lw_branch *b, const double *q, crossing *c, double *tt, d
 }
 
 /* out = x t + y n, of length 1 */
-static void combine(const lw_branch *b, const crossing *c, double x, double y, double *out)
+static void combine(const lw_motion_curve *b, const crossing *c, double x, double y, double *out)
 {
     double length = 0.0;
     for (int i = 0; i < b->n; i++) {
@@ -125,7 +125,7 @@ static void combine(const lw_branch *b, const crossing *c, double x, double y, d
 }
 
 /* The direction of the other branch at q, whose own is t, into out. */
-static bool other_direction(lw_branch *b, const double *q, const double *t, double *out)
+static bool other_direction(lw_motion_curve *b, const double *q, const double *t, double *out)
 {
     crossing c;
     double tt, nn, tn = 0.0;
@@ -140,7 +140,7 @@ static bool other_direction(lw_branch *b, const double *q, const double *t, doub
 }
 
 /* That of the branch at q on which the free input moves faster. */
-static bool faster_direction(lw_branch *b, const double *q, double *out)
+static bool faster_direction(lw_motion_curve *b, const double *q, double *out)
 {
     crossing c;
     double tt, nn, tn, fastest = -1.0, try[LW_SYSTEM_Q_MAX], row[LW_SYSTEM_Q_MAX];
@@ -166,7 +166,7 @@ static bool faster_direction(lw_branch *b, const double *q, double *out)
 }
 
 /* A little way from branch point `at` along v: posture q. */
-static bool step_from(lw_branch *b, const double *at, const double *v, double *q)
+static bool step_from(lw_motion_curve *b, const double *at, const double *v, double *q)
 {
     for (int i = 0; i < b->n; i++) {
         b->f.row[i] = v[i];
@@ -175,19 +175,19 @@ static bool step_from(lw_branch *b, const double *at, const double *v, double *q
     }
     b->f.distance = step_off;
     b->f.kappa = 1.0/step_off;
-    return lw_follow_correct(&b->f, q) && lw_follow_distance(&b->f, q, at) < 2.0*step_off;
+    return lw_continuation_correct(&b->f, q) && lw_continuation_distance(&b->f, q, at) < 2.0*step_off;
 }
 
-bool lw_branch_other(lw_branch *b, int event, double *q)
+bool lw_motion_curve_other(lw_motion_curve *b, int event, double *q)
 {
     double at[LW_SYSTEM_Q_MAX], t[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     if (event < 0 || event >= b->n_event || b->event[event].kind != LW_EVENT_CROSSING)
         return false;
-    lw_branch_pose(b, b->event[event].station, at, t);
+    lw_motion_curve_pose(b, b->event[event].station, at, t);
     return other_direction(b, at, t, v) && step_from(b, at, v, q);
 }
 
-bool lw_branch_leave(lw_branch *b, double *q)
+bool lw_motion_curve_leave(lw_motion_curve *b, double *q)
 {
     double at[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     memcpy(at, q, (size_t)b->n*sizeof *q);

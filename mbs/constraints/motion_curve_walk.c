@@ -9,15 +9,15 @@ static const double closing = 1e-8;        /* of the start, which a closed curve
 
 /* ---- nodes ------------------------------------------------------------------------------------- */
 
-static lw_status add_node(lw_branch *b, const double *q, int *index)
+static lw_status add_node(lw_motion_curve *b, const double *q, int *index)
 {
     if (b->n_node % 64 == 0) {
-        lw_branch_node *grown = realloc(b->node, (size_t)(b->n_node + 64)*sizeof *grown);
+        lw_motion_curve_node *grown = realloc(b->node, (size_t)(b->n_node + 64)*sizeof *grown);
         if (!grown)
             return LW_E_MEMORY;
         b->node = grown;
     }
-    lw_branch_node *p = &b->node[b->n_node];
+    lw_motion_curve_node *p = &b->node[b->n_node];
     p->q = calloc(3*(size_t)b->n, sizeof *p->q);
     if (!p->q)
         return LW_E_MEMORY;
@@ -27,13 +27,13 @@ static lw_status add_node(lw_branch *b, const double *q, int *index)
     return LW_OK;
 }
 
-static void drop_nodes(lw_branch *b, int n)
+static void drop_nodes(lw_motion_curve *b, int n)
 {
     while (b->n_node > n)
         free(b->node[--b->n_node].q);
 }
 
-static double dot(const lw_branch *b, const double *x, const double *y)
+static double dot(const lw_motion_curve *b, const double *x, const double *y)
 {
     double sum = 0.0;
     for (int i = 0; i < b->n; i++)
@@ -43,33 +43,33 @@ static double dot(const lw_branch *b, const double *x, const double *y)
 
 /* Tangent on the side of f->row, reach and curvature of a node, which f is then ready to step from; the tangent is
  * stored on the side of growing stations. */
-static bool look_around(lw_branch *b, int node, int way)
+static bool look_around(lw_motion_curve *b, int node, int way)
 {
-    lw_branch_node *p = &b->node[node];
+    lw_motion_curve_node *p = &b->node[node];
     double *q = p->q, *series = b->series;
-    if (!(lw_follow_factor(&b->f, q) > 1e-14) || !lw_follow_tangent(&b->f))
+    if (!(lw_continuation_factor(&b->f, q) > 1e-14) || !lw_continuation_tangent(&b->f))
         return false;
-    p->kappa = lw_follow_bound(&b->f, q);
+    p->kappa = lw_continuation_bound(&b->f, q);
     memcpy(series, q, (size_t)b->n*sizeof *q);
-    lw_follow_series(&b->f, 4, NULL, series);
+    lw_continuation_series(&b->f, 4, NULL, series);
     for (int i = 0; i < b->n; i++) {
         lw_node_tangent(b, node)[i] = way*b->f.tangent[i];
         lw_node_bend(b, node)[i] = series[2*b->n + i];
         b->f.row[i] = b->f.tangent[i];
         b->f.origin[i] = q[i];
     }
-    b->worst = fmax(b->worst, lw_follow_residual(&b->f, q));
+    b->worst = fmax(b->worst, lw_continuation_residual(&b->f, q));
     return isfinite(p->kappa);
 }
 
 /* ---- the start --------------------------------------------------------------------------------- */
 
-static lw_status begin(lw_branch *b, lw_error *e)
+static lw_status begin(lw_motion_curve *b, lw_error *e)
 {
-    int freedoms = lw_follow_freedoms(&b->f, b->node[0].q, b->f.row), inputs = b->s->n_input;
+    int freedoms = lw_continuation_freedoms(&b->f, b->node[0].q, b->f.row), inputs = b->s->n_input;
     int counted = b->s->n_q - b->s->n_row;
-    if (freedoms == 2 && lw_branch_leave(b, b->node[0].q))
-        freedoms = lw_follow_freedoms(&b->f, b->node[0].q, b->f.row);
+    if (freedoms == 2 && lw_motion_curve_leave(b, b->node[0].q))
+        freedoms = lw_continuation_freedoms(&b->f, b->node[0].q, b->f.row);
     if (freedoms < 0)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (freedoms == 0 && counted > 0 && inputs > counted)
@@ -92,7 +92,7 @@ static lw_status begin(lw_branch *b, lw_error *e)
 /* ---- steps ------------------------------------------------------------------------------------- */
 
 /* d arc / d h = sqrt(1 + |2 q_2 h + ..|^2), which is 1/(t . t_far) at the far end */
-static void measure_arc(lw_branch *b, lw_branch_segment *s)
+static void measure_arc(lw_motion_curve *b, lw_motion_curve_segment *s)
 {
     const double *c = lw_node_bend(b, s->base);
     double h = s->length, end = 1.0/fmax(0.1, dot(b, lw_node_tangent(b, s->base), lw_node_tangent(b, s->far)));
@@ -105,28 +105,28 @@ static void measure_arc(lw_branch *b, lw_branch_segment *s)
     s->arc = h + s->square*h*h*h/3.0 + s->cube*h*h*h*h/4.0;
 }
 
-static lw_status add_segment(lw_branch *b, int base, int far, int way, double length, double singular)
+static lw_status add_segment(lw_motion_curve *b, int base, int far, int way, double length, double singular)
 {
     if (b->n_segment % 64 == 0) {
-        lw_branch_segment *grown = realloc(b->segment, (size_t)(b->n_segment + 64)*sizeof *grown);
+        lw_motion_curve_segment *grown = realloc(b->segment, (size_t)(b->n_segment + 64)*sizeof *grown);
         if (!grown)
             return LW_E_MEMORY;
         b->segment = grown;
     }
-    lw_branch_segment *s = &b->segment[b->n_segment++];
-    *s = (lw_branch_segment){ .base = base, .far = far, .way = way, .length = length, .singular = singular };
+    lw_motion_curve_segment *s = &b->segment[b->n_segment++];
+    *s = (lw_motion_curve_segment){ .base = base, .far = far, .way = way, .length = length, .singular = singular };
     measure_arc(b, s);
     return LW_OK;
 }
 
 /* From node `here`, which f is ready at, one step that stays on the branch; q is where it leads, *h its length. */
-static bool step(lw_branch *b, int here, double *q, double *h)
+static bool step(lw_motion_curve *b, int here, double *q, double *h)
 {
     double kappa = b->node[here].kappa;
-    for (*h = fmin(longest_step, 0.5*LW_FOLLOW_SHARE/kappa); *h >= LW_FOLLOW_LEAST; *h *= 0.5) {
-        lw_follow_sum(&b->f, 4, b->series, *h, q);
+    for (*h = fmin(longest_step, 0.5*LW_CONTINUATION_SHARE/kappa); *h >= LW_CONTINUATION_LEAST; *h *= 0.5) {
+        lw_continuation_sum(&b->f, 4, b->series, *h, q);
         b->f.distance = *h;
-        if (lw_follow_correct(&b->f, q) && lw_follow_distance(&b->f, q, b->node[here].q) < 1.0/kappa)
+        if (lw_continuation_correct(&b->f, q) && lw_continuation_distance(&b->f, q, b->node[here].q) < 1.0/kappa)
             return true;
     }
     return false;
@@ -136,12 +136,12 @@ static bool step(lw_branch *b, int here, double *q, double *h)
 
 static void set_distance(void *context, double h)
 {
-    lw_branch *b = context;
+    lw_motion_curve *b = context;
     b->f.distance = h;
 }
 
 /* q less the start with whole turns taken out, into out; how far that is along the tangent of the start. */
-static double from_start(const lw_branch *b, const double *q, double *out)
+static double from_start(const lw_motion_curve *b, const double *q, double *out)
 {
     for (int i = 0; i < b->n; i++) {
         out[i] = q[i] - b->node[0].q[i];
@@ -152,7 +152,7 @@ static double from_start(const lw_branch *b, const double *q, double *out)
 }
 
 /* How far ahead of node `base`, along f->row, the start lies, if it does within reach of a leap. */
-static double start_ahead(lw_branch *b, int base, double distance)
+static double start_ahead(lw_motion_curve *b, int base, double distance)
 {
     from_start(b, b->node[base].q, b->a);
     double h = -dot(b, b->f.row, b->a), size = sqrt(dot(b, b->a, b->a));
@@ -161,11 +161,11 @@ static double start_ahead(lw_branch *b, int base, double distance)
 
 /* No step is short enough at node `here`: leap over the branch point ahead, from a node far enough before it for
  * good derivatives, along the series there.  The far side must agree with it far better than its reach. */
-static lw_status leap(lw_branch *b, int first_segment, int way, int here, double ahead, int *far)
+static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, double ahead, int *far)
 {
     double away = 0.0;
     int base = here, cut = b->n_segment;
-    while (cut > first_segment && away < LW_FOLLOW_BACK) {
+    while (cut > first_segment && away < LW_CONTINUATION_BACK) {
         cut--;
         away += b->segment[cut].arc;
         base = b->segment[cut].base;
@@ -178,19 +178,19 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
         distance += b->f.row[i]*(b->a[i] - b->node[base].q[i]);
     if (!look_around(b, base, way))
         return LW_E_NUMERIC;
-    lw_follow_series(&b->f, LW_BRANCH_ORDER, NULL, b->series);
+    lw_continuation_series(&b->f, LW_MOTION_CURVE_ORDER, NULL, b->series);
     double stop = way > 0 ? start_ahead(b, base, distance) : HUGE_VAL;
     for (double share = 2.0; share <= 4.0; share += 0.5) {
         double h = fmin(share*distance, stop), *q = b->b, *p = b->c;
-        lw_follow_sum(&b->f, LW_BRANCH_ORDER, b->series, h, p);
+        lw_continuation_sum(&b->f, LW_MOTION_CURVE_ORDER, b->series, h, p);
         memcpy(q, p, (size_t)b->n*sizeof *q);
         b->f.distance = h;
-        if (!lw_follow_correct(&b->f, q) || !(lw_follow_factor(&b->f, q) > 1e-12) || !lw_follow_tangent(&b->f))
+        if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) || !lw_continuation_tangent(&b->f))
             continue;
-        double gap = lw_follow_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
-        if (!(gap*lw_follow_bound(&b->f, q) < 0.01) || !(turn > 0.5))
+        double gap = lw_continuation_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
+        if (!(gap*lw_continuation_bound(&b->f, q) < 0.01) || !(turn > 0.5))
             continue;
-        double singular = lw_follow_locate(&b->f, LW_BRANCH_ORDER, b->series, distance, set_distance, b);
+        double singular = lw_continuation_locate(&b->f, LW_MOTION_CURVE_ORDER, b->series, distance, set_distance, b);
         b->n_segment = cut;
         drop_nodes(b, base + 1);
         lw_status s = add_node(b, q, far);
@@ -205,9 +205,9 @@ static lw_status leap(lw_branch *b, int first_segment, int way, int here, double
 
 /* The last segment went from `before` (along the start's tangent) to node `far`: did it pass the start?  Then it ends
  * there. */
-static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
+static lw_status close_up(lw_motion_curve *b, double before, int far, bool *closed)
 {
-    lw_branch_segment *s = &b->segment[b->n_segment - 1];
+    lw_motion_curve_segment *s = &b->segment[b->n_segment - 1];
     double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
     *closed = false;
     bool there = size < closing;                          /* as where a leap ended at the start */
@@ -222,7 +222,7 @@ static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
     b->f.distance = 0.0;
     for (int i = 0; i < b->n; i++)
         b->c[i] = b->node[far].q[i] - after*b->f.row[i];
-    if (!lw_follow_correct(&b->f, b->c))
+    if (!lw_continuation_correct(&b->f, b->c))
         return LW_OK;
     double gap = 0.0;
     for (int i = 0; i < b->n; i++)
@@ -246,7 +246,7 @@ static lw_status close_up(lw_branch *b, double before, int far, bool *closed)
     return LW_OK;
 }
 
-static bool too_far(const lw_branch *b, const double *q)
+static bool too_far(const lw_motion_curve *b, const double *q)
 {
     for (int i = 0; i < b->n; i++)
         if (i % 3 != 2 && fabs(q[i]) > b->reach)
@@ -255,14 +255,14 @@ static bool too_far(const lw_branch *b, const double *q)
 }
 
 /* From node 0, ready in f, one way to the end. */
-static lw_status go(lw_branch *b, int way, lw_branch_end *end)
+static lw_status go(lw_motion_curve *b, int way, lw_motion_curve_end *end)
 {
     int here = 0, first = b->n_segment;
     for (;;) {
         double h, before = from_start(b, b->node[here].q, b->a);
         int far;
         if (b->n_segment >= b->most) {
-            *end = LW_BRANCH_STOPPED;
+            *end = LW_MOTION_CURVE_STOPPED;
             return LW_OK;
         }
         if (step(b, here, b->b, &h)) {
@@ -271,7 +271,7 @@ static lw_status go(lw_branch *b, int way, lw_branch_end *end)
                 return s;
             if (!look_around(b, far, way)) {
                 drop_nodes(b, far);
-                *end = LW_BRANCH_LOST;
+                *end = LW_MOTION_CURVE_LOST;
                 return LW_OK;
             }
             s = add_segment(b, here, far, way, h, -1.0);
@@ -282,14 +282,14 @@ static lw_status go(lw_branch *b, int way, lw_branch_end *end)
             if (s == LW_E_MEMORY)
                 return s;
             if (s != LW_OK) {
-                *end = LW_BRANCH_LOST;
+                *end = LW_MOTION_CURVE_LOST;
                 return LW_OK;
             }
         }
         bool closed = false;
         lw_status s = way > 0 ? close_up(b, before, far, &closed) : LW_OK;
         if (s != LW_OK || closed) {
-            *end = LW_BRANCH_CLOSED;
+            *end = LW_MOTION_CURVE_CLOSED;
             return s;
         }
         if (way > 0 && from_start(b, b->node[far].q, b->a) >= 0.0 && before < 0.0) {
@@ -299,37 +299,37 @@ static lw_status go(lw_branch *b, int way, lw_branch_end *end)
         }
         here = far;
         if (too_far(b, b->node[here].q)) {
-            *end = LW_BRANCH_FAR;
+            *end = LW_MOTION_CURVE_FAR;
             return LW_OK;
         }
     }
 }
 
-static void reverse(lw_branch_segment *s, int n)
+static void reverse(lw_motion_curve_segment *s, int n)
 {
     for (int lo = 0, hi = n - 1; lo < hi; lo++, hi--) {
-        lw_branch_segment old = s[lo];
+        lw_motion_curve_segment old = s[lo];
         s[lo] = s[hi];
         s[hi] = old;
     }
 }
 
 /* The segments from `half` on lead backwards from the start: put them first, the last of them foremost. */
-static void order_segments(lw_branch *b, int half)
+static void order_segments(lw_motion_curve *b, int half)
 {
     reverse(b->segment, half);
     reverse(b->segment, b->n_segment);
     b->start = b->n_segment - half;
 }
 
-lw_status lw_branch_walk(lw_branch *b, lw_error *e)
+lw_status lw_motion_curve_walk(lw_motion_curve *b, lw_error *e)
 {
-    lw_branch_end end[2] = { LW_BRANCH_CLOSED, LW_BRANCH_CLOSED };
+    lw_motion_curve_end end[2] = { LW_MOTION_CURVE_CLOSED, LW_MOTION_CURVE_CLOSED };
     lw_status s = begin(b, e);
     if (s != LW_OK)
         return s;
     s = go(b, 1, &end[0]);
-    if (s == LW_OK && end[0] != LW_BRANCH_CLOSED) {
+    if (s == LW_OK && end[0] != LW_MOTION_CURVE_CLOSED) {
         int half = b->n_segment;
         for (int i = 0; i < b->n; i++)
             b->f.row[i] = -lw_node_tangent(b, 0)[i];

@@ -4,8 +4,8 @@
  *
  * Works in coordinates relative to the middle of the posture and divided by its size, so a linkage
  * far from the origin or of any unit loses nothing but what the posture's own digits cannot hold. */
-#ifndef LW_MBS_NEWTON_H
-#define LW_MBS_NEWTON_H
+#ifndef LW_MBS_CONSTRAINTS_NEWTON_H
+#define LW_MBS_CONSTRAINTS_NEWTON_H
 
 #include "grammar/linkage.h"
 

@@ -9,10 +9,10 @@
 #define TRACK 64                            /* places kept, to leap over branch points from            */
 #define ORDER LW_SYSTEM_ORDER_MAX
 
-struct lw_drive {
+struct lw_prescribed_motion {
     const lw_system *s;
-    lw_follow        f;
-    lw_drive_motion *motion;
+    lw_continuation        f;
+    lw_input_function *motion;
     void            *context;
     int              n;
     double           t, step;
@@ -32,13 +32,13 @@ struct lw_drive {
     double          *pose;                  /* the next step starts from                               */
 };
 
-static double unit_of(const lw_drive *d, int input)
+static double unit_of(const lw_prescribed_motion *d, int input)
 {
     return d->s->joint[d->s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s->unit;
 }
 
 /* What the inputs count at t, from the posture, in coefficients; false where a motion is no number. */
-static bool counts(const lw_drive *d, double t, int order, double *u)
+static bool counts(const lw_prescribed_motion *d, double t, int order, double *u)
 {
     d->motion(d->context, t, order, u);
     bool good = true;
@@ -52,13 +52,13 @@ static bool counts(const lw_drive *d, double t, int order, double *u)
     return good;
 }
 
-static bool hold(lw_drive *d, double t)
+static bool hold(lw_prescribed_motion *d, double t)
 {
     return counts(d, t, 0, d->f.value);
 }
 
 /* How far the inputs are at t from where they are now, as a first step of the corrector measures it. */
-static double change(lw_drive *d, double t)
+static double change(lw_prescribed_motion *d, double t)
 {
     double u[LW_INPUT_MAX];
     if (!counts(d, t, 0, u))
@@ -66,7 +66,7 @@ static double change(lw_drive *d, double t)
     memset(d->f.work, 0, (size_t)d->f.m*sizeof *d->f.work);
     for (int i = 0; i < d->s->n_input; i++)
         d->f.work[d->s->n_row + i] = u[i] - d->f.value[i];
-    lw_follow_solve(&d->f, d->f.work);
+    lw_continuation_solve(&d->f, d->f.work);
     double sum = 0.0;
     for (int i = 0; i < d->n; i++)
         sum += d->f.curved[i] ? d->f.work[i]*d->f.work[i] : 0.0;
@@ -74,10 +74,10 @@ static double change(lw_drive *d, double t)
 }
 
 /* The factors are those here: may the inputs go to t in one step? */
-static bool within_reach(lw_drive *d, double t)
+static bool within_reach(lw_prescribed_motion *d, double t)
 {
     static const double part[] = { 1.0, 0.618, 0.382, 0.236, 0.854, 0.09, 0.472, 0.708, 0.944, 0.146, 0.764, 0.326 };
-    double most = 0.5*LW_FOLLOW_SHARE/d->f.kappa;
+    double most = 0.5*LW_CONTINUATION_SHARE/d->f.kappa;
     for (size_t i = 0; i < sizeof part/sizeof *part; i++)
         if (!(change(d, d->t + part[i]*(t - d->t)) <= most))
             return false;
@@ -85,17 +85,17 @@ static bool within_reach(lw_drive *d, double t)
 }
 
 /* Steps become short towards a branch point: places are kept that are well apart. */
-static void remember(lw_drive *d)
+static void remember(lw_prescribed_motion *d)
 {
     const double *last = d->track + (long)((d->n_track + TRACK - 1) % TRACK)*(1 + d->n);
-    if (d->n_track > 0 && lw_follow_distance(&d->f, last + 1, d->q) < 0.05*LW_FOLLOW_BACK)
+    if (d->n_track > 0 && lw_continuation_distance(&d->f, last + 1, d->q) < 0.05*LW_CONTINUATION_BACK)
         return;
     double *at = d->track + (long)(d->n_track++ % TRACK)*(1 + d->n);
     at[0] = d->t;
     memcpy(at + 1, d->q, (size_t)d->n*sizeof *at);
 }
 
-static void arrive(lw_drive *d, double t, const double *q)
+static void arrive(lw_prescribed_motion *d, double t, const double *q)
 {
     remember(d);
     memcpy(d->q, q, (size_t)d->n*sizeof *q);
@@ -104,7 +104,7 @@ static void arrive(lw_drive *d, double t, const double *q)
 
 /* ---- branch points ----------------------------------------------------------------------------- */
 
-typedef struct from_here { lw_drive *d; double t; } from_here;
+typedef struct from_here { lw_prescribed_motion *d; double t; } from_here;
 
 static void hold_at(void *context, double x)
 {
@@ -113,23 +113,23 @@ static void hold_at(void *context, double x)
 }
 
 /* Series by time at q, t; the factors are those there. */
-static bool make_series(lw_drive *d, double t, const double *q, int order)
+static bool make_series(lw_prescribed_motion *d, double t, const double *q, int order)
 {
     double u[LW_INPUT_MAX*(ORDER + 1)];
-    if (!hold(d, t) || !counts(d, t, order, u) || !(lw_follow_factor(&d->f, q) > 1e-14))
+    if (!hold(d, t) || !counts(d, t, order, u) || !(lw_continuation_factor(&d->f, q) > 1e-14))
         return false;
     memcpy(d->series, q, (size_t)d->n*sizeof *q);
-    lw_follow_series(&d->f, order, u, d->series);
+    lw_continuation_series(&d->f, order, u, d->series);
     return true;
 }
 
 /* The last place kept that is farther from here than `away`, else the first of all. */
-static const double *look_back(const lw_drive *d, double away)
+static const double *look_back(const lw_prescribed_motion *d, double away)
 {
     const double *at = NULL;
     for (int i = d->n_track - 1; i >= 0 && i > d->n_track - TRACK; i--) {
         at = d->track + (long)(i % TRACK)*(1 + d->n);
-        if (lw_follow_distance(&d->f, at + 1, d->q) >= away)
+        if (lw_continuation_distance(&d->f, at + 1, d->q) >= away)
             break;
     }
     return at;
@@ -137,21 +137,21 @@ static const double *look_back(const lw_drive *d, double away)
 
 /* Does the series of d->series about from lead to the posture at time t, behind the branch point?  It is d->next
  * then. */
-static bool leads_to(lw_drive *d, double from, double t)
+static bool leads_to(lw_prescribed_motion *d, double from, double t)
 {
     double *q = d->next, *kept = d->series + (ORDER + 1)*d->n;
-    lw_follow_sum(&d->f, ORDER, d->series, t - from, q);
+    lw_continuation_sum(&d->f, ORDER, d->series, t - from, q);
     memcpy(kept, q, (size_t)d->n*sizeof *q);
-    return hold(d, t) && lw_follow_correct(&d->f, q) && lw_follow_factor(&d->f, q) > 1e-12
-           && lw_follow_distance(&d->f, kept, q)*lw_follow_bound(&d->f, q) < 0.01;
+    return hold(d, t) && lw_continuation_correct(&d->f, q) && lw_continuation_factor(&d->f, q) > 1e-12
+           && lw_continuation_distance(&d->f, kept, q)*lw_continuation_bound(&d->f, q) < 0.01;
 }
 
 /* Ahead the equations lose rank at about `ahead`.  Where branches cross, the motion is smooth there, and its series
  * from a place before agrees with a posture beyond, whether or not one is asked for there; at a limit of the inputs
  * there is none. */
-static bool leap(lw_drive *d, double ahead, double last)
+static bool leap(lw_prescribed_motion *d, double ahead, double last)
 {
-    const double *from = look_back(d, LW_FOLLOW_BACK);
+    const double *from = look_back(d, LW_CONTINUATION_BACK);
     if (!from || !make_series(d, from[0], from + 1, ORDER))
         return false;
     double distance = ahead - from[0], t = from[0];
@@ -171,7 +171,7 @@ static bool leap(lw_drive *d, double ahead, double last)
     d->to = t;
     d->leapt = true;
     memcpy(d->over, d->series, (size_t)((ORDER + 1)*d->n)*sizeof *d->over);
-    d->crossing = d->from + lw_follow_locate(&d->f, ORDER, d->over, distance, hold_at, &place);
+    d->crossing = d->from + lw_continuation_locate(&d->f, ORDER, d->over, distance, hold_at, &place);
     d->crossings++;
     memcpy(d->q, d->next, (size_t)d->n*sizeof *d->q);
     d->t = t;
@@ -182,30 +182,30 @@ static bool leap(lw_drive *d, double ahead, double last)
 
 /* ---- what is told ------------------------------------------------------------------------------ */
 
-static bool leapt_over(const lw_drive *d, double t)
+static bool leapt_over(const lw_prescribed_motion *d, double t)
 {
     return d->leapt && (t - d->from)*(d->to - t) >= 0.0;
 }
 
 /* As a share of the way from where the leap began. */
-static double from_crossing(const lw_drive *d, double t)
+static double from_crossing(const lw_prescribed_motion *d, double t)
 {
     return fabs((t - d->crossing)/(d->crossing - d->from));
 }
 
-static void tell(lw_drive *d, double t, const double *q)
+static void tell(lw_prescribed_motion *d, double t, const double *q)
 {
     memcpy(d->pose, q, (size_t)d->n*sizeof *q);
     d->asked = t;
 }
 
 /* The posture at time t within the leap: by Newton's method, next to the branch point by the series alone. */
-static void tell_leapt(lw_drive *d, double t)
+static void tell_leapt(lw_prescribed_motion *d, double t)
 {
-    lw_follow_sum(&d->f, ORDER, d->over, t - d->from, d->next);
+    lw_continuation_sum(&d->f, ORDER, d->over, t - d->from, d->next);
     tell(d, t, d->next);
-    if (from_crossing(d, t) > 0.1 && hold(d, t) && lw_follow_correct(&d->f, d->next)
-        && lw_follow_distance(&d->f, d->next, d->pose) < 1e-6)
+    if (from_crossing(d, t) > 0.1 && hold(d, t) && lw_continuation_correct(&d->f, d->next)
+        && lw_continuation_distance(&d->f, d->next, d->pose) < 1e-6)
         tell(d, t, d->next);
 }
 
@@ -214,14 +214,14 @@ static void tell_leapt(lw_drive *d, double t)
 typedef enum outcome { MOVED, LIMIT, LOST } outcome;
 
 /* One step towards `last`. */
-static outcome advance(lw_drive *d, double last)
+static outcome advance(lw_prescribed_motion *d, double last)
 {
     double rest = last - d->t, h = d->step*rest > 0.0 && fabs(d->step) < fabs(rest) ? d->step : rest;
     if (!hold(d, d->t))
         return LOST;
-    if (!(lw_follow_factor(&d->f, d->q) > 1e-15))
+    if (!(lw_continuation_factor(&d->f, d->q) > 1e-15))
         return leap(d, d->t, last) ? MOVED : LIMIT;
-    lw_follow_bound(&d->f, d->q);
+    lw_continuation_bound(&d->f, d->q);
     d->weight[0][0] = d->weight[1][0];
     d->weight[0][1] = d->weight[1][1];
     d->weight[1][0] = d->t;
@@ -229,7 +229,7 @@ static outcome advance(lw_drive *d, double last)
     while (!within_reach(d, d->t + h)) {
         h *= 0.5;
         double speed = change(d, d->t + h);
-        if (speed < LW_FOLLOW_LEAST && 1.0 < d->f.kappa*2.0*LW_FOLLOW_LEAST)
+        if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
             return leap(d, d->t + h, last) ? MOVED : LIMIT;
         if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
             return LOST;                                  /* an input jumps here, or is no number        */
@@ -238,10 +238,10 @@ static outcome advance(lw_drive *d, double last)
     make_series(d, d->t, d->q, 4);
     for (int try = 0; try < 30; try++, h *= 0.5) {
         double t = h == rest ? last : d->t + h;
-        lw_follow_sum(&d->f, 4, d->series, h, d->next);
+        lw_continuation_sum(&d->f, 4, d->series, h, d->next);
         if (!hold(d, t))
             return LOST;
-        if (lw_follow_correct(&d->f, d->next) && lw_follow_distance(&d->f, d->next, d->q) < 1.0/kappa) {
+        if (lw_continuation_correct(&d->f, d->next) && lw_continuation_distance(&d->f, d->next, d->q) < 1.0/kappa) {
             arrive(d, t, d->next);
             d->step = 2.0*h;
             return MOVED;
@@ -251,9 +251,9 @@ static outcome advance(lw_drive *d, double last)
 }
 
 /* From a limit the way leads back by a place kept before it. */
-static void come_free(lw_drive *d)
+static void come_free(lw_prescribed_motion *d)
 {
-    const double *from = look_back(d, 0.05*LW_FOLLOW_BACK);
+    const double *from = look_back(d, 0.05*LW_CONTINUATION_BACK);
     if (!from)
         return;
     d->t = from[0];
@@ -264,7 +264,7 @@ static void come_free(lw_drive *d)
 }
 
 /* At a limit the distance on the curve, and with it 1/kappa, goes to 0 as the root of the time left. */
-static void find_limit(lw_drive *d, double last)
+static void find_limit(lw_prescribed_motion *d, double last)
 {
     const double *w0 = d->weight[0], *w1 = d->weight[1];
     double ahead = (w1[0] - w0[0])*w1[1]/(w0[1] - w1[1]), most = 1e4*(w1[0] - w0[0]);
@@ -275,7 +275,7 @@ static void find_limit(lw_drive *d, double last)
     d->stuck = true;
 }
 
-lw_status lw_drive_to(lw_drive *d, double t)
+lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
 {
     if (!isfinite(t))
         return LW_E_ARG;
@@ -303,7 +303,7 @@ lw_status lw_drive_to(lw_drive *d, double t)
 /* The way to where the motion begins: a straight one, in time 0 .. 1. */
 static void straight(void *context, double t, int order, double *u)
 {
-    const lw_drive *d = context;
+    const lw_prescribed_motion *d = context;
     for (int i = 0; i < d->s->n_input; i++) {
         double first = d->s->input_value[i], way = d->target[i] - first;
         for (int k = 0; k <= order; k++)
@@ -312,12 +312,12 @@ static void straight(void *context, double t, int order, double *u)
 }
 
 /* More inputs than the rows leave freedoms cannot all move as they like. */
-static lw_status check_inputs(lw_drive *d, lw_error *e)
+static lw_status check_inputs(lw_prescribed_motion *d, lw_error *e)
 {
-    lw_follow rows = d->f;
+    lw_continuation rows = d->f;
     rows.n_held = 0;
     lw_system_posture(d->s, d->q);
-    int freedoms = lw_follow_freedoms(&rows, d->q, d->next), inputs = d->s->n_input;
+    int freedoms = lw_continuation_freedoms(&rows, d->q, d->next), inputs = d->s->n_input;
     if (freedoms < 0)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (inputs > freedoms)
@@ -326,9 +326,9 @@ static lw_status check_inputs(lw_drive *d, lw_error *e)
     return LW_OK;
 }
 
-static lw_status begin(lw_drive *d, double t, lw_error *e)
+static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
 {
-    lw_drive_motion *motion = d->motion;
+    lw_input_function *motion = d->motion;
     void *context = d->context;
     motion(context, t, 0, d->target);
     for (int i = 0; i < d->s->n_input; i++)
@@ -338,10 +338,10 @@ static lw_status begin(lw_drive *d, double t, lw_error *e)
     d->context = d;
     lw_system_posture(d->s, d->q);
     hold(d, 0.0);
-    if (!(lw_follow_factor(&d->f, d->q) > 1e-12))
+    if (!(lw_continuation_factor(&d->f, d->q) > 1e-12))
         return lw_error_set(e, LW_E_NUMERIC, "the posture is a dead point of the inputs; draw the linkage in another "
                             "posture");
-    lw_status s = lw_drive_to(d, 1.0);
+    lw_status s = lw_prescribed_motion_to(d, 1.0);
     if (s != LW_OK)
         return lw_error_set(e, s, "from its posture the linkage cannot get to where the motions begin at t = %g: it "
                             "comes %.6g %% of the way, straight in its inputs", t, 100.0*d->t);
@@ -359,7 +359,7 @@ static lw_status begin(lw_drive *d, double t, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *context, double t, lw_drive **out,
+lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t, lw_prescribed_motion **out,
                           lw_error *e)
 {
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
@@ -368,7 +368,7 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
         return lw_error_set(e, LW_E_ARG, "the linkage has %d freedoms but %d input%s; drive %d more joint%s",
                             s->n_q - s->n_row, s->n_input, s->n_input == 1 ? "" : "s", missing,
                             missing == 1 ? "" : "s");
-    lw_drive *d = calloc(1, sizeof *d);
+    lw_prescribed_motion *d = calloc(1, sizeof *d);
     for (int i = 0; i < s->n_input; i++)
         all[i] = i;
     if (d) {
@@ -379,8 +379,8 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
         size_t vectors = 3 + (ORDER + 2) + (ORDER + 1);
         d->q = calloc(vectors*(size_t)d->n + (size_t)TRACK*(size_t)(1 + d->n), sizeof *d->q);
     }
-    if (!d || !d->q || !lw_follow_create(s, all, s->n_input, false, &d->f)) {
-        lw_drive_free(d);
+    if (!d || !d->q || !lw_continuation_create(s, all, s->n_input, false, &d->f)) {
+        lw_prescribed_motion_free(d);
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     }
     d->next = d->q + d->n;
@@ -392,14 +392,14 @@ lw_status lw_drive_create(const lw_system *s, lw_drive_motion *motion, void *con
     if (status == LW_OK)
         status = begin(d, t, e);
     if (status != LW_OK) {
-        lw_drive_free(d);
+        lw_prescribed_motion_free(d);
         return status;
     }
     *out = d;
     return LW_OK;
 }
 
-void lw_drive_of_model(void *context, double t, int order, double *u)
+void lw_prescribed_motion_of_model(void *context, double t, int order, double *u)
 {
     const lw_model *m = context;
     double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
@@ -416,19 +416,19 @@ void lw_drive_of_model(void *context, double t, int order, double *u)
     }
 }
 
-void lw_drive_free(lw_drive *d)
+void lw_prescribed_motion_free(lw_prescribed_motion *d)
 {
     if (!d)
         return;
     free(d->q);
-    lw_follow_free(&d->f);
+    lw_continuation_free(&d->f);
     free(d);
 }
 
-double        lw_drive_time(const lw_drive *d) { return d->stuck ? d->limit : d->asked; }
-const double *lw_drive_pose(const lw_drive *d) { return d->pose; }
+double        lw_prescribed_motion_time(const lw_prescribed_motion *d) { return d->stuck ? d->limit : d->asked; }
+const double *lw_prescribed_motion_pose(const lw_prescribed_motion *d) { return d->pose; }
 
-bool lw_drive_rates(lw_drive *d, int order, double *q)
+bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
     memcpy(q, d->pose, (size_t)d->n*sizeof *q);
     if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
@@ -447,7 +447,7 @@ bool lw_drive_rates(lw_drive *d, int order, double *q)
     return true;
 }
 
-int lw_drive_crossings(const lw_drive *d, double *last)
+int lw_prescribed_motion_crossings(const lw_prescribed_motion *d, double *last)
 {
     if (last)
         *last = d->crossing;

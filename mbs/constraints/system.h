@@ -12,8 +12,8 @@
  *
  * Made once, const afterwards; evaluation allocates nothing.  No code of the plan (mbs/plan/plan.h) is used:
  * the two are each other's second opinion. */
-#ifndef LW_MBS_SYSTEM_H
-#define LW_MBS_SYSTEM_H
+#ifndef LW_MBS_CONSTRAINTS_SYSTEM_H
+#define LW_MBS_CONSTRAINTS_SYSTEM_H
 
 #include "grammar/expression.h"
 #include "grammar/linkage.h"

@@ -1,6 +1,6 @@
 /* mbs/constraints/system_internal.h - the rows of a system for a matrix of any layout; internal to mbs/. */
-#ifndef LW_MBS_SYSTEM_INTERNAL_H
-#define LW_MBS_SYSTEM_INTERNAL_H
+#ifndef LW_MBS_CONSTRAINTS_SYSTEM_INTERNAL_H
+#define LW_MBS_CONSTRAINTS_SYSTEM_INTERNAL_H
 
 #include "mbs/constraints/system.h"
 

@@ -22,7 +22,7 @@ typedef struct scan {
     double limit;                            /* where the motion ends                                     */
     int    side;                             /* way of the scan                                           */
     bool   vague;                            /* assemblies came near each other but did not meet          */
-    const lw_touch *met;                     /* behind it its dyads have changed over; NULL: none yet       */
+    const lw_change_point *met;                     /* behind it its dyads have changed over; NULL: none yet       */
 } scan;
 
 /* Margin of one dyad. */
@@ -82,7 +82,7 @@ static int angles_of(const lw_plan *p, int dyad, int out[2])
 
 /* Polynomials through angle and rate at six places beside the change point; false when they do not
  * fit: it is none. */
-static bool fit_bridge(lw_reduced *r, const double *before, const double *after, const lw_touch *t, lw_bridge *b)
+static bool fit_bridge(lw_reduced *r, const double *before, const double *after, const lw_change_point *t, lw_bridge *b)
 {
     static const double place[6] = { -2, -1.5, -1, 1, 1.5, 2 };
     double a[LW_BRIDGE_SIZE*LW_BRIDGE_SIZE], diag[LW_BRIDGE_SIZE], rhs[2][LW_BRIDGE_SIZE], first[2] = { 0, 0 };
@@ -131,7 +131,7 @@ static bool touches(const scan *c, int d, double middle)
 
 /* Dyads whose margin had its least at the middle of the last three places, or whose change point is that of one that had:
  * where it lies on one of the places, rounding decides which of them is least. */
-static bool meet(scan *c, double middle, lw_touch *t)
+static bool meet(scan *c, double middle, lw_change_point *t)
 {
     lw_reduced *r = c->r;
     bool any = false;
@@ -161,7 +161,7 @@ static bool meet(scan *c, double middle, lw_touch *t)
 }
 
 /* From `from` to one side, at most `turns` turns: touches in the order met, modes behind each. */
-static int go(scan *c, double from, int side, int turns, lw_touch *touch, double mode[][LW_DYAD_MAX])
+static int go(scan *c, double from, int side, int turns, lw_change_point *touch, double mode[][LW_DYAD_MAX])
 {
     lw_reduced *r = c->r;
     double least;
@@ -200,7 +200,7 @@ static bool same_modes(const lw_plan *p, const double *a, const double *b)
 
 /* Do the dyads close all along the bridge?  Where their assemblies come near each other but do not meet (a
  * parallelogram with a length that is a little off) they do not. */
-static bool bridge_closes(lw_reduced *r, const double *before, const double *after, const lw_touch *t)
+static bool bridge_closes(lw_reduced *r, const double *before, const double *after, const lw_change_point *t)
 {
     for (int k = -4; k <= 4; k++) {
         double margin;
@@ -227,7 +227,7 @@ static bool bridge_closes(lw_reduced *r, const double *before, const double *aft
 static bool make_bridges(lw_reduced *r)
 {
     for (int i = 0; i < r->n_touch; i++) {
-        lw_touch *t = &r->touch[i];
+        lw_change_point *t = &r->touch[i];
         t->reach = reach_most*r->scale;
         if (i > 0)
             t->reach = fmin(t->reach, 0.25*(t->at - r->touch[i - 1].at));
@@ -246,11 +246,11 @@ static bool make_bridges(lw_reduced *r)
     return true;
 }
 
-bool lw_reduced_touches(lw_reduced *r, double from)
+bool lw_reduced_change_points(lw_reduced *r, double from)
 {
     static const int most_turns = 4;
     double turn = r->plan.input_is_slider ? 20*r->scale : 2*LW_PI;
-    lw_touch found[LW_TOUCH_MAX];
+    lw_change_point found[LW_TOUCH_MAX];
     double mode[LW_TOUCH_MAX][LW_DYAD_MAX];
     scan c = { .r = r, .width = turn/per_turn };
     memcpy(c.mode, r->mode, sizeof c.mode);
@@ -274,7 +274,7 @@ bool lw_reduced_touches(lw_reduced *r, double from)
         return make_bridges(r);
     }
     /* not periodic within these turns: to both sides as far as was looked */
-    lw_touch back[LW_TOUCH_MAX];
+    lw_change_point back[LW_TOUCH_MAX];
     double back_mode[LW_TOUCH_MAX][LW_DYAD_MAX];
     r->high = from + most_turns*turn;
     memcpy(c.mode, r->mode, sizeof c.mode);

@@ -6,8 +6,8 @@
  * of order 8, contact made and lost located as events.
  *
  * A scene is const once made: threads may run it side by side. */
-#ifndef LW_MBS_CLEARANCE_H
-#define LW_MBS_CLEARANCE_H
+#ifndef LW_MBS_DYNAMICS_CLEARANCE_H
+#define LW_MBS_DYNAMICS_CLEARANCE_H
 
 #include <signal.h>
 #include "grammar/model.h"

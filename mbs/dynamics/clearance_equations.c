@@ -305,7 +305,7 @@ static void fill_mass(lw_clearance_work *w)
     int n = w->n_u;
     memset(w->mass, 0, sizeof(double)*(size_t)(n*n));
     for (int b = 0; b < t->n_body; b++) {
-        const lw_branch *p = &t->branch[b];
+        const lw_tree_joint *p = &t->branch[b];
         const lw_vec2 *col = w->state.b + (size_t)b*(size_t)n;
         double m = mass[3*b];
         for (int i = 0; m > 0.0 && i < p->n_path; i++)
@@ -487,7 +487,7 @@ int lw_clearance_lightest(lw_clearance_work *w, const double *u)
     for (int k = 1; k < w->n_u; k++)
         least = w->mass[k*w->n_u + k] < w->mass[least*w->n_u + least] ? k : least;
     for (int b = 0; b < t->n_body; b++) {
-        int first = t->branch[b].coordinate, n = t->branch[b].kind == LW_BRANCH_FREE ? 3 : 1;
+        int first = t->branch[b].coordinate, n = t->branch[b].kind == LW_TREE_FREE ? 3 : 1;
         body = first >= 0 && least >= first && least < first + n ? b : body;
     }
     return body;

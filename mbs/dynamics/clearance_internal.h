@@ -4,8 +4,8 @@
  * outer link since the posture, a slider its displacement, a link no joint holds its place and turn:
  *     q = q(u),   dq/dt = B du/dt,   d2q/dt2 = B d2u/dt2 + bias.
  * What closes loops beyond the tree, and driven inputs, are rows of mbs/constraints/system.h times B, with multipliers. */
-#ifndef LW_MBS_CLEARANCE_INTERNAL_H
-#define LW_MBS_CLEARANCE_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_CLEARANCE_INTERNAL_H
+#define LW_MBS_DYNAMICS_CLEARANCE_INTERNAL_H
 
 #include "base/rank.h"
 #include "mbs/dynamics/clearance.h"
@@ -14,22 +14,22 @@
 #include "mbs/constraints/system_internal.h"
 
 /* How a body hangs in the tree. */
-typedef struct lw_branch {
+typedef struct lw_tree_joint {
     int     parent;                      /* body; -1: ground                                           */
-    enum { LW_BRANCH_PIN, LW_BRANCH_SLIDE, LW_BRANCH_WELD, LW_BRANCH_FREE } kind;
+    enum { LW_TREE_PIN, LW_TREE_SLIDE, LW_TREE_WELD, LW_TREE_FREE } kind;
     int     joint;
     lw_vec2 arm[2];                      /* of the joint on the parent and on the body                  */
     double  sign;                        /* slide: +1 where the body is link[1], else -1                */
     int     coordinate;                  /* its own; -1: a weld.  Free: the first of three              */
     int     turn;                        /* the coordinate that is its turn; -1: it does not turn        */
     int     n_path, path[LW_SYSTEM_Q_MAX];   /* coordinates that move it                                */
-} lw_branch;
+} lw_tree_joint;
 
 typedef struct lw_tree {
     const lw_system *s;
     int n_u;
     int n_body, order[LW_LINK_MAX];      /* bodies, parents first                                      */
-    lw_branch branch[LW_LINK_MAX];       /* of body b                                                  */
+    lw_tree_joint branch[LW_LINK_MAX];       /* of body b                                                  */
     int n_close, close[LW_JOINT_MAX];    /* joints that are neither in the tree nor opened              */
     int n_row;                           /* their rows                                                 */
 } lw_tree;

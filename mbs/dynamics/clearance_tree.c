@@ -4,7 +4,7 @@
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
-static void add_path(lw_branch *b, int k)
+static void add_path(lw_tree_joint *b, int k)
 {
     if (k < 0)
         return;
@@ -18,26 +18,26 @@ static void add_path(lw_branch *b, int k)
 static void hang(lw_tree *t, int body, int j, int end)
 {
     const lw_system_joint *p = &t->s->joint[j];
-    lw_branch *b = &t->branch[body];
-    const lw_branch *up = p->body[end] < 0 ? NULL : &t->branch[p->body[end]];
-    *b = (lw_branch){ .parent = p->body[end], .joint = j, .arm = { p->arm[end], p->arm[1 - end] },
+    lw_tree_joint *b = &t->branch[body];
+    const lw_tree_joint *up = p->body[end] < 0 ? NULL : &t->branch[p->body[end]];
+    *b = (lw_tree_joint){ .parent = p->body[end], .joint = j, .arm = { p->arm[end], p->arm[1 - end] },
                       .sign = end == 0 ? 1.0 : -1.0, .coordinate = -1, .turn = up ? up->turn : -1 };
     for (int i = 0; up && i < up->n_path; i++)
         add_path(b, up->path[i]);
     add_path(b, b->turn);
-    b->kind = p->kind == LW_JOINT_REVOLUTE ? LW_BRANCH_PIN : p->kind == LW_JOINT_SLIDER ? LW_BRANCH_SLIDE
-            : LW_BRANCH_WELD;
-    if (b->kind != LW_BRANCH_WELD)
+    b->kind = p->kind == LW_JOINT_REVOLUTE ? LW_TREE_PIN : p->kind == LW_JOINT_SLIDER ? LW_TREE_SLIDE
+            : LW_TREE_WELD;
+    if (b->kind != LW_TREE_WELD)
         add_path(b, b->coordinate = t->n_u++);
-    if (b->kind == LW_BRANCH_PIN)
+    if (b->kind == LW_TREE_PIN)
         b->turn = b->coordinate;
     t->order[t->n_body++] = body;
 }
 
 static void let_float(lw_tree *t, int body)
 {
-    lw_branch *b = &t->branch[body];
-    *b = (lw_branch){ .parent = -1, .kind = LW_BRANCH_FREE, .joint = -1, .coordinate = t->n_u, .turn = t->n_u + 2 };
+    lw_tree_joint *b = &t->branch[body];
+    *b = (lw_tree_joint){ .parent = -1, .kind = LW_TREE_FREE, .joint = -1, .coordinate = t->n_u, .turn = t->n_u + 2 };
     for (int i = 0; i < 3; i++)
         add_path(b, t->n_u++);
     t->order[t->n_body++] = body;
@@ -102,7 +102,7 @@ static inline void add_to(lw_vec2 *b, int k, lw_vec2 v)
         b[k] = lw_v2_add(b[k], v);
 }
 
-static void place_free(const lw_branch *b, const double *u, const double *du, int body, lw_vec2 *col,
+static void place_free(const lw_tree_joint *b, const double *u, const double *du, int body, lw_vec2 *col,
                        lw_tree_state *s)
 {
     int k = b->coordinate;
@@ -120,14 +120,14 @@ static void place_free(const lw_branch *b, const double *u, const double *du, in
  * and w the turned slide line. */
 static void place_one(const lw_tree *t, const double *u, const double *du, int body, lw_tree_state *s)
 {
-    const lw_branch *b = &t->branch[body];
+    const lw_tree_joint *b = &t->branch[body];
     lw_vec2 *col = columns(t, s, body);
-    if (b->kind == LW_BRANCH_FREE) {
+    if (b->kind == LW_TREE_FREE) {
         place_free(b, u, du, body, col, s);
         return;
     }
     int p = b->parent + 1, i = body + 1;
-    bool pin = b->kind == LW_BRANCH_PIN, slide = b->kind == LW_BRANCH_SLIDE;
+    bool pin = b->kind == LW_TREE_PIN, slide = b->kind == LW_TREE_SLIDE;
     s->turn[i] = pin ? u[b->coordinate] : s->turn[p];
     s->dir[i] = pin ? lw_v2_polar(1.0, s->turn[i]) : s->dir[p];
     s->spin[i] = pin && du ? du[b->coordinate] : s->spin[p];
@@ -162,17 +162,17 @@ void lw_tree_place(const lw_tree *t, const double *u, const double *du, lw_tree_
 void lw_tree_read(const lw_tree *t, const double *q, const double *v, double *u, double *du)
 {
     for (int i = 0; i < t->n_body; i++) {
-        const lw_branch *b = &t->branch[t->order[i]];
+        const lw_tree_joint *b = &t->branch[t->order[i]];
         int body = t->order[i], k = b->coordinate;
-        if (b->kind == LW_BRANCH_PIN) {
+        if (b->kind == LW_TREE_PIN) {
             u[k] = q[3*body + 2];
             if (du)
                 du[k] = v[3*body + 2];
-        } else if (b->kind == LW_BRANCH_FREE) {
+        } else if (b->kind == LW_TREE_FREE) {
             memcpy(u + k, q + 3*body, 3*sizeof *u);
             if (du)
                 memcpy(du + k, v + 3*body, 3*sizeof *du);
-        } else if (b->kind == LW_BRANCH_SLIDE) {
+        } else if (b->kind == LW_TREE_SLIDE) {
             double row[LW_SYSTEM_Q_MAX], sum = 0.0;
             u[k] = lw_system_measure(t->s, b->joint, q, du ? row : NULL);
             for (int c = 0; du && c < t->s->n_q; c++)
@@ -202,7 +202,7 @@ lw_vec2 lw_tree_velocity(const lw_tree *t, const lw_tree_state *s, int body, lw_
 {
     if (body < 0)
         return lw_v2(0.0, 0.0);
-    const lw_branch *b = &t->branch[body];
+    const lw_tree_joint *b = &t->branch[body];
     const lw_vec2 *col = columns(t, s, body);
     lw_vec2 v = lw_v2_scale(lw_v2_perp(r), s->spin[body + 1]);
     for (int i = 0; i < b->n_path; i++)
@@ -215,7 +215,7 @@ void lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r,
 {
     if (body < 0)
         return;
-    const lw_branch *b = &t->branch[body];
+    const lw_tree_joint *b = &t->branch[body];
     const lw_vec2 *col = columns(t, s, body);
     for (int i = 0; i < b->n_path; i++)
         force[b->path[i]] += lw_v2_dot(f, col[b->path[i]]);

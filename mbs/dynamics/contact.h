@@ -12,8 +12,8 @@
  *
  * Each law is a few smooth pieces; what happens between them is an event, not a kink inside a step.  The source does
  * not cut off pulling forces (the damping of a pin that leaves fast), nor do we for `impact`. */
-#ifndef LW_MBS_CONTACT_H
-#define LW_MBS_CONTACT_H
+#ifndef LW_MBS_DYNAMICS_CONTACT_H
+#define LW_MBS_DYNAMICS_CONTACT_H
 
 #include "grammar/model.h"
 

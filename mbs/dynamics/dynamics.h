@@ -17,8 +17,8 @@
  * Coordinates q (n_q), velocities v: those of mbs/constraints/system.h, scaled by system->unit; forces as in
  * mbs/dynamics/forces.h.  Multipliers l (n_c): of the rows of the system, then of the driven inputs, then of stops
  * that are touched; the constraints push with -J^T l. */
-#ifndef LW_MBS_DYNAMICS_H
-#define LW_MBS_DYNAMICS_H
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_H
+#define LW_MBS_DYNAMICS_DYNAMICS_H
 
 #include <signal.h>
 #include "mbs/dynamics/forces.h"
@@ -78,9 +78,9 @@ typedef lw_status lw_moment_sink(void *context, const lw_moment *m);
 #define LW_REPORT_EVENT_MAX 64
 
 /* Something that happened, and when. */
-typedef struct lw_happening { double t; int joint; bool greatest, impact; double speed; } lw_happening;
+typedef struct lw_run_event { double t; int joint; bool greatest, impact; double speed; } lw_run_event;
 
-typedef struct lw_report {
+typedef struct lw_dynamics_report {
     lw_formulation formulation;
     char   why[256];             /* why this one                                                    */
     int    unknowns;             /* of the differential or algebraic system solved                   */
@@ -95,9 +95,9 @@ typedef struct lw_report {
     double energy_scale;         /* greatest kinetic energy or change of potential [J]               */
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_happening, n_seen;  /* kept, and all                                                   */
-    lw_happening happening[LW_REPORT_EVENT_MAX];
+    lw_run_event happening[LW_REPORT_EVENT_MAX];
     double t;                    /* how far it came                                                 */
-} lw_report;
+} lw_dynamics_report;
 
 typedef struct lw_dynamics lw_dynamics;
 
@@ -109,10 +109,10 @@ lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_d
 void      lw_dynamics_free(lw_dynamics *d);
 
 /* Run; what was sampled before a failure stays valid, and the report says how far it came. */
-lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_report *r, lw_error *e);
+lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e);
 
 /* What was chosen: formulation, why, unknowns; the rest of the report is empty. */
-const lw_report *lw_dynamics_choice(const lw_dynamics *d);
+const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d);
 
 const lw_system *lw_dynamics_system(const lw_dynamics *d);
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d);

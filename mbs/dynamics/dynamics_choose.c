@@ -44,7 +44,7 @@ static double fastest_decay(lw_dynamics *d)
     return most;
 }
 
-static lw_status say(lw_report *r, lw_formulation f, int unknowns, const char *why)
+static lw_status say(lw_dynamics_report *r, lw_formulation f, int unknowns, const char *why)
 {
     r->formulation = f;
     r->unknowns = unknowns;
@@ -100,7 +100,7 @@ static bool by_posture(const lw_dynamics *d)
     return yes;
 }
 
-static lw_status say_quadrature(lw_dynamics *d, lw_report *r, const char *why)
+static lw_status say_quadrature(lw_dynamics *d, lw_dynamics_report *r, const char *why)
 {
     d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
     if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
@@ -108,7 +108,7 @@ static lw_status say_quadrature(lw_dynamics *d, lw_report *r, const char *why)
     return say(r, LW_FORMULATION_QUADRATURE, 1, why);
 }
 
-static lw_status forced(lw_dynamics *d, lw_report *r, lw_error *e)
+static lw_status forced(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
 {
     int n = 2*d->n_q;
     char text[160];
@@ -134,7 +134,7 @@ static lw_status forced(lw_dynamics *d, lw_report *r, lw_error *e)
     }
 }
 
-lw_status lw_dynamics_choose(lw_dynamics *d, lw_report *r, lw_error *e)
+lw_status lw_dynamics_choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
 {
     char text[160];
     lw_status s;

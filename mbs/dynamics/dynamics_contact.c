@@ -44,10 +44,10 @@ lw_status lw_run_gaps(void *context, double t, const double *y, double *g)
 
 static void note(lw_run *run, double t, const lw_contact *c, bool impact, double speed)
 {
-    lw_report *r = run->r;
+    lw_dynamics_report *r = run->r;
     double unit = run->d->s.joint[c->joint].kind == LW_JOINT_REVOLUTE ? 1 : run->d->s.unit;
     if (r->n_happening < LW_REPORT_EVENT_MAX)
-        r->happening[r->n_happening++] = (lw_happening){ t, c->joint, c->greatest, impact, speed*unit };
+        r->happening[r->n_happening++] = (lw_run_event){ t, c->joint, c->greatest, impact, speed*unit };
     r->n_seen++;
 }
 

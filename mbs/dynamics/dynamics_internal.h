@@ -5,8 +5,8 @@
  * Two ways.  Where all masses are positive and the rows kept are well apart, by Cholesky's method on
  * J M^-1 J^T ("fast"); else, with massless links, near singular postures and for reactions that are not
  * unique, by a rank-revealing factorisation of J^T and the null space it leaves ("sure"). */
-#ifndef LW_MBS_DYNAMICS_INTERNAL_H
-#define LW_MBS_DYNAMICS_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_INTERNAL_H
+#define LW_MBS_DYNAMICS_DYNAMICS_INTERNAL_H
 
 #include "base/rank.h"
 #include "mbs/dynamics/dynamics.h"
@@ -55,7 +55,7 @@ struct lw_dynamics {
     double  moved, moved_rate;
     struct lw_reduced *reduced;               /* when it is one of one coordinate                       */
     struct lw_panel_rule *rule;               /* when time is an integral over it                       */
-    lw_report choice;                         /* what was chosen                                        */
+    lw_dynamics_report choice;                         /* what was chosen                                        */
     double *work;                             /* all of it                                             */
     lw_error *e;                              /* of the run under way                                   */
 };

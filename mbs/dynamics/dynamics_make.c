@@ -20,7 +20,7 @@ const char *lw_formulation_name(lw_formulation f)
     return names[f];
 }
 
-const lw_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
+const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)

@@ -369,7 +369,7 @@ static lw_status watch(quadrature *z, double *force)
     if (st != LW_OK)
         return st;
     double change = lw_reduced_potential(z->r, z->s) - z->potential0, off = z->kinetic - z->kinetic0 + change - z->work;
-    lw_report *r = z->run->r;
+    lw_dynamics_report *r = z->run->r;
     r->energy_error = fmax(r->energy_error, fabs(off));
     r->energy_scale = fmax(r->energy_scale, fmax(z->kinetic, fabs(change)));
     /* rounding would add up over many panels; where K is small, it is better than what the potential says */

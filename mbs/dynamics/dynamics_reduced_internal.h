@@ -1,6 +1,6 @@
 /* mbs/dynamics/dynamics_reduced_internal.h - a run in one coordinate: what its two ways share; internal to mbs/. */
-#ifndef LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
-#define LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_REDUCED_INTERNAL_H
+#define LW_MBS_DYNAMICS_DYNAMICS_REDUCED_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_run_internal.h"
 #include "mbs/dynamics/reduced_internal.h"

@@ -74,7 +74,7 @@ static bool keeps_momentum(const lw_dynamics *d)
 void lw_run_watch(lw_run *run, const double *y)
 {
     const lw_dynamics *d = run->d;
-    lw_report *r = run->r;
+    lw_dynamics_report *r = run->r;
     double kinetic = lw_forces_kinetic(&d->f, y + d->n_q), potential = lw_forces_potential(&d->f, y);
     double work = run->has_work ? y[2*d->n_q] : 0;
     r->energy_error = fmax(r->energy_error, fabs(kinetic + potential - run->energy0 - work));
@@ -239,7 +239,7 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     return lw_integrate_start(&w->explicit_one, &w->ode, &each, w->work, t, y, run->e);
 }
 
-static void end_steps(stepper *w, lw_report *r)
+static void end_steps(stepper *w, lw_dynamics_report *r)
 {
     r->steps += w->implicit ? w->implicit_one.n_step : w->explicit_one.n_step;
     r->refused += w->implicit ? w->implicit_one.n_refused : w->explicit_one.n_refused;
@@ -314,7 +314,7 @@ static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
                      memcpy(f->y, state(w), (size_t)run->n*sizeof *f->y) };
     if (!creeps(w, d, f, s))
         return s;
-    s = lw_run_leap(run, LW_LEAP_HALF, f->t, f->weak, time_of(w), &t, f->y);
+    s = lw_run_singular_step(run, LW_SINGULAR_STEP_HALF, f->t, f->weak, time_of(w), &t, f->y);
     if (s != LW_OK)
         return s;
     double h = f->h;
@@ -347,7 +347,7 @@ static lw_status cross(lw_run *run, stepper *w, double weak, double *y)
     double t = time_of(w);
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
     lw_status s = lw_run_rechoose(run, t, y, &weak);
-    s = s < 0 ? s : lw_run_cross(run, weak, &t, y);
+    s = s < 0 ? s : lw_run_singular_crossing(run, weak, &t, y);
     if (s != LW_OK)
         return s == LW_NOTHING ? LW_OK : s;
     if (lw_run_project(run, t, y) < 0)
@@ -435,7 +435,7 @@ lw_status lw_run_go_on(lw_run *run, const double *from)
     return s;
 }
 
-lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_report *r, lw_error *e)
+lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)
 {
     lw_error own = { 0 };
     lw_run run = { .d = d, .sink = sink, .context = context, .r = r, .e = e ? e : &own };

@@ -1,6 +1,6 @@
 /* mbs/dynamics/dynamics_run_internal.h - one run under way; internal to mbs/. */
-#ifndef LW_MBS_DYNAMICS_RUN_INTERNAL_H
-#define LW_MBS_DYNAMICS_RUN_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
+#define LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 
 #include "mbs/ode/cvode.h"
 #include "mbs/dynamics/dynamics_internal.h"
@@ -11,7 +11,7 @@ typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
     void           *context;
-    lw_report      *r;
+    lw_dynamics_report      *r;
     lw_error       *e;
     int     n;                       /* q, v, and the work where some is done                          */
     bool    has_work;
@@ -57,7 +57,7 @@ lw_status lw_run_gaps(void *context, double t, const double *y, double *g);
 lw_status lw_run_contacts(lw_run *run, double t, double *y, bool *changed);
 
 /* Fill what the report says about the formulation; LW_E_KIND when the one asked for cannot do the model. */
-lw_status lw_dynamics_choose(lw_dynamics *d, lw_report *r, lw_error *e);
+lw_status lw_dynamics_choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e);
 
 /* Go on from (run->r->t, y) in the bodies' coordinates. */
 lw_status lw_run_go_on(lw_run *run, const double *y);
@@ -68,13 +68,13 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
 
 /* After a step to (*t, y), where the least pivot is `weak`: through the singular posture that lies ahead, if one does,
  * to behind it, samples told.  LW_NOTHING: none there, or not one this can do (mbs/dynamics/dynamics_singular_crossing.c). */
-lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y);
+lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y);
 
 /* From the good state y at time `good`, whose least pivot is `weak`, over the singular posture that is met at about
  * `place`; half the leap is in multiples of what makes a pivot 1: about radians.  y and *t: behind it, samples on the
  * way told.  LW_OPEN: what comes out has another energy. */
-#define LW_LEAP_HALF 0.03
-lw_status lw_run_leap(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
+#define LW_SINGULAR_STEP_HALF 0.03
+lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
 
 lw_status lw_run_driven(lw_run *run);
 lw_status lw_run_ggl(lw_run *run);

@@ -361,7 +361,7 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
 static lw_status leap(lw_run *run, double half, double weak, double place, double *t, double *y)
 {
     double end = place;
-    lw_status s = lw_run_leap(run, half, *t, weak, place, &end, y);
+    lw_status s = lw_run_singular_step(run, half, *t, weak, place, &end, y);
     if (s != LW_OK)
         return s == LW_STOPPED ? s : LW_NOTHING;
     run->r->t = *t = end;
@@ -369,13 +369,13 @@ static lw_status leap(lw_run *run, double half, double weak, double place, doubl
     return LW_OK;
 }
 
-lw_status lw_run_cross(lw_run *run, double weak, double *t, double *y)
+lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y)
 {
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0;
     bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
     bool able = !d->n_contact && (one || run->r->formulation != LW_FORMULATION_INDEX1);
-    double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_LEAP_HALF;
+    double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_SINGULAR_STEP_HALF;
     double from = one ? beside : 2*half, reach = one ? longest : 3*half;
     run->pivot = w;
     run->pivot_t = *t;

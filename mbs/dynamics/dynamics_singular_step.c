@@ -63,7 +63,7 @@ static lw_status show_on_the_way(lw_run *run, double good, const double *y, doub
     return s;
 }
 
-lw_status lw_run_leap(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
+lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
 {
     size_t n = (size_t)run->n;
     double before = energy(run, y), angle = sqrt(weak), start = good, *first = malloc(2*n*sizeof *first);

@@ -9,8 +9,8 @@
  * six coordinates of its two links, from which forces and their derivatives follow without a case for
  * each load:
  *     force f along l:   Q = f g,   dQ/dq = g (df/dq)^T + f H,   d(dl/dt)/dq = H v,   d(dl/dt)/dv = g. */
-#ifndef LW_MBS_FORCES_H
-#define LW_MBS_FORCES_H
+#ifndef LW_MBS_DYNAMICS_FORCES_H
+#define LW_MBS_DYNAMICS_FORCES_H
 
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"

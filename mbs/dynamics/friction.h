@@ -6,8 +6,8 @@
  * so N_j = |R_j| is a system as small as the number of such joints, solved by Newton's method.  Its matrix is I without
  * friction; where the determinant reaches 0, reactions are not determined by rigid bodies with
  * friction (Painleve 1895). */
-#ifndef LW_MBS_FRICTION_H
-#define LW_MBS_FRICTION_H
+#ifndef LW_MBS_DYNAMICS_FRICTION_H
+#define LW_MBS_DYNAMICS_FRICTION_H
 
 #include "base/status.h"
 #include "base/vec2.h"

@@ -8,8 +8,8 @@
  * The sum is the geometric stiffness of the constraint forces: without it a pendulum would have no frequency.  Where
  * the posture is no equilibrium, `unbalanced` says by how much, and the numbers are those of the equations
  * frozen there.  Motions that inputs prescribe are held. */
-#ifndef LW_MBS_MODES_H
-#define LW_MBS_MODES_H
+#ifndef LW_MBS_DYNAMICS_MODES_H
+#define LW_MBS_DYNAMICS_MODES_H
 
 #include "mbs/dynamics/forces.h"
 

@@ -1,6 +1,6 @@
 /* mbs/dynamics/modes_internal.h - eigenvalues (bridge to GSL) and the reduced equations behind mbs/dynamics/modes.h. */
-#ifndef LW_MBS_MODES_INTERNAL_H
-#define LW_MBS_MODES_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_MODES_INTERNAL_H
+#define LW_MBS_DYNAMICS_MODES_INTERNAL_H
 
 #include "base/rank.h"
 #include "mbs/dynamics/modes.h"

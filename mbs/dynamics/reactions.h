@@ -1,7 +1,7 @@
 /* mbs/dynamics/reactions.h - what joints carry and what a machine shakes its frame with, from the multipliers of a moment
  * (mbs/dynamics/dynamics.h). */
-#ifndef LW_MBS_REACTIONS_H
-#define LW_MBS_REACTIONS_H
+#ifndef LW_MBS_DYNAMICS_REACTIONS_H
+#define LW_MBS_DYNAMICS_REACTIONS_H
 
 #include "mbs/dynamics/dynamics.h"
 

@@ -25,7 +25,7 @@ static inline lw_reg1 arm_end(const lw_reg1 *a, const lw_reg1 *u, double r)
 static double rates_rrr(const lw_dyad_step *st, double mode, lw_reg1 *reg)
 {
     const lw_reg1 *a = &reg[st->in[0]], *b = &reg[st->in[1]];
-    lw_vec2 span = lw_reach(a->p, b->p), e = lw_v2_sub(b->d, a->d);
+    lw_vec2 span = lw_joint_span(a->p, b->p), e = lw_v2_sub(b->d, a->d);
     double d2 = lw_v2_dot(span, span), h = (st->sum2 - d2)*(d2 - st->dif2);
     double y = mode*sqrt(h > 0 ? h : 0), over_d2 = 0.5/d2, over_y = 2/y;
     lw_vec2 u1 = lw_v2_scale(lw_v2_turn(span, lw_v2(d2 + st->product, y)), over_d2*st->inv1);
@@ -84,7 +84,7 @@ static lw_reg1 bridged(const double *c, double x, double reach)
     return direction(lw_v2_polar(1, v), d/reach);
 }
 
-static void bridge_step(const lw_dyad_step *st, const lw_touch *t, const lw_bridge *b, double input, lw_reg1 *reg)
+static void bridge_step(const lw_dyad_step *st, const lw_change_point *t, const lw_bridge *b, double input, lw_reg1 *reg)
 {
     double x = (input - t->at)/t->reach;
     reg[st->out[0]] = bridged(b->c[0], x, t->reach);
@@ -99,7 +99,7 @@ static void bridge_step(const lw_dyad_step *st, const lw_touch *t, const lw_brid
 
 /* ---- all steps ------------------------------------------------------------------------------------- */
 
-static const lw_bridge *bridge_of(const lw_touch *t, const lw_dyad_step *st)
+static const lw_bridge *bridge_of(const lw_change_point *t, const lw_dyad_step *st)
 {
     for (int i = 0; t && i < t->n_bridge; i++)
         if (st->kind >= LW_STEP_RRR && t->bridge[i].dyad == st->dyad)
@@ -116,7 +116,7 @@ static inline double do_step(const lw_dyad_step *st, const double *mode, double 
         reg[st->out[0]] = direction(lw_v2(c, s), 1);
         return 1;
     case LW_STEP_INPUT_SLIDE:
-        reg[st->out[0]] = (lw_reg1){ lw_point(reg[st->in[0]].p, reg[st->in[1]].p, input, 0), reg[st->in[1]].p };
+        reg[st->out[0]] = (lw_reg1){ lw_frame_point(reg[st->in[0]].p, reg[st->in[1]].p, input, 0), reg[st->in[1]].p };
         return 1;
     case LW_STEP_POINT:
         reg[st->out[0]] = lw_reduced_point(reg, st->in[0], st->in[1], st->at);
@@ -132,7 +132,7 @@ static inline double do_step(const lw_dyad_step *st, const double *mode, double 
     }
 }
 
-void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge, double input, double *margin_of,
+void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin)
 {
     lw_reg1 *reg = r->reg;
@@ -153,7 +153,7 @@ void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge,
 }
 
 /* The piece an input lies in; *input is moved into the range that was looked through. */
-static int find_piece(const lw_reduced *r, double *input, const lw_touch **near)
+static int find_piece(const lw_reduced *r, double *input, const lw_change_point **near)
 {
     *near = NULL;
     if (r->period > 0)
@@ -169,7 +169,7 @@ static int find_piece(const lw_reduced *r, double *input, const lw_touch **near)
 
 lw_status lw_reduced_registers(lw_reduced *r, double input)
 {
-    const lw_touch *near = NULL;
+    const lw_change_point *near = NULL;
     const double *mode = r->mode;
     double margin, at = input;
     if (input == r->known)

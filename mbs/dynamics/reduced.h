@@ -10,8 +10,8 @@
  * assemblies meet and part again (change points: parallelograms), the velocities continue, so its mode
  * changes; near such a place, where the closed forms lose digits, M and Q are taken from a polynomial through
  * places beside it. */
-#ifndef LW_MBS_REDUCED_H
-#define LW_MBS_REDUCED_H
+#ifndef LW_MBS_DYNAMICS_REDUCED_H
+#define LW_MBS_DYNAMICS_REDUCED_H
 
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/plan/plan.h"

@@ -1,7 +1,7 @@
 /* mbs/dynamics/reduced_internal.h - a plan with two derivatives, its change points, and the masses on it; internal to
  * mbs/. */
-#ifndef LW_MBS_REDUCED_INTERNAL_H
-#define LW_MBS_REDUCED_INTERNAL_H
+#ifndef LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
+#define LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 
 #include "mbs/dynamics/dynamics_internal.h"
 #include "mbs/plan/plan.h"
@@ -26,11 +26,11 @@ typedef struct lw_dyad_step {
 typedef struct lw_bridge { int dyad; double c[2][LW_BRIDGE_SIZE]; } lw_bridge;
 
 /* A change point: the dyads that pass through it, and modes beyond it. */
-typedef struct lw_touch {
+typedef struct lw_change_point {
     double    at, reach;
     int       n_bridge;
     lw_bridge bridge[LW_DYAD_MAX];
-} lw_touch;
+} lw_change_point;
 
 /* A body with mass; of one on a ground pin, which come first, the inertia is about the pin. */
 typedef struct lw_mass_point { int origin, dir; lw_vec2 arm; double mass, inertia; lw_vec2 weight; } lw_mass_point;
@@ -55,7 +55,7 @@ struct lw_reduced {
     const lw_model *model;
     /* change points: touch[i] between piece i and i + 1; pieces from `first` on; period 0: none */
     int        n_touch;
-    lw_touch   touch[LW_TOUCH_MAX];
+    lw_change_point   touch[LW_TOUCH_MAX];
     double     piece_mode[LW_TOUCH_MAX + 1][LW_DYAD_MAX];
     double     low, high, period;             /* range that was looked through                            */
 };
@@ -67,12 +67,12 @@ lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why);
 lw_status lw_reduced_registers(lw_reduced *r, double input);
 
 /* The same with given modes and bridges; *margin: least of all dyads, each in margin_of (n_dyad) if given. */
-void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_touch *bridge, double input, double *margin_of,
+void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin);
 
 /* Find the change points, looking from an input at which the modes are those of r->mode; false: at one of them the
  * assemblies come so near each other that which of them goes on cannot be told in closed form. */
-bool lw_reduced_touches(lw_reduced *r, double from);
+bool lw_reduced_change_points(lw_reduced *r, double from);
 
 /* s' and p' at (t, s, p), p = sqrt(M) s', and the power of what the potential does not hold. */
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power);

@@ -73,7 +73,7 @@ static bool loads_fit(const lw_model *m, int joint)
 static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     lw_error e;
-    lw_want want = { .all_joints = true };
+    lw_plan_outputs want = { .all_joints = true };
     bool fits = false;
     if (d->s.n_tie > 0)
         return no(why, "inputs that are tied to the first");
@@ -288,6 +288,6 @@ lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
     place_masses(d, r, fixed);
     drop_steps(d, r);
     find_way(d, r);
-    return lw_reduced_touches(r, r->first) ? LW_OK
+    return lw_reduced_change_points(r, r->first) ? LW_OK
          : no(why, "two assemblies of a dyad come near each other, but do not meet");
 }

@@ -1,6 +1,6 @@
 /* mbs/dynamics/statics.h - where a model rests: forces balanced on the constraints. */
-#ifndef LW_MBS_STATICS_H
-#define LW_MBS_STATICS_H
+#ifndef LW_MBS_DYNAMICS_STATICS_H
+#define LW_MBS_DYNAMICS_STATICS_H
 
 #include "mbs/dynamics/dynamics.h"
 

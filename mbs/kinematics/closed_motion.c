@@ -110,7 +110,7 @@ static bool dips(walk *w, const double *mode, const double *at, const double *m,
         first = input[least - 1];
         last = input[least + 1];
         memcpy(v, margin + least - 1, sizeof v);
-        w->touches |= v[1] < LW_CYCLE_TOUCH;
+        w->touches |= v[1] < LW_CLOSED_MOTION_TOUCH;
     }
     return false;
 }
@@ -237,7 +237,7 @@ static bool is_below(const walk *w, bracket below, double end, double *gain)
 }
 
 /* One more leg, from here to there. */
-static void add_leg(const walk *w, double *mode, double end, int which, lw_cycle *c)
+static void add_leg(const walk *w, double *mode, double end, int which, lw_closed_motion *c)
 {
     lw_leg *leg = &c->leg[c->n++];
     leg->last = end;
@@ -246,8 +246,8 @@ static void add_leg(const walk *w, double *mode, double end, int which, lw_cycle
     mode[leg->dyad] *= lw_step_has_modes(w->step[which]) ? -1 : 0;
 }
 
-lw_status lw_cycle_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
-                        lw_cycle *c)
+lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
+                        lw_closed_motion *c)
 {
     walk w;
     bracket below;
@@ -325,7 +325,7 @@ static void margin_slopes(const walk *w, const lw_leg *leg, double step, const i
         slope[i] = (margin[2*i + 1] - margin[2*i])/(2*h[i]);
 }
 
-void lw_cycle_slopes(const lw_plan *plan, const double *dim, const lw_cycle *c, void *batch, double *by)
+void lw_closed_motion_slopes(const lw_plan *plan, const double *dim, const lw_closed_motion *c, void *batch, double *by)
 {
     walk w;
     int which[LW_DIM_MAX + 1], n = 0;

@@ -1,7 +1,7 @@
 /* mbs/kinematics/fourbar.h - what the lengths of a four-bar say about its motion: class, turning, limits.
  * Barker 1985; Makkonen 1999, table 2, as corrected in docs/theory.md. */
-#ifndef LW_MBS_FOURBAR_H
-#define LW_MBS_FOURBAR_H
+#ifndef LW_MBS_KINEMATICS_FOURBAR_H
+#define LW_MBS_KINEMATICS_FOURBAR_H
 
 #include <stdbool.h>
 #include "base/error.h"

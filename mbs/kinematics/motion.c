@@ -8,15 +8,15 @@ typedef struct walk {
     const double  *dim;
     lw_motion     *motion;
     const lw_step *step[LW_DYAD_MAX];
-    lw_span        span[LW_DYAD_MAX];
+    lw_motion_span        span[LW_DYAD_MAX];
     double         reach;                       /* of a slider input, to either side              */
-    lw_piece       piece[LW_ARC_MAX];           /* of each arc                                    */
+    lw_motion_piece       piece[LW_ARC_MAX];           /* of each arc                                    */
     bool           full;                        /* there are more arcs than LW_ARC_MAX            */
 } walk;
 
 /* ---- pieces in closed form ---------------------------------------------------------------------- */
 
-static lw_mark limit(const lw_span *s, double v, int dyad)
+static lw_mark limit(const lw_motion_span *s, double v, int dyad)
 {
     return (lw_mark){ s->centre + v, dyad };
 }
@@ -24,7 +24,7 @@ static lw_mark limit(const lw_span *s, double v, int dyad)
 /* The ranges of the input which the span allows, one turn of them; 0 when there is no bound. */
 static int span_ranges(const walk *w, int dyad, lw_mark range[2][2])
 {
-    const lw_span *s = &w->span[dyad];
+    const lw_motion_span *s = &w->span[dyad];
     bool pin = !w->plan->input_is_slider;
     if (s->kind == LW_SPAN_HALVES) {
         for (int i = 0; i < 2; i++)
@@ -54,7 +54,7 @@ static double wrapped(double at)
     return a <= -LW_PI ? LW_PI : a;
 }
 
-static void keep_touch(const walk *w, lw_piece *p, double at, int dyad)
+static void keep_touch(const walk *w, lw_motion_piece *p, double at, int dyad)
 {
     int turns = w->plan->input_is_slider ? 0 : 2;
     for (int k = -turns; k <= turns && p->n_touch < LW_MARK_MAX; k++) {
@@ -67,16 +67,16 @@ static void keep_touch(const walk *w, lw_piece *p, double at, int dyad)
 }
 
 /* p with only those of its touches that lie in it */
-static void sift_touches(const walk *w, lw_piece *p)
+static void sift_touches(const walk *w, lw_motion_piece *p)
 {
-    lw_piece old = *p;
+    lw_motion_piece old = *p;
     p->n_touch = 0;
     for (int i = 0; i < old.n_touch; i++)
         keep_touch(w, p, old.touch[i].at, old.touch[i].dyad);
 }
 
 /* What `range` moved by `shift` leaves of the whole; false when nothing. */
-static bool overlap(const lw_piece *whole, const lw_mark range[2], double shift, lw_piece *p)
+static bool overlap(const lw_motion_piece *whole, const lw_mark range[2], double shift, lw_motion_piece *p)
 {
     lw_mark lo = { range[0].at + shift, range[0].dyad }, hi = { range[1].at + shift, range[1].dyad };
     *p = *whole;
@@ -88,9 +88,9 @@ static bool overlap(const lw_piece *whole, const lw_mark range[2], double shift,
     return p->end[1].at - p->end[0].at > 1e-12*(fabs(p->end[0].at) + fabs(p->end[1].at));
 }
 
-static int cut_by_span(const walk *w, int dyad, const lw_piece *whole, lw_piece *part)
+static int cut_by_span(const walk *w, int dyad, const lw_motion_piece *whole, lw_motion_piece *part)
 {
-    const lw_span *s = &w->span[dyad];
+    const lw_motion_span *s = &w->span[dyad];
     lw_mark range[2][2];
     int n = 0, n_range = s->kind == LW_SPAN_ALL ? 0 : span_ranges(w, dyad, range);
     if (n_range == 0)
@@ -112,7 +112,7 @@ static int cut_by_span(const walk *w, int dyad, const lw_piece *whole, lw_piece 
 
 /* ---- arcs --------------------------------------------------------------------------------------- */
 
-static void add_arc(walk *w, const lw_piece *p)
+static void add_arc(walk *w, const lw_motion_piece *p)
 {
     lw_motion *m = w->motion;
     int last = w->plan->n_dyad - 1;
@@ -137,13 +137,13 @@ static void add_arc(walk *w, const lw_piece *p)
     a->transmission_max = angle[1];
 }
 
-static void explore(walk *w, int dyad, const lw_piece *whole)
+static void explore(walk *w, int dyad, const lw_motion_piece *whole)
 {
     if (dyad == w->plan->n_dyad) {
         add_arc(w, whole);
         return;
     }
-    lw_piece part[LW_PIECE_MAX];
+    lw_motion_piece part[LW_PIECE_MAX];
     int n = 0;
     if (w->span[dyad].kind == LW_SPAN_UNKNOWN)
         n = lw_piece_search(w->plan, w->dim, dyad, w->step[dyad], whole, part);
@@ -181,7 +181,7 @@ static int flipped(const walk *w, int p, int q)
 
 static bool share_limit(const walk *w, int p, int q, int dyad)
 {
-    const lw_piece *a = &w->piece[p], *b = &w->piece[q];
+    const lw_motion_piece *a = &w->piece[p], *b = &w->piece[q];
     for (int e = 0; e < 2; e++)
         if (!a->turns && !b->turns && a->end[e].dyad == dyad && b->end[e].dyad == dyad &&
             same_input(w, a->end[e].at, b->end[e].at))
@@ -191,7 +191,7 @@ static bool share_limit(const walk *w, int p, int q, int dyad)
 
 static bool share_touch(const walk *w, int p, int q, int dyad)
 {
-    const lw_piece *a = &w->piece[p], *b = &w->piece[q];
+    const lw_motion_piece *a = &w->piece[p], *b = &w->piece[q];
     for (int i = 0; i < a->n_touch; i++)
         for (int j = 0; j < b->n_touch; j++)
             if (a->touch[i].dyad == dyad && b->touch[j].dyad == dyad &&
@@ -260,7 +260,7 @@ static void set_walk(walk *w, const lw_plan *plan, const double *dim, lw_motion 
 lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m)
 {
     walk w;
-    lw_piece all = { .turns = !plan->input_is_slider };
+    lw_motion_piece all = { .turns = !plan->input_is_slider };
     memset(m, 0, sizeof *m);
     for (int d = 0; d < plan->n_dim; d++)
         if (!isfinite(dim[d]))

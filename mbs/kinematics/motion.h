@@ -3,8 +3,8 @@
  * An arc is a range of the input in one assembly mode.  At the ends of an arc that are limits of
  * motion the linkage passes into the other mode of one dyad; arcs joined so form one circuit, a closed
  * curve of postures.  Two arcs that only touch (a change point) count as one circuit too. */
-#ifndef LW_MBS_MOTION_H
-#define LW_MBS_MOTION_H
+#ifndef LW_MBS_KINEMATICS_MOTION_H
+#define LW_MBS_KINEMATICS_MOTION_H
 
 #include "mbs/plan/plan.h"
 

@@ -14,10 +14,10 @@ typedef struct track {
     const lw_plan  *plan;
     const double   *dim;
     const lw_step  *step;
-    const lw_piece *way;
+    const lw_motion_piece *way;
 } track;
 
-static double input_at(const lw_piece *p, double s)
+static double input_at(const lw_motion_piece *p, double s)
 {
     double first = p->end[0].at, last = p->end[1].at;
     if (p->turns)
@@ -129,21 +129,21 @@ static lw_mark mark_at(const track *k, double s, int dyad)
 }
 
 /* `whole` with the touches found along it; the caller sifts those that a part keeps. */
-static lw_piece with_touches(const track *k, const findings *f, int dyad)
+static lw_motion_piece with_touches(const track *k, const findings *f, int dyad)
 {
-    lw_piece p = *k->way;
+    lw_motion_piece p = *k->way;
     for (int i = 0; i < f->n_touch && p.n_touch < LW_MARK_MAX; i++)
         p.touch[p.n_touch++] = mark_at(k, f->touch[i], dyad);
     return p;
 }
 
 int lw_piece_search(const lw_plan *plan, const double *dim, int dyad, const lw_step *step,
-                    const lw_piece *whole, lw_piece *part)
+                    const lw_motion_piece *whole, lw_motion_piece *part)
 {
     track k = { plan, dim, step, whole };
     findings f;
     find_roots(&k, &f);
-    lw_piece touched = with_touches(&k, &f, dyad);
+    lw_motion_piece touched = with_touches(&k, &f, dyad);
     bool round = whole->turns && f.n_root > 0;              /* the last root is followed by the first */
     int n = 0, n_gap = round ? f.n_root : f.n_root + 1;
     for (int i = 0; i < n_gap && n < LW_PIECE_MAX; i++) {
@@ -153,7 +153,7 @@ int lw_piece_search(const lw_plan *plan, const double *dim, int dyad, const lw_s
         double hi = to_end ? 1.0 : f.root[last] + (round && last <= first ? 1.0 : 0.0);
         if (margin_at(&k, lo + 0.37*(hi - lo)) < 0.0)
             continue;
-        lw_piece *p = &part[n++];
+        lw_motion_piece *p = &part[n++];
         *p = touched;
         p->turns = whole->turns && !round;
         if (!from_start)
@@ -174,7 +174,7 @@ static void snap(double at, double range[2])
 }
 
 void lw_piece_transmission(const lw_plan *plan, const double *dim, int dyad, const lw_step *step,
-                           const lw_piece *p, double range[2])
+                           const lw_motion_piece *p, double range[2])
 {
     track k = { plan, dim, step, p };
     double a[N_SAMPLE + 1], h = 1.0/N_SAMPLE, f;

@@ -84,9 +84,9 @@ static double half_angle(double n1, double n2, double d1, double d2)
 static int sign(double x, double equal) { return x > equal ? 1 : x < -equal ? -1 : 0; }
 
 /* RPR: a distance with  d^2 = p^2 + q^2 - 2 p q cos v  not less than `least`. */
-static lw_span ring_of_offset(double centre, double p, double q, double least)
+static lw_motion_span ring_of_offset(double centre, double p, double q, double least)
 {
-    lw_span s = { .kind = p + q <= least ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
+    lw_motion_span s = { .kind = p + q <= least ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
     int near = sign(least - fabs(p - q), change_tolerance*(p + q + least));
     s.has_in = near > 0;
     s.touch_in = near == 0;
@@ -96,9 +96,9 @@ static lw_span ring_of_offset(double centre, double p, double q, double least)
 }
 
 /* RRR: the same distance between |r1 - r2| and r1 + r2, by the sums of four lengths. */
-static lw_span ring_of_links(double centre, double p, double q, double r1, double r2)
+static lw_motion_span ring_of_links(double centre, double p, double q, double r1, double r2)
 {
-    lw_span s = { .kind = LW_SPAN_RING, .centre = centre };
+    lw_motion_span s = { .kind = LW_SPAN_RING, .centre = centre };
     double all = p + q + r1 + r2, equal = change_tolerance*all;
     double pq = lw_sum4(p, q, -r1, -r2), pr = lw_sum4(p, -q, r1, -r2), ps = lw_sum4(p, -q, -r1, r2);
     double less_p = lw_sum4(-p, q, r1, r2), less_q = lw_sum4(p, -q, r1, r2);
@@ -117,9 +117,9 @@ static lw_span ring_of_links(double centre, double p, double q, double r1, doubl
 }
 
 /* RRP: the distance  e - p cos v  between -r and r. */
-static lw_span ring_of_line(double centre, double e, double p, double r)
+static lw_motion_span ring_of_line(double centre, double e, double p, double r)
 {
-    lw_span s = { .kind = LW_SPAN_RING, .centre = centre };
+    lw_motion_span s = { .kind = LW_SPAN_RING, .centre = centre };
     double equal = change_tolerance*(fabs(e) + p + r);
     double near = lw_sum4(p, -e, -r, 0.0), far = lw_sum4(p, e, -r, 0.0);
     if (lw_sum4(p, e, r, 0.0) < 0.0 || lw_sum4(p, -e, r, 0.0) < 0.0)
@@ -136,9 +136,9 @@ static lw_span ring_of_line(double centre, double e, double p, double r)
 }
 
 /* |w + i v| between least (negative: no bound) and most, v a displacement. */
-static lw_span ring_of_slide(double centre, double w, double least, double most)
+static lw_motion_span ring_of_slide(double centre, double w, double least, double most)
 {
-    lw_span s = { .kind = w >= most ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
+    lw_motion_span s = { .kind = w >= most ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
     s.has_out = !isinf(most);
     s.out = s.has_out ? sqrt((most - w)*(most + w)) : 0.0;
     int near = least < 0.0 ? -1 : sign(least - w, change_tolerance*(least + w));
@@ -148,15 +148,15 @@ static lw_span ring_of_slide(double centre, double w, double least, double most)
     return s;
 }
 
-static lw_span constant(bool closes)
+static lw_motion_span constant(bool closes)
 {
-    return (lw_span){ .kind = closes ? LW_SPAN_ALL : LW_SPAN_NEVER };
+    return (lw_motion_span){ .kind = closes ? LW_SPAN_ALL : LW_SPAN_NEVER };
 }
 
 /* ---- dyads ---- */
 
 /* RRR and RPR: pins a, b whose distance the dyad bounds. */
-static lw_span span_of_pins(const scene *c, const double *dim)
+static lw_motion_span span_of_pins(const scene *c, const double *dim)
 {
     const lw_step *s = c->step;
     bool rrr = s->kind == LW_STEP_RRR;
@@ -165,7 +165,7 @@ static lw_span span_of_pins(const scene *c, const double *dim)
     moves ma = c->reg_moves[s->in[0]], mb = c->reg_moves[s->in[1]];
     lw_vec2 still = c->reg[s->in[ma == STILL ? 0 : 1]], driven = c->reg[s->in[ma == STILL ? 1 : 0]];
     if (both(ma, mb) == OTHER)
-        return (lw_span){ .kind = LW_SPAN_UNKNOWN };
+        return (lw_motion_span){ .kind = LW_SPAN_UNKNOWN };
     if (ma == mb) {
         double d = lw_v2_norm(lw_v2_sub(driven, still));
         return constant(d >= least && d <= most);
@@ -180,13 +180,13 @@ static lw_span span_of_pins(const scene *c, const double *dim)
 }
 
 /* RRP: pin a, and the line (q, w) that its link's other pin is on. */
-static lw_span span_of_pin_and_line(const scene *c, const double *dim)
+static lw_motion_span span_of_pin_and_line(const scene *c, const double *dim)
 {
     const lw_step *s = c->step;
     double r = fabs(dim[s->dim[0]]);
     moves ma = c->reg_moves[s->in[0]], ml = both(c->reg_moves[s->in[1]], c->reg_moves[s->in[2]]);
     if (both(ma, ml) == OTHER)
-        return (lw_span){ .kind = LW_SPAN_UNKNOWN };
+        return (lw_motion_span){ .kind = LW_SPAN_UNKNOWN };
     lw_vec2 a = c->reg[s->in[0]], q = c->reg[s->in[1]], w = c->reg[s->in[2]];
     double away = lw_v2_cross(w, lw_v2_sub(q, a));
     if (ma == ml)
@@ -204,7 +204,7 @@ static lw_span span_of_pin_and_line(const scene *c, const double *dim)
 }
 
 /* PRP: slides that must not be parallel.  PPR's stand at a fixed angle. */
-static lw_span span_of_slides(const scene *c)
+static lw_motion_span span_of_slides(const scene *c)
 {
     const lw_step *s = c->step;
     moves m1 = c->reg_moves[s->in[1]], m2 = c->reg_moves[s->in[3]];
@@ -213,12 +213,12 @@ static lw_span span_of_slides(const scene *c)
         (c->plan->input_is_slider && both(m1, m2) != OTHER))
         return constant(fabs(lw_v2_cross(w1, w2)) > 1e-15);
     if (both(m1, m2) == OTHER)
-        return (lw_span){ .kind = LW_SPAN_UNKNOWN };
-    return (lw_span){ .kind = LW_SPAN_HALVES,
+        return (lw_motion_span){ .kind = LW_SPAN_UNKNOWN };
+    return (lw_motion_span){ .kind = LW_SPAN_HALVES,
                       .centre = m1 == DRIVEN ? angle(w2) - angle(w1) : angle(w1) - angle(w2) };
 }
 
-lw_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step)
+lw_motion_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step)
 {
     scene c;
     set_scene(&c, plan, dim, step);
@@ -226,7 +226,7 @@ lw_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_step *step
     case LW_STEP_RRR:
     case LW_STEP_RPR: return span_of_pins(&c, dim);
     case LW_STEP_RRP: return span_of_pin_and_line(&c, dim);
-    case LW_STEP_RACK: return (lw_span){ .kind = LW_SPAN_UNKNOWN };
+    case LW_STEP_RACK: return (lw_motion_span){ .kind = LW_SPAN_UNKNOWN };
     default:          return span_of_slides(&c);
     }
 }
@@ -241,7 +241,7 @@ static double slide_end(const lw_plan *plan, const double *dim)
     return sum;
 }
 
-static lw_range ring_range(const lw_plan *plan, const double *dim, const lw_span *s, double side)
+static lw_range ring_range(const lw_plan *plan, const double *dim, const lw_motion_span *s, double side)
 {
     lw_range r = { .limits = s->has_in || s->has_out };
     bool pin = !plan->input_is_slider;
@@ -263,7 +263,7 @@ lw_status lw_motion_range(const lw_plan *plan, const double *dim, double side, l
             step = &plan->step[i];
     if (plan->n_dyad != 1 || !step)
         return LW_E_KIND;
-    lw_span s = lw_dyad_span(plan, dim, step);
+    lw_motion_span s = lw_dyad_span(plan, dim, step);
     double end = slide_end(plan, dim);
     switch (s.kind) {
     case LW_SPAN_NEVER:

@@ -43,18 +43,18 @@ static double zero(const output *o, double a, double b, double fa, int order)
     return 0.5*(a + b);
 }
 
-static int add(const output *o, double first, double last, double input, lw_turning *out, int n, int max)
+static int add(const output *o, double first, double last, double input, lw_output_limits *out, int n, int max)
 {
     if (fabs(input) < 1e-14*(last - first))
         input = 0;
     if (n < max)
-        out[n++] = (lw_turning){ o->link, o->joint, input };
+        out[n++] = (lw_output_limits){ o->link, o->joint, input };
     return n;
 }
 
 /* Turnings are changes of sign of the speed from one sample to the next that is not still: a link that
  * never moves has none. */
-static int turnings_of(const output *o, double first, double last, lw_turning *out, int n, int max)
+static int turnings_of(const output *o, double first, double last, lw_output_limits *out, int n, int max)
 {
     double step = (last - first)/N_SAMPLE;
     double a = first, fa = NAN, ga = NAN;
@@ -96,8 +96,8 @@ static int pin_on(const lw_linkage *k, int link)
     return -1;
 }
 
-int lw_turning_find(const lw_plan *plan, const lw_linkage *k, const double *dim, const double *mode,
-                    double first, double last, lw_turning *out, int max)
+int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double *dim, const double *mode,
+                    double first, double last, lw_output_limits *out, int max)
 {
     int n = 0;
     double size = size_of(k), by = plan->input_is_slider ? size : 1;

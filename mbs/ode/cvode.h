@@ -3,8 +3,8 @@
  *
  * One solver belongs to one thread.  Events are located on the solver's own continuous solution, to rounding;
  * how well that solution knows them is the tolerance. */
-#ifndef LW_MBS_CVODE_H
-#define LW_MBS_CVODE_H
+#ifndef LW_MBS_ODE_CVODE_H
+#define LW_MBS_ODE_CVODE_H
 
 #include "mbs/ode/integrate.h"
 

@@ -3,8 +3,8 @@
  *
  * Multipliers and other numbers without derivative are named in `algebraic`; they stay out of the error test, without
  * which index-2 equations (Gear, Gupta & Leimkuhler 1985) fail at the start for tight tolerances. */
-#ifndef LW_MBS_IDA_H
-#define LW_MBS_IDA_H
+#ifndef LW_MBS_ODE_IDA_H
+#define LW_MBS_ODE_IDA_H
 
 #include "mbs/ode/integrate.h"
 

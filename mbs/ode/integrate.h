@@ -7,8 +7,8 @@
  *
  * The caller drives: one call is one step, which ends at an event, at t_end, or where the error asks.
  * All memory is the caller's; nothing is allocated. */
-#ifndef LW_MBS_INTEGRATE_H
-#define LW_MBS_INTEGRATE_H
+#ifndef LW_MBS_ODE_INTEGRATE_H
+#define LW_MBS_ODE_INTEGRATE_H
 
 #include <stdbool.h>
 #include <stddef.h>

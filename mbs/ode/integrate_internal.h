@@ -1,6 +1,6 @@
 /* mbs/ode/integrate_internal.h - what integrate.c and integrate_event.c share. */
-#ifndef LW_MBS_INTEGRATE_INTERNAL_H
-#define LW_MBS_INTEGRATE_INTERNAL_H
+#ifndef LW_MBS_ODE_INTEGRATE_INTERNAL_H
+#define LW_MBS_ODE_INTEGRATE_INTERNAL_H
 
 #include "mbs/ode/integrate.h"
 

@@ -1,7 +1,7 @@
 /* mbs/ode/integrate_table_internal.h - the coefficients of DOP853 as printed with dop853.f (Hairer, Norsett &
  * Wanner 1993, section II.10; 24 to 30 digits).  tests/test_integrate.c checks their order conditions. */
-#ifndef LW_MBS_INTEGRATE_TABLE_INTERNAL_H
-#define LW_MBS_INTEGRATE_TABLE_INTERNAL_H
+#ifndef LW_MBS_ODE_INTEGRATE_TABLE_INTERNAL_H
+#define LW_MBS_ODE_INTEGRATE_TABLE_INTERNAL_H
 
 static const double rk_node[16] = {
     0, 0.526001519587677318785587544488e-01, 0.789002279381515978178381316732e-01,

@@ -5,8 +5,8 @@
  *     mean(x) = 1/x int_0^x f = int_0^1 f(x y) dy,
  * and, for what turns back at x = 0 and goes with the square of u there,
  *     root(x) = int_0^1 f(x y^2) dy,     so that    int_0^u f(u'^2) du' = u root(u^2). */
-#ifndef LW_MBS_PANEL_INTERNAL_H
-#define LW_MBS_PANEL_INTERNAL_H
+#ifndef LW_MBS_ODE_PANEL_INTERNAL_H
+#define LW_MBS_ODE_PANEL_INTERNAL_H
 
 #include "base/status.h"
 

@@ -1,7 +1,7 @@
 /* mbs/ode/sundials_internal.h - what the bridges to SUNDIALS share: one context a solver, its messages and the codes of
  * our callbacks kept instead of printed, matrices as plain columns. */
-#ifndef LW_MBS_SUNDIALS_INTERNAL_H
-#define LW_MBS_SUNDIALS_INTERNAL_H
+#ifndef LW_MBS_ODE_SUNDIALS_INTERNAL_H
+#define LW_MBS_ODE_SUNDIALS_INTERNAL_H
 
 #include <math.h>
 #include <nvector/nvector_serial.h>
@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sundials/sundials_context.h>
+#include <sundials/sundials_linearsolver.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include "base/sparse.h"
 #include "mbs/ode/integrate.h"

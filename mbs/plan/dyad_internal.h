@@ -10,8 +10,8 @@
  * Derivatives run backwards: given the adjoint of what a dyad put out (bar: derivative of some scalar by
  * it), add to the adjoints of what it took.  A direction has one number as adjoint, by its angle.  `inv`
  * is the one division a dyad's derivative needs, 0 where it does not exist. */
-#ifndef LW_MBS_DYAD_INTERNAL_H
-#define LW_MBS_DYAD_INTERNAL_H
+#ifndef LW_MBS_PLAN_DYAD_INTERNAL_H
+#define LW_MBS_PLAN_DYAD_INTERNAL_H
 
 #include "base/vec2.h"
 
@@ -32,7 +32,7 @@ LW_INLINE double lw_at_most(double a, double most) { return a < most ? a : most;
 /* ---- points and lines --------------------------------------------------------------------------- */
 
 /* o + (x + iy) d */
-LW_INLINE lw_vec2 lw_point(lw_vec2 o, lw_vec2 d, double x, double y)
+LW_INLINE lw_vec2 lw_frame_point(lw_vec2 o, lw_vec2 d, double x, double y)
 {
     return lw_v2_add(o, lw_v2_turn(lw_v2(x, y), d));
 }
@@ -46,13 +46,13 @@ typedef struct lw_rrr { lw_vec2 span; double d2, p1, p2, y, h, r1, r2; } lw_rrr;
 
 /* From a to b; where they coincide along x, as short as can be squared.  The addition changes nothing else
  * for coordinates above 1e-54. */
-LW_INLINE lw_vec2 lw_reach(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
+LW_INLINE lw_vec2 lw_joint_span(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
 
 /* met: the circles are known to meet, a constant wherever this is inlined. */
 LW_INLINE lw_rrr lw_rrr_solve_met(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode, const int met)
 {
     lw_rrr z;
-    z.span = lw_reach(a, b);
+    z.span = lw_joint_span(a, b);
     z.d2 = lw_v2_dot(z.span, z.span);
     z.r1 = lw_away_from_zero(r1);
     z.r2 = lw_away_from_zero(r2);
@@ -163,7 +163,7 @@ typedef struct lw_rpr { lw_vec2 u; double y, h, d2; } lw_rpr;
 LW_INLINE lw_rpr lw_rpr_solve(lw_vec2 a, lw_vec2 b, double e, double mode)
 {
     lw_rpr z;
-    lw_vec2 span = lw_reach(a, b);
+    lw_vec2 span = lw_joint_span(a, b);
     z.d2 = lw_v2_dot(span, span);
     z.h = z.d2 - e*e;
     int meet = z.h >= 0;

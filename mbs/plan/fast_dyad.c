@@ -1,4 +1,4 @@
-/* Recognises the plans of lw_short by their steps. */
+/* Recognises the plans of lw_fast_dyad by their steps. */
 #include "mbs/plan/plan_internal.h"
 
 /* The step of output o that puts out this register, NULL for the ground frame. */
@@ -26,7 +26,7 @@ static bool ground_point(const lw_plan *p, int o, int reg, int axis, int *dim)
     return true;
 }
 
-static bool ground_line(const lw_plan *p, int o, int q, int w, lw_short *f)
+static bool ground_line(const lw_plan *p, int o, int q, int w, lw_fast_dyad *f)
 {
     f->beta = -1;
     if (w == LW_AXIS_REG)
@@ -39,7 +39,7 @@ static bool ground_line(const lw_plan *p, int o, int q, int w, lw_short *f)
     return true;
 }
 
-static bool driven_point(const lw_plan *p, int o, int reg, lw_short *f)
+static bool driven_point(const lw_plan *p, int o, int reg, lw_fast_dyad *f)
 {
     const lw_step *s = maker(p, o, reg);
     f->r2 = f->e_in = -1;
@@ -54,9 +54,9 @@ static bool driven_point(const lw_plan *p, int o, int reg, lw_short *f)
 }
 
 /* beta is kept as number in plan.angle, like dim[2] of LINE. */
-lw_short lw_plan_shorten(const lw_plan *p, int o)
+lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *p, int o)
 {
-    lw_short f = { false, LW_STEP_RRR, -1, -1, -1, -1, -1, -1, -1 };
+    lw_fast_dyad f = { false, LW_STEP_RRR, -1, -1, -1, -1, -1, -1, -1 };
     const lw_step *dyad = maker(p, o, p->output_dir[o]);
     if (!dyad || dyad->dyad < 0 || dyad->out[0] != p->output_dir[o] ||
         p->link_origin[p->output_link[o]] != dyad->in[0] || !driven_point(p, o, dyad->in[0], &f))

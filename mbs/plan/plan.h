@@ -66,8 +66,8 @@
  * add to x0, y0, but a linkage cannot be drawn without them; the phase of a wheel that carries nothing but its own
  * pin and the tracer turns cx, cy.
  */
-#ifndef LW_MBS_PLAN_H
-#define LW_MBS_PLAN_H
+#ifndef LW_MBS_PLAN_PLAN_H
+#define LW_MBS_PLAN_PLAN_H
 
 #include <stddef.h>
 #include "grammar/linkage.h"
@@ -228,11 +228,11 @@ typedef struct lw_rack {
  * of dimensions, -1 where there is none (then the number is 0):
  *     A = r2 (cos, sin)  or  (displacement, e_in);   ground pin (b, 0), or line through (0, e) at angle beta;
  *     RRR lengths d1, d2;   RRP length d1;   RPR offset d1. */
-typedef struct lw_short {
+typedef struct lw_fast_dyad {
     bool         is_short;
     lw_step_kind dyad;
     int          r2, e_in, b, e, beta, d1, d2;
-} lw_short;
+} lw_fast_dyad;
 
 typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
@@ -265,7 +265,7 @@ typedef struct lw_plan {
     int         n_output_step[LW_TRACER_MAX];     /* the steps an output depends on, in order     */
     unsigned char output_step[LW_TRACER_MAX][LW_STEP_MAX];
     unsigned char output_keep[LW_TRACER_MAX][LW_STEP_MAX];  /* bit h: out[h] of that step is wanted for it */
-    lw_short    output_short[LW_TRACER_MAX];
+    lw_fast_dyad    output_short[LW_TRACER_MAX];
     int         i_cx[LW_TRACER_MAX], i_cy[LW_TRACER_MAX];   /* its coordinates in dim, or -1      */
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */
     int         link_dir[LW_LINK_MAX];
@@ -274,25 +274,25 @@ typedef struct lw_plan {
 } lw_plan;
 
 /* What a caller wants worked out.  Outputs are numbered 0, 1, ... in the order of the tracers. */
-typedef struct lw_want {
+typedef struct lw_plan_outputs {
     unsigned tracers;         /* bit i: tracer i                                                  */
     bool     all_joints;      /* every joint and link too (for drawings and traces)               */
-} lw_want;
+} lw_plan_outputs;
 
 /* Make the plan.  LW_E_KIND, with a text, when the linkage is not one of F = 1 with one input, has joints
  * other than pins, sliders and pins in slots, sliders that form a closed chain, parts that hold each other
  * twice and others not at all, or higher groups beyond the limits above; other failures as
  * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
-lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
+lw_status lw_plan_make_any(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
 
 /* The same with gear pairs and racks too, and for F > 1 with all inputs but one tied, where all turn on the ground; mind
  * plan->laps.  LW_E_KIND also for ratios of wheels that are not of small whole numbers, or need more than LW_LAP_MAX
  * turns, for racks on racks, and for gears without a carrier. */
-lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
+lw_status lw_plan_make_geared(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
 
 /* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;
  * others are LW_E_KIND, with a text saying which links are left over. */
-lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e);
+lw_status lw_plan_make(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
 
 /* Read dimensions, modes and input value [rad] or [m] off the posture of k (the linkage the plan was
  * made from, or another of the same topology).  LW_E_ARG when the posture contradicts itself. */

@@ -1,7 +1,7 @@
 /* mbs/plan/plan_build_internal.h - a plan while it is being made (mbs/plan/plan_steps.c, mbs/plan/plan_higher.c).  Not for users of
  * the library. */
-#ifndef LW_MBS_PLAN_BUILD_INTERNAL_H
-#define LW_MBS_PLAN_BUILD_INTERNAL_H
+#ifndef LW_MBS_PLAN_PLAN_BUILD_INTERNAL_H
+#define LW_MBS_PLAN_PLAN_BUILD_INTERNAL_H
 
 #include "mbs/plan/plan_internal.h"
 
@@ -44,9 +44,9 @@ lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin);
 
 /* The direction of a driven link from the input's; a wheel, pinion or rack; a row of a higher group, from the numbers of
  * the directions of the gear's links and its carrier (-1: they do not turn) and of a rack's displacement (-1: wheels). */
-int  lw_build_laps(lw_builder *b, int input);
-void lw_build_gear(lw_builder *b, const lw_group *g);
-void lw_build_gear_frame(lw_builder *b, const lw_group *g);
+int  lw_build_turns_per_period(lw_builder *b, int input);
+void lw_build_gear(lw_builder *b, const lw_plan_group *g);
+void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g);
 lw_higher_gear lw_build_gear_row(lw_builder *b, int joint, const int *dir, int disp);
 
 /* A link at a displacement along a line. */
@@ -54,7 +54,7 @@ void lw_build_ride(lw_builder *b, int link, int q, int w, int along);
 
 /* Frames of a higher group's links; then its step and those that follow from it. */
 void lw_build_higher_frames(lw_builder *b, const lw_cluster *c);
-void lw_build_rack_frame(lw_builder *b, const lw_group *g);
+void lw_build_rack_frame(lw_builder *b, const lw_plan_group *g);
 void lw_build_higher(lw_builder *b, const lw_cluster *c);
 void lw_build_higher_renumber(lw_higher *g, const int *to);
 void lw_build_higher_angle(lw_higher *g, int dim, int number);

@@ -18,7 +18,7 @@ static void classify(const lw_linkage *k, told *t)
 {
     int number[LW_LINK_MAX], inner[LW_LINK_MAX] = { 0 }, n = 0;
     uint32_t row[LW_LINK_MAX] = { 0 };
-    lw_circuits c;
+    lw_chain_circuits c;
     for (int i = 0; i < k->n_link; i++)
         number[i] = t->links >> i & 1 ? n++ : -1;
     for (int j = 0; j < k->n_joint; j++) {

@@ -13,7 +13,7 @@
  * All other gears are equations of the group that their wheels belong to, if need be of one wheel alone: a ratio p/q as
  *     q phi_1 - p phi_0 - (q - p) phi_c = q phi,
  * which q directions of wheel 1 fulfil.  They are told apart by the way that leads there from the seed, and come
- * after each other in q turns of wheel 0; in how many turns of the input at most is what lw_plan_gear_laps says. */
+ * after each other in q turns of wheel 0; in how many turns of the input at most is what lw_plan_gear_turns says. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <math.h>
@@ -72,7 +72,7 @@ static int centre_pin(const lw_topology *t, int wheel, int carrier)
 }
 
 /* The gear as a group, when carrier and one side are known and the other is not. */
-static bool as_group(const lw_topology *t, int joint, lw_group *g)
+static bool as_group(const lw_topology *t, int joint, lw_plan_group *g)
 {
     const lw_joint *q = &t->k->joint[joint];
     const lw_gear *gear = &t->gear[joint];
@@ -80,14 +80,14 @@ static bool as_group(const lw_topology *t, int joint, lw_group *g)
     if (t->geared[joint] || t->rank[gear->carrier] < 0 || t->rank[q->link[found]] >= 0 || t->rank[q->link[!found]] < 0)
         return false;
     int at = slider >= 0 ? slider : centre_pin(t, q->link[found], gear->carrier);
-    *g = (lw_group){ .kind = slider >= 0 ? LW_STEP_RACK : gear->slider[!found] >= 0 ? LW_STEP_ROLL : LW_STEP_GEAR,
+    *g = (lw_plan_group){ .kind = slider >= 0 ? LW_STEP_RACK : gear->slider[!found] >= 0 ? LW_STEP_ROLL : LW_STEP_GEAR,
                      .link = { q->link[found], q->link[found] }, .joint = { at, joint, at },
                      .base = { gear->carrier, q->link[!found] }, .ratio = found ? q->ratio : 1/q->ratio };
     return at >= 0;
 }
 
 /* What the wheel makes in a turn of the input; NaN: it does not turn evenly. */
-static double rate_of(const lw_topology *t, const lw_group *g)
+static double rate_of(const lw_topology *t, const lw_plan_group *g)
 {
     double c = t->rate[g->base[0]], w = t->rate[g->base[1]];
     return g->kind == LW_STEP_GEAR ? c + g->ratio*(w - c) : NAN;
@@ -102,7 +102,7 @@ static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
 }
 
 /* Take the group, and if its wheel turns evenly count in turns of the input that bring it back. */
-static lw_status take(lw_topology *t, const lw_group *g, int *known, lw_error *e)
+static lw_status take(lw_topology *t, const lw_plan_group *g, int *known, lw_error *e)
 {
     double rate = rate_of(t, g);
     int laps = t->laps;
@@ -124,7 +124,7 @@ lw_status lw_plan_tie_inputs(lw_topology *t, int *known, lw_error *e)
     lw_status s = LW_OK;
     for (int i = 1; i < k->n_input && s == LW_OK; i++) {
         int j = k->input[i].joint, link = lw_joint_other(&k->joint[j], k->ground), pin = t->pin[j];
-        const lw_group g = { .kind = LW_STEP_GEAR, .link = { link, link }, .joint = { pin, j, pin },
+        const lw_plan_group g = { .kind = LW_STEP_GEAR, .link = { link, link }, .joint = { pin, j, pin },
                              .base = { k->ground, t->driven }, .ratio = k->input[i].ratio };
         s = take(t, &g, known, e);
     }
@@ -133,7 +133,7 @@ lw_status lw_plan_tie_inputs(lw_topology *t, int *known, lw_error *e)
 
 lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e)
 {
-    lw_group g;
+    lw_plan_group g;
     *found = false;
     for (int j = 0; j < t->k->n_joint; j++) {
         if (t->k->joint[j].kind != LW_JOINT_GEAR || !as_group(t, j, &g))
@@ -173,7 +173,7 @@ static int turns_of(const lw_topology *t, const lw_cluster *c, int joint)
            || c->links >> j->link[1] & 1 ? turns : abs(q - p);
 }
 
-lw_status lw_plan_gear_laps(lw_topology *t, const lw_cluster *c, lw_error *e)
+lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e)
 {
     bool turns = t->k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE;
     for (int i = 0; i < c->n_gear; i++) {
@@ -227,7 +227,7 @@ lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin)
     return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || lw_build_is_slider(b, j) ? j : t->pin[j], first_tracer(t, link) };
 }
 
-void lw_build_gear_frame(lw_builder *b, const lw_group *g)
+void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g)
 {
     if (g->kind == LW_STEP_RACK)
         lw_build_rack_frame(b, g);
@@ -238,7 +238,7 @@ void lw_build_gear_frame(lw_builder *b, const lw_group *g)
 /* ---- steps ------------------------------------------------------------------------------------------------ */
 
 /* The direction of a driven link that makes several turns. */
-int lw_build_laps(lw_builder *b, int input)
+int lw_build_turns_per_period(lw_builder *b, int input)
 {
     if (b->t->laps == 1)
         return input;
@@ -248,7 +248,7 @@ int lw_build_laps(lw_builder *b, int input)
     return s->out[0] = lw_build_reg(b);
 }
 
-static void build_wheel(lw_builder *b, const lw_group *g)
+static void build_wheel(lw_builder *b, const lw_plan_group *g)
 {
     int wheel = g->link[0], origin = lw_build_pin(b, g->joint[0], g->base[0]);
     int phase = lw_build_dim(b, LW_ROLE_PHASE, wheel, g->joint[1], 0);
@@ -283,7 +283,7 @@ static void build_rack(lw_builder *b, int joint, int *rho, int *shift)
         p->rack[p->n_rack++] = r;
 }
 
-static void build_pinion(lw_builder *b, const lw_group *g)
+static void build_pinion(lw_builder *b, const lw_plan_group *g)
 {
     lw_plan *p = b->p;
     int slider = b->t->gear[g->joint[1]].slider[0] >= 0 ? b->t->gear[g->joint[1]].slider[0] : b->t->gear[g->joint[1]].slider[1];
@@ -303,7 +303,7 @@ static void build_pinion(lw_builder *b, const lw_group *g)
     lw_build_link(b, g->link[0], lw_build_pin(b, g->joint[0], g->base[0]), dir);
 }
 
-static void build_rack_link(lw_builder *b, const lw_group *g)
+static void build_rack_link(lw_builder *b, const lw_plan_group *g)
 {
     lw_plan *p = b->p;
     int rack = g->link[0], rho, shift;
@@ -323,7 +323,7 @@ static void build_rack_link(lw_builder *b, const lw_group *g)
     lw_build_ride(b, rack, q, w, along);
 }
 
-void lw_build_gear(lw_builder *b, const lw_group *g)
+void lw_build_gear(lw_builder *b, const lw_plan_group *g)
 {
     switch (g->kind) {
     case LW_STEP_ROLL: build_pinion(b, g); break;

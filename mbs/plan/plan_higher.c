@@ -59,7 +59,7 @@ void lw_build_higher_frames(builder *b, const lw_cluster *c)
 }
 
 /* As of a link that is reached by a slide. */
-void lw_build_rack_frame(builder *b, const lw_group *g)
+void lw_build_rack_frame(builder *b, const lw_plan_group *g)
 {
     const lw_cluster c = { .n_link = 1, .reach = { { g->base[0], g->link[0], g->joint[0] } }, .links = 1u << g->link[0],
                            .bases = 1u << g->base[0] };

@@ -1,6 +1,6 @@
 /* mbs/plan/plan_internal.h - what the files of the plan share.  Not for users of the library. */
-#ifndef LW_MBS_PLAN_INTERNAL_H
-#define LW_MBS_PLAN_INTERNAL_H
+#ifndef LW_MBS_PLAN_PLAN_INTERNAL_H
+#define LW_MBS_PLAN_PLAN_INTERNAL_H
 
 #include "mbs/plan/plan.h"
 
@@ -8,16 +8,16 @@
 #define LW_AXIS_REG   1          /* its x axis                 */
 
 /* A group as found in the topology.  Of a dyad: base[]: the known links its outer joints hang on.  Of a
- * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (see lw_group_is_gear): link[0] the wheel,
+ * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (see lw_plan_group_is_gear): link[0] the wheel,
  * pinion or rack, joint[0] its pin or slide on base[0], the carrier, joint[1] the gear, base[1] the known partner; of two
  * wheels the ratio of their speeds on the carrier. */
-typedef struct lw_group {
+typedef struct lw_plan_group {
     lw_step_kind kind;
     int  link[2], joint[3], base[2];
     bool need[2];                /* is the frame of this link wanted */
     int  cluster;
     double ratio;
-} lw_group;
+} lw_plan_group;
 
 /* The joint `joint` between link a (of the group, or known) and link b of the group. */
 typedef struct lw_tie { int a, b, joint; } lw_tie;
@@ -43,7 +43,7 @@ typedef struct lw_topology {
     int      rank[LW_LINK_MAX];           /* order in which links become known, -1: not yet */
     int      slot[LW_JOINT_MAX];          /* of a pin in a slot: the slider put behind it, else -1 */
     int      n_group, n_cluster, n_gear;
-    lw_group group[LW_DYAD_MAX + LW_HIGHER_MAX + LW_LINK_MAX];
+    lw_plan_group group[LW_DYAD_MAX + LW_HIGHER_MAX + LW_LINK_MAX];
     lw_gear  gear[LW_JOINT_MAX];          /* of gears: what they run on                    */
     bool     geared[LW_JOINT_MAX];        /* of gears: a link was found by it              */
     double   rate[LW_LINK_MAX];           /* turns a turn of the input, NaN: not even      */
@@ -63,13 +63,13 @@ lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e)
 lw_status lw_plan_start_gears(lw_topology *t, lw_error *e);
 lw_status lw_plan_tie_inputs(lw_topology *t, int *known, lw_error *e);
 lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e);
-lw_status lw_plan_gear_laps(lw_topology *t, const lw_cluster *c, lw_error *e);
+lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e);
 lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e);
 
 /* The least q for which q times a ratio is a whole number p that a plan can take; false: there is none. */
 bool lw_plan_fraction(double ratio, int *p, int *q);
 
-static inline bool lw_group_is_gear(const lw_group *g)
+static inline bool lw_plan_group_is_gear(const lw_plan_group *g)
 {
     return g->kind == LW_STEP_GEAR || g->kind == LW_STEP_ROLL || g->kind == LW_STEP_RACK;
 }
@@ -81,10 +81,10 @@ void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);
 int lw_known_link(const lw_topology *t, int joint);
 
 /* Frames, dimensions, registers and steps of what is needed (mbs/plan/plan_steps.c). */
-lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_error *e);
+lw_status lw_plan_emit(const lw_topology *t, lw_plan_outputs want, lw_plan *plan, lw_error *e);
 
 /* Is output o of the plan one of the commonest kind (mbs/plan/fast_dyad.c)? */
-lw_short lw_plan_shorten(const lw_plan *plan, int o);
+lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);
 
 /* Does link i carry a joint of this kind in the topology's linkage? */
 static inline bool lw_joint_has(const lw_joint *j, int link)

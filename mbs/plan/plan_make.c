@@ -82,7 +82,7 @@ static int inner_joint(const lw_topology *t, int a, int b)
 
 /* Kind by joints outer, inner, outer; three sliders are no dyad: two links that cannot turn against
  * each other are held in two directions by three conditions. */
-static bool dyad_kind(const lw_topology *t, lw_group *g)
+static bool dyad_kind(const lw_topology *t, lw_plan_group *g)
 {
     static const lw_step_kind kind[8] = {                /* bit set: pin; bits outer, inner, outer */
         LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
@@ -91,9 +91,9 @@ static bool dyad_kind(const lw_topology *t, lw_group *g)
     return g->kind != LW_STEP_POINT;
 }
 
-static bool try_dyad(const lw_topology *t, int a, int b, lw_group *g)
+static bool try_dyad(const lw_topology *t, int a, int b, lw_plan_group *g)
 {
-    *g = (lw_group){ .link = { a, b }, .joint = { outer_joint(t, a), inner_joint(t, a, b), outer_joint(t, b) } };
+    *g = (lw_plan_group){ .link = { a, b }, .joint = { outer_joint(t, a), inner_joint(t, a, b), outer_joint(t, b) } };
     if (g->joint[0] < 0 || g->joint[1] < 0 || g->joint[2] < 0 || !dyad_kind(t, g))
         return false;
     for (int h = 0; h < 3; h++)
@@ -102,12 +102,12 @@ static bool try_dyad(const lw_topology *t, int a, int b, lw_group *g)
     g->base[0] = lw_known_link(t, g->joint[0]);
     g->base[1] = lw_known_link(t, g->joint[2]);
     if (t->rank[g->base[0]] < t->rank[g->base[1]])
-        *g = (lw_group){ g->kind, { b, a }, { g->joint[2], g->joint[1], g->joint[0] },
+        *g = (lw_plan_group){ g->kind, { b, a }, { g->joint[2], g->joint[1], g->joint[0] },
                          { g->base[1], g->base[0] }, { false, false }, 0, 0 };
     return true;
 }
 
-static bool find_dyad(const lw_topology *t, lw_group *g)
+static bool find_dyad(const lw_topology *t, lw_plan_group *g)
 {
     for (int a = 0; a < t->k->n_link; a++)
         for (int b = a + 1; t->rank[a] < 0 && b < t->k->n_link; b++)
@@ -179,9 +179,9 @@ static lw_status add_cluster(lw_topology *t, int *known, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "more than %d higher Assur groups", LW_HIGHER_MAX);
     lw_cluster *c = &t->cluster[t->n_cluster];
     lw_status s = lw_plan_find_cluster(t, c, e);
-    if (s != LW_OK || (s = lw_plan_gear_laps(t, c, e)) != LW_OK)
+    if (s != LW_OK || (s = lw_plan_gear_turns(t, c, e)) != LW_OK)
         return s;
-    t->group[t->n_group++] = (lw_group){ .kind = LW_STEP_HIGHER, .cluster = t->n_cluster++ };
+    t->group[t->n_group++] = (lw_plan_group){ .kind = LW_STEP_HIGHER, .cluster = t->n_cluster++ };
     for (int i = 0; i < c->n_link; i++)
         t->rank[c->reach[i].b] = (*known)++;
     return LW_OK;
@@ -215,7 +215,7 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
     int known = t->driven < 0 ? 1 : 2;
     lw_status s = lw_plan_tie_inputs(t, &known, e);
     while (s == LW_OK && known < t->k->n_link) {
-        lw_group g;
+        lw_plan_group g;
         bool geared;
         s = lw_plan_find_gear(t, &known, &geared, e);
         if (s != LW_OK || geared)
@@ -235,7 +235,7 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
 
 /* Backward slice: a link is needed by an output on it, or by a needed dyad that hangs on it.  The
  * pin side of PPR needs its own pin and a direction only, not the link it slides on. */
-static void slice(lw_topology *t, lw_want want)
+static void slice(lw_topology *t, lw_plan_outputs want)
 {
     bool need[LW_LINK_MAX] = { false };
     for (int i = 0; i < t->k->n_link; i++)
@@ -244,7 +244,7 @@ static void slice(lw_topology *t, lw_want want)
         if (want.tracers >> i & 1)
             need[t->k->tracer[i].link] = true;
     for (int i = t->n_group - 1; i >= 0; i--) {
-        lw_group *g = &t->group[i];
+        lw_plan_group *g = &t->group[i];
         if (g->kind == LW_STEP_HIGHER) {
             lw_cluster *c = &t->cluster[g->cluster];
             for (int l = 0; l < t->k->n_link; l++)
@@ -296,7 +296,7 @@ static lw_status no_freedom(const lw_topology *t, lw_error *e)
                         n == 1 ? "one input needs" : "its inputs need", n);
 }
 
-static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool higher, lw_plan *plan, lw_error *e)
+static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_outputs want, bool higher, lw_plan *plan, lw_error *e)
 {
     lw_linkage wide;
     lw_status s = lw_plan_expand(k, &wide, t->slot, e);
@@ -319,7 +319,7 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_want want, bool hi
     return lw_plan_emit(t, want, plan, e);
 }
 
-static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, bool gears, lw_plan *plan,
+static lw_status check_and_make(const lw_linkage *k, lw_plan_outputs want, bool higher, bool gears, lw_plan *plan,
                                 lw_error *e)
 {
     lw_topology t = { .k = k };
@@ -336,17 +336,17 @@ static lw_status check_and_make(const lw_linkage *k, lw_want want, bool higher, 
     return s == LW_OK ? make(&t, k, want, higher, plan, e) : s;
 }
 
-lw_status lw_plan_make(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_make(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
 {
     return check_and_make(k, want, false, false, plan, e);
 }
 
-lw_status lw_plan_make_any(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_make_any(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
 {
     return check_and_make(k, want, true, false, plan, e);
 }
 
-lw_status lw_plan_make_geared(const lw_linkage *k, lw_want want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_make_geared(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
 {
     return check_and_make(k, want, true, true, plan, e);
 }

@@ -100,9 +100,9 @@ static int ground_joints(const lw_topology *t, int *joint)
     if (t->driven >= 0)
         joint[n++] = t->input_joint;
     for (int i = 0; i < t->n_group; i++) {
-        const lw_group *g = &t->group[i];
+        const lw_plan_group *g = &t->group[i];
         const lw_cluster *c = &t->cluster[g->cluster];
-        for (int side = 0; side < (lw_group_is_gear(g) ? 1 : 2) && g->kind != LW_STEP_HIGHER; side++)
+        for (int side = 0; side < (lw_plan_group_is_gear(g) ? 1 : 2) && g->kind != LW_STEP_HIGHER; side++)
             if ((g->need[0] || g->need[1]) && g->base[side] == t->k->ground)
                 joint[n++] = g->joint[2*side];
         for (int h = 0; g->kind == LW_STEP_HIGHER && c->need && h < c->n_link + c->n_loop; h++) {
@@ -180,12 +180,12 @@ static void set_frames(builder *b)
         lw_build_slider(b, t->input_joint, t->k->ground, frame[t->driven].origin);
     }
     for (int i = 0; i < t->n_group; i++) {
-        const lw_group *g = &t->group[i];
+        const lw_plan_group *g = &t->group[i];
         if (g->kind == LW_STEP_HIGHER) {
             lw_build_higher_frames(b, &t->cluster[g->cluster]);
             continue;
         }
-        if (lw_group_is_gear(g)) {
+        if (lw_plan_group_is_gear(g)) {
             lw_build_gear_frame(b, g);
             continue;
         }
@@ -285,13 +285,13 @@ static void emit_input(builder *b)
             s->in[1] = LW_AXIS_REG;
         }
         s->out[0] = lw_build_reg(b);
-        b->input_reg = is_slider(b, j) ? s->out[0] : lw_build_laps(b, s->out[0]);
+        b->input_reg = is_slider(b, j) ? s->out[0] : lw_build_turns_per_period(b, s->out[0]);
         return;
     }
     if (!is_slider(b, j)) {
         lw_step *s = lw_build_step(b, LW_STEP_INPUT_PIN);
         b->lap_reg = s->out[0] = lw_build_reg(b);
-        lw_build_link(b, t->driven, lw_build_pin(b, j, t->k->ground), lw_build_laps(b, b->lap_reg));
+        lw_build_link(b, t->driven, lw_build_pin(b, j, t->k->ground), lw_build_turns_per_period(b, b->lap_reg));
         return;
     }
     lw_build_line(b, j, t->k->ground, &q, &w);
@@ -303,7 +303,7 @@ static void emit_input(builder *b)
         b->pin_reg[b->p->frame[t->driven].origin] = s->out[0];
 }
 
-static void emit_rrr(builder *b, const lw_group *g)
+static void emit_rrr(builder *b, const lw_plan_group *g)
 {
     int in0 = lw_build_pin(b, g->joint[0], g->base[0]), in1 = lw_build_pin(b, g->joint[2], g->base[1]);
     int r0 = lw_build_dim(b, LW_ROLE_R, g->link[0], b->t->pin[g->joint[1]], 0);
@@ -319,7 +319,7 @@ static void emit_rrr(builder *b, const lw_group *g)
     s->dyad = b->p->n_dyad;
 }
 
-static void emit_rrp(builder *b, const lw_group *g)
+static void emit_rrp(builder *b, const lw_plan_group *g)
 {
     int pin = is_slider(b, g->joint[0]), slide = !pin, q, w;       /* sides of the dyad */
     int in0 = lw_build_pin(b, g->joint[2*pin], g->base[pin]);
@@ -336,7 +336,7 @@ static void emit_rrp(builder *b, const lw_group *g)
     s->dyad = b->p->n_dyad;
 }
 
-static void emit_rpr(builder *b, const lw_group *g)
+static void emit_rpr(builder *b, const lw_plan_group *g)
 {
     int in0 = lw_build_pin(b, g->joint[0], g->base[0]), in1 = lw_build_pin(b, g->joint[2], g->base[1]);
     int e = lw_build_dim(b, LW_ROLE_E, g->link[0], g->joint[1], 0);
@@ -351,7 +351,7 @@ static void emit_rpr(builder *b, const lw_group *g)
     s->dyad = b->p->n_dyad;
 }
 
-static void emit_prp(builder *b, const lw_group *g)
+static void emit_prp(builder *b, const lw_plan_group *g)
 {
     int q[2], w[2];
     lw_build_line(b, g->joint[0], g->base[0], &q[0], &w[0]);
@@ -369,7 +369,7 @@ static void emit_prp(builder *b, const lw_group *g)
 
 /* The link between the two sliders meets the path of the other link's pin; it needs no turning, so
  * that both links have the direction of the outer slide. */
-static void emit_ppr(builder *b, const lw_group *g)
+static void emit_ppr(builder *b, const lw_plan_group *g)
 {
     int pin = is_slider(b, g->joint[0]), slide = !pin, q, w;
     int in = lw_build_pin(b, g->joint[2*pin], g->base[pin]);
@@ -395,7 +395,7 @@ static void emit_ppr(builder *b, const lw_group *g)
 static void emit_groups(builder *b)
 {
     for (int i = 0; i < b->t->n_group; i++) {
-        const lw_group *g = &b->t->group[i];
+        const lw_plan_group *g = &b->t->group[i];
         if (g->kind == LW_STEP_HIGHER && b->t->cluster[g->cluster].need)
             lw_build_higher(b, &b->t->cluster[g->cluster]);
         if (!g->need[0] && !g->need[1])
@@ -417,7 +417,7 @@ static void emit_groups(builder *b)
 
 /* ---- outputs ------------------------------------------------------------------------------------ */
 
-static void emit_outputs(builder *b, lw_want want)
+static void emit_outputs(builder *b, lw_plan_outputs want)
 {
     lw_plan *p = b->p;
     for (int i = 0; i < b->t->k->n_tracer; i++) {
@@ -537,12 +537,12 @@ static void number_links(builder *b)
     if (t->driven >= 0)
         p->link[p->n_link++] = t->driven;
     for (int i = 0; i < t->n_group; i++) {
-        const lw_group *g = &t->group[i];
+        const lw_plan_group *g = &t->group[i];
         const lw_cluster *c = &t->cluster[g->cluster];
         for (int l = 0; g->kind == LW_STEP_HIGHER && c->need && l < c->n_link; l++)
             p->link[p->n_link++] = c->reach[l].b;
         bool any = g->need[0] || g->need[1], alone = g->kind == LW_STEP_PPR;
-        for (int s = 0; s < (lw_group_is_gear(g) ? 1 : 2); s++)
+        for (int s = 0; s < (lw_plan_group_is_gear(g) ? 1 : 2); s++)
             if (any && (g->need[s] || !alone || !is_slider(b, g->joint[2*s])))
                 p->link[p->n_link++] = g->link[s];
     }
@@ -597,7 +597,7 @@ static void set_modes(builder *b)
     b->full |= p->n_mode > LW_MODE_MAX;
 }
 
-lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_emit(const lw_topology *t, lw_plan_outputs want, lw_plan *plan, lw_error *e)
 {
     builder b = { .t = t, .p = plan };
     start(&b);
@@ -616,6 +616,6 @@ lw_status lw_plan_emit(const lw_topology *t, lw_want want, lw_plan *plan, lw_err
     for (int o = 0; o < plan->n_output; o++)
         slice_output(plan, o);
     for (int o = 0; o < plan->n_output; o++)
-        plan->output_short[o] = lw_plan_shorten(plan, o);
+        plan->output_short[o] = lw_plan_find_fast_dyad(plan, o);
     return LW_OK;
 }

@@ -59,14 +59,14 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
         reg[out[0]] = lw_v2_polar(1, input);
         return 1;
     case LW_STEP_INPUT_SLIDE:
-        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], input, 0);
+        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], input, 0);
         return 1;
     case LW_STEP_POINT:
-        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], value(dim, s->dim[0]), value(dim, s->dim[1]));
+        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], value(dim, s->dim[0]), value(dim, s->dim[1]));
         return 1;
     case LW_STEP_LINE:
         reg[out[1]] = lw_v2_turn(lw_v2_polar(1, dim[s->dim[1]]), reg[in[1]]);
-        reg[out[0]] = lw_point(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
+        reg[out[0]] = lw_frame_point(reg[in[0]], reg[out[1]], 0, value(dim, s->dim[0]));
         return 1;
     case LW_STEP_RRR:
         return solve_rrr(s, dim, sign, reg);
@@ -88,7 +88,7 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
         reg[out[0]] = solve_gear(s, dim, reg);
         return 1;
     case LW_STEP_SLIDE:
-        reg[out[0]] = lw_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
+        reg[out[0]] = lw_frame_point(reg[in[0]], reg[in[1]], reg[in[2]].x, 0);
         return 1;
     case LW_STEP_ALONG:
         reg[out[0]] = lw_v2(lw_v2_dot(lw_v2_sub(reg[in[2]], reg[in[0]]), reg[in[1]]), 0);
@@ -107,7 +107,7 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
 }
 
 /* Directions and displacements of a higher group from its seat. */
-static void take_seat(const lw_higher *g, const lw_seat *seat, lw_vec2 *reg)
+static void take_seat(const lw_higher *g, const lw_group_pose *seat, lw_vec2 *reg)
 {
     const double *row = seat->row + g->first_row;
     for (int a = 0; a < g->n_turn; a++, row += 2)
@@ -116,15 +116,15 @@ static void take_seat(const lw_higher *g, const lw_seat *seat, lw_vec2 *reg)
         reg[g->disp_reg[d]] = lw_v2(*row++, 0);
 }
 
-static double find_seat(const lw_plan *plan, const double *dim, const double *mode, double input, lw_seat *seat)
+static double find_seat(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_pose *seat)
 {
-    double work[LW_FOLLOW_MAX];
+    double work[LW_CONTINUATION_MAX];
     plan->kernels->seat(plan, dim, mode, input, work, seat);
     return seat->margin;
 }
 
 /* seat: where the higher groups are, for plans that have some. */
-static double registers(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_seat *seat,
+static double registers(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_group_pose *seat,
                         lw_vec2 *reg)
 {
     double margin = 1;
@@ -143,14 +143,14 @@ double lw_pose_registers(const lw_plan *plan, const double *dim, const double *m
 {
     if (!plan->n_higher)
         return registers(plan, dim, mode, input, NULL, reg);
-    lw_seat seat;
+    lw_group_pose seat;
     double margin = find_seat(plan, dim, mode, input, &seat);
     return fmin(margin, registers(plan, dim, mode, input, &seat, reg));
 }
 
 lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode)
 {
-    lw_seat seat;
+    lw_group_pose seat;
     if (!plan->n_higher)
         return LW_OK;
     if (!(find_seat(plan, dim, mode, input, &seat) > 0))
@@ -477,7 +477,7 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
 }
 
 /* All steps, from a pose without derivatives. */
-static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_seat *seat, jet2 *reg)
+static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_group_pose *seat, jet2 *reg)
 {
     const double *inverse = seat->inverse;
     for (int i = 0; i < plan->n_step; i++) {
@@ -568,7 +568,7 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
         return LW_E_ARG;
     memset(pose, 0, sizeof *pose);
     pose->input = input;
-    lw_seat seat;
+    lw_group_pose seat;
     double least = plan->n_higher ? find_seat(plan, dim, mode, input, &seat) : 1;
     pose->margin = fmin(least, registers(plan, dim, mode, input, &seat, flat));
     sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };

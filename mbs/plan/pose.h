@@ -1,7 +1,7 @@
 /* mbs/plan/pose.h - one pose of one linkage in full: joints, links, and their derivatives by the input up
  * to the third order.  Exact (truncated Taylor arithmetic through the plan), not differenced. */
-#ifndef LW_MBS_POSE_H
-#define LW_MBS_POSE_H
+#ifndef LW_MBS_PLAN_POSE_H
+#define LW_MBS_PLAN_POSE_H
 
 #include "mbs/plan/plan.h"
 

@@ -4,8 +4,8 @@
  * The argument less the nearest multiple of pi/2 (subtracted in three parts, Cody & Waite 1980), then the
  * Taylor series to x^17, whose remainder on |x| <= pi/4 is below 1e-19.  Error at most 2 units in the
  * last place of 1 for |x| < LW_SINCOS_MAX; larger arguments are not for this function. */
-#ifndef LW_MBS_SINCOS_INTERNAL_H
-#define LW_MBS_SINCOS_INTERNAL_H
+#ifndef LW_MBS_PLAN_SINCOS_INTERNAL_H
+#define LW_MBS_PLAN_SINCOS_INTERNAL_H
 
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/plan/plan.h"

@@ -5,8 +5,8 @@
  *     RRRR four-bar             RRRP slider-crank          RRPR inverted slider-crank
  *     RPRR slotted crank        PRRP elliptic trammel      PRRR slider-driven crank
  *     RPRP  RRPP  RPPR  PRPR ...  the rest that moves with F = 1 */
-#ifndef LW_MBS_TYPES_H
-#define LW_MBS_TYPES_H
+#ifndef LW_MBS_PLAN_TYPES_H
+#define LW_MBS_PLAN_TYPES_H
 
 #include "mbs/plan/plan.h"
 

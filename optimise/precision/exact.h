@@ -5,8 +5,8 @@
  * the guides that suit all of them, and any two guides are a linkage (Burmester 1888; Bottema & Roth
  * 1979, ch. 8).  A function is a motion of the output seen from the input (Freudenstein 1955); a path has
  * poses whose angles are free (Wampler, Morgan & Sommese 1992). */
-#ifndef LW_OPTIMISE_EXACT_H
-#define LW_OPTIMISE_EXACT_H
+#ifndef LW_OPTIMISE_PRECISION_EXACT_H
+#define LW_OPTIMISE_PRECISION_EXACT_H
 
 #include "base/vec2.h"
 #include "optimise/search/fit.h"

@@ -1,6 +1,6 @@
 /* optimise/precision/exact_internal.h - what the parts of exact synthesis share. */
-#ifndef LW_OPTIMISE_EXACT_INTERNAL_H
-#define LW_OPTIMISE_EXACT_INTERNAL_H
+#ifndef LW_OPTIMISE_PRECISION_EXACT_INTERNAL_H
+#define LW_OPTIMISE_PRECISION_EXACT_INTERNAL_H
 
 #include "optimise/precision/exact.h"
 

@@ -76,7 +76,7 @@ static kind *kind_of(lw_ranking *r, const char *letters)
         return NULL;
     now->family = f;
     lw_family_linkage(f, r->o->spec.task, &now->k);
-    if (lw_plan_make(&now->k, (lw_want){ .tracers = 1, .all_joints = true }, &now->plan, NULL) != LW_OK) {
+    if (lw_plan_make(&now->k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, &now->plan, NULL) != LW_OK) {
         free(now);
         return NULL;
     }
@@ -265,22 +265,22 @@ static bool moves_as_asked(const lw_ranking *r, const kind *w, const lw_candidat
     enum { ROUND = 180 };
     const lw_fit_spec *s = &r->o->spec;
     lw_range range;
-    lw_way way = lw_way_begin();
+    lw_motion_limits way = lw_motion_limits_begin();
     if (!(s->min_transmission > 0 || s->max_acceleration > 0 || s->n_zone > 0))
         return true;
     bool turns = !w->plan.input_is_slider && lw_motion_range(&w->plan, c->dim, r->mode[0], &range) == LW_OK
               && range.turns;
     for (size_t i = 0; i + 1 < r->t->n && !turns; i++) {
         double mode[LW_DYAD_MAX] = { r->mode[i] };
-        lw_way_run(&w->plan, s, c->dim, mode, r->input[i], r->input[i + 1], WAY, &way);
+        lw_motion_limits_run(&w->plan, s, c->dim, mode, r->input[i], r->input[i + 1], WAY, &way);
         if (r->mode[i] != r->mode[i + 1]) {                  /* over a dead point                      */
             way.margin_least = 0;
             way.acceleration = INFINITY;
         }
     }
     if (turns)
-        lw_way_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &way);
-    return lw_way_meets(&way, s, &w->k, r->size, NULL, 0);
+        lw_motion_limits_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &way);
+    return lw_motion_limits_meets(&way, s, &w->k, r->size, NULL, 0);
 }
 
 /* Does it meet the bounds that were asked for? */

@@ -1,6 +1,6 @@
 /* optimise/precision/exact_track_internal.h - the nine-point equations and the tracker, for exact_ninepoint.c and tests. */
-#ifndef LW_OPTIMISE_EXACT_TRACK_INTERNAL_H
-#define LW_OPTIMISE_EXACT_TRACK_INTERNAL_H
+#ifndef LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
+#define LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 
 #include <math.h>
 #include <stdbool.h>

@@ -68,14 +68,14 @@ static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
 static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_swing *s = &w->swing;
-    lw_cycle *c = &w->cycle;
-    if (lw_cycle_find(&p->plan, x, p->branch.mode, p->branch.mid*input_unit(p, x), w->batch, c) != LW_OK)
+    lw_closed_motion *c = &w->cycle;
+    if (lw_closed_motion_find(&p->plan, x, p->branch.mode, p->branch.mid*input_unit(p, x), w->batch, c) != LW_OK)
         return false;
     s->turning = c->n == 0;
     s->n = c->n;
     s->gain = c->gain;
     for (int j = 0; j < c->n; j++) {
-        double first = lw_cycle_first(c, j), last = c->leg[j].last;
+        double first = lw_closed_motion_first(c, j), last = c->leg[j].last;
         set_stroke(p, s, j, 0.5*(first + last), 0.5*fabs(last - first), c->leg[j].mode);
         if (!(s->stroke[j].half > 0))
             return false;
@@ -143,7 +143,7 @@ static void cycle_slopes(const lw_problem *p, const double *x, lw_work *w)
 {
     double by[LW_LEG_MAX*LW_DIM_MAX];
     lw_swing *s = &w->swing;
-    lw_cycle_slopes(&p->plan, x, &w->cycle, w->batch, by);
+    lw_closed_motion_slopes(&p->plan, x, &w->cycle, w->batch, by);
     for (int j = 0; j < s->n; j++)
         for (int d = 0; d < p->n_dim; d++) {
             double first = by[(j > 0 ? j - 1 : s->n - 1)*LW_DIM_MAX + d], last = by[j*LW_DIM_MAX + d];
@@ -206,10 +206,10 @@ double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
 
 /* ---- places on it ----------------------------------------------------------------------------------- */
 
-lw_spot lw_circuit_spot(const lw_problem *p, const lw_work *w, double phase)
+lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase)
 {
     const lw_swing *s = &w->swing;
-    lw_spot at = { .around = phase, .input = phase, .rate = 1 };
+    lw_cycle_point at = { .around = phase, .input = phase, .rate = 1 };
     if (s->turning) {
         at.c = at.psi_c = cos(phase);
         at.s = at.psi_s = sin(phase);
@@ -240,7 +240,7 @@ void lw_circuit_lanes(const lw_problem *p, lw_work *w, size_t n)
 {
     bool modes = lw_problem_has_modes(p);
     for (size_t k = 0; k < n; k++) {
-        lw_spot at = lw_circuit_spot(p, w, w->phase[k]);
+        lw_cycle_point at = lw_circuit_point(p, w, w->phase[k]);
         w->c[k] = at.c;
         w->s[k] = at.s;
         w->input[k] = at.input;

@@ -45,7 +45,7 @@ double lw_problem_way(const lw_problem *p, const lw_work *w, double share, doubl
     *leg = 0;
     if (lw_problem_has_modes(p)) {
         double way = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
-        lw_spot at = lw_circuit_spot(p, w, w->phase[0] + way*share);
+        lw_cycle_point at = lw_circuit_point(p, w, w->phase[0] + way*share);
         lw_circuit_put_mode(p, w, at.leg, mode, 1);
         *leg = at.leg;
         return at.input;

@@ -7,8 +7,8 @@
  * The conditions are Grashof's and their like, written so that each is linear: a four-bar's input is
  * the shortest link and turns fully exactly when each sum of r2 and one other link is at most the
  * sum of the remaining two.  Absolute values of offsets become two rows. */
-#ifndef LW_OPTIMISE_FAMILY_H
-#define LW_OPTIMISE_FAMILY_H
+#ifndef LW_OPTIMISE_PROBLEM_FAMILY_H
+#define LW_OPTIMISE_PROBLEM_FAMILY_H
 
 #include "optimise/problem/problem.h"
 

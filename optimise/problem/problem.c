@@ -17,7 +17,7 @@ const char *lw_problem_variable(const lw_problem *p, int i)
         return p->plan.dim[i].name;
     if (i == p->i_input0)
         return "input0";
-    static const char *const tool[LW_POINT_MAX] = { "tool0", "tool2", "tool3", "tool4" };
+    static const char *const tool[LW_PROBLEM_TRACER_MAX] = { "tool0", "tool2", "tool3", "tool4" };
     int k = p->n_also;
     while (k > 0 && p->also[k - 1].i_tool != i)
         k--;
@@ -116,7 +116,7 @@ static double margin_of_circuit(const lw_problem *p, const double *x, double shi
     if (!lw_circuit_find(p, x, w))
         return -1;
     for (size_t k = 0; k < n; k++) {
-        lw_spot at = lw_circuit_spot(p, w, 2*LW_PI*((double)k + shift)/(double)n);
+        lw_cycle_point at = lw_circuit_point(p, w, 2*LW_PI*((double)k + shift)/(double)n);
         w->pose_c[k] = at.c;
         w->pose_s[k] = at.s;
         part[k] = w->swing.turning ? 1 : fmax(at.psi_s*at.psi_s, 1e-9);
@@ -290,7 +290,7 @@ double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool de
     if (derivatives) {
         station_rows(p, w);
         if (p->timing != LW_TIMING_PRESCRIBED)
-            lw_problem_eliminate(p, x, w);
+            lw_variable_projection(p, x, w);
     }
     if (p->timing == LW_TIMING_NONE)
         sample_residuals(p, x, w, derivatives);
@@ -306,7 +306,7 @@ bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w)
         lw_problem_prescribe(p, x, w);
         return lw_problem_lanes(p, x, w);
     }
-    return lw_assign(p, x, w) && lw_assign_refine(p, x, w, 60);
+    return lw_timing_assign(p, x, w) && lw_timing_refine(p, x, w, 60);
 }
 
 double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work)

@@ -16,8 +16,8 @@
  * The assignment is part of f, worked out inside; f is differentiable through it (envelope theorem).
  *
  * Subsidiary conditions are g(x) >= 0: first the linear ones (rows of `linear`), then the others. */
-#ifndef LW_OPTIMISE_PROBLEM_H
-#define LW_OPTIMISE_PROBLEM_H
+#ifndef LW_OPTIMISE_PROBLEM_PROBLEM_H
+#define LW_OPTIMISE_PROBLEM_PROBLEM_H
 
 #include <stdint.h>
 #include "mbs/plan/types.h"
@@ -94,14 +94,14 @@ lw_fit_spec lw_fit_spec_default(void);
 struct lw_family;
 
 /* Which of its motions a linkage is meant to make. */
-typedef struct lw_course {
+typedef struct lw_intended_motion {
     double mode[LW_MODE_MAX];            /* assembly, see mbs/plan/plan.h                               */
     int    sense;                        /* +1: stations follow a rising input, -1: a falling one  */
     bool   turns;                        /* the input must turn fully                              */
     double mid, half;                    /* of any linkage whose input does not: its way, mid +- half, in
                                           * which it must close, [rad] or scaled                   */
     bool   through;                      /* over its limits instead, the circuit through `mid` in `mode` */
-} lw_course;
+} lw_intended_motion;
 
 /* What one point has to do at the stations, scaled. */
 typedef struct lw_aim {
@@ -114,7 +114,7 @@ typedef struct lw_aim {
 typedef struct lw_problem {
     const struct lw_family *family;
     lw_plan      plan;
-    lw_course    branch;                 /* of this run                                            */
+    lw_intended_motion    branch;                 /* of this run                                            */
     bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
     lw_task      task;
     lw_timing    timing;

@@ -1,15 +1,15 @@
 /* optimise/problem/problem_internal.h - what problem.c, the assignment and the least-squares core share:
  * the scratch of one thread, and residual rows with the inputs of free stations eliminated. */
-#ifndef LW_OPTIMISE_PROBLEM_INTERNAL_H
-#define LW_OPTIMISE_PROBLEM_INTERNAL_H
+#ifndef LW_OPTIMISE_PROBLEM_PROBLEM_INTERNAL_H
+#define LW_OPTIMISE_PROBLEM_PROBLEM_INTERNAL_H
 
 #include "mbs/batch/batch.h"
 #include "mbs/kinematics/closed_motion.h"
 #include "optimise/problem/problem.h"
 
 #define LW_CURVE_SAMPLES 64      /* poses over one turn from which an assignment starts            */
-#define LW_POINT_MAX (1 + LW_ALSO_MAX)
-#define LW_ROW_MAX   (3*LW_POINT_MAX)   /* residuals a station has at most: x, y, angle of each point */
+#define LW_PROBLEM_TRACER_MAX (1 + LW_ALSO_MAX)
+#define LW_PROBLEM_ROW_MAX   (3*LW_PROBLEM_TRACER_MAX)   /* residuals a station has at most: x, y, angle of each point */
 
 /* Of a further point: its lanes, and its curve at the samples. */
 typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
@@ -30,7 +30,7 @@ typedef struct lw_swing {
 
 /* A place on it: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the phase,
  * the stroke, the phase within the first turn of it, cos and sin of psi. */
-typedef struct lw_spot { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_spot;
+typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_cycle_point;
 
 typedef struct lw_work {
     size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
@@ -38,7 +38,7 @@ typedef struct lw_work {
     double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
     double *mode;                /* assembly of each lane, where they have their own: mode[dyad*ld + lane] */
     short  *leg;                 /* its stroke                                                     */
-    double *around, *psi_c, *psi_s;      /* as of lw_spot                                          */
+    double *around, *psi_c, *psi_s;      /* as of lw_cycle_point                                          */
     double *c, *s;               /* cosine and sine of the input                                   */
     lw_jacobian jac;             /* of every lane                                                  */
     lw_also_work also[LW_ALSO_MAX];
@@ -50,7 +50,7 @@ typedef struct lw_work {
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
     lw_swing swing;
-    lw_cycle cycle;
+    lw_closed_motion cycle;
     double   least_margin;
     /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
     double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
@@ -132,7 +132,7 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 double lw_circuit_drift(const lw_work *w, size_t k, size_t d);
 
 /* Where a phase lies; the assembly of a stroke into mode[dyad*stride]. */
-lw_spot lw_circuit_spot(const lw_problem *p, const lw_work *w, double phase);
+lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase);
 void    lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride);
 
 /* Lanes 0 .. n - 1 at their phases. */
@@ -158,29 +158,29 @@ bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w);
 double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives);
 
 /* How the weighted residuals of station k change with its input; returns the square of that. */
-double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_ROW_MAX]);
+double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_PROBLEM_ROW_MAX]);
 
 /* The curve at LW_CURVE_SAMPLES inputs. */
-void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w);
+void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w);
 
 /* The inputs of free stations from scratch: the best monotone assignment to curve samples. */
-bool lw_assign(const lw_problem *p, const double *x, lw_work *w);
+bool lw_timing_assign(const lw_problem *p, const double *x, lw_work *w);
 
 /* Improve them by Newton steps that keep the order, until they rest or `steps` are used up; the best are kept.
  * jac is that of the inputs left behind. false when the linkage cannot close there. */
-bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
+bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
 
 /* Move inputs to the nearest ones in order, one turn at most from first to last (least weighted squares;
  * pool adjacent violators, round the turn). */
-void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch);
+void lw_timing_order(const lw_problem *p, double *theta, const double *weight, double *scratch);
 
 /* Timing none: nearest points of the target polygon to the curve samples x, y. */
-void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y);
+void lw_timing_samples(const lw_problem *p, lw_work *w, const double *x, const double *y);
 
 /* Does the order hold station k and the next one (after the last, the first a turn on) at one input? */
-bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k);
+bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k);
 
 /* Rows of derivatives with the inputs of stations eliminated; tie, slip and slide. */
-void lw_problem_eliminate(const lw_problem *p, const double *x, lw_work *w);
+void lw_variable_projection(const lw_problem *p, const double *x, lw_work *w);
 
 #endif

@@ -6,12 +6,12 @@
 
 enum { M = LW_CURVE_SAMPLES };
 
-void lw_assign_sample(const lw_problem *p, const double *x, lw_work *w)
+void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
     bool modes = lw_problem_has_modes(p);
     for (int j = 0; j < M && !p->branch.turns; j++) {
-        lw_spot at = lw_circuit_spot(p, w, w->turn[j]);
+        lw_cycle_point at = lw_circuit_point(p, w, w->turn[j]);
         w->turn_c[j] = at.c;
         w->turn_s[j] = at.s;
         if (modes)
@@ -163,14 +163,14 @@ static void between_samples(const lw_problem *p, lw_work *w)
             w->phase[i] += width*fmax(-0.49, fmin(0.49, s/t2));
     }
     if (p->timing == LW_TIMING_FREE)
-        lw_assign_order(p, w->phase, w->try_theta, w->pool);
+        lw_timing_order(p, w->phase, w->try_theta, w->pool);
 }
 
-bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
+bool lw_timing_assign(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_circuit_find(p, x, w))
         return false;
-    lw_assign_sample(p, x, w);
+    lw_timing_sample(p, x, w);
     fill_costs(p, x, w);
     bool found = true;
     if (p->timing == LW_TIMING_NONE)
@@ -180,7 +180,7 @@ bool lw_assign(const lw_problem *p, const double *x, lw_work *w)
     if (found)
         between_samples(p, w);
     if (p->timing == LW_TIMING_NONE)
-        lw_assign_samples(p, w, w->curve_x, w->curve_y);
+        lw_timing_samples(p, w, w->curve_x, w->curve_y);
     return found;
 }
 
@@ -227,7 +227,7 @@ static void pool_round_the_turn(blocks *b)
         b->mean[k] = mean + 2*LW_PI;
 }
 
-void lw_assign_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
+void lw_timing_order(const lw_problem *p, double *theta, const double *weight, double *scratch)
 {
     blocks b = { .mean = scratch, .mass = scratch + p->n, .size = scratch + 2*p->n };
     pool_blocks(p, theta, weight, &b);
@@ -237,7 +237,7 @@ void lw_assign_order(const lw_problem *p, double *theta, const double *weight, d
             theta[i++] = p->branch.sense*b.mean[k];
 }
 
-bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
+bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k)
 {
     if (p->timing != LW_TIMING_FREE || p->n < 2)
         return false;
@@ -250,7 +250,7 @@ bool lw_assign_joined(const lw_problem *p, const lw_work *w, size_t k)
 static void propose(const lw_problem *p, lw_work *w, bool have_old)
 {
     double *old = w->try_theta, *slope_old = old + w->ld, *curvature = old + 2*w->ld;
-    double t[LW_ROW_MAX];
+    double t[LW_PROBLEM_ROW_MAX];
     for (size_t k = 0; k < p->n; k++) {
         double t2 = lw_problem_tangent(p, w, k, t), slope = 0;
         for (int i = 0; i < w->n_row; i++)
@@ -284,7 +284,7 @@ static double shorten(const lw_problem *p, lw_work *w)
     return longest;
 }
 
-bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
+bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
     const double rounding = 1e-9;      /* f so little above the least is as good: f is flat there, and going back to its */
                                        /* least would keep only half the digits of the inputs                           */
@@ -308,7 +308,7 @@ bool lw_assign_refine(const lw_problem *p, const double *x, lw_work *w, int step
         }
         propose(p, w, i > 0);
         if (p->timing == LW_TIMING_FREE)
-            lw_assign_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
+            lw_timing_order(p, w->phase, w->try_theta + 2*w->ld, w->pool);
         if (shorten(p, w) < 1e-12)
             steps = i + 1;
     }
@@ -370,7 +370,7 @@ static double covered_span(const lw_problem *p, const lw_work *w)
     return 2*inside + 2 >= p->n ? rise : rise - 2*LW_PI;
 }
 
-void lw_assign_samples(const lw_problem *p, lw_work *w, const double *x, const double *y)
+void lw_timing_samples(const lw_problem *p, lw_work *w, const double *x, const double *y)
 {
     double total = 0, span = covered_span(p, w);
     for (size_t i = 0; i < p->n; i++)

@@ -5,7 +5,7 @@
 
 #include "optimise/problem/problem_internal.h"
 
-double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_ROW_MAX])
+double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_PROBLEM_ROW_MAX])
 {
     double s = 0;
     int row = 0;
@@ -29,7 +29,7 @@ static void project(const lw_problem *p, const lw_work *w, size_t first, size_t 
                     double *slip)
 {
     size_t ld = w->ld, nv = (size_t)p->n_var;
-    double t[LW_ROW_MAX];
+    double t[LW_PROBLEM_ROW_MAX];
     memset(by, 0, sizeof *by*nv);
     for (size_t q = 0; q < count; q++) {
         size_t k = (first + q) % p->n;
@@ -45,7 +45,7 @@ static void project(const lw_problem *p, const lw_work *w, size_t first, size_t 
 static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_t count)
 {
     size_t ld = w->ld, nv = (size_t)p->n_var;
-    double t[LW_ROW_MAX], t2 = 0, mass = 0, by[LW_VAR_MAX], slip = 0;
+    double t[LW_PROBLEM_ROW_MAX], t2 = 0, mass = 0, by[LW_VAR_MAX], slip = 0;
     for (size_t q = 0; q < count; q++) {
         size_t k = (first + q) % p->n;
         t2 += lw_problem_tangent(p, w, k, t);
@@ -75,7 +75,7 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
  * leave together. Sizes of these in w->pool + 2 ld; how many they are. */
 static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
 {
-    double *mean = w->pool, *mass = mean + w->ld, *size = mass + w->ld, t[LW_ROW_MAX];
+    double *mean = w->pool, *mass = mean + w->ld, *size = mass + w->ld, t[LW_PROBLEM_ROW_MAX];
     size_t top = 0;
     for (size_t q = 0; q < count; q++) {
         size_t k = (first + q) % p->n;
@@ -95,16 +95,16 @@ static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
     return top;
 }
 
-void lw_problem_eliminate(const lw_problem *p, const double *x, lw_work *w)
+void lw_variable_projection(const lw_problem *p, const double *x, lw_work *w)
 {
     size_t n = p->n, start = 0, count;
     lw_circuit_slopes(p, x, w);
-    while (start < n && lw_assign_joined(p, w, (n - start - 1) % n))
+    while (start < n && lw_timing_joined(p, w, (n - start - 1) % n))
         start++;                                         /* back to where a block begins          */
     for (size_t done = 0; done < n; done += count) {
         size_t first = (n - start % n + done) % n;
         count = 1;
-        while (done + count < n && lw_assign_joined(p, w, (first + count - 1) % n))
+        while (done + count < n && lw_timing_joined(p, w, (first + count - 1) % n))
             count++;
         size_t parts = count > 1 ? part(p, w, first, count) : 1;
         const double *size = w->pool + 2*w->ld;

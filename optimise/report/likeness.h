@@ -7,8 +7,8 @@
  *     chamfer    half of: from each target point to the nearest place of the curve, and the other way
  *     ordered    between points of equal rank, at the best shift (closed curves) and sense
  * (Nobari et al. 2024, "LInK", report both; they add the two directions of the Chamfer distance.) */
-#ifndef LW_OPTIMISE_LIKENESS_H
-#define LW_OPTIMISE_LIKENESS_H
+#ifndef LW_OPTIMISE_REPORT_LIKENESS_H
+#define LW_OPTIMISE_REPORT_LIKENESS_H
 
 #include "optimise/task/target.h"
 #include "base/vec2.h"

@@ -17,7 +17,7 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
 {
     lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return st == LW_OK ? lw_plan_make_geared(k, (lw_want){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
+    return st == LW_OK ? lw_plan_make_geared(k, (lw_plan_outputs){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
                        : st;
 }
 
@@ -87,7 +87,7 @@ static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candi
     }
 }
 
-static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_report *r)
+static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_fit_report *r)
 {
     double n = (double)t->n;
     bool path = s->task != LW_TASK_FUNCTION, angle = s->task != LW_TASK_PATH;
@@ -113,7 +113,7 @@ static void errors_of_further(const lw_also *a, double n, const sums *sum, lw_al
 
 /* at: positions, n of each point. */
 static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                                const lw_plan *plan, lw_vec2 *at, lw_report *r)
+                                const lw_plan *plan, lw_vec2 *at, lw_fit_report *r)
 {
     sums sum[1 + LW_ALSO_MAX] = { { .f = 0 } };
     for (size_t i = 0; i < t->n; i++) {
@@ -151,7 +151,7 @@ enum { LOOKS = 720 };             /* at a motion                                
 
 /* Over [from, to] in one mode: the farthest the tracer goes from the target. */
 static void stray(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes, double from,
-                  double to, lw_report *r)
+                  double to, lw_fit_report *r)
 {
     lw_pose pose;
     for (int k = 0; k <= LOOKS; k++)
@@ -170,7 +170,7 @@ static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c
     return at >= 0 ? at : lw_motion_arc(plan, m, modes, c->input[0]);
 }
 
-void lw_report_reversal(lw_report *r, bool limit, int joint, double input)
+void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double input)
 {
     const lw_joint *j = &r->linkage.joint[joint];
     if (r->n_reversal < LW_REVERSAL_MAX)
@@ -178,9 +178,9 @@ void lw_report_reversal(lw_report *r, bool limit, int joint, double input)
 }
 
 /* The range of the arc, in the turn of station 0, and where joints turn back in it. */
-static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_arc *a, lw_report *r)
+static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_arc *a, lw_fit_report *r)
 {
-    lw_turning turn[LW_REVERSAL_MAX];
+    lw_output_limits turn[LW_REVERSAL_MAX];
     double middle = 0.5*(a->first + a->last), turns = 0;
     if (!plan->input_is_slider && !a->turns)
         turns = 2*LW_PI*round((c->input[0] - middle)/(2*LW_PI));
@@ -189,10 +189,10 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
     r->input_last = plan->laps*last;
     for (int end = 0; end < 2; end++)
         if (a->limit[end])
-            lw_report_reversal(r, true, plan->input_joint, plan->laps*(end ? last : first));
-    int n = lw_turning_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
+            lw_fit_report_reversal(r, true, plan->input_joint, plan->laps*(end ? last : first));
+    int n = lw_output_limits_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
     for (int i = 0; i < n; i++)
-        lw_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
+        lw_fit_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
 }
 
 /* Inputs the stations span: the whole turn for closed targets. */
@@ -208,7 +208,7 @@ static void covered(const lw_target *t, const lw_candidate *c, double *from, dou
 /* From station to station where the input does not turn, of closed targets back to the first; where the assembly
  * changes the way is over a limit, where it is 0 and grows beyond all bounds. */
 static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
-                       lw_way *way)
+                       lw_motion_limits *way)
 {
     size_t spans = t->closed ? t->n : t->n - 1;
     int looks = spans < LOOKS/8 ? LOOKS/(int)spans : 8;
@@ -218,7 +218,7 @@ static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spe
         modes_at(c, plan, i, here);
         modes_at(c, plan, k, next);
         bool on = memcmp(here, next, sizeof *here*(size_t)plan->n_dyad) == 0;
-        lw_way_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], looks, way);
+        lw_motion_limits_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], looks, way);
         if (!on) {
             way->margin_least = fmin(way->margin_least, 0);
             way->acceleration = INFINITY;
@@ -228,7 +228,7 @@ static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spe
 
 /* What holds on the circuit of station 0. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
-                             const lw_motion *m, lw_way *way, lw_report *r)
+                             const lw_motion *m, lw_motion_limits *way, lw_fit_report *r)
 {
     int at = arc_of(plan, m, c);
     r->circuits = m->n_circuit;
@@ -238,7 +238,7 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
     r->turns = a->turns;
     describe_arc(plan, c, a, r);
     if (r->turns)
-        lw_way_run(plan, s, c->dim, a->mode, a->first, a->last, LOOKS, way);
+        lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, LOOKS, way);
     else
         go_the_way(t, plan, s, c, way);
     if (!r->turns)
@@ -250,13 +250,13 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
 static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
 
 static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                            const lw_plan *plan, const lw_cycle *cycle, lw_way *way, lw_report *r)
+                            const lw_plan *plan, const lw_closed_motion *cycle, lw_motion_limits *way, lw_fit_report *r)
 {
     lw_motion m;
     double from, to;
     covered(t, c, &from, &to);
     if (plan->n_higher)
-        lw_report_curve(plan, s, c, from, to, way, r);
+        lw_fit_report_curve(plan, s, c, from, to, way, r);
     else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
         describe_circuit(t, plan, s, c, &m, way, r);
     r->acceleration_max = way->acceleration;
@@ -269,7 +269,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         return;
     }
     for (int j = 0; j < cycle->n; j++)
-        stray(t, plan, c, cycle->leg[j].mode, lw_cycle_first(cycle, j), cycle->leg[j].last, r);
+        stray(t, plan, c, cycle->leg[j].mode, lw_closed_motion_first(cycle, j), cycle->leg[j].last, r);
     if (t->closed && r->turns)
         to = from + 2*LW_PI;
     bool used[2] = { false, false };
@@ -329,7 +329,7 @@ static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, doub
 
 /* The curve as it is run through: from station to station where they have an order. */
 static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
-                           const lw_cycle *cycle, lw_report *r)
+                           const lw_closed_motion *cycle, lw_fit_report *r)
 {
     enum { STEPS = 12, WHOLE = 400 };
     size_t spans = t->closed ? t->n : t->n - 1, n = 0;
@@ -338,7 +338,7 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
         return;
     bool circuit = cycle->n > 0, piece = circuit || (s->timing == LW_TIMING_NONE && !c->mode_of);
     if (circuit)
-        n = lw_report_cycle_points(plan, c, cycle, WHOLE, curve);
+        n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
     else if (piece)
         n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
     for (size_t i = 0; i < spans && !piece; i++) {
@@ -354,7 +354,7 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     free(curve);
 }
 
-static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_report *r)
+static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r)
 {
     if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
         return;
@@ -366,12 +366,12 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 
 /* ---- all of it -------------------------------------------------------------------------------- */
 
-lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                         lw_report *r, lw_error *e)
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_fit_report *r, lw_error *e)
 {
     lw_plan plan;
-    lw_way way = lw_way_begin();
-    lw_cycle cycle;
+    lw_motion_limits way = lw_motion_limits_begin();
+    lw_closed_motion cycle;
     double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
     lw_status st = full_plan(t, s, c, &r->linkage, &plan, e);
@@ -396,14 +396,14 @@ lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_cand
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        lw_report_cycle(t, &plan, c, modes, &cycle);
+        lw_fit_report_cycle(t, &plan, c, modes, &cycle);
         r->legs = cycle.n;
         describe_motion(t, s, c, &plan, &cycle, &way, r);
         if (s->task != LW_TASK_FUNCTION)
             compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);
-        r->meets = lw_way_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
+        r->meets = lw_motion_limits_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
     }
     free(at);

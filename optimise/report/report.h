@@ -1,7 +1,7 @@
 /* optimise/report/report.h - what there is to say of a linkage that was found, worked out afresh from it:
  * its posture, its errors, its motion, and whether an independent simulation agrees. */
-#ifndef LW_OPTIMISE_REPORT_H
-#define LW_OPTIMISE_REPORT_H
+#ifndef LW_OPTIMISE_REPORT_REPORT_H
+#define LW_OPTIMISE_REPORT_REPORT_H
 
 #include "mbs/kinematics/fourbar.h"
 #include "optimise/search/fit.h"
@@ -25,7 +25,7 @@ typedef struct lw_reversal {
     double input;                  /* in the ground frame, as lw_candidate.input [rad] or [m]       */
 } lw_reversal;
 
-typedef struct lw_report {
+typedef struct lw_fit_report {
     lw_linkage linkage;            /* posture at the first station; tracer 0 is the fitted one, 1, ... are the
                                     * further points of the target                                  */
     char     dim_name[LW_DIM_MAX][16];
@@ -66,12 +66,12 @@ typedef struct lw_report {
     double   verified_objective, verified_mean;
     double   difference;           /* largest distance between the two simulations at a station [m] */
     char     fault[256];           /* why it was not verified; "" when it was                       */
-} lw_report;
+} lw_fit_report;
 
 /* Work it out.  A result whose simulation disagrees by more than 1e-9 of the path's length (and the
  * rounding of its coordinates), or that does not meet the conditions of s, has verified == false and says why.
  * LW_E_MEMORY. */
-lw_status lw_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                         lw_report *r, lw_error *e);
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
+                         lw_fit_report *r, lw_error *e);
 
 #endif

@@ -18,32 +18,32 @@ typedef struct work {
 } work;
 
 /* Postures of the whole curve, even in the input; each is the seed of its own pose. */
-static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_branch *b, work *w,
-                        lw_way *way)
+static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_motion_curve *b, work *w,
+                        lw_motion_limits *way)
 {
-    double end = lw_branch_segments(b), input, ends[2];
+    double end = lw_motion_curve_segments(b), input, ends[2];
     for (int i = 0; i < 2; i++) {
-        lw_branch_pose(b, i*end, w->q, NULL);
-        ends[i] = lw_branch_input(b, w->q);
+        lw_motion_curve_pose(b, i*end, w->q, NULL);
+        ends[i] = lw_motion_curve_input(b, w->q);
     }
     for (int i = 0; i < STEPS; i++) {
-        double station = i ? lw_branch_find(b, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
-        lw_branch_pose(b, station, w->q, NULL);
+        double station = i ? lw_motion_curve_find(b, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
+        lw_motion_curve_pose(b, station, w->q, NULL);
         lw_system_write(&w->s, w->q, &w->k);
         if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
             && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
-            lw_way_pose(plan, s, &w->pose, way);
+            lw_motion_limits_pose(plan, s, &w->pose, way);
     }
 }
 
 /* Stations of the stretch from limit to limit that holds the start, limit[end] telling whether it ends at one; on a
  * closed curve `to` may lie beyond the seam. */
-static void find_stretch(const lw_branch *b, double *from, double *to, bool limit[2])
+static void find_stretch(const lw_motion_curve *b, double *from, double *to, bool limit[2])
 {
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
-    double start = lw_branch_start(b), end = lw_branch_segments(b), lowest = NAN, highest = NAN;
-    bool closed = lw_branch_ended(b) == LW_BRANCH_CLOSED;
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    double start = lw_motion_curve_start(b), end = lw_motion_curve_segments(b), lowest = NAN, highest = NAN;
+    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
     *from = 0;
     *to = end;
     limit[0] = limit[1] = false;
@@ -78,17 +78,17 @@ static double seen_from(double station, double end, double from, double to)
 }
 
 /* Range of the input and reversals along that stretch; limits come first. */
-static void tell_reversals(lw_branch *b, double shift, work *w, lw_report *r)
+static void tell_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_report *r)
 {
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
-    double from, to, end = lw_branch_segments(b), input[2];
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    double from, to, end = lw_motion_curve_segments(b), input[2];
     bool limit[2];
     for (int i = 0; i < 2; i++) {
-        lw_branch_pose(b, i*end, w->q, NULL);
-        input[i] = lw_branch_input(b, w->q);
+        lw_motion_curve_pose(b, i*end, w->q, NULL);
+        input[i] = lw_motion_curve_input(b, w->q);
     }
-    double round = lw_branch_ended(b) == LW_BRANCH_CLOSED ? input[1] - input[0] : 0;    /* all it takes to close */
+    double round = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED ? input[1] - input[0] : 0;    /* all it takes to close */
     find_stretch(b, &from, &to, limit);
     double ends[2] = { limit[0] ? NAN : input[0] - shift, limit[1] ? NAN : input[1] - shift };
     for (int pass = 0; pass < 2; pass++)
@@ -96,7 +96,7 @@ static void tell_reversals(lw_branch *b, double shift, work *w, lw_report *r)
             double turn = seen_from(e[i].station, end, from, to), at = e[i].input - shift + turn*round;
             if (isnan(turn) || e[i].joint < 0 || (e[i].kind == LW_EVENT_LIMIT) != (pass == 0))
                 continue;
-            lw_report_reversal(r, pass == 0, e[i].joint, at);
+            lw_fit_report_reversal(r, pass == 0, e[i].joint, at);
             if (pass == 0)
                 ends[e[i].station + turn*end > 0.5*(from + to)] = at;
         }
@@ -104,21 +104,21 @@ static void tell_reversals(lw_branch *b, double shift, work *w, lw_report *r)
     r->input_last = fmax(ends[0], ends[1]);
 }
 
-static bool turns_without_limit(const lw_branch *b)
+static bool turns_without_limit(const lw_motion_curve *b)
 {
     int n;
-    const lw_branch_event *e = lw_branch_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_LIMIT)
             return false;
-    return lw_branch_ended(b) == LW_BRANCH_CLOSED && lw_branch_turns(b, -1) != 0;
+    return lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED && lw_motion_curve_turns(b, -1) != 0;
 }
 
-void lw_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
-                     lw_way *way, lw_report *r)
+void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
+                     lw_motion_limits *way, lw_fit_report *r)
 {
     enum { PATIENCE = 100 };                             /* postures without a new circuit            */
-    const lw_branch_options o = { .input = 0 };
+    const lw_motion_curve_options o = { .input = 0 };
     lw_circuits all = { .n = 0 };
     work *w = malloc(sizeof *w);
     if (w && lw_system_make(&r->linkage, NULL, 0, &w->s, NULL) == LW_OK
@@ -132,6 +132,6 @@ void lw_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candida
     }
     lw_circuits_free(&all);
     if (w && !(r->turns && plan->laps == 1))
-        lw_way_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, way);
+        lw_motion_limits_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, way);
     free(w);
 }

@@ -15,12 +15,12 @@ typedef struct replay {
     const lw_fit_spec  *s;
     const lw_candidate *c;
     const lw_plan      *plan;
-    lw_report          *r;
+    lw_fit_report          *r;
     lw_linkage          k, now;     /* as read back from its text; its posture at a station */
     double              shift;      /* input of the file minus input in the ground frame */
     lw_newton          *newton;     /* moved from station to station, or ...             */
     lw_system           system;
-    lw_branch          *curve;      /* ... all of its motion, through limits             */
+    lw_motion_curve          *curve;      /* ... all of its motion, through limits             */
     double              q[LW_SYSTEM_Q_MAX];
 } replay;
 
@@ -33,7 +33,7 @@ static bool open_file(replay *v)
     free(text);
     if (ok && v->c->mode_of)
         ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
-          && lw_branch_create(&v->system, NULL, &(lw_branch_options){ .input = 0 }, &v->curve, &why) == LW_OK;
+          && lw_motion_curve_create(&v->system, NULL, &(lw_motion_curve_options){ .input = 0 }, &v->curve, &why) == LW_OK;
     else if (ok)
         ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
     v->now = v->k;
@@ -72,7 +72,7 @@ static bool move_to(replay *v, size_t i, double to)
 static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
 {
     double most = 0;
-    lw_branch_pose(v->curve, place, v->q, NULL);
+    lw_motion_curve_pose(v->curve, place, v->q, NULL);
     v->now = v->k;
     lw_system_write(&v->system, v->q, &v->now);
     for (int k = 0; k <= v->t->n_also; k++)
@@ -83,7 +83,7 @@ static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
 /* Next to a limit the input says little of where a linkage is: the place nearby at which the first point is nearest. */
 static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i)
 {
-    double end = lw_branch_segments(v->curve), h = 1e-4;
+    double end = lw_motion_curve_segments(v->curve), h = 1e-4;
     for (int step = 0; step < 4; step++) {
         double lo = fmax(0, place - h), hi = fmin(end, place + h);
         distance_at(v, lo, at, i);
@@ -105,8 +105,8 @@ static void search_piece(replay *v, double first, double last, double input, con
 {
     double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
     for (int e = 0; e < 2; e++) {
-        lw_branch_pose(v->curve, place[e], v->q, NULL);
-        ends[e] = lw_branch_input(v->curve, v->q);
+        lw_motion_curve_pose(v->curve, place[e], v->q, NULL);
+        ends[e] = lw_motion_curve_input(v->curve, v->q);
     }
     double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->laps;
     bool slider = v->plan->input_is_slider;
@@ -119,7 +119,7 @@ static void search_piece(replay *v, double first, double last, double input, con
         if (want <= lo || want >= hi)
             here = place[(want <= lo) == (ends[0] < ends[1]) ? 0 : 1];
         else
-            here = lw_branch_find(v->curve, first, last, want);
+            here = lw_motion_curve_find(v->curve, first, last, want);
         double away = distance_at(v, here, at, i);
         if (away < *least) {
             *least = away;
@@ -131,8 +131,8 @@ static void search_piece(replay *v, double first, double last, double input, con
 static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
 {
     int n;
-    const lw_branch_event *e = lw_branch_events(v->curve, &n);
-    double end = lw_branch_segments(v->curve), from = 0, best = 0, least = INFINITY;
+    const lw_motion_curve_event *e = lw_motion_curve_events(v->curve, &n);
+    double end = lw_motion_curve_segments(v->curve), from = 0, best = 0, least = INFINITY;
     for (int k = 0; k <= n; k++) {
         if (k < n && e[k].kind != LW_EVENT_LIMIT)
             continue;
@@ -218,7 +218,7 @@ static bool claim_holds(const replay *v, double f, double off)
 
 static void judge(const replay *v, bool followed)
 {
-    lw_report *r = v->r;
+    lw_fit_report *r = v->r;
     bool same = r->difference <= allowed(v), claimed = claim_holds(v, r->verified_objective, allowed(v));
     r->verified = followed && same && claimed;
     if (followed && !same)
@@ -230,7 +230,7 @@ static void judge(const replay *v, bool followed)
 }
 
 void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
-               const lw_vec2 *at, lw_report *r)
+               const lw_vec2 *at, lw_fit_report *r)
 {
     replay *v = malloc(sizeof *v);
     if (!v) {
@@ -254,7 +254,7 @@ void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, 
         r->verified_mean += distance/(double)t->n;
     }
     lw_newton_free(v->newton);
-    lw_branch_free(v->curve);
+    lw_motion_curve_free(v->curve);
     judge(v, followed);
     free(v);
 }

@@ -40,7 +40,7 @@ static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
 
 lw_status lw_search_family(const lw_search *s, int arm, lw_family_made *made, const lw_family **family)
 {
-    const lw_arm *a = &s->arm[arm];
+    const lw_search_candidate *a = &s->arm[arm];
     *family = a->row ? a->row : &made->family;
     return a->row ? LW_OK : s->o->families->make(s->o->families->of, arm, made);
 }
@@ -120,7 +120,7 @@ lw_status lw_search_fault(lw_search *s, int arm, lw_error *e)
 /* An arm of four links, if its type can do the task. */
 static lw_status add_arm(lw_search *s, const lw_family *f, int mode, int sense, lw_error *e)
 {
-    s->arm[s->n_arm] = (lw_arm){ .row = f, .mode = (signed char)mode, .sense = (signed char)sense };
+    s->arm[s->n_arm] = (lw_search_candidate){ .row = f, .mode = (signed char)mode, .sense = (signed char)sense };
     lw_status st = make_slot(s, s->n_arm, false, s->bench[0].slot, e);
     s->n_arm += st == LW_OK;
     return st;
@@ -198,17 +198,17 @@ static lw_status thin_out(lw_search *s, lw_error *e)
                               t->n_also, t->closed, &s->thin, e);
 }
 
-lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e)
+lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e)
 {
     const lw_families *f = s->o->families;
     lw_status st = thin_out(s, e);
-    s->arm = calloc((size_t)(f ? f->n : LW_ARM_MAX) + 1, sizeof *s->arm);
+    s->arm = calloc((size_t)(f ? f->n : LW_SEARCH_CANDIDATE_MAX) + 1, sizeof *s->arm);
     if (!s->arm)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
     if (st != LW_OK || !f)
         return st == LW_OK ? make_arms(s, out, e) : st;
     for (int i = 0; i < f->n; i++)
-        s->arm[i] = (lw_arm){ .mode = 1, .sense = 1 };
+        s->arm[i] = (lw_search_candidate){ .mode = 1, .sense = 1 };
     s->n_arm = f->n;
     return LW_OK;
 }

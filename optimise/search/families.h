@@ -1,7 +1,7 @@
 /* optimise/search/families.h - families of any linkage by the thousand: each is made when somebody works on it, in his memory,
  * and is held no longer. */
-#ifndef LW_OPTIMISE_FAMILIES_H
-#define LW_OPTIMISE_FAMILIES_H
+#ifndef LW_OPTIMISE_SEARCH_FAMILIES_H
+#define LW_OPTIMISE_SEARCH_FAMILIES_H
 
 #include "optimise/problem/family.h"
 

@@ -36,7 +36,7 @@ static int rounds_of(const lw_search *s)
 lw_effort lw_search_effort(const lw_search *s, const lw_problem *p)
 {
     if (!s->o->families)
-        return (lw_effort){ LW_BLOCK, 100, 12, 1 };
+        return (lw_effort){ LW_SEARCH_BLOCK, 100, 12, 1 };
     return p->plan.n_higher > 0 ? (lw_effort){ 40, 10, 3, LW_HIGHER_COST } : (lw_effort){ 96, 24, 6, 1 };
 }
 
@@ -123,7 +123,7 @@ static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
             *stop = LW_STOP_F_TOL;
         if (*stop != LW_STOP_EVALS || (s->o->families && s->evals >= budget_of(s)))
             break;
-        lw_search_share(s);
+        lw_search_halving(s);
     }
     return LW_OK;
 }
@@ -146,12 +146,12 @@ static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
 {
     lw_status st = make_benches(s);
     if (st == LW_OK)
-        st = lw_search_arms(s, out, e);
+        st = lw_search_make_candidates(s, out, e);
     if (st == LW_OK)
-        st = lw_search_share_begin(s);
+        st = lw_search_halving_begin(s);
     if (st != LW_OK)
         return st;
-    lw_search_share(s);
+    lw_search_halving(s);
     st = search_rounds(s, &out->stop, e);
     if (st == LW_OK)
         st = lw_search_rank(s, out);

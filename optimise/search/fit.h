@@ -4,8 +4,8 @@
  * the best by their error improved by local least squares, the best of these polished.  Rounds and
  * not seconds decide when it ends, so that the answer depends on the seed only, not on the number of
  * threads; a time limit can end it earlier and is then given as the reason. */
-#ifndef LW_OPTIMISE_FIT_H
-#define LW_OPTIMISE_FIT_H
+#ifndef LW_OPTIMISE_SEARCH_FIT_H
+#define LW_OPTIMISE_SEARCH_FIT_H
 
 #include "optimise/search/families.h"
 #include "optimise/solvers/solver.h"
@@ -42,7 +42,7 @@ lw_fit_options lw_fit_options_default(void);
 typedef struct lw_candidate {
     const lw_family *family;
     lw_family_made  *own;        /* with families: where `family` points                            */
-    lw_course branch;            /* assembly, sense of the run                                      */
+    lw_intended_motion branch;            /* assembly, sense of the run                                      */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */

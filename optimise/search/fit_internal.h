@@ -1,35 +1,35 @@
 /* optimise/search/fit_internal.h - the state of one search, and its parts: which problems there are (fit_arms.c),
  * one round of starts and improvements (fit_round.c), what the caller gets (rank.c). */
-#ifndef LW_OPTIMISE_FIT_INTERNAL_H
-#define LW_OPTIMISE_FIT_INTERNAL_H
+#ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
+#define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 
 #include "optimise/search/fit.h"
 #include "optimise/search/pool.h"
 
 enum {
-    LW_BLOCK = 400,         /* draws of one job                                                   */
+    LW_SEARCH_BLOCK = 400,         /* draws of one job                                                   */
     LW_KEEP = 8,            /* finds of a job that are handed to the pool                         */
-    LW_ARM_MAX = 80,        /* by types                                                           */
-    LW_ARM_BEST = 4,        /* finds that an arm remembers, to look around them                   */
+    LW_SEARCH_CANDIDATE_MAX = 80,        /* by types                                                           */
+    LW_SEARCH_CANDIDATE_BEST = 4,        /* finds that an arm remembers, to look around them                   */
     LW_JOB_MAX = 4096
 };
 
 /* A family (of four links: in one assembly mode and sense), as far as a search must remember it.  Its problem is made
  * where somebody works on it. */
-typedef struct lw_arm {
+typedef struct lw_search_candidate {
     const lw_family *row;                    /* of four links; NULL: that of this number in the families */
     signed char mode, sense;
     lw_fit_state state;
     long        starts;
-    lw_few     *best;                        /* of its search, with families; NULL: nothing         */
-} lw_arm;
+    lw_best_starts     *best;                        /* of its search, with families; NULL: nothing         */
+} lw_search_candidate;
 
 /* One piece of work of a round: draw from an arm, or look around what it found; and what came of it. */
 typedef struct lw_search_job {
     int          arm;
     bool         around;
     lw_status    status;                     /* of making the problem                               */
-    int          block, n_mode;              /* draws; see lw_few                                   */
+    int          block, n_mode;              /* draws; see lw_best_starts                                   */
     long         evals, improved;
     lw_variables of;
 } lw_search_job;
@@ -73,7 +73,7 @@ typedef struct lw_search {
     const lw_fit_options *o;
     lw_target  thin;                         /* fewer stations, for the search on a long target; n 0: not so */
     int        n_arm, n_thread, n_job, round;
-    lw_arm    *arm;
+    lw_search_candidate    *arm;
     lw_search_job job[LW_JOB_MAX];
     lw_sweep   sweep;
     lw_workbench *bench;                     /* of each thread                                      */
@@ -86,7 +86,7 @@ typedef struct lw_search {
 } lw_search;
 
 /* Make the arms of the families that are asked for, and the thinner target of a long one. */
-lw_status lw_search_arms(lw_search *s, lw_fit *out, lw_error *e);
+lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e);
 
 /* The problem of an arm, for the search (coarse) or for the full target; it stays until LW_SLOTS others were made in this
  * thread.  NULL: *st says why. */
@@ -104,8 +104,8 @@ lw_status lw_search_family(const lw_search *s, int arm, lw_family_made *made, co
 lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);
 
 /* Begin to share; LW_E_MEMORY.  Then the jobs of a round, after what the arms have found. */
-lw_status lw_search_share_begin(lw_search *s);
-void      lw_search_share(lw_search *s);
+lw_status lw_search_halving_begin(lw_search *s);
+void      lw_search_halving(lw_search *s);
 
 /* Draw, improve, polish; the pool gets what was found.  LW_E_MEMORY, or as lw_problem_make what a family cannot be
  * excused for. */

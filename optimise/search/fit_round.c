@@ -64,8 +64,8 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 /* The best starts of a block, in order. */
 static int screen(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
-    double u[LW_BLOCK*LW_START_DRAWS];
-    glance g[LW_BLOCK];
+    double u[LW_SEARCH_BLOCK*LW_START_DRAWS];
+    glance g[LW_SEARCH_BLOCK];
     int n = 0, d = lw_start_draws(p);
     if (!lw_low_discrepancy(rng, (size_t)a->block, d, u))
         return 0;
@@ -80,12 +80,12 @@ static int screen(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw
 }
 
 /* Starts around what the arm found: all variables moved a little, or some of them farther. */
-static int look_around(const lw_few *few, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+static int look_around(const lw_best_starts *few, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     int n = 0;
     for (int i = 0; few && i < a->settle; i++) {
         lw_found c;
-        lw_few_get(few, (int)(lw_rng_uniform(rng)*few->n), &c);
+        lw_best_starts_get(few, (int)(lw_rng_uniform(rng)*few->n), &c);
         double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
         p->branch = c.branch;
         lw_problem_work_branch(p, work);
@@ -157,16 +157,16 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
 /* The starts of one job, in order of f. */
 static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, void *work, lw_found *best)
 {
-    const lw_arm *a = &s->arm[s->job[job].arm];
+    const lw_search_candidate *a = &s->arm[s->job[job].arm];
     lw_rng rng;
-    uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_ARM_MAX*8);
+    uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*8);
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
         return look_around(a->best, effort, p, &rng, work, best);
     int n = screen(effort, p, &rng, work, best);
     if (p->family->posture && a->starts == 0) {
         lw_found c;
-        c.f = lw_member_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
+        c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
         c.branch = p->branch;
         n = put_in_order(best, n, effort->improve, &c);
     }
@@ -319,7 +319,7 @@ static int best_of_types(const lw_search *s, const lw_found **best)
 static void pick(lw_search *s, polish_list *list)
 {
     lw_pool *raw = &s->raw;
-    const lw_found *best[LW_ARM_MAX];
+    const lw_found *best[LW_SEARCH_CANDIDATE_MAX];
     raw->n = list->n = 0;
     for (int i = 0; i < s->n_job*LW_KEEP; i++) {
         const lw_found *c = &s->found[i];
@@ -341,15 +341,15 @@ static void pick(lw_search *s, polish_list *list)
 }
 
 /* What the finds of a job add to what its arm remembers. */
-static void remember(lw_search *s, const lw_search_job *job, const lw_found *found, lw_arm *a)
+static void remember(lw_search *s, const lw_search_job *job, const lw_found *found, lw_search_candidate *a)
 {
     lw_pool *few = &s->raw;
     few->n = 0;
     for (int i = 0; a->best && i < a->best->n; i++)
-        lw_few_get(a->best, i, &few->item[few->n++]);
+        lw_best_starts_get(a->best, i, &few->item[few->n++]);
     for (int i = 0; i < LW_KEEP; i++)
         lw_pool_put(few, &found[i], &job->of);
-    lw_few *more = lw_few_of(few, LW_ARM_BEST, &job->of, job->n_mode);
+    lw_best_starts *more = lw_best_starts_of(few, LW_SEARCH_CANDIDATE_BEST, &job->of, job->n_mode);
     if (more) {
         free(a->best);
         a->best = more;
@@ -361,7 +361,7 @@ static lw_status keep_of_arms(lw_search *s, lw_error *e)
 {
     for (int j = 0; j < s->n_job; j++) {
         const lw_search_job *job = &s->job[j];
-        lw_arm *a = &s->arm[job->arm];
+        lw_search_candidate *a = &s->arm[job->arm];
         s->evals += job->evals;
         s->improved += job->improved;
         a->starts += job->block;

@@ -2,8 +2,8 @@
  * new link that is pinned there, and held by a second one that is pinned to the ground or to
  * another link.  As a start for a fit it cannot be worse than what it came from, and it has five
  * dimensions more. */
-#ifndef LW_OPTIMISE_GROW_H
-#define LW_OPTIMISE_GROW_H
+#ifndef LW_OPTIMISE_SEARCH_GROW_H
+#define LW_OPTIMISE_SEARCH_GROW_H
 
 #include "base/rng.h"
 #include "grammar/linkage.h"

@@ -68,16 +68,16 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
 
 enum { HEAD = 5 };           /* numbers of a find before its variables */
 
-static size_t size_of_one(const lw_few *few)
+static size_t size_of_one(const lw_best_starts *few)
 {
     return (size_t)(HEAD + few->of.n + few->n_mode);
 }
 
-lw_few *lw_few_of(const lw_pool *p, int most, const lw_variables *of, int n_mode)
+lw_best_starts *lw_best_starts_of(const lw_pool *p, int most, const lw_variables *of, int n_mode)
 {
-    lw_few head = { .n = p->n < most ? p->n : most, .n_mode = n_mode, .of = *of };
+    lw_best_starts head = { .n = p->n < most ? p->n : most, .n_mode = n_mode, .of = *of };
     size_t one = size_of_one(&head);
-    lw_few *few = head.n > 0 ? malloc(sizeof *few + sizeof(double)*one*(size_t)head.n) : NULL;
+    lw_best_starts *few = head.n > 0 ? malloc(sizeof *few + sizeof(double)*one*(size_t)head.n) : NULL;
     if (!few)
         return NULL;
     *few = head;
@@ -93,12 +93,12 @@ lw_few *lw_few_of(const lw_pool *p, int most, const lw_variables *of, int n_mode
     return few;
 }
 
-double lw_few_f(const lw_few *few, int i)
+double lw_best_starts_f(const lw_best_starts *few, int i)
 {
     return few->number[size_of_one(few)*(size_t)i];
 }
 
-void lw_few_get(const lw_few *few, int i, lw_found *c)
+void lw_best_starts_get(const lw_best_starts *few, int i, lw_found *c)
 {
     const double *at = few->number + size_of_one(few)*(size_t)i;
     *c = (lw_found){ .f = at[0], .arm = few->arm, .hits = 1,

@@ -1,6 +1,6 @@
 /* optimise/search/pool.h - the best linkages found so far, no linkage twice. */
-#ifndef LW_OPTIMISE_POOL_H
-#define LW_OPTIMISE_POOL_H
+#ifndef LW_OPTIMISE_SEARCH_POOL_H
+#define LW_OPTIMISE_SEARCH_POOL_H
 
 #include "optimise/solvers/solver.h"
 
@@ -10,7 +10,7 @@ typedef struct lw_found {
     double  f;                   /* scaled                                                         */
     double  x[LW_VAR_MAX];
     int     arm;                 /* which problem it belongs to                                    */
-    lw_course branch;
+    lw_intended_motion branch;
     bool    polished;
     long    evals;
     double  seconds;
@@ -29,17 +29,17 @@ lw_variables lw_pool_variables(const lw_problem *p);
 void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of);
 
 /* The few best of a pool in as little memory as they need. */
-typedef struct lw_few {
+typedef struct lw_best_starts {
     int          n, n_mode, arm;
     lw_variables of;
     double       number[];       /* of each: f, sense, turns, mid, half; variables; modes           */
-} lw_few;
+} lw_best_starts;
 
 /* NULL: out of memory, or nothing is in the pool.  Free with free().  n_mode: numbers of a course that count. */
-lw_few *lw_few_of(const lw_pool *p, int most, const lw_variables *of, int n_mode);
+lw_best_starts *lw_best_starts_of(const lw_pool *p, int most, const lw_variables *of, int n_mode);
 
 /* f of the i-th, 0 <= i < n; all of it. */
-double lw_few_f(const lw_few *few, int i);
-void   lw_few_get(const lw_few *few, int i, lw_found *c);
+double lw_best_starts_f(const lw_best_starts *few, int i);
+void   lw_best_starts_get(const lw_best_starts *few, int i, lw_found *c);
 
 #endif

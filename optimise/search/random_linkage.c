@@ -21,13 +21,13 @@ typedef struct drawing {
     double complex reg[LW_REG_MAX][M];
 } drawing;
 
-int lw_member_draws(const lw_problem *p)
+int lw_random_linkage_draws(const lw_problem *p)
 {
     const lw_linkage *k = p->family->linkage;
     int n = p->plan.n_dim + p->plan.n_dyad + 2;
     if (p->plan.n_higher > 0)
         n = 2 + 3*k->n_joint;
-    return n < LW_MEMBER_DRAW_MAX ? n : LW_MEMBER_DRAW_MAX;
+    return n < LW_RANDOM_LINKAGE_DRAW_MAX ? n : LW_RANDOM_LINKAGE_DRAW_MAX;
 }
 
 static double ratio(double u, double lo, double hi)
@@ -392,7 +392,7 @@ static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
     return comes_back(p, x, w);
 }
 
-bool lw_member_posture(lw_problem *p, double *x, void *work)
+bool lw_random_linkage_posture(lw_problem *p, double *x, void *work)
 {
     double dim[LW_DIM_MAX], input;
     memset(x, 0, sizeof *x*(size_t)p->n_var);
@@ -447,7 +447,7 @@ static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
     *k = *p->family->linkage;
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint *i = &k->joint[j];
-        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
         i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
         if (j == k->input[0].joint && i->kind == LW_JOINT_REVOLUTE)
             i->at = lw_v2(0, 0);
@@ -455,14 +455,14 @@ static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
             i->along = lw_v2_polar(1, LW_PI*v[2]);
     }
     for (int j = 0; j < k->n_joint; j++) {
-        const double *v = u + (3*j) % (LW_MEMBER_DRAW_MAX - 2);
+        const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
         int crank = crank_with(k, j);
         if (crank >= 0 && k->joint[j].kind == LW_JOINT_REVOLUTE)
             k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
     }
     for (int r = 0; r < p->plan.n_rack; r++) {
         const lw_rack *q = &p->plan.rack[r];
-        double rho = radius(u[(3*q->joint) % (LW_MEMBER_DRAW_MAX - 2)], 0.15, 3);
+        double rho = radius(u[(3*q->joint) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2)], 0.15, 3);
         k->joint[q->joint].ratio = q->side ? rho : 1/rho;
     }
     k->tracer[0].at = lw_v2(1, 1);
@@ -499,7 +499,7 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
     return false;
 }
 
-bool lw_member_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
+bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
     drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
     bool slides = p->plan.input_is_slider;

@@ -86,7 +86,7 @@ static bool follow(lw_search *s, const lw_found *c, trail *t)
         }
         return true;
     }
-    lw_assign_sample(p, c->x, w);
+    lw_timing_sample(p, c->x, w);
     memcpy(t->cx, w->curve_x, sizeof t->cx);
     memcpy(t->cy, w->curve_y, sizeof t->cy);
     return true;

@@ -33,7 +33,7 @@ static void used_range(const lw_target *t, const lw_candidate *c, double *first,
     }
 }
 
-static void grow_one(const lw_target *t, const lw_stage *stage, const lw_candidate *c, const lw_report *r,
+static void grow_one(const lw_target *t, const lw_search_stage *stage, const lw_candidate *c, const lw_fit_report *r,
                      lw_rng *rng, grown *to)
 {
     double first, last;
@@ -61,16 +61,16 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
 }
 
 /* Children of the best results with `links` links. */
-static void grow(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, const lw_fit *from, int links,
+static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from, int links,
                  grown *to)
 {
     int parents = 0;
     lw_rng rng;
-    lw_report *r = malloc(sizeof *r);
+    lw_fit_report *r = malloc(sizeof *r);
     lw_rng_seed(&rng, o->seed, 0x67726f77u + (uint64_t)links);
     for (int i = 0; r && i < from->n && parents < PARENTS; i++) {
         const lw_candidate *c = &from->candidate[i];
-        if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_report_make(t, &o->spec, c, r, NULL) != LW_OK
+        if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_fit_report_make(t, &o->spec, c, r, NULL) != LW_OK
             || !r->verified)
             continue;
         int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
@@ -117,7 +117,7 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
 /* What the survey keeps of a stage's fit. */
-static lw_status take(lw_survey *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
+static lw_status take(lw_staged_search *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
 {
     r->starts = fit->starts;
     r->improved = fit->improved;
@@ -132,8 +132,8 @@ static lw_status take(lw_survey *out, lw_stage_result *r, lw_fit *fit, lw_error 
     return st;
 }
 
-static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int before,
-                           double seconds, lw_survey *out, lw_error *e)
+static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int before,
+                           double seconds, lw_staged_search *out, lw_error *e)
 {
     lw_fit_options mine = *o;
     lw_stage_result *r = &out->stage[out->n_stage++];
@@ -166,7 +166,7 @@ static bool again(const lw_candidate *a, const lw_candidate *b)
 }
 
 /* No more than wanted, but of every stage its best, and some more in case the best has a defect. */
-static void shorten(lw_survey *s, int most)
+static void shorten(lw_staged_search *s, int most)
 {
     lw_fit *f = &s->fit;
     int n = 0;
@@ -185,8 +185,8 @@ static void shorten(lw_survey *s, int most)
     f->n = n;
 }
 
-lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_stage *stage, int n_stage,
-                        lw_survey *out, lw_error *e)
+lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
+                        lw_staged_search *out, lw_error *e)
 {
     lw_status st = LW_OK;
     double start = lw_clock_wall();
@@ -196,7 +196,7 @@ lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_st
         lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
                                   o->max_seconds > 0 ? fmax(share, 1e-3) : 0, out, e);
         if (now < 0 && now != LW_E_KIND) {
-            lw_survey_free(out);
+            lw_staged_search_free(out);
             return now;
         }
         st = now == LW_STOPPED ? now : st;
@@ -207,7 +207,7 @@ lw_status lw_survey_run(const lw_target *t, const lw_fit_options *o, const lw_st
     return st == LW_OK && out->fit.n == 0 ? LW_NOTHING : st;
 }
 
-void lw_survey_free(lw_survey *s)
+void lw_staged_search_free(lw_staged_search *s)
 {
     lw_fit_free(&s->fit);
     for (int i = 0; i < s->n_stage; i++)

@@ -9,7 +9,7 @@
 
 static int shape_draws(const lw_problem *p)
 {
-    return p->family->linkage ? lw_member_draws(p) : p->family->n_draw;
+    return p->family->linkage ? lw_random_linkage_draws(p) : p->family->n_draw;
 }
 
 int lw_start_draws(const lw_problem *p)
@@ -58,7 +58,7 @@ static linear_fit fit_one(const lw_problem *p, const lw_work *w)
 }
 
 /* Normal equations of several points at once: unknown z0, a and the place of each point on its link. */
-enum { UNKNOWN_MAX = 2 + LW_POINT_MAX };
+enum { UNKNOWN_MAX = 2 + LW_PROBLEM_TRACER_MAX };
 
 typedef struct normal {
     int            n;
@@ -111,7 +111,7 @@ static double solve_normal(normal *s)
 static linear_fit fit_all(const lw_problem *p, const lw_work *w)
 {
     normal s = { .n = 2 };
-    int at[LW_POINT_MAX];
+    int at[LW_PROBLEM_TRACER_MAX];
     for (int i = 0; i <= p->n_also; i++)
         at[i] = lw_problem_aim(p, i).x ? s.n++ : -1;
     for (int i = 0; i <= p->n_also; i++) {
@@ -197,7 +197,7 @@ static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w
     if (p->family->linkage) {
         if (p->timing == LW_TIMING_FREE)                 /* both senses alike                       */
             p->branch.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
-        return lw_member_draw(p, u, p->must_turn, shape, w);
+        return lw_random_linkage_draw(p, u, p->must_turn, shape, w);
     }
     p->family->draw(u, value);
     memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
@@ -212,7 +212,7 @@ static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
         return INFINITY;
     if (p->timing == LW_TIMING_PRESCRIBED)
         lw_problem_prescribe(p, x, w);
-    else if (!lw_assign(p, x, w))
+    else if (!lw_timing_assign(p, x, w))
         return INFINITY;
     else if (!lw_problem_turn_stations(p, x, w))
         return INFINITY;
@@ -302,7 +302,7 @@ static double start_free(lw_problem *p, const double *u, double *x, lw_work *w)
         mount_tools(p, w, x);
         if (i + 1 == ROUNDS)
             break;
-        if (!lw_assign(p, x, w) || !lw_problem_turn_stations(p, shape, w))
+        if (!lw_timing_assign(p, x, w) || !lw_problem_turn_stations(p, shape, w))
             return INFINITY;
     }
     return settle_and_score(p, x, w);

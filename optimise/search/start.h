@@ -5,12 +5,12 @@
  * o and d being origin and direction of the tracer's link in a linkage of size one, so place, size
  * and tracer - with further points a tracer for each - follow from linear least squares (variable projection).  What is left to draw is the
  * shape, the first input angle, and for free timing how the stations run along the curve. */
-#ifndef LW_OPTIMISE_START_H
-#define LW_OPTIMISE_START_H
+#ifndef LW_OPTIMISE_SEARCH_START_H
+#define LW_OPTIMISE_SEARCH_START_H
 
 #include "optimise/search/random_linkage.h"
 
-#define LW_START_DRAWS (LW_MEMBER_DRAW_MAX + 4)     /* numbers in [0, 1) a start takes at most     */
+#define LW_START_DRAWS (LW_RANDOM_LINKAGE_DRAW_MAX + 4)     /* numbers in [0, 1) a start takes at most     */
 
 /* How many numbers a start of this problem takes. */
 int lw_start_draws(const lw_problem *p);

@@ -25,7 +25,7 @@ static void share_types(lw_search *s)
 {
     s->n_job = 0;
     for (int i = 0; i < s->n_arm; i++) {
-        long blocks = s->o->starts > 0 ? (s->o->starts + LW_BLOCK - 1)/LW_BLOCK : s->arm[i].row->blocks;
+        long blocks = s->o->starts > 0 ? (s->o->starts + LW_SEARCH_BLOCK - 1)/LW_SEARCH_BLOCK : s->arm[i].row->blocks;
         for (int k = 0; k < blocks && k < 8; k++)
             s->job[s->n_job++] = (lw_search_job){ .arm = i };
     }
@@ -80,7 +80,7 @@ static void weigh_groups(lw_search *s)
     s->sweep.mean_job = s->n_arm > 0 ? (groups*GROUP_JOB + dyads*DYAD_JOB)/s->n_arm : DYAD_JOB;
 }
 
-lw_status lw_search_share_begin(lw_search *s)
+lw_status lw_search_halving_begin(lw_search *s)
 {
     lw_sweep *w = &s->sweep;
     if (!s->o->families)
@@ -133,9 +133,9 @@ static bool sort_sweep(const lw_search *s, lw_sweep *w)
     standing *list = malloc(sizeof *list*((size_t)w->n + 1));
     int n = 0;
     for (int i = 0; list && i < w->n; i++) {
-        const lw_arm *a = &s->arm[w->arm[i]];
+        const lw_search_candidate *a = &s->arm[w->arm[i]];
         if (a->state != LW_FIT_UNABLE)
-            list[n++] = (standing){ a->best ? lw_few_f(a->best, 0) : INFINITY, 0, w->arm[i] };
+            list[n++] = (standing){ a->best ? lw_best_starts_f(a->best, 0) : INFINITY, 0, w->arm[i] };
     }
     if (!list)
         return false;
@@ -178,7 +178,7 @@ static void share_families(lw_search *s)
     }
 }
 
-void lw_search_share(lw_search *s)
+void lw_search_halving(lw_search *s)
 {
     if (s->o->families)
         share_families(s);

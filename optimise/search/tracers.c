@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/room.h"
+#include "base/growable_array.h"
 
 unsigned lw_tracers_mask(const lw_target *t)
 {
@@ -105,7 +105,7 @@ static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
 {
     lw_linkage alone = *k;
     put_tracer(&alone, 0, link);
-    return lw_plan_make_any(&alone, (lw_want){ .tracers = 1 }, plan, NULL) == LW_OK && plan->n_link < k->n_link;
+    return lw_plan_make_any(&alone, (lw_plan_outputs){ .tracers = 1 }, plan, NULL) == LW_OK && plan->n_link < k->n_link;
 }
 
 /* May point i (0: the first) lie on this link? */
@@ -130,7 +130,7 @@ static lw_status add_choice(choice *c)
     lw_tracer_spread *s = c->out;
     if (s->n == LW_SPREAD_MAX)
         return LW_E_ARG;
-    lw_tracer_choice *more = lw_room(s->choice, s->n, &s->capacity, sizeof *more);
+    lw_tracer_choice *more = lw_array_grow(s->choice, s->n, &s->capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->choice = more;

@@ -62,7 +62,7 @@ double lw_barrier_value(lw_record *r, double k, const double *x, double *grad)
 
 /* What stands for F outside.  grad comes in as the direction that lessens the opening, which is used
  * when no condition tells more. */
-static double wall_value(lw_stage *s, const double *x, double *grad)
+static double wall_value(lw_barrier_stage *s, const double *x, double *grad)
 {
     size_t n = s->record->fn->n, m = s->record->fn->m;
     const double *g = lw_record_conditions(s->record, x, grad != NULL);
@@ -81,7 +81,7 @@ static double wall_value(lw_stage *s, const double *x, double *grad)
     return s->wall*(1.0 + fmin(v, 1e6));
 }
 
-double lw_stage_value(lw_stage *s, const double *x, double *grad)
+double lw_barrier_stage_value(lw_barrier_stage *s, const double *x, double *grad)
 {
     size_t n = s->record->fn->n;
     if (grad)
@@ -103,21 +103,21 @@ double lw_stage_value(lw_stage *s, const double *x, double *grad)
     return isfinite(f) ? f : wall_value(s, x, grad);
 }
 
-bool lw_stage_over(const lw_stage *s)
+bool lw_barrier_stage_over(const lw_barrier_stage *s)
 {
     return s->record->stopped || s->record->evals >= s->last_eval;
 }
 
-static lw_stage new_stage(lw_record *r, double k)
+static lw_barrier_stage new_stage(lw_record *r, double k)
 {
-    return (lw_stage){
+    return (lw_barrier_stage){
         .record = r, .k = k, .wall = WALL*(1.0 + (isfinite(r->f) ? fabs(r->f) : 0.0)),
         .f_tol = r->o->f_tol, .step = FIRST_STEP, .last_eval = r->limit, .best = INFINITY, .lowest = INFINITY
     };
 }
 
 /* Is F lower below the edge than inside?  Then the edge is too far in: draw it back. */
-static bool draw_back_edge(lw_stage *s)
+static bool draw_back_edge(lw_barrier_stage *s)
 {
     bool drawn = s->edge > 0.0 && s->lowest < s->best - PAYS*s->k;
     if (drawn)
@@ -127,10 +127,10 @@ static bool draw_back_edge(lw_stage *s)
 }
 
 /* Run the method in the stage; leave the stage's best point in x. */
-static lw_stop run_stage(lw_stage *s, lw_minimise *method, bool again, double *x)
+static lw_stop run_stage(lw_barrier_stage *s, lw_minimise *method, bool again, double *x)
 {
     lw_stop why = LW_STOP_FAILED;
-    for (int k = 0; k < N_AGAIN && !lw_stage_over(s); k++) {
+    for (int k = 0; k < N_AGAIN && !lw_barrier_stage_over(s); k++) {
         double before = s->best;
         why = method(s, x);
         if (isfinite(s->best))
@@ -144,13 +144,13 @@ static lw_stop run_stage(lw_stage *s, lw_minimise *method, bool again, double *x
 
 lw_stop lw_single_run(lw_record *r, lw_minimise *method, double k, bool again, double *x)
 {
-    lw_stage s = new_stage(r, k);
+    lw_barrier_stage s = new_stage(r, k);
     s.edge = EDGE*k;                                  /* multipliers of order one */
     return run_stage(&s, method, again, x);
 }
 
 /* x becomes `other` when F of this stage is lower there. */
-static double take_lower(lw_stage *s, double here, const double *other, double *x)
+static double take_lower(lw_barrier_stage *s, double here, const double *other, double *x)
 {
     double f = lw_barrier_value(s->record, s->k, other, NULL);
     if (!(f < here))
@@ -162,7 +162,7 @@ static double take_lower(lw_stage *s, double here, const double *other, double *
 /* Where a stage starts: at the end x of the one before; or at the next optimum as guessed from the last
  * two, for the path x(k) is nearly straight at its end (Fiacco & McCormick 1968); or at the best
  * point so far, which a k too large may have left again.  Returns the way left to go. */
-static double choose_start(lw_stage *s, const double *older, double k_older, double k, double *x)
+static double choose_start(lw_barrier_stage *s, const double *older, double k_older, double k, double *x)
 {
     size_t n = s->record->fn->n;
     double guess[LW_VAR_MAX], way = FIRST_STEP, here = lw_barrier_value(s->record, s->k, x, NULL);
@@ -200,7 +200,7 @@ lw_stop lw_barrier_run(lw_record *r, lw_minimise *method, double *x)
     double k = o->barrier_first*r->f;
     for (int done = 0; done < N_STAGE && !r->stopped; done++) {
         int left = stages_left(r, k, planned - done);
-        lw_stage s = new_stage(r, k);
+        lw_barrier_stage s = new_stage(r, k);
         if (left > 0) {                               /* an equal share of what is left */
             s.f_tol = fmax(o->f_tol, F_TOL*k/r->f);
             s.last_eval = r->evals + (r->limit - r->evals)/(left + 1) + 1;

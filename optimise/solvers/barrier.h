@@ -5,13 +5,13 @@
  * minimised for a falling sequence of k, each stage from the optimum of the one before.  With a fixed k
  * the optimum stays off the true one: f(x_k) - f* is about (number of active conditions) k, so k has to
  * fall (Fiacco & McCormick 1968).  Bounds are not in the barrier; every method keeps them itself. */
-#ifndef LW_OPTIMISE_BARRIER_H
-#define LW_OPTIMISE_BARRIER_H
+#ifndef LW_OPTIMISE_SOLVERS_BARRIER_H
+#define LW_OPTIMISE_SOLVERS_BARRIER_H
 
 #include "optimise/solvers/record.h"
 
 /* One stage: F with its k, and the best point of it. */
-typedef struct lw_stage {
+typedef struct lw_barrier_stage {
     lw_record *record;
     double     k;                        /* 0: F is f itself                                      */
     double     edge;                     /* g below which ln(1/g) goes on as a parabola, 0: never */
@@ -22,10 +22,10 @@ typedef struct lw_stage {
     bool       inside;                   /* was the last point one where F is meant?              */
     double     lowest;                   /* value given out, also below the edge                  */
     double     best, x[LW_VAR_MAX];      /* least F seen and where; INFINITY: none                */
-} lw_stage;
+} lw_barrier_stage;
 
 /* A method lowers F of a stage from x (which it may change); the stage keeps the best. */
-typedef lw_stop lw_minimise(lw_stage *stage, const double *x);
+typedef lw_stop lw_minimise(lw_barrier_stage *stage, const double *x);
 
 /* F(x) and its gradient (may be NULL) for any k >= 0; INFINITY where some g <= 0 (k > 0), where f is
  * not defined, and after a stop. */
@@ -36,10 +36,10 @@ double lw_barrier_value(lw_record *r, double k, const double *x, double *grad);
  * interpolation (Ben-Tal & Zibulevsky 1997); such points never become the best.  Where f
  * is not defined, or the edge is 0, it is  wall (1 + sum of squared violations), with the gradient
  * that leads back. */
-double lw_stage_value(lw_stage *stage, const double *x, double *grad);
+double lw_barrier_stage_value(lw_barrier_stage *stage, const double *x, double *grad);
 
 /* True when the method has to come back: the record stopped or the share of this stage is used up. */
-bool lw_stage_over(const lw_stage *stage);
+bool lw_barrier_stage_over(const lw_barrier_stage *stage);
 
 /* All stages of k with a method that takes no conditions; the start is made feasible first.  Stop is
  * LW_STOP_FAILED when no feasible start was found. */

@@ -1,6 +1,6 @@
 /* optimise/solvers/feasible.h - points inside the subsidiary conditions: phase one and the last repair. */
-#ifndef LW_OPTIMISE_FEASIBLE_H
-#define LW_OPTIMISE_FEASIBLE_H
+#ifndef LW_OPTIMISE_SOLVERS_FEASIBLE_H
+#define LW_OPTIMISE_SOLVERS_FEASIBLE_H
 
 #include "optimise/solvers/record.h"
 

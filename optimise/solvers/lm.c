@@ -103,7 +103,7 @@ static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
         w->phase[k] -= fmax(-0.3, fmin(0.3, d));
     }
     if (p->timing == LW_TIMING_FREE)
-        lw_assign_order(p, w->phase, weight, w->pool);
+        lw_timing_order(p, w->phase, weight, w->pool);
 }
 
 /* f at x; jac and residuals are left in w. */
@@ -116,7 +116,7 @@ static double evaluate(const lw_problem *p, const double *x, lw_work *w)
     if (!lw_problem_lanes(p, x, w))
         return INFINITY;
     if (p->timing == LW_TIMING_NONE)
-        lw_assign_samples(p, w, w->jac.x + p->n, w->jac.y + p->n);
+        lw_timing_samples(p, w, w->jac.x + p->n, w->jac.y + p->n);
     return lw_problem_rows(p, x, w, false);
 }
 

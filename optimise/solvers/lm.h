@@ -4,8 +4,8 @@
  * moved along with it; bounds and linear conditions are kept by solving the step as a quadratic
  * program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached
  * to rounding.  Damping after Nielsen 1999.  No allocation. */
-#ifndef LW_OPTIMISE_LM_H
-#define LW_OPTIMISE_LM_H
+#ifndef LW_OPTIMISE_SOLVERS_LM_H
+#define LW_OPTIMISE_SOLVERS_LM_H
 
 #include "optimise/solvers/solver.h"
 

@@ -1,7 +1,7 @@
 /* optimise/solvers/lowdiscrepancy.h - points that fill a cube evenly: Sobol's sequence of GSL, shifted at
  * random (Cranley & Patterson 1976) so that every seed and every block has its own. */
-#ifndef LW_OPTIMISE_LOWDISCREPANCY_H
-#define LW_OPTIMISE_LOWDISCREPANCY_H
+#ifndef LW_OPTIMISE_SOLVERS_LOWDISCREPANCY_H
+#define LW_OPTIMISE_SOLVERS_LOWDISCREPANCY_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,8 +2,8 @@
  *
  * A row is one line of the list: a method that lowers F of a stage, and whether it searches the whole
  * box and takes conditions itself.  The others run inside the barrier. */
-#ifndef LW_OPTIMISE_METHOD_INTERNAL_H
-#define LW_OPTIMISE_METHOD_INTERNAL_H
+#ifndef LW_OPTIMISE_SOLVERS_METHOD_INTERNAL_H
+#define LW_OPTIMISE_SOLVERS_METHOD_INTERNAL_H
 
 #include "optimise/solvers/barrier.h"
 

@@ -1,7 +1,7 @@
 /* optimise/solvers/qp.h - small dense quadratic programs, for the step of a bounded least-squares fit.
  * Dual active set method of Goldfarb & Idnani 1983. */
-#ifndef LW_OPTIMISE_QP_H
-#define LW_OPTIMISE_QP_H
+#ifndef LW_OPTIMISE_SOLVERS_QP_H
+#define LW_OPTIMISE_SOLVERS_QP_H
 
 #include <stdbool.h>
 

@@ -4,8 +4,8 @@
  * A method asks the record for values; the record counts, keeps the best feasible point, tells the
  * caller of improvements, and says when to stop.  What a method returns is never trusted: COBYLA and
  * SLSQP of NLopt 2.7 may return a point worse than one they saw. */
-#ifndef LW_OPTIMISE_RECORD_H
-#define LW_OPTIMISE_RECORD_H
+#ifndef LW_OPTIMISE_SOLVERS_RECORD_H
+#define LW_OPTIMISE_SOLVERS_RECORD_H
 
 #include "optimise/solvers/solver.h"
 

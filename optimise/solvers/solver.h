@@ -2,8 +2,8 @@
  *
  * Every solver sees the same lw_problem.  The best feasible point seen is kept by the caller's
  * record, whatever the method returns. */
-#ifndef LW_OPTIMISE_SOLVER_H
-#define LW_OPTIMISE_SOLVER_H
+#ifndef LW_OPTIMISE_SOLVERS_SOLVER_H
+#define LW_OPTIMISE_SOLVERS_SOLVER_H
 
 #include "optimise/problem/problem.h"
 

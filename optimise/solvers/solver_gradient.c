@@ -19,7 +19,7 @@
 #define K_MAX      1e15
 
 typedef struct descent {
-    lw_stage *stage;
+    lw_barrier_stage *stage;
     size_t    n;
     double    f, x[LW_VAR_MAX], g[LW_VAR_MAX];       /* present point                             */
     double    d[LW_VAR_MAX];                         /* way to the projected gradient step        */
@@ -48,11 +48,11 @@ static bool line_search(descent *s, double *f)
     double reference = s->past[0], t = 1.0;
     for (int i = 1; i < MEMORY; i++)
         reference = fmax(reference, s->past[i]);
-    for (int k = 0; k < 60 && !lw_stage_over(s->stage); k++) {
+    for (int k = 0; k < 60 && !lw_barrier_stage_over(s->stage); k++) {
         for (size_t i = 0; i < s->n; i++)
             s->trial[i] = s->x[i] + t*s->d[i];
         lw_clip(s->stage->record->fn, s->trial);
-        *f = lw_stage_value(s->stage, s->trial, s->gt);
+        *f = lw_barrier_stage_value(s->stage, s->trial, s->gt);
         if (*f <= reference + ARMIJO*t*s->slope)
             return true;
         double best = -0.5*t*t*s->slope/(*f - s->f - t*s->slope);      /* of the parabola */
@@ -80,7 +80,7 @@ static lw_stop descend(descent *s)
 {
     double lowest = s->f, k = 1.0/fmax(direction(s, 1.0), 1e-12);
     for (int i = 1, last = 0; ; i++) {
-        if (lw_stage_over(s->stage))
+        if (lw_barrier_stage_over(s->stage))
             return LW_STOP_EVALS;
         if (direction(s, 1.0) <= 1e-16*fmax(1.0, fabs(s->f)))
             return LW_STOP_GRADIENT;
@@ -88,7 +88,7 @@ static lw_stop descend(descent *s)
         if (move > 1.0)                               /* no variable moves further than one */
             direction(s, k/move);
         if (!line_search(s, &f))
-            return lw_stage_over(s->stage) ? LW_STOP_EVALS : LW_STOP_X_TOL;
+            return lw_barrier_stage_over(s->stage) ? LW_STOP_EVALS : LW_STOP_X_TOL;
         k = accept(s, f, i);
         if (f < lowest - s->stage->f_tol*fabs(lowest)) {
             lowest = f;
@@ -98,12 +98,12 @@ static lw_stop descend(descent *s)
     }
 }
 
-lw_stop lw_gradient(lw_stage *stage, const double *start)
+lw_stop lw_gradient(lw_barrier_stage *stage, const double *start)
 {
     descent s = { .stage = stage, .n = stage->record->fn->n };
     memcpy(s.x, start, s.n*sizeof *s.x);
     lw_clip(stage->record->fn, s.x);
-    s.f = lw_stage_value(stage, s.x, s.g);
+    s.f = lw_barrier_stage_value(stage, s.x, s.g);
     for (int i = 0; i < MEMORY; i++)
         s.past[i] = s.f;
     return descend(&s);
@@ -113,13 +113,13 @@ lw_stop lw_gradient(lw_stage *stage, const double *start)
  *
  * Nothing is checked but the bounds: too large a k oscillates or leaves the set where F is defined,
  * which ends the run as failed; too small a k crawls. */
-lw_stop lw_gradient_fixed(lw_stage *stage, const double *start)
+lw_stop lw_gradient_fixed(lw_barrier_stage *stage, const double *start)
 {
     const lw_function *fn = stage->record->fn;
     double x[LW_VAR_MAX], g[LW_VAR_MAX], f, before = INFINITY;
     memcpy(x, start, fn->n*sizeof *x);
     lw_clip(fn, x);
-    while (f = lw_stage_value(stage, x, g), !lw_stage_over(stage)) {
+    while (f = lw_barrier_stage_value(stage, x, g), !lw_barrier_stage_over(stage)) {
         if (!stage->inside)
             return LW_STOP_FAILED;
         if (fabs(before - f) <= stage->f_tol*fabs(f))

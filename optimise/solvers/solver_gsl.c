@@ -26,7 +26,7 @@
 #define WELL_INSIDE 1e-11        /* conditions met; the repair does the rest                      */
 
 typedef struct lagrangian {
-    lw_stage *stage;
+    lw_barrier_stage *stage;
     size_t    n, n_residual, n_condition;            /* n_condition: g, lower, upper bounds       */
     double    rho, *lambda;                          /* (n_condition)                             */
     double   *res, *jac;                             /* of f (n_residual), (n_residual*n)         */
@@ -55,7 +55,7 @@ static int residuals(const gsl_vector *at, void *data, gsl_vector *out)
     lagrangian *a = data;
     double buf[LW_VAR_MAX];
     const double *x = values(at, buf);
-    if (lw_stage_over(a->stage))
+    if (lw_barrier_stage_over(a->stage))
         return GSL_EBADFUNC;
     bool defined = lw_finite(x, a->n) && lw_record_residuals(a->stage->record, x, a->res, NULL);
     const double *g = lw_record_conditions(a->stage->record, x, false);
@@ -75,7 +75,7 @@ static int derivatives(const gsl_vector *at, void *data, gsl_matrix *out)
     size_t m = a->stage->record->fn->m;
     double buf[LW_VAR_MAX], weight = sqrt(0.5*a->rho);
     const double *x = values(at, buf);
-    if (lw_stage_over(a->stage) || !lw_record_residuals(a->stage->record, x, a->res, a->jac))
+    if (lw_barrier_stage_over(a->stage) || !lw_record_residuals(a->stage->record, x, a->res, a->jac))
         return GSL_EBADFUNC;
     for (size_t i = 0; i < a->n_residual; i++)
         for (size_t k = 0; k < a->n; k++)
@@ -114,7 +114,7 @@ static lw_stop inner(lagrangian *a, gsl_multifit_nlinear_workspace *w, double *x
         else if (gsl_multifit_nlinear_test(o->x_tol, 0.0, 0.0, &info, w) == GSL_SUCCESS)
             why = LW_STOP_X_TOL;
         before = f;
-        if (why != LW_STOP_EVALS || lw_stage_over(a->stage))
+        if (why != LW_STOP_EVALS || lw_barrier_stage_over(a->stage))
             break;
     }
     values(gsl_multifit_nlinear_position(w), x);
@@ -140,11 +140,11 @@ static lw_stop rounds(lagrangian *a, gsl_multifit_nlinear_workspace *w, double *
 {
     double worst = INFINITY, inside[LW_VAR_MAX];
     lw_stop why = LW_STOP_FAILED;
-    for (int k = 0; k < N_ROUND && !lw_stage_over(a->stage); k++) {
+    for (int k = 0; k < N_ROUND && !lw_barrier_stage_over(a->stage); k++) {
         why = inner(a, w, x);
         memcpy(inside, x, a->n*sizeof *x);
         if (lw_finite(x, a->n) && lw_feasible_repair(a->stage->record, inside))
-            lw_stage_value(a->stage, inside, NULL);
+            lw_barrier_stage_value(a->stage, inside, NULL);
         double now = update(a, x);
         if (!(now > WELL_INSIDE))
             break;
@@ -155,7 +155,7 @@ static lw_stop rounds(lagrangian *a, gsl_multifit_nlinear_workspace *w, double *
     return why;
 }
 
-lw_stop lw_gsl_lm(lw_stage *stage, const double *start)
+lw_stop lw_gsl_lm(lw_barrier_stage *stage, const double *start)
 {
     const lw_function *fn = stage->record->fn;
     lagrangian a = {
@@ -165,7 +165,7 @@ lw_stop lw_gsl_lm(lw_stage *stage, const double *start)
     double x[LW_VAR_MAX];
     memcpy(x, start, fn->n*sizeof *x);
     lw_clip(fn, x);
-    if (!isfinite(lw_stage_value(stage, x, NULL)))
+    if (!isfinite(lw_barrier_stage_value(stage, x, NULL)))
         return LW_STOP_FAILED;
     a.lambda = calloc(a.n_condition + fn->n_residual*(fn->n + 1), sizeof *a.lambda);
     gsl_multifit_nlinear_parameters how = gsl_multifit_nlinear_default_parameters();

@@ -18,13 +18,13 @@
  * curvature has to stay well below 1e10. */
 #define SCALE_MAX 1e8
 
-typedef struct call { lw_stage *stage; nlopt_opt opt; double scale; } call;
+typedef struct call { lw_barrier_stage *stage; nlopt_opt opt; double scale; } call;
 
 static double objective(unsigned n, const double *x, double *grad, void *data)
 {
     call *c = data;
-    double f = lw_stage_value(c->stage, x, grad);
-    if (lw_stage_over(c->stage))
+    double f = lw_barrier_stage_value(c->stage, x, grad);
+    if (lw_barrier_stage_over(c->stage))
         nlopt_force_stop(c->opt);
     for (unsigned i = 0; grad && i < n; i++)
         grad[i] *= c->scale;
@@ -60,7 +60,7 @@ static lw_stop reason(nlopt_result result, const lw_record *r)
 
 /* First steps of the methods without gradient: a quarter of a narrow range at most, which BOBYQA
  * demands. Variables whose range is a point are left out by NLopt itself. */
-static nlopt_result set_steps(nlopt_opt opt, const lw_stage *s)
+static nlopt_result set_steps(nlopt_opt opt, const lw_barrier_stage *s)
 {
     const lw_function *fn = s->record->fn;
     double dx[LW_VAR_MAX];
@@ -84,7 +84,7 @@ static nlopt_result set_local(nlopt_opt opt, unsigned n)
     return result;
 }
 
-static int remaining_evals(const lw_stage *s)
+static int remaining_evals(const lw_barrier_stage *s)
 {
     long left = s->last_eval - s->record->evals;
     return left < 1 ? 1 : left > INT_MAX ? INT_MAX : (int)left;
@@ -94,7 +94,7 @@ typedef enum steps { DESCENT, SIMPLE, BOX } steps;  /* with gradient, without, t
 
 static bool set_up(nlopt_opt opt, steps kind, bool takes_constraints, call *c)
 {
-    const lw_stage *s = c->stage;
+    const lw_barrier_stage *s = c->stage;
     const lw_record *r = s->record;
     const lw_function *fn = r->fn;
     const lw_solver_options *o = r->o;
@@ -115,7 +115,7 @@ static bool set_up(nlopt_opt opt, steps kind, bool takes_constraints, call *c)
 }
 
 static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constraints,
-                        lw_stage *stage, const double *start)
+                        lw_barrier_stage *stage, const double *start)
 {
     lw_record *r = stage->record;
     unsigned n = (unsigned)r->fn->n;
@@ -134,12 +134,12 @@ static lw_stop minimise(nlopt_algorithm algorithm, steps kind, bool takes_constr
         why = reason(nlopt_optimize(c.opt, x, &f), r);
     nlopt_destroy(c.opt);
     if (takes_constraints && r->fn->m > 0 && lw_finite(x, n) && lw_feasible_repair(r, x))
-        lw_stage_value(stage, x, NULL);
+        lw_barrier_stage_value(stage, x, NULL);
     return why;
 }
 
 #define METHOD(row, algorithm, kind, takes_constraints)                                  \
-    lw_stop lw_nlopt_##row(lw_stage *s, const double *x)                                 \
+    lw_stop lw_nlopt_##row(lw_barrier_stage *s, const double *x)                                 \
     { return minimise(algorithm, kind, takes_constraints, s, x); }
 
 METHOD(slsqp,      NLOPT_LD_SLSQP,      DESCENT, true)

@@ -1,6 +1,6 @@
 /* optimise/task/contradiction.h - conditions that no linkage can meet, told before any search. */
-#ifndef LW_OPTIMISE_CONTRADICTION_H
-#define LW_OPTIMISE_CONTRADICTION_H
+#ifndef LW_OPTIMISE_TASK_CONTRADICTION_H
+#define LW_OPTIMISE_TASK_CONTRADICTION_H
 
 #include "optimise/problem/problem.h"
 

@@ -6,9 +6,9 @@
 
 #define OFF 1e-3
 
-lw_way lw_way_begin(void)
+lw_motion_limits lw_motion_limits_begin(void)
 {
-    return (lw_way){ .margin_least = NAN, .margin_most = NAN };
+    return (lw_motion_limits){ .margin_least = NAN, .margin_most = NAN };
 }
 
 static double depth(const lw_zone *z, const lw_plan *plan, const lw_pose *pose)
@@ -22,7 +22,7 @@ static double depth(const lw_zone *z, const lw_plan *plan, const lw_pose *pose)
     return -least;
 }
 
-void lw_way_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_way *w)
+void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_motion_limits *w)
 {
     double a = s->task == LW_TASK_FUNCTION ? fabs(pose->angle[plan->output_link[0]][2])
                                            : lw_v2_norm(pose->tracer[0][2]);
@@ -34,13 +34,13 @@ void lw_way_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose,
             w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, pose));
 }
 
-void lw_way_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes, double from,
-                double to, int looks, lw_way *w)
+void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes, double from,
+                double to, int looks, lw_motion_limits *w)
 {
     lw_pose pose;
     for (int k = 0; k <= looks; k++)
         if (lw_pose_solve(plan, dim, modes, from + (to - from)*k/looks, 2, &pose) == LW_OK)
-            lw_way_pose(plan, s, &pose, w);
+            lw_motion_limits_pose(plan, s, &pose, w);
 }
 
 /* How far a fixed pivot is from where it has to be. */
@@ -62,7 +62,7 @@ static double pivots_astray(const lw_fit_spec *s, const lw_linkage *k)
     return most;
 }
 
-bool lw_way_meets(const lw_way *w, const lw_fit_spec *s, const lw_linkage *k, double size, char *why, size_t room)
+bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *k, double size, char *why, size_t room)
 {
     double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, k);
     char text[160] = "";

@@ -5,58 +5,58 @@
 #include <stdlib.h>
 #include <string.h>
 
-double *lw_target_array(const lw_target *t, lw_field role)
+double *lw_target_array(const lw_target *t, lw_target_field role)
 {
     switch (role) {
-    case LW_FIELD_X:      return t->x;
-    case LW_FIELD_Y:      return t->y;
-    case LW_FIELD_THETA:  return t->theta;
-    case LW_FIELD_ANGLE:  return t->angle;
-    case LW_FIELD_WEIGHT: return t->weight;
+    case LW_TARGET_FIELD_X:      return t->x;
+    case LW_TARGET_FIELD_Y:      return t->y;
+    case LW_TARGET_FIELD_THETA:  return t->theta;
+    case LW_TARGET_FIELD_ANGLE:  return t->angle;
+    case LW_TARGET_FIELD_WEIGHT: return t->weight;
     default:              break;
     }
-    const lw_also *a = &t->also[((int)role - LW_FIELD_ALSO)/4];
+    const lw_also *a = &t->also[((int)role - LW_TARGET_FIELD_ALSO)/4];
     switch (lw_field_first(role)) {
-    case LW_FIELD_X:      return a->x;
-    case LW_FIELD_Y:      return a->y;
-    case LW_FIELD_THETA:  return a->theta;
+    case LW_TARGET_FIELD_X:      return a->x;
+    case LW_TARGET_FIELD_Y:      return a->y;
+    case LW_TARGET_FIELD_THETA:  return a->theta;
     default:              return a->weight;
     }
 }
 
 /* The arrays of further points; a weight that is not given is that of the stations. */
-static void hand_out(lw_target *t, double *const p[LW_FIELD_COUNT])
+static void hand_out(lw_target *t, double *const p[LW_TARGET_FIELD_COUNT])
 {
     t->n_also = 0;
     for (int i = 0; i < LW_ALSO_MAX; i++) {
-        double *const *mine = p + lw_field_also(LW_FIELD_X, i);
+        double *const *mine = p + lw_field_also(LW_TARGET_FIELD_X, i);
         if (mine[0] || mine[2])
             t->also[t->n_also++] = (lw_also){ .x = mine[0], .y = mine[1], .theta = mine[2],
                                               .weight = mine[3] ? mine[3] : t->weight };
     }
 }
 
-lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_FIELD_COUNT], lw_error *e)
+lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_TARGET_FIELD_COUNT], lw_error *e)
 {
-    double *p[LW_FIELD_COUNT] = { NULL };
+    double *p[LW_TARGET_FIELD_COUNT] = { NULL };
     size_t many = 0;
     *t = (lw_target){ .n = n, .units = lw_units_si() };
-    for (int role = 0; role < LW_FIELD_COUNT; role++)
-        many += has[role] || role == LW_FIELD_WEIGHT;
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
+        many += has[role] || role == LW_TARGET_FIELD_WEIGHT;
     double *block = malloc(n*(many*sizeof(double) + sizeof(long)));
     if (!block)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
     t->store = block;
-    for (int role = 0; role < LW_FIELD_COUNT; role++)
-        if (has[role] || role == LW_FIELD_WEIGHT) {
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
+        if (has[role] || role == LW_TARGET_FIELD_WEIGHT) {
             p[role] = block;
             block += n;
         }
-    t->x = p[LW_FIELD_X];
-    t->y = p[LW_FIELD_Y];
-    t->theta = p[LW_FIELD_THETA];
-    t->angle = p[LW_FIELD_ANGLE];
-    t->weight = p[LW_FIELD_WEIGHT];
+    t->x = p[LW_TARGET_FIELD_X];
+    t->y = p[LW_TARGET_FIELD_Y];
+    t->theta = p[LW_TARGET_FIELD_THETA];
+    t->angle = p[LW_TARGET_FIELD_ANGLE];
+    t->weight = p[LW_TARGET_FIELD_WEIGHT];
     t->line = (long *)block;
     hand_out(t, p);
     for (size_t i = 0; i < n; i++) {
@@ -76,7 +76,7 @@ void lw_target_free(lw_target *t)
 static lw_status check_weights(const lw_target *t, int point, lw_target_place *place, lw_error *e)
 {
     const double *weight = point < 0 ? t->weight : t->also[point].weight;
-    lw_field role = point < 0 ? LW_FIELD_WEIGHT : lw_field_also(LW_FIELD_WEIGHT, point);
+    lw_target_field role = point < 0 ? LW_TARGET_FIELD_WEIGHT : lw_field_also(LW_TARGET_FIELD_WEIGHT, point);
     double most = 0;
     for (size_t i = 0; i < t->n; i++) {
         *place = (lw_target_place){ i, role };
@@ -147,11 +147,11 @@ lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_
     return t->angle ? lw_target_order(t, place, e) : LW_OK;
 }
 
-static lw_status fill(lw_target *t, const double *const from[LW_FIELD_COUNT], lw_error *e)
+static lw_status fill(lw_target *t, const double *const from[LW_TARGET_FIELD_COUNT], lw_error *e)
 {
-    for (int role = 0; role < LW_FIELD_COUNT; role++) {
-        double *to = lw_target_array(t, (lw_field)role);
-        double most = lw_field_most((lw_field)role);
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++) {
+        double *to = lw_target_array(t, (lw_target_field)role);
+        double most = lw_field_most((lw_target_field)role);
         for (size_t i = 0; from[role] && i < t->n; i++) {
             if (!(fabs(from[role][i]) <= most))
                 return lw_error_set(e, LW_E_ARG, "station %zu has a number that is not finite or beyond %g", i + 1,
@@ -176,8 +176,8 @@ lw_status lw_target_make_all(size_t n, const double *x, const double *y, const d
                              const double *weight, const lw_also *also, int n_also, int closed, lw_target *t,
                              lw_error *e)
 {
-    const double *from[LW_FIELD_COUNT] = { x, y, theta, angle, weight };
-    bool has[LW_FIELD_COUNT];
+    const double *from[LW_TARGET_FIELD_COUNT] = { x, y, theta, angle, weight };
+    bool has[LW_TARGET_FIELD_COUNT];
     lw_target_place place;
     lw_status s = LW_OK;
     *t = (lw_target){ .n = 0 };
@@ -188,14 +188,14 @@ lw_status lw_target_make_all(size_t n, const double *x, const double *y, const d
     if (n_also < 0 || n_also > LW_ALSO_MAX)
         return lw_error_set(e, LW_E_ARG, "a target has %d points at most", LW_ALSO_MAX + 1);
     for (int i = 0; i < n_also && s == LW_OK; i++) {
-        const double **mine = from + lw_field_also(LW_FIELD_X, i);
+        const double **mine = from + lw_field_also(LW_TARGET_FIELD_X, i);
         mine[0] = also[i].x;
         mine[1] = also[i].y;
         mine[2] = also[i].theta;
         mine[3] = also[i].weight == weight ? NULL : also[i].weight;
         s = check_also(&also[i], x != NULL, i + 2, e);
     }
-    for (int role = 0; role < LW_FIELD_COUNT; role++)
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         has[role] = from[role] != NULL;
     if (s == LW_OK)
         s = lw_target_allocate(t, n, has, e);

@@ -13,8 +13,8 @@
  * docs/notation.md, "Target", has the whole of it.
  *
  * Any number of stations from 1 on is read; whether they are enough is the fitter's business. */
-#ifndef LW_OPTIMISE_TARGET_H
-#define LW_OPTIMISE_TARGET_H
+#ifndef LW_OPTIMISE_TASK_TARGET_H
+#define LW_OPTIMISE_TASK_TARGET_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -21,7 +21,7 @@ static const struct { const char *name; char kind; } columns[] = {
 #define COLUMN_COUNT COUNT(columns)
 #define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* and of further points: x2 is COLUMN_COUNT + COL_X */
 
-static const char *quote(lw_span s, char buf[48])
+static const char *quote(lw_text_span s, char buf[48])
 {
     snprintf(buf, 48, "\"%.*s%s\"", s.n > 40 ? 40 : (int)s.n, s.s, s.n > 40 ? "..." : "");
     return buf;
@@ -48,19 +48,19 @@ static lw_status take_unit(lw_header *h, const char *unit, const char *who, long
     return LW_OK;
 }
 
-static bool next_word(lw_span *rest, lw_span *word)
+static bool next_word(lw_text_span *rest, lw_text_span *word)
 {
     size_t i = 0, n = 0;
     while (i < rest->n && strchr(" \t,;", rest->s[i]) && rest->s[i])
         i++;
     while (i + n < rest->n && !(strchr(" \t,;", rest->s[i+n]) && rest->s[i+n]))
         n++;
-    *word = (lw_span){ rest->s + i, n };
-    *rest = (lw_span){ rest->s + i + n, rest->n - i - n };
+    *word = (lw_text_span){ rest->s + i, n };
+    *rest = (lw_text_span){ rest->s + i + n, rest->n - i - n };
     return n > 0;
 }
 
-static const char *find_unit(lw_span word)
+static const char *find_unit(lw_text_span word)
 {
     for (int i = 0; i < COUNT(unit_names); i++)
         if (lw_span_is(word, unit_names[i]))
@@ -69,10 +69,10 @@ static const char *find_unit(lw_span word)
 }
 
 /* "mm deg" behind "# units:" */
-static lw_status read_units(lw_header *h, const lw_lines *l, lw_span value, lw_error *e)
+static lw_status read_units(lw_header *h, const lw_lines *l, lw_text_span value, lw_error *e)
 {
     const char *start = l->line.s;
-    lw_span word;
+    lw_text_span word;
     lw_status s = LW_OK;
     while (s == LW_OK && next_word(&value, &word)) {
         char text[48];
@@ -89,18 +89,18 @@ static lw_status read_units(lw_header *h, const lw_lines *l, lw_span value, lw_e
 /* ---- comments ---------------------------------------------------------------------------------- */
 
 /* The value of a comment "key: value". */
-static bool has_key(lw_span comment, const char *key, lw_span *value)
+static bool has_key(lw_text_span comment, const char *key, lw_text_span *value)
 {
     const char *colon = comment.s ? memchr(comment.s, ':', comment.n) : NULL;
-    if (!colon || !lw_span_is(lw_span_trim((lw_span){ comment.s, (size_t)(colon - comment.s) }), key))
+    if (!colon || !lw_span_is(lw_span_trim((lw_text_span){ comment.s, (size_t)(colon - comment.s) }), key))
         return false;
-    *value = lw_span_trim((lw_span){ colon + 1, comment.n - (size_t)(colon + 1 - comment.s) });
+    *value = lw_span_trim((lw_text_span){ colon + 1, comment.n - (size_t)(colon + 1 - comment.s) });
     return true;
 }
 
-static lw_status read_closed(lw_header *h, const lw_lines *l, lw_span value, lw_error *e)
+static lw_status read_closed(lw_header *h, const lw_lines *l, lw_text_span value, lw_error *e)
 {
-    lw_span word;
+    lw_text_span word;
     char text[48];
     int closed = -1;
     long column = (long)(value.s - l->line.s) + 1;
@@ -142,7 +142,7 @@ static lw_status take_options(lw_header *h, const lw_target_options *o, lw_error
 lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines l, lw_error *e)
 {
     lw_status s = LW_OK;
-    lw_span value;
+    lw_text_span value;
     while (s == LW_OK && lw_lines_next(&l))
         if (has_key(l.comment, "closed", &value))
             s = read_closed(h, &l, value, e);
@@ -156,7 +156,7 @@ lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines 
 typedef struct seen {
     int     at[NUMBERED_COUNT];          /* column of the file, -1: not there */
     long    place[NUMBERED_COUNT];       /* its byte in the header line, from 1 */
-    lw_span name[NUMBERED_COUNT];
+    lw_text_span name[NUMBERED_COUNT];
 } seen;
 
 static bool of_a_point(int column)
@@ -165,11 +165,11 @@ static bool of_a_point(int column)
 }
 
 /* "theta", or "theta2" for the second point. */
-static int find_column(lw_span name)
+static int find_column(lw_text_span name)
 {
     int number = name.n > 1 && name.s[name.n - 1] > '0' && name.s[name.n - 1] <= '1' + LW_ALSO_MAX
                ? name.s[name.n - 1] - '0' : 0;
-    lw_span bare = { name.s, name.n - (number > 0) };
+    lw_text_span bare = { name.s, name.n - (number > 0) };
     for (int i = 0; i < COLUMN_COUNT; i++)
         if (number > 0 ? of_a_point(i) && lw_span_is(bare, columns[i].name) : lw_span_is(name, columns[i].name))
             return number > 0 ? i + (number - 1)*COLUMN_COUNT : i;
@@ -177,20 +177,20 @@ static int find_column(lw_span name)
 }
 
 /* "x_mm" is x in mm; "theta_in" is a name of its own, not an angle in inches. */
-static int split_name(lw_span name, const char **unit)
+static int split_name(lw_text_span name, const char **unit)
 {
     int found = find_column(name);
     *unit = NULL;
     for (size_t i = name.n; found < 0 && i-- > 1; )
         if (name.s[i] == '_') {
-            *unit = find_unit((lw_span){ name.s + i + 1, name.n - i - 1 });
-            found = *unit ? find_column((lw_span){ name.s, i }) : -1;
+            *unit = find_unit((lw_text_span){ name.s + i + 1, name.n - i - 1 });
+            found = *unit ? find_column((lw_text_span){ name.s, i }) : -1;
             break;
         }
     return found;
 }
 
-static lw_status unknown_column(const lw_header *h, lw_span name, long line, long place, lw_error *e)
+static lw_status unknown_column(const lw_header *h, lw_text_span name, long line, long place, lw_error *e)
 {
     const char *names[COLUMN_COUNT];
     char text[48], word[32];
@@ -210,7 +210,7 @@ static lw_status unknown_column(const lw_header *h, lw_span name, long line, lon
                        1 + LW_ALSO_MAX);
 }
 
-static lw_status take_column(lw_header *h, seen *f, lw_span name, long line, long place, lw_error *e)
+static lw_status take_column(lw_header *h, seen *f, lw_text_span name, long line, long place, lw_error *e)
 {
     const char *unit;
     char text[48];
@@ -243,7 +243,7 @@ static lw_status clash(const lw_header *h, const seen *f, int a, int b, long lin
                        columns[b].name, a == COL_THETA ? "tool" : "input");
 }
 
-static void assign(lw_header *h, const seen *f, lw_field role, int c)
+static void assign(lw_header *h, const seen *f, lw_target_field role, int c)
 {
     h->column[role] = f->at[c];
     h->role[f->at[c]] = role;
@@ -265,11 +265,11 @@ static lw_status assign_angles(lw_header *h, const seen *f, long line, lw_error 
     if (input != COL_T && at[COL_T] >= 0)
         return clash(h, f, input, COL_T, line, e);
     if (at[tool] >= 0)
-        assign(h, f, LW_FIELD_THETA, tool);
+        assign(h, f, LW_TARGET_FIELD_THETA, tool);
     if (at[input] >= 0)
-        assign(h, f, LW_FIELD_ANGLE, input);
+        assign(h, f, LW_TARGET_FIELD_ANGLE, input);
     if (input == COL_T)
-        h->factor[LW_FIELD_ANGLE] = 2*LW_PI;
+        h->factor[LW_TARGET_FIELD_ANGLE] = 2*LW_PI;
     return LW_OK;
 }
 
@@ -277,12 +277,12 @@ static lw_status check_complete(const lw_header *h, long line, lw_error *e)
 {
     const int *c = h->column;
     const char *missing = NULL;
-    if (c[LW_FIELD_X] >= 0 || c[LW_FIELD_Y] >= 0)
-        missing = c[LW_FIELD_X] < 0 ? "x" : c[LW_FIELD_Y] < 0 ? "y" : NULL;
-    else if (c[LW_FIELD_THETA] < 0 && c[LW_FIELD_ANGLE] < 0)
+    if (c[LW_TARGET_FIELD_X] >= 0 || c[LW_TARGET_FIELD_Y] >= 0)
+        missing = c[LW_TARGET_FIELD_X] < 0 ? "x" : c[LW_TARGET_FIELD_Y] < 0 ? "y" : NULL;
+    else if (c[LW_TARGET_FIELD_THETA] < 0 && c[LW_TARGET_FIELD_ANGLE] < 0)
         missing = "x";
     else
-        missing = c[LW_FIELD_THETA] < 0 ? "theta" : c[LW_FIELD_ANGLE] < 0 ? "angle" : NULL;
+        missing = c[LW_TARGET_FIELD_THETA] < 0 ? "theta" : c[LW_TARGET_FIELD_ANGLE] < 0 ? "angle" : NULL;
     if (!missing)
         return LW_OK;
     return lw_error_at(e, LW_E_NOTATION, h->file, line, 1, "column \"%s\" is missing; a path has x and y, a function "
@@ -292,8 +292,8 @@ static lw_status check_complete(const lw_header *h, long line, lw_error *e)
 /* Columns of a further point (from 0): x and y both, or theta, or all; after those of the points before it. */
 static lw_status assign_also(lw_header *h, const seen *f, int point, long line, lw_error *e)
 {
-    static const struct { int column; lw_field role; } own[] = {
-        { COL_X, LW_FIELD_X }, { COL_Y, LW_FIELD_Y }, { COL_THETA, LW_FIELD_THETA }, { COL_WEIGHT, LW_FIELD_WEIGHT }
+    static const struct { int column; lw_target_field role; } own[] = {
+        { COL_X, LW_TARGET_FIELD_X }, { COL_Y, LW_TARGET_FIELD_Y }, { COL_THETA, LW_TARGET_FIELD_THETA }, { COL_WEIGHT, LW_TARGET_FIELD_WEIGHT }
     };
     int base = (point + 1)*COLUMN_COUNT, number = point + 2, any = -1;
     for (int i = 0; i < COUNT(own); i++)
@@ -301,7 +301,7 @@ static lw_status assign_also(lw_header *h, const seen *f, int point, long line, 
             assign(h, f, lw_field_also(own[i].role, point), base + own[i].column);
             any = base + own[i].column;
         }
-    const int *c = h->column + lw_field_also(LW_FIELD_X, point);
+    const int *c = h->column + lw_field_also(LW_TARGET_FIELD_X, point);
     if (any < 0)
         return LW_OK;
     if ((c[0] < 0) != (c[1] < 0))
@@ -314,13 +314,13 @@ static lw_status assign_also(lw_header *h, const seen *f, int point, long line, 
     if (point > 0 && before[0] < 0 && before[2] < 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[any], "there are columns of point %d but none of "
                            "point %d; points are numbered without gaps", number, number - 1);
-    if (c[0] >= 0 && h->column[LW_FIELD_X] < 0)
+    if (c[0] >= 0 && h->column[LW_TARGET_FIELD_X] < 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[base + COL_X], "there are x%d and y%d but no x "
                            "and y; let the point with a path be the first, and its output angle theta2", number, number);
     return LW_OK;
 }
 
-static lw_status find_separator(lw_header *h, lw_span line, long number, lw_error *e)
+static lw_status find_separator(lw_header *h, lw_text_span line, long number, lw_error *e)
 {
     bool comma = memchr(line.s, ',', line.n), semicolon = memchr(line.s, ';', line.n);
     if (comma && semicolon)
@@ -331,11 +331,11 @@ static lw_status find_separator(lw_header *h, lw_span line, long number, lw_erro
     return LW_OK;
 }
 
-lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e)
+lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e)
 {
     seen f;
     size_t at = 0;
-    lw_span name;
+    lw_text_span name;
     lw_status s = find_separator(h, line, number, e);
     for (int i = 0; i < NUMBERED_COUNT; i++)
         f.at[i] = -1;
@@ -346,11 +346,11 @@ lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e
     if (s != LW_OK)
         return s;
     if (f.at[COL_X] >= 0)
-        assign(h, &f, LW_FIELD_X, COL_X);
+        assign(h, &f, LW_TARGET_FIELD_X, COL_X);
     if (f.at[COL_Y] >= 0)
-        assign(h, &f, LW_FIELD_Y, COL_Y);
+        assign(h, &f, LW_TARGET_FIELD_Y, COL_Y);
     if (f.at[COL_WEIGHT] >= 0)
-        assign(h, &f, LW_FIELD_WEIGHT, COL_WEIGHT);
+        assign(h, &f, LW_TARGET_FIELD_WEIGHT, COL_WEIGHT);
     s = check_complete(h, number, e);
     for (int i = 0; i < LW_ALSO_MAX && s == LW_OK; i++)
         s = assign_also(h, &f, i, number, e);

@@ -1,6 +1,6 @@
 /* optimise/task/target_internal.h - what the parts of the target reader share. */
-#ifndef LW_OPTIMISE_TARGET_INTERNAL_H
-#define LW_OPTIMISE_TARGET_INTERNAL_H
+#ifndef LW_OPTIMISE_TASK_TARGET_INTERNAL_H
+#define LW_OPTIMISE_TASK_TARGET_INTERNAL_H
 
 #include "grammar/linkage.h"
 #include "optimise/task/target.h"
@@ -9,52 +9,52 @@
 
 /* What a number of a row means once the header is understood.  Further points have four more roles each, in the
  * order x, y, theta, weight. */
-typedef enum lw_field {
-    LW_FIELD_X, LW_FIELD_Y, LW_FIELD_THETA, LW_FIELD_ANGLE, LW_FIELD_WEIGHT,
-    LW_FIELD_ALSO, LW_FIELD_COUNT = LW_FIELD_ALSO + 4*LW_ALSO_MAX
-} lw_field;
+typedef enum lw_target_field {
+    LW_TARGET_FIELD_X, LW_TARGET_FIELD_Y, LW_TARGET_FIELD_THETA, LW_TARGET_FIELD_ANGLE, LW_TARGET_FIELD_WEIGHT,
+    LW_TARGET_FIELD_ALSO, LW_TARGET_FIELD_COUNT = LW_TARGET_FIELD_ALSO + 4*LW_ALSO_MAX
+} lw_target_field;
 
 /* The role of a further point's number, that of the first point given; point from 0. */
-static inline lw_field lw_field_also(lw_field role, int point)
+static inline lw_target_field lw_field_also(lw_target_field role, int point)
 {
-    return (lw_field)(LW_FIELD_ALSO + 4*point + (role == LW_FIELD_WEIGHT ? 3 : (int)role));
+    return (lw_target_field)(LW_TARGET_FIELD_ALSO + 4*point + (role == LW_TARGET_FIELD_WEIGHT ? 3 : (int)role));
 }
 
 /* The other way: what it would be of the first point. */
-static inline lw_field lw_field_first(lw_field role)
+static inline lw_target_field lw_field_first(lw_target_field role)
 {
-    int k = (int)role - LW_FIELD_ALSO;
-    return k < 0 ? role : k % 4 == 3 ? LW_FIELD_WEIGHT : (lw_field)(k % 4);
+    int k = (int)role - LW_TARGET_FIELD_ALSO;
+    return k < 0 ? role : k % 4 == 3 ? LW_TARGET_FIELD_WEIGHT : (lw_target_field)(k % 4);
 }
 
 /* The largest size of a number [m], [rad], [1]. */
-static inline double lw_field_most(lw_field role)
+static inline double lw_field_most(lw_target_field role)
 {
     role = lw_field_first(role);
-    return role == LW_FIELD_THETA || role == LW_FIELD_ANGLE ? LW_ANGLE_MAX : LW_COORDINATE_MAX;
+    return role == LW_TARGET_FIELD_THETA || role == LW_TARGET_FIELD_ANGLE ? LW_ANGLE_MAX : LW_COORDINATE_MAX;
 }
 
 /* ---- lines and fields (target_text.c) ---- */
 
-typedef struct lw_span { const char *s; size_t n; } lw_span;
+typedef struct lw_text_span { const char *s; size_t n; } lw_text_span;
 
 typedef struct lw_lines {
     const char *text;
     size_t      size, at;
     long        number;          /* of the line that was read last, from 1 */
-    lw_span     line;            /* without its end and without a comment  */
-    lw_span     comment;         /* behind '#', blanks trimmed; s NULL if there is none */
+    lw_text_span     line;            /* without its end and without a comment  */
+    lw_text_span     comment;         /* behind '#', blanks trimmed; s NULL if there is none */
 } lw_lines;
 
 lw_lines lw_lines_start(const char *text, size_t size);
 bool     lw_lines_next(lw_lines *l);
-bool     lw_span_blank(lw_span s);
-lw_span  lw_span_trim(lw_span s);              /* blanks at both ends */
-bool     lw_span_is(lw_span s, const char *word);   /* capitals do not count */
+bool     lw_span_blank(lw_text_span s);
+lw_text_span  lw_span_trim(lw_text_span s);              /* blanks at both ends */
+bool     lw_span_is(lw_text_span s, const char *word);   /* capitals do not count */
 
 /* The next field of a line from *at on, blanks and quotes trimmed; separator ' ' stands for runs of
  * blanks.  False when the line has no more. */
-bool lw_field_next(lw_span line, char separator, size_t *at, lw_span *field);
+bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *field);
 
 /* ---- the header and the comments (target_header.c) ---- */
 
@@ -62,10 +62,10 @@ typedef struct lw_header {
     const char *file;
     char        separator;
     int         n_column;
-    lw_field     role[LW_FIELD_COUNT];      /* by column of the file             */
-    int         column[LW_FIELD_COUNT];    /* by role, -1: not there            */
-    char        name[LW_FIELD_COUNT][16];  /* as the file calls it, by role     */
-    double      factor[LW_FIELD_COUNT];    /* to SI, by role                    */
+    lw_target_field     role[LW_TARGET_FIELD_COUNT];      /* by column of the file             */
+    int         column[LW_TARGET_FIELD_COUNT];    /* by role, -1: not there            */
+    char        name[LW_TARGET_FIELD_COUNT][16];  /* as the file calls it, by role     */
+    double      factor[LW_TARGET_FIELD_COUNT];    /* to SI, by role                    */
     int         closed;                   /* 1, 0, -1: nobody said             */
     lw_units    units;
     char        length_by[48], angle_by[48];   /* who gave the unit; "": nobody did */
@@ -74,16 +74,16 @@ typedef struct lw_header {
 /* Fill h (zeroed but for file, closed -1, units SI) from all comments of the file, then from the
  * header line. */
 lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines l, lw_error *e);
-lw_status lw_header_columns(lw_header *h, lw_span line, long number, lw_error *e);
+lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e);
 
 /* ---- stations (target.c, target_order.c) ---- */
 
 /* The station and number to which a message of the checks belongs. */
-typedef struct lw_target_place { size_t station; lw_field role; } lw_target_place;
+typedef struct lw_target_place { size_t station; lw_target_field role; } lw_target_place;
 
 /* Room for n stations with the arrays that `has` names; weight is 1, line 0. */
-lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_FIELD_COUNT], lw_error *e);
-double   *lw_target_array(const lw_target *t, lw_field role);       /* NULL: not given */
+lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_TARGET_FIELD_COUNT], lw_error *e);
+double   *lw_target_array(const lw_target *t, lw_target_field role);       /* NULL: not given */
 
 /* Weights, order of the angles, then closed, length, size.  closed as in the options. */
 lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e);

@@ -51,7 +51,7 @@ static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_plac
 {
     size_t first = i < k ? i : k, later = i < k ? k : i;
     char text[40];
-    *place = (lw_target_place){ later, LW_FIELD_ANGLE };
+    *place = (lw_target_place){ later, LW_TARGET_FIELD_ANGLE };
     return lw_error_set(e, LW_E_ARG, "the input angle %.9g %s stands in %s already, with other values; at one "
                         "input the linkage is in one place: change one of the two, or leave the column out if the "
                         "timing does not matter", t->angle[later]/t->units.radian, t->units.angle,
@@ -122,7 +122,7 @@ static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], l
     bool wraps = turn[1] < t->n && fabs(t->angle[turn[0]] - t->angle[turn[0]-1]) >= LW_PI;
     size_t i = turn[wraps];
     char text[40];
-    *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_FIELD_ANGLE };
+    *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_TARGET_FIELD_ANGLE };
     if (i == t->n)
         return lw_error_set(e, LW_E_ARG, "the input angles run over %.4g turns; a target is %d turns of the input at most, "
                             "without turning back", span(t), LW_LAP_MAX);

@@ -9,8 +9,8 @@
  * The corners of a polygon are the stations, as many as there are; anything bent becomes
  * LW_OUTLINE_STATIONS stations in equal steps along it.  A curve is closed when it ends where it begins or the file
  * says so.  The options are those of target.h, a length unit overrules the file. */
-#ifndef LW_OPTIMISE_TARGET_OUTLINE_H
-#define LW_OPTIMISE_TARGET_OUTLINE_H
+#ifndef LW_OPTIMISE_TASK_TARGET_OUTLINE_H
+#define LW_OPTIMISE_TASK_TARGET_OUTLINE_H
 
 #include "optimise/task/target.h"
 

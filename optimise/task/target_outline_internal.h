@@ -1,6 +1,6 @@
 /* optimise/task/target_outline_internal.h - a curve as it is read from a drawing, point by point. */
-#ifndef LW_OPTIMISE_TARGET_OUTLINE_INTERNAL_H
-#define LW_OPTIMISE_TARGET_OUTLINE_INTERNAL_H
+#ifndef LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
+#define LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
 
 #include "base/vec2.h"
 #include "optimise/task/target_outline.h"

@@ -10,7 +10,7 @@
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
 /* A fault of the field that stands for `role`. */
-static lw_status bad_number(const lw_header *h, lw_field role, const lw_lines *l, lw_span field, lw_error *e)
+static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, lw_error *e)
 {
     long column = (long)(field.s - l->line.s) + 1;
     int n = field.n > 40 ? 40 : (int)field.n;
@@ -31,7 +31,7 @@ static lw_status bad_number(const lw_header *h, lw_field role, const lw_lines *l
                        field.s, hint);
 }
 
-static lw_status read_number(const lw_header *h, lw_field role, const lw_lines *l, lw_span field, double *out,
+static lw_status read_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, double *out,
                              lw_error *e)
 {
     double v, most = lw_field_most(role);
@@ -60,24 +60,24 @@ static lw_status wrong_count(const lw_header *h, const lw_lines *l, int n, size_
 static lw_status read_row(const lw_header *h, const lw_lines *l, lw_target *t, size_t i, lw_error *e)
 {
     size_t at = 0, start = 0;
-    lw_span field;
+    lw_text_span field;
     lw_status s = LW_OK;
     int n = 0;
     t->line[i] = l->number;
     for (; s == LW_OK && lw_field_next(l->line, h->separator, &at, &field); n++, start = at) {
         if (n == h->n_column)
             return wrong_count(h, l, n + 1, start, e);
-        lw_field role = h->role[n];
+        lw_target_field role = h->role[n];
         s = read_number(h, role, l, field, &lw_target_array(t, role)[i], e);
     }
     return s == LW_OK && n < h->n_column ? wrong_count(h, l, n, at, e) : s;
 }
 
 /* Byte at which the number of a role stands in the line of a station, for faults found later. */
-static long find_place(const lw_header *h, lw_lines l, long line, lw_field role)
+static long find_place(const lw_header *h, lw_lines l, long line, lw_target_field role)
 {
     size_t at = 0;
-    lw_span field;
+    lw_text_span field;
     while (lw_lines_next(&l) && l.number < line)
         ;
     for (int n = 0; lw_field_next(l.line, h->separator, &at, &field); n++)
@@ -117,13 +117,13 @@ static lw_status count_rows(const lw_header *h, lw_lines l, size_t *n, lw_error 
 
 static lw_status read_rows(const lw_header *h, lw_lines l, lw_target *t, lw_error *e)
 {
-    bool has[LW_FIELD_COUNT];
+    bool has[LW_TARGET_FIELD_COUNT];
     size_t n;
     lw_target_place place;
     lw_lines all = lw_lines_start(l.text, l.size);
     lw_error fault;
     lw_status s = count_rows(h, l, &n, e);
-    for (int role = 0; role < LW_FIELD_COUNT; role++)
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         has[role] = h->column[role] >= 0;
     if (s == LW_OK)
         s = lw_target_allocate(t, n, has, e);
@@ -146,7 +146,7 @@ lw_status lw_target_read(const char *text, size_t size, const char *file, const 
     lw_header h = { .file = file, .closed = -1, .units = lw_units_si() };
     lw_status s = refuse_foreign(text, size, file, e);
     *t = (lw_target){ .n = 0 };
-    for (int role = 0; role < LW_FIELD_COUNT; role++)
+    for (int role = 0; role < LW_TARGET_FIELD_COUNT; role++)
         h.column[role] = -1;
     if (s == LW_OK)
         s = lw_header_comments(&h, o, l, e);

@@ -24,14 +24,14 @@ bool lw_lines_next(lw_lines *l)
     l->at += n + (n < rest) + (n + 1 < rest && s[n] == '\r' && s[n+1] == '\n');
     l->number++;
     const char *hash = memchr(s, '#', n);
-    l->line = (lw_span){ s, hash ? (size_t)(hash - s) : n };
-    l->comment = (lw_span){ NULL, 0 };
+    l->line = (lw_text_span){ s, hash ? (size_t)(hash - s) : n };
+    l->comment = (lw_text_span){ NULL, 0 };
     if (hash)
-        l->comment = lw_span_trim((lw_span){ hash + 1, n - l->line.n - 1 });
+        l->comment = lw_span_trim((lw_text_span){ hash + 1, n - l->line.n - 1 });
     return true;
 }
 
-lw_span lw_span_trim(lw_span s)
+lw_text_span lw_span_trim(lw_text_span s)
 {
     while (s.n > 0 && is_blank(*s.s))
         s.s++, s.n--;
@@ -40,21 +40,21 @@ lw_span lw_span_trim(lw_span s)
     return s;
 }
 
-bool lw_span_blank(lw_span s) { return lw_span_trim(s).n == 0; }
+bool lw_span_blank(lw_text_span s) { return lw_span_trim(s).n == 0; }
 
-bool lw_span_is(lw_span s, const char *word)
+bool lw_span_is(lw_text_span s, const char *word)
 {
     return s.n == strlen(word) && strncasecmp(s.s, word, s.n) == 0;
 }
 
-static lw_span unquote(lw_span s)
+static lw_text_span unquote(lw_text_span s)
 {
     if (s.n >= 2 && s.s[0] == '"' && s.s[s.n - 1] == '"')
-        return lw_span_trim((lw_span){ s.s + 1, s.n - 2 });
+        return lw_span_trim((lw_text_span){ s.s + 1, s.n - 2 });
     return s;
 }
 
-bool lw_field_next(lw_span line, char separator, size_t *at, lw_span *field)
+bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *field)
 {
     size_t i = *at;
     if (separator == ' ') {
@@ -68,7 +68,7 @@ bool lw_field_next(lw_span line, char separator, size_t *at, lw_span *field)
     size_t start = i;
     while (i < line.n && (separator == ' ' ? !is_blank(line.s[i]) : line.s[i] != separator))
         i++;
-    *field = unquote(lw_span_trim((lw_span){ line.s + start, i - start }));
+    *field = unquote(lw_span_trim((lw_text_span){ line.s + start, i - start }));
     *at = separator == ' ' ? i : i + 1;
     return true;
 }

@@ -57,7 +57,7 @@ static lw_status read_bounded(const lw_json_node *o, const char *key, double uni
 
 /* ---- conditions --------------------------------------------------------------------------------------------- */
 
-static lw_status read_lengths(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_lengths(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "least", "most", "ratio" };
     lw_json_node o;
@@ -65,7 +65,7 @@ static lw_status read_lengths(const lw_json_node *root, lw_brief *b, lw_error *e
         return LW_OK;
     lw_fit_spec *f = &b->spec;
     double m = b->units.metre;
-    lw_status s = lw_json_want(&o, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(&o, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
         && (s = read_bounded(&o, "least", m, 0, 1e90, &f->length_lo, e)) == LW_OK
         && (s = read_bounded(&o, "most", m, 1e-90, 1e90, &f->length_hi, e)) == LW_OK)
@@ -76,14 +76,14 @@ static lw_status read_lengths(const lw_json_node *root, lw_brief *b, lw_error *e
     return s;
 }
 
-static lw_status read_positions(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_positions(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "least", "most" };
     lw_json_node o, part;
     double m = b->units.metre, *lo = &b->spec.position_lo, *hi = &b->spec.position_hi;
     if (!lw_json_member(root, "positions", &o))
         return LW_OK;
-    lw_status s = lw_json_want(&o, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(&o, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
         && (s = lw_read_need(&o, "least", &part, e)) == LW_OK && (s = lw_json_number(&part, lo, e)) == LW_OK
         && (s = lw_read_need(&o, "most", &part, e)) == LW_OK)
@@ -139,7 +139,7 @@ static lw_status read_circle(const lw_json_node *n, double metre, lw_zone *z, lw
     return s == LW_OK && !(z->reach > 0) ? lw_json_fault(&radius, e, "a radius is greater than 0") : s;
 }
 
-static lw_status add_zone(const lw_json_node *n, lw_brief *b, lw_zone z, lw_error *e)
+static lw_status add_zone(const lw_json_node *n, lw_task_file *b, lw_zone z, lw_error *e)
 {
     if (b->spec.n_zone == LW_ZONE_MAX)
         return lw_json_fault(n, e, "more than %d zones", LW_ZONE_MAX);
@@ -148,13 +148,13 @@ static lw_status add_zone(const lw_json_node *n, lw_brief *b, lw_zone z, lw_erro
 }
 
 /* {"box": ...} or, forbidden, {"circle": ...}, for pivots {"line": ..., "within": ...}. */
-static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_brief *b, lw_error *e)
+static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "box", "circle", "line", "within" };
     lw_zone z = { .kind = forbidden ? LW_ZONE_NO_BOX : LW_ZONE_PIVOTS_BOX };
     lw_json_node shape;
     double m = b->units.metre;
-    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(o, LW_JSON_OBJECT, e);
     if (s != LW_OK || (s = lw_json_known_keys(o, known, COUNT(known), e)) != LW_OK)
         return s;
     if (lw_json_member(o, "box", &shape))
@@ -171,7 +171,7 @@ static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_brief *b, l
     return s == LW_OK ? add_zone(o, b, z, e) : s;
 }
 
-static lw_status read_zones(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_zones(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     lw_json_node pivots, list;
     lw_status s = LW_OK;
@@ -189,14 +189,14 @@ static lw_status read_zones(const lw_json_node *root, lw_brief *b, lw_error *e)
 
 /* ---- what has to be done ------------------------------------------------------------------------------------ */
 
-static lw_status read_dwell(const lw_json_node *o, lw_brief *b, lw_error *e)
+static lw_status read_dwell(const lw_json_node *o, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "from", "to", "theta", "at", "points", "weight" };
     lw_dwell *d = &b->dwell[b->n_dwell];
     lw_json_node n;
     double angle = b->units.radian, points = 8;
     *d = (lw_dwell){ .weight = 1, .theta = NAN, .at = { NAN, NAN } };
-    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(o, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(o, known, COUNT(known), e)) == LW_OK
         && (s = lw_read_need(o, "from", &n, e)) == LW_OK && (s = lw_json_number(&n, &d->from, e)) == LW_OK
         && (s = lw_read_need(o, "to", &n, e)) == LW_OK && (s = lw_json_number(&n, &d->to, e)) == LW_OK
@@ -216,7 +216,7 @@ static lw_status read_dwell(const lw_json_node *o, lw_brief *b, lw_error *e)
     return s;
 }
 
-static lw_status read_dwells(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_dwells(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     lw_json_node list;
     if (!lw_json_member(root, "dwell", &list))
@@ -229,27 +229,27 @@ static lw_status read_dwells(const lw_json_node *root, lw_brief *b, lw_error *e)
     return s;
 }
 
-/* In the order of lw_field. */
-static const char *const column_names[LW_FIELD_COUNT] = {
+/* In the order of lw_target_field. */
+static const char *const column_names[LW_TARGET_FIELD_COUNT] = {
     "x", "y", "theta", "angle", "weight", "x2", "y2", "theta2", "weight2", "x3", "y3", "theta3", "weight3",
     "x4", "y4", "theta4", "weight4"
 };
 
-static double column_unit(const lw_brief *b, int column)
+static double column_unit(const lw_task_file *b, int column)
 {
-    lw_field f = lw_field_first((lw_field)column);
-    return f == LW_FIELD_X || f == LW_FIELD_Y ? b->units.metre
-         : f == LW_FIELD_THETA || f == LW_FIELD_ANGLE ? b->units.radian : 1;
+    lw_target_field f = lw_field_first((lw_target_field)column);
+    return f == LW_TARGET_FIELD_X || f == LW_TARGET_FIELD_Y ? b->units.metre
+         : f == LW_TARGET_FIELD_THETA || f == LW_TARGET_FIELD_ANGLE ? b->units.radian : 1;
 }
 
 /* {"x": 1, "y": 2, ...}; every station has the same keys as the first. */
-static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool first, bool has[LW_FIELD_COUNT],
-                              double v[LW_FIELD_COUNT], lw_error *e)
+static lw_status read_station(const lw_json_node *o, const lw_task_file *b, bool first, bool has[LW_TARGET_FIELD_COUNT],
+                              double v[LW_TARGET_FIELD_COUNT], lw_error *e)
 {
-    lw_status s = lw_json_want(o, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(o, LW_JSON_OBJECT, e);
     if (s == LW_OK)
-        s = lw_json_known_keys(o, column_names, LW_FIELD_COUNT, e);
-    for (int c = 0; c < LW_FIELD_COUNT && s == LW_OK; c++) {
+        s = lw_json_known_keys(o, column_names, LW_TARGET_FIELD_COUNT, e);
+    for (int c = 0; c < LW_TARGET_FIELD_COUNT && s == LW_OK; c++) {
         lw_json_node n;
         bool given = lw_json_member(o, column_names[c], &n);
         if (first)
@@ -264,12 +264,12 @@ static lw_status read_station(const lw_json_node *o, const lw_brief *b, bool fir
 }
 
 /* The further points among columns; *n_also of them. */
-static lw_status gather_also(const lw_json_node *list, double *const column[LW_FIELD_COUNT], lw_also also[LW_ALSO_MAX],
+static lw_status gather_also(const lw_json_node *list, double *const column[LW_TARGET_FIELD_COUNT], lw_also also[LW_ALSO_MAX],
                              int *n_also, lw_error *e)
 {
     *n_also = 0;
     for (int i = 0; i < LW_ALSO_MAX; i++) {
-        double *const *c = column + lw_field_also(LW_FIELD_X, i);
+        double *const *c = column + lw_field_also(LW_TARGET_FIELD_X, i);
         if (!c[0] && !c[1] && !c[2] && !c[3])
             continue;
         if (*n_also < i)
@@ -280,26 +280,26 @@ static lw_status gather_also(const lw_json_node *list, double *const column[LW_F
     return LW_OK;
 }
 
-static lw_status read_rows(const lw_json_node *list, const lw_brief *b, size_t n, double *v, lw_target *t, lw_error *e)
+static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size_t n, double *v, lw_target *t, lw_error *e)
 {
-    bool has[LW_FIELD_COUNT] = { false };
-    double one[LW_FIELD_COUNT], *column[LW_FIELD_COUNT];
+    bool has[LW_TARGET_FIELD_COUNT] = { false };
+    double one[LW_TARGET_FIELD_COUNT], *column[LW_TARGET_FIELD_COUNT];
     lw_also also[LW_ALSO_MAX];
     int n_also;
     lw_status s = LW_OK;
     for (size_t i = 0; i < n && s == LW_OK; i++) {
         lw_json_node o = lw_json_element(list, i);
         s = read_station(&o, b, i == 0, has, one, e);
-        for (int c = 0; c < LW_FIELD_COUNT && s == LW_OK; c++)
+        for (int c = 0; c < LW_TARGET_FIELD_COUNT && s == LW_OK; c++)
             v[(size_t)c*n + i] = has[c] ? one[c] : 0;
     }
-    for (int c = 0; c < LW_FIELD_COUNT; c++)
+    for (int c = 0; c < LW_TARGET_FIELD_COUNT; c++)
         column[c] = has[c] ? v + (size_t)c*n : NULL;
     lw_error why = { .text = "" };
     if (s == LW_OK)
         s = gather_also(list, column, also, &n_also, e);
-    if (s == LW_OK && lw_target_make_all(n, column[LW_FIELD_X], column[LW_FIELD_Y], column[LW_FIELD_THETA],
-                                         column[LW_FIELD_ANGLE], column[LW_FIELD_WEIGHT], also, n_also, b->closed, t,
+    if (s == LW_OK && lw_target_make_all(n, column[LW_TARGET_FIELD_X], column[LW_TARGET_FIELD_Y], column[LW_TARGET_FIELD_THETA],
+                                         column[LW_TARGET_FIELD_ANGLE], column[LW_TARGET_FIELD_WEIGHT], also, n_also, b->closed, t,
                                          &why) != LW_OK)
         s = lw_json_fault(list, e, "%.300s", why.text);
     t->units = b->units;
@@ -307,14 +307,14 @@ static lw_status read_rows(const lw_json_node *list, const lw_brief *b, size_t n
 }
 
 /* A target in the task itself. */
-static lw_status read_stations(const lw_json_node *from, const lw_brief *b, lw_target *t, lw_error *e)
+static lw_status read_stations(const lw_json_node *from, const lw_task_file *b, lw_target *t, lw_error *e)
 {
     lw_json_node list;
     if (!lw_json_member(from, "stations", &list))
         return LW_OK;
     lw_status s = lw_read_list(&list, 1, LW_STATION_MAX, e);
     size_t n = s == LW_OK ? lw_json_count(&list) : 0;
-    double *v = calloc(LW_FIELD_COUNT*n + 1, sizeof *v);
+    double *v = calloc(LW_TARGET_FIELD_COUNT*n + 1, sizeof *v);
     if (!v)
         return lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", n);
     if (s == LW_OK)
@@ -323,9 +323,9 @@ static lw_status read_stations(const lw_json_node *from, const lw_brief *b, lw_t
     return s;
 }
 
-static lw_status read_source(const lw_json_node *o, const lw_brief *b, char *target, lw_target *stations, lw_error *e)
+static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char *target, lw_target *stations, lw_error *e)
 {
-    lw_status s = read_text(o, "target", target, LW_BRIEF_TEXT, e);
+    lw_status s = read_text(o, "target", target, LW_TASK_FILE_TEXT, e);
     if (s == LW_OK)
         s = read_stations(o, b, stations, e);
     if (s == LW_OK && !target[0] == (stations->n == 0))
@@ -337,16 +337,16 @@ static lw_status read_source(const lw_json_node *o, const lw_brief *b, char *tar
 static const char *const carrier_names[] = { "any", "input", "coupler", "output" };
 
 /* "tracers": the first point and further ones, each with its target and, but the first, its link. */
-static lw_status read_tracers(const lw_json_node *list, lw_brief *b, lw_error *e)
+static lw_status read_tracers(const lw_json_node *list, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "target", "stations", "link" };
     lw_json_node link;
     lw_status s = lw_read_list(list, 1, 1 + LW_ALSO_MAX, e);
     for (size_t i = 0; s == LW_OK && i < lw_json_count(list); i++) {
         lw_json_node o = lw_json_element(list, i);
-        lw_brief_tracer *a = i > 0 ? &b->also[b->n_also++] : NULL;
+        lw_task_file_tracer *a = i > 0 ? &b->also[b->n_also++] : NULL;
         int carrier = 0;
-        if ((s = lw_json_want(&o, LW_JSON_OBJECT, e)) == LW_OK
+        if ((s = lw_json_expect(&o, LW_JSON_OBJECT, e)) == LW_OK
             && (s = lw_json_known_keys(&o, known, COUNT(known), e)) == LW_OK
             && (s = read_source(&o, b, a ? a->target : b->target, a ? &a->stations : &b->stations, e)) == LW_OK)
             s = read_word(&o, "link", carrier_names, COUNT(carrier_names), &carrier, NULL, e);
@@ -360,7 +360,7 @@ static lw_status read_tracers(const lw_json_node *list, lw_brief *b, lw_error *e
 }
 
 /* "point_links": of further points that are columns of the target. */
-static lw_status read_carriers(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_carriers(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     lw_json_node list;
     if (!lw_json_member(root, "point_links", &list))
@@ -376,7 +376,7 @@ static lw_status read_carriers(const lw_json_node *root, lw_brief *b, lw_error *
 }
 
 /* Where the points come from: "tracers", or one target with all columns. */
-static lw_status read_sources(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_sources(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const other[] = { "target", "stations", "point_links" };
     lw_json_node list, too;
@@ -390,7 +390,7 @@ static lw_status read_sources(const lw_json_node *root, lw_brief *b, lw_error *e
     return read_tracers(&list, b, e);
 }
 
-static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_wanted(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const tasks[] = { "path", "function", "motion" };
     static const char *const timings[] = { "prescribed", "free", "none" };
@@ -409,13 +409,13 @@ static lw_status read_wanted(const lw_json_node *root, lw_brief *b, lw_error *e)
 }
 
 /* F = 3 (P - 1) - 2 n1 without joints of two freedoms (Makkonen 1999, eq. 2). */
-static bool links_suit(const lw_brief *b)
+static bool links_suit(const lw_task_file *b)
 {
     int dof = b->dof > 0 ? b->dof : 1;
     return b->links == 0 || strpbrk(b->joints, "pg") || (3*(b->links - 1) - dof) % 2 == 0;
 }
 
-static lw_status links_fault(const lw_json_node *root, const lw_brief *b, lw_error *e)
+static lw_status links_fault(const lw_json_node *root, const lw_task_file *b, lw_error *e)
 {
     static const char *const links[] = { "one freedom and pins have 4, 6, 8 or 10", "two freedoms and pins have 5, 7 or 9",
                                          "three freedoms and pins have 8 or 10" };
@@ -426,7 +426,7 @@ static lw_status links_fault(const lw_json_node *root, const lw_brief *b, lw_err
                          links[b->dof > 0 ? b->dof - 1 : 0]);
 }
 
-static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "path", "angle" };
     lw_fit_spec *f = &b->spec;
@@ -437,7 +437,7 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
     f->crank_only = crank == 1;
     f->a /= m*m;
     if (s == LW_OK && lw_json_member(root, "weights", &o)
-        && (s = lw_json_want(&o, LW_JSON_OBJECT, e)) == LW_OK && (s = lw_json_known_keys(&o, known, 2, e)) == LW_OK
+        && (s = lw_json_expect(&o, LW_JSON_OBJECT, e)) == LW_OK && (s = lw_json_known_keys(&o, known, 2, e)) == LW_OK
         && (s = read_bounded(&o, "path", 1/(m*m), 0, 1e300, &f->a, e)) == LW_OK)
         s = read_bounded(&o, "angle", 1, 0, 1e300, &f->b, e);
     if (s == LW_OK && (s = read_bounded(root, "transmission", b->units.radian, 0, 1.55/b->units.radian,
@@ -459,7 +459,7 @@ static lw_status read_conditions(const lw_json_node *root, lw_brief *b, lw_error
     return s;
 }
 
-static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
+static lw_status read_root(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = {
         "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task", "timing", "links", "dof", "joints",
@@ -467,7 +467,7 @@ static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
     };
     lw_json_node version;
     double number;
-    lw_status s = lw_json_want(root, LW_JSON_OBJECT, e);
+    lw_status s = lw_json_expect(root, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(root, known, COUNT(known), e)) == LW_OK
         && (s = lw_read_need(root, "linkwright-task", &version, e)) == LW_OK
         && (s = lw_json_number(&version, &number, e)) == LW_OK && number != 1)
@@ -478,10 +478,10 @@ static lw_status read_root(const lw_json_node *root, lw_brief *b, lw_error *e)
     return s;
 }
 
-lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brief *b, lw_error *e)
+lw_status lw_task_file_read(const char *text, size_t size, const char *file, lw_task_file *b, lw_error *e)
 {
     lw_json json;
-    *b = (lw_brief){ .closed = -1, .spec = lw_fit_spec_default(), .units = lw_units_si() };
+    *b = (lw_task_file){ .closed = -1, .spec = lw_fit_spec_default(), .units = lw_units_si() };
     lw_status s = lw_json_open(text, size, file, &json, e);
     if (s != LW_OK)
         return s;
@@ -489,11 +489,11 @@ lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brie
     s = read_root(&root, b, e);
     lw_json_close(&json);
     if (s != LW_OK)
-        lw_brief_free(b);
+        lw_task_file_free(b);
     return s;
 }
 
-void lw_brief_free(lw_brief *b)
+void lw_task_file_free(lw_task_file *b)
 {
     lw_target_free(&b->stations);
     for (int i = 0; i < LW_ALSO_MAX; i++)
@@ -502,7 +502,7 @@ void lw_brief_free(lw_brief *b)
 
 /* ---- the target ------------------------------------------------------------------------------------------------- */
 
-static lw_status check_point(const lw_brief *b, const double *x, const double *y, size_t n, int point, lw_error *e)
+static lw_status check_point(const lw_task_file *b, const double *x, const double *y, size_t n, int point, lw_error *e)
 {
     for (int i = 0; i < b->spec.n_zone; i++)
         for (size_t k = 0; x && k < n; k++)
@@ -513,7 +513,7 @@ static lw_status check_point(const lw_brief *b, const double *x, const double *y
     return LW_OK;
 }
 
-static lw_status check_stations(const lw_brief *b, const lw_target *t, lw_error *e)
+static lw_status check_stations(const lw_task_file *b, const lw_target *t, lw_error *e)
 {
     lw_status s = check_point(b, t->x, t->y, t->n, 0, e);
     for (int i = 0; i < t->n_also && s == LW_OK; i++)
@@ -521,12 +521,12 @@ static lw_status check_stations(const lw_brief *b, const lw_target *t, lw_error 
     return s;
 }
 
-typedef struct station { double v[LW_FIELD_ALSO]; } station;
+typedef struct station { double v[LW_TARGET_FIELD_ALSO]; } station;
 
 static int by_angle(const void *a, const void *b)
 {
     const station *p = a, *q = b;
-    double u = p->v[LW_FIELD_ANGLE], v = q->v[LW_FIELD_ANGLE];
+    double u = p->v[LW_TARGET_FIELD_ANGLE], v = q->v[LW_TARGET_FIELD_ANGLE];
     return u < v ? -1 : u > v;
 }
 
@@ -537,7 +537,7 @@ static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s,
     if (from->x && isnan(d->at.x))
         return lw_error_set(e, LW_E_ARG, "a dwell of this task needs \"at\", where the point rests");
     for (size_t k = 0; k < *n; k++)
-        if (s[k].v[LW_FIELD_ANGLE] >= d->from && s[k].v[LW_FIELD_ANGLE] <= d->to)
+        if (s[k].v[LW_TARGET_FIELD_ANGLE] >= d->from && s[k].v[LW_TARGET_FIELD_ANGLE] <= d->to)
             return lw_error_set(e, LW_E_ARG, "station %zu has an input within a dwell: leave it out", k + 1);
     for (int i = 0; i < d->points; i++)
         s[(*n)++] = (station){ { d->at.x, d->at.y, d->theta, d->from + (d->to - d->from)*i/(d->points - 1),
@@ -546,9 +546,9 @@ static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s,
 }
 
 /* The target with the stations of its dwells. */
-static lw_status add_dwells(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
+static lw_status add_dwells(const lw_task_file *b, const lw_target *from, lw_target *t, lw_error *e)
 {
-    enum { COLUMNS = LW_FIELD_ALSO };
+    enum { COLUMNS = LW_TARGET_FIELD_ALSO };
     size_t n = from->n, room = n;
     lw_status st = LW_OK;
     for (int i = 0; i < b->n_dwell; i++)
@@ -559,7 +559,7 @@ static lw_status add_dwells(const lw_brief *b, const lw_target *from, lw_target 
         st = lw_error_set(e, LW_E_MEMORY, "no memory for %zu stations", room);
     for (size_t k = 0; k < n && st == LW_OK; k++)
         for (int c = 0; c < COLUMNS; c++) {
-            const double *have = lw_target_array(from, (lw_field)c);
+            const double *have = lw_target_array(from, (lw_target_field)c);
             s[k].v[c] = have ? have[k] : 0;
         }
     for (int i = 0; i < b->n_dwell && st == LW_OK; i++)
@@ -567,19 +567,19 @@ static lw_status add_dwells(const lw_brief *b, const lw_target *from, lw_target 
     if (st == LW_OK)
         qsort(s, n, sizeof *s, by_angle);
     for (int c = 0; c < COLUMNS && st == LW_OK; c++) {
-        column[c] = lw_target_array(from, (lw_field)c) ? v + (size_t)c*n : NULL;
+        column[c] = lw_target_array(from, (lw_target_field)c) ? v + (size_t)c*n : NULL;
         for (size_t k = 0; k < n && column[c]; k++)
             column[c][k] = s[k].v[c];
     }
     if (st == LW_OK)
-        st = lw_target_make(n, column[LW_FIELD_X], column[LW_FIELD_Y], column[LW_FIELD_THETA],
-                            column[LW_FIELD_ANGLE], column[LW_FIELD_WEIGHT], from->closed, t, e);
+        st = lw_target_make(n, column[LW_TARGET_FIELD_X], column[LW_TARGET_FIELD_Y], column[LW_TARGET_FIELD_THETA],
+                            column[LW_TARGET_FIELD_ANGLE], column[LW_TARGET_FIELD_WEIGHT], from->closed, t, e);
     free(s);
     free(v);
     return st;
 }
 
-lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e)
+lw_status lw_task_file_target(const lw_task_file *b, const lw_target *from, lw_target *t, lw_error *e)
 {
     memset(t, 0, sizeof *t);
     if (b->n_dwell > 0 && !from->angle)

@@ -1,12 +1,12 @@
 /* optimise/task/task_file.h - a task file: what is wanted of a linkage, and under which conditions, as one JSON object
  * (docs/notation.md, "Task"). */
-#ifndef LW_OPTIMISE_BRIEF_H
-#define LW_OPTIMISE_BRIEF_H
+#ifndef LW_OPTIMISE_TASK_TASK_FILE_H
+#define LW_OPTIMISE_TASK_TASK_FILE_H
 
 #include "optimise/problem/problem.h"
 
 #define LW_DWELL_MAX  8
-#define LW_BRIEF_TEXT 256
+#define LW_TASK_FILE_TEXT 256
 
 /* The output rests while the input goes from `from` to `to`: as `points` stations more. */
 typedef struct lw_dwell {
@@ -18,36 +18,36 @@ typedef struct lw_dwell {
 } lw_dwell;
 
 /* What a further point has to do. */
-typedef struct lw_brief_tracer {
-    char      target[LW_BRIEF_TEXT];        /* as those of lw_brief                                */
+typedef struct lw_task_file_tracer {
+    char      target[LW_TASK_FILE_TEXT];        /* as those of lw_task_file                                */
     lw_target stations;
-} lw_brief_tracer;
+} lw_task_file_tracer;
 
-typedef struct lw_brief {
+typedef struct lw_task_file {
     char        name[64];
-    char        target[LW_BRIEF_TEXT];      /* CSV file, relative to the task file; "": `stations`  */
+    char        target[LW_TASK_FILE_TEXT];      /* CSV file, relative to the task file; "": `stations`  */
     lw_target   stations;                   /* given in the task itself; n 0: none                 */
     int         n_also;
-    lw_brief_tracer also[LW_ALSO_MAX];      /* further points, row by row with these (lw_target_join) */
+    lw_task_file_tracer also[LW_ALSO_MAX];      /* further points, row by row with these (lw_target_join) */
     int         closed;                     /* 1, 0, -1: not said                                  */
     lw_fit_spec spec;
     bool        has_task, has_timing;       /* said, else as the target's columns suggest          */
     int         links, dof;                 /* 0: not said                                         */
-    char        joints[16], topology[LW_BRIEF_TEXT];      /* "": not said                           */
+    char        joints[16], topology[LW_TASK_FILE_TEXT];      /* "": not said                           */
     int         n_dwell;
     lw_dwell    dwell[LW_DWELL_MAX];
     lw_units    units;
     long        zone_line[LW_ZONE_MAX];     /* of the file, for messages                           */
-} lw_brief;
+} lw_task_file;
 
 /* Read a task.  LW_E_NOTATION with line and column, also for conditions that contradict each other;
  * LW_E_MEMORY.  b needs no _free after a failure. */
-lw_status lw_brief_read(const char *text, size_t size, const char *file, lw_brief *b, lw_error *e);
-void      lw_brief_free(lw_brief *b);
+lw_status lw_task_file_read(const char *text, size_t size, const char *file, lw_task_file *b, lw_error *e);
+void      lw_task_file_free(lw_task_file *b);
 
 /* The stations of the target (of all points, joined) with those of the dwells among them, in order of the input.
  * LW_E_ARG: a dwell without input angles in the target or beside further points, or a station inside a forbidden
  * zone.  t is new. */
-lw_status lw_brief_target(const lw_brief *b, const lw_target *from, lw_target *t, lw_error *e);
+lw_status lw_task_file_target(const lw_task_file *b, const lw_target *from, lw_target *t, lw_error *e);
 
 #endif

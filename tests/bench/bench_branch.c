@@ -21,26 +21,26 @@ static bool read(const char *file, lw_linkage *k)
 }
 
 /* Seconds for the curve; *b is kept. */
-static double whole_curve(const lw_system *s, lw_branch **b)
+static double whole_curve(const lw_system *s, lw_motion_curve **b)
 {
     double best = HUGE_VAL;
     for (int i = 0; i < 5; i++) {
         double start = lw_clock_cpu();
-        lw_branch_free(*b);
-        if (lw_branch_create(s, NULL, &(lw_branch_options){ .input = 0 }, b, NULL) != LW_OK)
+        lw_motion_curve_free(*b);
+        if (lw_motion_curve_create(s, NULL, &(lw_motion_curve_options){ .input = 0 }, b, NULL) != LW_OK)
             return NAN;
         best = fmin(best, lw_clock_cpu() - start);
     }
     return best;
 }
 
-static double one_posture(const lw_system *s, lw_branch *b)
+static double one_posture(const lw_system *s, lw_motion_curve *b)
 {
     enum { N = 2000 };
     double q[4*LW_SYSTEM_Q_MAX], speed[4*LW_INPUT_MAX] = { 0, 1 }, start = lw_clock_cpu();
     for (int i = 0; i < N; i++) {
-        lw_branch_pose(b, lw_branch_segments(b)*(i + 0.5)/N, q, NULL);
-        lw_branch_rates(b, 3, speed, q);
+        lw_motion_curve_pose(b, lw_motion_curve_segments(b)*(i + 0.5)/N, q, NULL);
+        lw_motion_curve_rates(b, 3, speed, q);
     }
     (void)s;
     return (lw_clock_cpu() - start)/N;
@@ -68,14 +68,14 @@ int main(void)
     for (size_t i = 0; i < sizeof files/sizeof *files; i++) {
         static lw_linkage k;
         static lw_system s;
-        lw_branch *b = NULL;
+        lw_motion_curve *b = NULL;
         if (!read(files[i], &k) || lw_system_make(&k, NULL, 0, &s, NULL) != LW_OK)
             continue;
         double curve = whole_curve(&s, &b);
         if (b)
-            printf("%-30s %8d %10.3f %14.1f %14.3f\n", files[i], lw_branch_segments(b), 1e3*curve,
+            printf("%-30s %8d %10.3f %14.1f %14.3f\n", files[i], lw_motion_curve_segments(b), 1e3*curve,
                    1e6*one_posture(&s, b), 1e3*verifier(&k));
-        lw_branch_free(b);
+        lw_motion_curve_free(b);
     }
     return 0;
 }

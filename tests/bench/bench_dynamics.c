@@ -50,7 +50,7 @@ int main(int argc, char **argv)
     printf("model,formulation,tolerance,us,evaluations,us an evaluation,times reduced,energy error\n");
     for (size_t i = 0; i < sizeof each/sizeof *each; i++) {
         lw_model m;
-        lw_report r = { 0 };
+        lw_dynamics_report r = { 0 };
         double best = INFINITY;
         if (argc > 1 && !strstr(each[i].file, argv[1]))
             continue;

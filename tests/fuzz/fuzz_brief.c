@@ -16,10 +16,10 @@ static void demand(int condition)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lw_brief b;
+    static lw_task_file b;
     lw_error e = { .text = "" };
     lw_target t;
-    lw_status s = lw_brief_read((const char *)data, size, "f", &b, &e);
+    lw_status s = lw_task_file_read((const char *)data, size, "f", &b, &e);
     if (s != LW_OK) {
         demand(e.status == s && e.text[0] && memchr(e.text, '\0', sizeof e.text) != NULL);
         demand(s != LW_E_NOTATION || (e.line > 0 && e.column > 0));
@@ -41,10 +41,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         demand(t.n == b.stations.n && t.n_also == b.stations.n_also + b.n_also);
         lw_target_free(&t);
     }
-    if (b.stations.n > 0 && lw_brief_target(&b, &b.stations, &t, &e) == LW_OK) {
+    if (b.stations.n > 0 && lw_task_file_target(&b, &b.stations, &t, &e) == LW_OK) {
         demand(t.n >= b.stations.n);
         lw_target_free(&t);
     }
-    lw_brief_free(&b);
+    lw_task_file_free(&b);
     return 0;
 }

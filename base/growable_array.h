@@ -1,12 +1,12 @@
-/* base/room.h - arrays that grow by doubling. */
-#ifndef LW_BASE_ROOM_H
-#define LW_BASE_ROOM_H
+/* base/growable_array.h - arrays that grow by doubling. */
+#ifndef LW_BASE_GROWABLE_ARRAY_H
+#define LW_BASE_GROWABLE_ARRAY_H
 
 #include <stdlib.h>
 
 /* The array with room for one more than n items of `size` bytes; it may have moved.  NULL: out of memory, the array as
  * it was.  *capacity is 0 for an array that is NULL. */
-static inline void *lw_room(void *array, int n, int *capacity, size_t size)
+static inline void *lw_array_grow(void *array, int n, int *capacity, size_t size)
 {
     int most = *capacity > 0 ? *capacity : 64;
     if (n < *capacity)
