@@ -32,6 +32,7 @@ optimise/solvers base grammar mbs optimise/task optimise/problem
 optimise/search base grammar mbs optimise/task optimise/problem optimise/solvers
 optimise/report base grammar mbs optimise/task optimise/problem optimise/solvers optimise/search
 optimise/precision base grammar mbs optimise/task optimise/problem optimise/solvers optimise/search optimise/report
+optimise/topology base grammar enumerate mbs optimise/task optimise/problem optimise/solvers optimise/search optimise/report
 catalogues/draw base grammar mbs optimise
 catalogues/exchange base grammar mbs optimise catalogues/draw
 catalogues/curves base grammar mbs optimise

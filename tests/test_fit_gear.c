@@ -6,7 +6,7 @@
 #include "mbs/plan/pose.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/problem/problem_internal.h"
-#include "optimise/search/staged_search.h"
+#include "optimise/topology/staged_search.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

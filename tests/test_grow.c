@@ -1,5 +1,5 @@
 /* Grown linkages trace the parent's curve, closing all the way. */
-#include "optimise/search/grow.h"
+#include "optimise/topology/grow.h"
 #include "tests/six_bar.h"
 
 /* Does it close at n inputs of a turn? */

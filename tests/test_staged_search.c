@@ -1,6 +1,6 @@
 /* Searches by number of links: a six-bar's curve is found again, more links are never worse, and the answer does
  * not depend on the number of threads. */
-#include "optimise/search/staged_search.h"
+#include "optimise/topology/staged_search.h"
 #include "tests/six_bar.h"
 
 static lw_fit_options options(lw_timing timing, int jobs)

@@ -80,14 +80,14 @@ static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const
 
 static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, outcome *out, lw_error *e)
 {
-    cli_topologies topologies;
+    lw_mechanism_set topologies;
     cli_fit_stages stages;
     cli_fit_known none = { 0 };
     lw_staged_search survey;
-    cli_topology_request wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
+    lw_mechanism_request wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
                                .timed = p->spec.task == LW_TASK_FUNCTION
                                      || p->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = cli_topologies_make(&wish, &topologies, e);
+    lw_status st = lw_mechanism_set_make(&wish, &topologies, e);
     if (st != LW_OK)
         return st;
     cli_fit_stages_make(&topologies, &none, &stages);
@@ -109,7 +109,7 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
         pick_best(p, &f.spec, &survey, out);
     if (st >= 0)
         lw_staged_search_free(&survey);
-    cli_topologies_free(&topologies);
+    lw_mechanism_set_free(&topologies);
     return st < 0 ? st : LW_OK;
 }
 

@@ -5,7 +5,7 @@
 #include "base/clock.h"
 #include "catalogues/store/atlas.h"
 #include "cli/catalogue/catalogue.h"
-#include "cli/fit/fit_topologies.h"
+#include "optimise/topology/mechanism_set.h"
 #include "cli/program/json.h"
 #include "cli/program/model.h"
 #include "mbs/plan/types.h"
@@ -71,17 +71,17 @@ static lw_status begin(job *j)
 /* Every mechanism of pins with so many links whose tracer does more than with fewer links, an input for each. */
 static lw_status add_topologies(job *j, int links)
 {
-    cli_topologies all;
-    cli_topology_request w = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
+    lw_mechanism_set all;
+    lw_mechanism_request w = { .links = links, .dof = 1, .kinds = "r", .only = "all", .task = LW_TASK_PATH,
                             .jobs = j->call->common.jobs };
     lw_family_made *made = malloc(sizeof *made);
-    lw_status status = made ? cli_topologies_make(&w, &all, &j->e) : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
+    lw_status status = made ? lw_mechanism_set_make(&w, &all, &j->e) : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     if (status != LW_OK) {
         free(made);
         return status;
     }
     for (int i = 0; i < all.n; i++) {
-        lw_families f = cli_topology_families(&all.stage[i]);
+        lw_families f = lw_mechanism_stage_families(&all.stage[i]);
         for (int n = 0; n < f.n && all.stage[i].links == links && status == LW_OK; n++) {
             status = f.make(f.of, n, made);
             if (status == LW_OK)
@@ -90,7 +90,7 @@ static lw_status add_topologies(job *j, int links)
         }
     }
     free(made);
-    cli_topologies_free(&all);
+    lw_mechanism_set_free(&all);
     return status;
 }
 

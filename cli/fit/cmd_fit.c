@@ -293,7 +293,7 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
     lw_fit_options o = lw_fit_options_default();
     o.spec = set->spec;
-    bool sliders = (s->links > 4 || cli_topology_higher(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
+    bool sliders = (s->links > 4 || lw_kinds_have_two_freedoms(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
     o.types = sliders ? "all" : s->type;
     o.solver = lw_solver_find(s->solver);
     o.seed = set->seed = call->common.seed;
@@ -334,9 +334,9 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
     const cli_parsed *said = &call->parsed;
     if (dof == 0)
         return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
-    if (dof > CLI_TOPOLOGY_INPUTS)
+    if (dof > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and "
-                            "--links goes to 10, which is F = %d", dof, dof, least_links(dof), CLI_TOPOLOGY_INPUTS);
+                            "--links goes to 10, which is F = %d", dof, dof, least_links(dof), LW_PACKED_INPUT_MAX);
     if (dof == 1)
         return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several "
                                                               "inputs: give --dof 2") : LW_OK;
@@ -363,22 +363,22 @@ static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_erro
             kinds[strlen(kinds)] = *at;
     if (!counted && links < least_links(dof))
         links = least_links(dof);
-    cli_topology_request w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
+    lw_mechanism_request w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
                             .only = named ? b->topology : s->topology, .task = set->spec.task,
                             .interrupt = cli_stop_flag(),
                             .timed = set->spec.task == LW_TASK_FUNCTION
                                   || set->spec.timing == LW_TIMING_PRESCRIBED };
     lw_status st = check_dof(call, dof, counted ? links : 0, e);
     if (st == LW_OK)
-        st = cli_ratios_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
+        st = lw_ratio_list_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
     if (st == LW_OK)
-        st = cli_ratios_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
-    bool more = links > 4 || cli_topology_higher(kinds);
+        st = lw_ratio_list_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
+    bool more = links > 4 || lw_kinds_have_two_freedoms(kinds);
     if (st == LW_OK && !more && !s->exact && strcmp(w.only, "all") != 0)
         st = lw_error_set(e, LW_E_ARG, "topology '%s' is one of more than four links; say how many with --links, or with "
                           "\"links\" in a task file", w.only);
     if (st == LW_OK && more)
-        st = cli_topologies_make(&w, &set->topologies, e);
+        st = lw_mechanism_set_make(&w, &set->topologies, e);
     if (st == LW_OK && s->resume)
         st = cli_fit_known_read(s->resume, &set->known, e);
     if (st == LW_OK && s->atlas)
@@ -499,7 +499,7 @@ static void set_free(cli_fit_set *set)
     for (int i = 0; i < LW_STAGE_MAX; i++)
         lw_tracer_spread_free(&set->spread[i]);
     cli_fit_known_free(&set->known);
-    cli_topologies_free(&set->topologies);
+    lw_mechanism_set_free(&set->topologies);
     lw_exact_free(&set->exact);
     free(set->which);
     free(set->report);
@@ -551,9 +551,9 @@ static int check(const cli_call *call)
     for (const char *at = s->joints; *at; at++)
         if (!strchr("rtpg,", *at))
             return cli_usage(call, "--joints takes r, or r with t, p and g and commas between, not '%s'", s->joints);
-    cli_ratios ratios;
-    if (cli_ratios_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
-        || cli_ratios_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
+    lw_ratio_list ratios;
+    if (lw_ratio_list_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
+        || lw_ratio_list_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     bool of_task = cli_given(&call->parsed, "input-ratios") && !cli_given(&call->parsed, "dof");
     if (!of_task && check_dof(call, s->dof, cli_given(&call->parsed, "links") ? s->links : 0, &e) != LW_OK)

@@ -7,7 +7,7 @@
 #include "cli/program/output.h"
 #include "optimise/task/task_file.h"
 #include "optimise/precision/exact.h"
-#include "optimise/search/staged_search.h"
+#include "optimise/topology/staged_search.h"
 #include "optimise/search/tracers.h"
 
 /* One target with its ranked, verified results. */
@@ -19,7 +19,7 @@ typedef struct cli_fit_set {
     bool        has_brief;        /* the target is a task file                                     */
     lw_task_file    brief;
     lw_staged_search   survey;           /* what was found, by number of links                            */
-    cli_topologies topologies;    /* what was looked through beyond four links                     */
+    lw_mechanism_set topologies;    /* what was looked through beyond four links                     */
     cli_fit_known  known;         /* linkages to start from                                        */
     cli_fit_stages stages;
     lw_tracer_spread spread[LW_STAGE_MAX];   /* of a stage's families, for several points         */

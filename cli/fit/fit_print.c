@@ -113,7 +113,7 @@ static void count_stage(const cli_fit_set *s, int stage, int n, searched *c)
         c->of[r && r->state && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
 }
 
-static searched count_searched(const cli_fit_set *s, const cli_topology_stage *t)
+static searched count_searched(const cli_fit_set *s, const lw_mechanism_stage *t)
 {
     searched c = { 0 };
     count_stage(s, t->stage, t->n_pins, &c);
@@ -137,16 +137,16 @@ static void print_searched(const searched *c, FILE *f)
 static void print_topologies(const cli_fit_set *s, FILE *f)
 {
     for (int k = 0; k < s->topologies.n; k++) {
-        const cli_topology_stage *t = &s->topologies.stage[k];
+        const lw_mechanism_stage *t = &s->topologies.stage[k];
         const char *between = "";
         searched c = count_searched(s, t);
         fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", t->links,
                 t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
                 t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
         fprintf(f, s->topologies.dof > 1 ? "s (F = %d): " : ": ", s->topologies.dof);
-        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+        for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
             if (t->fate[i] > 0) {
-                fprintf(f, "%s%ld %s", between, t->fate[i], cli_topology_fate_text((cli_topology_fate)i));
+                fprintf(f, "%s%ld %s", between, t->fate[i], lw_pair_outcome_text((lw_pair_outcome)i));
                 between = ", ";
             }
         if (s->topologies.dof > 1)
@@ -350,11 +350,11 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
 
 static void json_topologies(const cli_fit_set *s, cli_json *j)
 {
-    static const char *const key[CLI_TOPOLOGY_FATES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
+    static const char *const key[LW_PAIR_OUTCOMES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
                                                          "no_gear", "not_asked" };
     cli_json_array(j, "topologies");
     for (int k = 0; k < s->topologies.n; k++) {
-        const cli_topology_stage *t = &s->topologies.stage[k];
+        const lw_mechanism_stage *t = &s->topologies.stage[k];
         searched c = count_searched(s, t);
         cli_json_object(j, NULL);
         cli_json_int(j, "links", t->links);
@@ -368,7 +368,7 @@ static void json_topologies(const cli_fit_set *s, cli_json *j)
             cli_json_int(j, "with_inputs_at_ground", t->n_set);
             cli_json_int(j, "of_these_left_out", t->n_set_out);
         }
-        for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+        for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
             cli_json_int(j, key[i], t->fate[i]);
         cli_json_int(j, "families", c.n);
         cli_json_int(j, "groups", t->n_group);

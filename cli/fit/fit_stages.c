@@ -122,19 +122,19 @@ static lw_families known_with(const cli_fit_known *k, int links)
 
 /* A stage of topologies, or of what is known with so many links, or of both; none when there are none.  Returns its
  * number. */
-static int add_stage(cli_topologies *all, lw_families topologies, lw_families known, int links, cli_fit_stages *s)
+static int add_stage(lw_mechanism_set *all, lw_families topologies, lw_families known, int links, cli_fit_stages *s)
 {
     lw_families_pair *pair = &s->pair[s->n];
     if (s->n == LW_STAGE_MAX)
         return LW_STAGE_MAX;
     *pair = (lw_families_pair){ topologies, known };
     s->stage[s->n] = (lw_search_stage){ .links = links, .families = lw_families_join(pair), .context = all,
-                                 .name = all->n > 0 ? cli_topologies_name : NULL };
+                                 .name = all->n > 0 ? lw_mechanism_set_name : NULL };
     return s->n++;
 }
 
 /* The topologies of pins with so many links, or NULL. */
-static cli_topology_stage *lower_with(cli_topologies *t, int links)
+static lw_mechanism_stage *lower_with(lw_mechanism_set *t, int links)
 {
     for (int i = 0; i < t->n; i++)
         if (t->stage[i].links == links && !t->stage[i].higher)
@@ -142,24 +142,24 @@ static cli_topology_stage *lower_with(cli_topologies *t, int links)
     return NULL;
 }
 
-void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s)
+void cli_fit_stages_make(lw_mechanism_set *t, const cli_fit_known *k, cli_fit_stages *s)
 {
     const lw_families none = lw_families_of(NULL, 0);
     s->n = t->dof <= 1;                                  /* the types have F = 1                   */
     s->stage[0] = (lw_search_stage){ .links = 4 };
     for (int links = 2; links <= LW_LINK_MAX; links++) {
         lw_families known = known_with(k, links);
-        cli_topology_stage *own = lower_with(t, links);
+        lw_mechanism_stage *own = lower_with(t, links);
         if (own)
-            own->stage = own->slides = add_stage(t, cli_topology_pins(own), known, links, s);
+            own->stage = own->slides = add_stage(t, lw_mechanism_stage_pins(own), known, links, s);
         else if (known.n > 0)
             add_stage(t, none, known, links, s);
     }
     for (int i = 0; i < t->n; i++)
         if (!t->stage[i].higher && t->stage[i].n_family > t->stage[i].n_pins)
-            t->stage[i].slides = add_stage(t, cli_topology_slides(&t->stage[i]), none, t->stage[i].links, s);
+            t->stage[i].slides = add_stage(t, lw_mechanism_stage_others(&t->stage[i]), none, t->stage[i].links, s);
     for (int i = 0; i < t->n; i++)
         if (t->stage[i].higher)
-            t->stage[i].stage = t->stage[i].slides = add_stage(t, cli_topology_slides(&t->stage[i]), none,
+            t->stage[i].stage = t->stage[i].slides = add_stage(t, lw_mechanism_stage_others(&t->stage[i]), none,
                                                                t->stage[i].links, s);
 }

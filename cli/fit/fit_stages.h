@@ -5,7 +5,7 @@
 #ifndef CLI_FIT_FIT_STAGES_H
 #define CLI_FIT_FIT_STAGES_H
 
-#include "cli/fit/fit_topologies.h"
+#include "optimise/topology/mechanism_set.h"
 
 /* Linkages that somebody has already: results of an earlier fit, or drawn by hand. */
 typedef struct cli_fit_known {
@@ -29,6 +29,6 @@ typedef struct cli_fit_stages {
 
 /* In this order; t, k and s must stay where they are.  Tells t's stages which stages of the search their mechanisms of
  * pins alone, and the others, are in. */
-void cli_fit_stages_make(cli_topologies *t, const cli_fit_known *k, cli_fit_stages *s);
+void cli_fit_stages_make(lw_mechanism_set *t, const cli_fit_known *k, cli_fit_stages *s);
 
 #endif

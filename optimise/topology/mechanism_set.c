@@ -1,4 +1,4 @@
-#include "cli/fit/fit_topologies.h"
+#include "optimise/topology/mechanism_set.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,22 +11,22 @@
 
 /* What becomes of one chain. */
 typedef struct maker {
-    const cli_topology_request  *w;
-    const cli_topology_chain *chain;
+    const lw_mechanism_request  *w;
+    const lw_numbered_chain *chain;
     int                      index;              /* of the chain in the stage's list               */
-    cli_topology_stage       own;                /* families and numbers of this chain alone       */
+    lw_mechanism_stage       own;                /* families and numbers of this chain alone       */
     lw_mechanism_counts      counts;
     unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
     int                      ratio;              /* set of the gears' ratios, from 1; 0: no gears  */
     bool                     met[64];            /* names of `only` that something bore            */
-    cli_topology_fate        best;               /* of the sets of tied inputs of one mechanism    */
+    lw_pair_outcome        best;               /* of the sets of tied inputs of one mechanism    */
     lw_plan                 *plan;
     lw_status                status;
 } maker;
 
-const char *cli_topology_fate_text(cli_topology_fate f)
+const char *lw_pair_outcome_text(lw_pair_outcome f)
 {
-    static const char *const text[CLI_TOPOLOGY_FATES] = {
+    static const char *const text[LW_PAIR_OUTCOMES] = {
         "fitted", "tracer link joined to the ground", "moves as one with fewer links",
         "no input by which it can be worked out", "a gear pair without a link that carries it, or with several",
         "not asked for"
@@ -59,10 +59,10 @@ static lw_status count_input(void *context, const lw_mechanism *m)
     return LW_OK;
 }
 
-static lw_status add_family(maker *mk, const cli_topology *f)
+static lw_status add_family(maker *mk, const lw_packed_mechanism *f)
 {
-    cli_topology_stage *s = &mk->own;
-    cli_topology *more = lw_array_grow(s->family, s->n_family, &s->capacity, sizeof *more);
+    lw_mechanism_stage *s = &mk->own;
+    lw_packed_mechanism *more = lw_array_grow(s->family, s->n_family, &s->capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->family = more;
@@ -81,10 +81,10 @@ static int links_of(const lw_plan *plan, const lw_linkage *k)
 }
 
 /* May these inputs drive it?  Then *f says by what it is worked out; *links that the point feels. */
-static bool try_inputs(maker *mk, cli_topology *f, int *links)
+static bool try_inputs(maker *mk, lw_packed_mechanism *f, int *links)
 {
     lw_linkage k;
-    if (cli_topology_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
+    if (lw_packed_mechanism_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
         || lw_plan_make_geared(&k, (lw_plan_outputs){ .tracers = 1 }, mk->plan, NULL) != LW_OK)
         return false;
     f->turn = mk->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
@@ -92,7 +92,7 @@ static bool try_inputs(maker *mk, cli_topology *f, int *links)
     return true;
 }
 
-static bool try_input(maker *mk, int joint, cli_topology *f, int *links)
+static bool try_input(maker *mk, int joint, lw_packed_mechanism *f, int *links)
 {
     f->n_input = 1;
     f->input[0] = (uint8_t)joint;
@@ -101,13 +101,13 @@ static bool try_input(maker *mk, int joint, cli_topology *f, int *links)
 
 /* Of the joints that may drive the one that makes the plainest plan: pins at the ground first, slides there.  false:
  * there is none. */
-static bool best_input(maker *mk, const lw_mechanism *m, cli_topology *best, int *links)
+static bool best_input(maker *mk, const lw_mechanism *m, lw_packed_mechanism *best, int *links)
 {
     bool found = false;
     for (int pass = 0; pass < 2; pass++)
         for (int j = 0; j < m->n_joint && !(found && best->turn == LW_TURN_DYADS); j++) {
             bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
-            cli_topology f = *best;
+            lw_packed_mechanism f = *best;
             int felt;
             if (!ground || m->kind[j] != (pass ? 't' : 'r') || !try_input(mk, j, &f, &felt)
                 || (found && f.turn >= best->turn))
@@ -130,7 +130,7 @@ static bool joined_to_ground(const lw_mechanism *m)
 static lw_status add_timed(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
     int links;
     if (m->kind[m->input[0]] != 'r' || !try_input(mk, m->input[0], &f, &links) || links < m->n_link)
         return LW_OK;
@@ -138,29 +138,29 @@ static lw_status add_timed(void *context, const lw_mechanism *m)
 }
 
 /* By the plainest of its inputs; with a timing, all of them. */
-static lw_status add_driven(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+static lw_status add_driven(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
 {
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
     int links = 0, before = mk->own.n_family;
     bool driven = best_input(mk, m, &f, &links), fewer = driven && links < m->n_link;
-    *fate = !driven ? CLI_TOPOLOGY_NO_PLAN : fewer ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
-    if (*fate != CLI_TOPOLOGY_FITTED && !(fewer && mk->w->timed))
+    *fate = !driven ? LW_PAIR_NO_PLAN : fewer ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
+    if (*fate != LW_PAIR_FITTED && !(fewer && mk->w->timed))
         return LW_OK;
     if (!mk->w->timed)
         return add_family(mk, &f);
     lw_status st = lw_inputs_each(m, 1, true, add_timed, mk);
-    *fate = mk->own.n_family > before ? CLI_TOPOLOGY_FITTED : CLI_TOPOLOGY_SMALLER;
+    *fate = mk->own.n_family > before ? LW_PAIR_FITTED : LW_PAIR_SMALLER;
     return st;
 }
 
 /* ---- tied inputs ---------------------------------------------------------------------------------------- */
 
 /* The set of m with input `first` in front, the others tied by the digits of `code`. */
-static void tie_inputs(const maker *mk, const lw_mechanism *m, int first, int code, cli_topology *f)
+static void tie_inputs(const maker *mk, const lw_mechanism *m, int first, int code, lw_packed_mechanism *f)
 {
     f->n_input = (uint8_t)m->n_input;
     f->input[0] = m->input[first];
-    for (int i = 1; i < m->n_input && i < CLI_TOPOLOGY_INPUTS; i++) {
+    for (int i = 1; i < m->n_input && i < LW_PACKED_INPUT_MAX; i++) {
         f->input[i] = m->input[i <= first ? i - 1 : i];
         f->tie[i] = (uint8_t)(code % mk->w->ratio.tie.n);
         code /= mk->w->ratio.tie.n;
@@ -168,10 +168,10 @@ static void tie_inputs(const maker *mk, const lw_mechanism *m, int first, int co
 }
 
 /* Is this, seen from another input or through a symmetry, one of those before? */
-static bool tied_before(const maker *mk, const cli_topology *f, lw_graph *form, int *n)
+static bool tied_before(const maker *mk, const lw_packed_mechanism *f, lw_graph *form, int *n)
 {
     lw_linkage k;
-    if (cli_topology_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK || !cli_topology_form(&k, &form[*n]))
+    if (lw_packed_mechanism_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK || !lw_linkage_canonical_form(&k, &form[*n]))
         return false;
     for (int i = 0; i < *n; i++)
         if (memcmp(&form[i], &form[*n], sizeof *form) == 0)
@@ -180,16 +180,16 @@ static bool tied_before(const maker *mk, const cli_topology *f, lw_graph *form, 
     return false;
 }
 
-static lw_status add_tied(maker *mk, const cli_topology *f, cli_topology_fate *fate)
+static lw_status add_tied(maker *mk, const lw_packed_mechanism *f, lw_pair_outcome *fate)
 {
-    cli_topology now = *f;
+    lw_packed_mechanism now = *f;
     int links;
     if (!try_inputs(mk, &now, &links))
         return LW_OK;
-    cli_topology_fate what = links < mk->chain->m.n_link ? CLI_TOPOLOGY_SMALLER : CLI_TOPOLOGY_FITTED;
-    if (*fate != CLI_TOPOLOGY_FITTED)
+    lw_pair_outcome what = links < mk->chain->m.n_link ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
+    if (*fate != LW_PAIR_FITTED)
         *fate = what;
-    return what == CLI_TOPOLOGY_FITTED ? add_family(mk, &now) : LW_OK;
+    return what == LW_PAIR_FITTED ? add_family(mk, &now) : LW_OK;
 }
 
 /* Inputs at the ground, all of them pins: each in front, the others tied by every ratio.  Which is in front matters with a
@@ -197,7 +197,7 @@ static lw_status add_tied(maker *mk, const cli_topology *f, cli_topology_fate *f
 static lw_status add_ties(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
-    cli_topology_fate fate = CLI_TOPOLOGY_NO_PLAN;
+    lw_pair_outcome fate = LW_PAIR_NO_PLAN;
     lw_status st = LW_OK;
     int codes = 1, n = 0;
     bool pins = true;
@@ -211,7 +211,7 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
     for (int first = 0; first < m->n_input && pins; first++) {
         n = mk->w->timed ? 0 : n;
         for (int code = 0; code < codes && st == LW_OK; code++) {
-            cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+            lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
             tie_inputs(mk, m, first, code, &f);
             if (!tied_before(mk, &f, form, &n))
                 st = add_tied(mk, &f, &fate);
@@ -219,20 +219,20 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
     }
     free(form);
     mk->own.n_set++;
-    mk->own.n_set_out += fate != CLI_TOPOLOGY_FITTED;
-    if (mk->best == CLI_TOPOLOGY_NO_PLAN || fate == CLI_TOPOLOGY_FITTED)
+    mk->own.n_set_out += fate != LW_PAIR_FITTED;
+    if (mk->best == LW_PAIR_NO_PLAN || fate == LW_PAIR_FITTED)
         mk->best = fate;
     return st;
 }
 
-static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+static lw_status add_pair(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
 {
-    *fate = CLI_TOPOLOGY_CIRCLE;
+    *fate = LW_PAIR_CIRCLE;
     if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
         return LW_OK;
     if (mk->w->dof == 1)
         return add_driven(mk, m, fate);
-    mk->best = CLI_TOPOLOGY_NO_PLAN;
+    mk->best = LW_PAIR_NO_PLAN;
     lw_status st = lw_inputs_each(m, mk->w->dof, true, add_ties, mk);
     *fate = mk->best;
     return st;
@@ -243,25 +243,25 @@ static lw_status add_pair(maker *mk, const lw_mechanism *m, cli_topology_fate *f
 /* Is this set of ratios, through a symmetry, one of those before? */
 static bool same_ratios(maker *mk, const lw_mechanism *m, lw_graph *form, int *n)
 {
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, mk->ratio);
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
     return tied_before(mk, &f, form, n);
 }
 
 /* A mechanism with gears, with each set of ratios: what becomes of it with the one with which it does best. */
-static lw_status add_geared(maker *mk, const lw_mechanism *m, cli_topology_fate *fate)
+static lw_status add_geared(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
 {
     lw_linkage k;
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
-    lw_status st = cli_topology_sketch(mk->chain, &f, &mk->w->ratio, &k);
-    int sets = st == LW_OK ? cli_topology_sets(&k, &mk->w->ratio.gear) : 0, n = 0;
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
+    lw_status st = lw_packed_mechanism_sketch(mk->chain, &f, &mk->w->ratio, &k);
+    int sets = st == LW_OK ? lw_gear_sets(&k, &mk->w->ratio.gear) : 0, n = 0;
     lw_graph *form = malloc(sizeof *form*(size_t)(sets + 1));
-    *fate = sets > 0 ? CLI_TOPOLOGY_NO_PLAN : CLI_TOPOLOGY_GEAR;
+    *fate = sets > 0 ? LW_PAIR_NO_PLAN : LW_PAIR_NO_CARRIER;
     for (mk->ratio = 1; form && st == LW_OK && mk->ratio <= sets; mk->ratio++) {
-        cli_topology_fate now;
+        lw_pair_outcome now;
         if (same_ratios(mk, m, form, &n))
             continue;
         st = add_pair(mk, m, &now);
-        if (*fate != CLI_TOPOLOGY_FITTED && now != CLI_TOPOLOGY_NO_PLAN)
+        if (*fate != LW_PAIR_FITTED && now != LW_PAIR_NO_PLAN)
             *fate = now;
     }
     free(form);
@@ -271,11 +271,11 @@ static lw_status add_geared(maker *mk, const lw_mechanism *m, cli_topology_fate 
 
 static lw_status visit_variant(maker *mk, const lw_mechanism *m)
 {
-    cli_topology_fate fate = CLI_TOPOLOGY_NOT_ASKED;
-    const cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
+    lw_pair_outcome fate = LW_PAIR_NOT_REQUESTED;
+    const lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
     lw_status st = LW_OK;
     char key[64];
-    cli_topology_key(mk->chain, &f, key, sizeof key);
+    lw_packed_mechanism_key(mk->chain, &f, key, sizeof key);
     if (asked_for(mk, key))
         st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
     mk->own.n_pair++;
@@ -287,8 +287,8 @@ static lw_status visit_variant(maker *mk, const lw_mechanism *m)
 static bool seen(maker *mk, const lw_mechanism *m, lw_graph *form, int n)
 {
     lw_linkage k;
-    cli_topology f = cli_topology_of(m, mk->index, mk->turned, 0);
-    if (cli_topology_sketch(mk->chain, &f, &mk->w->ratio, &k) != LW_OK || !cli_topology_form(&k, &form[n]))
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
+    if (lw_packed_mechanism_sketch(mk->chain, &f, &mk->w->ratio, &k) != LW_OK || !lw_linkage_canonical_form(&k, &form[n]))
         return false;
     for (int i = 0; i < n; i++)
         if (memcmp(&form[i], &form[n], sizeof *form) == 0)
@@ -323,7 +323,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
 
 /* ---- as families, and the other way ------------------------------------------------------------------------ */
 
-static void stage_free(cli_topology_stage *s)
+static void stage_free(lw_mechanism_stage *s)
 {
     free(s->family);
     free(s->list);
@@ -331,42 +331,42 @@ static void stage_free(cli_topology_stage *s)
 
 static lw_status make_family(const void *of, int i, lw_family_made *made)
 {
-    const cli_topology_stage *s = of;
-    const cli_topology *f = &s->family[i];
-    const cli_topology_chain *c = &s->list[f->chain];
-    cli_topology_name(c, f, &s->all->ratio, s->all->timed, made->name, sizeof made->name);
+    const lw_mechanism_stage *s = of;
+    const lw_packed_mechanism *f = &s->family[i];
+    const lw_numbered_chain *c = &s->list[f->chain];
+    lw_packed_mechanism_name(c, f, &s->all->ratio, s->all->timed, made->name, sizeof made->name);
     made->family = (lw_family){ .name = made->name, .linkage = &made->linkage, .links = s->links };
-    lw_status st = cli_topology_sketch(c, f, &s->all->ratio, &made->linkage);
+    lw_status st = lw_packed_mechanism_sketch(c, f, &s->all->ratio, &made->linkage);
     snprintf(made->linkage.name, sizeof made->linkage.name, "%.*s", (int)sizeof made->linkage.name - 1, made->name);
     return st;
 }
 
 static lw_turn turn_of(const void *of, int i)
 {
-    return ((const cli_topology_stage *)of)->family[i].turn;
+    return ((const lw_mechanism_stage *)of)->family[i].turn;
 }
 
-lw_families cli_topology_families(const cli_topology_stage *s)
+lw_families lw_mechanism_stage_families(const lw_mechanism_stage *s)
 {
     return (lw_families){ s->n_family, make_family, turn_of, s };
 }
 
-lw_families cli_topology_pins(const cli_topology_stage *s)
+lw_families lw_mechanism_stage_pins(const lw_mechanism_stage *s)
 {
     return (lw_families){ s->n_pins, make_family, turn_of, s };
 }
 
 static lw_status make_slide(const void *of, int i, lw_family_made *made)
 {
-    return make_family(of, ((const cli_topology_stage *)of)->n_pins + i, made);
+    return make_family(of, ((const lw_mechanism_stage *)of)->n_pins + i, made);
 }
 
 static lw_turn turn_of_slide(const void *of, int i)
 {
-    return turn_of(of, ((const cli_topology_stage *)of)->n_pins + i);
+    return turn_of(of, ((const lw_mechanism_stage *)of)->n_pins + i);
 }
 
-lw_families cli_topology_slides(const cli_topology_stage *s)
+lw_families lw_mechanism_stage_others(const lw_mechanism_stage *s)
 {
     return (lw_families){ s->n_family - s->n_pins, make_slide, turn_of_slide, s };
 }
@@ -387,30 +387,30 @@ static unsigned outline_of_linkage(const lw_linkage *k)
     return sum;
 }
 
-static unsigned outline_of(const cli_topology_chain *c, const cli_topology *f)
+static unsigned outline_of(const lw_numbered_chain *c, const lw_packed_mechanism *f)
 {
-    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
     unsigned sum = 0;
     for (int j = 0; j < m.n_joint; j++)
         sum += outline_of_joint(m.kind[j], m.link[j][0], m.link[j][1], m.ground, m.output);
     return sum;
 }
 
-bool cli_topologies_name(void *topologies, const lw_linkage *k, char *name, size_t size)
+bool lw_mechanism_set_name(void *topologies, const lw_linkage *k, char *name, size_t size)
 {
-    const cli_topologies *t = topologies;
+    const lw_mechanism_set *t = topologies;
     unsigned outline = outline_of_linkage(k);
     lw_graph want, have;
     lw_linkage l;
-    if (!cli_topology_form(k, &want))
+    if (!lw_linkage_canonical_form(k, &want))
         return true;
     for (int i = 0; i < t->n; i++)
         for (int n = 0; t->stage[i].links == k->n_link && n < t->stage[i].n_family; n++) {
-            const cli_topology *f = &t->stage[i].family[n];
-            const cli_topology_chain *c = &t->stage[i].list[f->chain];
-            if (outline_of(c, f) == outline && cli_topology_sketch(c, f, &t->ratio, &l) == LW_OK
-                && cli_topology_form(&l, &have) && memcmp(&want, &have, sizeof want) == 0) {
-                cli_topology_name(c, f, &t->ratio, false, name, size);
+            const lw_packed_mechanism *f = &t->stage[i].family[n];
+            const lw_numbered_chain *c = &t->stage[i].list[f->chain];
+            if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &t->ratio, &l) == LW_OK
+                && lw_linkage_canonical_form(&l, &have) && memcmp(&want, &have, sizeof want) == 0) {
+                lw_packed_mechanism_name(c, f, &t->ratio, false, name, size);
                 return true;
             }
         }
@@ -430,20 +430,20 @@ static void make_chain(void *context, size_t job, int thread)
     free(mk->plan);
 }
 
-static lw_status list_chain(cli_topology_stage *s, const lw_chain *c, int number, int n2)
+static lw_status list_chain(lw_mechanism_stage *s, const lw_chain *c, int number, int n2)
 {
-    cli_topology_chain *more = lw_array_grow(s->list, s->n_list, &s->list_capacity, sizeof *more);
+    lw_numbered_chain *more = lw_array_grow(s->list, s->n_list, &s->list_capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->list = more;
-    s->list[s->n_list] = (cli_topology_chain){ .number = number, .n2 = n2 };
+    s->list[s->n_list] = (lw_numbered_chain){ .number = number, .n2 = n2 };
     lw_status st = lw_mechanism_from_chain(c, &s->list[s->n_list].m);
-    if (s->list[s->n_list++].m.n_joint > CLI_TOPOLOGY_JOINTS)
+    if (s->list[s->n_list++].m.n_joint > LW_PACKED_JOINT_MAX)
         return LW_E_ARG;
     return st;
 }
 
-typedef struct listing { cli_topology_stage *to; int number, n2; } listing;
+typedef struct listing { lw_mechanism_stage *to; int number, n2; } listing;
 
 static lw_status visit_chain(void *context, const lw_chain *c)
 {
@@ -452,7 +452,7 @@ static lw_status visit_chain(void *context, const lw_chain *c)
 }
 
 /* Chains with so many links of which n2 joints have two freedoms (Makkonen 1999, eq. 2). */
-static lw_status list_chains(cli_topology_stage *to, int n2, lw_error *e)
+static lw_status list_chains(lw_mechanism_stage *to, int n2, lw_error *e)
 {
     int links = to->links, dof = to->all->dof, twice = 3*(links - 1) - dof - n2;
     listing l = { to, 0, n2 };
@@ -462,9 +462,9 @@ static lw_status list_chains(cli_topology_stage *to, int n2, lw_error *e)
 }
 
 /* What a chain adds to the numbers of its stage, and to the names met. */
-static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
+static lw_status join(const maker *part, lw_mechanism_stage *to, bool met[64])
 {
-    const cli_topology_stage *own = &part->own;
+    const lw_mechanism_stage *own = &part->own;
     to->n_chain += (long)part->counts.n_chain;
     to->n_ground += (long)part->counts.n_ground;
     to->n_labelled += (long)part->counts.n_labelled;
@@ -473,7 +473,7 @@ static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
     to->n_set += own->n_set;
     to->n_set_out += own->n_set_out;
     to->n_group += own->n_group;
-    for (int i = 0; i < CLI_TOPOLOGY_FATES; i++)
+    for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
         to->fate[i] += own->fate[i];
     for (int i = 0; i < 64; i++)
         met[i] |= part->met[i];
@@ -481,7 +481,7 @@ static lw_status join(const maker *part, cli_topology_stage *to, bool met[64])
 }
 
 /* The families of all chains, those of pins alone first. */
-static lw_status join_families(const maker *part, cli_topology_stage *to)
+static lw_status join_families(const maker *part, lw_mechanism_stage *to)
 {
     for (int i = 0; i < to->n_list; i++)
         to->n_family += part[i].own.n_family;
@@ -498,10 +498,10 @@ static lw_status join_families(const maker *part, cli_topology_stage *to)
 }
 
 /* Those of pins and sliders alone (higher false), or those with slots and gears. */
-static lw_status make_stage(const cli_topology_request *w, cli_topology_stage *to, bool met[64], lw_error *e)
+static lw_status make_stage(const lw_mechanism_request *w, lw_mechanism_stage *to, bool met[64], lw_error *e)
 {
     lw_status st = LW_OK;
-    for (int n2 = to->higher; st == LW_OK && (n2 == 0 || (to->higher && to->links + n2 <= CLI_TOPOLOGY_EXPANDED)); n2++)
+    for (int n2 = to->higher; st == LW_OK && (n2 == 0 || (to->higher && to->links + n2 <= LW_EXPANDED_LINK_MAX)); n2++)
         st = list_chains(to, n2, e);
     maker *part = st == LW_OK ? calloc((size_t)to->n_list + 1, sizeof *part) : NULL;
     if (!part)
@@ -518,7 +518,7 @@ static lw_status make_stage(const cli_topology_request *w, cli_topology_stage *t
     return st;
 }
 
-static lw_status check_names(const cli_topology_request *w, const bool met[64], lw_error *e)
+static lw_status check_names(const lw_mechanism_request *w, const bool met[64], lw_error *e)
 {
     int k = 0;
     for (const char *at = w->only; strcmp(w->only, "all") != 0 && *at; k++) {
@@ -532,18 +532,18 @@ static lw_status check_names(const cli_topology_request *w, const bool met[64], 
     return LW_OK;
 }
 
-bool cli_topology_higher(const char *kinds)
+bool lw_kinds_have_two_freedoms(const char *kinds)
 {
     return strpbrk(kinds, "pg") != NULL;
 }
 
 /* A stage that holds nothing to count is none. */
-static lw_status add_stage(const cli_topology_request *w, cli_topologies *t, int links, bool higher, bool met[64], lw_error *e)
+static lw_status add_stage(const lw_mechanism_request *w, lw_mechanism_set *t, int links, bool higher, bool met[64], lw_error *e)
 {
     if (t->n == LW_STAGE_MAX)
         return LW_OK;
-    cli_topology_stage *to = &t->stage[t->n++];
-    *to = (cli_topology_stage){ .links = links, .higher = higher, .all = t };
+    lw_mechanism_stage *to = &t->stage[t->n++];
+    *to = (lw_mechanism_stage){ .links = links, .higher = higher, .all = t };
     lw_status st = make_stage(w, to, met, e);
     if (to->n_chain == 0) {
         stage_free(to);
@@ -552,7 +552,7 @@ static lw_status add_stage(const cli_topology_request *w, cli_topologies *t, int
     return st;
 }
 
-lw_status cli_topologies_make(const cli_topology_request *w, cli_topologies *t, lw_error *e)
+lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set *t, lw_error *e)
 {
     lw_status st = LW_OK;
     bool met[64] = { false };
@@ -564,8 +564,8 @@ lw_status cli_topologies_make(const cli_topology_request *w, cli_topologies *t, 
     t->dof = w->dof;
     for (int links = w->dof == 1 ? 6 : w->dof + 3; links <= w->links; links += 2)
         st = st == LW_OK ? add_stage(w, t, links, false, met, &why) : st;
-    int most = w->links < CLI_TOPOLOGY_EXPANDED ? w->links : CLI_TOPOLOGY_EXPANDED - 1;
-    if (!cli_topology_higher(w->kinds))
+    int most = w->links < LW_EXPANDED_LINK_MAX ? w->links : LW_EXPANDED_LINK_MAX - 1;
+    if (!lw_kinds_have_two_freedoms(w->kinds))
         most = 0;
     for (int links = 3; links <= most; links++)
         st = st == LW_OK ? add_stage(w, t, links, true, met, &why) : st;
@@ -578,11 +578,11 @@ lw_status cli_topologies_make(const cli_topology_request *w, cli_topologies *t, 
     else
         lw_error_set(e, st, "out of memory");
     if (st != LW_OK)
-        cli_topologies_free(t);
+        lw_mechanism_set_free(t);
     return st;
 }
 
-void cli_topologies_free(cli_topologies *t)
+void lw_mechanism_set_free(lw_mechanism_set *t)
 {
     for (int i = 0; i < t->n; i++)
         stage_free(&t->stage[i]);

@@ -1,4 +1,4 @@
-#include "optimise/search/grow.h"
+#include "optimise/topology/grow.h"
 
 #include <math.h>
 #include <stdio.h>

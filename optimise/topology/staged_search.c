@@ -1,4 +1,4 @@
-#include "optimise/search/staged_search.h"
+#include "optimise/topology/staged_search.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "optimise/search/grow.h"
+#include "optimise/topology/grow.h"
 
 enum { PARENTS = 4, CHILDREN = 24 };       /* of a stage that are grown, and into how many in all   */
 

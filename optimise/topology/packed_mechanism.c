@@ -1,4 +1,4 @@
-#include "cli/fit/fit_topology.h"
+#include "optimise/topology/packed_mechanism.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,16 +9,16 @@
 
 static const char letters[] = "rtpg";
 
-cli_topology cli_topology_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
+lw_packed_mechanism lw_packed_mechanism_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
 {
-    cli_topology f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
+    lw_packed_mechanism f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
                        .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
     for (int j = 0; j < m->n_joint; j++)
         f.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
     return f;
 }
 
-lw_mechanism cli_topology_mechanism(const cli_topology_chain *c, const cli_topology *f)
+lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_packed_mechanism *f)
 {
     lw_mechanism m = c->m;
     m.ground = f->ground;
@@ -46,32 +46,32 @@ static int wheel_pairs(const lw_linkage *k, int joint[LW_JOINT_MAX])
     return n;
 }
 
-/* n^pairs, or something above CLI_GEAR_SETS. */
+/* n^pairs, or something above LW_GEAR_SET_MAX. */
 static int all_sets(int pairs, int n)
 {
     int sets = 1;
-    for (int g = 0; g < pairs && sets <= CLI_GEAR_SETS; g++)
+    for (int g = 0; g < pairs && sets <= LW_GEAR_SET_MAX; g++)
         sets *= n;
     return sets;
 }
 
-int cli_topology_sets(const lw_linkage *k, const cli_ratios *gear)
+int lw_gear_sets(const lw_linkage *k, const lw_ratio_list *gear)
 {
     int joint[LW_JOINT_MAX], pairs = wheel_pairs(k, joint), sets = all_sets(pairs, gear->n);
-    return pairs < 0 ? 0 : sets < CLI_GEAR_SETS ? sets : CLI_GEAR_SETS;
+    return pairs < 0 ? 0 : sets < LW_GEAR_SET_MAX ? sets : LW_GEAR_SET_MAX;
 }
 
 /* Number of the ratio of pair g in a set, both from 0. */
 static int ratio_of(int set, int g, int pairs, int n)
 {
-    if (all_sets(pairs, n) > CLI_GEAR_SETS)
+    if (all_sets(pairs, n) > LW_GEAR_SET_MAX)
         return (set + set/n*g) % n;
     while (g-- > 0)
         set /= n;
     return set % n;
 }
 
-static void put_ratios(const cli_topology *f, const cli_ratios *gear, lw_linkage *k)
+static void put_ratios(const lw_packed_mechanism *f, const lw_ratio_list *gear, lw_linkage *k)
 {
     int joint[LW_JOINT_MAX], pairs = f->ratio > 0 ? wheel_pairs(k, joint) : 0;
     for (int g = 0; g < pairs; g++)
@@ -79,11 +79,11 @@ static void put_ratios(const cli_topology *f, const cli_ratios *gear, lw_linkage
 }
 
 /* ", ratio 2", ", ratios 2, -1". */
-static int ratios_text(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
+static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name, size_t size)
 {
     lw_linkage k;
     int joint[LW_JOINT_MAX], n = 0;
-    if (f->ratio == 0 || cli_topology_sketch(c, f, r, &k) != LW_OK)
+    if (f->ratio == 0 || lw_packed_mechanism_sketch(c, f, r, &k) != LW_OK)
         return 0;
     int pairs = wheel_pairs(&k, joint);
     for (int g = 0; g < pairs; g++)
@@ -94,7 +94,7 @@ static int ratios_text(const cli_topology_chain *c, const cli_topology *f, const
 
 /* ---- a linkage ------------------------------------------------------------------------------------------ */
 
-static void put_inputs(const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
+static void put_inputs(const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_linkage *k)
 {
     k->n_input = f->n_input;
     for (int i = 0; i < f->n_input; i++)
@@ -102,9 +102,9 @@ static void put_inputs(const cli_topology *f, const cli_topology_ratios *r, lw_l
                                   .ratio = i > 0 ? r->tie.of[f->tie[i]].value : 0 };
 }
 
-lw_status cli_topology_sketch(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, lw_linkage *k)
+lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_linkage *k)
 {
-    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
     lw_rng rng;
     unsigned bit = 1;
     lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | f->chain,
@@ -148,7 +148,7 @@ static bool is_watt(const lw_mechanism *m, int ground, int *number)
     return watt;
 }
 
-void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *key, size_t size)
+void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechanism *f, char *key, size_t size)
 {
     int number;
     if (c->n2 > 0)
@@ -163,10 +163,10 @@ void cli_topology_key(const cli_topology_chain *c, const cli_topology *f, char *
 
 /* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
  * carry the slots. */
-static int higher_title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name,
+static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name,
                         size_t size)
 {
-    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
     unsigned bit = 1;
     int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
     for (int j = 0; j < m.n_joint; j++)
@@ -180,10 +180,10 @@ static int higher_title(const cli_topology_chain *c, const cli_topology *f, cons
 }
 
 /* With the kinds of all joints where these are not all pins. */
-static int title(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, char *name, size_t size)
+static int title(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name, size_t size)
 {
     static const char *const roman[] = { "", "I", "II", "III" };
-    lw_mechanism m = cli_topology_mechanism(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
     int number, n_kind = f->kinds ? m.n_joint : 0;
     const char *blank = n_kind ? " " : "";
     if (c->n2 > 0)
@@ -196,7 +196,7 @@ static int title(const cli_topology_chain *c, const cli_topology *f, const cli_t
 }
 
 /* ", input 2", ", inputs 1+4 by -2", ", inputs 1+4+6 by -2 and 3". */
-static int inputs_text(const cli_topology *f, const cli_ratios *tie, char *name, size_t size)
+static int inputs_text(const lw_packed_mechanism *f, const lw_ratio_list *tie, char *name, size_t size)
 {
     int n = 0;
     for (int i = 0; i < f->n_input; i++)
@@ -207,7 +207,7 @@ static int inputs_text(const cli_topology *f, const cli_ratios *tie, char *name,
     return n;
 }
 
-void cli_topology_name(const cli_topology_chain *c, const cli_topology *f, const cli_topology_ratios *r, bool input,
+void lw_packed_mechanism_name(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, bool input,
                        char *name, size_t size)
 {
     int n = title(c, f, r, name, size);
@@ -276,7 +276,7 @@ static bool is_rack(const lw_linkage *k, int joint)
     return lw_linkage_gear(k, joint, &g, NULL) == LW_OK && (g.slider[0] >= 0 || g.slider[1] >= 0);
 }
 
-bool cli_topology_form(const lw_linkage *k, lw_graph *form)
+bool lw_linkage_canonical_form(const lw_linkage *k, lw_graph *form)
 {
     lw_graph g = { .n = k->n_link };
     uint8_t to[LW_GRAPH_MAX];
@@ -306,7 +306,7 @@ bool cli_topology_form(const lw_linkage *k, lw_graph *form)
 
 /* ---- ratios ---------------------------------------------------------------------------------------------- */
 
-static lw_status read_ratio(const char *option, const char *word, cli_ratio *r, lw_error *e)
+static lw_status read_ratio(const char *option, const char *word, lw_ratio *r, lw_error *e)
 {
     char *end, *over = NULL;
     double a = strtod(word, &end), b = 1;
@@ -323,15 +323,15 @@ static lw_status read_ratio(const char *option, const char *word, cli_ratio *r, 
                         "between, as -1,2,-1/2; '%s' is none", option, LW_LAP_MAX, word);
 }
 
-lw_status cli_ratios_read(const char *option, const char *text, cli_ratios *r, lw_error *e)
+lw_status lw_ratio_list_read(const char *option, const char *text, lw_ratio_list *r, lw_error *e)
 {
     lw_status st = LW_OK;
     r->n = 0;
     for (const char *at = text; st == LW_OK && *at; ) {
         char word[12] = "";
         size_t length = strcspn(at, ",");
-        if (r->n == CLI_RATIO_MAX)
-            return lw_error_set(e, LW_E_ARG, "--%s takes %d ratios at most", option, CLI_RATIO_MAX);
+        if (r->n == LW_RATIO_MAX)
+            return lw_error_set(e, LW_E_ARG, "--%s takes %d ratios at most", option, LW_RATIO_MAX);
         snprintf(word, sizeof word, "%.*s", (int)length, at);
         st = read_ratio(option, word, &r->of[r->n++], e);
         at += length + (at[length] == ',');

@@ -1,9 +1,9 @@
-/* optimise/search/grow.h - a linkage with two links more that does what the smaller one does: the point is taken by a
+/* optimise/topology/grow.h - a linkage with two links more that does what the smaller one does: the point is taken by a
  * new link that is pinned there, and held by a second one that is pinned to the ground or to
  * another link.  As a start for a fit it cannot be worse than what it came from, and it has five
  * dimensions more. */
-#ifndef LW_OPTIMISE_SEARCH_GROW_H
-#define LW_OPTIMISE_SEARCH_GROW_H
+#ifndef LW_OPTIMISE_TOPOLOGY_GROW_H
+#define LW_OPTIMISE_TOPOLOGY_GROW_H
 
 #include "base/rng.h"
 #include "grammar/linkage.h"

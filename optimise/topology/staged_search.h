@@ -1,9 +1,9 @@
-/* optimise/search/staged_search.h - one target, linkages of four, six, eight links: fits stage by stage, the best of
+/* optimise/topology/staged_search.h - one target, linkages of four, six, eight links: fits stage by stage, the best of
  * each stage grown into starts of the next, so that more links are never worse than fewer.
  *
  * Which topologies there are the caller says (enumerate/ is not known here). */
-#ifndef LW_OPTIMISE_SEARCH_STAGED_SEARCH_H
-#define LW_OPTIMISE_SEARCH_STAGED_SEARCH_H
+#ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
+#define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 
 #include "optimise/report/report.h"
 
