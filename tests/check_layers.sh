@@ -37,6 +37,7 @@ catalogues/draw base grammar mbs optimise
 catalogues/exchange base grammar mbs optimise catalogues/draw
 catalogues/curves base grammar mbs optimise
 catalogues/store base grammar mbs optimise catalogues/draw catalogues/curves
+catalogues/build base grammar enumerate mbs optimise catalogues/draw catalogues/curves catalogues/store
 catalogues/pages base grammar mbs optimise catalogues/draw catalogues/store
 cli/program base grammar enumerate mbs optimise catalogues
 cli/topologies base grammar enumerate mbs optimise catalogues cli/program

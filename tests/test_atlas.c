@@ -1,9 +1,8 @@
 /* test_atlas.c - atlases of curves: the nearest against a comparison with every curve; the same for any number of
  * threads; what is found traces the target. */
-#include "catalogues/store/atlas.h"
+#include "catalogues/store/nearest.h"
 
 #include <unistd.h>
-#include "catalogues/store/atlas_internal.h"
 #include "base/rng.h"
 #include "catalogues/draw/scene.h"
 #include "tests/check.h"

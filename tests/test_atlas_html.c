@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "catalogues/pages/atlas_html.h"
-#include "catalogues/pages/sha256.h"
+#include "catalogues/store/sha256.h"
 #include "enumerate/canon.h"
 #include "grammar/graph6.h"
 #include "tests/all_chains.h"

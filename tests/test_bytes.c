@@ -1,6 +1,6 @@
 /* Numbers and texts as bytes; the hash. */
-#include "catalogues/draw/bytes.h"
-#include "catalogues/pages/sha256.h"
+#include "base/bytes.h"
+#include "catalogues/store/sha256.h"
 #include "base/rng.h"
 #include "tests/check.h"
 

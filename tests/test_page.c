@@ -2,7 +2,7 @@
 #include <jansson.h>
 
 #include "catalogues/pages/page.h"
-#include "catalogues/pages/sha256.h"
+#include "catalogues/store/sha256.h"
 #include "tests/check.h"
 #include "tests/scene_models.h"
 #include "tests/xml_scan.h"

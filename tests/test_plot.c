@@ -1,5 +1,5 @@
 /* Plots: every point where its numbers say, ticks where people expect them, nothing lost on the way. */
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/draw/svg.h"
 #include "tests/check.h"

@@ -7,7 +7,7 @@
 #ifndef LW_CATALOGUES_DRAW_CHAIN_DRAWING_H
 #define LW_CATALOGUES_DRAW_CHAIN_DRAWING_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/chain_layout.h"
 #include "catalogues/draw/drawing.h"
 #include "catalogues/draw/labels.h"

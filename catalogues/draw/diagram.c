@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "catalogues/draw/body_shapes.h"
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/diagram_internal.h"
 #include "catalogues/draw/labels.h"
 #include "catalogues/draw/symbols.h"

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 
 unsigned lw_ink_light(lw_ink i)
 {

@@ -3,7 +3,7 @@
 #ifndef LW_CATALOGUES_DRAW_GIF_H
 #define LW_CATALOGUES_DRAW_GIF_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/scene.h"
 
 typedef struct lw_gif_options {

@@ -5,7 +5,7 @@
 #define LW_CATALOGUES_DRAW_PICTURE_H
 
 #include <stdint.h>
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/diagram.h"
 #include "catalogues/draw/drawing.h"
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 
 #define LETTER   12.0           /* size of the type [px] */
 #define TICK_MAX 64

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/motion_path.h"
 #include "catalogues/draw/walk.h"
 #include "grammar/model.h"

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/chain_drawing.h"
 
 #define EDGE    24.0        /* around a page [px]                           */

@@ -3,7 +3,7 @@
 #ifndef LW_CATALOGUES_DRAW_SVG_H
 #define LW_CATALOGUES_DRAW_SVG_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/drawing.h"
 
 /* A file of its own, with fixed (light) colours. */

@@ -5,7 +5,7 @@
 #ifndef LW_CATALOGUES_EXCHANGE_EXPORT_H
 #define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "grammar/linkage.h"
 
 /* MuJoCo's MJCF.  Bodies are the moving links, nested along a spanning tree of the joints, all parallel to

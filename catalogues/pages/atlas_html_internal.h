@@ -3,7 +3,7 @@
 #define LW_CATALOGUES_PAGES_ATLAS_HTML_INTERNAL_H
 
 #include "catalogues/pages/atlas_html.h"
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/chain_layout.h"
 
 /* The texts of a chain, one behind the other in a block of the catalogue's own. */

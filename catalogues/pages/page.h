@@ -5,7 +5,7 @@
 #ifndef LW_CATALOGUES_PAGES_PAGE_H
 #define LW_CATALOGUES_PAGES_PAGE_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/scene.h"
 
 /* One linkage found.  Numbers that are NAN and texts that are NULL are left out. */

@@ -3,7 +3,7 @@
 
 #include "catalogues/draw/drawing.h"
 #include "catalogues/pages/page_internal.h"
-#include "catalogues/pages/sha256.h"
+#include "catalogues/store/sha256.h"
 
 void lw_page_text(lw_bytes *b, const char *open, const char *text, const char *close)
 {

@@ -13,7 +13,7 @@
 #ifndef LW_CATALOGUES_STORE_QUERY_H
 #define LW_CATALOGUES_STORE_QUERY_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/store/store.h"
 
 #define LW_QUERY_VALUE_MAX 64

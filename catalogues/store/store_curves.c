@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "catalogues/store/atlas_internal.h"
+#include "catalogues/store/nearest.h"
 #include "catalogues/store/store_internal.h"
 
 lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e)

@@ -39,4 +39,7 @@ lw_status lw_store_do(lw_store *s, const char *sql, lw_error *e, const char *for
 lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool *any, lw_error *e,
                         const char *format, ...);
 
+/* The terms, or else the linkages, of one block of curves, which must have this size in bytes. */
+lw_status lw_store_block(lw_store *s, long long id, bool linkages, void *to, size_t size, lw_error *e);
+
 #endif

@@ -6,7 +6,7 @@
 #ifndef LW_CATALOGUES_STORE_STORE_LAYOUT_H
 #define LW_CATALOGUES_STORE_STORE_LAYOUT_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/chain_layout.h"
 
 void lw_layout_pack(const lw_chain_layout *l, int n_link, lw_bytes *out);

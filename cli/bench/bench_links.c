@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "base/clock.h"
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "catalogues/draw/plot.h"
 #include "cli/bench/bench.h"
 #include "cli/fit/fit_stages.h"

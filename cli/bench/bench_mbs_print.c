@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 
 static bool any(const cli_mbs *b, const char *problem)
 {

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "base/parallel.h"
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "cli/bench/bench.h"
 
 #ifdef __clang__

@@ -8,10 +8,10 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/curves/descriptor.h"
 #include "catalogues/draw/scene.h"
-#include "catalogues/pages/sha256.h"
+#include "catalogues/store/sha256.h"
 #include "cli/catalogue/catalogue.h"
 #include "enumerate/canon.h"
 #include "grammar/graph6.h"

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "catalogues/store/atlas.h"
+#include "catalogues/store/nearest.h"
 #include "cli/catalogue/catalogue.h"
 #include "optimise/topology/mechanism_set.h"
 #include "cli/program/json.h"

@@ -2,7 +2,7 @@
 #ifndef CLI_DRAW_DRAW_H
 #define CLI_DRAW_DRAW_H
 
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "cli/program/output.h"
 
 typedef struct cli_draw_settings {

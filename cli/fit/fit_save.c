@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "catalogues/pages/page.h"
 #include "cli/fit/fit.h"
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/store/atlas.h"
+#include "catalogues/store/nearest.h"
 #include "cli/program/model.h"
 
 enum { KNOWN_MAX = 256 };

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "cli/motion/clearance.h"
 #include "cli/program/json.h"
 #include "mbs/dynamics/contact.h"

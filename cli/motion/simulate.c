@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/number.h"
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "cli/program/model.h"
 #include "cli/program/output.h"
 

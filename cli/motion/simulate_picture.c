@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/suggest.h"
-#include "catalogues/draw/draw.h"
+#include "catalogues/pages/draw.h"
 #include "cli/motion/simulate.h"
 
 /* Is the column wanted: by its name, or by what stands before the point. */

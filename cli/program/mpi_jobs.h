@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 #include "base/status.h"
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 
 typedef struct cli_mpi_work {
     size_t      n_task;

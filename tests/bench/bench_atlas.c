@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 #include "base/clock.h"
-#include "catalogues/store/atlas.h"
+#include "catalogues/store/nearest.h"
 
 #define SAMPLES 1250000
 

@@ -1,9 +1,10 @@
-/* catalogues/store/atlas_search.c - the curves of a catalogue nearest to a target. */
+/* catalogues/store/nearest.c - the curves of a catalogue nearest to a target. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "catalogues/store/atlas_internal.h"
+#include "catalogues/store/nearest.h"
+#include "catalogues/store/store_internal.h"
 
 #define SMOOTH_POINTS 512              /* a target of fewer points than FEW becomes a curve of so many */
 #define FEW           64

@@ -1,5 +1,5 @@
-/* catalogues/draw/draw.c - see draw.h */
-#include "catalogues/draw/draw.h"
+/* catalogues/pages/draw.c - see draw.h */
+#include "catalogues/pages/draw.h"
 
 #include <math.h>
 #include <string.h>

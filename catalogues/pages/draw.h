@@ -1,8 +1,8 @@
-/* catalogues/draw/draw.h - from a scene to a file of the kind its name asks for. */
-#ifndef LW_CATALOGUES_DRAW_DRAW_H
-#define LW_CATALOGUES_DRAW_DRAW_H
+/* catalogues/pages/draw.h - from a scene to a file of the kind its name asks for. */
+#ifndef LW_CATALOGUES_PAGES_DRAW_H
+#define LW_CATALOGUES_PAGES_DRAW_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/plot.h"
 #include "catalogues/draw/scene.h"
 

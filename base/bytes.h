@@ -1,10 +1,10 @@
-/* catalogues/draw/bytes.h - a growing block of bytes: what every writer of this folder returns, so that one
+/* base/bytes.h - a growing block of bytes: what every writer of this folder returns, so that one
  * function (base/file.h, lw_file_write) puts them all on disk.
  *
  * A failed allocation is remembered and makes every later call do nothing; ask once, at the end.
  * Numbers are written without the C library's formats, so the program's locale does not matter. */
-#ifndef LW_CATALOGUES_DRAW_BYTES_H
-#define LW_CATALOGUES_DRAW_BYTES_H
+#ifndef LW_BASE_BYTES_H
+#define LW_BASE_BYTES_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
-/* catalogues/store/atlas.c - segments: many curves drawn by many threads, sorted into blocks. */
-#include "catalogues/store/atlas.h"
+/* catalogues/curves/atlas.c - segments: many curves drawn by many threads, sorted into blocks. */
+#include "catalogues/curves/atlas.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* catalogues/draw/bytes.c - see bytes.h */
-#include "catalogues/draw/bytes.h"
+/* base/bytes.c - see bytes.h */
+#include "base/bytes.h"
 
 #include <math.h>
 #include <stdio.h>

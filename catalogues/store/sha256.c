@@ -1,5 +1,5 @@
-/* catalogues/pages/sha256.c - see sha256.h.  Section numbers are those of FIPS 180-4. */
-#include "catalogues/pages/sha256.h"
+/* catalogues/store/sha256.c - see sha256.h.  Section numbers are those of FIPS 180-4. */
+#include "catalogues/store/sha256.h"
 
 #include <stdint.h>
 #include <string.h>

@@ -1,0 +1,46 @@
+/* catalogues/store/nearest.h - the coupler curves of a catalogue, and those of them that are nearest to a target.
+ *
+ * A search reads the blocks (curves/atlas.h) in the order of their lower bounds, until the bound exceeds the distance
+ * of the worst curve kept so far.  The answer is exact: the same as if every curve had been compared. */
+#ifndef LW_CATALOGUES_STORE_NEAREST_H
+#define LW_CATALOGUES_STORE_NEAREST_H
+
+#include "catalogues/curves/atlas.h"
+#include "catalogues/store/store.h"
+
+/* A sequence of samples in a catalogue: how many are drawn so far, in how many segments. */
+typedef struct lw_atlas_sweep {
+    const char    *families;               /* of lw_curve_maker_families                              */
+    lw_atlas_kinds kinds;
+    uint64_t       seed, samples, segments;
+} lw_atlas_sweep;
+
+/* Find the sequence with these families, kinds and seed, or start it; fills samples and segments.  Add a segment to
+ * it.  Both inside a transaction. */
+lw_status lw_store_sweep_begin(lw_store *s, lw_atlas_sweep *sweep, lw_error *e);
+lw_status lw_store_put_segment(lw_store *s, const lw_atlas_tree tree[2], size_t n_sample, lw_error *e);
+
+typedef struct lw_atlas_hit {
+    double     distance;              /* root mean square distance of the points, both curves traversed at even
+                                       * speed, divided by the size of the target (root mean square distance of its
+                                       * points from their centre) [1]                                */
+    double     distance_m;            /* the same [m]                                                 */
+    lw_linkage linkage;               /* laid on the target; tracer 0 draws the curve                 */
+    char       family[32];            /* "crank-rocker"; "" for a linkage that was added              */
+    char       type[8];               /* "RRRR"                                                       */
+    long long  id;                    /* of a linkage that was added; 0: of a generated one           */
+    bool       closed;
+} lw_atlas_hit;
+
+/* How much a search did: curves and blocks in the catalogue, blocks read, curves compared. */
+typedef struct lw_atlas_search {
+    uint64_t n_curve, n_block, n_read, n_compared;
+} lw_atlas_search;
+
+/* Find the `count` curves nearest to the polygon p (n) [m].  hit (count) gets *n_hit of them, nearest first.  A target
+ * of few points is made a smooth curve first.  LW_NOTHING: the catalogue has no curves of this kind.  LW_E_ARG: the
+ * target is no curve; LW_E_NOTATION: the file is damaged; LW_E_MEMORY.  search may be NULL. */
+lw_status lw_store_nearest(lw_store *s, const lw_vec2 *p, size_t n, bool closed, int count, lw_atlas_hit *hit,
+                           int *n_hit, lw_atlas_search *search, lw_error *e);
+
+#endif
