@@ -1,4 +1,5 @@
 /* Forward dynamics against published and exact solutions, all formulations against each other. */
+#include "mbs/dynamics/statics.h"
 #include "tests/dynamics_run.h"
 
 static drun d;
@@ -120,8 +121,55 @@ static void forces_balance(void)
     }
 }
 
+/* ---- a force of the caller's own ----------------------------------------------------------------- */
+
+/* Weight, and a torque that damps the turn. */
+static void weight_and_damper(void *context, double t, const lw_link_motion *link, lw_link_load *load)
+{
+    const lw_model *m = context;
+    (void)t;
+    for (int l = 0; l < m->linkage.n_link; l++) {
+        load[l].force.y = -9.81*m->body[l].mass;
+        load[l].torque = -0.5*link[l].angular_velocity;
+    }
+}
+
+/* It does what the same force in the model does, in every formulation that takes it, and at rest. */
+static void callers_force(void)
+{
+    static drun same;
+    double q[LW_SYSTEM_Q_MAX];
+    lw_dynamics *made = NULL;
+    lw_rest rest;
+    drun_read(&same, "examples/pendulum.json");
+    same.model.joint_spring[same.model.n_joint_spring++] = (lw_joint_spring){ .joint = 0, .damping = 0.5 };
+    CHECK_INT(drun_to(&same, LW_FORMULATION_INDEX1, 1e-11, 3, 4), LW_OK);
+    drun_read(&d, "examples/pendulum.json");
+    d.model.gravity = lw_v2(0, 0);
+    d.o.force = (lw_caller_force){ &d.model, weight_and_damper };
+    for (int f = 1; f < 4; f++) {
+        CHECK_INT(drun_to(&d, every[f], 1e-10, 3, 4), LW_OK);
+        CHECK_NEAR(d.tracer[4].x, same.tracer[4].x, f == 1 ? 1e-9 : 1e-6, 0);
+        CHECK_NEAR(d.tracer[4].y, same.tracer[4].y, f == 1 ? 1e-9 : 1e-6, 0);
+        CHECK(d.report.energy_error < 1e-6*d.report.energy_scale);
+    }
+    CHECK_INT(drun_to(&d, LW_FORMULATION_REDUCED, 1e-10, 3, 4), LW_E_KIND);
+    CHECK_HAS(d.e.text, "forces of the caller");
+    d.o.formulation = LW_FORMULATION_AUTO;
+    d.o.analysis = LW_ANALYSIS_STATIC;
+    CHECK_INT(lw_dynamics_make(&d.model, &d.o, &made, &d.e), LW_OK);
+    CHECK_INT(lw_statics_rest(made, 0, q, &rest, &d.e), LW_OK);
+    lw_vec2 bob = lw_system_point(lw_dynamics_system(made), 0, lw_v2(0, 0), q);
+    CHECK_NEAR(bob.x, 0, 1e-9, 0);
+    CHECK_NEAR(bob.y, -1, 1e-9, 0);
+    lw_dynamics_free(made);
+    lw_model_free(&same.model);
+    lw_model_free(&d.model);
+}
+
 int main(void)
 {
+    RUN(callers_force);
     RUN(forces_balance);
     RUN(simple_pendulum);
     RUN(andrews);

@@ -310,11 +310,10 @@ static volatile sig_atomic_t halt;
 
 typedef struct counter { long calls, at, after; } counter;
 
-static void count(void *context, double t, const double *q, const double *v, double *force, double *dq, double *dv,
-                  double *power)
+static void count(void *context, double t, const lw_link_motion *link, lw_link_load *load)
 {
     counter *c = context;
-    (void)t, (void)q, (void)v, (void)force, (void)dq, (void)dv, (void)power;
+    (void)t, (void)link, (void)load;
     if (++c->calls == c->at)
         halt = 1;
     c->after += halt && c->calls > c->at;
@@ -329,7 +328,7 @@ static void stopped_within_a_step(void)
             counter c = { .at = at };
             halt = 0;
             d.o.stop = &halt;
-            d.o.extra = (lw_extra_force){ .context = &c, .apply = count };
+            d.o.force = (lw_caller_force){ .context = &c, .apply = count };
             CHECK_INT(drun_to(&d, all[f], 1e-10, 1e6, 1000000), LW_STOPPED);
             CHECK_HAS(d.e.text, "stopped at");
             CHECK(c.calls >= at && c.after <= 2);

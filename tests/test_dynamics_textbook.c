@@ -215,7 +215,7 @@ static double lowest(int n, int mode)
         *c = *c == '\'' ? '"' : *c;
     drun_read_text(&d, text);
     CHECK_INT(lw_forces_system(&d.model, &s, &e), LW_OK);
-    lw_forces_make(&d.model, &s, &f);
+    lw_forces_make(&d.model, &s, NULL, &f);
     lw_system_posture(&s, q);
     CHECK_INT(lw_modes_find(&f, &(lw_modes_options){ 0 }, 0, q, &modes, &e), LW_OK);
     CHECK_INT(modes.n_mode, n);

@@ -57,7 +57,7 @@ static void make(lw_rng *r, bool all)
     CHECK_TEXT(e.text, "");
     CHECK_INT(s, LW_OK);
     CHECK_INT(lw_forces_system(&model, &sys, &e), LW_OK);
-    lw_forces_make(&model, &sys, &forces);
+    lw_forces_make(&model, &sys, NULL, &forces);
     CHECK_INT(forces.conservative, !all);
 }
 

@@ -26,7 +26,7 @@ static scene *make(const char *format, ...)
     if (st != LW_OK)
         fprintf(stderr, "%ld:%ld %s\n", e.line, e.column, e.text);
     CHECK_INT(st, LW_OK);
-    lw_forces_make(&s->m, &s->s, &s->f);
+    lw_forces_make(&s->m, &s->s, NULL, &s->f);
     lw_system_posture(&s->s, s->q);
     return s;
 }

@@ -191,7 +191,7 @@ int cli_simulate_linear(const cli_call *call, const lw_model *m, const cli_linea
         free(l);
         return cli_fail(call, &e);
     }
-    lw_forces_make(m, &l->s, &l->f);
+    lw_forces_make(m, &l->s, NULL, &l->f);
     lw_system_posture(&l->s, l->q);
     l->out = out.f;
     head(l);

@@ -139,7 +139,7 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
         free(c);
         return s;
     }
-    lw_forces_make(m, &c->s, &c->f);
+    lw_forces_make(m, &c->s, NULL, &c->f);
     bool opened[LW_JOINT_MAX] = { false }, apart[LW_JOINT_MAX] = { false };
     for (int i = 0; i < c->n_journal; i++) {
         lw_journal *j = &c->journal[i];

@@ -38,14 +38,6 @@ typedef enum lw_formulation {
 
 const char *lw_formulation_name(lw_formulation f);     /* "reduced" */
 
-/* Forces of a caller's own (contact, further states): added to `force` [J], their power to *power [W].
- * dq, dv (n_q x n_q, as in lw_forces_apply) are NULL when no derivatives are asked. */
-typedef struct lw_extra_force {
-    void *context;
-    void (*apply)(void *context, double t, const double *q, const double *v, double *force, double *dq,
-                  double *dv, double *power);
-} lw_extra_force;
-
 typedef struct lw_dynamics_options {
     lw_analysis    analysis;
     lw_formulation formulation;
@@ -55,7 +47,7 @@ typedef struct lw_dynamics_options {
     long   max_step;             /* 0: no limit                                                      */
     double until;                /* of lw_clock_wall; 0: no limit                                     */
     const volatile sig_atomic_t *stop;     /* not 0: end here; may be NULL                            */
-    lw_extra_force extra;        /* apply NULL: none                                                  */
+    lw_caller_force force;       /* forces of the caller's own; apply NULL: none                      */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */

@@ -90,7 +90,7 @@ static bool constant(const lw_expression *x)
 static bool by_posture(const lw_dynamics *d)
 {
     const lw_model *m = d->model;
-    bool yes = m->n_motor == 0 && !d->o.extra.apply && d->n_driven == 0 && d->n_friction == 0;
+    bool yes = m->n_motor == 0 && !d->f.caller.apply && d->n_driven == 0 && d->n_friction == 0;
     for (int i = 0; i < m->n_spring; i++)
         yes = yes && m->spring[i].damping == 0 && of_length_alone(m->spring[i].law);
     for (int i = 0; i < m->n_joint_spring; i++)

@@ -57,7 +57,7 @@ static lw_status residual(void *context, double t, const double *y, const double
     lw_dynamics *d = g->run->d;
     int n = g->q, c = g->c;
     const double *q = y, *v = y + n, *l = y + 2*n, *m = l + c;
-    double power = 0, other = 0;
+    double power = 0;
     lw_status s = lw_run_busy(g->run, t);
     if (s == LW_OK)
         s = lw_mbs_rows(d, t, q);
@@ -66,9 +66,7 @@ static lw_status residual(void *context, double t, const double *y, const double
     if (s != LW_OK)
         return s;
     lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, &power);
-    if (d->o.extra.apply)
-        d->o.extra.apply(d->o.extra.context, t, q, v, d->force, NULL, NULL, &other);
-    power += other + add_friction(d, q, v, l);
+    power += add_friction(d, q, v, l);
     push(d, m, d->bias);
     for (int i = 0; i < n; i++)
         r[i] = dy[i] - v[i] + d->bias[i]/mass_of(g, i);
@@ -185,7 +183,7 @@ static bool has_derivatives(const lw_dynamics *d)
     bool gear = false;
     for (int j = 0; j < d->s.n_joint; j++)
         gear = gear || d->s.joint[j].kind == LW_JOINT_GEAR;
-    return !gear && d->n_c == d->n_row && !d->n_friction && !d->o.extra.apply;
+    return !gear && d->n_c == d->n_row && !d->n_friction && !d->f.caller.apply;
 }
 
 /* The state as the others of this folder have it: q, v, work. */

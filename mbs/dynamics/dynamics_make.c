@@ -363,7 +363,7 @@ static lw_status prepare(lw_dynamics *d, lw_error *e)
     lw_status s = lw_forces_system(m, &d->s, e);
     if (s != LW_OK)
         return s;
-    lw_forces_make(m, &d->s, &d->f);
+    lw_forces_make(m, &d->s, &d->o.force, &d->f);
     d->n_q = d->s.n_q;
     d->n_row = d->s.n_row;
     find_special_joints(d);

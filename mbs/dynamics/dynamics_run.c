@@ -58,7 +58,7 @@ static bool keeps_momentum(const lw_dynamics *d)
     if (tied < 0 || (d->s.joint[tied].kind != LW_JOINT_REVOLUTE && d->s.joint[tied].kind != LW_JOINT_SLIDER))
         return false;
     const lw_joint_stop *p = &m->stop[tied];
-    bool loaded = m->gravity.x != 0 || m->gravity.y != 0 || m->n_force || d->o.extra.apply ||
+    bool loaded = m->gravity.x != 0 || m->gravity.y != 0 || m->n_force || d->f.caller.apply ||
                   m->friction[tied].coefficient > 0 || p->has_least || p->has_greatest;
     for (int i = 0; i < m->n_spring; i++)
         loaded = loaded || m->spring[i].link[0] == m->linkage.ground || m->spring[i].link[1] == m->linkage.ground;
@@ -109,8 +109,6 @@ lw_status lw_run_show_slow(lw_run *run, double t, const double *y)
     if (s != LW_OK)
         return s;
     lw_forces_apply(&d->f, t, y, still, d->force, NULL, NULL, NULL);
-    if (d->o.extra.apply)
-        d->o.extra.apply(d->o.extra.context, t, y, still, d->force, NULL, NULL, &(double){ 0 });
     lw_rank_solve(&d->rank_of, d->force, d->l);
     run->r->worst_off = fmax(run->r->worst_off, m.off);
     run->r->worst_off_rate = fmax(run->r->worst_off_rate, m.off_rate);
@@ -442,7 +440,7 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     lw_status s;
     *r = d->choice;
     d->e = run.e;
-    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_contact || d->o.extra.apply;
+    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_contact;
     run.n = 2*d->n_q + run.has_work;
     run.pivot_tried = 1;
     switch (r->formulation) {

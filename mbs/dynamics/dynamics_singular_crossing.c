@@ -209,7 +209,7 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
 {
     crossing *z = context;
     lw_dynamics *d = z->d;
-    double mass = 0, push = 0, power = 0, other = 0;
+    double mass = 0, push = 0, power = 0;
     lw_status s = lw_run_busy(z->run, t);
     if (s != LW_OK)
         return s;
@@ -221,14 +221,12 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     for (int i = 0; i < d->n_q; i++)
         z->v[i] *= speed;
     lw_forces_apply(&d->f, t, z->q, z->v, d->force, NULL, NULL, z->run->has_work ? &power : NULL);
-    if (d->o.extra.apply)
-        d->o.extra.apply(d->o.extra.context, t, z->q, z->v, d->force, NULL, NULL, &other);
     for (int i = 0; i < d->n_q; i++)
         push += z->trial[i]*d->force[i];
     dy[0] = speed;
     dy[1] = push/(root*z->root);
     if (z->run->has_work)
-        dy[2] = power + other;
+        dy[2] = power;
     return isfinite(dy[0]) && isfinite(dy[1]) ? LW_OK : LW_E_NUMERIC;
 }
 

@@ -372,13 +372,7 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power)
 {
-    double other = 0;
     lw_forces_apply(&d->f, t, q, v, d->force, NULL, NULL, power);
-    if (d->o.extra.apply) {
-        d->o.extra.apply(d->o.extra.context, t, q, v, d->force, NULL, NULL, &other);
-        if (power)
-            *power += other;
-    }
     for (int i = 0; i < d->n_q; i++)
         if (!isfinite(d->force[i]))
             return lw_error_set(d->e, LW_E_NUMERIC, "a force on link \"%s\" is not a number at t = %.9g s",

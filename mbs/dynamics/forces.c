@@ -57,7 +57,7 @@ static void make_stops(lw_forces *f)
     }
 }
 
-void lw_forces_make(const lw_model *m, const lw_system *s, lw_forces *f)
+void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f)
 {
     *f = (lw_forces){ .model = m, .system = s, .conservative = m->n_force == 0 && m->n_motor == 0 };
     for (int b = 0; b < s->n_body; b++) {
@@ -78,6 +78,11 @@ void lw_forces_make(const lw_model *m, const lw_system *s, lw_forces *f)
         f->force_arm[i] = lw_system_arm(s, s->body[m->force[i].link], m->force[i].at);
     make_stops(f);
     f->any_state = m->n_spring || m->n_joint_spring || m->n_force || m->n_motor || f->n_stop;
+    if (caller && caller->apply) {
+        f->caller = *caller;
+        f->conservative = false;
+        f->any_state = true;
+    }
 }
 
 /* ---- one load along one measure ---------------------------------------------------------------- */
@@ -287,6 +292,50 @@ static void apply_component(const lw_forces *f, int i, int c, const lw_expressio
     }
 }
 
+/* Adds the generalised forces of the caller's loads; returns their power [W]. */
+static double add_caller(const lw_forces *f, double t, const double *q, const double *v, double *force)
+{
+    const lw_system *s = f->system;
+    lw_link_motion link[LW_LINK_MAX] = { 0 };
+    lw_link_load load[LW_LINK_MAX] = { 0 };
+    double power = 0;
+    for (int b = 0; b < s->n_body; b++)
+        link[s->link[b]] = (lw_link_motion){ lw_system_point(s, b, lw_v2(0, 0), q),
+                                             lw_v2_scale(lw_v2(v[3*b], v[3*b + 1]), s->unit), q[3*b + 2], v[3*b + 2] };
+    f->caller.apply(f->caller.context, t, link, load);
+    for (int b = 0; b < s->n_body; b++) {
+        const lw_link_load *p = &load[s->link[b]];
+        double own[3] = { p->force.x*s->unit, p->force.y*s->unit, p->torque };
+        for (int i = 0; i < 3; i++) {
+            force[3*b + i] += own[i];
+            power += own[i]*v[3*b + i];
+        }
+    }
+    return power;
+}
+
+/* Adds the derivatives of the caller's loads by x, which is q or v, to out[row*n_q + column]: central differences. */
+static void add_caller_derivatives(const lw_forces *f, double t, const double *q, const double *v, bool by_rate,
+                                   double *out)
+{
+    enum { N = LW_SYSTEM_Q_MAX };
+    const double step = 1e-6;                /* the error is about its square                            */
+    double x[N], side[2][N];
+    int n = f->system->n_q;
+    memcpy(x, by_rate ? v : q, (size_t)n*sizeof *x);
+    for (int column = 0; column < n; column++) {
+        double middle = x[column];
+        for (int k = 0; k < 2; k++) {
+            memset(side[k], 0, sizeof side[k]);
+            x[column] = middle + (k ? step : -step);
+            add_caller(f, t, by_rate ? q : x, by_rate ? x : v, side[k]);
+        }
+        x[column] = middle;
+        for (int row = 0; row < n; row++)
+            out[row*n + column] += (side[1][row] - side[0][row])/(2*step);
+    }
+}
+
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power)
 {
@@ -306,6 +355,13 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
             apply_component(f, i, 1, f->model->force[i].fy, t, q, v, &to);
             apply_component(f, i, 2, f->model->force[i].torque, t, q, v, &to);
         }
+    }
+    if (f->caller.apply) {
+        to.power += add_caller(f, t, q, v, force);
+        if (dq)
+            add_caller_derivatives(f, t, q, v, false, dq);
+        if (dv)
+            add_caller_derivatives(f, t, q, v, true, dv);
     }
     if (power)
         *power = to.power;

@@ -16,7 +16,6 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
 /* One posture's equations: rows (system, then held inputs), null space, reduced matrices. */
 typedef struct lw_vibration {
     const lw_forces *f;
-    const lw_extra_force *extra;         /* NULL: none                                                 */
     int     n_q, n_row, n_free;          /* n_row with held inputs                                     */
     int     n_held, held[LW_INPUT_MAX];
     double  want[LW_INPUT_MAX];          /* what held inputs count                                      */

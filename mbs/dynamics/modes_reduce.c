@@ -229,8 +229,6 @@ lw_status lw_vibration_linearise(lw_vibration *v, double t, const double *q)
     factor_rows(v);
     find_null(v);
     lw_forces_apply(v->f, t, q, still, v->force, v->dq, v->dv, NULL);
-    if (v->extra && v->extra->apply)
-        v->extra->apply(v->extra->context, t, q, still, v->force, v->dq, v->dv, &(double){ 0.0 });
     for (int i = 0; i < v->n_q; i++)
         if (!isfinite(v->force[i]))
             return LW_E_NUMERIC;

@@ -32,7 +32,7 @@ static lw_status look_at_loads(const lw_dynamics *d, char *why)
         return no(why, "joints with friction");
     if (d->n_contact || d->f.n_stop)
         return no(why, "stops");
-    if (d->o.extra.apply)
+    if (d->f.caller.apply)
         return no(why, "forces of the caller");
     for (int i = 0; i < m->n_force; i++)
         if (!of_time_alone(m->force[i].fx) || !of_time_alone(m->force[i].fy) || !of_time_alone(m->force[i].torque))

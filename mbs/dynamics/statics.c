@@ -166,7 +166,6 @@ lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_er
     memcpy(q, d->start_q, sizeof *q*(size_t)d->n_q);
     if (lw_vibration_make(&d->f, false, t, q, &v) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    v.extra = &d->o.extra;
     lw_status s = lw_vibration_project(&v, q);
     if (s == LW_OK)
         s = lw_vibration_rest(&v, t, q, r, e);
