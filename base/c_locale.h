@@ -1,4 +1,4 @@
-/* base/c_locale.h - do one thing under the "C" locale, in this thread only, whatever the program set.
+/* base/c_locale.h - run a piece of code under the "C" locale, in this thread only, whatever locale the program uses.
  *
  *     lw_c_locale old = lw_c_locale_enter();
  *     ... strtod, or a library that calls it ...

@@ -1,4 +1,4 @@
-/* base/clock.h - seconds for limits and reports; never part of a result that must repeat. */
+/* base/clock.h - clocks for limits and reports. A result that must be repeatable never depends on them. */
 #ifndef LW_BASE_CLOCK_H
 #define LW_BASE_CLOCK_H
 

@@ -1,7 +1,7 @@
-/* base/error.h - what is wrong, where, why, and what to do, in one caller-owned record.
+/* base/error.h - an error message: what is wrong, where, why, and what to do.  The caller owns the record.
  *
- * Every function that reads something a person wrote takes an lw_error * as its last argument; NULL
- * is allowed and loses the text only.  The library fills it, cli/ prints it. */
+ * Every function that reads something a person wrote takes an lw_error * as its last argument.  It may be NULL; then only
+ * the text is lost.  The library fills it, cli/ prints it. */
 #ifndef LW_BASE_ERROR_H
 #define LW_BASE_ERROR_H
 
@@ -9,21 +9,21 @@
 
 typedef struct lw_error {
     lw_status status;
-    char      file[256];   /* "" when no file is concerned; "-" is standard input     */
+    char      file[256];   /* "" if no file is involved; "-" is standard input         */
     long      line;        /* 1 is the first line; 0 when unknown                     */
     long      column;      /* 1 is the first byte of the line; 0 when unknown         */
-    char      text[768];   /* one sentence or two, no newline at the end              */
+    char      text[768];   /* one or two sentences, no newline at the end             */
 } lw_error;
 
-/* Fill e and return s, so that a caller writes  return lw_error_set(e, LW_E_ARG, "..."). */
+/* Fill e and return s: a caller can write  return lw_error_set(e, LW_E_ARG, "..."). */
 lw_status lw_error_set(lw_error *e, lw_status s, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The same with a place in a file. */
+/* The same with a position in a file. */
 lw_status lw_error_at(lw_error *e, lw_status s, const char *file, long line, long column,
                       const char *format, ...) __attribute__((format(printf, 6, 7)));
 
-/* "file:line:column: text" into buf, always terminated; parts that are unknown are left out. */
+/* "file:line:column: text" into buf, always terminated; unknown parts are left out. */
 void lw_error_print(const lw_error *e, char *buf, int size);
 
 #endif

@@ -1,7 +1,7 @@
-/* base/file.h - whole files in, whole files out: nothing half-written.
+/* base/file.h - read and write whole files; an output file is never left half-written.
  *
- * Output goes to a temporary beside its target and is renamed when complete, so that a full disk or
- * a read-only folder leaves the old file as it was.  "-" is standard input or output. */
+ * Output goes to a temporary file beside its target, which is renamed when it is complete.  A full disk or a read-only
+ * folder leaves the old file as it was.  "-" is standard input or output. */
 #ifndef LW_BASE_FILE_H
 #define LW_BASE_FILE_H
 
@@ -9,24 +9,24 @@
 #include <stdio.h>
 #include "base/error.h"
 
-/* The whole file as a terminated string; *size without the terminator.  Free with free().
- * LW_E_IO for what cannot be read (a directory is named as such), files over 256 MiB are refused. */
+/* Read the whole file as a terminated string; *size does not count the terminator.  Free it with free().
+ * LW_E_IO if it cannot be read (the text says so if it is a directory) or is larger than 256 MiB. */
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e);
 
 typedef struct lw_output { FILE *f; char path[1024], temp[1088]; bool partial; } lw_output;
 
-/* Open a temporary beside path; write to o->f; then _commit (flush, sync to disk, check, rename) or
- * _abandon (remove).  After a failed commit the target is untouched and the temporary gone. */
+/* Open a temporary file beside path and write to o->f.  Then call _commit (flush, sync to disk, check, rename) or
+ * _abandon (remove).  After a failed commit the target is unchanged and the temporary file is removed. */
 lw_status lw_output_open(lw_output *o, const char *path, lw_error *e);
 lw_status lw_output_commit(lw_output *o, lw_error *e);
 void      lw_output_abandon(lw_output *o);
 
-/* The same for long work that is gone on with after the program was killed: the temporary is path with ".partial"
- * behind it, for reading too, with what it already holds, the position at its start; _abandon and a failed commit
- * leave it there.  LW_E_IO while another program writes it.  A pipe or device is opened as by _open. */
+/* The same for long work that continues after the program was killed.  The temporary file is path + ".partial".  It is
+ * opened for reading and writing with its earlier content, positioned at its start; _abandon and a failed commit keep
+ * it.  LW_E_IO while another program writes it.  A pipe or device is opened as by _open. */
 lw_status lw_output_open_partial(lw_output *o, const char *path, lw_error *e);
 
-/* open + write + commit of bytes that are ready. */
+/* Open, write and commit `size` bytes. */
 lw_status lw_file_write(const char *path, const void *bytes, size_t size, lw_error *e);
 
 #endif

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-/* The array with room for one more than n items of `size` bytes; it may have moved.  NULL: out of memory, the array as
- * it was.  *capacity is 0 for an array that is NULL. */
+/* Make room for one more than n items of `size` bytes.  Returns the array, which may have moved, or NULL if memory is
+ * exhausted; then the old array is still valid.  *capacity must be 0 if the array is NULL. */
 static inline void *lw_array_grow(void *array, int n, int *capacity, size_t size)
 {
     int most = *capacity > 0 ? *capacity : 64;

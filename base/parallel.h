@@ -1,7 +1,7 @@
 /* base/parallel.h - a loop over independent jobs on several threads.
  *
- * Results must depend on the job number only (write to job-indexed places, seed by job number), then
- * the answer is the same for any number of threads. */
+ * If each result depends only on the job number (write to elements indexed by it, seed by it), the answer is the same
+ * for any number of threads. */
 #ifndef LW_BASE_PARALLEL_H
 #define LW_BASE_PARALLEL_H
 
@@ -11,8 +11,8 @@
 /* One job.  thread is 0 .. n_thread-1 and selects the caller's scratch memory. */
 typedef void lw_job(void *context, size_t job, int thread);
 
-/* Run jobs 0 .. n_job-1, each once, handed out in rising order.  n_thread < 1 means one per core.
- * Falls back to fewer threads when the system gives no more; never fails for that reason. */
+/* Run jobs 0 .. n_job-1, each once, started in rising order.  n_thread < 1 means one thread per core.
+ * If the system refuses a thread, the others do the work; this is not a failure. */
 lw_status lw_parallel(int n_thread, size_t n_job, lw_job *run, void *context);
 
 /* Number of cores this process may use (affinity respected), at least 1. */

@@ -1,7 +1,7 @@
 /* base/rng.h - the seeded generator: xoshiro256** (Blackman & Vigna 2018), seeded by splitmix64.
  *
- * The state is the caller's, nothing is global: same seed and stream, same numbers, on every
- * machine and for any number of threads.  `stream` gives independent sequences of one seed. */
+ * The caller owns the state.  The same seed and stream give the same numbers on every machine and for any number of
+ * threads.  `stream` selects one of many independent sequences of a seed. */
 #ifndef LW_BASE_RNG_H
 #define LW_BASE_RNG_H
 

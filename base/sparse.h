@@ -1,36 +1,36 @@
-/* base/sparse.h - square systems with few entries in a row, of a size (tens to hundreds) where they may be stored with
- * all their zeros but not multiplied by them.
+/* base/sparse.h - sparse square systems with tens to hundreds of unknowns.  Matrices are stored with their zeros, but the
+ * computation skips them.
  *
- * P A Q = L U with partial pivoting; the columns are eliminated in an order that fills little, found once from the
- * pattern of A^T A (Gilbert & Ng 1993: it bounds the fill whatever rows are chosen).  Memory is the caller's. */
+ * P A Q = L U with partial pivoting.  The elimination order of the columns is chosen once for low fill, from the pattern of
+ * A^T A, which bounds the fill for any choice of pivot rows (Gilbert & Ng 1993).  The caller provides the memory. */
 #ifndef LW_BASE_SPARSE_H
 #define LW_BASE_SPARSE_H
 
 #include <stddef.h>
 
-/* Order of elimination of a symmetric pattern near[i*n + j] != 0 (its diagonal does not count): always one that meets
- * fewest of those left (Tinney & Walker 1967, scheme 2).  order[k]: eliminated k-th.  near is filled in: afterwards those
- * later in the order that i meets are row i of U. */
+/* Elimination order for a symmetric pattern near[i*n + j] != 0 (the diagonal does not count): always eliminate the unknown
+ * with the fewest remaining neighbours (Tinney & Walker 1967, scheme 2).  order[k] is eliminated k-th.  near receives the
+ * fill: afterwards its entries that come later in the order than i are row i of U. */
 void lw_sparse_order(int n, unsigned char *near, int *order);
 
 typedef struct lw_sparse {
     int     n;
     double *a, *work;            /* (n*n) factors by columns; (n)                                        */
-    int    *order, *row;         /* (n) columns as eliminated; row of A at each place                     */
-    int    *at, *list;           /* (2 n + 1), (n*n) below, then above the diagonal of each column        */
+    int    *order, *row;         /* (n) columns in elimination order; row of A in each position           */
+    int    *at, *list;           /* (2 n + 1), (n*n) entries below, then above the diagonal per column    */
 } lw_sparse;
 
 size_t lw_sparse_doubles(int n);
 size_t lw_sparse_ints(int n);
 void   lw_sparse_place(lw_sparse *f, int n, double *doubles, int *ints);
 
-/* The order for matrices like a (n*n, a[i + n*j]); f->list serves as memory. */
+/* Choose the order for matrices with the pattern of a (n*n, a[i + n*j]).  Uses f->list as scratch memory. */
 void lw_sparse_prepare(lw_sparse *f, const double *a);
 
-/* 0, or 1 + the column in which no pivot was left. */
+/* Returns 0, or 1 + the column in which no pivot was left. */
 int lw_sparse_factor(lw_sparse *f, const double *a);
 
-/* x of A x = b; may be the same. */
+/* Solve A x = b.  x and b may be the same array. */
 void lw_sparse_solve(const lw_sparse *f, const double *b, double *x);
 
 #endif

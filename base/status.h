@@ -1,7 +1,7 @@
-/* base/status.h - how a call ended.
+/* base/status.h - the status that a function returns.
  *
- * One list gives the codes, their numbers and their texts.  The sign separates outcomes (>= 0: the
- * call did its work and this is the answer) from failures (< 0: nothing was done). */
+ * One list defines the names, numbers and texts.  Numbers >= 0 are outcomes: the function did its work.  Numbers < 0 are
+ * failures: nothing was done. */
 #ifndef LW_BASE_STATUS_H
 #define LW_BASE_STATUS_H
 
@@ -23,10 +23,10 @@ typedef enum lw_status {
 #undef X
 } lw_status;
 
-/* Text of a status; never NULL, also for numbers that are no status. */
+/* Text of a status; never NULL, even for a number that is not a status. */
 const char *lw_status_text(lw_status s);
 
-/* The name of a status as it stands in the source, "LW_OK" ...; "LW_?" for others. */
+/* Name of a status, "LW_OK" ...; "LW_?" for a number that is not a status. */
 const char *lw_status_name(lw_status s);
 
 #endif

@@ -1,10 +1,10 @@
-/* base/suggest.h - "did you mean ...?": the word of a list that is nearest to a misspelt one. */
+/* base/suggest.h - "did you mean ...?": find the word of a list that is nearest to a misspelt one. */
 #ifndef LW_BASE_SUGGEST_H
 #define LW_BASE_SUGGEST_H
 
-/* The nearest of n words by edit distance (insert, drop, change, swap neighbours; capitals do not
- * count), or one that `word` begins; NULL when none is near enough: one edit for each three letters,
- * two at least from four letters on.  The first of equals. */
+/* The nearest of n words by edit distance (insert, delete, replace, swap neighbours; upper and lower case are equal), or
+ * a word that begins with `word`.  NULL if none is near enough: one edit per three letters is allowed, and at least two
+ * from four letters on.  Of equally near words, the first. */
 const char *lw_suggest(const char *word, const char *const *words, int n);
 
 #endif

@@ -1,9 +1,9 @@
-/* base/sum.h - a short sum with the error of one rounding, for differences that nearly vanish. */
+/* base/sum.h - a sum of four numbers with the error of a single rounding, for differences that nearly cancel. */
 #ifndef LW_BASE_SUM_H
 #define LW_BASE_SUM_H
 
-/* w + x + y + z: what the additions lose is carried along (Knuth's two-sum; Ogita, Rump & Oishi
- * 2005).  Not to be compiled with reassociation. */
+/* w + x + y + z with the rounding errors of the additions added back (Knuth's two-sum; Ogita, Rump & Oishi 2005).
+ * Do not compile with reassociation. */
 static inline double lw_sum4(double w, double x, double y, double z)
 {
     double term[3] = { x, y, z }, s = w, lost = 0.0;

@@ -1,5 +1,5 @@
-/* base/vec2.h - points and vectors of the plane.  Multiplication by a unit vector is a turn, as with
- * complex numbers, which is what most of planar kinematics consists of. */
+/* base/vec2.h - points and vectors of the plane.  Multiplication by a unit vector rotates, as with complex
+ * numbers; most of planar kinematics consists of it. */
 #ifndef LW_BASE_VEC2_H
 #define LW_BASE_VEC2_H
 
@@ -18,7 +18,7 @@ static inline double  lw_v2_cross(lw_vec2 a, lw_vec2 b) { return a.x*b.y - a.y*b
 static inline double  lw_v2_norm(lw_vec2 a) { return hypot(a.x, a.y); }
 static inline lw_vec2 lw_v2_perp(lw_vec2 a) { return lw_v2(-a.y, a.x); }            /* i a      */
 static inline lw_vec2 lw_v2_polar(double r, double t) { return lw_v2(r*cos(t), r*sin(t)); }
-/* complex product: turn a by the angle of unit vector u (and stretch by |u|) */
+/* complex product: rotate a by the angle of the unit vector u (and scale by |u|) */
 static inline lw_vec2 lw_v2_turn(lw_vec2 a, lw_vec2 u)
 {
     return lw_v2(a.x*u.x - a.y*u.y, a.x*u.y + a.y*u.x);
@@ -29,7 +29,7 @@ static inline lw_vec2 lw_v2_unturn(lw_vec2 a, lw_vec2 u)
     return lw_v2(a.x*u.x + a.y*u.y, a.y*u.x - a.x*u.y);
 }
 
-/* from the nearest point of the piece of line between a and b, which may be one point, to p; and how far that is */
+/* Vector from the nearest point of the segment a b (which may be a single point) to p; and its length. */
 static inline lw_vec2 lw_v2_off_segment(lw_vec2 p, lw_vec2 a, lw_vec2 b)
 {
     lw_vec2 d = lw_v2_sub(b, a), q = lw_v2_sub(p, a);
