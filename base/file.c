@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #define FILE_SIZE_MAX ((size_t)256 << 20)
@@ -247,12 +248,59 @@ static int finish(FILE *f, bool sync)
     return error;
 }
 
+/* ---- whose file is it? ------------------------------------------------------------------------- */
+
+#define OWN_ATTRIBUTE "user.linkwright"
+#define OWN_SIZE      64
+
+/* The text of the attribute: it no longer fits once anybody has changed the file. */
+static bool own_text(const char *path, char text[OWN_SIZE])
+{
+    struct stat st;
+    if (stat(path, &st) != 0)
+        return false;
+    snprintf(text, OWN_SIZE, "%lld %lld.%09ld", (long long)st.st_size, (long long)st.st_mtim.tv_sec,
+             st.st_mtim.tv_nsec);
+    return true;
+}
+
+/* Not every file system keeps attributes, and no output fails for want of one. */
+static void mark_own(const char *path)
+{
+    char text[OWN_SIZE];
+    if (own_text(path, text) && setxattr(path, OWN_ATTRIBUTE, text, strlen(text), 0) != 0)
+        errno = 0;
+}
+
+static bool begins_with_command(const char *path)
+{
+    char head[4096];
+    FILE *f = fopen(path, "rb");
+    size_t n = f ? fread(head, 1, sizeof head - 1, f) : 0;
+    if (f)
+        fclose(f);
+    head[n] = '\0';
+    return strncmp(head, "# linkwright ", 13) == 0
+           || (head[0] == '{' && strstr(head, "\"command\": \"linkwright "));
+}
+
+bool lw_file_is_own(const char *path)
+{
+    char text[OWN_SIZE], kept[OWN_SIZE];
+    ssize_t n = getxattr(path, OWN_ATTRIBUTE, kept, sizeof kept);
+    if (n < 0)
+        return begins_with_command(path);
+    return own_text(path, text) && (size_t)n == strlen(text) && memcmp(kept, text, (size_t)n) == 0;
+}
+
 lw_status lw_output_commit(lw_output *o, lw_error *e)
 {
     if (!o->f)
         return lw_error_set(e, LW_E_ARG, "this output is not open");
     int error = finish(o->f, o->temp[0] != '\0');
     o->f = NULL;
+    if (!error && o->temp[0])
+        mark_own(o->temp);
     if (!error && o->temp[0] && rename(o->temp, o->path) != 0)
         error = errno;
     if (error) {

@@ -21,6 +21,11 @@ lw_status lw_output_open(lw_output *o, const char *path, lw_error *e);
 lw_status lw_output_commit(lw_output *o, lw_error *e);
 void      lw_output_abandon(lw_output *o);
 
+/* Was the file written by lw_output_commit, and not changed since?  Each committed file carries the attribute
+ * `user.linkwright` with its size and time of change.  On a file without attributes (copied, or a file system that
+ * keeps none) the command line at the start of the text decides: "# linkwright ..." or "command": "linkwright ...". */
+bool lw_file_is_own(const char *path);
+
 /* The same for long work that continues after the program was killed.  The temporary file is path + ".partial".  It is
  * opened for reading and writing with its earlier content, positioned at its start; _abandon and a failed commit keep
  * it.  LW_E_IO while another program writes it.  A pipe or device is opened as by _open. */

@@ -35,6 +35,7 @@ static void overview(FILE *f)
     fputs("\n  help [COMMAND], COMMAND --help     examples and all options of a command\n"
           "  --version                          version\n\n"
           "Data goes to standard output (or -o FILE), messages to standard error.\n"
+          "An input is never overwritten, and a file that linkwright did not write only with --force.\n"
           "Exit codes: 0 done, 1 nothing found, 2 wrong usage, 3 bad input, 4 numerical failure,\n"
           "5 stopped by a limit with partial results kept, 130 interrupted.\n", f);
 }
@@ -153,7 +154,7 @@ static int run(const cli_command *c, int argc, char **argv)
     else if (call.common.help) {
         cli_command_help(c, stdout);
         code = finish_text(CLI_DONE);
-    } else if ((code = check_words(&call)) == CLI_DONE)
+    } else if ((code = check_words(&call)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE)
         code = finish_text(c->run(&call));
     free(call.parsed.word);
     free(settings);

@@ -126,8 +126,8 @@ static void output_is_whole_or_absent(void)
     expect("$P classify 5 2 4 4 -o /dev/full", 3, NULL, "no space left");
     expect("$P classify 5 2 4 4 -o $D/none/x.txt", 3, NULL, "no such file or folder");
     expect("$P classify 5 2 4 4 -o $D", 3, NULL, "folder");
-    expect("echo old > $D/x.txt; $P classify 5 2 4 100 -o $D/x.txt; cat $D/x.txt", 0, "old", NULL);
-    expect("$P classify 5 2 4 4 -o $D/x.txt && cat $D/x.txt && ls -A $D | grep -v std", 0,
+    expect("echo old > $D/x.txt; $P classify 5 2 4 100 -o $D/x.txt --force; cat $D/x.txt", 0, "old", NULL);
+    expect("$P classify 5 2 4 4 -o $D/x.txt --force && cat $D/x.txt && ls -A $D | grep -v std", 0,
            "crank-rocker", NULL);
     expect("ls -A $D | grep tmp", 1, NULL, NULL);
 }

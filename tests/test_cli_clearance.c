@@ -56,7 +56,7 @@ static void limits(void)
 static void pictures(void)
 {
     ran r = run("$P clearance " MODEL " --speed 94 --end 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
-                "--force $D/f.pdf "
+                "--force-plot $D/f.pdf "
                 "--history $D/h.csv && $P clearance " MODEL " --speed 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
                 "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c "
                 "'class=\"marker' $D/map.svg");

@@ -1,10 +1,8 @@
 /* cli/bench/bench_links.c - error against number of links and seconds: every problem searched with four links, then six,
  * then eight, and what was best with so many links when. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/clock.h"
 #include "catalogues/pages/draw.h"
@@ -189,8 +187,6 @@ static lw_status save_plot(const cli_bench_problem *p, const outcome *out, const
 
 static lw_status save_all(const cli_bench *b, const outcome *out, const char *folder, lw_error *e)
 {
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno));
     lw_status st = save_csv(b, out, folder, e);
     for (int i = 0; i < b->n_problem && st == LW_OK; i++)
         st = save_plot(&b->problem[i], &out[i], folder, e);

@@ -1,11 +1,9 @@
 /* cli/bench/bench_mbs_print.c - what the bench of the multibody solver prints: Markdown tables, CSV, plots. */
 #include "cli/bench/bench_mbs.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "catalogues/pages/draw.h"
 
@@ -165,9 +163,7 @@ lw_status cli_mbs_save(const cli_mbs *b, const char *folder, lw_error *e)
     double *room = malloc(sizeof *room*(2*(size_t)b->n + 1));
     if (!room)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status st = mkdir(folder, 0777) != 0 && errno != EEXIST
-                 ? lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno))
-                 : save_csv(b, folder, e);
+    lw_status st = save_csv(b, folder, e);
     for (const cli_mbs_problem *p = cli_mbs_problems; p->name && st == LW_OK; p++)
         if (p->error[0] && any(b, p->name))
             st = save_plot(b, p, room, folder, e);

@@ -1,9 +1,7 @@
 /* cli/bench/bench_print.c - what a bench prints: Markdown tables, CSV, plots. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/parallel.h"
 #include "catalogues/pages/draw.h"
@@ -316,8 +314,6 @@ static lw_status save_plots(const cli_bench *b, const char *folder, lw_error *e)
 
 lw_status cli_bench_save(const cli_bench *b, const char *line, const char *folder, lw_error *e)
 {
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno));
     lw_status st = save_curves(b, line, folder, e);
     if (st == LW_OK)
         st = save_reach(b, line, folder, e);

@@ -181,6 +181,20 @@ static int finish(const cli_call *call, const cli_bench *b)
     return cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
 }
 
+/* Make the folder of -o, and ask for each file that goes into it whether it may be written there. */
+static int check_folder(const cli_call *call, const char *csv, const char *prefix, const cli_bench *b)
+{
+    const char *folder = ((const settings *)call->settings)->output;
+    int code = folder ? cli_make_folder(call, folder) : CLI_DONE;
+    if (folder && code == CLI_DONE)
+        code = cli_may_write_in(call, folder, "%s", csv);
+    for (int i = 0; folder && b && i < b->n_problem && code == CLI_DONE; i++)
+        code = cli_may_write_in(call, folder, "%s%s.svg", prefix, b->problem[i].name);
+    for (int i = 0; folder && !b && cli_mbs_problems[i].name && code == CLI_DONE; i++)
+        code = cli_may_write_in(call, folder, "%s%s.svg", prefix, cli_mbs_problems[i].name);
+    return code;
+}
+
 /* "6,8" to 8; 0 when it is no such list. */
 static int most_links(const char *list)
 {
@@ -205,10 +219,11 @@ static int run_links(const cli_call *call, cli_bench *b)
     if (o.links == 0)
         return cli_usage(call, "--links takes even numbers from 4 to 10, as 6 or 6,8, not '%s'", s->links);
     lw_status st = cli_bench_load(s->problems, &b->problem, &b->n_problem, &e);
-    if (st == LW_OK)
+    int code = st == LW_OK ? check_folder(call, "links.csv", "links-", b) : CLI_DONE;
+    if (st == LW_OK && code == CLI_DONE)
         st = cli_bench_links_run(call, b, &o, &e);
     cli_bench_free(b->problem, b->n_problem);
-    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+    return code != CLI_DONE ? code : st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
 }
 
 static int run_mbs(const cli_call *call)
@@ -217,6 +232,9 @@ static int run_mbs(const cli_call *call)
     lw_error e = { 0 };
     cli_mbs b = { .call = call, .time = s->time,
                   .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
+    int code = check_folder(call, "mbs.csv", "mbs-", NULL);
+    if (code != CLI_DONE)
+        return code;
     cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
     lw_status st = cli_mbs_find_peers(&b, s->peers, &e);
@@ -249,9 +267,11 @@ static int run(const cli_call *call)
     if (s->links)
         return run_links(call, &b);
     lw_status st = cli_bench_load(s->problems, &b.problem, &b.n_problem, &e);
-    if (st == LW_OK)
-        st = run_all(call, &b, &c, &e);
-    int code = st == LW_OK ? finish(call, &b) : cli_fail(call, &e);
+    int code = st == LW_OK ? check_folder(call, "curves.csv", "", &b) : cli_fail(call, &e);
+    if (st == LW_OK && code == CLI_DONE)
+        code = s->output ? cli_may_write_in(call, s->output, "reach.csv") : CLI_DONE;
+    if (st == LW_OK && code == CLI_DONE)
+        code = run_all(call, &b, &c, &e) == LW_OK ? finish(call, &b) : cli_fail(call, &e);
     free_all(&b);
     return code;
 }

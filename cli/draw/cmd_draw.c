@@ -13,7 +13,7 @@ typedef cli_draw_settings settings;
 #define PICTURES 6
 
 static const cli_option options[] = {
-    { "target", 't', CLI_TEXT, offsetof(settings, target), "FILE", NULL,
+    { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
       "linkage: draw the points of this target too", 0, 0, NULL, NULL },
     { "size", 's', CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
       "size in pixels; without it what suits the format, for sheets A4", 64, 8192, NULL, NULL },

@@ -85,6 +85,8 @@ static lw_status write_page(press *p, const lw_drawing *d, size_t number, lw_err
     char path[4096];
     lw_bytes b;
     page_path(p, number, path, sizeof path);
+    if (cli_may_write(p->call, path) != CLI_DONE)
+        return lw_error_at(e, LW_E_ARG, path, 0, 0, "this page is not written");
     lw_status s = lw_draw_still(d, p->kind, &b, e);
     if (s == LW_OK)
         s = lw_file_write(path, b.data, b.size, e);
@@ -220,6 +222,12 @@ int cli_draw_chains(const cli_call *call, const char *file, lw_draw_kind kind)
     if (kind != LW_DRAW_SVG && kind != LW_DRAW_PDF && kind != LW_DRAW_PNG)
         return cli_usage(call, "a chain has no dimensions and does not move: svg, pdf or png");
     int code = CLI_DONE;
+    if (p.s->each && call->common.output) {
+        char path[4096];
+        page_path(&p, 1, path, sizeof path);
+        if ((code = cli_may_write(call, path)) != CLI_DONE)
+            return code;
+    }
     if (!make_press(&p)) {
         lw_error_set(&e, LW_E_MEMORY, "out of memory for %d pictures on a page", p.room);
         code = cli_fail(call, &e);

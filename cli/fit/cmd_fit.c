@@ -44,9 +44,9 @@ static const cli_option options[] = {
       "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
       "evaluations for each number of links above four, as many again with sliders, and with slots or gears", 1e3, 1e12, NULL, NULL },
-    { "resume", 0, CLI_TEXT, offsetof(settings, resume), "FILE", NULL,
+    { "resume", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
       "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
-    { "atlas", 0, CLI_TEXT, offsetof(settings, atlas), "FILE", NULL,
+    { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
       "start from the nearest curves of a catalogue too ('linkwright catalogue curves')", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
       "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
@@ -425,7 +425,7 @@ static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
     return LW_OK;
 }
 
-static void name_of(const char *path, char *name, size_t size)
+void cli_fit_name(const char *path, char *name, size_t size)
 {
     const char *slash = strrchr(path, '/');
     snprintf(name, size, "%s", strcmp(path, "-") == 0 ? "target" : slash ? slash + 1 : path);
@@ -463,7 +463,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
     const settings *s = call->settings;
     lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
     set->path = path;
-    name_of(path, set->name, sizeof set->name);
+    cli_fit_name(path, set->name, sizeof set->name);
     lw_status st = read_wish(path, &o, set, e), why;
     if (st == LW_OK)
         st = make_spec(call, set, &set->spec, e);
@@ -563,7 +563,7 @@ static int check(const cli_call *call)
         return cli_usage(call, "%s", e.text);
     if (call->parsed.n_word == 0)
         return cli_usage(call, "no target; give a CSV file");
-    return CLI_DONE;
+    return s->save ? cli_fit_check_folder(call, s->save, s->results) : CLI_DONE;
 }
 
 /* Fit every target; those that fail are said and passed over.  Returns the exit code. */

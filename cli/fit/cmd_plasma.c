@@ -1,9 +1,7 @@
 /* linkwright plasma - from a link adjacency matrix and a target to dimensions, as PLASMA went about it. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/rng.h"
 #include "catalogues/exchange/export.h"
@@ -22,7 +20,7 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "target", 't', CLI_TEXT, offsetof(settings, target), "FILE", NULL,
+    { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
       "the path that the point shall follow: CSV, SVG or DXF, as for fit; needed", 0, 0, NULL, NULL },
     { "ground", 'g', CLI_INT, offsetof(settings, ground), "PART", "1", "the fixed part", 1, LW_LINK_MAX, NULL, NULL },
     { "input", 'i', CLI_INT, offsetof(settings, input), "JOINT", NULL,
@@ -258,8 +256,6 @@ static lw_status save(const job *b, const lw_linkage *k, const char *name, lw_er
     lw_bytes bytes[2] = { { 0 }, { 0 } };
     if (!b->s->save)
         return LW_OK;
-    if (mkdir(b->s->save, 0777) != 0 && errno != EEXIST)
-        return lw_error_set(e, LW_E_IO, "cannot make the folder '%s': %s", b->s->save, strerror(errno));
     snprintf(named.name, sizeof named.name, "%s", name);
     lw_status st = lw_export_adams(&named, &bytes[0], e);
     if (st == LW_OK)
@@ -383,11 +379,23 @@ static lw_status run_all(job *b, lw_error *e)
     return st == LW_OK ? run_final(b, e) : st;
 }
 
+/* Before the search starts: can all files be written? */
+static int check_folder(const cli_call *call, const char *folder)
+{
+    static const char *const name[] = { "first", "final" }, *const end[] = { "adm", "acf", "json" };
+    int code = folder ? cli_make_folder(call, folder) : CLI_DONE;
+    for (int i = 0; folder && i < 6 && code == CLI_DONE; i++)
+        code = cli_may_write_in(call, folder, "%s.%s", name[i/3], end[i%3]);
+    return code;
+}
+
 static int run(const cli_call *call)
 {
     lw_error e = { 0 };
+    int code = check_folder(call, ((const settings *)call->settings)->save);
+    if (code != CLI_DONE)
+        return code;
     job *b = calloc(1, sizeof *b);
-    int code;
     if (b)
         *b = (job){ .call = call, .s = call->settings };
     if (b && !b->s->target) {

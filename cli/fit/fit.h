@@ -38,6 +38,13 @@ void cli_fit_table(const cli_fit_set *s, FILE *f);
 /* The JSON object of docs/notation.md, "Results of a fit". */
 void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent);
 
+/* The name of a target's results in --save: its file name without folder and ending, "target" for standard input. */
+void cli_fit_name(const char *path, char *name, size_t size);
+
+/* Before the search: make the folder, and ask for each file that may go into it whether it may be written there.
+ * `results` at most for each target.  The exit code, CLI_DONE when all is well. */
+int cli_fit_check_folder(const cli_call *call, const char *folder, int results);
+
 /* Pictures of the best result and linkages of all into a folder; and one page for all targets. */
 lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);

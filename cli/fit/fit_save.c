@@ -1,9 +1,7 @@
 /* cli/fit/fit_save.c - what a fit leaves in a folder: linkages, pictures, an animation, one page. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "catalogues/pages/draw.h"
 #include "catalogues/pages/page.h"
@@ -11,11 +9,27 @@
 
 enum { PAGE_RESULTS = 3 };
 
-static lw_status make_folder(const char *folder, lw_error *e)
+int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 {
-    if (mkdir(folder, 0777) == 0 || errno == EEXIST)
-        return LW_OK;
-    return lw_error_at(e, LW_E_IO, folder, 0, 0, "the folder cannot be made: %s", strerror(errno));
+    static const char *const end[] = { "svg", "png", "gif" };
+    char name[64], other[64];
+    int code = cli_make_folder(call, folder);
+    if (code == CLI_DONE)
+        code = cli_may_write_in(call, folder, "index.html");
+    for (int i = 0; i < call->parsed.n_word && code == CLI_DONE; i++) {
+        cli_fit_name(call->parsed.word[i], name, sizeof name);
+        for (int k = 0; k < i; k++) {
+            cli_fit_name(call->parsed.word[k], other, sizeof other);
+            if (strcmp(name, other) == 0)
+                return cli_usage(call, "%s and %s would be saved under one name, '%s'; rename one, or fit them one by "
+                                 "one into folders of their own", call->parsed.word[k], call->parsed.word[i], name);
+        }
+        for (int k = 0; k < 3 && code == CLI_DONE; k++)
+            code = cli_may_write_in(call, folder, "%s.%s", name, end[k]);
+        for (int k = 1; k <= results + LW_STAGE_MAX && code == CLI_DONE; k++)
+            code = cli_may_write_in(call, folder, "%s-%d.json", name, k);
+    }
+    return code;
 }
 
 static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_error *e)
@@ -45,7 +59,7 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
     static const struct { lw_draw_kind kind; const char *end; } kinds[] = {
         { LW_DRAW_SVG, "svg" }, { LW_DRAW_PNG, "png" }, { LW_DRAW_GIF, "gif" }
     };
-    lw_status st = make_folder(folder, e);
+    lw_status st = LW_OK;
     for (int i = 0; i < s->n && st == LW_OK; i++)
         st = save_linkage(s, i, folder, e);
     if (st != LW_OK || s->n == 0)
@@ -108,7 +122,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
     lw_bytes bytes = { 0 };
     char path[1024];
     int n = 0;
-    lw_status st = h && t ? make_folder(folder, e) : lw_error_set(e, LW_E_MEMORY, "no memory");
+    lw_status st = h && t ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory");
     for (int i = 0; i < n_set && st == LW_OK; i++)
         if (s[i].n > 0) {
             st = fill_sheet(&s[i], &h[n], &t[n], e);

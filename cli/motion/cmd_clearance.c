@@ -37,16 +37,16 @@ static const cli_option options[] = {
       "print only where contact is lost and kept again as the speed rises", 0, 0, NULL, NULL },
     { "refine", 'r', CLI_REAL, offsetof(settings, refine), "W", NULL,
       "halve the limits down to this width", 0, 1e9, NULL, NULL },
-    { "plot", 'p', CLI_TEXT, offsetof(settings, plot), "FILE", NULL,
+    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
       "picture of speed against stiffness, contact kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
-    { "passes", 0, CLI_TEXT, offsetof(settings, passes), "FILE", NULL,
+    { "passes", 0, CLI_OUTPUT, offsetof(settings, passes), "FILE", NULL,
       "picture of the pin's direction in its bush each time the input passes its start, over speed: few points where "
       "motion is regular, a cloud where it is not; give it time with --end", 0, 0, NULL, NULL },
-    { "path", 0, CLI_TEXT, offsetof(settings, path), "FILE", NULL,
+    { "path", 0, CLI_OUTPUT, offsetof(settings, path), "FILE", NULL,
       "picture of the way of the pin in its bush; for one speed and one law", 0, 0, NULL, NULL },
-    { "force", 0, CLI_TEXT, offsetof(settings, force), "FILE", NULL,
+    { "force-plot", 0, CLI_OUTPUT, offsetof(settings, force), "FILE", NULL,
       "picture of the force over time; for one speed and one law", 0, 0, NULL, NULL },
-    { "history", 0, CLI_TEXT, offsetof(settings, history), "FILE", NULL,
+    { "history", 0, CLI_OUTPUT, offsetof(settings, history), "FILE", NULL,
       "the same as a table (CSV)", 0, 0, NULL, NULL },
     { "every", 0, CLI_REAL, offsetof(settings, every), "T", NULL,
       "time between rows and points of these; without it a ten thousandth of the run [s]", 1e-12, 1e9, NULL, NULL },
@@ -143,7 +143,7 @@ static int work(const cli_call *call, cli_clearance *c)
         return cli_fail(call, &e);
     bool detail = s->path || s->force || s->history;
     if (detail && c->n_row > 1)
-        return cli_usage(call, "--path, --force and --history show one run, but the lists make %d; give one "
+        return cli_usage(call, "--path, --force-plot and --history show one run, but the lists make %d; give one "
                          "speed and one "
                          "law", c->n_row);
     if (cli_clearance_run(c, &e) != LW_OK)
@@ -175,7 +175,7 @@ const cli_command cli_clearance_command = {
         "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
         "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --plot map.svg\n"
         "  linkwright clearance model.json --speed 80:130:1 --end 8 --settle 4 --passes cloud.svg\n"
-        "  linkwright clearance model.json --speed 94 --path path.svg --force force.svg       one run in full\n"
+        "  linkwright clearance model.json --speed 94 --path path.svg --force-plot force.svg       one run in full\n"
         "  linkwright clearance model.json --speed 92,94 --model impact,mlsd,link,zero        by four models\n",
     .about =
         "The joints that have a \"clearance\" in the file (pins only) are opened, and the linkage moves from the\n"

@@ -12,8 +12,10 @@
     { name, letter, kind, offsetof(cli_common, member), argument, fallback, help, least, most, NULL, NULL }
 
 const cli_option cli_common_options[] = {
-    ROW("output", 'o', CLI_TEXT, output, "FILE", NULL,
+    ROW("output", 'o', CLI_OUTPUT, output, "FILE", NULL,
         "write there instead of to standard output; complete or not at all", 0, 0),
+    ROW("force",  0, CLI_FLAG, force, NULL, NULL,
+        "replace existing files that linkwright did not write; an input of the same command never", 0, 0),
     ROW("json",   0, CLI_FLAG, json, NULL, NULL, "print JSON instead of text", 0, 0),
     ROW("seed",   0, CLI_SEED, seed, "N", "1",
         "seed of everything random; the same seed gives the same answer", 0, 0),
@@ -164,7 +166,9 @@ lw_status cli_value(const cli_option *r, const char *name, const char *text, voi
 {
     switch (r->kind) {
     case CLI_FLAG:   *(bool *)value = true;          return LW_OK;
-    case CLI_TEXT:   *(const char **)value = text;   return LW_OK;
+    case CLI_TEXT:
+    case CLI_INPUT:
+    case CLI_OUTPUT: *(const char **)value = text;   return LW_OK;
     case CLI_INT:    return int_value(r, name, text, strlen(text), value, e);
     case CLI_SEED:   return seed_value(name, text, value, e);
     case CLI_REAL:   return real_value(r, name, text, strlen(text), value, e);

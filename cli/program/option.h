@@ -17,6 +17,8 @@
 typedef enum cli_kind {
     CLI_FLAG,                 /* bool                                                              */
     CLI_TEXT,                 /* const char *; points into argv                                    */
+    CLI_INPUT,                /* the same: the name of a file that is read                         */
+    CLI_OUTPUT,               /* the same: the name of a file that is written                      */
     CLI_INT,                  /* int                                                               */
     CLI_SEED,                 /* uint64_t                                                          */
     CLI_REAL,                 /* double, finite                                                    */
@@ -44,7 +46,7 @@ typedef struct cli_common {
     uint64_t    seed;
     int         jobs;         /* 0: one per core                                                   */
     double      time;         /* [s]; 0: no limit                                                  */
-    bool        json, quiet, help;
+    bool        json, force, quiet, help;
     const char *output;       /* NULL: standard output                                             */
 } cli_common;
 

@@ -1,6 +1,12 @@
 #include "cli/program/output.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 int cli_exit_code(lw_status s)
 {
@@ -61,6 +67,149 @@ int cli_close(const cli_call *call, lw_output *o, int code)
     if (lw_output_commit(o, &e) != LW_OK)
         return cli_fail(call, &e);
     return code;
+}
+
+/* ---- nothing of the user is overwritten ---------------------------------------------------------- */
+
+static bool is_file(const char *path, struct stat *st)
+{
+    return path && strcmp(path, "-") != 0 && stat(path, st) == 0 && S_ISREG(st->st_mode);
+}
+
+static bool is_same(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+static const char *option_text(const cli_call *call, int i)
+{
+    return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
+}
+
+/* The input of this run that is the file `st`, as the user spelt it; NULL when none is. */
+static const char *input_that_is(const cli_call *call, const struct stat *st)
+{
+    struct stat input;
+    const cli_option *o = call->command->options;
+    for (int i = 0; i < call->parsed.n_word; i++)
+        if (is_file(call->parsed.word[i], &input) && is_same(&input, st))
+            return call->parsed.word[i];
+    for (int i = 0; o && o[i].name; i++)
+        if (o[i].kind == CLI_INPUT && is_file(option_text(call, i), &input) && is_same(&input, st))
+            return option_text(call, i);
+    return fstat(STDIN_FILENO, &input) == 0 && is_same(&input, st) ? "standard input" : NULL;
+}
+
+int cli_may_write(const cli_call *call, const char *path)
+{
+    struct stat st;
+    if (!is_file(path, &st))
+        return CLI_DONE;
+    const char *input = input_that_is(call, &st);
+    if (input)
+        return cli_usage(call, "%s is an input of this command (%s) and is not overwritten; name another file", path,
+                         input);
+    if (st.st_size > 0 && !call->common.force && !lw_file_is_own(path))
+        return cli_usage(call, "%s exists, and linkwright did not write it or it was changed since; name another file, "
+                         "or replace it with --force", path);
+    return CLI_DONE;
+}
+
+/* Do two paths name one file, which may not exist yet? */
+static bool same_place(const char *a, const char *b)
+{
+    char folder[2][PATH_MAX], real[2][PATH_MAX];
+    const char *path[2] = { a, b }, *name[2];
+    struct stat st[2];
+    bool there[2] = { stat(a, &st[0]) == 0, stat(b, &st[1]) == 0 };
+    if (there[0] || there[1])
+        return there[0] && there[1] && S_ISREG(st[0].st_mode) && is_same(&st[0], &st[1]);
+    for (int i = 0; i < 2; i++) {
+        const char *slash = strrchr(path[i], '/');
+        snprintf(folder[i], PATH_MAX, "%.*s", slash ? (int)(slash - path[i]) + 1 : 1, slash ? path[i] : ".");
+        name[i] = slash ? slash + 1 : path[i];
+        if (!realpath(folder[i], real[i]))
+            return false;
+    }
+    return strcmp(name[0], name[1]) == 0 && strcmp(real[0], real[1]) == 0;
+}
+
+int cli_may_write_in(const cli_call *call, const char *folder, const char *format, ...)
+{
+    char path[PATH_MAX];
+    int n = snprintf(path, sizeof path, "%s/", folder);
+    va_list arg;
+    va_start(arg, format);
+    if (n < PATH_MAX)
+        vsnprintf(path + n, sizeof path - (size_t)n, format, arg);
+    va_end(arg);
+    if (call->common.output && same_place(path, call->common.output))
+        return cli_usage(call, "-o %s is also one of the files that go into the folder %s; name another file",
+                         call->common.output, folder);
+    return cli_may_write(call, path);
+}
+
+/* A file that is written at the end of a long run: can it be?  -o is opened by the command itself. */
+static int try_output(const cli_call *call, const char *path)
+{
+    struct stat st;
+    lw_output o;
+    lw_error e = { 0 };
+    if (stat(path, &st) == 0 && !S_ISREG(st.st_mode))
+        return CLI_DONE;
+    if (lw_output_open(&o, path, &e) != LW_OK)
+        return cli_fail(call, &e);
+    lw_output_abandon(&o);
+    return CLI_DONE;
+}
+
+int cli_check_outputs(const cli_call *call)
+{
+    const cli_option *o = call->command->options;
+    const char *path[CLI_OPTION_MAX + 1];
+    int n = 0, code = CLI_DONE;
+    if (call->common.output)
+        path[n++] = call->common.output;
+    for (int i = 0; o && o[i].name; i++)
+        if (o[i].kind == CLI_OUTPUT && option_text(call, i))
+            path[n++] = option_text(call, i);
+    for (int i = 0; i < n && code == CLI_DONE; i++) {
+        for (int k = 0; k < i; k++)
+            if (strcmp(path[i], "-") != 0 && same_place(path[i], path[k]))
+                return cli_usage(call, "%s and %s are one file, and both are written; name two", path[k], path[i]);
+        bool continued = cli_given(&call->parsed, "resume");         /* the listing so far is kept */
+        code = continued ? CLI_DONE : cli_may_write(call, path[i]);
+        if (code == CLI_DONE && path[i] != call->common.output)
+            code = try_output(call, path[i]);
+    }
+    return code;
+}
+
+int cli_make_folder(const cli_call *call, const char *folder)
+{
+    char path[PATH_MAX];
+    lw_error e = { 0 };
+    int error = 0;
+    snprintf(path, sizeof path, "%s", folder);
+    for (char *at = path + 1; !error; at++) {
+        char end = *at;
+        if (end && end != '/')
+            continue;
+        *at = 0;
+        error = mkdir(path, 0777) == 0 || errno == EEXIST ? 0 : errno;
+        *at = end;
+        if (!end)
+            break;
+    }
+    struct stat st;
+    if (!error && (stat(folder, &st) != 0 || !S_ISDIR(st.st_mode)))
+        error = ENOTDIR;
+    if (!error && access(folder, W_OK | X_OK) != 0)
+        error = errno;
+    if (!error)
+        return CLI_DONE;
+    lw_error_at(&e, LW_E_IO, folder, 0, 0, "the folder cannot be made or written: %s", strerror(error));
+    return cli_fail(call, &e);
 }
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------ */

@@ -18,6 +18,22 @@ int cli_usage(const cli_call *call, const char *format, ...) __attribute__((form
 /* A remark on standard error, silent with --quiet. */
 void cli_note(const cli_call *call, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* May the command write the file `path`?  CLI_DONE, or CLI_USAGE after a message that says what to do: the file is an
+ * input of the same run (by device and inode, so links and other spellings of the path count), or it exists, linkwright
+ * did not write it (lw_file_is_own) and --force is missing.  Devices, pipes and new files are fine. */
+int cli_may_write(const cli_call *call, const char *path);
+
+/* The same for the file FOLDER/NAME, with a printf format for the name. */
+int cli_may_write_in(const cli_call *call, const char *folder, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* The same for -o and all options of kind CLI_OUTPUT, no two of which may name one file.  main.c asks this before the
+ * command runs. */
+int cli_check_outputs(const cli_call *call);
+
+/* Make the folder and those above it; CLI_BAD_INPUT with a message when that fails or the folder cannot be written. */
+int cli_make_folder(const cli_call *call, const char *folder);
+
 /* Open what -o names, or standard output; then write to o->f. */
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 

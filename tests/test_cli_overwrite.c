@@ -1,0 +1,85 @@
+/* test_cli_overwrite.c - nothing of the user is overwritten, and a place is checked before a long search. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+#define PREPARE "cd $D; P=$(realpath $OLDPWD/$P); "
+
+static void prepare(void)
+{
+    expect("cp examples/hoeken.json $D/model.json; cp examples/ellipse.csv $D/target.csv; ln -s model.json $D/link.json; "
+           "ln $D/model.json $D/hard.json; mkdir $D/sub; echo mine > $D/mine.txt; echo mine > $D/target.svg", 0, NULL, NULL);
+}
+
+/* However its path is spelt, also with --force. */
+static void inputs(void)
+{
+    static const char *const outputs[] = { "$D/model.json", "$D/link.json", "$D/hard.json", "$D/sub/../model.json" };
+    char line[512];
+    for (size_t i = 0; i < sizeof outputs/sizeof *outputs; i++) {
+        snprintf(line, sizeof line, "$P trace $D/model.json --force -o %s", outputs[i]);
+        expect(line, 2, "", "an input of this command");
+    }
+    expect("$P trace - -o $D/model.json < $D/model.json", 2, "", "standard input");
+    expect("$P draw $D/model.json --target $D/target.csv --force -o $D/target.csv", 2, "", "an input of this command");
+    expect("$P simulate $D/model.json --speed 1 --force --plot $D/model.json", 2, "", "an input of this command");
+    expect("cmp $D/model.json examples/hoeken.json && cmp $D/target.csv examples/ellipse.csv", 0, "", "");
+}
+
+/* Files that linkwright did not write, or that were changed since, are replaced with --force only. */
+static void others(void)
+{
+    expect("$P chains --links 6 -o $D/mine.txt", 2, "", "--force");
+    expect("cat $D/mine.txt", 0, "mine\n", NULL);
+    expect("$P chains --links 6 -o $D/mine.txt --force && cat $D/mine.txt", 0, "ERr?", NULL);
+    expect("$P trace $D/model.json -q -o $D/t.csv && $P trace $D/model.json -q -o $D/t.csv", 0, "", "");
+    expect("cp $D/t.csv $D/copy.csv && $P trace $D/model.json -q -o $D/copy.csv", 0, "", "");     /* it says who wrote it */
+    expect("$P draw $D/model.json > $D/redirected.svg; $P draw $D/model.json -o $D/redirected.svg", 2, "", "--force");
+    expect(": > $D/empty.svg; $P draw $D/model.json -o $D/empty.svg", 0, "", "");
+    expect("$P trace $D/model.json -q -o /dev/null", 0, "", "");
+}
+
+/* Is a change by hand noticed?  Only file systems that keep attributes can tell; then pictures need no --force either. */
+static void changed(void)
+{
+    ran r = run("$P draw $D/model.json -o $D/p.png && $P draw $D/model.json -o $D/p.png");
+    bool keeps = r.code == 0;
+    CHECK(keeps || strstr(r.err, "--force"));
+    ran_free(&r);
+    if (keeps)
+        expect("echo note >> $D/p.png; $P draw $D/model.json -o $D/p.png", 2, "", "changed since");
+}
+
+static void two_outputs(void)
+{
+    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/sub/../a.csv", 2, "", "one file");
+    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "", "no such file or folder");
+    expect("test -e $D/a.csv", 1, "", "");
+}
+
+/* Before the search: an hour would not end in time. */
+static void folders(void)
+{
+    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save .", 2, "", "./target.svg exists");
+    expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 --save two",
+           2, "", "under one name");
+    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save mine.txt/sub", 3, "", "cannot be made");
+    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save two -o two/target-2.json", 2, "", "two/target-2.json");
+    expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0, "target-1.json", NULL);
+    expect("echo mine > $D/curves.csv; $P bench fit --seeds 1 -o $D", 2, "", "curves.csv");
+    expect("$P catalogue build $D/a.db --links 4 -q; echo mine > $D/index.html; $P catalogue html $D/a.db -o $D", 2, "",
+           "index.html exists");
+    expect("$P chains --links 6 | $P draw --each -o $D/sheet.svg; echo mine > $D/sheet-001.svg; "
+           "$P chains --links 6 | $P draw --each -o $D/sheet.svg", 2, "", "sheet-001.svg");
+}
+
+int main(void)
+{
+    RUN(prepare);
+    RUN(inputs);
+    RUN(others);
+    RUN(changed);
+    RUN(two_outputs);
+    RUN(folders);
+    run_end();
+    return check_end();
+}
