@@ -38,7 +38,7 @@ static void six_links(void)
     expect("$P fit examples/walking-foot.csv --atlas $D/s.db --rounds 1 --timing none | grep -c point.on.link", 1,
            "0\n", NULL);
     expect("$P catalogue curves $D/s.db --links 8 -n 10", 2, NULL, "of four or six links");
-    expect("$P catalogue curves $D/s.db --links 6 --types all -n 10", 2, NULL, "--types are those of four links");
+    expect("$P catalogue curves $D/s.db --links 6 --types all -n 10", 2, NULL, "--types is for four links");
 }
 
 static void add(void)

@@ -199,6 +199,27 @@ static lw_status take_row(void *context, int n_column, const char *const *name, 
 
 static bool never(void *context) { (void)context; return false; }
 
+static lw_status check_names(void *context, int n_column, const char *const *name, const lw_value *value)
+{
+    (void)context, (void)value;
+    CHECK_INT(n_column, 2);
+    CHECK_TEXT(name[0], "label");
+    CHECK_TEXT(name[1], "number_of_links");
+    return LW_OK;
+}
+
+/* SQLite compiles a statement anew when a pattern is bound to GLOB: the names must be those of the new one. */
+static void names_of_columns(void)
+{
+    lw_error e;
+    lw_value pattern = { .kind = LW_VALUE_TEXT, .text = "*", .size = 1 };
+    lw_store *s = open_store("a.db", false, LW_OK, &e);
+    lw_store_query q = { .sql = "SELECT label, links AS number_of_links FROM chain WHERE label GLOB ?1",
+                         .value = &pattern, .n_value = 1, .row = check_names };
+    CHECK_INT(lw_store_ask(s, &q, &e), LW_OK);
+    lw_store_close(s);
+}
+
 static void a_persons_sql_only_reads(void)
 {
     static const char *const bad[] = {

@@ -387,6 +387,8 @@ void lw_store_close(lw_store *s)
     free(s);
 }
 
+const char *lw_store_path(const lw_store *s) { return s->path; }
+
 /* ---- transactions and runs ----------------------------------------------------------------------- */
 
 lw_status lw_store_begin(lw_store *s, lw_error *e)

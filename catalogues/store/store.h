@@ -31,6 +31,8 @@ typedef struct lw_store_options {
 lw_status lw_store_open(const char *path, const lw_store_options *o, lw_store **store, lw_error *e);
 void      lw_store_close(lw_store *s);       /* what was not committed is gone; NULL is fine         */
 
+const char *lw_store_path(const lw_store *s);
+
 /* The schema version that this program writes, and that of the file when it was opened. */
 int lw_store_version(void);
 int lw_store_found_version(const lw_store *s);

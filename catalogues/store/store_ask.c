@@ -80,11 +80,13 @@ static lw_status read_rows(lw_store *s, sqlite3_stmt *t, const lw_store_query *q
     lw_status status = LW_OK;
     if (n > COLUMN_MAX)
         return lw_error_set(e, LW_E_ARG, "%d columns are more than %d", n, COLUMN_MAX);
+    /* The first step may compile the statement anew for the values bound (GLOB); earlier names are not valid then. */
+    code = sqlite3_step(t);
     for (int i = 0; i < n; i++)
         name[i] = sqlite3_column_name(t, i);
     if (q->head)
         status = q->head(q->context, n, name);
-    while (status == LW_OK && (code = sqlite3_step(t)) != SQLITE_DONE) {
+    for (; status == LW_OK && code != SQLITE_DONE; code = sqlite3_step(t)) {
         if (code == SQLITE_INTERRUPT)
             return lw_error_set(e, LW_STOPPED, "stopped");
         if (code != SQLITE_ROW)

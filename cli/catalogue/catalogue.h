@@ -20,8 +20,7 @@ int cli_catalogue_curves(const cli_call *call);
 int cli_catalogue_nearest(const cli_call *call);
 int cli_catalogue_query(const cli_call *call);
 int cli_catalogue_export(const cli_call *call);
-int cli_catalogue_check(const cli_call *call);        /* of a table                                 */
-int cli_catalogue_check_file(const cli_call *call);   /* of a catalogue                             */
+int cli_catalogue_check(const cli_call *call);
 int cli_catalogue_html(const cli_call *call);
 
 /* word[1] of the call, opened; `write` also makes it when there is none. */

@@ -1,106 +1,145 @@
-/* linkwright catalogue check FILE - a catalogue against itself and against the published counts. */
+/* linkwright catalogue check - a catalogue examined; the table of published counts, counted again. */
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
+#include "catalogues/build/build.h"
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/data.h"
 #include "cli/program/json.h"
-#include "enumerate/canon.h"
-#include "enumerate/published.h"
-#include "grammar/graph6.h"
+#include "cli/program/progress.h"
 
-typedef struct check {
+static const char *const verdict_text[] = {
+    [LW_AGREES] = "agrees", [LW_DISAGREES] = "DISAGREES", [LW_ERRATUM] = "known erratum",
+    [LW_TOO_LONG] = "too long", [LW_NOT_COUNTED] = "not counted",
+};
+
+/* ---- the table of published counts ---------------------------------------------------------------------- */
+
+typedef struct table_check {
     const cli_call *call;
-    lw_store       *store;
     lw_output       out;
-    lw_error        e;
-    long            n_agree, n_differ;
-    /* the chain at hand */
-    unsigned long long n_chain, n_wrong;
-    char            wrong[LW_GRAPH6_SIZE];
-} check;
+    cli_json        json;
+    int             n[LW_NOT_COUNTED + 1];
+} table_check;
 
-/* ---- every chain: is it what its label says, and does it move with its freedoms? --------------------- */
-
-static lw_status check_chain(void *context, int n_column, const char *const *name, const lw_value *value)
+static void write_json(table_check *c, const lw_published *row, const lw_recount_result *r)
 {
-    check *c = context;
-    lw_chain chain, form;
-    char label[LW_GRAPH6_SIZE];
-    bool good = value[0].text && value[1].text
-             && lw_graph6_read(value[1].text, value[1].size, NULL, &chain, NULL) == LW_OK
-             && lw_chain_check(&chain, NULL) == LW_OK && lw_chain_canonical(&chain, &form) == LW_OK
-             && lw_chain_mobility(&chain) == (int)value[2].integer && chain.n_link == (int)value[3].integer;
-    (void)n_column, (void)name;
-    if (good) {
-        lw_graph6_print(&form, label, sizeof label);
-        good = strcmp(label, value[0].text) == 0;
-    }
-    c->n_chain++;
-    c->n_wrong += !good;
-    if (!good && !c->wrong[0])
-        snprintf(c->wrong, sizeof c->wrong, "%s", value[1].text ? value[1].text : "");
-    return cli_interrupted() ? LW_STOPPED : LW_OK;
+    cli_json *w = &c->json;
+    *w = cli_json_begin(c->out.f, 0);
+    cli_json_object(w, NULL);
+    cli_json_int(w, "line", row->line);
+    cli_json_text(w, "family", row->family);
+    cli_json_int(w, "dof", row->dof);
+    cli_json_int(w, "links", row->links);
+    cli_json_int(w, "loops", row->loops);
+    cli_json_text(w, "what", row->what);
+    cli_json_int(w, "published", row->count);
+    if (r->verdict <= LW_ERRATUM)
+        cli_json_int(w, "counted", r->counted);
+    cli_json_text(w, "verdict", verdict_text[r->verdict]);
+    cli_json_text(w, "source", row->source);
+    cli_json_end(w);
 }
 
-static lw_status check_chains(check *c)
+static void write_text(table_check *c, const lw_published *row, const lw_recount_result *r)
 {
-    lw_store_query q = { .sql = "SELECT label, graph6, dof, links FROM chain", .row = check_chain, .context = c };
-    lw_status s = lw_store_ask(c->store, &q, &c->e);
-    if (s == LW_OK && c->n_wrong > 0)
-        s = lw_error_at(&c->e, LW_E_NOTATION, c->call->parsed.word[1], 0, 0, "%llu of %llu chains are not what their "
-                        "label says, the first is %s", c->n_wrong, c->n_chain, c->wrong);
+    char counted[32] = "", links[16] = "", dof[16] = "";
+    if (r->verdict <= LW_ERRATUM)
+        snprintf(counted, sizeof counted, "%lld", r->counted);
+    if (r->verdict == LW_TOO_LONG)
+        snprintf(counted, sizeof counted, "(%.0f s)", r->seconds);
+    if (row->links >= 0)
+        snprintf(links, sizeof links, "P=%d ", row->links);
+    if (row->dof >= 0)
+        snprintf(dof, sizeof dof, "F=%d ", row->dof);
+    fprintf(c->out.f, "%12lld %12s  %-13s  %s: %s%s%s", row->count, counted, verdict_text[r->verdict], row->family,
+            dof, links, row->what);
+    fprintf(c->out.f, "  [%s]\n", row->source);
+}
+
+static lw_status check_rows(table_check *c, const lw_published_table *t, lw_recount *r, lw_error *e)
+{
+    const cli_catalogue_settings *s = c->call->settings;
+    double start = lw_clock_wall();
+    cli_progress p = cli_progress_begin(c->call, "check", "rows");
+    lw_status status = LW_OK;
+    if (!c->call->common.json)
+        fprintf(c->out.f, "%12s %12s  %-13s  what  [source]\n", "published", "counted", "verdict");
+    for (size_t i = 0; i < t->n && status == LW_OK && !cli_interrupted(); i++) {
+        lw_recount_result result;
+        status = lw_recount_row(r, &t->row[i], s->time - (lw_clock_wall() - start), &result);
+        if (status != LW_OK)
+            break;
+        c->n[result.verdict]++;
+        if (!s->disagreeing || result.verdict == LW_DISAGREES)
+            (c->call->common.json ? write_json : write_text)(c, &t->row[i], &result);
+        cli_progress_show(&p, (double)(i + 1), (double)t->n, NULL);
+    }
+    cli_progress_end(&p);
+    return status == LW_OK ? LW_OK : lw_error_set(e, status, "out of memory");
+}
+
+static lw_status read_table(const char *path, lw_published_table *table, lw_error *e)
+{
+    char *text = NULL;
+    size_t size;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = lw_published_read(text, size, path, table, e);
+    free(text);
     return s;
 }
 
-/* ---- counts ---------------------------------------------------------------------------------------- */
-
-#define COMPLETE " FROM chain c WHERE c.links = ?1 AND c.dof = ?2"
-#define GROUNDS  "SELECT count(*) FROM ground g JOIN chain c ON c.id = g.chain WHERE c.links = ?1 AND c.dof = ?2"
-
-/* The first row whose text the wording begins with; ?3 is the assortment.  The catalogue has no fractionated
- * chains, so that rows about all chains are told apart by F = 1, where there are none. */
-static const struct { const char *begin; const char *sql; bool only_dof_1; } wordings[] = {
-    { "all chains with nonplanar", "SELECT count(*)" COMPLETE " AND NOT c.planar", true },
-    { "all chains; assortment", "SELECT count(*)" COMPLETE " AND c.assortment = ?3", true },
-    { "all chains", "SELECT count(*)" COMPLETE, true },
-    { "nonfractionated; assortment", "SELECT count(*)" COMPLETE " AND c.assortment = ?3", false },
-    { "assortment", "SELECT count(*)" COMPLETE " AND c.assortment = ?3", false },
-    { "inversions; assortment", GROUNDS " AND c.assortment = ?3", false },
-    { "inversions of all chains", GROUNDS, true },
-    { "inversions of nonfractionated", GROUNDS, false },
-    { "nonfractionated chains with nonplanar", "SELECT count(*)" COMPLETE " AND NOT c.planar", false },
-    { "chains with nonplanar", "SELECT count(*)" COMPLETE " AND NOT c.planar", false },
-    { "nonfractionated chains", "SELECT count(*)" COMPLETE, false },
-    { "chains with trivial automorphism", "SELECT count(*)" COMPLETE " AND c.symmetry = 1", false },
-};
-
-/* "... [4 4 0]" as it stands in the catalogue: zeros at the end left out. */
-static void read_assortment(const char *what, char text[64])
+static int check_table(const cli_call *call)
 {
-    const char *at = strrchr(what, '[');
-    size_t n = at ? strcspn(at + 1, "]") : 0;
-    text[0] = 0;
-    if (!at || n > 60)
-        return;
-    memcpy(text, at + 1, n);
-    text[n] = 0;
-    while (n > 2 && text[n - 1] == '0' && text[n - 2] == ' ')
-        text[n -= 2] = 0;
+    table_check c = { .call = call };
+    lw_published_table table = { 0 };
+    lw_error e = { 0 };
+    char path[4096];
+    if (call->parsed.n_word > 1)
+        snprintf(path, sizeof path, "%s", call->parsed.word[1]);
+    else
+        cli_data_path("published-counts.csv", path, sizeof path);
+    lw_status s = read_table(path, &table, &e);
+    lw_recount *r = s == LW_OK ? lw_recount_create(call->common.jobs) : NULL;
+    if (s == LW_OK && !r)
+        s = lw_error_set(&e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = cli_open(call, &c.out, &e);
+    int code = CLI_DONE;
+    if (s != LW_OK) {
+        code = cli_fail(call, &e);
+    } else {
+        if (check_rows(&c, &table, r, &e) != LW_OK)
+            code = cli_fail(call, &e);
+        else if (c.n[LW_DISAGREES] > 0)
+            code = CLI_NUMERIC;
+        code = cli_close(call, &c.out, code);
+        cli_note(call, "%d rows agree, %d disagree, %d known errata, %d too long, %d not counted here",
+                 c.n[LW_AGREES], c.n[LW_DISAGREES], c.n[LW_ERRATUM], c.n[LW_TOO_LONG], c.n[LW_NOT_COUNTED]);
+    }
+    lw_recount_free(r);
+    lw_published_free(&table);
+    return code;
 }
 
-static const char *sql_of(const lw_published *row)
-{
-    for (size_t i = 0; i < sizeof wordings/sizeof *wordings; i++)
-        if (strncmp(row->what, wordings[i].begin, strlen(wordings[i].begin)) == 0)
-            return wordings[i].only_dof_1 && row->dof != 1 ? NULL : wordings[i].sql;
-    return NULL;
-}
+/* ---- a catalogue ---------------------------------------------------------------------------------------- */
 
-static void show_row(check *c, const lw_published *row, long long counted, bool agrees)
+typedef struct file_check {
+    const cli_call *call;
+    lw_output       out;
+    long            n_agree, n_differ;
+} file_check;
+
+static void show_row(void *context, const lw_published *row, long long counted)
 {
+    file_check *c = context;
     const cli_catalogue_settings *s = c->call->settings;
-    const char *verdict = agrees ? "agrees" : row->refuted ? "known erratum" : "DISAGREES";
+    bool agrees = counted == row->count;
+    const char *verdict = verdict_text[agrees ? LW_AGREES : row->refuted ? LW_ERRATUM : LW_DISAGREES];
+    c->n_agree += agrees;
+    c->n_differ += !agrees && !row->refuted;
     if (s->disagreeing && (agrees || row->refuted))
         return;
     if (!c->call->common.json) {
@@ -120,117 +159,44 @@ static void show_row(check *c, const lw_published *row, long long counted, bool 
     cli_json_end(&w);
 }
 
-/* A row about a build that is complete in this file. */
-static lw_status check_row(check *c, const lw_published *row)
+static bool not_interrupted(void *context, double done, double total)
 {
-    char links[64];
-    const char *sql = strcmp(row->family, "simple-joint") == 0 ? sql_of(row) : NULL;
-    long long n = 0;
-    lw_value v[3] = { { .kind = LW_VALUE_INTEGER, .integer = row->links },
-                      { .kind = LW_VALUE_INTEGER, .integer = row->dof }, { .kind = LW_VALUE_TEXT, .text = links } };
-    if (!sql)
-        return LW_OK;
-    lw_status s = lw_store_number(c->store, "SELECT count(*) FROM build WHERE links = ?1 AND dof = ?2 AND complete", v,
-                                  2, &n, &c->e);
-    if (s != LW_OK || n == 0)
-        return s;
-    read_assortment(row->what, links);
-    v[2].size = strlen(links);
-    s = lw_store_number(c->store, sql, v, strstr(sql, "?3") ? 3 : 2, &n, &c->e);
-    if (s != LW_OK)
-        return s;
-    show_row(c, row, n, n == row->count);
-    if (n == row->count)
-        c->n_agree++;
-    else
-        c->n_differ += !row->refuted;
-    return LW_OK;
+    (void)context, (void)done, (void)total;
+    return !cli_interrupted();
 }
 
-static lw_status check_published(check *c)
+static int check_store(const cli_call *call, lw_store *store)
 {
-    char path[4096], *text = NULL;
-    size_t size;
+    file_check c = { .call = call };
+    lw_build_control control = { .goes_on = not_interrupted };
     lw_published_table table = { 0 };
-    cli_data_path("published-counts.csv", path, sizeof path);
-    lw_status s = lw_file_read(path, &text, &size, &c->e);
+    lw_error e = { 0 };
+    uint64_t n_chain, n_open;
+    char path[4096];
+    lw_status s = lw_build_check(store, &control, &n_chain, &n_open, &e);
     if (s == LW_OK)
-        s = lw_published_read(text, size, path, &table, &c->e);
-    free(text);
-    for (size_t i = 0; i < table.n && s == LW_OK; i++)
-        s = check_row(c, &table.row[i]);
-    lw_published_free(&table);
-    return s;
-}
-
-/* Every number of the file that another one of the file fixes. */
-static lw_status check_sums(check *c)
-{
-    static const struct { const char *what, *sql; } sums[] = {
-        { "chains of a finished build are missing",
-          "SELECT count(*) FROM build b WHERE complete AND done != "
-          "(SELECT count(*) FROM chain c WHERE c.links = b.links AND c.dof = b.dof)" },
-        { "chains have not all their ground links",
-          "SELECT count(*) FROM chain c WHERE grounds != (SELECT count(*) FROM ground g WHERE g.chain = c.id) "
-          "OR links != (SELECT sum(alike) FROM ground g WHERE g.chain = c.id)" },
-        { "ground links have no input",
-          "SELECT count(*) FROM ground g WHERE NOT EXISTS "
-          "(SELECT 1 FROM mechanism m WHERE m.chain = g.chain AND m.ground = g.link)" },
-        { "chains stand at the wrong structure",
-          "SELECT count(*) FROM chain c JOIN structure s ON s.id = c.structure "
-          "WHERE s.loops != c.loops OR s.circles != c.links - c.binary OR s.planar != c.planar" },
-        { "segments of curves lack blocks or have too many",
-          "SELECT count(*) FROM curve_segment s WHERE n != "
-          "(SELECT coalesce(sum(length(terms)), 0)/64 FROM curve_block b "
-          "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68) "
-          "OR n != (SELECT coalesce(sum(length(linkages)), 0)/36 FROM curve_block b "
-          "WHERE b.id >= s.first_block AND b.id < s.first_block + length(s.boxes)/68)" },
-        { "sequences of curves lack segments",
-          "SELECT count(*) FROM sweep w WHERE segments != "
-          "(SELECT count(DISTINCT number) FROM curve_segment s WHERE s.sweep = w.id)" },
-    };
-    for (size_t i = 0; i < sizeof sums/sizeof *sums; i++) {
-        long long n;
-        lw_status s = lw_store_number(c->store, sums[i].sql, NULL, 0, &n, &c->e);
-        if (s != LW_OK)
-            return s;
-        if (n > 0)
-            return lw_error_at(&c->e, LW_E_NOTATION, c->call->parsed.word[1], 0, 0, "%lld %s", n, sums[i].what);
-    }
-    return LW_OK;
-}
-
-/* ---- the action ------------------------------------------------------------------------------------- */
-
-static int run_check(check *c)
-{
-    const cli_call *call = c->call;
-    long long n_open = 0;
-    lw_status s = lw_store_verify(c->store, &c->e);
-    if (s == LW_OK)
-        s = check_chains(c);
-    if (s == LW_OK)
-        s = check_sums(c);
-    if (s == LW_OK)
-        s = lw_store_number(c->store, "SELECT count(*) FROM build WHERE NOT complete", NULL, 0, &n_open, &c->e);
-    if (s == LW_OK)
-        s = cli_open(call, &c->out, &c->e);
+        s = cli_open(call, &c.out, &e);
     if (s != LW_OK)
-        return cli_fail(call, &c->e);
+        return cli_fail(call, &e);
     if (!call->common.json)
-        fprintf(c->out.f, "%12s %12s  %-13s  what\n", "published", "counted", "verdict");
-    s = check_published(c);
+        fprintf(c.out.f, "%12s %12s  %-13s  what\n", "published", "counted", "verdict");
+    cli_data_path("published-counts.csv", path, sizeof path);
+    s = read_table(path, &table, &e);
+    if (s == LW_OK)
+        s = lw_build_check_published(store, &table, show_row, &c, &e);
+    lw_published_free(&table);
     if (s < 0) {
-        lw_output_abandon(&c->out);
-        return cli_fail(call, &c->e);
+        lw_output_abandon(&c.out);
+        return cli_fail(call, &e);
     }
-    int code = cli_close(call, &c->out, c->n_differ > 0 ? CLI_NUMERIC : CLI_DONE);
+    int code = cli_close(call, &c.out, c.n_differ > 0 ? CLI_NUMERIC : CLI_DONE);
     cli_note(call, "the file is whole; %llu chains are what their labels say; %ld published numbers agree, %ld do not; "
-             "%lld build%s not finished", c->n_chain, c->n_agree, c->n_differ, n_open, n_open == 1 ? " is" : "s are");
+             "%llu build%s not finished", (unsigned long long)n_chain, c.n_agree, c.n_differ,
+             (unsigned long long)n_open, n_open == 1 ? " is" : "s are");
     return code;
 }
 
-/* A catalogue, by its first bytes or else by its name; a table otherwise. */
+/* A catalogue is recognised by its first bytes, or else by its name; anything else is a table. */
 static bool is_catalogue(const char *path)
 {
     char head[16] = "";
@@ -243,14 +209,15 @@ static bool is_catalogue(const char *path)
         || (dot && (strcmp(dot, ".db") == 0 || strcmp(dot, ".sqlite") == 0));
 }
 
-int cli_catalogue_check_file(const cli_call *call)
+int cli_catalogue_check(const cli_call *call)
 {
+    lw_store *store;
+    lw_error e = { 0 };
     if (call->parsed.n_word < 2 || !is_catalogue(call->parsed.word[1]))
-        return cli_catalogue_check(call);
-    check c = { .call = call };
-    if (cli_catalogue_open(call, false, &c.store, &c.e) != LW_OK)
-        return cli_fail(call, &c.e);
-    int code = run_check(&c);
-    lw_store_close(c.store);
+        return check_table(call);
+    if (cli_catalogue_open(call, false, &store, &e) != LW_OK)
+        return cli_fail(call, &e);
+    int code = check_store(call, store);
+    lw_store_close(store);
     return code;
 }

@@ -65,7 +65,7 @@ static const struct {
     { "nearest", 3, 3, "nearest FILE TARGET.csv", cli_catalogue_nearest },
     { "query", 2, 3, "query FILE ['QUESTION']", cli_catalogue_query },
     { "export", 2, 3, "export FILE ['QUESTION']", cli_catalogue_export },
-    { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check_file },
+    { "check", 1, 2, "check [FILE or TABLE.csv]", cli_catalogue_check },
     { "html", 2, 2, "html FILE -o FOLDER", cli_catalogue_html },
 };
 

@@ -1,37 +1,32 @@
-/* linkwright catalogue add - linkages that were found into a catalogue (bridge to jansson).
- *
- * The input is one JSON value after the other: what `fit --json` or `catalogue nearest --json` prints (an object
- * with `results`), a result of these (an object with `linkage`), or a linkage itself. */
+/* catalogues/build/build_linkages.c - linkages that were found into a catalogue (bridge to jansson). */
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
 #include "base/bytes.h"
+#include "catalogues/build/build_internal.h"
 #include "catalogues/curves/descriptor.h"
 #include "catalogues/draw/scene.h"
 #include "catalogues/store/sha256.h"
-#include "cli/catalogue/catalogue.h"
 #include "enumerate/canon.h"
 #include "grammar/graph6.h"
 #include "grammar/mechanism.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 
-#define CURVE_POINTS 180
+#define CURVE_POINTS 180               /* asked of a scene                                            */
+#define CURVE_MAX    (8*CURVE_POINTS)  /* that are stored at most: a scene halves long steps            */
 
 typedef struct job {
-    const cli_call     *call;
-    const char         *file;
-    lw_store           *store;
-    lw_describer        tables;
-    bool                open, run;            /* a transaction; the run is written down               */
-    double              begun;
-    uint64_t            n_read, n_added;
-    long                line;                 /* where the value at hand begins                       */
-    cli_catalogue_watch watch;
-    lw_error            e;
+    const char             *file;
+    const lw_build_control *control;
+    lw_build_counts        *counts;
+    lw_describer            tables;
+    lw_build_transaction    transaction;
+    bool                    run;              /* the run is written down                              */
+    long                    line;             /* where the current value begins                       */
+    lw_error                e;
 } job;
 
 /* What the texts of a row point to. */
@@ -40,7 +35,7 @@ typedef struct entry {
     lw_linkage       k;
     char             hash[LW_SHA256_TEXT], label[LW_GRAPH6_SIZE], kinds[LW_JOINT_MAX + 1], type[8];
     char            *json;
-    float            curve[2*8*CURVE_POINTS];
+    float            curve[2*CURVE_MAX];
     lw_packed        terms;
 } entry;
 
@@ -91,7 +86,8 @@ static void set_type(const lw_linkage *k, char type[8])
     }
 }
 
-/* Canonical label of the chain of the links; "" when it is none (welded links, two joints between two links). */
+/* Canonical label of the chain of the links; "" when the links form no chain (welded links, two joints between the same
+ * two links). */
 static lw_status set_label(entry *x)
 {
     lw_chain c, form;
@@ -164,8 +160,8 @@ static lw_status set_curve(const job *j, entry *x)
     if (s == LW_E_MEMORY)
         return s;
     const lw_curve *c = s == LW_OK && scene.n_curve > 0 ? &scene.curve[0] : NULL;
-    size_t n = 0, most = sizeof x->curve/sizeof *x->curve/2;
-    while (c && n < c->n && n < most && isfinite(c->p[n].x)) {
+    size_t n = 0;
+    while (c && n < c->n && n < CURVE_MAX && isfinite(c->p[n].x)) {
         x->curve[2*n] = (float)c->p[n].x;
         x->curve[2*n + 1] = (float)c->p[n].y;
         n++;
@@ -212,7 +208,7 @@ static void set_fit(entry *x, const json_t *result, const json_t *whole)
     r->circuits = flag_of(result, "circuits");
 }
 
-/* The same linkage for the same target and task, with the same objective, is the same find. */
+/* The same linkage for the same target and task, with the same objective, is stored once. */
 static lw_status set_hash(entry *x)
 {
     char number[40];
@@ -237,7 +233,7 @@ static lw_status read_linkage(job *j, const json_t *linkage, entry *x)
         return lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     lw_status s = lw_linkage_read(text, strlen(text), j->file, &x->k, &j->e);
     free(text);
-    if (s == LW_E_NOTATION)                     /* places in the compact text mean nothing to the reader */
+    if (s == LW_E_NOTATION)                     /* the reader does not know columns of the compact text */
         j->e.line = j->line, j->e.column = 0;
     if (s == LW_OK && !(x->json = lw_linkage_write(&x->k, 0)))
         s = lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
@@ -271,30 +267,18 @@ static lw_status describe(const job *j, entry *x)
 static lw_status open_transaction(job *j)
 {
     char what[160];
-    if (j->open)
-        return LW_OK;
-    lw_status s = lw_store_begin(j->store, &j->e);
-    j->open = s == LW_OK;
-    j->begun = lw_clock_wall();
+    lw_status s = lw_build_open(&j->transaction, &j->e);
     if (s != LW_OK || j->run)
         return s;
     snprintf(what, sizeof what, "linkages of %.140s", j->file);
-    lw_store_run run = { "add", what, j->call->line, j->call->common.seed };
+    lw_store_run run = { "add", what, lw_build_command(j->control), j->control->seed };
     j->run = true;
-    return lw_store_run_begin(j->store, &run, &j->e);
-}
-
-static lw_status commit(job *j)
-{
-    if (!j->open)
-        return LW_OK;
-    j->open = false;
-    return lw_store_commit(j->store, &j->e);
+    return lw_store_run_begin(j->transaction.store, &run, &j->e);
 }
 
 static lw_status add_one(job *j, const json_t *linkage, const json_t *result, const json_t *whole)
 {
-    const cli_catalogue_settings *settings = j->call->settings;
+    lw_store *store = j->transaction.store;
     bool has = false;
     entry *x = calloc(1, sizeof *x);
     if (!x)
@@ -307,20 +291,20 @@ static lw_status add_one(job *j, const json_t *linkage, const json_t *result, co
         s = set_hash(x);
     }
     if (s == LW_OK)
-        s = lw_store_has_linkage(j->store, x->hash, &has, &j->e);
+        s = lw_store_has_linkage(store, x->hash, &has, &j->e);
     if (s == LW_OK && !has)
         s = describe(j, x);
     if (s == LW_OK && !has)
         s = open_transaction(j);
     if (s == LW_OK && !has)
-        s = lw_store_put_linkage(j->store, &x->row, &j->e);
-    j->n_read += s == LW_OK;
-    j->n_added += s == LW_OK && !has;
+        s = lw_store_put_linkage(store, &x->row, &j->e);
+    j->counts->done += s == LW_OK;
+    j->counts->added += s == LW_OK && !has;
     free(x->json);
     free(x);
-    if (s == LW_OK && j->open && lw_clock_wall() - j->begun >= settings->commit)
-        s = commit(j);
-    return s == LW_OK && !cli_catalogue_goes_on(&j->watch, (double)j->n_read) ? LW_STOPPED : s;
+    if (s == LW_OK && lw_build_due(&j->transaction))
+        s = lw_build_commit(&j->transaction, &j->e);
+    return s == LW_OK && !lw_build_goes_on(j->control, (double)j->counts->done, 0) ? LW_STOPPED : s;
 }
 
 static lw_status add_value(job *j, const json_t *v)
@@ -332,8 +316,8 @@ static lw_status add_value(job *j, const json_t *v)
     if (json_is_object(v) && json_object_get(v, "joints"))
         return add_one(j, v, NULL, NULL);
     if (!json_is_array(results))
-        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is no linkage and no result of a fit: an "
-                           "object with 'results', 'linkage' or 'joints' is wanted");
+        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is neither a linkage nor a result of a fit: give an "
+                           "object with 'results', 'linkage' or 'joints'");
     for (size_t i = 0; i < json_array_size(results) && s == LW_OK; i++) {
         const json_t *r = json_array_get(results, i);
         linkage = json_object_get(r, "linkage");
@@ -365,57 +349,32 @@ static lw_status add_text(job *j, const char *text, size_t size)
     return s;
 }
 
-/* ---- the action ---------------------------------------------------------------------------------------- */
+/* ---- the whole ---------------------------------------------------------------------------------------- */
 
+/* Commit what was added, also when the work was stopped; after a failure the rest of the transaction goes. */
 static lw_status finish(job *j, lw_status s)
 {
-    lw_error kept = j->e;
-    if (s < 0)
-        lw_store_rollback(j->store);
-    else if (j->run && s == LW_OK && open_transaction(j) == LW_OK)
-        s = lw_store_run_end(j->store, &j->e);
-    if (s >= 0) {
-        lw_status t = commit(j);
-        s = t == LW_OK ? s : t;
-    } else if (kept.text[0]) {
-        j->e = kept;
+    if (s < 0) {
+        lw_build_rollback(&j->transaction);
+        return s;
     }
-    return s;
+    if (s == LW_OK && j->run && open_transaction(j) == LW_OK)
+        s = lw_store_run_end(j->transaction.store, &j->e);
+    lw_status t = lw_build_commit(&j->transaction, &j->e);
+    return t == LW_OK ? s : t;
 }
 
-static lw_status add_file(job *j)
+lw_status lw_build_linkages(lw_store *s, const char *file, const char *text, size_t size,
+                            const lw_build_control *control, lw_build_counts *counts, lw_error *e)
 {
-    char *text = NULL;
-    size_t size;
-    lw_status s = lw_file_read(j->file, &text, &size, &j->e);
-    if (s == LW_OK)
-        s = cli_catalogue_open(j->call, true, &j->store, &j->e);
-    if (s == LW_OK)
-        s = finish(j, add_text(j, text, size));
-    if (s < 0 && !j->e.text[0])
-        lw_error_set(&j->e, s, "%s", lw_status_text(s));
-    free(text);
-    return s;
-}
-
-int cli_catalogue_add(const cli_call *call)
-{
+    *counts = (lw_build_counts){ 0 };
     job *j = calloc(1, sizeof *j);
-    if (!j) {
-        lw_error e;
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-        return cli_fail(call, &e);
-    }
-    j->call = call;
-    j->file = call->parsed.word[2];
-    j->watch = cli_catalogue_watch_begin(call, "add", "linkages");
+    if (!j)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    *j = (job){ .file = file, .control = control, .counts = counts,
+                .transaction = { .store = s, .commit = control->commit } };
     lw_describer_make(&j->tables);
-    lw_status s = add_file(j);
-    int code = cli_catalogue_watch_end(&j->watch, s < 0 ? cli_fail(call, &j->e) : CLI_DONE);
-    if (s >= 0)
-        cli_note(call, "%llu linkages read, %llu added%s", (unsigned long long)j->n_read,
-                 (unsigned long long)j->n_added, s == LW_OK ? "" : "; the same command goes on from here");
-    lw_store_close(j->store);
+    lw_status status = lw_build_fault(finish(j, add_text(j, text, size)), &j->e, e);
     free(j);
-    return code;
+    return status;
 }

@@ -1,27 +1,27 @@
-/* linkwright catalogue build - chains, structures, ground links, inputs and Assur groups into a catalogue.
+/* catalogues/build/build_chains.c - chains, structures, ground links, inputs and Assur groups into a catalogue.
  *
- * Chains come in the order of enumeration, in blocks.  All that is to be said of a block is worked out on all
- * cores, then written by one; with each transaction goes the number of chains that are in the file, which is
- * where a later call goes on. */
+ * Chains come in the order of their enumeration, in blocks.  All threads describe the chains of a block, then one
+ * thread writes them.  Every transaction also stores how many chains are in the file: a later call continues there. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/clock.h"
+#include "base/bytes.h"
+#include "base/growable_array.h"
 #include "base/parallel.h"
+#include "catalogues/build/build_internal.h"
 #include "catalogues/store/store_layout.h"
-#include "cli/catalogue/catalogue.h"
 #include "enumerate/assur.h"
 #include "enumerate/canon.h"
-#include "enumerate/chains.h"
 #include "enumerate/mechanisms.h"
 #include "grammar/derivation.h"
 #include "grammar/franke.h"
 #include "grammar/graph6.h"
 #include "grammar/notation.h"
 
-#define BLOCK 32
+#define BLOCK 32                       /* chains described between two writes                        */
 
-/* One chain and all that is said of it. */
+/* One chain and its description. */
 typedef struct entry {
     lw_chain            chain;
     size_t              structure;             /* index among those with its number of loops         */
@@ -29,31 +29,27 @@ typedef struct entry {
     uint8_t             ground[LW_LINK_MAX], alike[LW_LINK_MAX];
     int                 n_with[5];
     lw_bytes            layout;
-    lw_bytes            text;                  /* all texts; until the end pointers are offsets here */
-    size_t              n_mechanism, room;
+    lw_bytes            text;                  /* all texts; pointers to them are set at the end */
+    int                 n_mechanism, capacity, place_capacity;
     lw_store_mechanism *mechanism;
-    size_t             *place;                 /* kinds, inputs, groups of each               (3n)   */
+    size_t             *place;                 /* offsets of kinds, inputs, groups in text     (3n)   */
     lw_status           status;
     lw_error            e;
 } entry;
 
 typedef struct job {
-    const cli_call    *call;
-    const char        *kinds;
-    bool               any_input, no_pictures;
-    const lw_filter   *planar;
-    lw_store          *store;
-    lw_chains         *chains;
-    cli_catalogue_watch watch;
-    uint64_t           done, total;
-    bool               open;                   /* a transaction                                      */
-    double             begun;
-    int                n;
-    entry              entry[BLOCK];
-    lw_error           e;
+    const lw_build_topologies *what;
+    const lw_build_control    *control;
+    lw_build_counts           *counts;
+    const lw_filter           *planar;
+    const lw_chains           *chains;
+    lw_build_transaction       transaction;
+    int                        n;
+    entry                      entry[BLOCK];
+    lw_error                   e;
 } job;
 
-/* ---- what is said of a chain: any thread ---------------------------------------------------------- */
+/* ---- description of a chain: any thread ---------------------------------------------------------- */
 
 static size_t add_text(lw_bytes *b, const char *text)
 {
@@ -87,31 +83,20 @@ static void print_groups(const lw_assur *a, char text[GROUPS_SIZE])
     }
 }
 
-static lw_status make_room(entry *x)
-{
-    if (x->n_mechanism < x->room)
-        return LW_OK;
-    size_t room = x->room ? 2*x->room : 64;
-    lw_store_mechanism *m = realloc(x->mechanism, room*sizeof *m);
-    x->mechanism = m ? m : x->mechanism;
-    size_t *p = realloc(x->place, 3*room*sizeof *p);
-    x->place = p ? p : x->place;
-    if (!m || !p)
-        return LW_E_MEMORY;
-    x->room = room;
-    return LW_OK;
-}
-
 static lw_status take_mechanism(void *context, const lw_mechanism *m)
 {
     entry *x = context;
     lw_assur a;
     char kinds[LW_JOINT_MAX + 1] = "", inputs[LW_INPUT_MAX*8], groups[GROUPS_SIZE];
     lw_status s = lw_assur_decompose(m, &a, &x->e);
-    if (s == LW_OK)
-        s = make_room(x);
     if (s != LW_OK)
         return s;
+    void *mechanism = lw_array_grow(x->mechanism, x->n_mechanism, &x->capacity, sizeof *x->mechanism);
+    x->mechanism = mechanism ? mechanism : x->mechanism;
+    void *place = lw_array_grow(x->place, x->n_mechanism, &x->place_capacity, 3*sizeof *x->place);
+    x->place = place ? place : x->place;
+    if (!mechanism || !place)
+        return LW_E_MEMORY;
     lw_store_mechanism *row = &x->mechanism[x->n_mechanism];
     *row = (lw_store_mechanism){ .ground = m->ground + 1, .n_group = a.n_group, .modes = 1 };
     memcpy(kinds, m->kind, (size_t)m->n_joint);
@@ -119,7 +104,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
         row->n_slider += m->kind[j] == LW_JOINT_SLIDER;
     for (int k = 0; k < a.n_group; k++) {
         row->highest = a.group[k].n_class > row->highest ? a.group[k].n_class : row->highest;
-        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank stands where it is told */
+        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank has the posture of its input */
     }
     print_inputs(m, inputs, sizeof inputs);
     print_groups(&a, groups);
@@ -204,7 +189,7 @@ static void set_texts(entry *x, const size_t place[N_TEXT])
     x->row.sentence = t + place[SENTENCE];
     x->row.matrix = t + place[MATRIX];
     x->row.assortment = t + place[ASSORTMENT];
-    for (size_t i = 0; i < x->n_mechanism; i++) {
+    for (int i = 0; i < x->n_mechanism; i++) {
         x->mechanism[i].kinds = t + x->place[3*i];
         x->mechanism[i].inputs = t + x->place[3*i + 1];
         x->mechanism[i].groups = t + x->place[3*i + 2];
@@ -213,10 +198,10 @@ static void set_texts(entry *x, const size_t place[N_TEXT])
     x->row.ground = x->ground;
     x->row.alike = x->alike;
     x->row.mechanism = x->mechanism;
-    x->row.n_mechanism = x->n_mechanism;
+    x->row.n_mechanism = (size_t)x->n_mechanism;
 }
 
-/* Where the joints go in a picture. */
+/* Where the joints are drawn in a picture. */
 static lw_status lay_out(const lw_mechanism *m, entry *x)
 {
     lw_chain_layout l;
@@ -234,8 +219,8 @@ static lw_status describe(const job *j, entry *x)
     const lw_chain *c = &x->chain;
     lw_mechanism m;
     lw_mechanism_counts counts = { 0 };
-    lw_mechanism_steps steps = { .ground = true, .kinds = strcmp(j->kinds, "r") == 0 ? NULL : j->kinds,
-                                 .input = j->any_input ? LW_INPUT_ANY : LW_INPUT_GROUND };
+    lw_mechanism_steps steps = { .ground = true, .kinds = strcmp(j->what->kinds, "r") == 0 ? NULL : j->what->kinds,
+                                 .input = j->what->any_input ? LW_INPUT_ANY : LW_INPUT_GROUND };
     size_t place[N_TEXT];
     lw_store_chain *r = &x->row;
     *r = (lw_store_chain){ .links = c->n_link, .dof = lw_chain_mobility(c), .joints = lw_chain_count(c, 1),
@@ -249,7 +234,7 @@ static lw_status describe(const job *j, entry *x)
     r->planar = j->planar->chain(c);
     if (s == LW_OK)
         s = print_chain(c, &m, x, place);
-    if (s == LW_OK && !j->no_pictures)
+    if (s == LW_OK && j->what->pictures)
         s = lay_out(&m, x);
     if (s == LW_OK)
         s = lw_mechanisms_each(&m, &steps, &counts, take_mechanism, NULL, x);
@@ -269,46 +254,34 @@ static void describe_one(void *context, size_t i, int thread)
 
 /* ---- writing -------------------------------------------------------------------------------------- */
 
-static lw_status open_transaction(job *j)
-{
-    if (j->open)
-        return LW_OK;
-    lw_status s = lw_store_begin(j->store, &j->e);
-    j->open = s == LW_OK;
-    j->begun = lw_clock_wall();
-    return s;
-}
-
 static lw_status close_transaction(job *j, bool complete)
 {
-    lw_status s = open_transaction(j);
+    lw_store *store = j->transaction.store;
+    lw_status s = lw_build_open(&j->transaction, &j->e);
     if (s == LW_OK)
-        s = lw_store_build_done(j->store, j->done, complete, &j->e);
+        s = lw_store_build_done(store, j->counts->done, complete, &j->e);
     if (s == LW_OK && complete)
-        s = lw_store_run_end(j->store, &j->e);
-    if (s == LW_OK)
-        s = lw_store_commit(j->store, &j->e);
-    j->open = false;
-    return s;
+        s = lw_store_run_end(store, &j->e);
+    return s == LW_OK ? lw_build_commit(&j->transaction, &j->e) : s;
 }
 
 static lw_status write_block(job *j)
 {
-    const cli_catalogue_settings *settings = j->call->settings;
-    lw_parallel(j->call->common.jobs, (size_t)j->n, describe_one, j);
-    lw_status s = j->n > 0 ? open_transaction(j) : LW_OK;
+    lw_build_transaction *t = &j->transaction;
+    lw_parallel(j->control->jobs, (size_t)j->n, describe_one, j);
+    lw_status s = j->n > 0 ? lw_build_open(t, &j->e) : LW_OK;
     for (int i = 0; i < j->n && s == LW_OK; i++) {
         entry *x = &j->entry[i];
         if (x->status != LW_OK)
             s = lw_error_set(&j->e, x->status, "%s", x->e.text[0] ? x->e.text : lw_status_text(x->status));
         else
-            s = lw_store_put_chain(j->store, &x->row, &j->e);
-        j->done += s == LW_OK;
+            s = lw_store_put_chain(t->store, &x->row, &j->e);
+        j->counts->done += s == LW_OK;
     }
     j->n = 0;
-    if (s == LW_OK && j->open && lw_clock_wall() - j->begun >= settings->commit)
+    if (s == LW_OK && lw_build_due(t))
         s = close_transaction(j, false);
-    if (s == LW_OK && !cli_catalogue_goes_on(&j->watch, (double)j->done))
+    if (s == LW_OK && !lw_build_goes_on(j->control, (double)j->counts->done, (double)j->counts->total))
         s = LW_STOPPED;
     return s;
 }
@@ -339,27 +312,31 @@ static lw_status write_structures(job *j)
         lw_derivation_print(&d, derivation, sizeof derivation);
         lw_store_structure t = { loops, (int)i + 1, one.n_circle, one.n_line, j->planar->structure(&one), form,
                                  derivation };
-        s = lw_store_put_structure(j->store, &t, &j->e);
+        s = lw_store_put_structure(j->transaction.store, &t, &j->e);
     }
     return s;
 }
 
-/* ---- the action ------------------------------------------------------------------------------------ */
+/* ---- the whole ------------------------------------------------------------------------------------- */
 
-static lw_status begin(job *j, bool *complete)
+/* Write down the run, find out how many chains are stored, and store the structures first. */
+static lw_status begin(job *j)
 {
-    const cli_catalogue_settings *s = j->call->settings;
+    const lw_numbers *numbers = lw_chains_numbers(j->chains);
+    lw_store *store = j->transaction.store;
     char what[64], joints[16];
-    snprintf(joints, sizeof joints, "%s%s", j->kinds, j->any_input ? " any" : "");
-    snprintf(what, sizeof what, "links %d, dof %d, joints %s", s->links, s->dof, joints);
-    lw_store_run run = { .action = "build", .what = what, .command = j->call->line, .seed = j->call->common.seed };
-    lw_status status = open_transaction(j);
+    snprintf(joints, sizeof joints, "%s%s", j->what->kinds, j->what->any_input ? " any" : "");
+    snprintf(what, sizeof what, "links %d, dof %d, joints %s", numbers->n_link, numbers->dof, joints);
+    lw_store_run run = { "build", what, lw_build_command(j->control), j->control->seed };
+    lw_status status = lw_build_open(&j->transaction, &j->e);
     if (status == LW_OK)
-        status = lw_store_build_begin(j->store, s->links, s->dof, joints, &j->done, complete, &j->e);
-    if (status != LW_OK || *complete)
+        status = lw_store_build_begin(store, numbers->n_link, numbers->dof, joints, &j->counts->done,
+                                      &j->counts->was_complete, &j->e);
+    j->counts->before = j->counts->done;
+    if (status != LW_OK || j->counts->was_complete)
         return status;
-    status = lw_store_run_begin(j->store, &run, &j->e);
-    if (status == LW_OK && j->done == 0)
+    status = lw_store_run_begin(store, &run, &j->e);
+    if (status == LW_OK && j->counts->done == 0)
         status = write_structures(j);
     return status == LW_OK ? close_transaction(j, false) : status;
 }
@@ -369,10 +346,9 @@ static lw_status write_all(job *j)
     lw_chain_walk how = lw_chain_walk_default();
     lw_chain_table table;
     lw_status s = lw_chains_count(j->chains, &how, &table);
-    j->total = table.total.n_chain;
+    j->counts->total = table.total.n_chain;
     lw_chain_table_free(&table);
-    j->watch.total = (double)j->total;
-    how.skip = j->done;
+    how.skip = j->counts->done;
     if (s == LW_OK)
         s = lw_chains_each(j->chains, &how, take_chain, j);
     if (s == LW_OK)
@@ -384,81 +360,28 @@ static lw_status write_all(job *j)
     return s;
 }
 
-static lw_status build(job *j, bool *was_complete)
+lw_status lw_build_chains(lw_store *s, const lw_chains *chains, const lw_build_topologies *what,
+                          const lw_build_control *control, lw_build_counts *counts, lw_error *e)
 {
-    const cli_catalogue_settings *s = j->call->settings;
-    uint64_t before;
-    lw_status status = lw_chains_create(s->links, s->dof, j->call->common.jobs, &j->chains, &j->e);
-    if (status == LW_OK)
-        status = cli_catalogue_open(j->call, true, &j->store, &j->e);
-    if (status == LW_OK)
-        status = begin(j, was_complete);
-    before = j->done;
-    if (status == LW_OK && !*was_complete) {
-        if (before > 0)
-            cli_note(j->call, "goes on behind %llu chains", (unsigned long long)before);
+    *counts = (lw_build_counts){ 0 };
+    if (strcmp(what->kinds, "r") != 0 && strcmp(what->kinds, "rt") != 0 && strcmp(what->kinds, "t") != 0)
+        return lw_error_set(e, LW_E_ARG, "kinds of joints are r, rt or t, not '%.20s'", what->kinds);
+    job *j = calloc(1, sizeof *j);
+    if (!j)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    *j = (job){ .what = what, .control = control, .counts = counts, .planar = lw_filter_find("planar"),
+                .chains = chains, .transaction = { .store = s, .commit = control->commit } };
+    lw_status status = begin(j);
+    if (status == LW_OK && !counts->was_complete)
         status = write_all(j);
-    }
-    if (status < 0 && !j->e.text[0])
-        lw_error_set(&j->e, status, "%s", lw_status_text(status));
-    if (j->open)
-        lw_store_rollback(j->store);
-    return status;
-}
-
-static void free_job(job *j)
-{
+    lw_build_rollback(&j->transaction);
     for (int i = 0; i < BLOCK; i++) {
         lw_bytes_free(&j->entry[i].text);
         lw_bytes_free(&j->entry[i].layout);
         free(j->entry[i].mechanism);
         free(j->entry[i].place);
     }
-    lw_store_close(j->store);
-    lw_chains_free(j->chains);
+    status = lw_build_fault(status, &j->e, e);
     free(j);
-}
-
-/* "r", "rt", "t"; NULL for anything else. */
-static const char *read_kinds(const char *text)
-{
-    static const char *const known[][2] = {
-        { "r", "r" }, { "r,t", "rt" }, { "rt", "rt" }, { "t,r", "rt" }, { "t", "t" }
-    };
-    for (size_t i = 0; i < sizeof known/sizeof *known; i++)
-        if (strcmp(text, known[i][0]) == 0)
-            return known[i][1];
-    return NULL;
-}
-
-int cli_catalogue_build(const cli_call *call)
-{
-    const cli_catalogue_settings *s = call->settings;
-    bool was_complete = false;
-    if (s->links == 0)
-        return cli_usage(call, "how many links? give --links P");
-    if (!read_kinds(s->joints))
-        return cli_usage(call, "--joints takes r, t or r,t, not '%s'", s->joints);
-    job *j = calloc(1, sizeof *j);
-    if (!j) {
-        lw_error e;
-        lw_error_set(&e, LW_E_MEMORY, "out of memory");
-        return cli_fail(call, &e);
-    }
-    j->call = call;
-    j->kinds = read_kinds(s->joints);
-    j->any_input = s->input == 1;
-    j->no_pictures = s->no_pictures;
-    j->planar = lw_filter_find("planar");
-    j->watch = cli_catalogue_watch_begin(call, "build", "chains");
-    double start = lw_clock_wall();
-    lw_status status = build(j, &was_complete);
-    int code = cli_catalogue_watch_end(&j->watch, status < 0 ? cli_fail(call, &j->e) : CLI_DONE);
-    if (status >= 0 && was_complete)
-        cli_note(call, "it is complete already: %llu chains", (unsigned long long)j->done);
-    else if (status >= 0)
-        cli_note(call, "%llu of %llu chains in %.2f s%s", (unsigned long long)j->done, (unsigned long long)j->total,
-                 lw_clock_wall() - start, status == LW_OK ? "" : "; the same command goes on from here");
-    free_job(j);
-    return code;
+    return status;
 }
