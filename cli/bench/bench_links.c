@@ -8,8 +8,8 @@
 #include "catalogues/pages/draw.h"
 #include "catalogues/draw/plot.h"
 #include "cli/bench/bench.h"
-#include "cli/fit/fit_stages.h"
 #include "cli/program/progress.h"
+#include "optimise/topology/topology_search.h"
 
 enum { POINT_MAX = 512 };
 
@@ -52,62 +52,49 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
     w->stop |= cli_interrupted();
 }
 
-static void pick_best(const cli_bench_problem *p, const lw_fit_spec *spec, const lw_staged_search *s, outcome *out)
+static void pick_best(const lw_topology_search *s, outcome *out)
 {
     double seconds = 0;
-    lw_fit_report *r = malloc(sizeof *r);
-    out->n = s->n_stage;
-    for (int k = 0; k < s->n_stage && r; k++) {
+    out->n = s->found.n_stage;
+    for (int k = 0; k < out->n; k++) {
         best *b = &out->best[k];
-        seconds += s->stage[k].seconds;
-        *b = (best){ .links = s->stage[k].links, .objective = INFINITY, .percent = NAN, .seconds = seconds,
+        seconds += s->found.stage[k].seconds;
+        *b = (best){ .links = s->found.stage[k].links, .objective = INFINITY, .percent = NAN, .seconds = seconds,
                      .likeness = { NAN, NAN, NAN, NAN } };
-        for (int i = 0; i < s->fit.n; i++) {
-            const lw_candidate *c = &s->fit.candidate[i];
-            if (lw_candidate_links(c) > b->links || c->objective >= b->objective
-                || lw_fit_report_make(&p->target, spec, c, r, NULL) != LW_OK || !r->verified)
+        for (int i = 0; i < s->results.n; i++) {
+            const lw_candidate *c = &s->found.fit.candidate[s->results.candidate[i]];
+            if (lw_candidate_links(c) > b->links || c->objective >= b->objective)
                 continue;
             b->objective = c->objective;
-            b->percent = r->error_percent;
-            b->likeness = r->likeness;
+            b->percent = s->results.report[i].error_percent;
+            b->likeness = s->results.report[i].likeness;
             snprintf(b->name, sizeof b->name, "%s", lw_family_title(c->family));
         }
     }
-    free(r);
 }
 
 static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, outcome *out, lw_error *e)
 {
-    lw_mechanism_set topologies;
-    cli_fit_stages stages;
-    cli_fit_known none = { 0 };
-    lw_staged_search survey;
-    lw_mechanism_request wish = { .links = o->links, .dof = 1, .kinds = "r", .only = "all", .task = p->spec.task,
-                               .timed = p->spec.task == LW_TASK_FUNCTION
-                                     || p->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = lw_mechanism_set_make(&wish, &topologies, e);
-    if (st != LW_OK)
-        return st;
-    cli_fit_stages_make(&topologies, &none, &stages);
-    lw_fit_options f = lw_fit_options_default();
-    f.spec = p->spec;
-    if (o->both_ways && f.spec.timing == LW_TIMING_FREE)
-        f.spec.timing = LW_TIMING_NONE;
-    f.seed = o->seed;
-    f.jobs = o->jobs;
-    f.budget = o->budget;
-    f.n_result = 12;
-    f.interrupt = &out->watch.stop;
-    f.progress = look_for_interrupt;
-    f.improved = record;
-    f.context = &out->watch;
+    lw_topology_search found;
+    lw_topology_search_options t = lw_topology_search_options_default();
+    t.links = o->links;
+    t.fit.spec = p->spec;
+    if (o->both_ways && t.fit.spec.timing == LW_TIMING_FREE)
+        t.fit.spec.timing = LW_TIMING_NONE;
+    t.fit.seed = o->seed;
+    t.fit.jobs = o->jobs;
+    t.fit.budget = o->budget;
+    t.fit.n_result = 12;
+    t.fit.interrupt = &out->watch.stop;
+    t.fit.progress = look_for_interrupt;
+    t.fit.improved = record;
+    t.fit.context = &out->watch;
     out->watch.started = lw_clock_wall();
-    st = lw_staged_search_run(&p->target, &f, stages.stage, stages.n, &survey, e);
-    if (st >= 0 && st != LW_NOTHING)
-        pick_best(p, &f.spec, &survey, out);
-    if (st >= 0)
-        lw_staged_search_free(&survey);
-    lw_mechanism_set_free(&topologies);
+    lw_status st = lw_topology_search_run(&p->target, &t, &found, e);
+    if (st == LW_OK || st == LW_STOPPED) {
+        pick_best(&found, out);
+        lw_topology_search_free(&found);
+    }
     return st < 0 ? st : LW_OK;
 }
 

@@ -30,13 +30,13 @@ static const cli_option options[] = {
       "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, "
       "with 3 of 8; all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99,
       NULL, NULL },
-    { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", "1,-1,2,-2,3,-3",
+    { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", LW_DEFAULT_INPUT_RATIOS,
       "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two "
       "motors, a belt or wheels at the frame", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
       "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for gear pairs, with t racks",
       0, 0, NULL, NULL },
-    { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", "1,-1,2,-2,1/2,-1/2,3,-3,1/3,-1/3",
+    { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", LW_DEFAULT_GEAR_RATIOS,
       "ratios of gear pairs with --joints g, < 0 for external gears: turns of the later link over those of the earlier, "
       "seen from the link that carries both", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
@@ -287,40 +287,6 @@ static void show(void *context, double done, double seconds, double best)
     cli_progress_show(&s->line, 100*done, 100, note);
 }
 
-static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
-{
-    const settings *s = call->settings;
-    shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
-    lw_fit_options o = lw_fit_options_default();
-    o.spec = set->spec;
-    bool sliders = (s->links > 4 || lw_kinds_have_two_freedoms(s->joints)) && strchr(s->joints, 't') && !cli_given(&call->parsed, "type");
-    o.types = sliders ? "all" : s->type;
-    o.solver = lw_solver_find(s->solver);
-    o.seed = set->seed = call->common.seed;
-    o.jobs = call->common.jobs;
-    o.max_seconds = call->common.time;
-    o.starts = s->starts;
-    o.max_rounds = s->rounds;
-    o.n_result = s->results;
-    o.interrupt = cli_stop_flag();
-    o.progress = show;
-    o.context = &progress;
-    o.budget = (long)s->budget;
-    if (s->exact && !cli_given(&call->parsed, "type"))
-        o.types = NULL;                              /* as their number suggests */
-    lw_status st = s->exact ? cli_fit_exact(call, set, &o, e)
-                 : lw_staged_search_run(&set->target, &o, set->stages.stage, set->stages.n, &set->survey, e);
-    cli_progress_end(&progress.line);
-    return st;
-}
-
-/* With F inputs at the ground that link has F joints, and the fewest links are two for each loop more (Makkonen 1999, eq.
- * 2): P = F + 1 + 2 L, L = F - 1. */
-static int least_links(int dof)
-{
-    return dof > 1 ? 3*dof - 1 : 4;
-}
-
 /* What is said of them here, or else in the task. */
 static int said(const cli_call *call, const char *option, int here, int in_task)
 {
@@ -336,93 +302,81 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
         return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
     if (dof > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and "
-                            "--links goes to 10, which is F = %d", dof, dof, least_links(dof), LW_PACKED_INPUT_MAX);
+                            "--links goes to 10, which is F = %d", dof, dof, lw_mechanism_least_links(dof), LW_PACKED_INPUT_MAX);
     if (dof == 1)
         return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several "
                                                               "inputs: give --dof 2") : LW_OK;
-    if (links > 0 && links < least_links(dof))
+    if (links > 0 && links < lw_mechanism_least_links(dof))
         return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
-                            dof, links, dof, least_links(dof));
+                            dof, links, dof, lw_mechanism_least_links(dof));
     if (cli_given(said, "type") || s->exact)
         return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and "
                             "F = 1", dof, s->exact ? "exact" : "type");
     return LW_OK;
 }
 
-/* Which topologies there are for this target. */
-static lw_status make_topologies(const cli_call *call, cli_fit_set *set, lw_error *e)
+/* Which mechanisms are searched for this target, and from which linkages. */
+static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_search_options *o, lw_error *e)
 {
     const settings *s = call->settings;
     const lw_task_file *b = &set->brief;
-    char kinds[8] = "";
-    int links = said(call, "links", s->links, b->links), dof = said(call, "dof", s->dof, b->dof);
     bool counted = b->links > 0 || cli_given(&call->parsed, "links");
-    bool named = b->topology[0] && !cli_given(&call->parsed, "topology");
-    for (const char *at = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints; *at; at++)
-        if (strchr("rtpg", *at) && !strchr(kinds, *at))
-            kinds[strlen(kinds)] = *at;
-    if (!counted && links < least_links(dof))
-        links = least_links(dof);
-    lw_mechanism_request w = { .links = links, .dof = dof, .kinds = kinds, .jobs = call->common.jobs,
-                            .only = named ? b->topology : s->topology, .task = set->spec.task,
-                            .interrupt = cli_stop_flag(),
-                            .timed = set->spec.task == LW_TASK_FUNCTION
-                                  || set->spec.timing == LW_TIMING_PRESCRIBED };
-    lw_status st = check_dof(call, dof, counted ? links : 0, e);
-    if (st == LW_OK)
-        st = lw_ratio_list_read("gear-ratios", s->gear_ratios, &w.ratio.gear, e);
-    if (st == LW_OK)
-        st = lw_ratio_list_read("input-ratios", s->input_ratios, &w.ratio.tie, e);
-    bool more = links > 4 || lw_kinds_have_two_freedoms(kinds);
-    if (st == LW_OK && !more && !s->exact && strcmp(w.only, "all") != 0)
-        st = lw_error_set(e, LW_E_ARG, "topology '%s' is one of more than four links; say how many with --links, or with "
-                          "\"links\" in a task file", w.only);
-    if (st == LW_OK && more)
-        st = lw_mechanism_set_make(&w, &set->topologies, e);
+    o->links = counted ? said(call, "links", s->links, b->links) : 0;
+    o->freedoms = said(call, "dof", s->dof, b->dof);
+    o->joints = b->joints[0] && !cli_given(&call->parsed, "joints") ? b->joints : s->joints;
+    o->topologies = b->topology[0] && !cli_given(&call->parsed, "topology") ? b->topology : s->topology;
+    o->gear_ratios = s->gear_ratios;
+    o->input_ratios = s->input_ratios;
+    lw_status st = check_dof(call, o->freedoms, o->links, e);
     if (st == LW_OK && s->resume)
-        st = cli_fit_known_read(s->resume, &set->known, e);
+        st = cli_fit_start_read(s->resume, &set->start, e);
     if (st == LW_OK && s->atlas)
-        st = cli_fit_known_atlas(s->atlas, &set->target, links > 4 ? links : 4, &set->known, e);
+        st = cli_fit_start_nearest(s->atlas, &set->target, o->links > 4 ? o->links : lw_mechanism_least_links(o->freedoms),
+                                   &set->start, e);
+    o->n_start = set->start.n;
+    o->start = set->start.linkage;
+    return st;
+}
+
+static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
+{
+    const settings *s = call->settings;
+    shown progress = { .line = cli_progress_begin(call, "fit", "percent") };
+    lw_topology_search_options o = lw_topology_search_options_default();
+    lw_status st = topologies(call, set, &o, e);
     if (st != LW_OK)
         return st;
-    cli_fit_stages_make(&set->topologies, &set->known, &set->stages);
-    return cli_fit_points_stages(set, e);
+    bool all_types = (s->links > 4 || lw_kinds_have_two_freedoms(s->joints)) && strchr(s->joints, 't')
+                  && !cli_given(&call->parsed, "type");
+    o.fit.spec = set->spec;
+    o.fit.types = all_types ? "all" : s->type;
+    o.fit.solver = lw_solver_find(s->solver);
+    o.fit.seed = set->seed = call->common.seed;
+    o.fit.jobs = call->common.jobs;
+    o.fit.max_seconds = call->common.time;
+    o.fit.starts = s->starts;
+    o.fit.max_rounds = s->rounds;
+    o.fit.n_result = s->results;
+    o.fit.interrupt = cli_stop_flag();
+    o.fit.progress = show;
+    o.fit.context = &progress;
+    o.fit.budget = (long)s->budget;
+    if (s->exact && !cli_given(&call->parsed, "type"))
+        o.fit.types = NULL;                              /* as their number suggests */
+    st = s->exact ? cli_fit_exact(call, set, &o.fit, e) : lw_topology_search_run(&set->target, &o, &set->search, e);
+    cli_progress_end(&progress.line);
+    return st;
 }
 
-/* Candidate i is verified: one more result, unless there are enough and others have as many links. */
-static void keep(cli_fit_set *set, int i, int most)
+/* A candidate whose second simulation disagrees has a defect, or there is a fault in the program: say so. */
+static void note_left_out(const cli_call *call, const cli_fit_set *set)
 {
-    const lw_candidate *c = set->survey.fit.candidate;
-    bool first = true;
-    for (int k = 0; k < set->n; k++)
-        first &= lw_candidate_links(&c[set->which[k]]) != lw_candidate_links(&c[i]);
-    if (set->n < most || first)
-        set->which[set->n++] = i;
-}
-
-/* Simulate every candidate again; what disagrees is a bug and said so, what cannot be run through
- * has a defect and is left out. */
-static lw_status verify(const cli_call *call, cli_fit_set *set, lw_error *e)
-{
-    int n = set->survey.fit.n;
-    set->report = calloc((size_t)n + 1, sizeof *set->report);
-    set->which = calloc((size_t)n + 1, sizeof *set->which);
-    if (!set->report || !set->which)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
-    for (int i = 0; i < n; i++) {
-        lw_fit_report *r = &set->report[set->n];
-        lw_status st = lw_fit_report_make(&set->target, &set->spec, &set->survey.fit.candidate[i], r, e);
-        if (st != LW_OK)
-            return st;
-        if (r->verified) {
-            keep(set, i, ((const settings *)call->settings)->results);
-            continue;
-        }
-        set->left_out++;
-        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path,
-                 set->survey.fit.candidate[i].family->name, set->survey.fit.candidate[i].objective, r->fault);
+    for (int i = 0; i < set->search.results.n_left_out; i++) {
+        const lw_left_out *l = &set->search.results.left_out[i];
+        const lw_candidate *c = &set->search.found.fit.candidate[l->candidate];
+        cli_note(call, "%s: a candidate (%s, objective %.6g) is left out: %s", set->path, c->family->name, c->objective,
+                 l->fault);
     }
-    return LW_OK;
 }
 
 void cli_fit_name(const char *path, char *name, size_t size)
@@ -436,12 +390,14 @@ void cli_fit_name(const char *path, char *name, size_t size)
 
 static void warn(const cli_call *call, const cli_fit_set *set)
 {
-    const lw_fit_report *r = &set->report[0];
-    if (set->survey.fit.skipped[0])
-        cli_note(call, "%s: skipped %s", set->path, set->survey.fit.skipped);
-    if (set->n == 0 && set->left_out == 0)
+    const lw_fit_results *found = &set->search.results;
+    const lw_fit_report *r = &found->report[0];
+    note_left_out(call, set);
+    if (set->search.found.fit.skipped[0])
+        cli_note(call, "%s: skipped %s", set->path, set->search.found.fit.skipped);
+    if (found->n == 0 && found->n_left_out == 0)
         cli_note(call, "%s: no linkage that meets all conditions was found in this time", set->path);
-    if (set->n && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
+    if (found->n > 0 && set->spec.timing == LW_TIMING_FREE && set->target.n >= 8 && r->curve_max > 3*r->error_max
         && r->curve_max > 0.05*set->target.size)
         cli_note(call, "%s: between two stations the best curve strays %.3g %s from the target; "
                  "'--timing none' scores the curve both ways", set->path,
@@ -469,40 +425,31 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
         st = make_spec(call, set, &set->spec, e);
     if (st != LW_OK)
         return st;
-    if ((st = make_topologies(call, set, e)) != LW_OK)
-        return st;
     why = search(call, set, e);
+    if (why == LW_NOTHING && s->exact)
+        lw_error_set(e, why, "no real linkage of these types within these bounds and conditions goes through all "
+                     "stations");
     if (why < 0 || why == LW_NOTHING) {
-        if (why == LW_NOTHING)
-            lw_error_at(e, why, path, 0, 0, s->exact ? "no real linkage of these types within these bounds and "
-                        "conditions goes through all stations" : "no linkage of these types within these bounds and "
-                        "conditions was found; widen the bounds or allow more types");
-        else if (e->file[0] == 0) {
+        if (e->file[0] == 0) {
             snprintf(e->file, sizeof e->file, "%s", path);
-            e->line = set->target.n == 1 ? set->target.line[0] : 0;
+            e->line = why != LW_NOTHING && set->target.n == 1 ? set->target.line[0] : 0;
         }
         return why;
     }
-    st = set->is_exact ? cli_fit_exact_verify(call, set, e) : verify(call, set, e);
-    if (st != LW_OK)
-        return st;
-    if (!set->is_exact)
+    if (set->is_exact)
+        st = cli_fit_exact_verify(call, set, e);
+    else
         warn(call, set);
-    return why;
+    return st == LW_OK ? why : st;
 }
 
 static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
     lw_task_file_free(&set->brief);
-    lw_staged_search_free(&set->survey);
-    for (int i = 0; i < LW_STAGE_MAX; i++)
-        lw_tracer_spread_free(&set->spread[i]);
-    cli_fit_known_free(&set->known);
-    lw_mechanism_set_free(&set->topologies);
+    lw_topology_search_free(&set->search);
+    free(set->start.linkage);
     lw_exact_free(&set->exact);
-    free(set->which);
-    free(set->report);
 }
 
 /* ---- all of them ---------------------------------------------------------------------------------- */
@@ -552,8 +499,8 @@ static int check(const cli_call *call)
         if (!strchr("rtpg,", *at))
             return cli_usage(call, "--joints takes r, or r with t, p and g and commas between, not '%s'", s->joints);
     lw_ratio_list ratios;
-    if (lw_ratio_list_read("gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
-        || lw_ratio_list_read("input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
+    if (lw_ratio_list_read("--gear-ratios", s->gear_ratios, &ratios, &e) != LW_OK
+        || lw_ratio_list_read("--input-ratios", s->input_ratios, &ratios, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     bool of_task = cli_given(&call->parsed, "input-ratios") && !cli_given(&call->parsed, "dof");
     if (!of_task && check_dof(call, s->dof, cli_given(&call->parsed, "links") ? s->links : 0, &e) != LW_OK)
@@ -580,7 +527,7 @@ static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
             memset(now, 0, sizeof *now);
             continue;
         }
-        code = now->n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
+        code = now->search.results.n == 0 ? CLI_NOTHING : st == LW_STOPPED ? CLI_LIMIT : code;
         ++*done;
     }
     return code;

@@ -2,13 +2,17 @@
 #ifndef CLI_FIT_FIT_H
 #define CLI_FIT_FIT_H
 
-#include "cli/fit/fit_stages.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "optimise/task/task_file.h"
 #include "optimise/precision/exact.h"
-#include "optimise/topology/staged_search.h"
-#include "optimise/search/tracers.h"
+#include "optimise/topology/topology_search.h"
+
+/* Linkages to start from. */
+typedef struct cli_fit_start {
+    int         n;
+    lw_linkage *linkage;           /* (n) owned */
+} cli_fit_start;
 
 /* One target with its ranked, verified results. */
 typedef struct cli_fit_set {
@@ -18,18 +22,11 @@ typedef struct cli_fit_set {
     lw_fit_spec spec;
     bool        has_brief;        /* the target is a task file                                     */
     lw_task_file    brief;
-    lw_staged_search   survey;           /* what was found, by number of links                            */
-    lw_mechanism_set topologies;    /* what was looked through beyond four links                     */
-    cli_fit_known  known;         /* linkages to start from                                        */
-    cli_fit_stages stages;
-    lw_tracer_spread spread[LW_STAGE_MAX];   /* of a stage's families, for several points         */
-    int         n;                /* results that passed the second simulation                     */
-    int        *which;            /* their candidates                                       (n)    */
-    lw_fit_report  *report;           /*                                                        (n)    */
-    int         left_out;         /* candidates with a defect: a station on another branch         */
+    cli_fit_start start;
+    lw_topology_search search;    /* with --exact only its candidates and results, which are those of ... */
+    bool        is_exact;
+    lw_exact    exact;            /* ... these precision points                                    */
     uint64_t    seed;
-    bool        is_exact;         /* precision points: fit above is that of ...                     */
-    lw_exact    exact;            /* ... these, by candidate                                        */
 } cli_fit_set;
 
 /* Ranked table, lengths in the unit of the target. */
@@ -61,11 +58,18 @@ void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 /* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the
  * table; a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
-lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e);        /* every link in the stages     */
-int  cli_fit_points_choices(const cli_fit_set *s, int links);      /* of links for the points        */
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
+
+/* Add the linkages of a file as cli_read_linkage takes it, all results of it (fit_start.c). */
+lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e);
+
+/* Add the linkages of a catalogue, with so many links at most, whose curves are nearest to a target with points. */
+lw_status cli_fit_start_nearest(const char *path, const lw_target *t, int links, cli_fit_start *s, lw_error *e);
+
+/* Candidate of result i. */
+const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i);
 
 /* Value of a dimension in the user's unit: angles in radians. */
 double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si);

@@ -20,7 +20,7 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
         s->spec.timing = LW_TIMING_FREE;
     here.spec = s->spec;
     lw_status st = lw_exact_run(&s->target, &here, &s->exact, e);
-    s->survey.fit = s->exact.fit;                    /* it belongs to the set now */
+    s->search.found.fit = s->exact.fit;                    /* it belongs to the set now */
     memset(&s->exact.fit, 0, sizeof s->exact.fit);
     return st;
 }
@@ -28,24 +28,15 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
 /* As a fit; a linkage on two circuits cannot be moved through its stations and is kept for what it is. */
 lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e)
 {
-    int n = s->survey.fit.n;
-    s->report = calloc((size_t)n + 1, sizeof *s->report);
-    s->which = calloc((size_t)n + 1, sizeof *s->which);
-    if (!s->report || !s->which)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for %d results", n);
-    for (int i = 0; i < n; i++) {
-        lw_fit_report *r = &s->report[s->n];
-        lw_status st = lw_fit_report_make(&s->target, &s->spec, &s->survey.fit.candidate[i], r, e);
-        if (st != LW_OK)
-            return st;
-        if (r->verified || (s->exact.defect[i] && r->meets)) {
-            s->which[s->n++] = i;
-            continue;
-        }
-        s->left_out++;
-        cli_note(call, "%s: a %s is left out: %s", s->path, s->survey.fit.candidate[i].family->name, r->fault);
-    }
-    if (n > 0 && s->exact.n_clean == 0)
+    const lw_fit *fit = &s->search.found.fit;
+    lw_fit_results *r = &s->search.results;
+    lw_status st = lw_fit_results_make(&s->target, &s->spec, fit, fit->n, s->exact.defect, r, e);
+    if (st != LW_OK)
+        return st;
+    for (int i = 0; i < r->n_left_out; i++)
+        cli_note(call, "%s: a %s is left out: %s", s->path, fit->candidate[r->left_out[i].candidate].family->name,
+                 r->left_out[i].fault);
+    if (fit->n > 0 && s->exact.n_clean == 0)
         cli_note(call, "%s: %s runs through all stations without a defect; without --exact one is fitted as well as "
                  "can be", s->path, s->exact.complete ? "no linkage there is" : "no linkage found");
     return LW_OK;
@@ -63,7 +54,7 @@ static const char *defect_text(unsigned defect, char text[32])
 void cli_fit_exact_row(const cli_fit_set *s, int i, FILE *f)
 {
     char text[32];
-    fprintf(f, " defects: %-13s", defect_text(s->exact.defect[s->which[i]], text));
+    fprintf(f, " defects: %-13s", defect_text(s->exact.defect[s->search.results.candidate[i]], text));
 }
 
 void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
@@ -89,18 +80,19 @@ void cli_fit_exact_summary(const cli_fit_set *s, FILE *f)
     fprintf(f, "%ld real linkage%s%s: %ld without defect, %ld in another order, %ld with a dead point between, %ld on "
             "two circuits; %.3g s; stopped: %s\n\n", x->n_real, x->n_real == 1 ? "" : "s",
             x->complete ? ", all there are" : "", x->n_clean, x->n_order, x->n_branch, x->n_circuit,
-            s->survey.fit.seconds, s->survey.fit.stop == LW_STOP_F_TARGET ? "done" : lw_stop_text(s->survey.fit.stop));
+            s->search.found.fit.seconds,
+            s->search.found.fit.stop == LW_STOP_F_TARGET ? "done" : lw_stop_text(s->search.found.fit.stop));
 }
 
 void cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j)
 {
-    unsigned defect = s->exact.defect[s->which[i]];
+    unsigned defect = s->exact.defect[s->search.results.candidate[i]];
     cli_json_array(j, "defects");
     for (int k = 0; k < N_DEFECT; k++)
         if (defect & defects[k].bit)
             cli_json_text(j, NULL, defects[k].name);
     cli_json_end(j);
-    cli_json_real(j, "quality", s->exact.quality[s->which[i]]);
+    cli_json_real(j, "quality", s->exact.quality[s->search.results.candidate[i]]);
 }
 
 static void json_guide(const cli_fit_set *s, const lw_guide *g, cli_json *j)

@@ -25,33 +25,13 @@ lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carr
     return LW_OK;
 }
 
-lw_status cli_fit_points_stages(cli_fit_set *s, lw_error *e)
-{
-    for (int i = 0; i < s->stages.n && s->target.n_also > 0; i++) {
-        lw_search_stage *g = &s->stages.stage[i];
-        if (!g->families.make)
-            continue;
-        lw_status st = lw_tracers_spread(&g->families, &s->target, &s->spec, &s->spread[i], e);
-        if (st != LW_OK)
-            return st;
-        g->families = lw_tracer_spread_families(&s->spread[i]);
-    }
-    return LW_OK;
-}
-
-int cli_fit_points_choices(const cli_fit_set *s, int links)
-{
-    int n = 0;
-    for (int i = 0; i < s->stages.n; i++)
-        n += s->stages.stage[i].links == links ? s->spread[i].n : 0;
-    return n;
-}
-
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f)
 {
-    for (int links = 1; links <= LW_LINK_MAX; links++)
-        if (cli_fit_points_choices(s, links) > 0)
-            fprintf(f, "%d links: %d choices of links for the points\n", links, cli_fit_points_choices(s, links));
+    for (int i = 0; i < s->search.n_links; i++) {
+        const lw_links_summary *l = &s->search.by_links[i];
+        if (l->n_point_choice > 0)
+            fprintf(f, "%d links: %d choices of links for the points\n", l->links, l->n_point_choice);
+    }
 }
 
 static double length(const cli_fit_set *s, double metres)
@@ -61,7 +41,7 @@ static double length(const cli_fit_set *s, double metres)
 
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f)
 {
-    const lw_fit_report *r = &s->report[i];
+    const lw_fit_report *r = &s->search.results.report[i];
     for (int k = 0; k < r->n_also; k++) {
         const lw_also_error *a = &r->also[k];
         const lw_linkage *l = &r->linkage;
@@ -76,8 +56,8 @@ void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f)
 
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j)
 {
-    const lw_fit_report *r = &s->report[i];
-    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    const lw_fit_report *r = &s->search.results.report[i];
+    const lw_candidate *c = cli_fit_candidate(s, i);
     if (r->n_also == 0)
         return;
     cli_json_array(j, "further_points");

@@ -15,9 +15,9 @@ static double length(const cli_fit_set *s, double metres)
     return metres/s->target.units.metre;
 }
 
-static const lw_candidate *candidate(const cli_fit_set *s, int i)
+const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i)
 {
-    return &s->survey.fit.candidate[s->which[i]];
+    return &s->search.found.fit.candidate[s->search.results.candidate[i]];
 }
 
 static const char *class_of(const lw_fit_report *r)
@@ -32,8 +32,8 @@ static const char *const task_names[] = { "path", "function", "motion" };
 
 static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
-    const lw_fit_report *r = &s->report[i];
-    const lw_candidate *c = candidate(s, i);
+    const lw_fit_report *r = &s->search.results.report[i];
+    const lw_candidate *c = cli_fit_candidate(s, i);
     double deg = 180/LW_PI;
     fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class_of(r));
     if (s->spec.task == LW_TASK_FUNCTION)
@@ -51,108 +51,57 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     cli_fit_points_row(s, i, f);
 }
 
-/* The best with so many links or fewer; -1: none. */
-static int best_up_to(const cli_fit_set *s, int links)
-{
-    int best = -1;
-    for (int i = 0; i < s->n; i++)
-        if (lw_candidate_links(candidate(s, i)) <= links
-            && (best < 0 || candidate(s, i)->objective < candidate(s, best)->objective))
-            best = i;
-    return best;
-}
-
-/* The stages with so many links as one; false: there is none. */
-static bool all_stages(const cli_fit_set *s, int links, lw_stage_result *sum)
-{
-    bool any = false;
-    *sum = (lw_stage_result){ .links = links };
-    for (int k = 0; k < s->survey.n_stage; k++) {
-        const lw_stage_result *r = &s->survey.stage[k];
-        if (r->links != links)
-            continue;
-        any = true;
-        sum->starts += r->starts;
-        sum->improved += r->improved;
-        sum->n_grown += r->n_grown;
-        sum->seconds += r->seconds;
-    }
-    return any;
-}
-
 /* Error against number of links. */
 static void print_stages(const cli_fit_set *s, FILE *f)
 {
-    lw_stage_result r;
-    for (int links = 1; links <= LW_LINK_MAX; links++) {
-        int i = best_up_to(s, links);
-        if (!all_stages(s, links, &r))
+    for (int k = 0; k < s->search.n_links; k++) {
+        const lw_links_summary *l = &s->search.by_links[k];
+        if (l->n_stage == 0)
             continue;
-        fprintf(f, "best with up to %d links: ", links);
-        if (i < 0)
+        fprintf(f, "best with up to %d links: ", l->links);
+        if (l->best < 0)
             fprintf(f, "none");
         else if (s->spec.task == LW_TASK_FUNCTION)
-            fprintf(f, "%.4g deg in the mean", s->report[i].angle_mean*180/LW_PI);
+            fprintf(f, "%.4g deg in the mean", s->search.results.report[l->best].angle_mean*180/LW_PI);
         else
-            fprintf(f, "%.4g %% of the path", s->report[i].error_percent);
-        if (i >= 0)
-            fprintf(f, " (%s)", lw_family_title(candidate(s, i)->family));
-        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", r.starts, r.improved, r.seconds);
+            fprintf(f, "%.4g %% of the path", s->search.results.report[l->best].error_percent);
+        if (l->best >= 0)
+            fprintf(f, " (%s)", lw_family_title(cli_fit_candidate(s, l->best)->family));
+        fprintf(f, "; %ld starts, %ld local fits, %.1f s\n", l->starts, l->improved, l->seconds);
     }
 }
 
-/* What became of the mechanisms of a stage (of several points: of the choices of links for them). */
-typedef struct searched { long n, of[LW_FIT_STATES]; } searched;
-
-static void count_stage(const cli_fit_set *s, int stage, int n, searched *c)
+static void print_searched(const long state[LW_FIT_STATES], FILE *f)
 {
-    const lw_stage_result *r = stage < s->survey.n_stage ? &s->survey.stage[stage] : NULL;
-    n = s->target.n_also > 0 ? s->spread[stage].n : n;
-    c->n += n;
-    for (int i = 0; i < n; i++)
-        c->of[r && r->state && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
-}
-
-static searched count_searched(const cli_fit_set *s, const lw_mechanism_stage *t)
-{
-    searched c = { 0 };
-    count_stage(s, t->stage, t->n_pins, &c);
-    if (t->slides != t->stage || t->n_pins == 0)
-        count_stage(s, t->slides, t->n_family - t->n_pins, &c);
-    return c;
-}
-
-static void print_searched(const searched *c, FILE *f)
-{
-    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", c->of[LW_FIT_LOOKED] + c->of[LW_FIT_CLOSED],
-            c->of[LW_FIT_CLOSED]);
-    if (c->of[LW_FIT_UNABLE] > 0)
-        fprintf(f, "; %ld that cannot do this task", c->of[LW_FIT_UNABLE]);
-    if (c->of[LW_FIT_UNREACHED] > 0)
-        fprintf(f, "; %ld not reached by the budget", c->of[LW_FIT_UNREACHED]);
+    fprintf(f, "; %ld searched, %ld of them with a linkage that closes", state[LW_FIT_LOOKED] + state[LW_FIT_CLOSED],
+            state[LW_FIT_CLOSED]);
+    if (state[LW_FIT_UNABLE] > 0)
+        fprintf(f, "; %ld that cannot do this task", state[LW_FIT_UNABLE]);
+    if (state[LW_FIT_UNREACHED] > 0)
+        fprintf(f, "; %ld not reached by the budget", state[LW_FIT_UNREACHED]);
     fputc('\n', f);
 }
 
-/* What was looked through, and what not, with the reason. */
+/* What was searched, and what was not, with the reason. */
 static void print_topologies(const cli_fit_set *s, FILE *f)
 {
-    for (int k = 0; k < s->topologies.n; k++) {
-        const lw_mechanism_stage *t = &s->topologies.stage[k];
+    for (int k = 0; k < s->search.n_mechanisms; k++) {
+        const lw_mechanism_summary *m = &s->search.mechanisms[k];
+        const lw_mechanism_tally *t = &m->tally;
         const char *between = "";
-        searched c = count_searched(s, t);
-        fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", t->links,
-                t->higher ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
+        fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", m->links,
+                m->two_freedoms ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
                 t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
-        fprintf(f, s->topologies.dof > 1 ? "s (F = %d): " : ": ", s->topologies.dof);
+        fprintf(f, s->search.freedoms > 1 ? "s (F = %d): " : ": ", s->search.freedoms);
         for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
-            if (t->fate[i] > 0) {
-                fprintf(f, "%s%ld %s", between, t->fate[i], lw_pair_outcome_text((lw_pair_outcome)i));
+            if (t->outcome[i] > 0) {
+                fprintf(f, "%s%ld %s", between, t->outcome[i], lw_pair_outcome_text((lw_pair_outcome)i));
                 between = ", ";
             }
-        if (s->topologies.dof > 1)
+        if (s->search.freedoms > 1)
             fprintf(f, "; %ld with all inputs at the ground, %ld of them left out, the others by %d ratios", t->n_set,
-                    t->n_set_out, s->topologies.ratio.tie.n);
-        print_searched(&c, f);
+                    t->n_set_out, s->search.n_input_ratio);
+        print_searched(m->state, f);
     }
 }
 
@@ -167,9 +116,9 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         fprintf(f, "  #  type             class  of path       mean       max @point   objective  "
                 "transm.    input  dimensions [%s, rad]\n",
                 s->target.units.length[0] ? s->target.units.length : "unit");
-    for (int i = 0; i < s->n; i++)
+    for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, f);
-    if (s->survey.n_stage > 1)
+    if (s->search.found.n_stage > 1)
         print_stages(s, f);
     print_topologies(s, f);
     cli_fit_points_summary(s, f);
@@ -177,9 +126,9 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         cli_fit_exact_summary(s, f);
     else
         fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
-                "%.2f s; stopped: %s\n\n", s->n, s->n == 1 ? "" : "s", s->survey.fit.starts,
-                s->survey.fit.improved, s->survey.fit.evals, s->survey.fit.seconds,
-                lw_stop_text(s->survey.fit.stop));
+                "%.2f s; stopped: %s\n\n", s->search.results.n, s->search.results.n == 1 ? "" : "s", s->search.found.fit.starts,
+                s->search.found.fit.improved, s->search.found.fit.evals, s->search.found.fit.seconds,
+                lw_stop_text(s->search.found.fit.stop));
 }
 
 /* ---- JSON --------------------------------------------------------------------------------------- */
@@ -292,8 +241,8 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
 
 static void json_result(const cli_fit_set *s, int i, cli_json *j)
 {
-    const lw_fit_report *r = &s->report[i];
-    const lw_candidate *c = candidate(s, i);
+    const lw_fit_report *r = &s->search.results.report[i];
+    const lw_candidate *c = cli_fit_candidate(s, i);
     cli_json_object(j, NULL);
     cli_json_int(j, "rank", i + 1);
     cli_json_text(j, "type", lw_family_type(c->family));
@@ -326,23 +275,22 @@ static void json_result(const cli_fit_set *s, int i, cli_json *j)
 
 static void json_stages(const cli_fit_set *s, cli_json *j)
 {
-    lw_stage_result r;
     cli_json_array(j, "by_links");
-    for (int links = 1; links <= LW_LINK_MAX; links++) {
-        int i = best_up_to(s, links);
-        if (!all_stages(s, links, &r))
+    for (int k = 0; k < s->search.n_links; k++) {
+        const lw_links_summary *l = &s->search.by_links[k];
+        if (l->n_stage == 0)
             continue;
         cli_json_object(j, NULL);
-        cli_json_int(j, "links", links);
-        cli_json_int(j, "best_rank", i + 1);
-        cli_json_real(j, "objective", i >= 0 ? candidate(s, i)->objective : NAN);
-        cli_json_real(j, "error_percent", i >= 0 ? s->report[i].error_percent : NAN);
-        cli_json_int(j, "starts", r.starts);
-        cli_json_int(j, "local_fits", r.improved);
-        cli_json_int(j, "grown", r.n_grown);
+        cli_json_int(j, "links", l->links);
+        cli_json_int(j, "best_rank", l->best + 1);
+        cli_json_real(j, "objective", l->best >= 0 ? cli_fit_candidate(s, l->best)->objective : NAN);
+        cli_json_real(j, "error_percent", l->best >= 0 ? s->search.results.report[l->best].error_percent : NAN);
+        cli_json_int(j, "starts", l->starts);
+        cli_json_int(j, "local_fits", l->improved);
+        cli_json_int(j, "grown", l->n_grown);
         if (s->target.n_also > 0)
-            cli_json_int(j, "point_choices", cli_fit_points_choices(s, r.links));
-        cli_json_real(j, "seconds", r.seconds);
+            cli_json_int(j, "point_choices", l->n_point_choice);
+        cli_json_real(j, "seconds", l->seconds);
         cli_json_end(j);
     }
     cli_json_end(j);
@@ -350,32 +298,35 @@ static void json_stages(const cli_fit_set *s, cli_json *j)
 
 static void json_topologies(const cli_fit_set *s, cli_json *j)
 {
-    static const char *const key[LW_PAIR_OUTCOMES] = { "fitted", "joined_to_ground", "smaller", "no_plan",
-                                                         "no_gear", "not_asked" };
+    static const char *const key[LW_PAIR_OUTCOMES] = { "fitted", "joined_to_ground", "smaller", "no_plan", "no_gear",
+                                                       "not_asked" };
     cli_json_array(j, "topologies");
-    for (int k = 0; k < s->topologies.n; k++) {
-        const lw_mechanism_stage *t = &s->topologies.stage[k];
-        searched c = count_searched(s, t);
+    for (int k = 0; k < s->search.n_mechanisms; k++) {
+        const lw_mechanism_summary *m = &s->search.mechanisms[k];
+        const lw_mechanism_tally *t = &m->tally;
+        long families = 0;
+        for (int i = 0; i < LW_FIT_STATES; i++)
+            families += m->state[i];
         cli_json_object(j, NULL);
-        cli_json_int(j, "links", t->links);
-        cli_json_bool(j, "two_freedoms", t->higher);
+        cli_json_int(j, "links", m->links);
+        cli_json_bool(j, "two_freedoms", m->two_freedoms);
         cli_json_int(j, "chains", t->n_chain);
         cli_json_int(j, "grounds", t->n_ground);
         cli_json_int(j, "with_tracer_link", t->n_pair);
         cli_json_int(j, "with_input", t->n_driven);
-        if (s->topologies.dof > 1) {
-            cli_json_int(j, "freedoms", s->topologies.dof);
+        if (s->search.freedoms > 1) {
+            cli_json_int(j, "freedoms", s->search.freedoms);
             cli_json_int(j, "with_inputs_at_ground", t->n_set);
             cli_json_int(j, "of_these_left_out", t->n_set_out);
         }
         for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
-            cli_json_int(j, key[i], t->fate[i]);
-        cli_json_int(j, "families", c.n);
+            cli_json_int(j, key[i], t->outcome[i]);
+        cli_json_int(j, "families", families);
         cli_json_int(j, "groups", t->n_group);
-        cli_json_int(j, "searched", c.of[LW_FIT_LOOKED] + c.of[LW_FIT_CLOSED]);
-        cli_json_int(j, "with_linkage", c.of[LW_FIT_CLOSED]);
-        cli_json_int(j, "unable", c.of[LW_FIT_UNABLE]);
-        cli_json_int(j, "not_reached", c.of[LW_FIT_UNREACHED]);
+        cli_json_int(j, "searched", m->state[LW_FIT_LOOKED] + m->state[LW_FIT_CLOSED]);
+        cli_json_int(j, "with_linkage", m->state[LW_FIT_CLOSED]);
+        cli_json_int(j, "unable", m->state[LW_FIT_UNABLE]);
+        cli_json_int(j, "not_reached", m->state[LW_FIT_UNREACHED]);
         cli_json_end(j);
     }
     cli_json_end(j);
@@ -400,18 +351,18 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     if (s->is_exact)
         cli_fit_exact_json(s, &j);
     cli_json_array(&j, "results");
-    for (int i = 0; i < s->n; i++)
+    for (int i = 0; i < s->search.results.n; i++)
         json_result(s, i, &j);
     cli_json_end(&j);
-    if (s->topologies.n > 0) {
+    if (s->search.n_mechanisms > 0) {
         json_stages(s, &j);
         json_topologies(s, &j);
     }
-    cli_json_int(&j, "left_out", s->left_out);
-    cli_json_int(&j, "starts", s->survey.fit.starts);
-    cli_json_int(&j, "local_fits", s->survey.fit.improved);
-    cli_json_int(&j, "evaluations", s->survey.fit.evals);
-    cli_json_real(&j, "seconds", s->survey.fit.seconds);
-    cli_json_text(&j, "stop", lw_stop_text(s->survey.fit.stop));
+    cli_json_int(&j, "left_out", s->search.results.n_left_out);
+    cli_json_int(&j, "starts", s->search.found.fit.starts);
+    cli_json_int(&j, "local_fits", s->search.found.fit.improved);
+    cli_json_int(&j, "evaluations", s->search.found.fit.evals);
+    cli_json_real(&j, "seconds", s->search.found.fit.seconds);
+    cli_json_text(&j, "stop", lw_stop_text(s->search.found.fit.stop));
     cli_json_end(&j);
 }

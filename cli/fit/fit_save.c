@@ -36,16 +36,16 @@ static lw_status make_scene(const cli_fit_set *s, int i, lw_scene *scene, lw_err
 {
     char title[128];
     lw_scene_options o = lw_scene_options_default();
-    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    const lw_candidate *c = cli_fit_candidate(s, i);
     snprintf(title, sizeof title, "%s: %s", s->name, lw_family_title(c->family));
     o.title = title;
-    return lw_scene_make(&s->report[i].linkage, s->target.x ? &s->target : NULL, &o, scene, e);
+    return lw_scene_make(&s->search.results.report[i].linkage, s->target.x ? &s->target : NULL, &o, scene, e);
 }
 
 static lw_status save_linkage(const cli_fit_set *s, int i, const char *folder, lw_error *e)
 {
     char path[1024];
-    char *text = lw_linkage_write(&s->report[i].linkage, 1);
+    char *text = lw_linkage_write(&s->search.results.report[i].linkage, 1);
     if (!text)
         return lw_error_set(e, LW_E_MEMORY, "no memory for the text of a linkage");
     snprintf(path, sizeof path, "%s/%s-%d.json", folder, s->name, i + 1);
@@ -60,9 +60,9 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
         { LW_DRAW_SVG, "svg" }, { LW_DRAW_PNG, "png" }, { LW_DRAW_GIF, "gif" }
     };
     lw_status st = LW_OK;
-    for (int i = 0; i < s->n && st == LW_OK; i++)
+    for (int i = 0; i < s->search.results.n && st == LW_OK; i++)
         st = save_linkage(s, i, folder, e);
-    if (st != LW_OK || s->n == 0)
+    if (st != LW_OK || s->search.results.n == 0)
         return st;
     lw_scene *scene = calloc(1, sizeof *scene);
     if (!scene)
@@ -89,8 +89,8 @@ typedef struct sheet {
 
 static void describe(const cli_fit_set *s, int i, sheet *h)
 {
-    const lw_fit_report *r = &s->report[i];
-    const lw_candidate *c = &s->survey.fit.candidate[s->which[i]];
+    const lw_fit_report *r = &s->search.results.report[i];
+    const lw_candidate *c = cli_fit_candidate(s, i);
     if (r->has_class)
         snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s", r->barker.symbol,
                  r->barker.name);
@@ -104,12 +104,12 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
 static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, lw_error *e)
 {
     lw_status st = LW_OK;
-    for (; h->n < s->n && h->n < PAGE_RESULTS && st == LW_OK; h->n++) {
+    for (; h->n < s->search.results.n && h->n < PAGE_RESULTS && st == LW_OK; h->n++) {
         st = make_scene(s, h->n, &h->scene[h->n], e);
         describe(s, h->n, h);
     }
     snprintf(h->about, sizeof h->about, "%zu points, %s; %ld local fits in %.1f s.", s->target.n,
-             s->target.closed ? "closed" : "open", s->survey.fit.improved, s->survey.fit.seconds);
+             s->target.closed ? "closed" : "open", s->search.found.fit.improved, s->search.found.fit.seconds);
     *t = (lw_page_target){ .name = s->name, .about = h->about, .n_result = h->n,
                            .result = h->result };
     return st;
@@ -124,7 +124,7 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
     int n = 0;
     lw_status st = h && t ? LW_OK : lw_error_set(e, LW_E_MEMORY, "no memory");
     for (int i = 0; i < n_set && st == LW_OK; i++)
-        if (s[i].n > 0) {
+        if (s[i].search.results.n > 0) {
             st = fill_sheet(&s[i], &h[n], &t[n], e);
             n++;
         }

@@ -182,6 +182,11 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
     return out->n == 0 ? LW_NOTHING : LW_OK;
 }
 
+int lw_candidate_links(const lw_candidate *c)
+{
+    return c->family->links > 0 ? c->family->links : c->family->linkage ? c->family->linkage->n_link : 4;
+}
+
 void lw_candidate_free(lw_candidate *c)
 {
     free(c->input);

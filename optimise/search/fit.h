@@ -83,4 +83,7 @@ lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, l
 void      lw_fit_free(lw_fit *f);
 void      lw_candidate_free(lw_candidate *c);
 
+/* Links of a candidate's mechanism. */
+int lw_candidate_links(const lw_candidate *c);
+
 #endif

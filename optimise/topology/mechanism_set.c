@@ -55,7 +55,7 @@ static bool asked_for(maker *mk, const char *key)
 static lw_status count_input(void *context, const lw_mechanism *m)
 {
     (void)m;
-    ((maker *)context)->own.n_driven++;
+    ((maker *)context)->own.tally.n_driven++;
     return LW_OK;
 }
 
@@ -67,7 +67,7 @@ static lw_status add_family(maker *mk, const lw_packed_mechanism *f)
         return LW_E_MEMORY;
     s->family = more;
     s->family[s->n_family++] = *f;
-    s->n_group += f->turn == LW_TURN_GROUPS;
+    s->tally.n_group += f->turn == LW_TURN_GROUPS;
     return LW_OK;
 }
 
@@ -218,8 +218,8 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
         }
     }
     free(form);
-    mk->own.n_set++;
-    mk->own.n_set_out += fate != LW_PAIR_FITTED;
+    mk->own.tally.n_set++;
+    mk->own.tally.n_set_out += fate != LW_PAIR_FITTED;
     if (mk->best == LW_PAIR_NO_PLAN || fate == LW_PAIR_FITTED)
         mk->best = fate;
     return st;
@@ -278,8 +278,8 @@ static lw_status visit_variant(maker *mk, const lw_mechanism *m)
     lw_packed_mechanism_key(mk->chain, &f, key, sizeof key);
     if (asked_for(mk, key))
         st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
-    mk->own.n_pair++;
-    mk->own.fate[fate]++;
+    mk->own.tally.n_pair++;
+    mk->own.tally.outcome[fate]++;
     return st;
 }
 
@@ -301,7 +301,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
 {
     maker *mk = context;
     int slots = 0, n = 0;
-    long before = mk->own.n_driven;
+    long before = mk->own.tally.n_driven;
     if (mk->w->interrupt && *mk->w->interrupt)
         return LW_STOPPED;
     lw_status st = lw_inputs_each(m, mk->w->dof, false, count_input, mk);
@@ -315,7 +315,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
             n++;
             st = visit_variant(mk, m);
         }
-    mk->own.n_driven = before + n*(mk->own.n_driven - before);
+    mk->own.tally.n_driven = before + n*(mk->own.tally.n_driven - before);
     free(form);
     mk->turned = 0;
     return st;
@@ -396,25 +396,25 @@ static unsigned outline_of(const lw_numbered_chain *c, const lw_packed_mechanism
     return sum;
 }
 
-bool lw_mechanism_set_name(void *topologies, const lw_linkage *k, char *name, size_t size)
+bool lw_mechanism_set_name(void *context, const lw_linkage *k, char *name, size_t size)
 {
-    const lw_mechanism_set *t = topologies;
+    const lw_mechanism_set *set = context;
     unsigned outline = outline_of_linkage(k);
     lw_graph want, have;
     lw_linkage l;
     if (!lw_linkage_canonical_form(k, &want))
         return true;
-    for (int i = 0; i < t->n; i++)
-        for (int n = 0; t->stage[i].links == k->n_link && n < t->stage[i].n_family; n++) {
-            const lw_packed_mechanism *f = &t->stage[i].family[n];
-            const lw_numbered_chain *c = &t->stage[i].list[f->chain];
-            if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &t->ratio, &l) == LW_OK
+    for (int i = 0; i < set->n; i++)
+        for (int n = 0; set->stage[i].links == k->n_link && n < set->stage[i].n_family; n++) {
+            const lw_packed_mechanism *f = &set->stage[i].family[n];
+            const lw_numbered_chain *c = &set->stage[i].list[f->chain];
+            if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &set->ratio, &l) == LW_OK
                 && lw_linkage_canonical_form(&l, &have) && memcmp(&want, &have, sizeof want) == 0) {
-                lw_packed_mechanism_name(c, f, &t->ratio, false, name, size);
+                lw_packed_mechanism_name(c, f, &set->ratio, false, name, size);
                 return true;
             }
         }
-    return t->wish_all;
+    return set->every;
 }
 
 /* ---- a number of links ------------------------------------------------------------------------------------ */
@@ -464,17 +464,17 @@ static lw_status list_chains(lw_mechanism_stage *to, int n2, lw_error *e)
 /* What a chain adds to the numbers of its stage, and to the names met. */
 static lw_status join(const maker *part, lw_mechanism_stage *to, bool met[64])
 {
-    const lw_mechanism_stage *own = &part->own;
-    to->n_chain += (long)part->counts.n_chain;
-    to->n_ground += (long)part->counts.n_ground;
-    to->n_labelled += (long)part->counts.n_labelled;
-    to->n_pair += own->n_pair;
-    to->n_driven += own->n_driven;
-    to->n_set += own->n_set;
-    to->n_set_out += own->n_set_out;
-    to->n_group += own->n_group;
+    const lw_mechanism_tally *own = &part->own.tally;
+    lw_mechanism_tally *sum = &to->tally;
+    sum->n_chain += (long)part->counts.n_chain;
+    sum->n_ground += (long)part->counts.n_ground;
+    sum->n_pair += own->n_pair;
+    sum->n_driven += own->n_driven;
+    sum->n_set += own->n_set;
+    sum->n_set_out += own->n_set_out;
+    sum->n_group += own->n_group;
     for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
-        to->fate[i] += own->fate[i];
+        sum->outcome[i] += own->outcome[i];
     for (int i = 0; i < 64; i++)
         met[i] |= part->met[i];
     return part->status;
@@ -501,7 +501,7 @@ static lw_status join_families(const maker *part, lw_mechanism_stage *to)
 static lw_status make_stage(const lw_mechanism_request *w, lw_mechanism_stage *to, bool met[64], lw_error *e)
 {
     lw_status st = LW_OK;
-    for (int n2 = to->higher; st == LW_OK && (n2 == 0 || (to->higher && to->links + n2 <= LW_EXPANDED_LINK_MAX)); n2++)
+    for (int n2 = to->two_freedoms; st == LW_OK && (n2 == 0 || (to->two_freedoms && to->links + n2 <= LW_EXPANDED_LINK_MAX)); n2++)
         st = list_chains(to, n2, e);
     maker *part = st == LW_OK ? calloc((size_t)to->n_list + 1, sizeof *part) : NULL;
     if (!part)
@@ -537,38 +537,45 @@ bool lw_kinds_have_two_freedoms(const char *kinds)
     return strpbrk(kinds, "pg") != NULL;
 }
 
+/* With F inputs at the ground that link has F joints, and each loop adds two links or more (Makkonen 1999, eq. 2):
+ * P = F + 1 + 2 L with L = F - 1. */
+int lw_mechanism_least_links(int dof)
+{
+    return dof > 1 ? 3*dof - 1 : 4;
+}
+
 /* A stage that holds nothing to count is none. */
-static lw_status add_stage(const lw_mechanism_request *w, lw_mechanism_set *t, int links, bool higher, bool met[64], lw_error *e)
+static lw_status add_stage(const lw_mechanism_request *w, lw_mechanism_set *t, int links, bool two_freedoms, bool met[64], lw_error *e)
 {
     if (t->n == LW_STAGE_MAX)
         return LW_OK;
     lw_mechanism_stage *to = &t->stage[t->n++];
-    *to = (lw_mechanism_stage){ .links = links, .higher = higher, .all = t };
+    *to = (lw_mechanism_stage){ .links = links, .two_freedoms = two_freedoms, .all = t };
     lw_status st = make_stage(w, to, met, e);
-    if (to->n_chain == 0) {
+    if (to->tally.n_chain == 0) {
         stage_free(to);
         t->n--;
     }
     return st;
 }
 
-lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set *t, lw_error *e)
+lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set *set, lw_error *e)
 {
     lw_status st = LW_OK;
     bool met[64] = { false };
     lw_error why = { .text = "" };
-    memset(t, 0, sizeof *t);
-    t->wish_all = strcmp(w->only, "all") == 0;
-    t->timed = w->timed;
-    t->ratio = w->ratio;
-    t->dof = w->dof;
+    memset(set, 0, sizeof *set);
+    set->every = strcmp(w->only, "all") == 0;
+    set->timed = w->timed;
+    set->ratio = w->ratio;
+    set->dof = w->dof;
     for (int links = w->dof == 1 ? 6 : w->dof + 3; links <= w->links; links += 2)
-        st = st == LW_OK ? add_stage(w, t, links, false, met, &why) : st;
+        st = st == LW_OK ? add_stage(w, set, links, false, met, &why) : st;
     int most = w->links < LW_EXPANDED_LINK_MAX ? w->links : LW_EXPANDED_LINK_MAX - 1;
     if (!lw_kinds_have_two_freedoms(w->kinds))
         most = 0;
     for (int links = 3; links <= most; links++)
-        st = st == LW_OK ? add_stage(w, t, links, true, met, &why) : st;
+        st = st == LW_OK ? add_stage(w, set, links, true, met, &why) : st;
     if (st == LW_OK)
         st = check_names(w, met, e);
     else if (st == LW_STOPPED)
@@ -578,13 +585,13 @@ lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set 
     else
         lw_error_set(e, st, "out of memory");
     if (st != LW_OK)
-        lw_mechanism_set_free(t);
+        lw_mechanism_set_free(set);
     return st;
 }
 
-void lw_mechanism_set_free(lw_mechanism_set *t)
+void lw_mechanism_set_free(lw_mechanism_set *set)
 {
-    for (int i = 0; i < t->n; i++)
-        stage_free(&t->stage[i]);
-    memset(t, 0, sizeof *t);
+    for (int i = 0; i < set->n; i++)
+        stage_free(&set->stage[i]);
+    memset(set, 0, sizeof *set);
 }

@@ -1,81 +1,92 @@
-/* optimise/topology/mechanism_set.h - from numbers of links to families that a fit can search: every chain, ground link and
- * tracer link once up to symmetry, those left out with the reason, and the inputs of each counted. */
+/* optimise/topology/mechanism_set.h - the mechanisms that a search goes through: from numbers of links to chains, ground
+ * links, tracer links and inputs, each once up to symmetry, as families to fit.
+ *
+ * A pair of ground link and tracer link that is not fitted is counted by the reason. */
 #ifndef LW_OPTIMISE_TOPOLOGY_MECHANISM_SET_H
 #define LW_OPTIMISE_TOPOLOGY_MECHANISM_SET_H
 
 #include "optimise/topology/packed_mechanism.h"
 #include "optimise/topology/staged_search.h"
 
-/* Why a ground and tracer link is not fitted by itself. */
+/* What is done with a pair of ground link and tracer link. */
 typedef enum lw_pair_outcome {
     LW_PAIR_FITTED,
-    LW_PAIR_CIRCLE,       /* the tracer link is joined to the ground: a circle or a line     */
-    LW_PAIR_SMALLER,      /* its point moves as that of a mechanism with fewer links          */
-    LW_PAIR_NO_PLAN,      /* no input lets it be worked out; F > 1: no F pins at the ground  */
-    LW_PAIR_NO_CARRIER,         /* no link, or more than one, on which both sides of a gear turn or slide */
-    LW_PAIR_NOT_REQUESTED,    /* --topology leaves it out                                        */
+    LW_PAIR_CIRCLE,            /* the tracer link is joined to the ground: its points draw circles or lines */
+    LW_PAIR_SMALLER,           /* a mechanism with fewer links moves the point in the same way      */
+    LW_PAIR_NO_PLAN,           /* no input makes the pose computable; F > 1: there are no F pins at the ground */
+    LW_PAIR_NO_CARRIER,        /* a gear pair has no link, or several, on which both its sides turn or slide */
+    LW_PAIR_NOT_REQUESTED,     /* lw_mechanism_request.only leaves it out                           */
     LW_PAIR_OUTCOMES
 } lw_pair_outcome;
 
-/* Chains with slots and gears: at most so many links and such joints together.  A pin in a slot moves as a pin and a
+const char *lw_pair_outcome_text(lw_pair_outcome outcome);
+
+/* Most links and joints of two freedoms together of chains with slots and gears.  A pin in a slot moves as a pin and a
  * slider with a massless block between, which is not counted as a link. */
 #define LW_EXPANDED_LINK_MAX 8
 
-/* What there is with one number of links. */
+/* How many mechanisms there are with one number of links. */
+typedef struct lw_mechanism_tally {
+    long n_chain, n_ground;            /* chains; with a ground link                                */
+    long n_pair;                       /* with ground link and tracer link, each slot on either of its links */
+    long n_driven;                     /* pairs with F inputs anywhere                              */
+    long n_set, n_set_out;             /* F > 1: sets of inputs at the ground, of the pairs not left out; those of them that
+                                        * are left out                                              */
+    long outcome[LW_PAIR_OUTCOMES];    /* of the pairs                                              */
+    long n_group;                      /* fitted mechanisms with an Assur group beyond dyads        */
+} lw_mechanism_tally;
+
+/* The mechanisms with one number of links. */
 typedef struct lw_mechanism_stage {
-    int         links;
-    bool        higher;                                            /* chains with slots or gears    */
-    int         stage, slides;                                     /* of the search, see cli_fit_stages_make */
-    long        n_chain, n_ground, n_labelled, n_pair, n_driven;   /* pairs of ground and tracer link, slots either way;
-                                                                    * with F inputs                 */
-    long        n_set, n_set_out;                                  /* F > 1, of the pairs not left out: with all inputs
-                                                                    * at the ground; of these left out */
-    long        fate[LW_PAIR_OUTCOMES];                          /* of the pairs                  */
-    long        n_group;                                           /* fitted that hold a group beyond dyads */
-    int         n_family, n_pins, capacity;                        /* those of pins alone come first */
-    lw_packed_mechanism *family;                                          /* (n_family) owned              */
-    int         n_list, list_capacity;
-    lw_numbered_chain *list;                                      /* (n_list) owned                */
+    int                 links;
+    bool                two_freedoms;                    /* chains with slots or gears              */
+    lw_mechanism_tally  tally;
+    int                 n_family, n_pins, capacity;      /* those of pins alone come first          */
+    lw_packed_mechanism *family;                         /* (n_family) owned                        */
+    int                 n_list, list_capacity;
+    lw_numbered_chain  *list;                            /* (n_list) owned                          */
     const struct lw_mechanism_set *all;
 } lw_mechanism_stage;
 
-/* Stays where it is made: its stages point to it. */
+/* Must stay where it is made: its stages point to it. */
 typedef struct lw_mechanism_set {
     int                n, dof;
-    bool               wish_all, timed;
-    lw_ratio_choices ratio;
+    bool               every, timed;                     /* as requested: only is "all"; timed      */
+    lw_ratio_choices   ratio;
     lw_mechanism_stage stage[LW_STAGE_MAX];
 } lw_mechanism_set;
 
 typedef struct lw_mechanism_request {
-    int         links;         /* 4, 6, 8: all up to these; with slots and gears odd ones too; F = 2: 5, 7, 9 */
-    int         dof;           /* F, 1 .. LW_PACKED_INPUT_MAX: so many inputs, all but the first tied */
-    const char *kinds;         /* letters of joints, of "rtpg"                                    */
+    int         links;         /* most links: 4, 6, 8, ...; with slots and gears odd numbers too; F = 2: 5, 7, 9 */
+    int         dof;           /* F, 1 .. LW_PACKED_INPUT_MAX: number of inputs, all but the first tied */
+    const char *kinds;         /* letters of the joints, of "rtpg"                                  */
     lw_ratio_choices ratio;
-    const char *only;          /* "watt1,stephenson3", "8.5", "5.1.2", or "all"                    */
+    const char *only;          /* names with commas between: "watt1,stephenson3", "watt" (both), chains by links and
+                                * number "8.5", by links, joints of two freedoms and number "5.1.2"; or "all" */
     lw_task     task;
-    bool        timed;         /* the input matters: every input at the ground by itself           */
-    int         jobs;          /* threads; < 1: one per core                                       */
-    const volatile int *interrupt;   /* not 0: count no further; NULL: nobody asks                  */
+    bool        timed;         /* it matters which input has the target's angles: fit every input at the ground by itself */
+    int         jobs;          /* threads; < 1: one per core                                        */
+    const volatile int *interrupt;   /* stops when it becomes nonzero; NULL: nothing stops it       */
 } lw_mechanism_request;
 
-/* Do these kinds of joints hold one of two freedoms? */
+/* Is one of these kinds of joints, of "rtpg", of two freedoms? */
 bool lw_kinds_have_two_freedoms(const char *kinds);
 
-/* Those of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three.
- * With a text: LW_E_ARG, a name in `only` that nothing bears; LW_NOTHING, interrupted. */
-lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set *t, lw_error *e);
-void      lw_mechanism_set_free(lw_mechanism_set *t);
+/* Fewest links of a mechanism with F inputs that are pins at the ground, F >= 1. */
+int lw_mechanism_least_links(int dof);
 
-/* The mechanisms of a stage, as families: all, those of pins alone, the others. */
+/* Mechanisms of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three
+ * links.  With a text: LW_E_ARG, no mechanism bears a name in `only`; LW_NOTHING, interrupted; LW_E_MEMORY. */
+lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanism_set *set, lw_error *e);
+void      lw_mechanism_set_free(lw_mechanism_set *set);
+
+/* The mechanisms of a stage as families to fit: all; those of pins alone; the others.  The stage must stay. */
 lw_families lw_mechanism_stage_families(const lw_mechanism_stage *s);
 lw_families lw_mechanism_stage_pins(const lw_mechanism_stage *s);
 lw_families lw_mechanism_stage_others(const lw_mechanism_stage *s);
 
-/* The name of the topology of a linkage, by its chain, ground and tracer link (an lw_search_stage.name with a
- * lw_mechanism_set as context); false: it is not among those to be fitted. */
-bool lw_mechanism_set_name(void *topologies, const lw_linkage *k, char *name, size_t size);
-
-const char *lw_pair_outcome_text(lw_pair_outcome f);
+/* Write the name of the mechanism in the set that the linkage k is one of, by chain, ground link and tracer link (an
+ * lw_search_stage.name with an lw_mechanism_set as context).  false: it is none of the mechanisms requested. */
+bool lw_mechanism_set_name(void *set, const lw_linkage *k, char *name, size_t size);
 
 #endif

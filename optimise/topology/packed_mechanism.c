@@ -319,7 +319,7 @@ static lw_status read_ratio(const char *option, const char *word, lw_ratio *r, l
               && fabs(b) <= LW_LAP_MAX;
     if (end != word && *end == 0 && whole && (!over || over != word))
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "--%s takes whole numbers and fractions of whole numbers up to %d with commas "
+    return lw_error_set(e, LW_E_ARG, "%s takes whole numbers and fractions of whole numbers up to %d with commas "
                         "between, as -1,2,-1/2; '%s' is none", option, LW_LAP_MAX, word);
 }
 
@@ -331,10 +331,10 @@ lw_status lw_ratio_list_read(const char *option, const char *text, lw_ratio_list
         char word[12] = "";
         size_t length = strcspn(at, ",");
         if (r->n == LW_RATIO_MAX)
-            return lw_error_set(e, LW_E_ARG, "--%s takes %d ratios at most", option, LW_RATIO_MAX);
+            return lw_error_set(e, LW_E_ARG, "%s takes %d ratios at most", option, LW_RATIO_MAX);
         snprintf(word, sizeof word, "%.*s", (int)length, at);
         st = read_ratio(option, word, &r->of[r->n++], e);
         at += length + (at[length] == ',');
     }
-    return st == LW_OK && r->n == 0 ? lw_error_set(e, LW_E_ARG, "--%s is empty", option) : st;
+    return st == LW_OK && r->n == 0 ? lw_error_set(e, LW_E_ARG, "%s is empty", option) : st;
 }

@@ -16,11 +16,6 @@ typedef struct grown {
     lw_family      family[CHILDREN];
 } grown;
 
-int lw_candidate_links(const lw_candidate *c)
-{
-    return c->family->links > 0 ? c->family->links : c->family->linkage ? c->family->linkage->n_link : 4;
-}
-
 /* ---- the starts of a stage ------------------------------------------------------------------------ */
 
 /* Inputs over which a candidate is used. */

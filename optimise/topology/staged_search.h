@@ -40,7 +40,4 @@ lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, cons
                         lw_staged_search *out, lw_error *e);
 void      lw_staged_search_free(lw_staged_search *s);
 
-/* Links of a candidate's mechanism. */
-int lw_candidate_links(const lw_candidate *c);
-
 #endif
