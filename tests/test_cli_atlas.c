@@ -37,7 +37,7 @@ static void six_links(void)
            NULL);
     expect("$P fit examples/walking-foot.csv --atlas $D/s.db --rounds 1 --timing none | grep -c point.on.link", 1,
            "0\n", NULL);
-    expect("$P catalogue curves $D/s.db --links 8 -n 10", 2, NULL, "of four or six links");
+    expect("$P catalogue curves $D/s.db --links 8 -n 10", 2, NULL, "four or six links");
     expect("$P catalogue curves $D/s.db --links 6 --types all -n 10", 2, NULL, "--types is for four links");
 }
 
@@ -49,8 +49,8 @@ static void add(void)
     expect("$P fit examples/ellipse.csv --time 1 --quiet --results 2 --json > $D/fit.json; cat $D/fit.json "
            "$D/near.json | $P catalogue add $D/l.db -", 0, "", " 7 added");
     expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
-    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is no "
-           "linkage");
+    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is neither "
+           "a linkage");
     expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
            "bad.json:3:");
     expect("printf '\\n{\"results\": [{\"linkage\": {\"joints\": 5}}]}' > $D/bad.json; $P catalogue add $D/l.db "
