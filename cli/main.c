@@ -37,7 +37,7 @@ static void overview(FILE *f)
           "Data goes to standard output (or -o FILE), messages to standard error.\n"
           "An input is never overwritten, and a file that linkwright did not write only with --force.\n"
           "Exit codes: 0 done, 1 nothing found, 2 wrong usage, 3 bad input, 4 numerical failure,\n"
-          "5 stopped by a limit with partial results kept, 130 interrupted.\n", f);
+          "5 stopped by a limit with partial results kept, 130 Ctrl-C, 143 SIGTERM.\n", f);
 }
 
 void cli_command_help(const cli_command *c, FILE *f)
@@ -71,7 +71,7 @@ static int unknown_command(const char *word)
 static int finish_text(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
-        return cli_interrupted() ? CLI_INTERRUPTED : code;
+        return cli_interrupted() ? 128 + *cli_stop_flag() : code;
     fputs("linkwright: cannot write to standard output\n", stderr);
     return CLI_BAD_INPUT;
 }

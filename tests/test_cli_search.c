@@ -356,7 +356,7 @@ static void counting_stops_when_asked(void)
 {
     expect("$P fit $D/t.csv --links 8 --joints r,t,p,g & "
            "for i in $(seq 3000); do grep -q 'SigCgt:.*4[0-9a-f]\\{3\\}$' /proc/$!/status && break; sleep 0.01; done; "
-           "kill -TERM $!; wait $!", 130, NULL, "stopped while mechanisms were still counted: none was searched");
+           "kill -TERM $!; wait $!", 143, NULL, "stopped while mechanisms were still counted: none was searched");
 }
 
 static void gears_are_fitted_and_traced(void)

@@ -178,7 +178,7 @@ static int finish(const cli_call *call, const cli_bench *b)
     if (s->output && cli_bench_save(b, call->line, s->output, &e) != LW_OK)
         return cli_fail(call, &e);
     cli_bench_tables(b, stdout);
-    return cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+    return CLI_DONE;
 }
 
 /* Make the folder of -o, and ask for each file that goes into it whether it may be written there. */
@@ -223,7 +223,7 @@ static int run_links(const cli_call *call, cli_bench *b)
     if (st == LW_OK && code == CLI_DONE)
         st = cli_bench_links_run(call, b, &o, &e);
     cli_bench_free(b->problem, b->n_problem);
-    return code != CLI_DONE ? code : st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+    return code != CLI_DONE ? code : st < 0 ? cli_fail(call, &e) : CLI_DONE;
 }
 
 static int run_mbs(const cli_call *call)
@@ -235,7 +235,6 @@ static int run_mbs(const cli_call *call)
     int code = check_folder(call, "mbs.csv", "mbs-", NULL);
     if (code != CLI_DONE)
         return code;
-    cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
     lw_status st = cli_mbs_find_peers(&b, s->peers, &e);
     if (st == LW_OK)
@@ -243,7 +242,7 @@ static int run_mbs(const cli_call *call)
     cli_mbs_free(&b);
     if (st == LW_E_ARG)
         return cli_usage(call, "%s", e.text);
-    return st < 0 ? cli_fail(call, &e) : cli_interrupted() ? CLI_INTERRUPTED : CLI_DONE;
+    return st < 0 ? cli_fail(call, &e) : CLI_DONE;
 }
 
 static int run(const cli_call *call)
@@ -262,7 +261,6 @@ static int run(const cli_call *call)
         return cli_usage(call, "there is no bench '%s'; there are 'fit' and 'mbs'", what);
     if (choose(s->solvers, &c, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
-    cli_watch_interrupt();
     cli_bench_machine(b.machine, sizeof b.machine);
     if (s->links)
         return run_links(call, &b);

@@ -83,7 +83,7 @@ int cli_catalogue_add(const cli_call *call)
     size_t size;
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "add", "linkages");
     lw_build_control control = control_of(call, &w);
-    lw_status status = lw_file_read(file, &text, &size, &e);
+    lw_status status = cli_read_file(file, "results of fit or linkages (JSON)", &text, &size, &e);
     if (status == LW_OK)
         status = cli_catalogue_open(call, true, &store, &e);
     if (status == LW_OK)

@@ -81,7 +81,6 @@ lw_status cli_catalogue_open(const cli_call *call, bool write, lw_store **store,
 cli_catalogue_watch cli_catalogue_watch_begin(const cli_call *call, const char *what, const char *unit)
 {
     const cli_catalogue_settings *s = call->settings;
-    cli_watch_interrupt();
     return (cli_catalogue_watch){ .call = call, .progress = cli_progress_begin(call, what, unit),
                                   .start = lw_clock_wall(), .limit = cli_given(&call->parsed, "time") ? s->time : 0 };
 }

@@ -105,7 +105,7 @@ static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
     if (status == LW_OK && s->from)
         status = format_named(s->from, true, &f, e);
     if (status == LW_OK)
-        status = lw_file_read(path, &t.text, &t.size, e);
+        status = cli_read_file(path, "a linkage", &t.text, &t.size, e);
     if (status == LW_OK)
         status = (f ? f : format_of_text(&t))->read(&t, k, e);
     if (status == LW_OK && s->unit)

@@ -559,7 +559,7 @@ static int fit_all(const cli_call *call)
     for (int i = 0; i < done; i++)
         set_free(&set[i]);
     free(set);
-    return cli_interrupted() ? CLI_INTERRUPTED : code;
+    return code;
 }
 
 static int run(const cli_call *call)
@@ -570,7 +570,6 @@ static int run(const cli_call *call)
         return list_solvers();
     if ((code = check(call)) != CLI_DONE)
         return code;
-    cli_watch_interrupt();
     return fit_all(call);
 }
 

@@ -147,7 +147,7 @@ static lw_status read_matrix(job *b, lw_error *e)
     char *text = NULL;
     size_t size = 0;
     const char *path = b->call->parsed.n_word > 0 ? b->call->parsed.word[0] : "-";
-    lw_status st = lw_file_read(path, &text, &size, e);
+    lw_status st = cli_read_file(path, "a link adjacency matrix", &text, &size, e);
     if (st == LW_OK)
         st = lw_lam_read(text, size, path, &b->lam, e);
     free(text);

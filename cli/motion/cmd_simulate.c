@@ -184,7 +184,7 @@ static int run(const cli_call *call)
         cli_note(call, "%s; the rows so far are kept", e.text);
     cli_simulate_free(c);
     free(c);
-    return cli_close(call, &o, cli_interrupted() ? CLI_INTERRUPTED : code);
+    return cli_close(call, &o, code);
 }
 
 const cli_command cli_simulate_command = {

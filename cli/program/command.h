@@ -7,7 +7,7 @@
 /* Exit codes of the program (docs/linkwright.1.in). */
 enum {
     CLI_DONE = 0, CLI_NOTHING = 1, CLI_USAGE = 2, CLI_BAD_INPUT = 3, CLI_NUMERIC = 4,
-    CLI_LIMIT = 5, CLI_INTERRUPTED = 130
+    CLI_LIMIT = 5                      /* main.c adds 128 + number of the signal that ended the command */
 };
 
 typedef struct cli_call {

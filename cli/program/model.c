@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include "base/file.h"
+#include "cli/program/output.h"
 #include "grammar/model.h"
 #include "optimise/task/target_outline.h"
 
@@ -57,7 +57,7 @@ lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error 
 {
     char *text = NULL;
     size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
+    lw_status s = cli_read_file(path, "a linkage (JSON)", &text, &size, e);
     if (s == LW_OK)
         s = cli_linkage_text(path, which, &text, &size, k, e);
     free(text);
@@ -69,7 +69,7 @@ lw_model *cli_read_model(const char *path, int which, lw_error *e)
     char *text = NULL;
     size_t size = 0;
     lw_model *m = calloc(1, sizeof *m);
-    lw_status s = m ? lw_file_read(path, &text, &size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = unwrap(path, which, &text, &size, e);
     if (s == LW_OK)
@@ -98,7 +98,7 @@ lw_status cli_read_target(const char *path, const lw_target_options *o, lw_targe
 {
     char *text = NULL;
     size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
+    lw_status s = cli_read_file(path, "a target (CSV)", &text, &size, e);
     const char *end = strrchr(path, '.');
     if (s == LW_OK)
         s = (end && strcasecmp(end, ".svg") == 0 ? lw_target_read_svg
@@ -152,7 +152,7 @@ lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_ta
 {
     char *text = NULL;
     size_t size = 0;
-    lw_status s = lw_file_read(path, &text, &size, e);
+    lw_status s = cli_read_file(path, "a task (JSON)", &text, &size, e);
     if (s == LW_OK)
         s = lw_task_file_read(text, size, path, b, e);
     free(text);

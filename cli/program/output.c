@@ -1,6 +1,7 @@
 #include "cli/program/output.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -219,8 +220,13 @@ static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int number)
 {
-    interrupted = 1;
+    int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    interrupted = number;
     signal(number, SIG_DFL);
+    if (nothing >= 0) {
+        dup2(nothing, STDIN_FILENO);             /* a read that waits there is restarted and finds the end */
+        close(nothing);
+    }
 }
 
 void cli_watch_interrupt(void)
@@ -232,4 +238,25 @@ void cli_watch_interrupt(void)
 const volatile sig_atomic_t *cli_stop_flag(void)
 {
     return &interrupted;
+}
+
+/* ---- input ---------------------------------------------------------------------------------------- */
+
+void cli_say_waiting(const char *what)
+{
+    if (isatty(STDIN_FILENO))
+        fprintf(stderr, "linkwright: waiting for %s on standard input; end it with Ctrl-D, or name a file instead\n", what);
+}
+
+lw_status cli_read_file(const char *path, const char *what, char **text, size_t *size, lw_error *e)
+{
+    bool standard = strcmp(path, "-") == 0;
+    if (standard)
+        cli_say_waiting(what);
+    lw_status s = lw_file_read(path, text, size, e);
+    if (s != LW_OK || !standard || !cli_interrupted())
+        return s;
+    free(*text);
+    *text = NULL;
+    return lw_error_at(e, LW_STOPPED, path, 0, 0, "interrupted while it was read");
 }

@@ -38,13 +38,21 @@ int cli_make_folder(const cli_call *call, const char *folder);
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 
 /* Commit, and turn the outcome into the exit code: `code` when all went well.  After Ctrl-C commands
- * commit what there is all the same; main.c makes the code CLI_INTERRUPTED. */
+ * commit what there is all the same; main.c makes the exit code. */
 int cli_close(const cli_call *call, lw_output *o, int code);
 
-/* Watch for Ctrl-C (and a polite kill): the first sets the flag, a second ends the program at once.  The flag is what
- * the library is given to look at. */
+/* Watch for Ctrl-C (SIGINT) and SIGTERM.  The first sets the flag to its number and ends standard input, so that a
+ * command which waits for input goes on at once; a second ends the program.  Functions of the library take the flag as
+ * their sign to stop.  main.c turns it into exit code 130 or 143. */
 void cli_watch_interrupt(void);
 const volatile sig_atomic_t *cli_stop_flag(void);
 #define cli_interrupted() (*cli_stop_flag() != 0)
+
+/* lw_file_read for a file of the user.  If path is "-" and standard input is a terminal, say what the command waits
+ * for: "a linkage (JSON)".  LW_STOPPED after Ctrl-C. */
+lw_status cli_read_file(const char *path, const char *what, char **text, size_t *size, lw_error *e);
+
+/* Say so when standard input is a terminal. */
+void cli_say_waiting(const char *what);
 
 #endif

@@ -25,6 +25,8 @@ static lw_status open_source(source *s, const char *path, lw_error *e)
     *s = (source){ .path = path, .f = strcmp(path, "-") ? fopen(path, "rb") : stdin };
     if (!s->f)
         return lw_error_at(e, LW_E_IO, path, 0, 0, "cannot be opened: %s", strerror(errno));
+    if (s->f == stdin)
+        cli_say_waiting("chains or mechanisms");
     s->t = lw_topologies_open(NULL, 0, path);
     s->t.more = true;
     return LW_OK;
@@ -85,7 +87,7 @@ int cli_topologies_each(const cli_call *call, const char *file, bool keep_going,
         lw_mechanism m;
         e = (lw_error){ 0 };
         lw_status s = next_topology(&from, &m, &e);
-        if (s == LW_NOTHING)
+        if (s == LW_NOTHING || cli_interrupted())
             break;
         bool was_read = s == LW_OK;
         if (was_read)
@@ -121,7 +123,6 @@ lw_status cli_topology_write(FILE *f, const lw_notation *n, const lw_mechanism *
 
 cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit)
 {
-    cli_watch_interrupt();
     return (cli_watch){ .call = call, .progress = cli_progress_begin(call, what, unit), .start = lw_clock_wall() };
 }
 

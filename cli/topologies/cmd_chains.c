@@ -454,7 +454,7 @@ static int enumerate(task *t, lw_error *e)
     status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
     cli_progress_end(&t->progress);
     if (status != LW_OK)
-        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(t->call, e);
+        return cli_interrupted() ? CLI_DONE : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
     if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out, e)) != LW_OK)
         return cli_fail(t->call, e);
@@ -495,7 +495,6 @@ static int run(const cli_call *call)
     int code = read_settings(&t), rank = 0;
     if (code != CLI_DONE)
         return code;
-    cli_watch_interrupt();
     if (t.s->mpi)
         rank = cli_mpi_begin();
     if (rank > 0)

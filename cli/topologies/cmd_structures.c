@@ -143,7 +143,6 @@ static int run(const cli_call *call)
         return replay(call);
     if (!s->loops)
         return cli_usage(call, "how many loops? give --loops L");
-    cli_watch_interrupt();
     if (s->loops > 8)
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
     watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
@@ -152,7 +151,7 @@ static int run(const cli_call *call)
     if (status != LW_OK) {
         (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were complete"
                            : "the structures with %d loops do not fit into memory", s->loops);
-        return cli_interrupted() ? CLI_INTERRUPTED : cli_fail(call, &e);
+        return cli_interrupted() ? CLI_DONE : cli_fail(call, &e);
     }
     int code = CLI_DONE;
     if (cli_open(call, &o, &e) != LW_OK)

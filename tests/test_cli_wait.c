@@ -1,0 +1,40 @@
+/* test_cli_wait.c - commands that wait for standard input say so on a terminal, and a signal ends them at once. */
+#include "tests/cli_run.h"
+
+/* A pipe that nobody writes is held open for a minute; the command must end long before.  The signal is sent until it
+ * arrives: the shell lets a background command ignore Ctrl-C until the command says otherwise. */
+#define WAITING(command, signal) \
+    "mkfifo $D/pipe; sleep 60 > $D/pipe & s=$!; " command " < $D/pipe & p=$!; " \
+    "while kill -" signal " $p; do sleep 0.05; done; wait $p; c=$?; " \
+    "kill $s && echo still held; rm $D/pipe; exit $c"
+
+static void signals(void)
+{
+    expect(WAITING("$P trace -", "TERM"), 143, "still held\n", NULL);
+    expect(WAITING("$P mechanisms", "TERM"), 143, "still held\n", NULL);
+    expect(WAITING("$P fit - -o $D/found.json", "TERM"), 143, "still held\n", NULL);
+    expect(WAITING("$P grammar parse", "INT"), 130, "still held\n", NULL);
+    expect("ls -A $D | grep -c tmp", 1, "0", NULL);
+}
+
+static void terminals(void)
+{
+    ran r = run("command -v script");
+    if (r.code == 0) {
+        expect("script -qec \"$P trace -\" $D/typed < /dev/null; cat $D/typed", 0, "waiting for a linkage", NULL);
+        expect("script -qec \"$P chains --links 6\" $D/typed < /dev/null; grep -c waiting $D/typed", 1, "0", NULL);
+        expect("script -qec \"$P grammar parse\" $D/typed < /dev/null; cat $D/typed", 0, "waiting for chains", NULL);
+    }
+    ran_free(&r);
+    r = run("$P trace - ");
+    CHECK(!strstr(r.err, "waiting"));
+    ran_free(&r);
+}
+
+int main(void)
+{
+    RUN(signals);
+    RUN(terminals);
+    run_end();
+    return check_end();
+}
