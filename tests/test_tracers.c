@@ -7,7 +7,8 @@
 #include "optimise/search/random_linkage.h"
 #include "optimise/report/report.h"
 #include "optimise/search/start.h"
-#include "optimise/search/tracers.h"
+#include "optimise/problem/tracers.h"
+#include "optimise/search/tracer_spread.h"
 #include "tests/fit_problem.h"
 #include "tests/six_bar.h"
 

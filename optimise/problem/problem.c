@@ -5,12 +5,6 @@
 #include "optimise/problem/family.h"
 #include "optimise/problem/problem_internal.h"
 
-lw_fit_spec lw_fit_spec_default(void)
-{
-    return (lw_fit_spec){ .task = LW_TASK_PATH, .timing = LW_TIMING_FREE, .datum = LW_DATUM_FREE,
-                          .a = 1, .b = 1 };
-}
-
 const char *lw_problem_variable(const lw_problem *p, int i)
 {
     if (i < p->n_dim)

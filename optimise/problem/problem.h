@@ -7,7 +7,7 @@
  * the origin and scaled to size one, so that coordinates around 1e9 or 1e-9 are as good as any.
  *
  * Further points of the target add their own terms, with the input of the station in common; each lies on its link
- * (optimise/search/tracers.h) and has a mounting angle of its own (`tool2`, ...) where it has a theta.
+ * (optimise/problem/tracers.h) and has a mounting angle of its own (`tool2`, ...) where it has a theta.
  *
  * Timing.  prescribed: the input angle of station i is input0 + angle[i]; with gears that come back after several
  * turns the three are parts of these (over lw_plan.laps).  free: each station takes the input that suits it best, in
@@ -21,73 +21,13 @@
 
 #include <stdint.h>
 #include "mbs/plan/types.h"
-#include "optimise/task/target.h"
+#include "optimise/task/specification.h"
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
-#define LW_ZONE_MAX    8
 /* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
  * branches cross and nobody can say which one a linkage follows. */
 #define LW_LINEAR_LEAST 1e-6
-
-typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
-typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
-
-/* From where the angles of a prescribed timing count. */
-typedef enum lw_datum {
-    LW_DATUM_FREE,        /* only differences matter: the first angle is found                    */
-    LW_DATUM_FRAME,       /* from the x axis of the ground frame (the line of the fixed pivots)   */
-    LW_DATUM_PLANE        /* from the x axis of the plane                                         */
-} lw_datum;
-
-/* Where a further point lies: of four links on the coupler, or an angle alone on the output; of other linkages a
- * family says it. */
-typedef enum lw_carrier {
-    LW_CARRIER_ANY,
-    LW_CARRIER_INPUT,     /* on the driven link                                                    */
-    LW_CARRIER_COUPLER,   /* on a link that is not joined to the ground                            */
-    LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
-} lw_carrier;
-
-typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
-
-/* Where something must or must not be: boxes, circles, lines. */
-typedef enum lw_zone_kind {
-    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
-    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
-    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
-    LW_ZONE_NO_CIRCLE
-} lw_zone_kind;
-
-typedef struct lw_zone {
-    lw_zone_kind kind;
-    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
-    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
-    double  reach;        /* circle: radius; line: how far off [m]                                  */
-} lw_zone;
-
-/* What a person asks for; in SI. */
-typedef struct lw_fit_spec {
-    lw_task   task;
-    lw_timing timing;
-    lw_datum  datum;
-    double    a, b;                    /* eq. 17; [1/m^2], [1/rad^2]                              */
-    bool      crank_only;              /* the input must turn fully                               */
-    bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
-    double    min_transmission;        /* [rad], 0: not asked                                     */
-    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
-                                        * angle [rad/rad^2]; 0: not asked                         */
-    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
-    double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
-    double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
-    lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */
-    int       n_zone;
-    lw_zone   zone[LW_ZONE_MAX];
-    int       n_bound;
-    lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
-} lw_fit_spec;
-
-lw_fit_spec lw_fit_spec_default(void);
 
 /* A family: a type of linkage, and linear conditions on its lengths that make its input turn fully,
  * or none.  Rows of a table in optimise/problem/family.c. */

@@ -113,10 +113,6 @@ bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w);
 /* The input at 0 .. 1 of the way from the first station to the last, or all round; its assembly and stroke. */
 double lw_problem_way(const lw_problem *p, const lw_work *w, double share, double *mode, int *leg);
 
-/* Must pins and points keep out of it?  And how far outside is a place: negative inside. */
-bool   lw_zone_forbids(const lw_zone *z);
-double lw_zone_outside(const lw_zone *z, lw_vec2 at);
-
 /* Conditions of zones (zone.c): how many, and their values g >= 0 at the inputs that x's stations have. */
 size_t lw_zone_count(const lw_problem *p);
 void   lw_zone_conditions(const lw_problem *p, const double *x, lw_work *w, double *g);

@@ -5,7 +5,7 @@
 
 #include "optimise/problem/family.h"
 #include "optimise/problem/problem_internal.h"
-#include "optimise/search/tracers.h"
+#include "optimise/problem/tracers.h"
 
 /* "+r3+r4-r1-r2" into coefficients by variable. */
 static void linear_row(const lw_problem *p, const char *text, double *row)

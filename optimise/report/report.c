@@ -8,7 +8,7 @@
 #include "mbs/plan/pose.h"
 #include "mbs/kinematics/output_limits.h"
 #include "optimise/report/report_internal.h"
-#include "optimise/search/tracers.h"
+#include "optimise/problem/tracers.h"
 
 /* ---- posture ------------------------------------------------------------------------------ */
 

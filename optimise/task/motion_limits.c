@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include "optimise/problem/problem_internal.h"
 
 #define OFF 1e-3
 

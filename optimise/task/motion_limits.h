@@ -3,7 +3,7 @@
 #define LW_OPTIMISE_TASK_MOTION_LIMITS_H
 
 #include "mbs/plan/pose.h"
-#include "optimise/problem/problem.h"
+#include "optimise/task/specification.h"
 
 typedef struct lw_motion_limits {
     double margin_least, margin_most;   /* mbs/batch/batch.h [1]; NaN: no pose yet                        */

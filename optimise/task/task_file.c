@@ -6,8 +6,6 @@
 #include <string.h>
 
 #include "grammar/read_internal.h"
-#include "optimise/task/contradiction.h"
-#include "optimise/problem/problem_internal.h"
 #include "optimise/task/target_internal.h"
 
 /* ---- pieces --------------------------------------------------------------------------------------------- */

@@ -3,7 +3,7 @@
 #ifndef LW_OPTIMISE_TASK_TASK_FILE_H
 #define LW_OPTIMISE_TASK_TASK_FILE_H
 
-#include "optimise/problem/problem.h"
+#include "optimise/task/specification.h"
 
 #define LW_DWELL_MAX  8
 #define LW_TASK_FILE_TEXT 256

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optimise/search/tracers.h"
+#include "optimise/search/tracer_spread.h"
 
 enum { LINKS_MAX = 10 };
 

@@ -1,4 +1,4 @@
-/* optimise/task/zone.c - conditions on places: where the fixed pivots have to be, and where no pin and no tracer may
+/* optimise/problem/zone.c - conditions on places: where the fixed pivots have to be, and where no pin and no tracer may
  * come. */
 #include <string.h>
 
@@ -10,8 +10,6 @@ enum {
     POSES = 24,                       /* steps of the motion in which forbidden zones are looked at      */
     HALVINGS = 24                     /* of the way between two poses beside a box                      */
 };
-
-bool lw_zone_forbids(const lw_zone *z) { return z->kind == LW_ZONE_NO_BOX || z->kind == LW_ZONE_NO_CIRCLE; }
 
 /* Fixed pivots: their places in the ground frame; the first is its origin.  Returns how many. */
 static int fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at)
@@ -61,14 +59,6 @@ static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, doub
 
 /* Scaled lengths have no need of hypot's care, which is a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
-
-double lw_zone_outside(const lw_zone *z, lw_vec2 at)
-{
-    if (z->kind == LW_ZONE_NO_CIRCLE)
-        return length_of(lw_v2_sub(at, z->at)) - z->reach;
-    double dx = fmax(z->at.x - at.x, at.x - z->to.x), dy = fmax(z->at.y - at.y, at.y - z->to.y);
-    return dx > 0 && dy > 0 ? length_of(lw_v2(dx, dy)) : fmax(dx, dy);
-}
 
 /* The least distance from it on the way from a to b, taken as straight: it is convex along a line, and falls no faster
  * than the way is long. */

@@ -1,7 +1,12 @@
-#include "optimise/task/contradiction.h"
+#include "optimise/task/specification.h"
 
 #include <math.h>
-#include "optimise/problem/problem_internal.h"
+
+lw_fit_spec lw_fit_spec_default(void)
+{
+    return (lw_fit_spec){ .task = LW_TASK_PATH, .timing = LW_TIMING_FREE, .datum = LW_DATUM_FREE,
+                          .a = 1, .b = 1 };
+}
 
 enum { EDGES = 2 + 2*LW_ZONE_MAX };
 

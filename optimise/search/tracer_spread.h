@@ -1,19 +1,8 @@
-/* optimise/search/tracers.h - several points of one mechanism: on which links they lie.
- *
- * The first tracer of a family is the point that is fitted.  Further points of a target lie on further tracers: those
- * that the family's linkage brings, else new ones.  Of the four-link types a point lies on the coupler and an angle
- * alone is that of the output (of the coupler, when the output is the first), unless the task names another link. */
-#ifndef LW_OPTIMISE_SEARCH_TRACERS_H
-#define LW_OPTIMISE_SEARCH_TRACERS_H
+/* optimise/search/tracer_spread.h - families for every choice of links on which the points of a target may lie. */
+#ifndef LW_OPTIMISE_SEARCH_TRACER_SPREAD_H
+#define LW_OPTIMISE_SEARCH_TRACER_SPREAD_H
 
 #include "optimise/search/families.h"
-
-/* The linkage of a family with a tracer for every point of the target.  LW_E_KIND: it has no such link, or its
- * output only slides and has no angle. */
-lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fit_spec *s, lw_linkage *k, lw_error *e);
-
-/* Those of a plan for this target: bits of lw_plan_outputs.tracers. */
-unsigned lw_tracers_mask(const lw_target *t);
 
 /* Families made of others, one for each choice of links for the points: those that bring a tracer for every point stay
  * as they are; of the rest one point lies where the family's tracer does, and the others on every link that suits them;

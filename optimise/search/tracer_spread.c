@@ -1,95 +1,11 @@
-#include "optimise/search/tracers.h"
+#include "optimise/search/tracer_spread.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/growable_array.h"
-
-unsigned lw_tracers_mask(const lw_target *t)
-{
-    return (1u << (1 + t->n_also)) - 1;
-}
-
-static int driven_link(const lw_linkage *k)
-{
-    const lw_joint *j = &k->joint[k->input[0].joint];
-    return j->link[j->link[0] == k->ground];
-}
-
-static bool at_ground(const lw_linkage *k, int link)
-{
-    for (int j = 0; j < k->n_joint; j++)
-        for (int side = 0; side < 2; side++)
-            if (k->joint[j].link[side] == link && k->joint[j].link[!side] == k->ground)
-                return true;
-    return false;
-}
-
-/* What a link is for a tracer. */
-static lw_carrier carrier_of(const lw_linkage *k, int link)
-{
-    return link == driven_link(k) ? LW_CARRIER_INPUT : at_ground(k, link) ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
-}
-
-/* Does a link stay parallel to itself: joined by a slide to the ground? */
-static bool only_slides(const lw_linkage *k, int link)
-{
-    for (int j = 0; j < k->n_joint; j++)
-        for (int side = 0; side < 2; side++)
-            if (k->joint[j].kind == LW_JOINT_SLIDER && k->joint[j].link[side] == link
-                && k->joint[j].link[!side] == k->ground)
-                return true;
-    return false;
-}
-
-/* A tracer on a link, near its joints: where exactly is read by nobody. */
-static void put_tracer(lw_linkage *k, int i, int link)
-{
-    lw_tracer *p = &k->tracer[i];
-    lw_vec2 sum = lw_v2(0, 0);
-    int n = 0;
-    memset(p, 0, sizeof *p);
-    snprintf(p->name, sizeof p->name, "P%d", i + 1);
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].link[0] == link || k->joint[j].link[1] == link) {
-            sum = lw_v2_add(sum, k->joint[j].at);
-            n++;
-        }
-    p->link = link;
-    p->at = n ? lw_v2_scale(sum, 1.0/n) : sum;
-    k->n_tracer = i + 1;
-}
-
-static lw_status no_angle(lw_error *e, int number)
-{
-    return lw_error_set(e, LW_E_KIND, "the link of point %d slides and has no angle", number);
-}
-
-lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fit_spec *s, lw_linkage *k, lw_error *e)
-{
-    lw_family_linkage(f, s->task, k);
-    for (int i = 0; i < t->n_also; i++) {
-        bool angle = !t->also[i].x;
-        lw_carrier c = s->carrier[i];
-        if (c == LW_CARRIER_ANY)
-            c = angle && s->task != LW_TASK_FUNCTION ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
-        int link = k->n_tracer > i + 1 ? k->tracer[i + 1].link : -1;
-        for (int l = 0; l < k->n_link && link < 0; l++)
-            if (l != k->ground && carrier_of(k, l) == c)
-                link = l;
-        if (link < 0)
-            return lw_error_set(e, LW_E_KIND, "it has no link such as point %d is to lie on", i + 2);
-        if (t->also[i].theta && only_slides(k, link))
-            return no_angle(e, i + 2);
-        if (k->n_tracer <= i + 1)
-            put_tracer(k, i + 1, link);
-    }
-    k->n_tracer = 1 + t->n_also;
-    return LW_OK;
-}
-
-/* ---- every choice of links --------------------------------------------------------------------------------- */
+#include "optimise/problem/tracers.h"
 
 typedef struct choice {
     const lw_linkage  *linkage;                      /* of the family                                */
@@ -104,7 +20,7 @@ typedef struct choice {
 static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
 {
     lw_linkage alone = *k;
-    put_tracer(&alone, 0, link);
+    lw_tracers_put(&alone, 0, link);
     return lw_plan_make_any(&alone, (lw_plan_outputs){ .tracers = 1 }, plan, NULL) == LW_OK && plan->n_link < k->n_link;
 }
 
@@ -113,10 +29,10 @@ static bool suits(const choice *c, int i, int link)
 {
     const lw_linkage *k = c->linkage;
     const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
-    lw_carrier is = carrier_of(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
+    lw_carrier is = lw_tracers_carrier(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
     bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
     bool angle = a ? a->theta != NULL : c->s->task != LW_TASK_PATH;
-    if (link == k->ground || (angle && only_slides(k, link)))
+    if (link == k->ground || (angle && lw_tracers_only_slides(k, link)))
         return false;
     if (i == 0 && link != k->tracer[0].link && !c->partial[link])
         return false;
@@ -206,7 +122,7 @@ static lw_status make_choice(const void *of, int i, lw_family_made *made)
     for (int p = 0; p < s->n_point && p <= LW_ALSO_MAX; p++) {
         int link = c->link[0] < 0 ? k->tracer[p].link : c->link[p];
         if (c->link[0] >= 0 && (p > 0 || link != k->tracer[0].link))
-            put_tracer(k, p, link);
+            lw_tracers_put(k, p, link);
         size_t at = strlen(made->name);
         snprintf(made->name + at, sizeof made->name - at, "%s%d", p == 0 ? ", points on links " : ", ", link + 1);
     }

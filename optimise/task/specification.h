@@ -1,0 +1,92 @@
+/* optimise/task/specification.h - what a person asks of a linkage: the task, its timing, and conditions. */
+#ifndef LW_OPTIMISE_TASK_SPECIFICATION_H
+#define LW_OPTIMISE_TASK_SPECIFICATION_H
+
+#include <math.h>
+
+#include "base/vec2.h"
+#include "optimise/task/target.h"
+
+#define LW_ZONE_MAX 8
+
+typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
+typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
+
+/* From where the angles of a prescribed timing count. */
+typedef enum lw_datum {
+    LW_DATUM_FREE,        /* only differences matter: the first angle is found                    */
+    LW_DATUM_FRAME,       /* from the x axis of the ground frame (the line of the fixed pivots)   */
+    LW_DATUM_PLANE        /* from the x axis of the plane                                         */
+} lw_datum;
+
+/* Where a further point lies: of four links on the coupler, or an angle alone on the output; of other linkages a
+ * family says it. */
+typedef enum lw_carrier {
+    LW_CARRIER_ANY,
+    LW_CARRIER_INPUT,     /* on the driven link                                                    */
+    LW_CARRIER_COUPLER,   /* on a link that is not joined to the ground                            */
+    LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
+} lw_carrier;
+
+typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
+
+/* Where something must or must not be: boxes, circles, lines. */
+typedef enum lw_zone_kind {
+    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
+    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
+    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
+    LW_ZONE_NO_CIRCLE
+} lw_zone_kind;
+
+typedef struct lw_zone {
+    lw_zone_kind kind;
+    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
+    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
+    double  reach;        /* circle: radius; line: how far off [m]                                  */
+} lw_zone;
+
+/* What a person asks for; in SI. */
+typedef struct lw_fit_spec {
+    lw_task   task;
+    lw_timing timing;
+    lw_datum  datum;
+    double    a, b;                    /* eq. 17; [1/m^2], [1/rad^2]                              */
+    bool      crank_only;              /* the input must turn fully                               */
+    bool      exclude_drag_link;       /* and be the shortest link (four-bars)                    */
+    double    min_transmission;        /* [rad], 0: not asked                                     */
+    double    max_acceleration;        /* of the tracer by the input angle [m/rad^2], of a function of the output
+                                        * angle [rad/rad^2]; 0: not asked                         */
+    double    length_lo, length_hi;    /* lengths [m]; hi 0: limited relative to the path         */
+    double    position_lo, position_hi;/* coordinates [m]; lo == hi: the same                     */
+    double    length_ratio;            /* of the longest to the shortest length, 0: not asked     */
+    lw_carrier carrier[LW_ALSO_MAX];   /* of the target's further points                          */
+    int       n_zone;
+    lw_zone   zone[LW_ZONE_MAX];
+    int       n_bound;
+    lw_bound  bound[24];               /* by name, override the ranges [m], [rad]                 */
+} lw_fit_spec;
+
+lw_fit_spec lw_fit_spec_default(void);
+
+/* Is it a zone that no pin and no tracer may enter? */
+static inline bool lw_zone_forbids(const lw_zone *zone)
+{
+    return zone->kind == LW_ZONE_NO_BOX || zone->kind == LW_ZONE_NO_CIRCLE;
+}
+
+/* Distance of a place from a forbidden zone, or from a box in which the pivots have to be [m]; negative inside.  With
+ * sqrt instead of hypot, which takes a fifth of the time of a fit with zones. */
+static inline double lw_zone_outside(const lw_zone *zone, lw_vec2 at)
+{
+    lw_vec2 off = lw_v2_sub(at, zone->at);
+    if (zone->kind == LW_ZONE_NO_CIRCLE)
+        return sqrt(lw_v2_dot(off, off)) - zone->reach;
+    lw_vec2 beyond = lw_v2(fmax(zone->at.x - at.x, at.x - zone->to.x), fmax(zone->at.y - at.y, at.y - zone->to.y));
+    return beyond.x > 0 && beyond.y > 0 ? sqrt(lw_v2_dot(beyond, beyond)) : fmax(beyond.x, beyond.y);
+}
+
+/* Which conditions contradict each other, in words; NULL when none is found.  Compares places of the pivots with the
+ * range of positions and with the forbidden zones, several of them together. */
+const char *lw_contradiction(const lw_fit_spec *spec);
+
+#endif
