@@ -64,6 +64,9 @@ $B/$(SONAME): $(LIB_OBJ) linkwright.map
 	$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=linkwright.map $(CFLAGS) $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+# the program for tests of limits: its clock and its end by a signal are set by the environment
+$B/tests/linkwright: $(CLI_OBJ) $B/tests/fake_clock.o $B/tests/kill_at_write.o $B/liblinkwright.a
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 $B/tests/test_flexible_crank: $B/cli/bench/flexible_crank.o
@@ -88,7 +91,7 @@ deps-bench:
 	@.ci/deps $(DEPS) $(PEERS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
-run-test: $B/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
+run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \

@@ -1,17 +1,15 @@
-/* tests/catalogue_file.h - what tests of catalogues share: the whole content of a file as text, its examination,
- * and programs that are killed. */
+/* tests/catalogue_file.h - for tests of catalogues: the whole content of a file as text, checked for damage, and
+ * programs that are killed while they write one. */
 #ifndef LW_TESTS_CATALOGUE_FILE_H
 #define LW_TESTS_CATALOGUE_FILE_H
 
-#include <signal.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 #include "base/rng.h"
-#include "tests/check.h"
+#include "tests/cli_run.h"
 
-/* Rows of a table as text, moments left out. */
+/* Rows of a table as text, without the times of day. */
 static inline void dump_table(sqlite3 *db, const char *table, FILE *f)
 {
     char sql[200];
@@ -66,71 +64,88 @@ static inline char *dump_catalogue(const char *path)
     return text;
 }
 
-static inline double seconds_now(void)
+/* Run `arguments` (split at blanks) of the test build of the program in `folder`, silent, with its clock 1 ms later at
+ * each reading.  It is killed right before it changes a file for the n-th time; 0: it may end.  Returns the exit code,
+ * -1 when it was killed.  *n_write, unless NULL, is the number of changes of a run that ended. */
+static inline int run_and_kill(const char *folder, const char *arguments, long n, long *n_write)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
-}
-
-/* Start `arguments` (split at blanks) of the program in `folder`, silent; kill it after so many seconds, < 0: let it
- * end.  Returns the exit code, -1 when it was killed. */
-static inline int start_and_kill(const char *folder, const char *arguments, double seconds)
-{
-    char line[512], *word[32];
-    int n = 0, status;
-    const char *program = getenv("LW_PROGRAM");
-    char *whole = realpath(program ? program : "build/linkwright", NULL);
+    char line[512], *word[32], number[32];
+    const char *program = getenv("C");
+    int n_word = 0, status;
+    char *whole = realpath(program, NULL);
     snprintf(line, sizeof line, "%s", arguments);
-    word[n++] = whole;
-    for (char *w = strtok(line, " "); w && n < 31; w = strtok(NULL, " "))
-        word[n++] = w;
-    word[n] = NULL;
+    snprintf(number, sizeof number, "%ld", n);
+    word[n_word++] = whole;
+    for (char *w = strtok(line, " "); w && n_word < 31; w = strtok(NULL, " "))
+        word[n_word++] = w;
+    word[n_word] = NULL;
     pid_t pid = fork();
     if (pid == 0) {
+        setenv("LW_CLOCK_STEP", "0.001", 1);
+        setenv("LW_KILL_AT_WRITE", number, 1);
+        setenv("LW_WRITES_FILE", "writes", 1);
         if (chdir(folder) != 0 || !freopen("/dev/null", "w", stderr) || !freopen("/dev/null", "w", stdout))
             _exit(99);
         execv(whole, word);
         _exit(99);
     }
     free(whole);
-    if (seconds >= 0) {
-        nanosleep(&(struct timespec){ (time_t)seconds, (long)(1e9*(seconds - (double)(time_t)seconds)) }, NULL);
-        kill(pid, SIGKILL);
-    }
     waitpid(pid, &status, 0);
+    if (n_write) {
+        char path[300];
+        snprintf(path, sizeof path, "%s/writes", folder);
+        FILE *f = fopen(path, "r");
+        CHECK(f && fscanf(f, "%ld", n_write) == 1);
+        if (f)
+            fclose(f);
+    }
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/* Kill `arguments`, which work on `file` in `folder`, at `n` random moments of a run that takes `seconds`; after
- * each kill the file must be whole, and in the end hold what `want` says.  Whenever a run came through, `reset`
- * prepares the file for the next one. */
-static inline void kill_at_random(const char *folder, const char *file, const char *arguments, double seconds, int n,
-                                  const char *want, void (*reset)(const char *path))
+static inline void remove_catalogue(const char *path)
+{
+    char journal[320];
+    snprintf(journal, sizeof journal, "%s-journal", path);
+    remove(path);
+    remove(journal);
+}
+
+/* Run `arguments`, which fill the catalogue `file` in the folder $D/killed, to the end once, then kill them n_kill times,
+ * each time at a random change of a file.  After each kill the catalogue must be whole.  A run that ends must leave in it
+ * what the first left, of which `has` is a part; then the next begins with no file. */
+static inline void kill_at_random(const char *file, const char *arguments, int n_kill, const char *has)
 {
     lw_rng rng;
-    char path[300];
+    char folder[280], path[300];
+    long n_write = 0;
     int n_killed = 0;
     lw_rng_seed(&rng, check_seed(), 77);
+    snprintf(folder, sizeof folder, "%s/killed", getenv("D"));
     snprintf(path, sizeof path, "%s/%s", folder, file);
-    reset(path);
-    for (int tries = 0; n_killed < n && tries < 20*n; tries++) {
-        int code = start_and_kill(folder, arguments, lw_rng_range(&rng, 0, 1.1*seconds));
+    CHECK_INT(run_and_kill(folder, arguments, 0, &n_write), 0);
+    CHECK(n_write > n_kill);
+    char *complete = dump_catalogue(path);
+    CHECK(strlen(complete) > 1000 && strncmp(complete, "damaged", 7) != 0);
+    CHECK_HAS(complete, has);
+    remove_catalogue(path);
+    for (int tries = 0; n_killed < n_kill && tries < 20*n_kill; tries++) {
+        int code = run_and_kill(folder, arguments, 1 + (long)(lw_rng_uniform(&rng)*(double)n_write), NULL);
         n_killed += code == -1;
         CHECK(code == -1 || code == 0);
         char *now = access(path, F_OK) == 0 ? dump_catalogue(path) : NULL;
         CHECK(!now || strncmp(now, "damaged", 7) != 0);
         if (code == 0) {
-            CHECK(now && strcmp(now, want) == 0);
-            reset(path);
+            CHECK(now && strcmp(now, complete) == 0);
+            remove_catalogue(path);
         }
         free(now);
     }
-    CHECK_INT(n_killed, n);
-    CHECK_INT(start_and_kill(folder, arguments, -1), 0);
+    CHECK_INT(n_killed, n_kill);
+    CHECK_INT(run_and_kill(folder, arguments, 0, NULL), 0);
     char *now = dump_catalogue(path);
-    CHECK(strcmp(now, want) == 0);
+    CHECK(strcmp(now, complete) == 0);
     free(now);
+    free(complete);
 }
 
 #endif

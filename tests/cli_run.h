@@ -1,38 +1,68 @@
-/* tests/cli_run.h - run the built program (LW_PROGRAM) through the shell and look at all it said. */
+/* tests/cli_run.h - run the built program through the shell and look at all it prints.
+ *
+ * The commands know three words:
+ *     $P   the program (LW_PROGRAM)
+ *     $C   its test build, whose clock and end the environment sets: tests/fake_clock.c, tests/kill_at_write.c
+ *     $D   a folder of this test's own, removed at the end */
 #ifndef LW_TESTS_CLI_RUN_H
 #define LW_TESTS_CLI_RUN_H
 
+#include <stdbool.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 #include "tests/check.h"
 
 typedef struct ran { int code; char *out, *err; } ran;
 
+/* The whole file as text; "" when there is none.  Free with free(). */
 static inline char *slurp(const char *path)
 {
+    struct stat about;
     FILE *f = fopen(path, "rb");
-    char *text = calloc(1, 1 << 22);
+    size_t size = f && fstat(fileno(f), &about) == 0 ? (size_t)about.st_size : 0;
+    char *text = calloc(1, size + 1);
     if (f && text)
-        text[fread(text, 1, (1 << 22) - 1, f)] = 0;
+        text[fread(text, 1, size, f)] = 0;
     if (f)
         fclose(f);
     return text;
 }
 
-/* "$P" in the command stands for the program, "$D" for a folder of this test's own. */
+static pid_t run_owner;
+
+static inline void run_remove_folder(void)
+{
+    if (getpid() == run_owner && system("rm -rf \"$D\"") != 0)
+        perror("rm");
+}
+
+/* Set P, C and D; harmless when they are set. */
+static inline void run_prepare(void)
+{
+    if (run_owner)
+        return;
+    const char *program = getenv("LW_PROGRAM"), *temporary = getenv("TMPDIR");
+    char folder[200], test_build[300];
+    program = program ? program : "build/linkwright";
+    snprintf(folder, sizeof folder, "%s/lw-cli-XXXXXX", temporary ? temporary : "/tmp");
+    const char *name = strrchr(program, '/');
+    snprintf(test_build, sizeof test_build, "%.*stests/linkwright", name ? (int)(name + 1 - program) : 0, program);
+    if (!mkdtemp(folder))
+        abort();
+    setenv("D", folder, 1);
+    setenv("P", program, 1);
+    setenv("C", test_build, 1);
+    run_owner = getpid();
+    atexit(run_remove_folder);
+}
+
 static inline ran run(const char *command)
 {
-    static char folder[64];
-    if (!folder[0]) {
-        snprintf(folder, sizeof folder, "/tmp/lw-cli-XXXXXX");
-        const char *program = getenv("LW_PROGRAM");
-        if (!mkdtemp(folder))
-            abort();
-        setenv("D", folder, 1);
-        setenv("P", program ? program : "build/linkwright", 1);
-    }
-    char line[4096], out[96], err[96];
-    snprintf(out, sizeof out, "%s/stdout", folder);
-    snprintf(err, sizeof err, "%s/stderr", folder);
+    char line[4096], out[256], err[256];
+    run_prepare();
+    snprintf(out, sizeof out, "%s/stdout", getenv("D"));
+    snprintf(err, sizeof err, "%s/stderr", getenv("D"));
     snprintf(line, sizeof line, "{ %s\n} > %s 2> %s < /dev/null", command, out, err);
     int status = system(line);
     return (ran){ WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(out), slurp(err) };
@@ -44,7 +74,7 @@ static inline void ran_free(ran *r)
     free(r->err);
 }
 
-/* Run, and check the exit code and a part of what it said (NULL: not looked at). */
+/* Run, and check the exit code and a part of each output (NULL: not looked at). */
 static inline void expect(const char *command, int code, const char *out_has, const char *err_has)
 {
     ran r = run(command);
@@ -58,10 +88,85 @@ static inline void expect(const char *command, int code, const char *out_has, co
     ran_free(&r);
 }
 
-static inline void run_end(void)
+/* ---- tables -------------------------------------------------------------------------------------------------- */
+
+enum { CELLS = 64 };
+
+/* Split a line into cells: at commas, or at two or more blanks.  The line is changed; '#' and blanks before it go. */
+static inline int split_cells(char *line, bool commas, char *cell[CELLS])
 {
-    if (getenv("D") && system("rm -rf \"$D\"") != 0)
-        perror("rm");
+    int n = 0;
+    line += strspn(line, "# ");
+    while (n < CELLS) {
+        char *end = commas ? strchr(line, ',') : strstr(line, "  ");
+        cell[n++] = line;
+        if (!end)
+            break;
+        *end = 0;
+        line = end + 1 + (commas ? 0 : strspn(end + 1, " "));
+    }
+    return n;
+}
+
+static inline bool same_cell(const char *a, const char *b)
+{
+    char *end_a, *end_b;
+    double x = strtod(a, &end_a), y = strtod(b, &end_b);
+    return strcmp(a, b) == 0 || (end_a > a && end_b > b && *end_a == 0 && *end_b == 0 && x == y);
+}
+
+/* Has the table in `text` a row with these values in these columns, both separated by '|'?  Columns are found by their
+ * names in the first line that holds the first of them; numbers are compared as numbers. */
+static inline bool has_row(const char *text, const char *columns, const char *values)
+{
+    char *copy = strdup(text), *rest = copy, *names = strdup(columns), *wanted = strdup(values);
+    char *cell[CELLS], *name[CELLS], *value[CELLS];
+    int place[CELLS], n_name = 0, n_value = 0;
+    bool headed = false, found = false, commas = strchr(text, ',') && !strstr(text, "  ");
+    for (char *word = strtok(names, "|"); word && n_name < CELLS; word = strtok(NULL, "|"))
+        name[n_name++] = word;
+    for (char *at = wanted, *word; (word = strsep(&at, "|")) && n_value < CELLS;)
+        value[n_value++] = word;
+    for (char *line; !found && (line = strsep(&rest, "\n"));) {
+        int n = split_cells(line, commas, cell), n_same = 0;
+        for (int k = 0; k < n_name && headed; k++)
+            n_same += place[k] < n && same_cell(cell[place[k]], value[k]);
+        found = headed && n_same == n_name;
+        for (int k = 0, n_found = 0; k < n_name && !headed; k++)
+            for (int i = 0; i < n; i++)
+                if (strcmp(cell[i], name[k]) == 0) {
+                    place[k] = i;
+                    headed = ++n_found == n_name;
+                    break;
+                }
+    }
+    free(copy), free(names), free(wanted);
+    return found && n_name == n_value;
+}
+
+/* Run, and check that it ends well and prints a table with this row. */
+static inline void expect_row(const char *command, const char *columns, const char *values)
+{
+    ran r = run(command);
+    CHECK_INT(r.code, 0);
+    CHECK(has_row(r.out, columns, values));
+    if (!has_row(r.out, columns, values))
+        fprintf(stderr, "%s\n  has no row %s = %s: %s%s", command, columns, values, r.out, r.err);
+    ran_free(&r);
+}
+
+/* Run, and check that it ends well and prints these words in this order in a line, any number of blanks between them. */
+static inline void expect_words(const char *command, const char *words)
+{
+    ran r = run(command);
+    char *to = r.out;
+    CHECK_INT(r.code, 0);
+    for (const char *from = r.out; *from; from++)
+        if (*from != ' ' || to == r.out || to[-1] != ' ')
+            *to++ = *from;
+    *to = 0;
+    CHECK_HAS(r.out, words);
+    ran_free(&r);
 }
 
 #endif

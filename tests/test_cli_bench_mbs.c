@@ -29,7 +29,8 @@ static double error_of(const row *r, int n, const char *problem, const char *sol
 static void rows(void)
 {
     static row r[200];
-    expect("$P bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0, "| reduced | 1e-10 |", "");
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none --cases pendulum --time 0.001 -o $D/out", 0,
+           "| reduced | 1e-10 |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10 + 10 + 10 + 9 + 9);
     CHECK(error_of(r, n, "pendulum", "quadrature", 1e-11) < 1e-12);
@@ -48,7 +49,7 @@ static void rows(void)
 static void squeezer(void)
 {
     static row r[200];
-    expect("$P bench mbs --peers none -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0,
            "| andrews | ggl |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10);
@@ -63,7 +64,7 @@ static void squeezer(void)
 static void branch(void)
 {
     static row r[200];
-    expect("$P bench mbs --peers none -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0,
            "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
     CHECK(error_of(r, n, "two-four-bars", "reduced", 1e-10) < 1e-6);
@@ -72,7 +73,7 @@ static void branch(void)
 
 static void clearance(void)
 {
-    expect("$P bench mbs --peers none -c clearance-250 --tolerance 1e-9:1e-9 --time 0.001 -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c clearance-250 --tolerance 1e-9:1e-9 --time 0.001 -q", 0,
            "| clearance-250 | impact K=1e+08 | 1e-09 |", "");
 }
 

@@ -19,8 +19,8 @@ static void build(void)
     expect("$P catalogue build $D/a.db --links 8", 0, "", "16 of 16 chains");
     expect("$P catalogue build $D/a.db --links 8", 0, "", "complete already: 16 chains");
     expect("$P catalogue build $D/a.db --links 5 --dof 2 && $P catalogue build $D/a.db --links 4", 0, "", NULL);
-    expect("$P catalogue check $D/a.db", 0, "71           71  agrees         P=8 F=1 inversions of nonfractionated",
-           "18 chains are what their labels say");
+    expect("$P catalogue check $D/a.db", 0, NULL, "18 chains are what their labels say");
+    expect_words("$P catalogue check $D/a.db", " 71 71 agrees P=8 F=1 inversions of nonfractionated");
     expect("$P catalogue check $D/a.db --json | grep -c '\"verdict\":\"agrees\"'", 0, "", NULL);
     expect("$P catalogue build $D/sliders.db --links 6 && $P catalogue build $D/sliders.db --links 6 --joints r,t", 0,
            "", NULL);
@@ -68,50 +68,26 @@ static void threads(void)
     free(three);
 }
 
-static void remove_file(const char *path)
-{
-    char journal[320];
-    snprintf(journal, sizeof journal, "%s-journal", path);
-    remove(path);
-    remove(journal);
-}
-
-#define BUILD_TEN "catalogue build x.db --links 10 --commit 0 --no-pictures"
-
 static void killed_builds(void)
 {
-    char folder[200], path[220];
-    snprintf(folder, sizeof folder, "%s/killed", getenv("D"));
-    snprintf(path, sizeof path, "%s/x.db", folder);
     expect("mkdir $D/killed", 0, NULL, NULL);
-    double start = seconds_now();
-    CHECK_INT(start_and_kill(folder, BUILD_TEN, -1), 0);
-    double seconds = seconds_now() - start;
-    char *want = dump_catalogue(path);
-    CHECK_HAS(want, "build|1|10|1|r|230|1");
-    kill_at_random(folder, "x.db", BUILD_TEN, seconds, 25, want, remove_file);
-    free(want);
+    kill_at_random("x.db", "catalogue build x.db --links 10 --commit 0 --no-pictures", 25, "build|1|10|1|r|230|1");
 }
 
 /* --time ends a build in good order, and the next one goes on. */
 static void stopped_builds(void)
 {
-    expect("$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0", 5, NULL, "the same command "
-           "goes on");
+    const char *build = "LW_CLOCK_STEP=0.01 $C catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0";
+    expect(build, 5, NULL, "the same command goes on");
     expect("$P catalogue check $D/t.db", 0, NULL, "1 build is not finished");
-    /* on a busy machine the first may have kept nothing yet */
-    expect("n=0; until grep -q 'goes on behind' $D/t.err || test $n = 100; do n=$((n + 1)); "
-           "$P catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0 2> $D/t.err; c=$?; done; exit $c", 5,
-           NULL, NULL);
-    expect("cat $D/t.err", 0, "goes on behind", NULL);
+    expect(build, 5, NULL, "goes on behind");
 }
 
 static void full_disk(void)
 {
     expect("trap '' XFSZ; ulimit -f 400; $P catalogue build $D/full.db --links 10 --commit 0", 3, NULL, "full.db: ");
     expect("$P catalogue check $D/full.db", 0, NULL, "1 build is not finished");
-    expect("$P catalogue build $D/full.db --links 10 && $P catalogue check $D/full.db", 0, "230          230  agrees",
-           NULL);
+    expect_words("$P catalogue build $D/full.db --links 10 && $P catalogue check $D/full.db", " 230 230 agrees");
     expect("trap '' XFSZ; ulimit -f 1; $P catalogue build $D/tiny.db --links 10", 3, NULL, "tiny.db: ");
     expect("$P catalogue build $D/tiny.db --links 6", 0, NULL, "2 of 2");
     expect("$P catalogue build /dev/full --links 6", 3, NULL, "no plain file");
@@ -157,17 +133,17 @@ static void damaged_files(void)
 /* The second says who writes, or waits. */
 static void two_at_once(void)
 {
-    /* the second is asked again until the first, which would take hours, has come so far that it holds the file */
-    expect("$P catalogue build $D/two.db --links 14 --no-pictures --quiet & n=0; until $P catalogue build $D/two.db "
-           "--links 6 --wait 0 2> $D/two; test $? = 3 || test $n = 300; do n=$((n + 1)); sleep 0.1; done; kill -9 $!; wait; "
-           "cat $D/two >&2", 0, NULL, "--links 14");
-    expect("$P catalogue build $D/w.db --links 10 & $P catalogue build $D/w.db --links 8 --wait 60; wait; "
+    /* the first, which would take minutes, is halted once it holds the file */
+    expect("$P catalogue build $D/two.db --links 14 --no-pictures --quiet & "
+           "until [ -s $D/two.db-lock ] || ! kill -0 $!; do sleep 0.01; done; kill -STOP $!; "
+           "$P catalogue build $D/two.db --links 6 --wait 0; c=$?; kill -KILL $!; wait; exit $c", 3, NULL, "--links 14");
+    expect("$P catalogue build $D/w.db --links 10 & $P catalogue build $D/w.db --links 8 --wait 1e6; wait; "
            "$P catalogue check $D/w.db", 0, "230          230", "246 chains are what their labels say");
 }
 
 int main(void)
 {
-    expect("true", 0, NULL, NULL);
+    run_prepare();
     RUN(help);
     RUN(build);
     RUN(mechanisms_as_counted);
@@ -178,6 +154,5 @@ int main(void)
     RUN(files_that_are_none);
     RUN(damaged_files);
     RUN(two_at_once);
-    run_end();
     return check_end();
 }

@@ -109,6 +109,5 @@ int main(void)
     RUN(an_input_is_chosen);
     RUN(refusals);
     RUN(files_for_other_programs);
-    run_end();
     return check_end();
 }

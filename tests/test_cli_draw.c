@@ -52,6 +52,5 @@ int main(void)
     RUN(pictures);
     RUN(results_of_a_fit);
     RUN(any_linkage);
-    run_end();
     return check_end();
 }

@@ -37,6 +37,5 @@ int main(void)
 {
     RUN(pages);
     RUN(faults);
-    run_end();
     return check_end();
 }

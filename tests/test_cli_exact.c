@@ -111,7 +111,7 @@ static void says_what_is_wrong(void)
 
 int main(void)
 {
-    expect("$P --version", 0, NULL, NULL);                  /* makes the folder                              */
+    run_prepare();
     RUN(five_poses);
     RUN(four_pairs);
     RUN(points);

@@ -28,8 +28,8 @@ static void rounded_files(void)
     expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/mobility/focal.json > $D/r.json", 0, NULL,
            NULL);
     expect("$P mobility $D/r.json", 0, "would move if joints opened by", NULL);
-    expect("$P mobility $D/r.json", 0, "freedom         0", NULL);
-    expect("$P mobility $D/r.json -t 1e-4", 0, "freedom         1", NULL);
+    expect_words("$P mobility $D/r.json", "\nfreedom 0");
+    expect_words("$P mobility $D/r.json -t 1e-4", "\nfreedom 1");
 }
 
 static void refusals(void)
@@ -47,6 +47,5 @@ int main(void)
     RUN(json_says_the_same);
     RUN(rounded_files);
     RUN(refusals);
-    run_end();
     return check_end();
 }

@@ -127,6 +127,5 @@ int main(void)
     RUN(motions_agree);
     RUN(other_mechanisms);
     RUN(refusals);
-    run_end();
     return check_end();
 }

@@ -65,8 +65,7 @@ static void explain_and_coverage(void)
            "ends at links 1 2 3 4 5 6 7 8, which are no seed", NULL);
     expect("echo '(3 3 3 3) 1-2:1 1-3:1 1-4:0 2-3:0 2-4:1 3-4:1' | $P grammar explain --json", 0,
            "\"reach\":\"core\"", NULL);
-    expect("$P grammar coverage --links 12", 0,
-           "   12      6856      5918      3110  45.36 %      2781  40.56 %\n", NULL);
+    expect_words("$P grammar coverage --links 12", "\n 12 6856 5918 3110 45.36 % 2781 40.56 %\n");
     expect("$P grammar coverage --links 8 --json", 0, "\"reached_by_regions\": 12", NULL);
     expect("$P grammar coverage --links 7", 2, NULL, "P = 2 L + 2");
     expect("$P grammar coverage", 2, NULL, "--links N");
@@ -74,9 +73,8 @@ static void explain_and_coverage(void)
 
 static void steps(void)
 {
-    expect("$P mechanisms --links 10 --count", 0, "with ground link                             1834\n", NULL);
-    expect("$P mechanisms --links 6 --joints r,t --count", 0, "with joint kinds                              234\n",
-           NULL);
+    expect_words("$P mechanisms --links 10 --count", "with ground link 1834\n");
+    expect_words("$P mechanisms --links 6 --joints r,t --count", "with joint kinds 234\n");
     expect("$P mechanisms --links 4 --joints t,r --void --no-ground", 0, "a loop of sliders only: 1-2:t 1-4:t 2-3:t 3-4:t",
            NULL);
     expect("$P mechanisms --links 4 --input ground --output-link -f edges", 0,
@@ -89,7 +87,7 @@ static void steps(void)
     expect("echo 'Cl' | $P mechanisms --assur", 3, NULL, "wants as many inputs");
     expect("$P mechanisms --assur-groups 6 --count", 0, "10\n", NULL);
     expect("$P mechanisms --links 8 --multiple-joints --count", 0, "44\n", NULL);
-    expect("$P mechanisms --links 10 --joints r,t --input any --time 0.05 --count", 5, "with inputs", "stopped by --time");
+    expect("$P mechanisms --links 10 --joints r,t --input any --time 1e-9 --count", 5, "with inputs", "stopped by --time");
     expect("$P mechanisms --links 4 --joints r,x", 2, NULL, "letters of r, t, p, g");
     expect("$P mechanisms --links 4 --joints p", 3, NULL, "a letter for each freedom");
     expect("$P mechanisms --links 4 file", 2, NULL, "not both");
@@ -100,14 +98,17 @@ static void catalogue_check(void)
 {
     expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
            "simple-joint,1,8,3,nonfractionated chains,16,here,\\n"
-           "simple-joint,1,8,3,nonfractionated chains,17,here,refuted\\n"
-           "simple-joint,1,18,8,nonfractionated chains,1,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --time 20",
-           0, "          16           16  agrees         simple-joint: F=1 P=8 nonfractionated chains  [here]\n",
-           "1 rows agree, 0 disagree, 1 known errata, 1 too long");
+           "simple-joint,1,8,3,nonfractionated chains,17,here,refuted\\n' > $D/t.csv; "
+           "$P catalogue check $D/t.csv --time 1e6", 0, "[here]", "1 rows agree, 0 disagree, 1 known errata, 0 too long");
+    expect_row("$P catalogue check $D/t.csv --time 1e6", "published|counted|verdict|what",
+               "16|16|agrees|simple-joint: F=1 P=8 nonfractionated chains");
+    expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
+           "simple-joint,1,18,8,nonfractionated chains,1,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --time 1e-9",
+           0, NULL, "0 rows agree, 0 disagree, 0 known errata, 1 too long");
     expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
            "simple-joint,1,8,3,nonfractionated chains,17,here,\\n' > $D/t.csv; $P catalogue check $D/t.csv --json", 4,
            "\"counted\":16,\"verdict\":\"DISAGREES\"", NULL);
-    expect("$P catalogue check --time 1 --disagreeing", 0, NULL, " 0 disagree, ");
+    expect("$P catalogue check --time 1e-9 --disagreeing", 0, NULL, " 0 disagree, ");
     expect("echo a,b > $D/t.csv; $P catalogue check $D/t.csv", 3, NULL, "t.csv:1:1: the header must be");
     expect("$P catalogue count", 2, NULL, "there are build");
 }
@@ -120,6 +121,5 @@ int main(void)
     RUN(explain_and_coverage);
     RUN(steps);
     RUN(catalogue_check);
-    run_end();
     return check_end();
 }

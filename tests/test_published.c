@@ -1,4 +1,4 @@
-/* The published table: reading, its faults, and the recount of every row that takes no time. */
+/* The table of published counts: reading it, faults in it, and a recount of every row of up to 13 links. */
 #include "check.h"
 #include "base/file.h"
 #include "enumerate/published.h"
@@ -49,7 +49,8 @@ static void limits_and_faults(void)
         "simple-joint,1,8,3,nonfractionated chains,17,s,x\n"
         "simple-joint,1,8,3,nonfractionated chains,17,s,refuted: it is 16\n"
         "simple-joint,1,8,3,something else,17,s,x\n";
-    static const lw_verdict want[] = { LW_TOO_LONG, LW_DISAGREES, LW_ERRATUM, LW_NOT_COUNTED };
+    static const struct { double seconds; lw_verdict verdict; } known[] = {
+        { 1e-9, LW_TOO_LONG }, { 1e9, LW_DISAGREES }, { 1e9, LW_ERRATUM }, { 1e9, LW_NOT_COUNTED } };
     lw_published_table t;
     lw_recount *r = lw_recount_create(1);
     lw_error e = { 0 };
@@ -59,10 +60,10 @@ static void limits_and_faults(void)
     CHECK_INT(t.row[1].line, 4);
     for (size_t i = 0; i < t.n; i++) {
         lw_recount_result result;
-        CHECK_INT(lw_recount_row(r, &t.row[i], 20, &result), LW_OK);
-        CHECK_INT(result.verdict, want[i]);
+        CHECK_INT(lw_recount_row(r, &t.row[i], known[i].seconds, &result), LW_OK);
+        CHECK_INT(result.verdict, known[i].verdict);
         if (i == 0)
-            CHECK(result.seconds > 20);
+            CHECK(result.seconds > 1e-9);
     }
     lw_published_free(&t);
     lw_recount_free(r);

@@ -134,7 +134,7 @@ static void nothing_meets_a_contradiction(void)
     o.spec.n_zone = 1;
     o.spec.zone[0] = (lw_zone){ LW_ZONE_PIVOTS_BOX, { 5, 5 }, { 6, 6 }, 0 };
     o.max_rounds = 1;
-    o.max_seconds = 0.5;
+    o.starts = 8;
     CHECK_INT(lw_target_make(8, px, py, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
     lw_status st = lw_fit_run(&t, &o, &f, NULL);
     CHECK(st == LW_NOTHING || st == LW_STOPPED);

@@ -1,0 +1,38 @@
+/* tests/fake_clock.c - replaces base/clock.c in the test build of the program and in a few tests, so that a time limit is
+ * a number of readings of the clock, the same on every machine.
+ *
+ *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before; without it the clock is the real one
+ *     LW_SIGNAL=2 LW_SIGNAL_AT=100    the hundredth reading sends signal 2 to the program itself */
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <time.h>
+#include "base/clock.h"
+
+static double step;
+static int signal_number;
+static long signal_at;
+static atomic_long readings;
+
+__attribute__((constructor)) static void read_environment(void)
+{
+    const char *by = getenv("LW_CLOCK_STEP"), *number = getenv("LW_SIGNAL"), *at = getenv("LW_SIGNAL_AT");
+    step = by ? strtod(by, NULL) : 0;
+    signal_number = number ? atoi(number) : 0;
+    signal_at = at ? atol(at) : 0;
+}
+
+static double read_clock(clockid_t clock)
+{
+    long n = ++readings;
+    struct timespec t;
+    if (signal_number > 0 && n == signal_at)
+        raise(signal_number);
+    if (step > 0)
+        return (double)n*step;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9*(double)t.tv_nsec;
+}
+
+double lw_clock_wall(void) { return read_clock(CLOCK_MONOTONIC); }
+double lw_clock_cpu(void)  { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
