@@ -10,8 +10,8 @@
 #include <stdbool.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 #include "tests/check.h"
+#include "tests/temporary.h"
 
 typedef struct ran { int code; char *out, *err; } ran;
 
@@ -29,32 +29,17 @@ static inline char *slurp(const char *path)
     return text;
 }
 
-static pid_t run_owner;
-
-static inline void run_remove_folder(void)
-{
-    if (getpid() == run_owner && system("rm -rf \"$D\"") != 0)
-        perror("rm");
-}
-
 /* Set P, C and D; harmless when they are set. */
 static inline void run_prepare(void)
 {
-    if (run_owner)
-        return;
-    const char *program = getenv("LW_PROGRAM"), *temporary = getenv("TMPDIR");
-    char folder[200], test_build[300];
+    const char *program = getenv("LW_PROGRAM");
+    char test_build[300];
     program = program ? program : "build/linkwright";
-    snprintf(folder, sizeof folder, "%s/lw-cli-XXXXXX", temporary ? temporary : "/tmp");
     const char *name = strrchr(program, '/');
     snprintf(test_build, sizeof test_build, "%.*stests/linkwright", name ? (int)(name + 1 - program) : 0, program);
-    if (!mkdtemp(folder))
-        abort();
-    setenv("D", folder, 1);
+    setenv("D", temporary_folder(), 1);
     setenv("P", program, 1);
     setenv("C", test_build, 1);
-    run_owner = getpid();
-    atexit(run_remove_folder);
 }
 
 static inline ran run(const char *command)

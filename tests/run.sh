@@ -1,21 +1,24 @@
 #!/usr/bin/env bash
-# Run test programs, two and more at a time, and add up what they say.
+# Run test programs, as many at a time as there are processors, and add up their results.
 #     tests/run.sh PROGRAM...
-# A program prints "<name>: N passed, M failed" as its last line.  One that crashes, hangs for five
-# minutes or says nothing counts as failed; the others still run.  The very last line is the sum,
-# and the exit code tells whether anything failed.
+# The last line of a program is "<name>: N passed, M failed".  A program counts as failed if it crashes, prints no such
+# line, leaves a file in its folder for temporary files, or hangs: LW_TEST_SECONDS (an hour) is far beyond what any test
+# takes on a slow machine.  The others still run.  The very last line is the sum; the exit code tells whether anything failed.
 set -u
 logs=$(mktemp -d) || exit 1
 trap 'rm -rf "$logs"' EXIT
 
 run_one() {
-    local log=$1/$(basename "$2") code summary
-    timeout 300 "$2" > "$log" 2>&1
+    local log=$1/$(basename "$2") code summary left
+    mkdir "$log.tmp"
+    TMPDIR=$log.tmp timeout "${LW_TEST_SECONDS:-3600}" "$2" > "$log" 2>&1
     code=$?
+    left=$(ls -A "$log.tmp")
+    rm -rf "$log.tmp"
     summary=$(tail -n 1 "$log" | grep -E '^[^ ]+: [0-9]+ passed, [0-9]+ failed$')
-    if [ -z "$summary" ] || { [ $code -ne 0 ] && [[ $summary == *", 0 failed" ]]; }; then
+    if [ -z "$summary" ] || [ -n "$left" ] || { [ $code -ne 0 ] && [[ $summary == *", 0 failed" ]]; }; then
         summary="$(basename "$2"): 0 passed, 1 failed"
-        echo "ended with exit code $code" >> "$log"
+        echo "ended with exit code $code${left:+, left behind: $left}" >> "$log"
     fi
     if [[ $summary == *", 0 failed" ]]; then echo "$summary"; else
         { cat "$log"; echo "$summary"; } >&2

@@ -6,10 +6,11 @@
 #include "base/rng.h"
 #include "catalogues/draw/scene.h"
 #include "tests/check.h"
+#include "tests/temporary.h"
 
 #define SAMPLES 6000
 
-static char path[64];
+static char path[300];
 static lw_curve_maker *maker;
 static lw_atlas_tree tree[2];          /* closed, open */
 
@@ -191,11 +192,9 @@ static void refusals(void)
 int main(void)
 {
     lw_error e;
-    snprintf(path, sizeof path, "/tmp/lw-atlas-XXXXXX");
-    int f = mkstemp(path);
-    if (f < 0 || lw_curve_maker_create("all", &maker, &e) != LW_OK)
+    snprintf(path, sizeof path, "%s/atlas.db", temporary_folder());
+    if (lw_curve_maker_create("all", &maker, &e) != LW_OK)
         return 1;
-    close(f);
     RUN(draws_the_same_for_any_threads);
     RUN(blocks);
     RUN(into_the_store);
@@ -205,6 +204,5 @@ int main(void)
     lw_atlas_tree_free(&tree[0]);
     lw_atlas_tree_free(&tree[1]);
     lw_curve_maker_free(maker);
-    unlink(path);
     return check_end();
 }

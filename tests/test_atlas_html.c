@@ -13,8 +13,8 @@
 #include "grammar/graph6.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
+#include "tests/temporary.h"
 
-static char folder[64];
 static const char hostile[] = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
 
 static const char *path_of(const char *name)
@@ -22,7 +22,7 @@ static const char *path_of(const char *name)
     static char path[4][512];
     static int next;
     next = (next + 1) % 4;
-    snprintf(path[next], sizeof path[next], "%s/%s", folder, name);
+    snprintf(path[next], sizeof path[next], "%s/%s", temporary_folder(), name);
     return path[next];
 }
 
@@ -294,10 +294,7 @@ static void limits_and_faults(void)
 
 int main(void)
 {
-    char line[400];
-    snprintf(folder, sizeof folder, "/tmp/lw-atlas-XXXXXX");
-    if (!mkdtemp(folder))
-        return 1;
+    char line[500];
     make_store();
     put_linkages();
     RUN(pages);
@@ -305,11 +302,8 @@ int main(void)
     RUN(what_a_page_holds);
     RUN(limits_and_faults);
     const char *keep = getenv("LW_ATLAS_FOLDER");
-    snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'", folder, keep ? keep : "");
+    snprintf(line, sizeof line, "cp -r %s/atlas '%.200s'", temporary_folder(), keep ? keep : "");
     if (keep && system(line) != 0)
         perror(keep);
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    if (system(line) != 0)
-        perror("rm");
     return check_end();
 }

@@ -1,20 +1,5 @@
 /* The built program from outside: help, exit codes, wrong usage, bad input, output. */
-#include "tests/cli_run.h"
-
-#include <jansson.h>
-
-static json_t *json_of(const char *command)
-{
-    json_error_t e;
-    ran r = run(command);
-    CHECK_INT(r.code, 0);
-    json_t *j = json_loads(r.out, 0, &e);
-    if (!j)
-        fprintf(stderr, "%s: line %d: %s\n", command, e.line, e.text);
-    CHECK(j != NULL);
-    ran_free(&r);
-    return j;
-}
+#include "tests/cli_json.h"
 
 /* Every command of `linkwright help`. */
 static int list_commands(char name[32][32])
@@ -30,7 +15,7 @@ static int list_commands(char name[32][32])
 static void help_of_every_command(void)
 {
     static const char *const common[] = { "--seed", "--jobs", "--time", "--json", "--output", "--quiet", "--help" };
-    char name[32][32], line[256];
+    char name[32][32], line[1200];
     int n = list_commands(name);
     CHECK(n >= 4);
     for (int i = 0; i < n; i++) {

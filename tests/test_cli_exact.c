@@ -1,7 +1,5 @@
 /* `linkwright fit --exact` from outside: five poses, a function, points, what it says and leaves in a folder. */
-#include "tests/cli_run.h"
-
-#include <jansson.h>
+#include "tests/cli_json.h"
 #include "tests/mbs_linkage.h"
 
 static const double bar[9] = { 3.2, 1.1, 2.9, 2.4, 1.6, 1.1, 0.5, -0.2, 0.3 };
@@ -33,12 +31,7 @@ static json_t *fit(const char *arguments)
 {
     char line[512];
     snprintf(line, sizeof line, "$P fit $D/%s --json --quiet", arguments);
-    ran r = run(line);
-    CHECK_INT(r.code, 0);
-    json_t *all = json_loads(r.out, 0, NULL);
-    CHECK(all != NULL);
-    ran_free(&r);
-    return all;
+    return json_of(line);
 }
 
 static double dimension(const json_t *result, const char *name)

@@ -4,20 +4,6 @@
 #include "enumerate/mechanisms.h"
 #include "tests/cli_json.h"
 
-static const char *const target =
-    "printf 'x,y\\n0,0\\n1,0.2\\n2,0\\n3,0.3\\n3,1.2\\n2.6,2\\n1.5,1.7\\n0.4,1.4\\n' > $D/t.csv; ";
-
-static ran with_target(const char *command)
-{
-    char line[1024];
-    snprintf(line, sizeof line, "%s%s", target, command);
-    return run(line);
-}
-
-static json_t *json_ending(const char *command, int code) { return json_of_run(with_target(command), code); }
-
-static json_t *json_of(const char *command) { return json_ending(command, 0); }
-
 static void every_topology_is_accounted_for(void)
 {
     static const long known[2][3] = { { 6, 2, 5 }, { 8, 16, 71 } };        /* links, chains, ground choices   */
@@ -26,36 +12,23 @@ static void every_topology_is_accounted_for(void)
     CHECK_INT(json_array_size(list), 2);
     for (size_t i = 0; i < json_array_size(list) && i < 2; i++) {
         const json_t *t = json_array_get(list, i);
-        long sum = 0;
-        static const char *const fates[] = { "fitted", "joined_to_ground", "smaller", "no_plan", "no_gear", "not_asked" };
-        for (int k = 0; k < 6; k++)
-            sum += integer(t, fates[k]);
-        CHECK_INT(integer(t, "links"), known[i][0]);
-        CHECK_INT(integer(t, "chains"), known[i][1]);
-        CHECK_INT(integer(t, "grounds"), known[i][2]);
-        CHECK_INT(sum, integer(t, "with_tracer_link"));
+        check_accounts(t, known[i]);
         CHECK(integer(t, "with_input") > integer(t, "with_tracer_link"));
         CHECK(integer(t, "families") >= integer(t, "fitted"));
-        CHECK_INT(integer(t, "searched") + integer(t, "unable") + integer(t, "not_reached"), integer(t, "families"));
         CHECK(integer(t, "with_linkage") <= integer(t, "searched"));
     }
     json_decref(root);
 }
 
-/* Sliders too, of six links: what is left over when the budget ends is said; the pins alone are searched as without
- * sliders. */
+/* Six links with sliders too: the report says how many families the budget did not reach. */
 static void a_small_budget_is_accounted_for(void)
 {
     const char *fit = "$P fit $D/t.csv --links 6 --joints r,t --budget 1000 --rounds 1 --json -q";
     json_t *root = json_of(fit), *t = json_array_get(json_object_get(root, "topologies"), 0);
-    CHECK_INT(integer(t, "chains"), 2);
-    CHECK_INT(integer(t, "grounds"), 5);
+    check_accounts(t, (const long[]){ 6, 2, 5 });
     CHECK_INT(integer(t, "fitted"), 321);
     CHECK_INT(integer(t, "families"), 321);
-    CHECK_INT(integer(t, "fitted") + integer(t, "joined_to_ground") + integer(t, "smaller") + integer(t, "no_plan"),
-              integer(t, "with_tracer_link"));
     CHECK(integer(t, "searched") > 0 && integer(t, "not_reached") > 0);
-    CHECK_INT(integer(t, "searched") + integer(t, "unable") + integer(t, "not_reached"), 321);
     json_decref(root);
 }
 
@@ -70,7 +43,8 @@ static void more_links_are_never_worse(void)
     json_decref(root);
 }
 
-/* Groups that are followed give the same sum of squares again but for rounding: refining ended never.  And threads. */
+/* A linkage with a higher Assur group gives the same sum of squares again only up to rounding; refining must end all the
+ * same, and not depend on the number of threads. */
 static void groups_in_both_ways(void)
 {
     const char *fit = "$P fit examples/letters/S.csv --links 6 --timing none --budget 20000 --rounds 1 --json -q";
@@ -353,10 +327,7 @@ static void racks_are_counted(void)
 /* Counting takes long with every kind of joint.  The signal is sent when the program has read and closed its target. */
 static void counting_stops_when_asked(void)
 {
-    ran r = with_target("mkfifo $D/fifo");
-    CHECK_INT(r.code, 0);
-    ran_free(&r);
-    expect("$P fit $D/fifo --links 8 --joints r,t,p,g & cat $D/t.csv > $D/fifo; "
+    expect("mkfifo $D/fifo; $P fit $D/fifo --links 8 --joints r,t,p,g & cat $D/t.csv > $D/fifo; "
            "while ls -l /proc/$!/fd | grep -q $D/fifo; do sleep 0.01; done; "
            "kill -TERM $!; wait $!", 143, NULL, "stopped while mechanisms were still counted: none was searched");
 }
@@ -374,6 +345,7 @@ static void gears_are_fitted_and_traced(void)
 
 int main(void)
 {
+    expect("printf 'x,y\\n0,0\\n1,0.2\\n2,0\\n3,0.3\\n3,1.2\\n2.6,2\\n1.5,1.7\\n0.4,1.4\\n' > $D/t.csv", 0, NULL, NULL);
     RUN(every_topology_is_accounted_for);
     RUN(a_small_budget_is_accounted_for);
     RUN(more_links_are_never_worse);

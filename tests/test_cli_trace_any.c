@@ -1,7 +1,5 @@
 /* `linkwright trace` where there is no closed form: gears, several inputs, time, whole cycles. */
-#include "tests/cli_run.h"
-
-#include <jansson.h>
+#include "tests/cli_json.h"
 
 /* Numbers of the last line of CSV text, from the third column on; n: how many lines of numbers there are. */
 static int last_row(const char *text, double v[20])
@@ -115,15 +113,12 @@ static void json_can_be_read(void)
     for (int i = 0; i < 4; i++) {
         char line[256];
         snprintf(line, sizeof line, "$P trace %s --json", argument[i]);
-        ran r = run(line);
-        json_t *root = json_loads(r.out, 0, NULL);
-        CHECK(root != NULL);
+        json_t *root = json_of(line);
         CHECK_TEXT(json_string_value(json_object_get(root, "way")), way[i]);
         const json_t *arcs = json_object_get(root, "arcs"), *rows = json_object_get(json_array_get(arcs, 0), "rows");
         CHECK_INT(json_array_size(arcs), i == 3 ? 2 : 1);
         CHECK_INT(json_array_size(json_array_get(rows, 0)), json_array_size(json_object_get(root, "columns")));
         json_decref(root);
-        ran_free(&r);
     }
 }
 

@@ -7,6 +7,7 @@
 
 #include "mbs/constraints/newton.h"
 #include "tests/example_linkage.h"
+#include "tests/temporary.h"
 
 static lw_bytes mjcf(const lw_linkage *k)
 {
@@ -156,16 +157,17 @@ static double close_loops(run *r)
 
 static mjModel *load(const lw_linkage *k)
 {
-    char path[] = "/tmp/lw-mjcf-XXXXXX.xml", why[1000] = "";
+    char path[220], why[1000] = "";
     lw_bytes b = mjcf(k);
-    int fd = mkstemps(path, 4);
-    CHECK(fd >= 0 && write(fd, b.data, b.size) == (ssize_t)b.size);
-    close(fd);
+    snprintf(path, sizeof path, "%s/model.xml", temporary_folder());
+    FILE *f = fopen(path, "w");
+    CHECK(f && fwrite(b.data, 1, b.size, f) == b.size);
+    if (f)
+        fclose(f);
     mjModel *m = mj.load(path, NULL, why, sizeof why);
     if (!m)
         fprintf(stderr, "    %s: %s\n%s", k->name, why, b.data);
     CHECK(m != NULL);
-    unlink(path);
     lw_bytes_free(&b);
     return m;
 }

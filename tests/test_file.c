@@ -8,22 +8,22 @@
 
 #include "base/file.h"
 #include "tests/check.h"
+#include "tests/temporary.h"
 
-static char folder[64];
 
 static const char *in_folder(const char *name)
 {
     static char path[4][1500];
     static int k;
     k = (k + 1)%4;
-    snprintf(path[k], sizeof path[k], "%s/%s", folder, name);
+    snprintf(path[k], sizeof path[k], "%s/%s", temporary_folder(), name);
     return path[k];
 }
 
 static int count_files(void)
 {
     int n = 0;
-    DIR *d = opendir(folder);
+    DIR *d = opendir(temporary_folder());
     for (struct dirent *e; d && (e = readdir(d)); )
         n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
     if (d)
@@ -129,7 +129,7 @@ static void what_cannot_be_written(void)
     longest[sizeof longest - 1] = '\0';
     check_refused("/dev/full", "no space left");
     check_refused(in_folder("no/such/folder/x"), "no such file or folder");
-    check_refused(folder, "folder");
+    check_refused(temporary_folder(), "folder");
     check_refused(in_folder("new/"), "folder");
     check_refused("/proc/linkwright-test", "cannot be written");
     check_refused("", "no such file");
@@ -185,7 +185,7 @@ static void check_unreadable(const char *path, const char *part)
 static void what_cannot_be_read(void)
 {
     check_unreadable(in_folder("missing"), "no such file");
-    check_unreadable(folder, "folder, not a file");
+    check_unreadable(temporary_folder(), "folder, not a file");
     check_unreadable("/dev/zero", "larger than 256 MiB");
     check_unreadable("/proc/self/mem", "cannot be read");
 }
@@ -260,9 +260,6 @@ static void partial_output_is_gone_on_with(void)
 
 int main(void)
 {
-    strcpy(folder, "/tmp/lw-test-file-XXXXXX");
-    if (!mkdtemp(folder))
-        return 1;
     RUN(write_then_read);
     RUN(large_file_with_zero_bytes);
     RUN(unfinished_output_leaves_the_old_file);
@@ -275,6 +272,5 @@ int main(void)
     RUN(what_cannot_be_read);
     RUN(standard_output_is_continued);
     RUN(standard_input_is_read);
-    rmdir(folder);
     return check_end();
 }

@@ -6,13 +6,13 @@
 #include <unistd.h>
 #include "base/file.h"
 #include "tests/check.h"
+#include "tests/temporary.h"
 
-static char folder[64];
 
 static const char *at(const char *name)
 {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    static char path[400];
+    snprintf(path, sizeof path, "%s/%s", temporary_folder(), name);
     return path;
 }
 
@@ -253,16 +253,10 @@ static void a_persons_sql_only_reads(void)
 
 int main(void)
 {
-    snprintf(folder, sizeof folder, "/tmp/lw-store-XXXXXX");
-    if (!mkdtemp(folder))
-        return 1;
     RUN(keeps_what_was_committed);
     RUN(knows_whose_file_it_is);
     RUN(older_files_are_brought_up_to_date);
     RUN(one_writes_at_a_time);
     RUN(a_persons_sql_only_reads);
-    char line[100];
-    snprintf(line, sizeof line, "rm -rf %s", folder);
-    CHECK_INT(system(line), 0);
     return check_end();
 }
