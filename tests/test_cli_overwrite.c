@@ -80,6 +80,5 @@ int main(void)
     RUN(changed);
     RUN(two_outputs);
     RUN(folders);
-    run_end();
     return check_end();
 }

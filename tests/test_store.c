@@ -257,6 +257,7 @@ int main(void)
     RUN(knows_whose_file_it_is);
     RUN(older_files_are_brought_up_to_date);
     RUN(one_writes_at_a_time);
+    RUN(names_of_columns);
     RUN(a_persons_sql_only_reads);
     return check_end();
 }
