@@ -204,7 +204,7 @@ static void accelerations_of_all_bodies(void)
             scale = fmax(scale, fabs(a[i]));
         for (int b = 0; b < s->c->s.n_body; b++) {
             lw_vec2 rate = lw_tree_velocity(&s->c->tree, &s->w.state, b, lw_v2(0, 0), ddu);
-            int turn = s->c->tree.branch[b].turn;
+            int turn = s->c->tree.hang[b].turn;
             CHECK_NEAR(rate.x + s->w.state.bias[b + 1].x, a[3*b], 1e-8*scale, 0);
             CHECK_NEAR(rate.y + s->w.state.bias[b + 1].y, a[3*b + 1], 1e-8*scale, 0);
             CHECK_NEAR(turn < 0 ? 0 : ddu[turn], a[3*b + 2], 1e-8*scale, 0);

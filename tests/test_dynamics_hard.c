@@ -42,18 +42,18 @@ static void bouncing(void)
             drun_read_format(&d, falling, e, -g);
             CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], 1e-10, 3, 300), LW_OK);
             CHECK_INT(d.report.formulation, all[f]);
-            CHECK(d.report.n_happening > 0);
-            for (int i = 0; i < d.report.n_happening && (e == 1 || flight > (f == 1 ? 1e-6 : 1e-3)*fall); i++) {
-                CHECK(d.report.happening[i].impact && !d.report.happening[i].greatest);
-                CHECK_NEAR(d.report.happening[i].t, t, slack*(i + 1), 0);
-                CHECK_NEAR(d.report.happening[i].speed, -g*fall*pow(e, i), 20*slack*(i + 1), 0);
+            CHECK(d.report.n_event > 0);
+            for (int i = 0; i < d.report.n_event && (e == 1 || flight > (f == 1 ? 1e-6 : 1e-3)*fall); i++) {
+                CHECK(d.report.event[i].impact && !d.report.event[i].greatest);
+                CHECK_NEAR(d.report.event[i].t, t, slack*(i + 1), 0);
+                CHECK_NEAR(d.report.event[i].speed, -g*fall*pow(e, i), 20*slack*(i + 1), 0);
                 t += flight;
                 flight *= e;
             }
             for (int i = 0; i <= 300; i++)
                 CHECK_NEAR(d.tracer[i].y, bounced(e, g, d.t[i]), f == 1 ? 1e-9 : 1e-6, 0);
             if (e == 1) {
-                CHECK_INT(d.report.n_seen, (int)((3/fall + 1)/2));
+                CHECK_INT(d.report.n_event_seen, (int)((3/fall + 1)/2));
                 CHECK(d.report.energy_error < (f == 1 ? 1e-10 : 1e-6)*d.report.energy_scale);
             } else if (e < 0.9) {
                 CHECK_NEAR(d.v[1], 0, 1e-12, 0);
@@ -74,8 +74,8 @@ static void leaves_a_stop(void)
         "'fy': '5*t'}], 'tracers': [{'name': 'P', 'link': 'ball', 'at': [0, 1]}]}", 0, 0);
     for (int f = 1; f < 3; f++) {
         CHECK_INT(drun_to(&d, all[f], 1e-10, 3, 300), LW_OK);
-        CHECK_INT(d.report.happening[d.report.n_happening - 1].impact, false);
-        CHECK_NEAR(d.report.happening[d.report.n_happening - 1].t, off, f == 1 ? 1e-12 : 1e-6, 0);
+        CHECK_INT(d.report.event[d.report.n_event - 1].impact, false);
+        CHECK_NEAR(d.report.event[d.report.n_event - 1].t, off, f == 1 ? 1e-12 : 1e-6, 0);
         for (int i = 0; i <= 300; i++) {
             double s = fmax(0, d.t[i] - off);
             CHECK_NEAR(d.tracer[i].y, 1 + 5*s*s*s/6, f == 1 ? 1e-10 : 1e-6, 0);
@@ -97,9 +97,9 @@ static void pendulum_and_stop(void)
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-11, 2, 1000), LW_OK);
     double least = 0;
     for (int i = 0; i <= 1000; i++)
-        least = d.t[i] > d.report.happening[0].t ? fmin(least, -1 - d.tracer[i].y) : least;
-    CHECK(d.report.happening[0].greatest && d.report.happening[0].impact);
-    CHECK_NEAR(-d.report.happening[0].speed, sqrt(2*9.81), 1e-9, 0);
+        least = d.t[i] > d.report.event[0].t ? fmin(least, -1 - d.tracer[i].y) : least;
+    CHECK(d.report.event[0].greatest && d.report.event[0].impact);
+    CHECK_NEAR(-d.report.event[0].speed, sqrt(2*9.81), 1e-9, 0);
     CHECK_NEAR(-least, 0.49, 1e-5, 0);
     lw_model_free(&d.model);
     snprintf(all_of_it, sizeof all_of_it, text, "'stiffness': 1e6");

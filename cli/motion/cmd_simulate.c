@@ -20,11 +20,13 @@ typedef struct settings {
 
 #define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* the last of the choices below */
 
+#define CHOICE(id, name, text) "|" #name
+#define HELP(id, name, text)   "  " #name " - " text "\n"
 static const cli_option options[] = {
     { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear",
       "transient", "transient is kinematic when every freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
-    { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto|driven|quadrature|reduced|index1|cvode|ggl", "auto",
-      "equations and method; see --explain", 0, 0, NULL, NULL },
+    { "formulation", 'f', CLI_CHOICE, offsetof(settings, formulation), "auto" LW_FORMULATION_LIST(CHOICE), "auto",
+      "equations and method, listed above; auto takes the first that suits, see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
       "say which formulation is taken, why, and how many unknowns it has", 0, 0, NULL, NULL },
     { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0", "time of the start [s]", 0, 0, NULL, NULL },
@@ -208,7 +210,9 @@ const cli_command cli_simulate_command = {
         "is stopped by a limit (exit 5) keeps its rows and says where it ended.\n\n"
         "With --analysis linear a row is one mode of small vibrations: frequency and natural frequency\n"
         "[Hz], damping ratio, eigenvalue [1/s]; shapes with --json. It is taken about the posture of the\n"
-        "file at time --from, as if at rest; 'unbalanced' says how far from equilibrium that is.\n",
+        "file at time --from, as if at rest; 'unbalanced' says how far from equilibrium that is.\n\n"
+        "Formulations; auto takes the first that suits the model (ggl only when asked for):\n"
+        LW_FORMULATION_LIST(HELP),
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

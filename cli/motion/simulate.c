@@ -256,8 +256,8 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
         cli_json_real(&s->j, "period", r->period);
     cli_json_real(&s->j, "energy_scale", r->energy_scale);
     cli_json_array(&s->j, "events");
-    for (int i = 0; i < r->n_happening; i++) {
-        const lw_run_event *h = &r->happening[i];
+    for (int i = 0; i < r->n_event; i++) {
+        const lw_run_event *h = &r->event[i];
         cli_json_object(&s->j, NULL);
         cli_json_real(&s->j, "t", h->t);
         cli_json_text(&s->j, "joint", s->model->linkage.joint[h->joint].name);
@@ -285,13 +285,13 @@ void cli_simulate_report(const cli_simulate *s)
     if (r->redundant)
         cli_note(c, "%d constraint%s redundant: reactions at%s are not unique, those of least norm are given",
                  r->redundant, r->redundant == 1 ? " is" : "s are", text);
-    for (int i = 0; i < r->n_happening && i < 10; i++) {
-        const lw_run_event *h = &r->happening[i];
+    for (int i = 0; i < r->n_event && i < 10; i++) {
+        const lw_run_event *h = &r->event[i];
         cli_note(c, "t = %.15g s: joint %s %s its %s stop", h->t, s->model->linkage.joint[h->joint].name,
                  h->impact ? "strikes" : "leaves", h->greatest ? "greatest" : "least");
     }
-    if (r->n_seen > 10)
-        cli_note(c, "%d events in all", r->n_seen);
+    if (r->n_event_seen > 10)
+        cli_note(c, "%d events in all", r->n_event_seen);
     if (r->energy_scale > 0)
         cli_note(c, r->energy_held > 0 ? "energy error %.3g J of %.3g J; %.3g J in all were put back after steps"
                  : "energy error %.3g J of %.3g J", r->energy_error, r->energy_scale, r->energy_held);

@@ -3,6 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/clearance_internal.h"
+#include "mbs/dynamics/friction.h"
+
+enum { ROW_MAX = LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX };
 
 /* ---- memory -------------------------------------------------------------------------------------- */
 
@@ -11,7 +14,7 @@ int lw_clearance_count_rows(const lw_clearance_scene *c, const lw_row_choice *ch
     int n = c->tree.n_row;
     for (int i = 0; i < c->n_journal; i++)
         n += choice->hold[i] ? 2 : choice->link[i] ? 1 : 0;
-    for (int i = 0; i < c->n_rigid; i++)
+    for (int i = 0; i < c->n_stop; i++)
         n += choice->stop[i];
     for (int i = 0; i < c->s.n_input; i++)
         n += choice->input[i];
@@ -29,15 +32,15 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
 {
     size_t u = (size_t)c->tree.n_u, q = (size_t)c->s.n_q, rows = (size_t)c->s.n_row;
     size_t c_max = (size_t)c->tree.n_row + 2*(size_t)c->n_journal + (size_t)c->s.n_input
-                 + (size_t)c->n_rigid, all = u + c_max;
+                 + (size_t)c->n_stop, all = u + c_max;
     size_t columns = 2*u*(size_t)c->s.n_body;
     size_t n = columns + 3*q + 3*q + rows*q + 3*rows + q + u*u + u + c_max*u + 3*c_max + all + 4*u
-             + (size_t)c->n_rough*all + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
+             + (size_t)c->n_friction*all + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
     memset(w, 0, sizeof *w);
     w->c = c;
     w->o = *o;
     w->n_u = c->tree.n_u;
-    w->undetermined = -1;
+    memcpy(w->stop, c->stop, sizeof w->stop);
     w->memory = calloc(n, sizeof *w->memory);
     w->ints = calloc(all + u + 2, sizeof *w->ints);
     if (!w->memory || !w->ints) {
@@ -50,7 +53,7 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
     w->series = take(&p, 3*q), w->jac = take(&p, rows*q), w->phi = take(&p, 3*rows), w->row = take(&p, q);
     w->mass = take(&p, u*u), w->load = take(&p, u), w->a = take(&p, c_max*u);
     w->off = take(&p, c_max), w->wanted = take(&p, c_max), w->lambda = take(&p, c_max), w->answer = take(&p, all);
-    w->response = take(&p, (size_t)c->n_rough*all);
+    w->response = take(&p, (size_t)c->n_friction*all);
     w->y = take(&p, 2*u), w->rate = take(&p, 2*u);
     lw_rank_place(&w->kkt, (int)all, (int)all, p, w->ints);
     p += lw_rank_doubles((int)all, (int)all);
@@ -169,28 +172,22 @@ static void write_series(lw_clearance_work *w, const double *du)
     }
 }
 
-/* What input i counts at t by its motion, as coefficients of a series; its row counts from the posture, scaled. */
-static lw_status motion_series(const lw_clearance_work *w, int i, double t, double *m)
+/* Value, rate and second rate at t that the row of input i must have, scaled, from the posture. */
+static lw_status wanted_motion(const lw_clearance_work *w, int i, double t, double m[3])
 {
     const lw_clearance_scene *c = w->c;
-    const lw_expression *x = c->m->motion[i];
-    double at[3] = { t, 1.0, 0.0 };
-    bool pin = c->s.joint[c->s.input_joint[i]].kind == LW_JOINT_REVOLUTE;
-    if (w->held) {                       /* where it is told to stay                                    */
-        m[0] = w->held[i], m[1] = m[2] = 0.0;
+    double scale = c->s.joint[c->s.input_joint[i]].kind == LW_JOINT_REVOLUTE ? 1.0 : c->s.unit;
+    m[0] = w->held ? w->held[i] : 0.0;
+    m[1] = m[2] = 0.0;
+    if (w->held)
+        return LW_OK;
+    if (!c->m->motion[i]) {              /* starts only: from the posture, at its speed                     */
+        m[1] = (i == 0 && !isnan(w->o.speed) ? w->o.speed : c->m->has_speed[i] ? c->m->speed[i] : 0.0)/scale;
         return LW_OK;
     }
-    if (!x) {                            /* starts only: where the posture has it, at its speed          */
-        m[0] = 0.0;
-        m[1] = i == 0 && !isnan(w->o.speed) ? w->o.speed : c->m->has_speed[i] ? c->m->speed[i] : 0.0;
-        m[2] = 0.0;
-    } else {
-        lw_expression_series(x, 2, at, m);
-        m[0] -= c->s.input_value[i] + c->turns[i];
-    }
-    for (int k = 0; k < 3; k++)
-        m[k] /= pin ? 1.0 : c->s.unit;
-    return isfinite(m[0] + m[1] + m[2]) ? LW_OK : LW_E_NUMERIC;
+    lw_status s = lw_input_motion(c->m, &c->s, i, t, m);
+    m[0] -= c->turns[i];
+    return s;
 }
 
 static lw_status input_rows(lw_clearance_work *w, const lw_row_choice *choice, double t, bool series, int *n)
@@ -200,7 +197,7 @@ static lw_status input_rows(lw_clearance_work *w, const lw_row_choice *choice, d
         double m[3], h[3] = { 0.0 };
         if (!choice->input[i])
             continue;
-        lw_status status = motion_series(w, i, t, m);
+        lw_status status = wanted_motion(w, i, t, m);
         if (status != LW_OK)
             return status;
         h[0] = lw_system_measure(s, s->input_joint[i], w->series, w->row);
@@ -208,7 +205,7 @@ static lw_status input_rows(lw_clearance_work *w, const lw_row_choice *choice, d
         if (series)
             lw_system_measure_series(s, s->input_joint[i], 2, w->series, h);
         w->off[*n] = h[0] - m[0];
-        w->wanted[*n] = series ? 2.0*(m[2] - h[2]) : m[1];
+        w->wanted[*n] = series ? m[2] - 2.0*h[2] : m[1];
         ++*n;
     }
     return LW_OK;
@@ -225,9 +222,9 @@ static void loop_rows(lw_clearance_work *w, bool series, int *n)
     if (series)
         lw_system_series(s, 2, w->series, w->phi);
     for (int c = 0; c < t->n_close; c++) {
-        for (int i = 0; i < w->c->n_rough; i++)
-            if (w->c->rough[i].journal < 0 && w->c->rough[i].joint == t->close[c])
-                w->rough_row[i] = *n;
+        for (int i = 0; i < w->c->n_friction; i++)
+            if (w->c->friction_journal[i] < 0 && w->c->friction[i].joint == t->close[c])
+                w->friction_row[i] = *n;
         for (int r = s->joint[t->close[c]].row; r < s->n_row && s->row[r].joint == t->close[c]; r++) {
             lw_clearance_through_tree(w, w->jac + (long)r*s->n_q, w->a + *n*w->n_u);
             w->off[*n] = w->phi[r];
@@ -245,9 +242,9 @@ static void journal_rows(lw_clearance_work *w, const lw_row_choice *choice, cons
             continue;
         lw_play p = lw_clearance_play(w, i, du);
         lw_vec2 bias = series ? play_bias(w, i, &p) : lw_v2(0.0, 0.0);
-        for (int k = 0; k < w->c->n_rough; k++)
-            if (w->c->rough[k].journal == i)
-                w->rough_row[k] = *n;
+        for (int k = 0; k < w->c->n_friction; k++)
+            if (w->c->friction_journal[k] == i)
+                w->friction_row[k] = *n;
         for (int k = 0; k < 2 && choice->hold[i]; k++, ++*n) {
             push_apart(w, i, &p, axis[k], w->a + *n*w->n_u);
             w->off[*n] = lw_v2_dot(axis[k], lw_v2_sub(p.d, w->offset[i]));
@@ -263,6 +260,41 @@ static void journal_rows(lw_clearance_work *w, const lw_row_choice *choice, cons
     }
 }
 
+/* Rows of the stops that are rested on, from row *n */
+static void stop_rows(lw_clearance_work *w, const lw_row_choice *choice, bool series, int *n)
+{
+    const lw_system *s = &w->c->s;
+    for (int i = 0; i < w->c->n_stop; i++) {
+        const lw_rigid_stop *p = &w->stop[i];
+        double h[3] = { 0.0 };
+        if (!choice->stop[i])
+            continue;
+        w->off[*n] = lw_system_measure(s, p->joint, w->series, w->row) - p->limit;
+        lw_clearance_through_tree(w, w->row, w->a + *n*w->n_u);
+        if (series)
+            lw_system_measure_series(s, p->joint, 2, w->series, h);
+        w->wanted[*n] = series ? -2.0*h[2] : 0.0;
+        ++*n;
+    }
+}
+
+/* First row of the stops among all */
+static int first_row(const lw_clearance_work *w)
+{
+    int n = w->c->tree.n_row;
+    for (int i = 0; i < w->c->n_journal; i++)
+        n += w->rows.hold[i] ? 2 : w->rows.link[i] ? 1 : 0;
+    return n;
+}
+
+double lw_clearance_stop_press(const lw_clearance_work *w, int i)
+{
+    int n = first_row(w);
+    for (int k = 0; k < i; k++)
+        n += w->rows.stop[k];
+    return w->stop[i].sign*w->lambda[n];
+}
+
 /* w->a, w->off, w->wanted of the placed state: wanted rates, or with `series` wanted accelerations. */
 static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, double t, const double *du, bool series)
 {
@@ -272,13 +304,13 @@ static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, do
     bool inputs = false;
     for (int i = 0; i < w->c->s.n_input; i++)
         inputs = inputs || choice->input[i];
-    for (int i = 0; i < w->c->n_rigid; i++)
+    for (int i = 0; i < w->c->n_stop; i++)
         inputs = inputs || choice->stop[i];
     if (inputs || w->c->tree.n_close > 0)
         write_series(w, du);
     journal_rows(w, choice, du, series, &n);
     loop_rows(w, series, &n);
-    lw_clearance_stop_rows(w, choice, series, &n);
+    stop_rows(w, choice, series, &n);
     return input_rows(w, choice, t, series, &n);
 }
 
@@ -305,7 +337,7 @@ static void fill_mass(lw_clearance_work *w)
     int n = w->n_u;
     memset(w->mass, 0, sizeof(double)*(size_t)(n*n));
     for (int b = 0; b < t->n_body; b++) {
-        const lw_tree_joint *p = &t->branch[b];
+        const lw_tree_joint *p = &t->hang[b];
         const lw_vec2 *col = w->state.b + (size_t)b*(size_t)n;
         double m = mass[3*b];
         for (int i = 0; m > 0.0 && i < p->n_path; i++)
@@ -395,7 +427,8 @@ static lw_status factor_constrained(lw_clearance_work *w)
     return r->rank == 0 ? LW_OPEN : LW_OK;
 }
 
-void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x)
+/* One more solution of the factored equations: x for b (n_u + n_c), which is overwritten */
+static void solve_again(lw_clearance_work *w, double *b, double *x)
 {
     for (int c = 0; c < w->n_c; c++)
         b[w->n_u + c] *= w->heaviest;
@@ -407,17 +440,38 @@ void lw_clearance_solve_again(lw_clearance_work *w, double *b, double *x)
 static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
 {
     int n = w->n_u;
-    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX];
+    double b[ROW_MAX];
     lw_status s = factor_constrained(w);
     if (s != LW_OK)
         return s;
     memcpy(b, w->load, sizeof(double)*(size_t)n);
     memcpy(b + n, w->wanted, sizeof(double)*(size_t)w->n_c);
-    lw_clearance_solve_again(w, b, w->answer);
+    solve_again(w, b, w->answer);
     memcpy(ddu, w->answer, sizeof(double)*(size_t)n);
     memcpy(w->lambda, w->answer + n, sizeof(double)*(size_t)w->n_c);
     return LW_OK;
 }
+
+/* ---- friction of joints without clearance ----------------------------------------------------------- */
+
+/* ddu and the multipliers, found without friction, become those with it. */
+static lw_status add_friction(lw_clearance_work *w, double t, const double *du, double *ddu)
+{
+    const lw_clearance_scene *c = w->c;
+    double b[ROW_MAX], force[LW_SYSTEM_Q_MAX], size[LW_JOINT_MAX];
+    int all = w->n_u + w->n_c;
+    lw_tree_write(&c->tree, &w->state, du, w->q, w->v);
+    for (int k = 0; k < c->n_friction; k++) {
+        memset(b, 0, sizeof(double)*(size_t)all);
+        lw_friction_force(&c->s, &c->friction[k], w->q, w->v, force);
+        lw_clearance_through_tree(w, force, b);
+        solve_again(w, b, w->response + k*all);
+    }
+    return lw_friction_add(c->m, &c->s, c->n_friction, c->friction, w->friction_row, w->response, t, w->n_u, ddu, w->n_c,
+                           w->lambda, size, &w->undetermined);
+}
+
+/* ---- accelerations ------------------------------------------------------------------------------- */
 
 lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *u, const double *du, double *ddu)
 {
@@ -432,13 +486,13 @@ lw_status lw_clearance_accelerate(lw_clearance_work *w, double t, const double *
     lw_status s = fill_rows(w, &w->rows, t, du, true);
     if (s == LW_OK)
         s = solve_constrained(w, ddu);
-    return s == LW_OK && w->c->n_rough > 0 ? lw_clearance_friction(w, du, ddu) : s;
+    return s == LW_OK && w->c->n_friction > 0 ? add_friction(w, t, du, ddu) : s;
 }
 
 lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, const double *du, const double *g,
                                double *out)
 {
-    double b[LW_SYSTEM_Q_MAX + LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_CLEARANCE_STOP_MAX] = { 0.0 };
+    double b[ROW_MAX] = { 0.0 };
     size_t bytes = sizeof(double)*(size_t)w->n_u;
     lw_tree_place(&w->c->tree, u, du, &w->state);
     fill_mass(w);
@@ -453,7 +507,7 @@ lw_status lw_clearance_respond(lw_clearance_work *w, double t, const double *u, 
     if (s != LW_OK)
         return s;
     memcpy(b, g, bytes);
-    lw_clearance_solve_again(w, b, w->answer);
+    solve_again(w, b, w->answer);
     memcpy(out, w->answer, bytes);
     return LW_OK;
 }
@@ -487,7 +541,7 @@ int lw_clearance_lightest(lw_clearance_work *w, const double *u)
     for (int k = 1; k < w->n_u; k++)
         least = w->mass[k*w->n_u + k] < w->mass[least*w->n_u + least] ? k : least;
     for (int b = 0; b < t->n_body; b++) {
-        int first = t->branch[b].coordinate, n = t->branch[b].kind == LW_TREE_FREE ? 3 : 1;
+        int first = t->hang[b].coordinate, n = t->hang[b].kind == LW_TREE_FREE ? 3 : 1;
         body = first >= 0 && least >= first && least < first + n ? b : body;
     }
     return body;

@@ -2,8 +2,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/clock.h"
 #include "mbs/dynamics/clearance_internal.h"
+#include "mbs/dynamics/limits_internal.h"
 #include "mbs/ode/integrate.h"
 
 #define LOOKS 8                          /* places of a step at which the criterion of `zero` is taken      */
@@ -33,16 +33,17 @@ static lw_status put_back(void *context, double t, double *y)
 /* Gaps of stops, scaled; what presses on those that are rested on */
 static void look_at_stops(lw_clearance_work *w, double *g)
 {
-    if (w->c->n_rigid == 0)
+    if (w->c->n_stop == 0)
         return;
     lw_tree_write(&w->c->tree, &w->state, NULL, w->q, NULL);
-    for (int i = 0; i < w->c->n_rigid; i++)
-        g[i] = w->rows.stop[i] ? lw_clearance_stop_press(w, i) : lw_clearance_gap(w, i);
+    for (int i = 0; i < w->c->n_stop; i++)
+        g[i] = w->rows.stop[i] ? lw_clearance_stop_press(w, i)
+                              : lw_rigid_stop_gap(&w->c->s, &w->stop[i], w->q, NULL);
 }
 
 static int strobe_event(const lw_clearance_scene *c)
 {
-    return PER_JOURNAL*c->n_journal + c->n_rigid;
+    return PER_JOURNAL*c->n_journal + c->n_stop;
 }
 
 static bool has_strobe(const lw_clearance_work *w)
@@ -67,7 +68,7 @@ static lw_status look(void *context, double t, const double *y, double *g)
     bool forces = false;
     for (int i = 0; i < c->n_journal; i++)
         forces = forces || w->rows.link[i];
-    for (int i = 0; i < c->n_rigid; i++)
+    for (int i = 0; i < c->n_stop; i++)
         forces = forces || w->rows.stop[i];
     lw_status s = LW_OK;
     if (forces) {
@@ -286,7 +287,7 @@ static lw_ode equations(lw_clearance_work *w)
 {
     const lw_clearance_scene *c = w->c;
     lw_ode ode = { .n = 2*w->n_u, .context = w, .rate = rate_of, .seen = passed };
-    bool any = c->n_rigid > 0 || has_strobe(w);
+    bool any = c->n_stop > 0 || has_strobe(w);
     for (int i = 0; i < c->n_journal; i++) {
         bool smooth = c->journal[i].c->model == LW_CLEARANCE_MLSD || w->rows.link[i];
         any = any || !w->rows.hold[i];
@@ -297,7 +298,7 @@ static lw_ode equations(lw_clearance_work *w)
         ode.passing[strobe_event(c)] = has_strobe(w);
         ode.event = look;
     }
-    ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_rigid > 0 ? put_back : NULL;
+    ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_stop > 0 ? put_back : NULL;
     return ode;
 }
 
@@ -320,7 +321,7 @@ static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, lw_error 
 {
     double flight, least = 2e-14*fmax(fabs(in->t), 1e-6);
     memcpy(w->y, in->y, 2*sizeof(double)*(size_t)w->n_u);
-    lw_status s = lw_clearance_strike(w, in->t, w->y, w->y + w->n_u, &flight, e);
+    lw_status s = lw_clearance_strike(w, in->t, w->y, &flight, e);
     if (s == LW_OK)
         s = lw_integrate_restart(in, w->y, e);
     if (s == LW_OK && flight > 0.0)
@@ -335,7 +336,7 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
 {
     unsigned long long events = in->events;
     in->h = fmin(in->h, 1.0/w->quickest);                    /* steps of free flight are too long for a contact */
-    unsigned long long stops = events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_rigid);
+    unsigned long long stops = events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_stop);
     lw_status s = stops ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
         if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
@@ -345,19 +346,13 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
     return s == LW_OK ? rate_of(w, in->t, in->y, in->dy) : s;
 }
 
-/* Told to stop, or out of time; the clock is looked at now and then only */
-static bool is_over(const lw_clearance_work *w, const lw_integrator *in)
-{
-    return (w->o.stop && *w->o.stop) || (w->o.until > 0.0 && in->n_step%256 == 0 && lw_clock_wall() > w->o.until);
-}
-
 static lw_status run_until(lw_clearance_work *w, lw_integrator *in, double t_end, double *next, lw_error *e)
 {
     while (in->t < t_end) {
         lw_ode_stop stop;
-        if (is_over(w, in))
-            return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s", in->t);
-        lw_status s = lw_integrate_step(in, t_end, &stop, e);
+        lw_status s = lw_limits_check(w->o.stop, w->o.until, in->n_step%256 == 0, in->t, e);
+        if (s == LW_OK)
+            s = lw_integrate_step(in, t_end, &stop, e);
         if (s != LW_OK)
             return s;
         s = sample_step(w, in, next);
@@ -410,10 +405,10 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     if (s != LW_OK)
         return s;
     double flight;
-    if ((s = lw_clearance_strike(w, 0.0, u, du, &flight, e)) != LW_OK)
+    if ((s = lw_clearance_strike(w, 0.0, u, &flight, e)) != LW_OK)
         return s;
     memcpy(w->y, u, 2*sizeof(double)*(size_t)w->n_u);
-    if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC && w->undetermined < 0)
+    if (rate_of(w, 0.0, w->y, w->rate) == LW_E_NUMERIC && w->undetermined.status == LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "no mass moves with link \"%s\" alone, so its motion is not determined: "
                             "give it mass and inertia",
                             w->c->m->linkage.link_name[w->c->s.link[lw_clearance_lightest(w, u)]]);
@@ -469,10 +464,8 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     double *room = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *room);
     begin_books(&w, r);
     lw_status s = room ? run(&w, room, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
-    if (s == LW_E_NUMERIC && w.undetermined >= 0)
-        lw_error_set(e, s, "friction at joint \"%s\" leaves its reaction undetermined for rigid links (Painleve's "
-                     "paradox) at t = %.9g s; lower the coefficient or give the joint compliance",
-                     scene->m->linkage.joint[w.undetermined].name, r->t);
+    if (s == LW_E_NUMERIC && w.undetermined.status != LW_OK && e)
+        *e = w.undetermined;
     free(room);
     lw_clearance_work_free(&w);
     return s;

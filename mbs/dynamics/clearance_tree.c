@@ -1,6 +1,6 @@
 /* mbs/dynamics/clearance_tree.c - tree coordinates of a linkage with some joints opened. */
 #include <string.h>
-#include "mbs/dynamics/clearance_internal.h"
+#include "mbs/dynamics/clearance_tree_internal.h"
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
@@ -18,8 +18,8 @@ static void add_path(lw_tree_joint *b, int k)
 static void hang(lw_tree *t, int body, int j, int end)
 {
     const lw_system_joint *p = &t->s->joint[j];
-    lw_tree_joint *b = &t->branch[body];
-    const lw_tree_joint *up = p->body[end] < 0 ? NULL : &t->branch[p->body[end]];
+    lw_tree_joint *b = &t->hang[body];
+    const lw_tree_joint *up = p->body[end] < 0 ? NULL : &t->hang[p->body[end]];
     *b = (lw_tree_joint){ .parent = p->body[end], .joint = j, .arm = { p->arm[end], p->arm[1 - end] },
                       .sign = end == 0 ? 1.0 : -1.0, .coordinate = -1, .turn = up ? up->turn : -1 };
     for (int i = 0; up && i < up->n_path; i++)
@@ -36,7 +36,7 @@ static void hang(lw_tree *t, int body, int j, int end)
 
 static void let_float(lw_tree *t, int body)
 {
-    lw_tree_joint *b = &t->branch[body];
+    lw_tree_joint *b = &t->hang[body];
     *b = (lw_tree_joint){ .parent = -1, .kind = LW_TREE_FREE, .joint = -1, .coordinate = t->n_u, .turn = t->n_u + 2 };
     for (int i = 0; i < 3; i++)
         add_path(b, t->n_u++);
@@ -120,7 +120,7 @@ static void place_free(const lw_tree_joint *b, const double *u, const double *du
  * and w the turned slide line. */
 static void place_one(const lw_tree *t, const double *u, const double *du, int body, lw_tree_state *s)
 {
-    const lw_tree_joint *b = &t->branch[body];
+    const lw_tree_joint *b = &t->hang[body];
     lw_vec2 *col = columns(t, s, body);
     if (b->kind == LW_TREE_FREE) {
         place_free(b, u, du, body, col, s);
@@ -140,7 +140,7 @@ static void place_one(const lw_tree *t, const double *u, const double *du, int b
     const lw_vec2 *up = b->parent < 0 ? NULL : columns(t, s, b->parent);
     for (int k = 0; k < b->n_path; k++)
         col[b->path[k]] = up ? up[b->path[k]] : lw_v2(0.0, 0.0);
-    add_to(col, b->parent < 0 ? -1 : t->branch[b->parent].turn, lw_v2_perp(rp));
+    add_to(col, b->parent < 0 ? -1 : t->hang[b->parent].turn, lw_v2_perp(rp));
     add_to(col, b->turn, lw_v2_scale(lw_v2_perp(rb), -1.0));
     if (slide)
         add_to(col, b->coordinate, w);
@@ -162,7 +162,7 @@ void lw_tree_place(const lw_tree *t, const double *u, const double *du, lw_tree_
 void lw_tree_read(const lw_tree *t, const double *q, const double *v, double *u, double *du)
 {
     for (int i = 0; i < t->n_body; i++) {
-        const lw_tree_joint *b = &t->branch[t->order[i]];
+        const lw_tree_joint *b = &t->hang[t->order[i]];
         int body = t->order[i], k = b->coordinate;
         if (b->kind == LW_TREE_PIN) {
             u[k] = q[3*body + 2];
@@ -198,11 +198,24 @@ void lw_tree_write(const lw_tree *t, const lw_tree_state *s, const double *du, d
     }
 }
 
+void lw_tree_accelerations(const lw_tree *t, const lw_tree_state *s, const double *ddu, double *a)
+{
+    for (int body = 0; body < t->n_body; body++) {
+        const lw_tree_joint *b = &t->hang[body];
+        lw_vec2 sum = s->bias[body + 1];
+        for (int i = 0; i < b->n_path; i++)
+            sum = lw_v2_add(sum, lw_v2_scale(columns(t, s, body)[b->path[i]], ddu[b->path[i]]));
+        a[3*body] = sum.x;
+        a[3*body + 1] = sum.y;
+        a[3*body + 2] = b->turn >= 0 ? ddu[b->turn] : 0.0;
+    }
+}
+
 lw_vec2 lw_tree_velocity(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r, const double *du)
 {
     if (body < 0)
         return lw_v2(0.0, 0.0);
-    const lw_tree_joint *b = &t->branch[body];
+    const lw_tree_joint *b = &t->hang[body];
     const lw_vec2 *col = columns(t, s, body);
     lw_vec2 v = lw_v2_scale(lw_v2_perp(r), s->spin[body + 1]);
     for (int i = 0; i < b->n_path; i++)
@@ -215,7 +228,7 @@ void lw_tree_push(const lw_tree *t, const lw_tree_state *s, int body, lw_vec2 r,
 {
     if (body < 0)
         return;
-    const lw_tree_joint *b = &t->branch[body];
+    const lw_tree_joint *b = &t->hang[body];
     const lw_vec2 *col = columns(t, s, body);
     for (int i = 0; i < b->n_path; i++)
         force[b->path[i]] += lw_v2_dot(f, col[b->path[i]]);

@@ -4,6 +4,7 @@
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,7 +28,7 @@ static lw_status advance(lw_dynamics *d, double t, double h, double *y, double *
     lw_status s = lw_mbs_project_q(d, t + h, to, 0.3*way + 0.5*h*h*greatest(a, n) + 1e-9);
     memcpy(to + n, y + n, (size_t)n*sizeof *to);
     if (s == LW_OK)
-        s = lw_mbs_project_v(d, t + h, to, to + n);
+        s = lw_mbs_project_v(d, t + h, to + n);
     return s;
 }
 
@@ -87,7 +88,7 @@ static lw_status run_all(lw_run *run, double *y, double *a)
     return s;
 }
 
-lw_status lw_run_driven(lw_run *run)
+static lw_status run_driven(lw_run *run)
 {
     size_t n = (size_t)run->d->n_q;
     double *y = calloc(5*n + 2, sizeof *y);
@@ -99,3 +100,15 @@ lw_status lw_run_driven(lw_run *run)
     free(y);
     return s;
 }
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    char why[200];
+    if (d->freedom == 0)
+        return lw_formulation_say(r, LW_OK, d->n_q, "every freedom is driven: kinematics, then forces");
+    snprintf(why, sizeof why, "%d more freedom%s would have to be driven for this analysis: give every input a "
+             "\"motion\", or ask for dynamic", d->freedom, d->freedom == 1 ? "" : "s");
+    return lw_formulation_say(r, asked ? LW_E_ARG : LW_E_KIND, 0, why);
+}
+
+const lw_formulation_row lw_formulation_driven = { able, run_driven };

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/ode/ida.h"
 
 /* Absolute tolerance of multipliers: they are not judged.  Rounding in q and v comes back in them times mass over the
  * step, and Newton's method would not converge by them where steps are short, masses far apart or units large. */
@@ -19,6 +20,8 @@ typedef struct ggl {
     lw_run *run;
     int    q, c;
     double least_mass, *dq, *dv;
+    lw_ida *ida;
+    double *dense;                           /* (n of IDA) scratch                                          */
     double *each;                            /* absolute tolerances                                         */
     long   since;                            /* steps at the last start                                     */
 } ggl;
@@ -35,13 +38,13 @@ static void push(const lw_dynamics *d, const double *l, double *out)
                 out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
 }
 
-/* Friction for multipliers that are given: it is part of the forces. */
+/* Friction for the multipliers l of the kept rows is one of the forces. */
 static double add_friction(lw_dynamics *d, const double *q, const double *v, const double *l)
 {
     double power = 0;
     for (int f = 0; f < d->n_friction; f++) {
-        double force[LW_SYSTEM_Q_MAX], unit = lw_mbs_friction_direction(d, d->friction[f], q, v, force);
-        const lw_system_joint *j = &d->s.joint[d->friction[f]];
+        double force[LW_SYSTEM_Q_MAX], unit = lw_friction_force(&d->s, &d->friction[f], q, v, force);
+        const lw_system_joint *j = &d->s.joint[d->friction[f].joint];
         int x = d->place[j->row], y = j->kind == LW_JOINT_REVOLUTE ? d->place[j->row + 1] : -1;
         double n = hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit;
         for (int i = 0; i < d->n_q; i++)
@@ -194,23 +197,15 @@ static void unpack(const ggl *g, const double *y, double *out)
         out[2*g->q] = y[2*(g->q + g->c)];
 }
 
-static lw_status show_samples(ggl *g, lw_ida *w, double *y)
+/* The state at t, within the last step of IDA. */
+static lw_status state_at(void *context, double t, double *state)
 {
-    lw_run *run = g->run;
-    lw_status s = LW_OK;
-    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
-        double t = lw_run_time(run->d, run->next);
-        if (t > w->t)
-            break;
-        s = lw_ida_dense(w, t, y);
-        if (s != LW_OK)
-            break;
-        unpack(g, y, run->y);
-        s = lw_run_project(run, t, run->y);
-        if (s == LW_OK)
-            s = lw_run_show(run, t, run->y);
-    }
-    return s;
+    ggl *g = context;
+    lw_status s = lw_ida_dense(g->ida, t, g->dense);
+    if (s != LW_OK)
+        return s;
+    unpack(g, g->dense, state);
+    return lw_run_project(g->run, t, state);
 }
 
 /* y and dy of the state (q, v, work), which satisfies the constraints. */
@@ -270,7 +265,7 @@ static double apart(const lw_dynamics *d)
     lw_rank_place(&r, d->n_q, d->n_kept, d->rank_work, d->rank_ints);
     for (int k = 0; k < d->n_kept; k++)
         memcpy(r.a + k*d->n_q, d->jac + d->kept[k]*d->n_q, (size_t)d->n_q*sizeof *r.a);
-    lw_rank_factor(&r, 1e-9);
+    lw_rank_factor(&r, LW_RANK_TOLERANCE);
     return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
 }
 
@@ -341,7 +336,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
             break;
         unpack(g, w->y, run->y);
         lw_run_watch(run, run->y);
-        s = show_samples(g, w, y);
+        s = lw_run_samples(run, w->t, state_at, g);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
         if (s == LW_OK && stop != LW_ODE_END) {
@@ -356,11 +351,11 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     return s;
 }
 
-lw_status lw_run_ggl(lw_run *run)
+static lw_status run_ggl(lw_run *run)
 {
     lw_dynamics *d = run->d;
     ggl g = { .run = run, .q = d->n_q, .c = d->n_kept };
-    lw_ida w;
+    lw_ida w = { 0 };
     for (int i = 0; i < d->n_q; i++)
         g.least_mass = fmax(g.least_mass, 1e-3*d->f.mass[i]);
     size_t n = 2*(size_t)(g.q + g.c) + 1;
@@ -372,7 +367,19 @@ lw_status lw_run_ggl(lw_run *run)
     g.dq = run->state + run->n;
     g.dv = g.dq + g.q*g.q;
     g.each = g.dv + g.q*g.q;
+    g.ida = &w;
+    g.dense = y;
     lw_status s = run_ida(&g, &w, y, y + n);
     free(y);
     return s;
 }
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    if (!asked)
+        return lw_formulation_say(r, LW_E_KIND, 0, "it is taken only where it is asked for");
+    return d->n_stop ? lw_formulation_say(r, LW_E_KIND, 0, "it knows no rigid stops; give them a \"stiffness\"")
+                     : lw_formulation_say(r, LW_OK, 2*d->n_q + 2*d->n_kept, "asked for");
+}
+
+const lw_formulation_row lw_formulation_ggl = { able, run_ggl };

@@ -1,24 +1,13 @@
 /* mbs/dynamics/dynamics_make.c - a model made ready: equations, memory, a start that satisfies the constraints. */
-#include "mbs/dynamics/dynamics_run_internal.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/sparse.h"
+#include "mbs/ode/integrate.h"
 
 static const double nudge = 0.02;        /* scaled: so far from the start rank is looked at again           */
-
-lw_dynamics_options lw_dynamics_options_default(void)
-{
-    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10 };
-}
-
-const char *lw_formulation_name(lw_formulation f)
-{
-    static const char *const names[] = { "auto", "driven", "quadrature", "reduced", "index1", "cvode", "ggl" };
-    return names[f];
-}
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
@@ -35,7 +24,7 @@ typedef struct piece { double **to; size_t n; } piece;
 
 static lw_status reserve(lw_dynamics *d, lw_error *e)
 {
-    size_t q = (size_t)d->n_q, c = (size_t)(d->n_row + d->n_driven + (d->n_contact ? LW_STOP_ROW_MAX : 0));
+    size_t q = (size_t)d->n_q, c = (size_t)(d->n_row + d->n_driven + (d->n_stop ? LW_STOP_ROW_MAX : 0));
     size_t all = 0, speeds = c + LW_INPUT_MAX;
     const piece pieces[] = {
         { &d->phi, c }, { &d->jac, c*q }, { &d->rhs, speeds }, { &d->schur, c*c }, { &d->diag, c }, { &d->by_mass, q },
@@ -78,107 +67,6 @@ void lw_dynamics_free(lw_dynamics *d)
     free(d);
 }
 
-/* ---- rows and who shares bodies ------------------------------------------------------------------ */
-
-static void find_row_bodies(lw_dynamics *d)
-{
-    int row = d->n_row;
-    for (int r = 0; r < d->n_row; r++)
-        lw_system_row_bodies(&d->s, r, d->row_body[r]);
-    for (int i = 0; i < d->n_driven; i++)
-        lw_system_joint_bodies(&d->s, d->s.input_joint[d->driven[i]], d->row_body[row++]);
-    for (int i = 0; i < d->n_touching; i++)
-        lw_system_joint_bodies(&d->s, d->contact[d->touching[i]].joint, d->row_body[row++]);
-}
-
-enum { SHARED = LW_SYSTEM_ROW_BODIES*LW_SYSTEM_ROW_BODIES };
-
-/* Which body two rows share as number k/4 of the first and k%4 of the second; -1: none. */
-static int shared_body(const lw_dynamics *d, int row, int other, int k)
-{
-    int b = d->row_body[row][k/LW_SYSTEM_ROW_BODIES];
-    return b >= 0 && b == d->row_body[other][k%LW_SYSTEM_ROW_BODIES] ? b : -1;
-}
-
-/* Who meets whom in J M^-1 J^T: near[i*n + j], i, j places among the kept rows. */
-static void find_meetings(const lw_dynamics *d, unsigned char *near)
-{
-    int n = d->n_kept;
-    memset(near, 0, (size_t)n*(size_t)n);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            for (int k = 0; i != j && k < SHARED; k++)
-                near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
-}
-
-/* The kept rows in the order in which they are eliminated, and the pattern of U. */
-static void order_rows(lw_dynamics *d)
-{
-    int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
-    find_meetings(d, d->near);
-    lw_sparse_order(n, d->near, order);
-    memcpy(kept, d->kept, (size_t)n*sizeof *kept);
-    for (int i = 0; i < n; i++) {
-        d->kept[i] = kept[order[i]];
-        d->place[d->kept[i]] = i;
-        d->after_at[i] = used;
-        for (int j = i + 1; j < n; j++)
-            if (d->near[order[i]*n + order[j]])
-                d->after[used++] = j;
-    }
-    d->after_at[n] = used;
-}
-
-static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
-
-/* Pairs of kept rows that share a body, the later one first: the upper triangle of J M^-1 J^T. */
-static void find_pairs(lw_dynamics *d)
-{
-    int n = d->n_kept;
-    d->n_pair = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++)
-            for (int k = 0; k < SHARED; k++) {
-                int b = shared_body(d, d->kept[i], d->kept[j], k);
-                if (b >= 0)
-                    d->pair[d->n_pair++] = (lw_pair){ d->kept[i], d->kept[j], b, j*n + i };
-            }
-}
-
-/* Keep the rows that the factorisation found to be a basis. */
-static void keep_basis(lw_dynamics *d)
-{
-    d->n_kept = d->rank_of.rank;
-    for (int r = 0; r < d->n_c; r++)
-        d->place[r] = -1;
-    memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
-    qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
-    order_rows(d);
-    find_pairs(d);
-}
-
-static void set_rank(lw_dynamics *d, int rank)
-{
-    d->rank = rank;
-    d->freedom = d->n_q - rank;
-}
-
-lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
-{
-    d->n_c = d->n_row + d->n_driven + d->n_touching;
-    find_row_bodies(d);
-    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
-    lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
-    lw_status s = lw_mbs_rows(d, t, q);
-    if (s != LW_OK)
-        return s;
-    set_rank(d, 0);
-    lw_mbs_factor(d, true);
-    set_rank(d, d->rank_of.rank);
-    keep_basis(d);
-    return LW_OK;
-}
-
 /* ---- start ------------------------------------------------------------------------------------- */
 
 /* Somewhere near on the constraints, to see whether the start is singular: along the velocities, or, at rest,
@@ -206,14 +94,14 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
         return s;
     for (int i = 0; i < d->n_q; i++)
         d->q_try[i] = q[i] + nudge*dir[i]/size;
-    set_rank(d, 0);
+    d->rank = 0, d->freedom = d->n_q;
     if (lw_mbs_project_q(d, t, d->q_try, 1) == LW_OK && lw_mbs_rows(d, t, d->q_try) == LW_OK) {
         lw_mbs_factor(d, true);
         if (d->rank_of.rank > rank)
             return lw_error_set(d->e, LW_E_NUMERIC, "the posture at the start is singular: from there the linkage can "
                                 "go on in several ways; start it from a posture nearby");
     }
-    set_rank(d, rank);
+    d->rank = rank, d->freedom = freedom;
     return LW_OK;
 }
 
@@ -317,13 +205,13 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         lw_system_measure(&d->s, j, d->start_q, r.a + n*d->n_q);
         d->rhs[n++] = d->model->speed[i]/(d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1 : d->s.unit);
     }
-    lw_rank_factor(&r, 1e-9);
+    lw_rank_factor(&r, LW_RANK_TOLERANCE);
     lw_rank_solve_transposed(&r, d->rhs, d->start_v);
     s = lw_mbs_arrange(d, d->o.from, d->start_q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
     if (s == LW_OK)
-        s = lw_mbs_project_v(d, d->o.from, d->start_q, d->start_v);
+        s = lw_mbs_project_v(d, d->o.from, d->start_v);
     for (int i = 0; i < d->s.n_input; i++)
         d->moved_rate = fmax(d->moved_rate, speed_off(d, i));
     for (int i = 0; s == LW_OK && i < d->n_q; i++)
@@ -335,17 +223,12 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 static void find_special_joints(lw_dynamics *d)
 {
     const lw_model *m = d->model;
-    for (int j = 0; j < d->s.n_joint; j++) {
-        const lw_joint_stop *p = &m->stop[j];
-        if (m->friction[j].coefficient > 0)
-            d->friction[d->n_friction++] = j;
-        if (p->stiffness > 0)
-            continue;
-        if (p->has_least)
-            d->contact[d->n_contact++] = (lw_contact){ j, false, false };
-        if (p->has_greatest)
-            d->contact[d->n_contact++] = (lw_contact){ j, true, false };
-    }
+    d->n_stop = lw_rigid_stops_find(m, &d->s, d->stop);
+    for (int j = 0; j < d->s.n_joint; j++)
+        if (m->friction[j].coefficient > 0) {
+            d->friction_row[d->n_friction] = d->s.joint[j].row;
+            d->friction[d->n_friction++] = lw_friction_joint_of(m, j);
+        }
     for (int i = 0; i < d->s.n_input; i++)
         if (m->motion[i])
             d->driven[d->n_driven++] = i;
@@ -353,7 +236,7 @@ static void find_special_joints(lw_dynamics *d)
         d->has_zero_mass = d->has_zero_mass || !(d->f.mass[i] > 0);
 }
 
-static lw_status prepare(lw_dynamics *d, lw_error *e)
+lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e)
 {
     const lw_model *m = d->model;
     for (int j = 0; j < m->linkage.n_joint; j++)
@@ -367,7 +250,7 @@ static lw_status prepare(lw_dynamics *d, lw_error *e)
     d->n_q = d->s.n_q;
     d->n_row = d->s.n_row;
     find_special_joints(d);
-    if (d->n_contact > LW_EVENT_MAX/2)
+    if (d->n_stop > LW_EVENT_MAX/2)
         return lw_error_set(e, LW_E_ARG, "more than %d rigid stops", LW_EVENT_MAX/2);
     if ((s = reserve(d, e)) != LW_OK)
         return s;
@@ -378,48 +261,7 @@ static lw_status prepare(lw_dynamics *d, lw_error *e)
         s = rank_nearby(d, d->o.from, d->start_q, d->start_v);
     if (s == LW_OK)
         s = lw_mbs_arrange(d, d->o.from, d->start_q);
-    return s == LW_OK ? lw_dynamics_choose(d, &d->choice, e) : s;
-}
-
-lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
-{
-    lw_dynamics *d = calloc(1, sizeof *d);
-    lw_error own = { 0 };
-    *out = NULL;
-    if (!d)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    d->model = m;
-    d->o = *o;
-    lw_status s = prepare(d, e ? e : &own);
-    if (s != LW_OK) {
-        lw_dynamics_free(d);
-        return s;
-    }
-    *out = d;
-    return LW_OK;
-}
-
-/* ---- moments ----------------------------------------------------------------------------------- */
-
-lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
-{
-    lw_status s = lw_mbs_rows(d, t, q);
-    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .work = work };
-    if (s == LW_OK)
-        s = lw_mbs_rate_wanted(d, t);
-    for (int r = 0; s == LW_OK && r < d->n_c; r++) {
-        double rate = -d->rhs[r];
-        for (int i = 0; i < d->n_q; i++)
-            rate += d->jac[r*d->n_q + i]*v[i];
-        m->off = fmax(m->off, fabs(d->phi[r]));
-        m->off_rate = fmax(m->off_rate, fabs(rate));
-    }
-    m->kinetic = lw_forces_kinetic(&d->f, v);
-    m->potential = lw_forces_potential(&d->f, q);
-    m->unique = d->rank == d->n_c;
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, !m->unique);
-    return s == LW_OK ? lw_mbs_solve(d, t, q, v, d->a, d->l, NULL) : s;
+    return s;
 }
 
 void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, double *phi, double *jac)

@@ -5,11 +5,12 @@
  * K the kinetic energy, M(s) the mass and Q(s) the force of the coordinate.  Both integrals are taken panel by panel
  * (mbs/ode/panel_internal.h), each as long as sixteen values resolve it.  Where K falls to 0, at s*, the linkage stands and
  * turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the way to s* and back. */
-#include "mbs/dynamics/dynamics_reduced_internal.h"
+#include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/dynamics/reduced_internal.h"
 #include "mbs/ode/panel_internal.h"
 
 enum { N = LW_PANEL_NODES };
@@ -60,7 +61,7 @@ static lw_status look(quadrature *z, double s, int i)
     p->other[i] = power/ds;
     for (int b = 0; b < z->run->d->s.n_body; b++)
         p->rate[i][b] = z->r->reg[z->r->centre[b].dir].d.x;
-    return p->mass[i] > lw_reduced_turning_back*z->least_mass ? LW_OPEN : LW_OK;
+    return p->mass[i] > LW_REDUCED_TURNING_BACK*z->least_mass ? LW_OPEN : LW_OK;
 }
 
 /* The values of a panel that goes `step` from `from`. */
@@ -321,8 +322,9 @@ static double turned(const quadrature *z, int b, double v)
 }
 
 /* The state at a time within the panel, as the bodies have it. */
-static lw_status state_at(quadrature *z, double t, double *y)
+static lw_status state_at(void *context, double t, double *y)
 {
+    quadrature *z = context;
     panel *p = &z->p;
     const lw_dynamics *d = z->run->d;
     if (!p->ready)
@@ -344,22 +346,6 @@ static lw_status state_at(quadrature *z, double t, double *y)
 }
 
 /* ---- the run ------------------------------------------------------------------------------------------ */
-
-static lw_status show_samples(quadrature *z)
-{
-    lw_run *run = z->run;
-    lw_status s = LW_OK;
-    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
-        double t = lw_run_time(run->d, run->next);
-        if (t > z->p.t_end)
-            break;
-        s = state_at(z, t, run->y);
-        if (s == LW_OK)
-            s = lw_run_show(run, t, run->y);
-        s = s == LW_OPEN ? LW_OK : s;             /* reactions do not exist in a singular posture           */
-    }
-    return s;
-}
 
 /* Energy at the end of the panel, by the posture there; *force there. */
 static lw_status watch(quadrature *z, double *force)
@@ -450,7 +436,7 @@ static lw_status go(quadrature *z)
             break;
         run->r->steps++;
         run->r->t = fmin(z->t, to);
-        st = show_samples(z);
+        st = lw_run_samples(run, z->p.t_end, state_at, z);
         advance_turns(z);
         leave_out_periods(z);
         if (st == LW_OK)
@@ -498,7 +484,7 @@ static lw_status start(quadrature *z, double *y)
     return lw_run_begin(z->run, y);
 }
 
-lw_status lw_run_quadrature(lw_run *run)
+static lw_status run_quadrature(lw_run *run)
 {
     size_t n = (size_t)run->n, n_body = (size_t)run->d->s.n_body;
     quadrature *z = calloc(1, sizeof *z);
@@ -522,3 +508,48 @@ lw_status lw_run_quadrature(lw_run *run)
     free(z), free(y);
     return st;
 }
+
+/* ---- can it do the model? ------------------------------------------------------------------------------- */
+
+static bool of_length_alone(const lw_expression *law)
+{
+    const int *which;
+    int n = law ? lw_expression_variables(law, &which) : 0;
+    return n == 0 || (n == 1 && which[0] == lw_variable(LW_QUANTITY_LENGTH, 0));
+}
+
+static bool constant(const lw_expression *x)
+{
+    const int *which;
+    return !x || lw_expression_variables(x, &which) == 0;
+}
+
+/* Does the posture alone decide the forces? */
+static bool by_posture(const lw_dynamics *d)
+{
+    const lw_model *m = d->model;
+    bool yes = m->n_motor == 0 && !d->f.caller.apply && d->n_driven == 0 && d->n_friction == 0;
+    for (int i = 0; i < m->n_spring; i++)
+        yes = yes && m->spring[i].damping == 0 && of_length_alone(m->spring[i].law);
+    for (int i = 0; i < m->n_joint_spring; i++)
+        yes = yes && m->joint_spring[i].damping == 0 && of_length_alone(m->joint_spring[i].law);
+    for (int i = 0; i < m->n_force; i++)
+        yes = yes && constant(m->force[i].fx) && constant(m->force[i].fy) && constant(m->force[i].torque);
+    return yes;
+}
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    lw_status s = lw_reduced_able(d);
+    if (s != LW_OK)
+        return lw_formulation_say(r, s, 0, d->not_reduced);
+    if (!by_posture(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "forces depend on time or speed");
+    d->rule = d->rule ? d->rule : malloc(sizeof *d->rule);
+    if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
+        return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
+    return lw_formulation_say(r, LW_OK, 1, asked ? "asked for"
+                              : "one freedom, rigid, forces by the posture alone: time is an integral over one coordinate");
+}
+
+const lw_formulation_row lw_formulation_quadrature = { able, run_quadrature };

@@ -1,30 +1,26 @@
 /* mbs/dynamics/dynamics_reduced.c - a run in one coordinate; where the coordinate turns back (a dead point of the input) it is
  * gone on with in the bodies' coordinates. */
-#include "mbs/dynamics/dynamics_reduced_internal.h"
-#include "mbs/dynamics/reduced.h"
+#include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-lw_status lw_reduced_able(lw_dynamics *d, char *text, size_t size)
-{
-    char why[128] = "";
-    lw_reduced *r = d->reduced ? d->reduced : malloc(sizeof *r);
-    if (!r)
-        return LW_E_MEMORY;
-    d->reduced = r;
-    lw_status s = lw_reduced_make(d, r, why);
-    snprintf(text, size, "%s", why);
-    return s;
-}
+#include "mbs/dynamics/reduced_internal.h"
+#include "mbs/ode/integrate.h"
 
 static const int turns_every = 4;
 static const double hold_most = 10;          /* change of p over the error that a step may have             */
 static const double shortest_way = 1e-4;     /* change of s and p, at most                                 */
 
-typedef struct motion { lw_run *run; lw_reduced *r; double kinetic, potential, least_mass, *room; } motion;
+typedef struct motion {
+    lw_run        *run;
+    lw_reduced    *r;
+    lw_integrator *w;
+    double kinetic, potential, least_mass;   /* kinetic, potential: at the start                            */
+    double *room;                            /* of the integrator                                          */
+    const double *from;                      /* (n) bodies' coordinates before the last step                */
+} motion;
 
 static lw_status rate(void *context, double t, const double *y, double *dy)
 {
@@ -88,27 +84,19 @@ static void foresee(const motion *m, const double *from, double h, double ds, do
     }
 }
 
-static lw_status show_samples(motion *m, lw_integrator *w, const double *from)
+/* The state at t, within the last step. */
+static lw_status state_at(void *context, double t, double *y)
 {
-    lw_run *run = m->run;
+    motion *m = context;
+    lw_integrator *w = m->w;
     double s3[3], mass;
-    lw_status s = LW_OK;
-    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
-        double t = lw_run_time(run->d, run->next);
-        if (t > w->t)
-            break;
-        memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
-        s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
-        if (s != LW_OK)
-            break;
-        lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
-        foresee(m, from, t - w->t_old, s3[1]/sqrt(mass), run->y);
-        s = spread(m, s3, run->y);
-        if (s == LW_OK)
-            s = lw_run_show(run, t, run->y);
-        s = s == LW_OPEN ? LW_OK : s;             /* reactions do not exist in a singular posture           */
-    }
-    return s;
+    memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
+    lw_status s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
+    if (s != LW_OK)
+        return s;
+    lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
+    foresee(m, m->from, t - w->t_old, s3[1]/sqrt(mass), y);
+    return spread(m, s3, y);
 }
 
 /* Energies from the registers, so that a step costs little more than its evaluations; the links' turns are looked at
@@ -137,7 +125,7 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
     double mass, s3[3];
     lw_status s = lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
     m->least_mass = fmin(m->least_mass, mass);
-    if (s == LW_OK && mass <= lw_reduced_turning_back*m->least_mass)
+    if (s == LW_OK && mass <= LW_REDUCED_TURNING_BACK*m->least_mass)
         return LW_OK;
     s = lw_integrate_dense(w, w->t_old, s3);
     if (s == LW_OK)
@@ -265,7 +253,7 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
         if (s == LW_OK)
             s = watch(m, w, y);
         if (s == LW_OK)
-            s = show_samples(m, w, before);
+            s = lw_run_samples(run, w->t, state_at, m);
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
         if (s == LW_OK && !run->has_work)
@@ -286,24 +274,6 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
     return s;
 }
 
-/* In the metric of the masses. */
-lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p)
-{
-    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
-    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
-    lw_status st = lw_reduced_registers(r, r->first);
-    if (st != LW_OK)
-        return st;
-    lw_reduced_state(r, d, 1, q, q + d->n_q);
-    for (int i = 0; i < d->n_q; i++) {
-        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
-        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
-    }
-    *s = r->first;
-    *p = top/sqrt(bottom);
-    return LW_OK;
-}
-
 static lw_status run_one(motion *m, double *y)
 {
     lw_run *run = m->run;
@@ -322,6 +292,8 @@ static lw_status run_one(motion *m, double *y)
     if (st != LW_OK)
         return st;
     m->room = room;
+    m->w = &w;
+    m->from = before;
     s[0] /= m->r->scale;
     st = lw_run_begin(run, y);
     if (st == LW_OK)
@@ -330,7 +302,7 @@ static lw_status run_one(motion *m, double *y)
     return st == LW_OK ? go(m, &w, y, before) : st;
 }
 
-lw_status lw_run_reduced(lw_run *run)
+static lw_status run_reduced(lw_run *run)
 {
     motion m = { .run = run, .r = run->d->reduced };
     double *y = calloc(3*(size_t)run->n, sizeof *y);
@@ -343,3 +315,15 @@ lw_status lw_run_reduced(lw_run *run)
     free(y);
     return s;
 }
+
+static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    if (!asked && lw_mbs_is_stiff(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "dampers make the equations stiff");
+    lw_status s = lw_reduced_able(d);
+    return s != LW_OK ? lw_formulation_say(r, s, 0, d->not_reduced)
+         : lw_formulation_say(r, LW_OK, 2, asked ? "asked for"
+                              : "one freedom, rigid, solved in closed form by dyads: one coordinate");
+}
+
+const lw_formulation_row lw_formulation_reduced = { able, run_reduced };

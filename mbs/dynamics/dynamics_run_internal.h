@@ -1,84 +1,109 @@
-/* mbs/dynamics/dynamics_run_internal.h - one run under way; internal to mbs/. */
+/* mbs/dynamics/dynamics_run_internal.h - one run under way, and the formulations it can take; internal to mbs/. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 #define LW_MBS_DYNAMICS_DYNAMICS_RUN_INTERNAL_H
 
-#include "mbs/ode/cvode.h"
-#include "mbs/dynamics/dynamics_internal.h"
-#include "mbs/ode/ida.h"
-#include "mbs/ode/integrate.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 
+/* The state y of a run: q (n_q), v (n_q) and, where some is done, the work of what the potential does not hold. */
 typedef struct lw_run {
     lw_dynamics    *d;
     lw_moment_sink *sink;
     void           *context;
-    lw_dynamics_report      *r;
+    lw_dynamics_report *r;
     lw_error       *e;
-    int     n;                       /* q, v, and the work where some is done                          */
+    int     n;                       /* numbers in y                                                       */
     bool    has_work;
-    long    n_busy;                  /* evaluations                                                    */
-    int     next;                    /* the sample to come                                             */
-    double  flight;                  /* of a bounce that just began [s]; 0: none                        */
+    long    n_busy;                  /* evaluations                                                        */
+    int     next;                    /* the next sample                                                    */
+    double  flight;                  /* duration of a bounce that has just begun [s]; 0: none               */
     double  energy0, potential0, momentum0;
-    double  pivot, pivot_t, pivot_tried; /* root of the least pivot, when that was, where one was tried to cross */
-    double  apart;                   /* what a curve tried there did not satisfy the rows by; 0: none tried */
-    double  chosen;                  /* best of the least pivots since rows were chosen                  */
-    double *y, *state;               /* (n) scratch; ggl: the state in front of and behind a crossing    */
+    double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time            */
+    double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere  */
+    double  apart;                   /* residual of the rows on a curve tried there; 0: none tried           */
+    double  chosen;                  /* greatest of the least pivots since the kept rows were chosen         */
+    double *y, *state;               /* (n) scratch; state: ggl only                                       */
 } lw_run;
+
+/* ---- dynamics_run.c: what every run does ----------------------------------------------------------- */
 
 /* Time of sample k. */
 double lw_run_time(const lw_dynamics *d, int k);
 
-/* Hand the moment at (t, y) to the sink and keep its worst numbers. */
-lw_status lw_run_show(lw_run *run, double t, const double *y);
-
-/* The same without inertia: velocities are told, forces are those at rest. */
-lw_status lw_run_show_slow(lw_run *run, double t, const double *y);
-
-/* Energy and momentum at (t, y) against those of the start. */
-void lw_run_watch(lw_run *run, const double *y);
-
-/* Begin: numbers of the start, the first sample. */
+/* Numbers of the start, and the first sample. */
 lw_status lw_run_begin(lw_run *run, const double *y);
 
-/* LW_STOPPED when a limit or the caller ends the run, `steps` more than the report has: after a step, and within every
- * right-hand side, because a step may be tried for long. */
+/* Hand the moment at (t, y) to the sink and keep the greatest residuals.  LW_OPEN: a singular posture. */
+lw_status lw_run_show(lw_run *run, double t, const double *y);
+
+/* The same without inertia: forces are those at rest. */
+lw_status lw_run_show_slow(lw_run *run, double t, const double *y);
+
+/* Hand out the samples that are due up to time t; state_at fills y (n) at the time of each.  Samples in a singular
+ * posture, which has no accelerations, are left out. */
+typedef lw_status lw_run_state_at(void *context, double t, double *y);
+lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
+
+/* Compare energy and momentum at y with those of the start. */
+void lw_run_watch(lw_run *run, const double *y);
+
+/* LW_STOPPED when a limit or the caller ends the run: after a step, with `steps` more than the report has; and in
+ * every right-hand side, because one step may be tried for long. */
 lw_status lw_run_limits(lw_run *run, double t, long steps);
 lw_status lw_run_busy(lw_run *run, double t);
 
-/* Steps that are left of those allowed; 0: no limit. */
+/* Steps left of those allowed; 0: no limit. */
 long lw_run_steps_left(const lw_run *run);
 
-/* y' for explicit and implicit methods, and putting y back on the constraints. */
+/* Fills r->unknowns and r->why; returns the status. */
+lw_status lw_formulation_say(lw_dynamics_report *r, lw_status status, int unknowns, const char *why);
+
+/* y' for explicit and implicit methods; y put back on the constraints. */
 lw_status lw_run_rate(void *context, double t, const double *y, double *dy);
 lw_status lw_run_project(void *context, double t, double *y);
 
-/* Rigid stops: functions of their gaps and pressures; what happens at t.  *changed: y or rows are others now. */
-lw_status lw_run_gaps(void *context, double t, const double *y, double *g);
-lw_status lw_run_contacts(lw_run *run, double t, double *y, bool *changed);
+/* ---- dynamics_stops.c: rigid stops ------------------------------------------------------------------ */
 
-/* Fill what the report says about the formulation; LW_E_KIND when the one asked for cannot do the model. */
-lw_status lw_dynamics_choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e);
+/* Event functions (n_stop): the gap of each stop, the pressure of one that is rested on. */
+lw_status lw_run_stop_events(void *context, double t, const double *y, double *g);
+
+/* Apply the impacts, rests and departures at t; *changed is set if y or the rows changed. */
+lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed);
+
+/* ---- dynamics_singular.c: through singular postures -------------------------------------------------- */
+
+/* Where rows are redundant, those kept may become dependent in a posture that is not singular: choose others.  *weak:
+ * the least pivot, before and after.  LW_OK: other rows are kept now; LW_NOTHING: the same. */
+lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
+
+/* After a step to (*t, y), where the least pivot is `weak`: go through the singular posture ahead, if there is one, to
+ * behind it, and hand out the samples on the way.  LW_NOTHING: there is none, or none that this can pass. */
+lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y);
+
+/* From y at time `good`, with the least pivot `weak`, over the singular posture that is met at about `place`, by one
+ * long step whose error is not looked at.  half: half its length, in multiples of the distance at which a pivot is 1
+ * (about radians).  y and *t are behind it; samples on the way are handed out.  LW_OPEN: the energy has changed. */
+#define LW_SINGULAR_STEP_HALF 0.03
+lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
+
+/* ---- dynamics_bodies.c ------------------------------------------------------------------------------- */
 
 /* Go on from (run->r->t, y) in the bodies' coordinates. */
 lw_status lw_run_go_on(lw_run *run, const double *y);
 
-/* Where rows are redundant those kept may become dependent in a posture that is not singular: choose others.  *weak:
- * the least pivot, before and after.  LW_OK: rows are others now; LW_NOTHING: they are not. */
-lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak);
+/* ---- formulations ------------------------------------------------------------------------------------ */
 
-/* After a step to (*t, y), where the least pivot is `weak`: through the singular posture that lies ahead, if one does,
- * to behind it, samples told.  LW_NOTHING: none there, or not one this can do (mbs/dynamics/dynamics_singular_crossing.c). */
-lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *y);
+/* One formulation.  A new one is a file that defines its row, and a line in LW_FORMULATION_LIST
+ * (mbs/dynamics/dynamics.h).
+ *
+ * able: can it do the model of d, and (asked false) is it the one to take by itself, before those after it in the
+ * list?  LW_OK: yes, r->why says why, r->unknowns how many unknowns it has; other status: no, r->why says why not. */
+typedef struct lw_formulation_row {
+    lw_status (*able)(lw_dynamics *d, bool asked, lw_dynamics_report *r);
+    lw_status (*run)(lw_run *run);
+} lw_formulation_row;
 
-/* From the good state y at time `good`, whose least pivot is `weak`, over the singular posture that is met at about
- * `place`; half the leap is in multiples of what makes a pivot 1: about radians.  y and *t: behind it, samples on the
- * way told.  LW_OPEN: what comes out has another energy. */
-#define LW_SINGULAR_STEP_HALF 0.03
-lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y);
-
-lw_status lw_run_driven(lw_run *run);
-lw_status lw_run_ggl(lw_run *run);
-lw_status lw_run_reduced(lw_run *run);
-lw_status lw_run_quadrature(lw_run *run);
+#define X(id, name, text) extern const lw_formulation_row lw_formulation_##name;
+LW_FORMULATION_LIST(X)
+#undef X
 
 #endif

@@ -57,6 +57,10 @@ void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power);
 
+/* Motion prescribed for input i at t: what its joint measures from the posture, its rate and second rate, in rad or
+ * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
+lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);
+
 /* Of gravity (0 in the posture), linear springs, compliant stops [J]. */
 double lw_forces_potential(const lw_forces *f, const double *q);
 double lw_forces_kinetic(const lw_forces *f, const double *v);

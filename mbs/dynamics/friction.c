@@ -1,44 +1,99 @@
 #include "mbs/dynamics/friction.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 #include "base/linalg.h"
-#include "grammar/linkage.h"
 
-double lw_friction_push(double coefficient, double speed, double arm, double rate)
+static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined   */
+
+lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
-    return -coefficient*arm*tanh(arm*rate/speed);
+    const lw_friction *f = &m->friction[j];
+    return (lw_friction_joint){ j, f->coefficient, f->speed,
+                                m->linkage.joint[j].kind == LW_JOINT_REVOLUTE ? f->radius : 1 };
 }
 
-lw_status lw_friction_presses(int n, const lw_vec2 *rest, const lw_vec2 *response, double *press)
+double lw_friction_push(const lw_friction_joint *f, double rate)
+{
+    return -f->coefficient*f->lever_arm*tanh(f->lever_arm*rate/f->speed);
+}
+
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v,
+                         double *force)
+{
+    lw_measure m;
+    lw_measure_joint(s, f->joint, q, v, false, &m);
+    double push = lw_friction_push(f, m.rate);
+    memset(force, 0, (size_t)s->n_q*sizeof *force);
+    for (int i = 0; i < 6; i++)
+        if (m.body[i/3] >= 0)
+            force[3*m.body[i/3] + i%3] += push*m.g[i];
+    return push*m.rate;
+}
+
+lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier)
+{
+    bool pin = s->joint[joint].kind == LW_JOINT_REVOLUTE;
+    return lw_v2(multiplier[0]/s->unit, pin ? multiplier[1]/s->unit : 0);
+}
+
+lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response, double *size)
 {
     double matrix[LW_JOINT_MAX*LW_JOINT_MAX], diag[LW_JOINT_MAX], left[LW_JOINT_MAX], scale = 0;
+    assert(n > 0 && n <= LW_JOINT_MAX);
     for (int j = 0; j < n; j++) {
-        press[j] = lw_v2_norm(rest[j]);
-        scale = fmax(scale, press[j]);
+        size[j] = lw_v2_norm(rest[j]);
+        scale = fmax(scale, size[j]);
     }
     for (int pass = 0; pass < 60; pass++) {
         double off = 0;
         for (int j = 0; j < n; j++) {
             lw_vec2 r = rest[j];
             for (int k = 0; k < n; k++)
-                r = lw_v2_add(r, lw_v2_scale(response[j + n*k], press[k]));
-            double size = lw_v2_norm(r);
-            left[j] = size - press[j];
+                r = lw_v2_add(r, lw_v2_scale(response[j + n*k], size[k]));
+            double norm = lw_v2_norm(r);
+            left[j] = norm - size[j];
             off = fmax(off, fabs(left[j]));
             for (int k = 0; k < n; k++)
-                matrix[j + n*k] = (j == k) - (size > 0 ? lw_v2_dot(r, response[j + n*k])/size : 0);
+                matrix[j + n*k] = (j == k) - (norm > 0 ? lw_v2_dot(r, response[j + n*k])/norm : 0);
         }
         if (off <= 1e-13*scale)
             return LW_OK;
         lw_qr_factor(n, n, matrix, diag);
-        if (!(lw_qr_determinant(n, diag) > 1e-3))
+        if (!(lw_qr_determinant(n, diag) > singular))
             break;
         lw_qr_solve(n, n, matrix, diag, left);
         for (int j = 0; j < n; j++) {
-            press[j] = fmax(0, press[j] + left[j]);
-            scale = fmax(scale, press[j]);
+            size[j] = fmax(0, size[j] + left[j]);
+            scale = fmax(scale, size[j]);
         }
     }
     return LW_E_NUMERIC;
+}
+
+lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
+                          const double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
+                          lw_error *e)
+{
+    const int stride = n_a + n_l;
+    assert(n > 0 && n <= LW_JOINT_MAX);
+    lw_vec2 rest[LW_JOINT_MAX], change[LW_JOINT_MAX*LW_JOINT_MAX];
+    for (int j = 0; j < n; j++) {
+        rest[j] = lw_friction_reaction(s, joint[j].joint, l + row[j]);
+        for (int k = 0; k < n; k++)
+            change[j + n*k] = lw_friction_reaction(s, joint[j].joint, response + k*stride + n_a + row[j]);
+    }
+    if (lw_friction_sizes(n, rest, change, size) != LW_OK)
+        return lw_error_set(e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
+                            "links (Painleve's paradox) at t = %.9g s; lower the coefficient or give the joint compliance",
+                            m->linkage.joint[joint[0].joint].name, t);
+    for (int k = 0; k < n; k++) {
+        const double *from = response + k*stride;
+        for (int i = 0; i < n_a; i++)
+            a[i] += size[k]*from[i];
+        for (int i = 0; i < n_l; i++)
+            l[i] += size[k]*from[n_a + i];
+    }
+    return LW_OK;
 }

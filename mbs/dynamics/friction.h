@@ -1,22 +1,42 @@
-/* mbs/dynamics/friction.h - Coulomb friction, regularised, that depends on reactions which depend on it.
+/* mbs/dynamics/friction.h - Coulomb friction, regularised, which depends on reactions that depend on it.
  *
- * Friction along what joint j counts is -mu N_j tanh(v/speed), N_j the size of its reaction R_j [N].  Accelerations
- * and reactions are affine in the N,
+ * Friction along the measure of joint j is -mu N_j tanh(v/speed), with N_j the size of its reaction R_j [N].
+ * Accelerations and reactions are affine in the N,
  *     R_j = R0_j + sum over k of N_k R_jk,
- * so N_j = |R_j| is a system as small as the number of such joints, solved by Newton's method.  Its matrix is I without
- * friction; where the determinant reaches 0, reactions are not determined by rigid bodies with
- * friction (Painleve 1895). */
+ * so N_j = |R_j| is a small system, one equation a joint with friction, solved by Newton's method.  Its matrix is I
+ * without friction; where its determinant reaches 0, rigid bodies with friction leave the reactions undetermined
+ * (Painleve 1895). */
 #ifndef LW_MBS_DYNAMICS_FRICTION_H
 #define LW_MBS_DYNAMICS_FRICTION_H
 
-#include "base/status.h"
-#include "base/vec2.h"
+#include "mbs/dynamics/forces.h"
 
-/* n <= LW_JOINT_MAX; rest (n): R0; response[j + n*k]: R_jk; press (n): N.  LW_E_NUMERIC: not determined. */
-lw_status lw_friction_presses(int n, const lw_vec2 *rest, const lw_vec2 *response, double *press);
+/* A joint with friction.  lever_arm: radius of the pin [m]; 1 for a joint that slides. */
+typedef struct lw_friction_joint { int joint; double coefficient, speed, lever_arm; } lw_friction_joint;
 
-/* Force [N] or torque [N m] along what the joint counts for a reaction of 1 N, at its rate [rad/s] or [m/s]; arm: the
- * pin's radius [m], 1 for what slides. */
-double lw_friction_push(double coefficient, double speed, double arm, double rate);
+/* The friction that a model gives joint j. */
+lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
+
+/* Force [N] or torque [N m] along the measure of the joint for a reaction of 1 N; rate of the measure [rad/s], [m/s]. */
+double lw_friction_push(const lw_friction_joint *f, double rate);
+
+/* Generalised force (n_q) of the friction for a reaction of 1 N; returns its power [W]. */
+double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const double *q, const double *v,
+                         double *force);
+
+/* Reaction of a joint [N] in the multipliers of its rows: both rows of a pin, the row across the line of a slide. */
+lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier);
+
+/* Sizes N of n reactions, n <= LW_JOINT_MAX.  rest (n): R0; response[j + n*k]: R_jk; size (n): N.
+ * LW_E_NUMERIC: they are not determined. */
+lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response, double *size);
+
+/* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.
+ * row[j]: first multiplier of the reaction of joint j.  response[j]: (n_a + n_l), the a and l that the friction of joint
+ * j causes for a reaction of 1 N.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error
+ * names the first joint. */
+lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
+                          const double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
+                          lw_error *e);
 
 #endif

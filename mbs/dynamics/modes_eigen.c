@@ -2,7 +2,7 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
-#include "mbs/dynamics/modes_internal.h"
+#include "mbs/dynamics/modes_eigen_internal.h"
 
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
 {

@@ -347,3 +347,21 @@ void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, doub
         v[3*b + 2] = u->d.x*ds;
     }
 }
+
+/* In the metric of the masses. */
+lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p)
+{
+    double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;
+    memcpy(q, y, 2*(size_t)d->n_q*sizeof *q);
+    lw_status st = lw_reduced_registers(r, r->first);
+    if (st != LW_OK)
+        return st;
+    lw_reduced_state(r, d, 1, q, q + d->n_q);
+    for (int i = 0; i < d->n_q; i++) {
+        top += d->f.mass[i]*q[d->n_q + i]*y[d->n_q + i];
+        bottom += d->f.mass[i]*q[d->n_q + i]*q[d->n_q + i];
+    }
+    *s = r->first;
+    *p = top/sqrt(bottom);
+    return LW_OK;
+}

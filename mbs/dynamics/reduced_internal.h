@@ -1,9 +1,19 @@
-/* mbs/dynamics/reduced_internal.h - a plan with two derivatives, its change points, and the masses on it; internal to
- * mbs/. */
+/* mbs/dynamics/reduced_internal.h - one freedom, one coordinate: the motion of a rigid linkage of dyads along its motion
+ * curve; internal to mbs/.
+ *
+ *     M(s) s'' + M'(s)/2 s'^2 = Q(s, s'),     M = sum of m |c'|^2 + I phi'^2,   Q = sum of F.c' + T phi'
+ *
+ * (primes of c and phi: by the input s of the plan).  With p = sqrt(M) s', so that p^2/2 is the kinetic energy, it is
+ *     s' = p/sqrt(M),   p' = Q/sqrt(M)
+ * and M' is not wanted: p p' = s' (M s'' + M'/2 s'^2).  Everything comes from the plan's closed forms and their first
+ * derivatives, nothing is solved.  Where a dyad passes through a position in which its two
+ * assemblies meet and part again (change points: parallelograms), the velocities continue, so its mode
+ * changes; near such a place, where the closed forms lose digits, M and Q are taken from a polynomial through
+ * places beside it. */
 #ifndef LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 #define LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 
-#include "mbs/dynamics/dynamics_internal.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/plan/plan.h"
 
 typedef struct lw_reduced lw_reduced;
@@ -60,8 +70,15 @@ struct lw_reduced {
     double     low, high, period;             /* range that was looked through                            */
 };
 
-/* LW_E_KIND with the reason in `why` (128). */
-lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why);
+/* Makes d->reduced ready, once.  LW_E_KIND: the model is not of this kind, for the reason in d->not_reduced. */
+lw_status lw_reduced_able(lw_dynamics *d);
+
+/* The coordinate at the start and p = sqrt(M) s' there, by the velocities in y = (q, v) of the bodies. */
+lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p);
+
+/* A mass M so many times the least one means that a dead point is near.  There the links move like the square root of
+ * the distance to it, which magnifies rounding and the allowed error of the coordinate too much. */
+#define LW_REDUCED_TURNING_BACK 100
 
 /* All registers at an input; LW_OPEN where the linkage does not close, or nearly not. */
 lw_status lw_reduced_registers(lw_reduced *r, double input);

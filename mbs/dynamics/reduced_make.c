@@ -3,9 +3,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#define WHY_SIZE 128
+#define WHY_SIZE sizeof ((lw_dynamics *)0)->not_reduced
 
 static lw_status no(char *why, const char *text)
 {
@@ -30,7 +31,7 @@ static lw_status look_at_loads(const lw_dynamics *d, char *why)
     const lw_model *m = d->model;
     if (d->n_friction)
         return no(why, "joints with friction");
-    if (d->n_contact || d->f.n_stop)
+    if (d->n_stop || d->f.n_stop)
         return no(why, "stops");
     if (d->f.caller.apply)
         return no(why, "forces of the caller");
@@ -260,7 +261,7 @@ static void find_way(const lw_dynamics *d, lw_reduced *r)
     r->start = r->first - r->way*m.value;    /* displacements count from the posture of the file      */
 }
 
-lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
+static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     bool fixed[LW_REG_MAX] = { false };
     double margin;
@@ -290,4 +291,14 @@ lw_status lw_reduced_make(const lw_dynamics *d, lw_reduced *r, char *why)
     find_way(d, r);
     return lw_reduced_change_points(r, r->first) ? LW_OK
          : no(why, "two assemblies of a dyad come near each other, but do not meet");
+}
+
+lw_status lw_reduced_able(lw_dynamics *d)
+{
+    if (d->reduced)
+        return d->reduced_status;
+    d->reduced = malloc(sizeof *d->reduced);
+    if (!d->reduced)
+        return LW_E_MEMORY;
+    return d->reduced_status = make(d, d->reduced, d->not_reduced);
 }

@@ -6,8 +6,8 @@
 
 #include <math.h>
 #include <string.h>
-#include "mbs/dynamics/dynamics_run_internal.h"
-#include "mbs/dynamics/modes_internal.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
+#include "mbs/dynamics/statics_internal.h"
 
 /* A stiffness that so little shift makes positive holds nothing and drives nothing away */
 #define NEUTRAL 1e-9
@@ -145,16 +145,14 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
 /* Rigid stops are not part of the balance: a rest beyond one is none. */
 static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
 {
-    for (int i = 0; i < d->n_contact; i++) {
-        int j = d->contact[i].joint;
-        const lw_joint_stop *p = &d->model->stop[j];
-        double scale = d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s.unit;
-        double value = scale*lw_system_measure(&d->s, j, q, NULL);
-        double beyond = d->contact[i].greatest ? value - p->greatest : p->least - value;
-        if (beyond > 1e-9*scale)
+    for (int i = 0; i < d->n_stop; i++) {
+        int j = d->stop[i].joint;
+        bool pin = d->s.joint[j].kind == LW_JOINT_REVOLUTE;
+        double beyond = -lw_rigid_stop_gap(&d->s, &d->stop[i], q, NULL);
+        if (beyond > LW_STOP_CLOSED)
             return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint "
-                                "\"%s\"; give the stop a stiffness, and it rests on it", beyond,
-                                d->s.joint[j].kind == LW_JOINT_REVOLUTE ? "rad" : "m", d->model->linkage.joint[j].name);
+                                "\"%s\"; give the stop a stiffness, and it rests on it",
+                                pin ? beyond : beyond*d->s.unit, pin ? "rad" : "m", d->model->linkage.joint[j].name);
     }
     return LW_OK;
 }

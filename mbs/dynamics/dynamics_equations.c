@@ -1,36 +1,20 @@
 /* mbs/dynamics/dynamics_solve.c - rows, factors, accelerations and reactions at one moment. */
-#include "mbs/dynamics/dynamics_internal.h"
+#include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include "base/sparse.h"
+#include "mbs/dynamics/friction.h"
 
-static const double weakest_fast = 1e-4;     /* pivots below this are left to the sure way              */
-static const double no_rank = 1e-9;          /* diagonals of the sure way below this count as 0         */
+static const double least_pivot = 1e-4;     /* pivots below this are left to the sure way              */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3])
 {
-    int input = d->driven[i], j = d->s.input_joint[input];
-    const lw_expression *x = d->model->motion[input];
-    const int *which;
-    double series[3] = { t, 1, 0 };
-    int n = lw_expression_variables(x, &which);
-    double scale = d->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1 : 1/d->s.unit;
-    (void)n;
-    lw_expression_series(x, 2, series, out);
-    out[0] = (out[0] - d->s.input_value[input])*scale;
-    out[1] *= scale;
-    out[2] *= 2*scale;
-    return isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]) ? LW_OK : LW_E_NUMERIC;
-}
-
-static double stop_value(const lw_dynamics *d, const lw_contact *c)
-{
-    const lw_joint_stop *p = &d->model->stop[c->joint];
-    double scale = d->s.joint[c->joint].kind == LW_JOINT_REVOLUTE ? 1 : 1/d->s.unit;
-    return (c->greatest ? p->greatest : p->least)*scale;
+    return lw_input_motion(d->model, &d->s, d->driven[i], t, out);
 }
 
 lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
@@ -49,9 +33,9 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
                                 d->model->linkage.joint[s->input_joint[d->driven[i]]].name, t);
         d->phi[row] = lw_system_count(s, &d->frames, s->input_joint[d->driven[i]], d->jac + row*d->n_q, 1) - motion[0];
     }
-    for (int i = 0; i < d->n_touching; i++, row++) {
-        const lw_contact *c = &d->contact[d->touching[i]];
-        d->phi[row] = lw_system_count(s, &d->frames, c->joint, d->jac + row*d->n_q, 1) - stop_value(d, c);
+    for (int i = 0; i < d->n_resting; i++, row++) {
+        const lw_rigid_stop *stop = &d->stop[d->resting[i]];
+        d->phi[row] = lw_system_count(s, &d->frames, stop->joint, d->jac + row*d->n_q, 1) - stop->limit;
     }
     return LW_OK;
 }
@@ -69,11 +53,11 @@ lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
 }
 
 /* A joint's points, their velocities and what their acceleration is without any of the coordinates'. */
-typedef struct swing { lw_vec2 d, dd, ddd, u, du, ddu; } swing;
+typedef struct joint_motion { lw_vec2 d, dd, ddd, u, du, ddu; } joint_motion;
 
-static swing swing_of(const lw_dynamics *d, const lw_system_joint *j, const double *v)
+static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint *j, const double *v)
 {
-    swing z;
+    joint_motion z;
     lw_vec2 p[2], dp[2], ddp[2];
     double w[2];
     for (int end = 0; end < 2; end++) {
@@ -99,22 +83,22 @@ static double count_bias(const lw_dynamics *d, int joint, const double *v)
     const lw_system_joint *j = &d->s.joint[joint];
     if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT)
         return 0;
-    swing z = swing_of(d, j, v);
+    joint_motion z = joint_motion_of(d, j, v);
     return lw_v2_dot(z.ddu, z.d) + 2*lw_v2_dot(z.du, z.dd) + lw_v2_dot(z.u, z.ddd);
 }
 
 static void joint_bias(lw_dynamics *d, const lw_system_joint *j, const double *v)
 {
     double *to = d->rhs + j->row;
-    swing z;
+    joint_motion z;
     switch (j->kind) {
     case LW_JOINT_REVOLUTE: case LW_JOINT_FIXED:
-        z = swing_of(d, j, v);
+        z = joint_motion_of(d, j, v);
         to[0] = -z.ddd.x;
         to[1] = -z.ddd.y;
         break;
     case LW_JOINT_SLIDER: case LW_JOINT_SLOT:
-        z = swing_of(d, j, v);
+        z = joint_motion_of(d, j, v);
         to[0] = -lw_v2_cross(z.ddu, z.d) - 2*lw_v2_cross(z.du, z.dd) - lw_v2_cross(z.u, z.ddd);
         break;
     case LW_JOINT_GEAR:
@@ -136,8 +120,8 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
             return LW_E_NUMERIC;
         d->rhs[row] = motion[2] - count_bias(d, d->s.input_joint[d->driven[i]], v);
     }
-    for (int i = 0; i < d->n_touching; i++, row++)
-        d->rhs[row] = -count_bias(d, d->contact[d->touching[i]].joint, v);
+    for (int i = 0; i < d->n_resting; i++, row++)
+        d->rhs[row] = -count_bias(d, d->stop[d->resting[i]].joint, v);
     return LW_OK;
 }
 
@@ -155,7 +139,7 @@ static void form_schur(lw_dynamics *d)
             row[d->after[k]] = 0;
     }
     for (int p = 0; p < d->n_pair; p++) {
-        const lw_pair *pair = &d->pair[p];
+        const lw_row_pair *pair = &d->pair[p];
         int at = 3*pair->body;
         const double *a = d->jac + pair->row*q + at, *b = d->jac + pair->other*q + at, *m = by_mass + at;
         d->schur[pair->to] += (a[0]*b[0] + a[1]*b[1])*m[0] + a[2]*b[2]*m[2];
@@ -324,7 +308,7 @@ static lw_status add_free(lw_dynamics *d, const double *force, double *x)
     return LW_OK;
 }
 
-static lw_status sure_solve(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
+static lw_status solve_by_rank(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
     lw_rank_solve_transposed(&d->rank_of, rhs, x);
     lw_status s = add_free(d, force, x);
@@ -339,21 +323,21 @@ static void factor_rank(lw_dynamics *d)
     for (int r = 0; r < d->n_c; r++)
         memcpy(d->rank_of.a + r*d->n_q, d->jac + r*d->n_q, (size_t)d->n_q*sizeof *d->jac);
     d->rank_of.most = d->rank;               /* off the constraints redundant rows are not quite so */
-    lw_rank_factor(&d->rank_of, no_rank);
+    lw_rank_factor(&d->rank_of, LW_RANK_TOLERANCE);
     d->null_ready = false;
 }
 
 /* ---- either -------------------------------------------------------------------------------------- */
 
-lw_status lw_mbs_factor(lw_dynamics *d, bool sure)
+lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank)
 {
-    d->sure = sure || d->has_zero_mass;
-    if (!d->sure) {
+    d->by_rank = by_rank || d->has_zero_mass;
+    if (!d->by_rank) {
         form_schur(d);
         cholesky(d);
-        d->sure = !(d->weak > weakest_fast);
+        d->by_rank = !(d->weak > least_pivot);
     }
-    if (!d->sure)
+    if (!d->by_rank)
         return LW_OK;
     factor_rank(d);
     if (d->has_zero_mass)
@@ -363,11 +347,35 @@ lw_status lw_mbs_factor(lw_dynamics *d, bool sure)
 
 lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l)
 {
-    if (d->sure)
-        return sure_solve(d, force, rhs, x, l);
+    if (d->by_rank)
+        return solve_by_rank(d, force, rhs, x, l);
     fast_solve(d, force, rhs, x, l);
     return LW_OK;
 }
+
+/* ---- friction ------------------------------------------------------------------------------------- */
+
+/* a and l, found without friction, become those with it. */
+static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l, double *power)
+{
+    int n = d->n_friction, stride = d->n_q + d->n_c;
+    double size[LW_JOINT_MAX], unit_power[LW_JOINT_MAX];
+    memset(d->rhs, 0, (size_t)d->n_c*sizeof *d->rhs);
+    lw_status s = LW_OK;
+    for (int j = 0; s == LW_OK && j < n; j++) {
+        double *to = d->response + j*stride;
+        unit_power[j] = lw_friction_force(&d->s, &d->friction[j], q, v, d->force);
+        s = lw_mbs_linear(d, d->force, d->rhs, to, to + d->n_q);
+    }
+    if (s == LW_OK)
+        s = lw_friction_add(d->model, &d->s, n, d->friction, d->friction_row, d->response, t, d->n_q, a, d->n_c, l,
+                            size, d->e);
+    for (int j = 0; s == LW_OK && power && j < n; j++)
+        *power += size[j]*unit_power[j];
+    return s;
+}
+
+/* ---- accelerations -------------------------------------------------------------------------------- */
 
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power)
@@ -380,7 +388,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
     if (acceleration_wanted(d, t, v) != LW_OK)
         return LW_E_NUMERIC;
     lw_status s = lw_mbs_linear(d, d->force, d->rhs, a, l);
-    return s == LW_OK && d->n_friction ? lw_mbs_friction(d, q, v, a, l, power) : s;
+    return s == LW_OK && d->n_friction ? add_friction(d, t, q, v, a, l, power) : s;
 }
 
 lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
@@ -389,7 +397,7 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
     lw_status s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
         s = lw_mbs_factor(d, false);
-    if (s != LW_OK || !d->sure || d->has_zero_mass)
+    if (s != LW_OK || !d->by_rank || d->has_zero_mass)
         return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
     /* Near a singular posture what lies off the constraints is magnified: put it on them first. */
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
@@ -401,7 +409,7 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
 double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change)
 {
     double whole = 0;
-    if (d->sure) {
+    if (d->by_rank) {
         memset(change, 0, (size_t)d->n_q*sizeof *change);
         if (add_free(d, g, change) != LW_OK)
             return 0;
@@ -427,7 +435,7 @@ static double greatest(const double *x, int n)
 /* x with J x = rhs, the least in the metric of the masses or of the coordinates. */
 static void least_change(lw_dynamics *d, const double *rhs, double *x)
 {
-    if (d->sure)
+    if (d->by_rank)
         lw_rank_solve_transposed(&d->rank_of, rhs, x);
     else
         fast_solve(d, NULL, rhs, x, d->l_each);
@@ -450,7 +458,7 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far)
         }
         before = off;
         /* factors of the step before serve when little has changed since */
-        if ((pass < 1 || off > 1e-7) && (s = lw_mbs_factor(d, d->has_zero_mass || d->sure)) != LW_OK)
+        if ((pass < 1 || off > 1e-7) && (s = lw_mbs_factor(d, d->has_zero_mass || d->by_rank)) != LW_OK)
             return s;
         for (int r = 0; r < d->n_c; r++)
             d->rhs[r] = -d->phi[r];
@@ -464,10 +472,9 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far)
 }
 
 /* Rows and factors are those of q. */
-lw_status lw_mbs_project_v(lw_dynamics *d, double t, const double *q, double *v)
+lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
 {
     double *step = d->hold, *want = d->l_each + d->n_c;
-    (void)q;
     for (int pass = 0; pass < 8; pass++) {
         if (lw_mbs_rate_wanted(d, t) != LW_OK)
             return LW_E_NUMERIC;
@@ -488,5 +495,176 @@ lw_status lw_mbs_project_v(lw_dynamics *d, double t, const double *q, double *v)
 lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v)
 {
     lw_status s = lw_mbs_project_q(d, t, q, 0.1);
-    return s == LW_OK ? lw_mbs_project_v(d, t, q, v) : s;
+    return s == LW_OK ? lw_mbs_project_v(d, t, v) : s;
+}
+
+/* ---- rows and who shares bodies ------------------------------------------------------------------ */
+
+static void find_row_bodies(lw_dynamics *d)
+{
+    int row = d->n_row;
+    for (int r = 0; r < d->n_row; r++)
+        lw_system_row_bodies(&d->s, r, d->row_body[r]);
+    for (int i = 0; i < d->n_driven; i++)
+        lw_system_joint_bodies(&d->s, d->s.input_joint[d->driven[i]], d->row_body[row++]);
+    for (int i = 0; i < d->n_resting; i++)
+        lw_system_joint_bodies(&d->s, d->stop[d->resting[i]].joint, d->row_body[row++]);
+}
+
+enum { SHARED = LW_SYSTEM_ROW_BODIES*LW_SYSTEM_ROW_BODIES };
+
+/* Which body two rows share as number k/4 of the first and k%4 of the second; -1: none. */
+static int shared_body(const lw_dynamics *d, int row, int other, int k)
+{
+    int b = d->row_body[row][k/LW_SYSTEM_ROW_BODIES];
+    return b >= 0 && b == d->row_body[other][k%LW_SYSTEM_ROW_BODIES] ? b : -1;
+}
+
+/* Who meets whom in J M^-1 J^T: near[i*n + j], i, j places among the kept rows. */
+static void find_meetings(const lw_dynamics *d, unsigned char *near)
+{
+    int n = d->n_kept;
+    memset(near, 0, (size_t)n*(size_t)n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            for (int k = 0; i != j && k < SHARED; k++)
+                near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
+}
+
+/* The kept rows in the order in which they are eliminated, and the pattern of U. */
+static void order_rows(lw_dynamics *d)
+{
+    int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
+    find_meetings(d, d->near);
+    lw_sparse_order(n, d->near, order);
+    memcpy(kept, d->kept, (size_t)n*sizeof *kept);
+    for (int i = 0; i < n; i++) {
+        d->kept[i] = kept[order[i]];
+        d->place[d->kept[i]] = i;
+        d->after_at[i] = used;
+        for (int j = i + 1; j < n; j++)
+            if (d->near[order[i]*n + order[j]])
+                d->after[used++] = j;
+    }
+    d->after_at[n] = used;
+}
+
+static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+/* Pairs of kept rows that share a body, the later one first: the upper triangle of J M^-1 J^T. */
+static void find_pairs(lw_dynamics *d)
+{
+    int n = d->n_kept;
+    d->n_pair = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            for (int k = 0; k < SHARED; k++) {
+                int b = shared_body(d, d->kept[i], d->kept[j], k);
+                if (b >= 0)
+                    d->pair[d->n_pair++] = (lw_row_pair){ d->kept[i], d->kept[j], b, j*n + i };
+            }
+}
+
+/* Keep the rows that the factorisation found to be a basis. */
+static void keep_basis(lw_dynamics *d)
+{
+    d->n_kept = d->rank_of.rank;
+    for (int r = 0; r < d->n_c; r++)
+        d->place[r] = -1;
+    memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
+    qsort(d->kept, (size_t)d->n_kept, sizeof *d->kept, compare);
+    order_rows(d);
+    find_pairs(d);
+}
+
+static void set_rank(lw_dynamics *d, int rank)
+{
+    d->rank = rank;
+    d->freedom = d->n_q - rank;
+}
+
+lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
+{
+    d->n_c = d->n_row + d->n_driven + d->n_resting;
+    find_row_bodies(d);
+    memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
+    lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s != LW_OK)
+        return s;
+    set_rank(d, 0);
+    lw_mbs_factor(d, true);
+    set_rank(d, d->rank_of.rank);
+    keep_basis(d);
+    return LW_OK;
+}
+
+/* ---- moments ----------------------------------------------------------------------------------- */
+
+lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
+{
+    lw_status s = lw_mbs_rows(d, t, q);
+    *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .work = work };
+    if (s == LW_OK)
+        s = lw_mbs_rate_wanted(d, t);
+    for (int r = 0; s == LW_OK && r < d->n_c; r++) {
+        double rate = -d->rhs[r];
+        for (int i = 0; i < d->n_q; i++)
+            rate += d->jac[r*d->n_q + i]*v[i];
+        m->off = fmax(m->off, fabs(d->phi[r]));
+        m->off_rate = fmax(m->off_rate, fabs(rate));
+    }
+    m->kinetic = lw_forces_kinetic(&d->f, v);
+    m->potential = lw_forces_potential(&d->f, q);
+    m->unique = d->rank == d->n_c;
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, !m->unique);
+    return s == LW_OK ? lw_mbs_solve(d, t, q, v, d->a, d->l, NULL) : s;
+}
+
+/* ---- stiffness ---------------------------------------------------------------------------------------- */
+
+/* Fastest decay by dampers times length of the run: beyond that an explicit method takes too many steps. */
+static const double stiff = 2e4;
+
+/* Speed along a measure for an impulse of 1 [1/kg] or [1/(kg m^2)]. */
+static double mobility(lw_dynamics *d, const lw_measure *m)
+{
+    double g[LW_SYSTEM_Q_MAX] = { 0 }, change[LW_SYSTEM_Q_MAX];
+    for (int i = 0; i < 6; i++)
+        if (m->body[i/3] >= 0)
+            g[3*m->body[i/3] + i%3] += m->g[i];
+    return lw_mbs_impulse(d, g, change);
+}
+
+/* The fastest decay that dampers cause at the start [1/s]. */
+static double fastest_decay(lw_dynamics *d)
+{
+    const lw_model *k = d->model;
+    double most = 0;
+    lw_measure m;
+    if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
+        return 0;
+    for (int i = 0; i < k->n_spring; i++) {
+        int body[2] = { d->s.body[k->spring[i].link[0]], d->s.body[k->spring[i].link[1]] };
+        lw_measure_length(&d->s, body, d->f.spring_arm[i], d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->spring[i].damping*mobility(d, &m));
+    }
+    for (int i = 0; i < k->n_joint_spring; i++) {
+        lw_measure_joint(&d->s, k->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->joint_spring[i].damping*mobility(d, &m));
+    }
+    for (int i = 0; i < k->n_motor; i++) {
+        lw_measure_joint(&d->s, k->motor[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, k->motor[i].stall/k->motor[i].free_speed*mobility(d, &m));
+    }
+    return most;
+}
+
+bool lw_mbs_is_stiff(lw_dynamics *d)
+{
+    if (!d->decay_known)
+        d->decay = fastest_decay(d);
+    d->decay_known = true;
+    return d->decay*(d->o.to - d->o.from) > stiff;
 }

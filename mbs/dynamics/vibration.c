@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "mbs/dynamics/modes_internal.h"
+#include "mbs/dynamics/vibration_internal.h"
 
 #define LEAST_RANK 1e-10             /* rows nearer than this to those before say nothing new           */
 
@@ -26,8 +26,9 @@ lw_status lw_vibration_make(const lw_forces *f, bool hold_inputs, double t, cons
         bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
         double here = lw_system_measure(s, s->input_joint[i], q, NULL), value = here;
         if (x && !hold_inputs) {
-            double at = ((pin ? 1.0 : 1.0/s->unit))*(lw_expression_value(x, &t) - s->input_value[i]);
-            value = pin ? at + 2.0*LW_PI*round((here - at)/(2.0*LW_PI)) : at;
+            double at[3];
+            lw_input_motion(f->model, s, i, t, at);
+            value = pin ? at[0] + 2.0*LW_PI*round((here - at[0])/(2.0*LW_PI)) : at[0];
         }
         v->held[v->n_held] = s->input_joint[i];
         v->want[v->n_held++] = value;

@@ -84,40 +84,23 @@ static void count_turns(lw_clearance_scene *c)
     }
 }
 
-/* Joints whose friction depends on a reaction: apart from the tree, so that it is a multiplier. */
-static void find_rough(lw_clearance_scene *c, const bool *opened, bool *apart)
+/* Joints whose friction depends on a reaction: apart from the tree, so that the reaction is a multiplier. */
+static void find_friction(lw_clearance_scene *c, const bool *opened, bool *apart)
 {
     for (int j = 0; j < c->s.n_joint; j++) {
-        const lw_friction *f = &c->m->friction[j];
-        if (opened[j] || !(f->coefficient > 0.0))
+        if (opened[j] || !(c->m->friction[j].coefficient > 0.0))
             continue;
         apart[j] = true;
-        c->rough[c->n_rough++] = (lw_rough){ j, -1, f->coefficient, f->speed,
-                                             c->s.joint[j].kind == LW_JOINT_REVOLUTE ? f->radius : 1.0 };
+        c->friction_journal[c->n_friction] = -1;
+        c->friction[c->n_friction++] = lw_friction_joint_of(c->m, j);
     }
     for (int i = 0; i < c->n_journal; i++) {
         const lw_journal *p = &c->journal[i];
-        if (p->c->model == LW_CLEARANCE_ZERO && p->c->friction > 0.0)
-            c->rough[c->n_rough++] = (lw_rough){ p->joint, i, p->c->friction, p->c->friction_speed, p->pin };
+        if (p->c->model != LW_CLEARANCE_ZERO || !(p->c->friction > 0.0))
+            continue;
+        c->friction_journal[c->n_friction] = i;
+        c->friction[c->n_friction++] = (lw_friction_joint){ p->joint, p->c->friction, p->c->friction_speed, p->pin };
     }
-}
-
-static lw_status find_rigid(lw_clearance_scene *c, lw_error *e)
-{
-    for (int j = 0; j < c->s.n_joint; j++) {
-        const lw_joint_stop *p = &c->m->stop[j];
-        double scale = c->s.joint[j].kind == LW_JOINT_REVOLUTE ? 1.0 : 1.0/c->s.unit;
-        for (int end = 0; end < 2; end++) {
-            if (p->stiffness > 0.0 || !(end ? p->has_greatest : p->has_least))
-                continue;
-            if (c->n_rigid == LW_CLEARANCE_STOP_MAX)
-                return lw_error_set(e, LW_E_ARG, "more than %d rigid stops in a model with clearance",
-                                    LW_CLEARANCE_STOP_MAX);
-            c->rigid[c->n_rigid++] = (lw_rigid){ j, end ? -1.0 : 1.0, (end ? p->greatest : p->least)*scale,
-                                                 p->restitution };
-        }
-    }
-    return LW_OK;
 }
 
 lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_error *e)
@@ -150,10 +133,11 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
             j->arm[end] = p->arm[end];
         }
     }
-    find_rough(c, opened, apart);
-    if ((s = find_rigid(c, e)) != LW_OK) {
+    find_friction(c, opened, apart);
+    c->n_stop = lw_rigid_stops_find(m, &c->s, c->stop);
+    if (c->n_stop > LW_CLEARANCE_STOP_MAX) {
         free(c);
-        return s;
+        return lw_error_set(e, LW_E_ARG, "more than %d rigid stops in a model with clearance", LW_CLEARANCE_STOP_MAX);
     }
     lw_tree_make(&c->s, opened, apart, &c->tree);
     count_turns(c);

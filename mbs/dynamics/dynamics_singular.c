@@ -16,6 +16,90 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/ode/integrate.h"
+
+/* ---- over it by one step --------------------------------------------------------------------------------- */
+
+/* Beside a singular posture, at the distance theta, the equations are off by rounding over theta.
+ * There the rows lose rank, and beside it, at the distance theta, what the equations give is off by rounding over
+ * theta.  A method that controls its error takes that for roughness and creeps up to the place.  The motion
+ * itself is smooth there, so one step whose stages lie well to both sides of it is as good as any other: from the last
+ * state at a fair distance ahead of the place to the same distance behind it, its error not looked at.  The state it
+ * ends in must have the energy of before. */
+/* Steps of a fresh integration from (t, y) to end; `fixed`: one step, whatever its error. */
+static lw_status walk(lw_run *run, double t, double end, double *y, bool fixed)
+{
+    const lw_dynamics_options *o = &run->d->o;
+    lw_ode ode = { .n = run->n, .context = run, .rate = lw_run_rate, .project = lw_run_project };
+    lw_ode_options each = lw_ode_options_default();
+    lw_integrator w;
+    lw_ode_stop stop = LW_ODE_STEP;
+    double *work = calloc(lw_integrate_work(run->n, 0), sizeof *work);
+    if (!work)
+        return LW_E_MEMORY;
+    each.relative = o->relative;
+    each.absolute = o->absolute;
+    each.max_step = 10000;
+    each.fixed = fixed ? end - t : 0;
+    lw_status s = lw_integrate_start(&w, &ode, &each, work, t, y, run->e);
+    while (s == LW_OK && stop != LW_ODE_END)
+        s = lw_integrate_step(&w, end, &stop, run->e);
+    if (s == LW_OK)
+        memcpy(y, w.y, (size_t)run->n*sizeof *y);
+    run->r->rates += w.n_rate;
+    run->r->steps += w.n_step;
+    free(work);
+    return s;
+}
+
+static double energy(const lw_run *run, const double *y)
+{
+    const lw_dynamics *d = run->d;
+    return lw_forces_kinetic(&d->f, y + d->n_q) + lw_forces_potential(&d->f, y) - (run->has_work ? y[2*d->n_q] : 0);
+}
+
+/* Samples on the way, each by a walk of its own: from y at `good`; behind `start` by one step from there. */
+typedef struct on_the_way { lw_run *run; double good, start; const double *y, *begun; } on_the_way;
+
+static lw_status state_on_the_way(void *context, double t, double *y)
+{
+    const on_the_way *w = context;
+    bool beyond = t > w->start;
+    memcpy(y, beyond ? w->begun : w->y, (size_t)w->run->n*sizeof *y);
+    return t > w->good ? walk(w->run, beyond ? w->start : w->good, t, y, beyond) : LW_OK;
+}
+
+lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
+{
+    size_t n = (size_t)run->n;
+    double before = energy(run, y), angle = sqrt(weak), start = good, *first = malloc(2*n*sizeof *first);
+    lw_status s = LW_OK;
+    if (!first)
+        return LW_E_MEMORY;
+    memcpy(first, y, n*sizeof *first);
+    run->e->text[0] = '\0';
+    if (angle > half) {
+        start = place - (place - good)*half/angle;
+        s = walk(run, good, start, y, false);
+    }
+    memcpy(first + n, y, n*sizeof *first);
+    double end = fmin(2*place - start, run->d->o.to);
+    if (s == LW_OK)
+        s = walk(run, start, end, y, true);
+    if (s == LW_OK && !(fabs(energy(run, y) - before) <= 1e-6*fmax(run->r->energy_scale, 1e-300)))
+        s = LW_OPEN;
+    if (s == LW_OK)
+        s = lw_run_samples(run, nextafter(end, good), state_on_the_way,
+                           &(on_the_way){ run, good, start, first, first + n });
+    free(first);
+    *t = end;
+    s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near branches: told where the run ends */
+    return s == LW_OK || s == LW_STOPPED ? s
+         : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
+                        "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
+}
+
+/* ---- through it on a curve ---------------------------------------------------------------------------------- */
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE, N_KNOWN = N_NODE + 6 };
 
@@ -34,6 +118,7 @@ typedef struct curve { int n, n_q; double x[N_KNOWN], *c; } curve;
 typedef struct crossing {
     lw_run *run;
     lw_dynamics *d;
+    lw_integrator *w;
     int    along;                            /* coordinate that counts                                        */
     double way, zero;                        /* its direction; value at the start: s = way (q - zero)          */
     double at, half;                         /* the singular posture; half the length                         */
@@ -88,7 +173,7 @@ static lw_status walk_to(crossing *z, double x, const double *foretold)
     else
         value(&z->walked, x, z->trial, NULL);
     memcpy(z->q, z->trial, (size_t)d->n_q*sizeof *z->q);
-    d->sure = false;                             /* else the pivot is not looked at                       */
+    d->by_rank = false;                             /* else the pivot is not looked at                       */
     if (lw_mbs_project_q(d, z->run->r->t, z->q, 0.1) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return LW_NOTHING;
     double moved = 0;
@@ -244,23 +329,15 @@ static void spread(const crossing *z, const double *s, double *y)
         y[2*d->n_q] = s[2];
 }
 
-static lw_status show_samples(crossing *z, lw_integrator *w)
+/* The state of the run at t, within the last step. */
+static lw_status state_at(void *context, double t, double *y)
 {
-    lw_run *run = z->run;
+    const crossing *z = context;
     double s3[3];
-    lw_status s = LW_OK;
-    for (; s == LW_OK && run->next <= run->d->o.intervals; run->next++) {
-        double t = lw_run_time(run->d, run->next);
-        if (t > w->t)
-            break;
-        memcpy(s3, w->y, (size_t)w->ode->n*sizeof *s3);
-        s = t == w->t ? LW_OK : lw_integrate_dense(w, t, s3);
-        if (s == LW_OK) {
-            spread(z, s3, run->y);
-            s = lw_run_show(run, t, run->y);
-            s = s == LW_OPEN ? LW_OK : s;        /* a sample in a singular posture has no accelerations     */
-        }
-    }
+    memcpy(s3, z->w->y, (size_t)z->w->ode->n*sizeof *s3);
+    lw_status s = t == z->w->t ? LW_OK : lw_integrate_dense(z->w, t, s3);
+    if (s == LW_OK)
+        spread(z, s3, y);
     return s;
 }
 
@@ -274,6 +351,7 @@ static lw_status move(crossing *z, double *t, double *y)
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
     double room[128], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
+    z->w = &w;
     z->root = 1;
     rate(z, *t, (double[]){ 0, 1, 0 }, (double[3]){ 0 });
     for (int i = 0; i < d->n_q; i++)
@@ -295,7 +373,7 @@ static lw_status move(crossing *z, double *t, double *y)
         spread(z, w.y, y);
         run->r->t = *t = w.t;
         lw_run_watch(run, y);
-        st = show_samples(z, &w);
+        st = lw_run_samples(run, w.t, state_at, z);
         if (st == LW_OK)
             st = lw_run_limits(run, w.t, k);
         double off = (w.y[0] - z->at)/z->half;
@@ -372,7 +450,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *
     const lw_dynamics *d = run->d;
     double w = sqrt(fmax(weak, 0)), fall = run->pivot - w, since = *t - run->pivot_t, fastest = 0;
     bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
-    bool able = !d->n_contact && (one || run->r->formulation != LW_FORMULATION_INDEX1);
+    bool able = !d->n_stop && (one || run->r->formulation != LW_FORMULATION_INDEX1);
     double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_SINGULAR_STEP_HALF;
     double from = one ? beside : 2*half, reach = one ? longest : 3*half;
     run->pivot = w;

@@ -1,0 +1,272 @@
+/* mbs/dynamics/dynamics_bodies.c - forward dynamics in the bodies' coordinates: index1 by an explicit method, cvode by an implicit
+ * one.  Rigid stops are events; singular postures are passed (mbs/dynamics/dynamics_singular.c). */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "mbs/ode/cvode.h"
+#include "mbs/ode/integrate.h"
+
+static const double hold_most = 30;          /* change of velocities over the error that a step may have    */
+
+/* The same after an explicit step, and the energy of a conservative model put back by a change of all velocities in
+ * proportion, which constraints at rest allow, where that is as little as the step's error may be. */
+static lw_status arrive(void *context, double t, double *y)
+{
+    lw_run *run = context;
+    lw_dynamics *d = run->d;
+    double *v = y + d->n_q, fastest = 0;
+    lw_status s = lw_run_project(run, t, y);
+    if (s != LW_OK || run->has_work)
+        return s;
+    double kinetic = lw_forces_kinetic(&d->f, v), off = kinetic + lw_forces_potential(&d->f, y) - run->energy0;
+    for (int i = 0; i < d->n_q; i++)
+        fastest = fmax(fastest, fabs(v[i]));
+    if (!(fabs(off)*fastest <= hold_most*(d->o.absolute + d->o.relative*fastest)*2*kinetic))
+        return LW_OK;
+    for (int i = 0; kinetic > 0 && i < d->n_q; i++)
+        v[i] -= v[i]*(off/(2*kinetic));
+    run->r->energy_held += fabs(off);
+    return LW_OK;
+}
+
+/* ---- one solver or the other ---------------------------------------------------------------------- */
+
+typedef struct stepper {
+    lw_run       *run;
+    bool          implicit;
+    lw_ode        ode;
+    lw_integrator explicit_one;
+    lw_cvode      implicit_one;
+    double       *work;
+} stepper;
+
+static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
+{
+    const lw_dynamics_options *o = &run->d->o;
+    lw_ode_options each = lw_ode_options_default();
+    each.relative = o->relative;
+    each.absolute = o->absolute;
+    each.max_step = lw_run_steps_left(run);
+    w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate, .project = w->implicit ? lw_run_project : arrive,
+                       .n_event = run->d->n_stop, .event = lw_run_stop_events };
+    memset(w->ode.direction, -1, sizeof w->ode.direction);
+    if (w->implicit)
+        return lw_cvode_make(&w->implicit_one, &w->ode, &each, LW_CVODE_BDF, t, y, run->e);
+    w->work = calloc(lw_integrate_work(run->n, w->ode.n_event), sizeof *w->work);
+    if (!w->work)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    return lw_integrate_start(&w->explicit_one, &w->ode, &each, w->work, t, y, run->e);
+}
+
+static void end_steps(stepper *w, lw_dynamics_report *r)
+{
+    r->steps += w->implicit ? w->implicit_one.n_step : w->explicit_one.n_step;
+    r->refused += w->implicit ? w->implicit_one.n_refused : w->explicit_one.n_refused;
+    r->rates += w->implicit ? w->implicit_one.n_rate : w->explicit_one.n_rate;
+    if (w->implicit)
+        lw_cvode_free(&w->implicit_one);
+    free(w->work);
+}
+
+static const double *state(const stepper *w) { return w->implicit ? w->implicit_one.y : w->explicit_one.y; }
+static double time_of(const stepper *w) { return w->implicit ? w->implicit_one.t : w->explicit_one.t; }
+
+static lw_status step(stepper *w, double end, lw_ode_stop *stop, lw_error *e)
+{
+    return w->implicit ? lw_cvode_step(&w->implicit_one, end, stop, e)
+                       : lw_integrate_step(&w->explicit_one, end, stop, e);
+}
+
+/* The first step ends within the flight, so that a short one is seen. */
+static lw_status restart(stepper *w, const double *y, double flight, lw_error *e)
+{
+    if (flight > 0)
+        w->explicit_one.h = fmin(w->explicit_one.h, 0.5*flight);
+    return w->implicit ? lw_cvode_restart_with(&w->implicit_one, y, 0.5*flight, e)
+                       : lw_integrate_restart(&w->explicit_one, y, e);
+}
+
+/* The state at t, within the last step. */
+static lw_status state_at(void *context, double t, double *y)
+{
+    stepper *w = context;
+    if (t == time_of(w)) {
+        memcpy(y, state(w), (size_t)w->run->n*sizeof *y);
+        return LW_OK;
+    }
+    lw_status s = w->implicit ? lw_cvode_dense(&w->implicit_one, t, y) : lw_integrate_dense(&w->explicit_one, t, y);
+    return s == LW_OK && lw_run_project(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
+}
+
+/* The last state at a fair distance from singular postures. */
+typedef struct fair { double t, h, weak, *y; } fair;
+
+static const double beside = 1e-4;           /* least pivot beside a singular posture: an angle of 0.01        */
+
+/* Does the solver creep up to a singular posture? */
+static bool creeps(const stepper *w, const lw_dynamics *d, const fair *f, lw_status s)
+{
+    if (s == LW_STOPPED || w->implicit || d->n_stop || !(f->h > 0) || d->weak > beside)
+        return false;
+    return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
+}
+
+/* Note a fair state, or leap over the singular posture that the solver creeps up to and begin again behind it. */
+static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
+{
+    lw_dynamics *d = run->d;
+    double t;
+    if (s == LW_OK && d->weak > beside)
+        *f = (fair){ time_of(w), fmax(time_of(w) - w->explicit_one.t_old, 0.5*f->h), d->weak,
+                     memcpy(f->y, state(w), (size_t)run->n*sizeof *f->y) };
+    if (!creeps(w, d, f, s))
+        return s;
+    s = lw_run_singular_step(run, LW_SINGULAR_STEP_HALF, f->t, f->weak, time_of(w), &t, f->y);
+    if (s != LW_OK)
+        return s;
+    double h = f->h;
+    f->h = 0;
+    end_steps(w, run->r);
+    w->work = NULL;
+    s = begin_steps(w, run, t, f->y);
+    w->explicit_one.h = h;
+    return s;
+}
+
+/* An implicit method beside a singular posture that it cannot pass comes nearer for ever, in ever shorter steps: so many
+ * of them in a row, each so small a part of the run. */
+static const long   creep_most = 5000;
+static const double creep_step = 1e-9;
+
+static lw_status creep(const lw_run *run, const stepper *w, long *n)
+{
+    const lw_dynamics *d = run->d;
+    bool still = time_of(w) - run->r->t < creep_step*(d->o.to - d->o.from) && d->weak < beside;
+    *n = still ? *n + 1 : 0;
+    return *n < creep_most ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
+                        "motion was found behind it: a dead point or the end of its way", time_of(w));
+}
+
+/* Through the singular posture ahead, if there is one, and begin again behind it. */
+static lw_status cross(lw_run *run, stepper *w, double weak, double *y)
+{
+    double t = time_of(w);
+    memcpy(y, state(w), (size_t)run->n*sizeof *y);
+    lw_status s = lw_run_rechoose(run, t, y, &weak);
+    s = s < 0 ? s : lw_run_singular_crossing(run, weak, &t, y);
+    if (s != LW_OK)
+        return s == LW_NOTHING ? LW_OK : s;
+    if (lw_run_project(run, t, y) < 0)
+        return LW_E_NUMERIC;
+    if (w->implicit)
+        w->implicit_one.t = t;
+    else
+        w->explicit_one.t = t, w->explicit_one.t_low = 0;
+    return t < run->d->o.to ? restart(w, y, 0, run->e) : LW_OK;
+}
+
+static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
+{
+    lw_dynamics *d = run->d;
+    lw_ode_stop stop = LW_ODE_STEP;
+    bool changed = false;
+    long creeping = 0;
+    fair f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
+    lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
+    for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
+        s = step(w, d->o.to, &stop, run->e);
+        s = w->implicit ? s : keep_off(run, w, &f, s);
+        if (s == LW_OK && w->implicit)
+            s = creep(run, w, &creeping);
+        run->r->t = time_of(w);
+        if (s != LW_OK)
+            break;
+        double weak = d->weak;
+        stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
+        lw_run_watch(run, state(w));
+        s = lw_run_samples(run, time_of(w), state_at, w);
+        if (s == LW_OK && stop == LW_ODE_EVENT) {
+            memcpy(y, state(w), (size_t)run->n*sizeof *y);
+            s = lw_run_strike(run, time_of(w), y, &changed);
+            if (s == LW_OK)
+                s = restart(w, y, run->flight, run->e);
+        }
+        if (s == LW_OK)
+            s = lw_run_limits(run, time_of(w), n);
+        if (s == LW_OK && stop != LW_ODE_END) {
+            s = cross(run, w, weak, y);
+            stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
+        }
+    }
+    free(f.y);
+    return s;
+}
+
+static lw_status run_bodies(lw_run *run, bool implicit)
+{
+    stepper w = { .run = run, .implicit = implicit };
+    lw_dynamics *d = run->d;
+    bool changed = false;
+    double *y = calloc(2*(size_t)run->n, sizeof *y);
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    run->y = y + run->n;
+    lw_dynamics_start(d, y, y + d->n_q);
+    lw_status s = lw_run_strike(run, d->o.from, y, &changed);
+    if (s == LW_OK)
+        s = lw_run_begin(run, y);
+    if (s == LW_OK)
+        s = run_steps(run, &w, d->o.from, y);
+    end_steps(&w, run->r);
+    free(y);
+    return s;
+}
+
+lw_status lw_run_go_on(lw_run *run, const double *from)
+{
+    stepper w = { .run = run };
+    size_t n = (size_t)run->n;
+    double *y = calloc(2*n, sizeof *y), *old = run->y;
+    if (!y)
+        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    memcpy(y, from, n*sizeof *y);
+    run->y = y + n;
+    run->e->text[0] = '\0';
+    lw_status s = lw_run_project(run, run->r->t, y);
+    if (s == LW_OK)
+        s = run_steps(run, &w, run->r->t, y);
+    end_steps(&w, run->r);
+    run->y = old;
+    free(y);
+    return s;
+}
+
+/* ---- index1 and cvode -------------------------------------------------------------------------------- */
+
+static lw_status run_index1(lw_run *run) { return run_bodies(run, false); }
+static lw_status run_cvode(lw_run *run) { return run_bodies(run, true); }
+
+static lw_status index1_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    char why[200];
+    if (asked)
+        return lw_formulation_say(r, LW_OK, 2*d->n_q, "asked for");
+    if (d->n_friction || lw_mbs_is_stiff(d))
+        return lw_formulation_say(r, LW_E_KIND, 0, "the equations are stiff");
+    snprintf(why, sizeof why, "bodies' coordinates: %s", d->not_reduced);
+    return lw_formulation_say(r, LW_OK, 2*d->n_q, why);
+}
+
+static lw_status cvode_able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
+{
+    return lw_formulation_say(r, LW_OK, 2*d->n_q, asked ? "asked for" : d->n_friction
+                              ? "friction makes the equations stiff: an implicit method"
+                              : "dampers make the equations stiff: an implicit method");
+}
+
+const lw_formulation_row lw_formulation_index1 = { index1_able, run_index1 };
+const lw_formulation_row lw_formulation_cvode = { cvode_able, run_cvode };

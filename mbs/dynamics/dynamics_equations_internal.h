@@ -1,0 +1,118 @@
+/* mbs/dynamics/dynamics_equations_internal.h - a model made ready and its equations at one moment; internal to mbs/.
+ *
+ *     M a + J^T l = Q,   J a = c          rows of J: system, driven inputs, stops that are rested on
+ *
+ * Two ways to solve them.  Fast: Cholesky's method on J M^-1 J^T over a basis of the rows, where all masses are
+ * positive and those rows are well independent.  By rank: a rank-revealing factorisation of J^T and the null space it
+ * leaves, for massless links, near singular postures and where reactions are not unique. */
+#ifndef LW_MBS_DYNAMICS_DYNAMICS_EQUATIONS_INTERNAL_H
+#define LW_MBS_DYNAMICS_DYNAMICS_EQUATIONS_INTERNAL_H
+
+#include "base/rank.h"
+#include "mbs/constraints/system_internal.h"
+#include "mbs/dynamics/dynamics.h"
+#include "mbs/dynamics/friction.h"
+#include "mbs/dynamics/rigid_stops_internal.h"
+
+#define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time                        */
+#define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)
+
+/* Diagonals of a rank-revealing factorisation below this, relative to the first, count as 0. */
+#define LW_RANK_TOLERANCE 1e-9
+
+/* Two kept rows that share a body, and the entry of schur that they add to. */
+typedef struct lw_row_pair { int row, other, body, to; } lw_row_pair;
+
+struct lw_dynamics {
+    const lw_model      *model;
+    lw_dynamics_options  o;
+    lw_system            s;
+    lw_forces            f;
+    int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first     */
+    int     n_driven, driven[LW_INPUT_MAX];   /* inputs with a motion                                      */
+    int     n_stop;                           /* rigid stops                                               */
+    lw_rigid_stop stop[2*LW_JOINT_MAX];
+    int     n_resting, resting[LW_STOP_ROW_MAX];     /* stops in the order of their rows                    */
+    int     n_friction;
+    lw_friction_joint friction[LW_JOINT_MAX];
+    int     friction_row[LW_JOINT_MAX];
+    int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank         */
+    bool    has_zero_mass;
+    /* rows of the fast way */
+    int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows; place among them, -1: left out   */
+    int     n_pair, most_pair;
+    lw_row_pair *pair;
+    int     *after, after_at[LW_MBS_ROW_MAX + 1];    /* pattern of U, S = U^T U: columns right of the diagonal */
+    unsigned char *near;                      /* (n_c*n_c) scratch for the pattern                          */
+    int     row_body[LW_MBS_ROW_MAX][LW_SYSTEM_ROW_BODIES];
+    /* at the posture last factored */
+    lw_system_frames frames;
+    double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c)                      */
+    double *by_mass;                          /* (n_q) 1/mass                                              */
+    bool    by_rank, null_ready;              /* which way holds; mass_null is made                        */
+    double  weak;                             /* least pivot of the fast way over its diagonal: how singular */
+    lw_rank rank_of;                          /* of J^T                                                    */
+    double *rank_work, *null, *mass_null, *small;
+    int    *rank_ints;
+    double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
+    double *hold_rows;                        /* (n_c*n_q) for reports                                     */
+    double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
+    double *start_q, *start_v;
+    double  moved, moved_rate;                /* change of the start by putting it on the constraints       */
+    struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
+    lw_status reduced_status;
+    char    not_reduced[128];                 /* and if not, why                                           */
+    struct lw_panel_rule *rule;               /* of the quadrature formulation                              */
+    double  decay;                            /* fastest decay by dampers at the start [1/s]                */
+    bool    decay_known;
+    lw_dynamics_report choice;                /* the formulation chosen                                    */
+    double *work;                             /* memory of all arrays                                      */
+    lw_error *e;                              /* of the run under way                                      */
+};
+
+/* Make d, whose model and options are set, ready: system, forces, memory, a start on the constraints. */
+lw_status lw_dynamics_prepare(lw_dynamics *d, lw_error *e);
+
+/* Value, rate and second rate at t that the motion of driven input i prescribes for its row, scaled. */
+lw_status lw_mbs_motion(const lw_dynamics *d, int i, double t, double out[3]);
+
+/* Rows and their derivatives at (t, q) into d->phi, d->jac, d->frames. */
+lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q);
+
+/* Factor the rows of lw_mbs_rows.  LW_OPEN: a singular posture. */
+lw_status lw_mbs_factor(lw_dynamics *d, bool by_rank);
+
+/* d->rhs: the value that J v must have. */
+lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t);
+
+/* a and l at (t, q, v): rows, factors and solution.  LW_OPEN: singular. */
+lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
+                            double *power);
+/* The same where the rows are factored already. */
+lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
+                       double *power);
+
+/* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.
+ * LW_OPEN: a step of q would be longer than `far`. */
+lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far);
+lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v);
+
+/* Both, after a step or for a stage. */
+lw_status lw_mbs_settle(lw_dynamics *d, double t, double *q, double *v);
+
+/* Change of v by the impulse g (n_q) that satisfies the constraints, W g; returns g W g.  Factored. */
+double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change);
+
+/* Find rows in force, basis, pattern and rank anew, after the rows have changed or those kept became dependent. */
+lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q);
+
+/* Fill a moment at (t, q, v), reactions of least norm. */
+lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
+
+/* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */
+lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, double *x, double *l);
+
+/* Do dampers make the equations stiff over the length of the run? */
+bool lw_mbs_is_stiff(lw_dynamics *d);
+
+#endif

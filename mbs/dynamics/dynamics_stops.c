@@ -1,0 +1,111 @@
+/* mbs/dynamics/dynamics_stops.c - rigid stops in the bodies' coordinates (mbs/dynamics/rigid_stops_internal.h). */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <math.h>
+
+/* Place of stop i among those that rest. */
+static int place_of(const lw_dynamics *d, int i)
+{
+    int place = 0;
+    while (d->resting[place] != i)
+        place++;
+    return place;
+}
+
+static double press_of(const lw_dynamics *d, int place)
+{
+    return -d->stop[d->resting[place]].sign*d->l[d->n_row + d->n_driven + place];
+}
+
+lw_status lw_run_stop_events(void *context, double t, const double *y, double *g)
+{
+    lw_run *run = context;
+    lw_dynamics *d = run->d;
+    for (int i = 0; i < d->n_stop; i++)
+        if (!d->stop[i].resting)
+            g[i] = lw_rigid_stop_gap(&d->s, &d->stop[i], y, NULL);
+    if (d->n_resting == 0)
+        return LW_OK;
+    lw_status s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
+    for (int k = 0; s == LW_OK && k < d->n_resting; k++)
+        g[d->resting[k]] = press_of(d, k);
+    return s;
+}
+
+static double gap(void *context, int i, const double *y)
+{
+    const lw_dynamics *d = ((lw_run *)context)->d;
+    return lw_rigid_stop_gap(&d->s, &d->stop[i], y, NULL);
+}
+
+static lw_status motion(void *context, int i, double t, const double *y, double *g, lw_gap *out)
+{
+    lw_dynamics *d = ((lw_run *)context)->d;
+    lw_status s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
+    *out = lw_rigid_stop_motion(&d->s, &d->stop[i], y, y + d->n_q, d->a, g);
+    return s;
+}
+
+static lw_status impulse(void *context, double t, const double *y, const double *g, double *change, double *mobility)
+{
+    (void)t, (void)y;                        /* the factors are those of the motion just found                */
+    *mobility = lw_mbs_impulse(((lw_run *)context)->d, g, change);
+    return *mobility > 0 ? LW_OK : LW_NOTHING;
+}
+
+static lw_status pressure(void *context, int i, double t, const double *y, double *press)
+{
+    lw_dynamics *d = ((lw_run *)context)->d;
+    lw_status s = lw_mbs_accelerate(d, t, y, y + d->n_q, d->a, d->l, NULL);
+    *press = press_of(d, place_of(d, i));
+    return s;
+}
+
+static lw_status arrange(void *context, int i, double t, double *y)
+{
+    lw_run *run = context;
+    lw_dynamics *d = run->d;
+    if (!d->stop[i].resting) {
+        d->n_resting--;
+        for (int k = place_of(d, i); k < d->n_resting; k++)
+            d->resting[k] = d->resting[k + 1];
+        return lw_mbs_arrange(d, t, y);
+    }
+    if (d->n_resting == LW_STOP_ROW_MAX)
+        return lw_error_set(run->e, LW_E_NUMERIC, "more than %d stops touch at t = %.9g s", LW_STOP_ROW_MAX, t);
+    int rank = d->rank;
+    d->resting[d->n_resting++] = i;
+    lw_status s = lw_mbs_arrange(d, t, y);
+    if (s == LW_OK && d->rank == rank) {     /* other rows hold it already                                    */
+        d->n_resting--;
+        d->stop[i].resting = false;
+        s = lw_mbs_arrange(d, t, y);
+    }
+    return s == LW_OK ? lw_run_project(run, t, y) : s;
+}
+
+static void note(void *context, int i, double t, bool impact, double rate)
+{
+    lw_run *run = context;
+    lw_dynamics_report *r = run->r;
+    const lw_rigid_stop *p = &run->d->stop[i];
+    double unit = run->d->s.joint[p->joint].kind == LW_JOINT_REVOLUTE ? 1 : run->d->s.unit;
+    if (r->n_event < LW_REPORT_EVENT_MAX)
+        r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit };
+    r->n_event_seen++;
+}
+
+lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed)
+{
+    lw_dynamics *d = run->d;
+    bool implicit = run->r->formulation == LW_FORMULATION_CVODE;      /* its error hides low bounces          */
+    lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_q, .stop = d->stop, .model = d->model,
+                       .least_bounce = implicit ? fmax(LW_STOP_LEAST_BOUNCE, d->o.absolute) : LW_STOP_LEAST_BOUNCE,
+                       .gap = gap, .motion = motion, .impulse = impulse, .pressure = pressure, .arrange = arrange,
+                       .note = note };
+    double before = lw_forces_kinetic(&d->f, y + d->n_q);
+    lw_status s = lw_stops_strike(&stops, t, y, changed, &run->flight, run->e);
+    if (run->has_work && *changed)
+        y[2*d->n_q] += lw_forces_kinetic(&d->f, y + d->n_q) - before;
+    return s;
+}

@@ -1,0 +1,121 @@
+/* mbs/dynamics/formulations.c - the table of formulations: which one a model takes, and its run. */
+#include "mbs/dynamics/dynamics_run_internal.h"
+
+#include <stdlib.h>
+
+static const lw_formulation_row *const table[] = {
+    [LW_FORMULATION_AUTO] = NULL,
+#define X(id, name, text) [LW_FORMULATION_##id] = &lw_formulation_##name,
+    LW_FORMULATION_LIST(X)
+#undef X
+};
+
+const char *lw_formulation_name(lw_formulation f)
+{
+    static const char *const names[] = { "auto",
+#define X(id, name, text) #name,
+        LW_FORMULATION_LIST(X)
+#undef X
+    };
+    return names[f];
+}
+
+/* ---- choice ---------------------------------------------------------------------------------------- */
+
+/* Forward dynamics needs masses; the error names the link that lacks one. */
+static lw_status check_masses(lw_dynamics *d)
+{
+    lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, true);
+    return s == LW_OK ? lw_mbs_solve(d, d->o.from, d->start_q, d->start_v, d->a, d->l, NULL) : s;
+}
+
+/* The formulation asked for: its reason is that, or why it cannot do the model. */
+static lw_status take(lw_dynamics *d, lw_formulation f, lw_dynamics_report *r, lw_error *e)
+{
+    lw_status s = table[f]->able(d, true, r);
+    r->formulation = f;
+    return s == LW_OK ? LW_OK
+         : s == LW_E_KIND ? lw_error_set(e, s, "the %s formulation cannot do this model: %s", lw_formulation_name(f),
+                                         r->why)
+                          : lw_error_set(e, s, "%s", r->why);
+}
+
+static lw_status choose(lw_dynamics *d, lw_dynamics_report *r, lw_error *e)
+{
+    lw_analysis a = d->o.analysis;
+    r->freedom = d->freedom + d->n_driven;
+    r->redundant = d->n_c - d->rank;
+    r->moved = d->moved;
+    r->moved_rate = d->moved_rate;
+    r->t = d->o.from;
+    if (a == LW_ANALYSIS_STATIC)
+        return lw_formulation_say(r, LW_OK, d->freedom, "at rest");
+    if (a == LW_ANALYSIS_KINEMATIC || a == LW_ANALYSIS_QUASISTATIC || d->freedom == 0)
+        return take(d, LW_FORMULATION_DRIVEN, r, e);
+    lw_status s = d->o.formulation == LW_FORMULATION_DRIVEN ? LW_OK : check_masses(d);
+    if (s != LW_OK)
+        return s;
+    if (d->o.formulation != LW_FORMULATION_AUTO)
+        return take(d, d->o.formulation, r, e);
+    for (int f = 1; f < (int)(sizeof table/sizeof *table); f++) {
+        r->formulation = (lw_formulation)f;
+        s = table[f]->able(d, false, r);
+        if (s == LW_OK || s == LW_E_MEMORY)
+            return s;
+    }
+    return lw_error_set(e, LW_E_KIND, "no formulation can do this model");
+}
+
+/* ---- making and running ---------------------------------------------------------------------------- */
+
+lw_dynamics_options lw_dynamics_options_default(void)
+{
+    return (lw_dynamics_options){ .to = 1, .intervals = 100, .relative = 1e-10, .absolute = 1e-10 };
+}
+
+lw_status lw_dynamics_make(const lw_model *m, const lw_dynamics_options *o, lw_dynamics **out, lw_error *e)
+{
+    lw_dynamics *d = calloc(1, sizeof *d);
+    lw_error own = { 0 };
+    *out = NULL;
+    if (!d)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    d->model = m;
+    d->o = *o;
+    lw_status s = lw_dynamics_prepare(d, e ? e : &own);
+    if (s == LW_OK)
+        s = choose(d, &d->choice, e ? e : &own);
+    if (s != LW_OK) {
+        lw_dynamics_free(d);
+        return s;
+    }
+    *out = d;
+    return LW_OK;
+}
+
+lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, lw_dynamics_report *r, lw_error *e)
+{
+    lw_error own = { 0 };
+    lw_run run = { .d = d, .sink = sink, .context = context, .r = r, .e = e ? e : &own };
+    *r = d->choice;
+    if (r->formulation == LW_FORMULATION_AUTO)
+        return lw_error_set(e, LW_E_ARG, "a static analysis has no run");
+    d->e = run.e;
+    run.has_work = !d->f.conservative || d->n_driven || d->n_friction || d->n_stop;
+    run.n = 2*d->n_q + run.has_work;
+    run.pivot_tried = 1;
+    lw_status s = table[r->formulation]->run(&run);
+    if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
+        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two branches of postures come as near each other as %.1e "
+                         "of the size and which of them goes on cannot be told%s", r->t, run.apart, run.apart > 1e-8
+                         ? "" : ": if they should meet, write the posture with more digits or give a tolerance above "
+                         "that");
+    if (s == LW_OPEN)
+        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
+                         "which it can go on in several ways", r->t);
+    if (s < 0 && !run.e->text[0])
+        lw_error_set(run.e, s, "the run ended at t = %.9g s: %s", r->t, lw_status_text(s));
+    return s;
+}

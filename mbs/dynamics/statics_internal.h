@@ -1,0 +1,12 @@
+/* mbs/dynamics/statics_internal.h - equilibrium of the equations of small vibrations; internal to mbs/. */
+#ifndef LW_MBS_DYNAMICS_STATICS_INTERNAL_H
+#define LW_MBS_DYNAMICS_STATICS_INTERNAL_H
+
+#include "mbs/dynamics/statics.h"
+#include "mbs/dynamics/vibration_internal.h"
+
+/* Move q to where no force is left, downhill: to a stable rest where there is one near (mbs/dynamics/statics.c).  LW_NOTHING: the
+ * forces drive it away. */
+lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e);
+
+#endif
