@@ -183,13 +183,13 @@ static int shrinking(pack last, pack before, int n)
 
 /* Newton's method until its steps are short.  A lane whose steps do not shrink is given up, and those behind it, which
  * could not be sure either; `last` is then infinite, else the squared length of the last step. */
-LW_INLINE void arrive(eight *w, const int n, bool on_way, bool fine, pack *last)
+LW_INLINE void arrive(const int n, eight *w, bool on_way, bool fine, pack *last)
 {
     pack before = all8(INFINITY);
     int alive = LW_GROUP;
     for (int i = 0; i < (on_way ? 8 : 40); i++) {
         double now = 0;
-        newton_of(w, n, 1);
+        newton_of(n, w);
         *last = go(w);
         if (on_way)
             alive = shrinking(*last, before, alive);
@@ -200,10 +200,10 @@ LW_INLINE void arrive(eight *w, const int n, bool on_way, bool fine, pack *last)
         before = *last;
     }
     if (fine) {
-        newton_of(w, n, 1);
-        measure(w, n);
+        newton(w);
+        measure(w);
     } else {
-        newton_of(w, n, 0);
+        newton_again_of(n, w);
         *last = go(w);
     }
     for (int j = alive; j < LW_GROUP; j++)
@@ -277,7 +277,7 @@ LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
 }
 
 /* |J^-1 (J' - J)| r but for the second order: |B| z, and what the input does beside. */
-LW_INLINE void bent(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *r,
+LW_INLINE void bent(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *r,
                     const pack *z, pack *to)
 {
     for (int i = 0; i < n; i++) {
@@ -288,9 +288,8 @@ LW_INLINE void bent(const eight *w, const int n, const pack *b, const pack *push
             to[i] += push[i*n + c]*r[c]*by->input;
     }
 }
-
 /* B = J^-1 K J, where K turns the rows of loops. */
-LW_INLINE void quarter_of(const eight *w, const int n, const int loops, pack *b)
+LW_INLINE void quarter_rows(const int n, const eight *w, const int loops, pack *b)
 {
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++) {
@@ -303,14 +302,14 @@ LW_INLINE void quarter_of(const eight *w, const int n, const int loops, pack *b)
 
 /* The rows G of gears stay as they are when a column is turned, so that of its second order, (1 - cos t) e_j, a part
  * J^-1 (0, G) is missing: at most t/4 of it and t^2 for turns below GEARED_MOST, which are all that are let. */
-LW_INLINE void quarter(const eight *w, const int n, pack *b)
+LW_INLINE void quarter_of(const int n, const eight *w, pack *b)
 {
     if (!w->g->n_gear) {
-        quarter_of(w, n, n, b);
+        quarter_rows(n, w, n, b);
         return;
     }
     const int loops = 2*w->g->n_loop;
-    quarter_of(w, n, loops, b);
+    quarter_rows(n, w, loops, b);
     for (int r = 0; r < n; r++)
         for (int c = 0; c < n; c++) {
             pack s = { 0 };
@@ -329,7 +328,7 @@ LW_INLINE void push_loop(const eight *w, const int n, int loop, int c, pack x, p
 
 /* By 1 of the input: a turn of what it turns (a quarter of its second order too, for steps below 1/2), the columns
  * that have its displacement. */
-LW_INLINE void pushes(const eight *w, const int n, pack *push)
+LW_INLINE void pushes_of(const int n, const eight *w, pack *push)
 {
     const lw_higher *g = w->g;
     for (int i = 0; i < n*n; i++)
@@ -354,17 +353,18 @@ LW_INLINE void pushes(const eight *w, const int n, pack *push)
             push_loop(w, n, q->loop, root, -y, x, push);
     }
 }
+LW_BY_SIZE(pushes, (const eight *w, pack *push), w, push)
 
 /* Are the Jacobians in the box, or in a wider one, regular?  The room that it takes over what there is, <= 1. */
-LW_INLINE void regular(const eight *w, const int n, const pack *b, const pack *push, const drift *by, const pack *box,
-                       pack *need)
+LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *box,
+                          pack *need)
 {
     pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
     for (int i = 0; i < n; i++)
         r[i] = box[i];
     for (int again = 0; again < 4; again++) {
         bend(w, by, r, z);
-        bent(w, n, b, push, by, r, z, s);
+        bent(n, w, b, push, by, r, z, s);
         *need = (pack){ 0 };
         for (int i = 0; i < n; i++) {
             double turned = i < w->g->n_turn ? 0.5 : 0;
@@ -378,8 +378,10 @@ LW_INLINE void regular(const eight *w, const int n, const pack *b, const pack *p
             break;
     }
 }
+LW_BY_SIZE(regular, (const eight *w, const pack *b, const pack *push, const drift *by, const pack *box, pack *need),
+           w, b, push, by, box, need)
 
-LW_INLINE void compare(follower *f, const eight *w, const int n, pack t)
+LW_INLINE void compare(const int n, follower *f, const eight *w, pack t)
 {
     const lw_higher *g = w->g;
     drift by;
@@ -394,39 +396,40 @@ LW_INLINE void compare(follower *f, const eight *w, const int n, pack t)
     for (int i = 0; w->driven && i < n*n; i++)
         push_before[i] = before8(push[i], f->at.push[first + (size_t)i]);
     bend(w, &by, r, z);
-    bent(w, n, b, push, &by, r, z, s);
+    bent(n, w, b, push, &by, r, z, s);
     for (int i = 0; i < n; i++)
         most = more8(r[i]*(i < g->n_turn ? 1 : 1/f->size), most);
     for (int i = 0; i < n; i++)
         r[i] = 0.5*r[i] + 0.25*s[i] + off[i] + 0.05*(i < g->n_turn ? 1 : f->size)*most;
-    regular(w, n, b, push, &by, r, &here);
-    regular(w, n, b_before, push_before, &by, r, &there);
+    regular(w, b, push, &by, r, &here);
+    regular(w, b_before, push_before, &by, r, &there);
     f->need = more8(more8(here, there), f->need);
     f->need = choose8(f->sure, f->need, all8(INFINITY));
     f->sure &= (mask)(f->need <= 1);
 }
 
 /* Group w in the eight lanes. */
-LW_INLINE void solve(eight *w, const int n, follower *f, pack t)
+LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
 {
     pack last, row = { 0 }, most = all8(COARSE_LAST);
-    arrive(w, n, f->on_way, f->fine, &last);
+    arrive(n, w, f->on_way, f->fine, &last);
     if (!f->fine)
-        measure(w, n);
+        measure_of(n, w);
     f->margin = less8(w->margin, f->margin);
     if (f->fine)
         most = more8(all8(1e-20), ROUNDING/more8(w->margin, all8(LW_TINY)));
     put_group(&f->k, w, 0);
     keep_rows(f, w);
-    quarter(w, n, f->bend + inverse_at(f, w->g));
+    quarter_of(n, w, f->bend + inverse_at(f, w->g));
     if (w->driven)
-        pushes(w, n, f->push + inverse_at(f, w->g));
+        pushes(w, f->push + inverse_at(f, w->g));
     for (int c = 0; c < n; c++)                              /* of what is singular, 0 */
         row += w->inv[c]*w->inv[c];
     f->sure &= (mask)(last <= most) & (mask)(row > 0);
     if (f->on_way)
-        compare(f, w, n, t);
+        compare(n, f, w, t);
 }
+LW_BY_SIZE(solve, (eight *w, follower *f, pack t), w, f, t)
 
 static void trial(follower *f, pack t)
 {
@@ -452,7 +455,7 @@ static void trial(follower *f, pack t)
         load_known(&f->k, w, 0, 0);
         blend(w->g, behind, n, weight, 0, f->guess);
         take_rows(w, f->guess);
-        BY_SIZE(solve, w, f, t)
+        solve(w, f, t);
         left--;
     }
 }

@@ -13,6 +13,25 @@
 
 #include "mbs/batch/kernel_gear_internal.h"
 
+/* name(parameters) does what name##_of(n, ...) does; each of the commonest numbers of unknowns n has a function of its
+ * own, in which n is a constant and the loops over the unknowns are unrolled.  They are kept apart because the compiler
+ * takes minutes over one function that holds them all. */
+#define LW_APART static __attribute__((noinline))
+#define LW_BY_SIZE(name, parameters, ...)                                       \
+    LW_APART void name##_2 parameters { name##_of(2, __VA_ARGS__); }            \
+    LW_APART void name##_4 parameters { name##_of(4, __VA_ARGS__); }            \
+    LW_APART void name##_6 parameters { name##_of(6, __VA_ARGS__); }            \
+    LW_APART void name##_any parameters { name##_of(w->n, __VA_ARGS__); }       \
+    static void name parameters                                                 \
+    {                                                                           \
+        switch (w->n) {                                                         \
+        case 2:  name##_2(__VA_ARGS__); break;                                  \
+        case 4:  name##_4(__VA_ARGS__); break;                                  \
+        case 6:  name##_6(__VA_ARGS__); break;                                  \
+        default: name##_any(__VA_ARGS__);                                       \
+        }                                                                       \
+    }
+
 /* Loops over the unknowns whose values stay in registers, for the commonest sizes. */
 #if defined(__clang__)
 #define LW_UNROLL _Pragma("clang loop unroll(full)")
@@ -159,7 +178,7 @@ static void gear_equations(eight *w, int n, bool both)
 }
 
 /* Residuals f, and their Jacobian (both). */
-LW_INLINE void equations(eight *w, const int n, const int both)
+LW_INLINE void equations(const int n, eight *w, const int both)
 {
     const lw_higher *g = w->g;
     for (int r = 0; r < n; r++)
@@ -197,7 +216,7 @@ LW_INLINE void equations(eight *w, const int n, const int both)
 #define PIVOT_LEAST 0.1                    /* a pivot over the largest that there was to choose from  */
 
 /* Gauss and Jordan in place, rows taken in the order kept; lanes in which a pivot was weak are spoilt, and told. */
-LW_INLINE mask invert_in_order(eight *w, const int n)
+LW_INLINE void invert_in_order_of(const int n, eight *w, mask *weak_lanes)
 {
     pack a[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
     mask weak = { 0 };
@@ -225,8 +244,9 @@ LW_INLINE mask invert_in_order(eight *w, const int n)
     LW_UNROLL for (int r = 0; r < n; r++)
         LW_UNROLL for (int c = 0; c < n; c++)
             w->inv[r*n + w->order[c]] = a[r*n + c];
-    return weak;
+    *weak_lanes = weak;
 }
+LW_BY_SIZE(invert_in_order, (eight *w, mask *weak_lanes), w, weak_lanes)
 
 /* The same in lane j alone, each pivot the largest there is, whose order is kept for other lanes; with a pivot of 0 the
  * inverse is 0. */
@@ -271,20 +291,17 @@ static void invert_lane(eight *w, int n, int j)
         memcpy(w->order, order, (size_t)n*sizeof *order);
 }
 
-/* The order of rows that was good for the lanes before mostly is for these. */
-LW_INLINE void invert(eight *w, const int n)
+/* The lanes in which the order of rows that was good for others gave a weak pivot. */
+LW_APART void invert_weak(eight *w, mask weak)
 {
-    mask weak = invert_in_order(w, n);
     int j = 0;
-    if (!any8(weak))
-        return;
     while (!weak[j])
         j++;
-    invert_lane(w, n, j);
-    weak = invert_in_order(w, n);
+    invert_lane(w, w->n, j);
+    invert_in_order(w, &weak);
     for (j = 0; j < LW_GROUP; j++)
         if (weak[j])
-            invert_lane(w, n, j);
+            invert_lane(w, w->n, j);
 }
 
 /* Rows of gears count angles, those of loops lengths: what makes the ones the others, squared, is the mean square of
@@ -320,7 +337,7 @@ LW_INLINE void measure_rows(eight *w, const int n, const int loops, pack weight)
     w->margin = where8(some, n/choose8(some, sum, all8(1)));
 }
 
-LW_INLINE void measure(eight *w, const int n)
+LW_INLINE void measure_of(const int n, eight *w)
 {
     if (!w->g->n_gear) {
         measure_rows(w, n, n, all8(1));
@@ -329,11 +346,12 @@ LW_INLINE void measure(eight *w, const int n)
     measure_rows(w, n, 2*w->g->n_loop, gear_weight(w, n));
     w->margin = w->ends ? less8(rack_room(w->g, &w->mesh, w->d), w->margin) : w->margin;
 }
+LW_BY_SIZE(measure, (eight *w), w)
 
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
 
 /* How far to go, from f and the inverse. */
-LW_INLINE void step_of(eight *w, const int n)
+LW_INLINE void newton_step(const int n, eight *w)
 {
     for (int r = 0; r < n; r++) {
         pack s = { 0 };
@@ -343,23 +361,24 @@ LW_INLINE void step_of(eight *w, const int n)
     }
 }
 
-/* A step of Newton's method by the inverse of the Jacobian here (renew), or by the last. */
-LW_INLINE void newton_of(eight *w, const int n, const int renew)
+/* A step of Newton's method by the inverse of the Jacobian here. */
+LW_INLINE void newton_of(const int n, eight *w)
 {
-    equations(w, n, renew);
-    if (renew)
-        invert(w, n);
-    step_of(w, n);
+    mask weak;
+    equations(n, w, 1);
+    invert_in_order_of(n, w, &weak);
+    if (any8(weak))
+        invert_weak(w, weak);
+    newton_step(n, w);
 }
+LW_BY_SIZE(newton, (eight *w), w)
 
-/* The commonest sizes as code of their own. */
-#define BY_SIZE(name, w, ...)                                     \
-    switch ((w)->n) {                                             \
-    case 2:  name(w, 2, __VA_ARGS__); break;                      \
-    case 4:  name(w, 4, __VA_ARGS__); break;                      \
-    case 6:  name(w, 6, __VA_ARGS__); break;                      \
-    default: name(w, (w)->n, __VA_ARGS__);                        \
-    }
+/* The same by the last inverse. */
+LW_INLINE void newton_again_of(const int n, eight *w)
+{
+    equations(n, w, 0);
+    newton_step(n, w);
+}
 
 LW_INLINE pack within8(pack a, pack most) { return more8(less8(a, most), -most); }
 
@@ -427,7 +446,7 @@ static void put_group(const run *k, const eight *w, size_t i)
 #define BEYOND_LEAST 1e-12                 /* by how much a lane out of reach is so, at least         */
 
 /* Lanes whose step is too long, where it is made 0. */
-LW_INLINE mask hold_astray(eight *w, const int n, mask within)
+LW_INLINE mask hold_astray(const int n, eight *w, mask within)
 {
     mask near = within;
     for (int r = 0; r < n; r++)
@@ -439,22 +458,23 @@ LW_INLINE mask hold_astray(eight *w, const int n, mask within)
 
 /* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
  * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach too. */
-LW_INLINE void settle_of(eight *w, const int n, const double *out_of_reach, int want)
+LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int want)
 {
     const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
     const pack beyond = get8(out_of_reach);
     mask astray = { 0 };
     for (int i = 0; i < 5; i++) {
-        newton_of(w, n, 1);
+        newton_of(n, w);
         if (want >= WITH_MARGIN)
-            measure(w, n);
-        astray |= hold_astray(w, n, (mask)(beyond <= 0));
+            measure_of(n, w);
+        astray |= hold_astray(n, w, (mask)(beyond <= 0));
         if (!(most8(go(w)) >= enough))
             break;
     }
     w->margin = choose8(astray, all8(-BEYOND_LEAST), w->margin);
     w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
 }
+LW_BY_SIZE(settle, (eight *w, const double *out_of_reach, int want), w, out_of_reach, want)
 
 /* What displacements are measured by, from the dimensions of lane i. */
 static double size_at(const run *k, size_t i)
@@ -489,7 +509,7 @@ static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int w
         } else
             load_known(k, &w, i, 0);
         take_seat(k, &w, i);
-        BY_SIZE(settle_of, &w, reach + i, want)
+        settle(&w, reach + i, want);
         put_group(k, &w, i);
         if (want >= WITH_MARGIN)
             put8(k->margin + i, less8(w.margin, get8(k->margin + i)));
