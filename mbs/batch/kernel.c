@@ -1,46 +1,7 @@
-/* Lanes in blocks: from the caller's arrays through the steps of the plan to the caller's arrays.
- *
- * Compiled once per instruction set (LW_ISA, see the Makefile); everything but the table at the end
- * is static, so that no instruction of one set leaks into another. */
-#include "mbs/batch/kernel_normal_internal.h"
-#include "mbs/batch/kernel_fast_dyad_internal.h"
-#include "mbs/batch/kernel_steps_internal.h"
+/* Lanes in blocks: from the caller's arrays through the steps of the plan to the caller's arrays. */
+#include "mbs/batch/kernel_run_internal.h"
 
 /* ---- lanes in blocks ----------------------------------------------------------------------------------- */
-
-static size_t round_up(size_t n) { return (n + LW_GROUP - 1)/LW_GROUP*LW_GROUP; }
-
-/* Share out the work memory; rows are as short as n allows, to stay in cache. */
-static run start(const lw_plan *plan, size_t n, void *work)
-{
-    run k = { .plan = plan, .nb = n >= LW_BLOCK ? LW_BLOCK : round_up(n) };
-    double *w = work;
-    size_t nb = k.nb;
-    k.reg = w;         w += 2*(size_t)plan->n_reg*nb;
-    k.bar = w;         w += 2*(size_t)plan->n_reg*nb;
-    k.margin = w;      w += nb;
-    k.spare = w;       w += 3*nb;
-    k.aux = w;         w += (size_t)plan->n_dyad*nb;
-    k.spread_mode = w; w += (size_t)plan->n_mode*nb;
-    k.turn = w;        w += 2*(size_t)plan->n_angle*nb;
-    k.spread_dim = w;  w += (size_t)plan->n_dim*nb;
-    k.row = w;         w += (size_t)plan->n_dim*nb;
-    k.row_row = nb;
-    k.tail = w;        w += (16 + 4*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
-    k.inverse = w;
-    return k;
-}
-
-/* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
-static void ground_rows(const run *k, size_t n)
-{
-    double *ox = reg_x(k, 0), *oy = reg_y(k, 0), *ux = reg_x(k, 1), *uy = reg_y(k, 1);
-    for (size_t i = 0; i < n; i++) {
-        ox[i] = oy[i] = uy[i] = 0;
-        ux[i] = 1;
-    }
-    memset(k->spare, 0, 3*n*sizeof(double));
-}
 
 static void set_ground(const run *k, int which)
 {
@@ -98,47 +59,6 @@ static void at_lanes(run *k, const lw_lanes *in, size_t first)
     k->seat = k->seats ? k->seats + first : NULL;
     k->seat_row = LW_CHUNK + LW_GROUP;
 }
-
-/* Cosine and sine of n angles; those far beyond a turn by the library. */
-static void turns(const double *angle, size_t n, double *restrict c, double *restrict s)
-{
-    int far = 0;
-    LW_LANES(n) {
-        lw_vec2 u = lw_sincos(angle[i]);
-        far |= !(fabs(angle[i]) < LW_SINCOS_MAX);
-        c[i] = u.x;
-        s[i] = u.y;
-    }
-    for (size_t i = 0; far && i < n; i++)
-        if (!(fabs(angle[i]) < LW_SINCOS_MAX)) {
-            c[i] = cos(angle[i]);
-            s[i] = sin(angle[i]);
-        }
-}
-
-static lw_vec2 turn(double angle)
-{
-    return fabs(angle) < LW_SINCOS_MAX ? lw_sincos(angle) : lw_v2(cos(angle), sin(angle));
-}
-
-/* Those of the first n_angle angles among the dimensions; theta0 is the last. */
-static void set_turns(run *k, int n_angle, int per_lane, size_t n)
-{
-    k->turn_row = per_lane ? k->nb : 1;
-    for (int a = 0; a < n_angle; a++) {
-        const double *angle = dim_of(k, k->plan->angle[a]);
-        double *c = k->turn + 2*(size_t)a*k->turn_row;
-        if (per_lane) {
-            turns(angle, n, c, c + k->turn_row);
-            continue;
-        }
-        lw_vec2 u = turn(*angle);
-        c[0] = u.x;
-        c[1] = u.y;
-    }
-}
-
-#include "mbs/batch/kernel_continuation_internal.h"
 
 /* The lanes from `first` on, fewer than a group, as a full group: the last one repeated. */
 static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
@@ -215,10 +135,10 @@ static void block_point(run *k, const lw_lanes *in, int which, size_t first, siz
     if (per_lane || first == 0)
         set_turns(k, p->n_angle - frame, per_lane, n);
     if (p->output_short[which].is_short) {
-        short_block(k, which, n, out, per_lane, frame);
+        lw_fast_points(k, which, n, out, per_lane, frame);
         return;
     }
-    forward(k, which, n, per_lane, want);
+    lw_forward(k, which, n, per_lane, want);
     copy_out(out->margin, k->margin, n);
     int o = frame ? p->link_origin[p->output_link[which]] : p->output_point[which], d = p->output_dir[which];
     if (frame) {
@@ -270,56 +190,22 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
     }
 }
 
-/* The lanes of a plan with higher groups in chunks, each with its groups followed first. */
-typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
+/* What is wanted of the chunks of a plan with higher groups. */
+typedef struct chunk_points { const lw_plan *plan; int which, frame; const rows *out; } chunk_points;
 
-static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
+static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
 {
-    lw_lanes p = *in;
-    p.n = n;
-    p.c = in->c + first;
-    p.s = in->s ? in->s + first : NULL;
-    p.dim = in->dim_stride ? in->dim + first : in->dim;
-    p.mode = in->mode_stride ? in->mode + first : in->mode;
-    return p;
-}
-
-static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
-{
-    c->q.seat = work;
-    c->q.row = LW_CHUNK + LW_GROUP;
-    double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
-    c->lane_work = follow + lw_continuation_size(plan);
-    c->next = 0;
-    if (!in->dim_stride && !in->mode_stride)
-        follow_from_seed(&c->f, plan, in->dim, in->mode, false, follow);
-}
-
-/* No chunk of fewer lanes than a group after others. */
-static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
-{
-    size_t rest = in->n - c->next, n = rest < LW_CHUNK + LW_GROUP ? rest : LW_CHUNK;
-    if (rest == 0)
-        return false;
-    c->first = c->next;
-    c->next += n;
-    c->part = part_of(in, c->first, n);
-    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
-    return true;
+    const chunk_points *q = caller;
+    rows to = shift_rows(q->out, first);
+    points(q->plan, part, q->which, work, seats, &to, q->frame);
 }
 
 static void all_points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
 {
-    chunks c;
-    if (!plan->n_higher) {
+    if (plan->n_higher)
+        lw_in_chunks(plan, in, work, points_of_chunk, &(chunk_points){ plan, which, frame, out });
+    else
         points(plan, in, which, work, NULL, out, frame);
-        return;
-    }
-    begin_chunks(&c, plan, in, work);
-    while (next_chunk(&c, plan, in)) {
-        rows to = shift_rows(out, c.first);
-        points(plan, &c.part, which, c.lane_work, c.q.seat, &to, frame);
-    }
 }
 
 static void kernel_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
@@ -352,7 +238,7 @@ static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, do
         py[i] = seed.y;
         d[i] += turn;
     }
-    backward(k, which, n, input);
+    lw_backward(k, which, n, input);
 }
 
 static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, size_t n, const lw_jacobian *out)
@@ -363,10 +249,10 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
     if (first == 0)
         set_turns(k, p->n_angle, 0, n);
     if (p->output_short[which].is_short) {
-        short_block_jacobian(k, which, n, out);
+        lw_fast_jacobian(k, which, n, out);
         return;
     }
-    forward(k, which, n, 0, WITH_ROOTS);
+    lw_forward(k, which, n, 0, WITH_ROOTS);
     copy_out(out->margin, k->margin, n);
     move_out(k, n, p->output_point[which], out->x, out->y, 0, 1);
     if (out->u && out->v)
@@ -438,18 +324,21 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
     }
 }
 
+typedef struct chunk_jacobian { const lw_plan *plan; int which; const lw_jacobian *out; } chunk_jacobian;
+
+static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
+{
+    const chunk_jacobian *q = caller;
+    lw_jacobian to = shift_jacobian(q->out, first);
+    jacobians(q->plan, part, q->which, work, seats, &to);
+}
+
 static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
 {
-    chunks c;
-    if (!plan->n_higher) {
+    if (plan->n_higher)
+        lw_in_chunks(plan, in, work, jacobian_of_chunk, &(chunk_jacobian){ plan, which, out });
+    else
         jacobians(plan, in, which, work, NULL, out);
-        return;
-    }
-    begin_chunks(&c, plan, in, work);
-    while (next_chunk(&c, plan, in)) {
-        lw_jacobian to = shift_jacobian(out, c.first);
-        jacobians(plan, &c.part, which, c.lane_work, c.q.seat, &to);
-    }
 }
 
 /* ---- sum of squares with gradient ---------------------------------------------------------------------------- */
@@ -503,14 +392,14 @@ static void block_sum(run *k, const lw_lanes *in, int which, size_t first, size_
     double *scrap = k->spare + k->nb, *f = scrap + k->nb;
     set_numbers(k, in, first);
     at_lanes(k, in, first);
-    forward(k, which, n, 0, WITH_ROOTS);
+    lw_forward(k, which, n, 0, WITH_ROOTS);
     memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
     memset(k->row, 0, (size_t)p->n_dim*k->nb*sizeof(double));
     if (t->w)
         seed_sum(k, which, n, t, f, 1);
     else
         seed_sum(k, which, n, t, f, 0);
-    backward(k, which, n, scrap);
+    lw_backward(k, which, n, scrap);
     for (int d = 0; d < p->n_dim; d++)
         accumulate(acc + d*LW_GROUP, dim_bar(k, d), n);
     accumulate(acc + p->n_dim*LW_GROUP, f, n);
@@ -565,13 +454,13 @@ static double short_kernel_sum(run *k, const lw_lanes *in, int which, const targ
     sums a = { .margin = { 1, 1, 1, 1, 1, 1, 1, 1 } };
     k->c = in->c;
     k->s = in->s;
-    short_block_sum(k, which, full, t, &a);
+    lw_fast_sum(k, which, full, t, &a);
     if (rest) {
         lw_lanes last = pad(k, in, full);
         target here = pad_target(k, t, full, rest);
         k->c = last.c;
         k->s = last.s;
-        short_block_sum(k, which, LW_GROUP, &here, &a);
+        lw_fast_sum(k, which, LW_GROUP, &here, &a);
     }
     if (grad)
         scatter(k->plan, which, &a, grad);
@@ -614,31 +503,34 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     return total(acc + plan->n_dim*LW_GROUP);
 }
 
+typedef struct chunk_sum { const lw_plan *plan; int which; target target; double *grad, *margin, f; } chunk_sum;
+
+static void sum_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
+{
+    chunk_sum *q = caller;
+    double grad[LW_DIM_MAX], least;
+    q->f += lane_sum(q->plan, part, q->which, work, seats, q->target.x + first, q->target.y + first,
+                     q->target.w ? q->target.w + first : NULL, grad, &least);
+    for (int d = 0; q->grad && d < q->plan->n_dim; d++)
+        q->grad[d] += grad[d];
+    if (q->margin)
+        *q->margin = lw_at_most(least, *q->margin);
+}
+
 static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                          const double *tx, const double *ty, const double *w, double *grad, double *margin)
 {
-    chunks c;
-    double f = 0, part[LW_DIM_MAX], least;
+    chunk_sum q = { plan, which, { tx, ty, w }, grad, margin, 0 };
     if (!plan->n_higher)
         return lane_sum(plan, in, which, work, NULL, tx, ty, w, grad, margin);
     if (margin)
         *margin = 1;
     for (int d = 0; grad && d < plan->n_dim; d++)
         grad[d] = 0;
-    begin_chunks(&c, plan, in, work);
-    while (next_chunk(&c, plan, in)) {
-        f += lane_sum(plan, &c.part, which, c.lane_work, c.q.seat, tx + c.first, ty + c.first, w ? w + c.first : NULL, part,
-                      &least);
-        for (int d = 0; grad && d < plan->n_dim; d++)
-            grad[d] += part[d];
-        if (margin)
-            *margin = lw_at_most(least, *margin);
-    }
-    return f;
+    lw_in_chunks(plan, in, work, sum_of_chunk, &q);
+    return q.f;
 }
 
-#define LW_TABLE_OF(isa) lw_kernels_##isa
-#define LW_TABLE(isa)    LW_TABLE_OF(isa)
-extern const lw_kernels LW_TABLE(LW_ISA);
-const lw_kernels LW_TABLE(LW_ISA) = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
-                                      kernel_normal, kernel_seat };
+extern const lw_kernels lw_kernels_here;
+const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
+                                     lw_kernel_normal, lw_kernel_seat };

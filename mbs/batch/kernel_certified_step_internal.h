@@ -1,5 +1,6 @@
 /* mbs/batch/kernel_certified_step_internal.h - one step in following the higher groups of a plan along the input: eight postures
- * tried, and which of them are sure to be on the way.  Included by mbs/batch/kernel.c alone.
+ * tried, and which of them are sure to be on the way.  Included by
+ * mbs/batch/kernel_continuation.c alone.
  *
  * Eight inputs further and further along the way are tried at once, each from a polynomial through the postures
  * behind. The way between two neighbouring postures is sure when Newton's method arrived at both and no posture near
@@ -15,8 +16,7 @@
 #ifndef LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
 
-#include "mbs/batch/kernel_higher_internal.h"
-#include "mbs/batch/kernel_steps_internal.h"
+#include "mbs/batch/kernel_newton_internal.h"
 
 #define PAST 16                            /* postures kept behind                                    */
 #define NODES 6                            /* postures a polynomial goes through                      */
@@ -448,7 +448,7 @@ static void trial(follower *f, pack t)
     for (int i = 0, left = p->n_higher; left > 0 && i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
         if (s->kind != LW_STEP_HIGHER) {
-            forward_shared_margin(&f->k, s, ~0, LW_GROUP);
+            lw_forward_step(&f->k, s, LW_GROUP);
             continue;
         }
         eight *w = &f->group[s->dim[0]];

@@ -1,11 +1,30 @@
-/* mbs/batch/kernel_run_internal.h - the registers of a block of lanes and the loops over it.  Included by mbs/batch/kernel.c
- * alone, once per instruction set. */
+/* mbs/batch/kernel_run_internal.h - the registers of a block of lanes, the loops over it, and the functions that the
+ * files of the kernel offer each other.
+ *
+ * Every mbs/batch/kernel*.c is compiled once per instruction set (LW_ISA, see the Makefile).  Functions with external
+ * linkage carry the instruction set in their names; everything else is static, so that no instruction of one set leaks
+ * into another. */
 #ifndef LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
 
 #include <string.h>
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/plan/sincos_internal.h"
+
+#define LW_PASTE(name, isa)  name##_##isa
+#define LW_OF_ISA(name, isa) LW_PASTE(name, isa)
+#define lw_kernels_here      LW_OF_ISA(lw_kernels, LW_ISA)
+#define lw_forward           LW_OF_ISA(lw_forward, LW_ISA)
+#define lw_forward_step      LW_OF_ISA(lw_forward_step, LW_ISA)
+#define lw_backward          LW_OF_ISA(lw_backward, LW_ISA)
+#define lw_higher_forward    LW_OF_ISA(lw_higher_forward, LW_ISA)
+#define lw_higher_backward   LW_OF_ISA(lw_higher_backward, LW_ISA)
+#define lw_in_chunks         LW_OF_ISA(lw_in_chunks, LW_ISA)
+#define lw_kernel_seat       LW_OF_ISA(lw_kernel_seat, LW_ISA)
+#define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
+#define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
+#define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
+#define lw_fast_sum          LW_OF_ISA(lw_fast_sum, LW_ISA)
 
 /* Whole groups of lanes, which spares the compiler the loop's rest.  Lanes do not depend on each other:
  * nothing a lane writes is read by another. */
@@ -74,7 +93,7 @@ LW_INLINE void add_to(out_rows r, size_t i, lw_vec2 v)
 typedef struct rows { double *x, *y, *u, *v, *margin; } rows;
 typedef struct target { const double *x, *y, *w; } target;
 
-static void fill(double *row, double v, size_t n)
+static inline void fill(double *row, double v, size_t n)
 {
     for (size_t i = 0; i < n; i++)
         row[i] = v;
@@ -82,5 +101,116 @@ static void fill(double *row, double v, size_t n)
 
 /* What a forward sweep leaves beside the registers. */
 enum { POSE_ONLY, WITH_MARGIN, WITH_ROOTS };
+
+/* ---- a block of lanes ---------------------------------------------------------------------------------- */
+
+static inline size_t round_up(size_t n) { return (n + LW_GROUP - 1)/LW_GROUP*LW_GROUP; }
+
+/* Share out the work memory; rows are as short as n allows, to stay in cache. */
+static inline run start(const lw_plan *plan, size_t n, void *work)
+{
+    run k = { .plan = plan, .nb = n >= LW_BLOCK ? LW_BLOCK : round_up(n) };
+    double *w = work;
+    size_t nb = k.nb;
+    k.reg = w;         w += 2*(size_t)plan->n_reg*nb;
+    k.bar = w;         w += 2*(size_t)plan->n_reg*nb;
+    k.margin = w;      w += nb;
+    k.spare = w;       w += 3*nb;
+    k.aux = w;         w += (size_t)plan->n_dyad*nb;
+    k.spread_mode = w; w += (size_t)plan->n_mode*nb;
+    k.turn = w;        w += 2*(size_t)plan->n_angle*nb;
+    k.spread_dim = w;  w += (size_t)plan->n_dim*nb;
+    k.row = w;         w += (size_t)plan->n_dim*nb;
+    k.row_row = nb;
+    k.tail = w;        w += (16 + 4*(size_t)plan->n_dim + (size_t)plan->n_mode)*LW_GROUP;
+    k.inverse = w;
+    return k;
+}
+
+/* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
+static inline void ground_rows(const run *k, size_t n)
+{
+    double *ox = reg_x(k, 0), *oy = reg_y(k, 0), *ux = reg_x(k, 1), *uy = reg_y(k, 1);
+    for (size_t i = 0; i < n; i++) {
+        ox[i] = oy[i] = uy[i] = 0;
+        ux[i] = 1;
+    }
+    memset(k->spare, 0, 3*n*sizeof(double));
+}
+
+/* Cosine and sine of n angles; those far beyond a turn by the library. */
+static inline void turns(const double *angle, size_t n, double *restrict c, double *restrict s)
+{
+    int far = 0;
+    LW_LANES(n) {
+        lw_vec2 u = lw_sincos(angle[i]);
+        far |= !(fabs(angle[i]) < LW_SINCOS_MAX);
+        c[i] = u.x;
+        s[i] = u.y;
+    }
+    for (size_t i = 0; far && i < n; i++)
+        if (!(fabs(angle[i]) < LW_SINCOS_MAX)) {
+            c[i] = cos(angle[i]);
+            s[i] = sin(angle[i]);
+        }
+}
+
+static inline lw_vec2 turn(double angle)
+{
+    return fabs(angle) < LW_SINCOS_MAX ? lw_sincos(angle) : lw_v2(cos(angle), sin(angle));
+}
+
+/* Those of the first n_angle angles among the dimensions; theta0 is the last. */
+static inline void set_turns(run *k, int n_angle, int per_lane, size_t n)
+{
+    k->turn_row = per_lane ? k->nb : 1;
+    for (int a = 0; a < n_angle; a++) {
+        const double *angle = dim_of(k, k->plan->angle[a]);
+        double *c = k->turn + 2*(size_t)a*k->turn_row;
+        if (per_lane) {
+            turns(angle, n, c, c + k->turn_row);
+            continue;
+        }
+        lw_vec2 u = turn(*angle);
+        c[0] = u.x;
+        c[1] = u.y;
+    }
+}
+
+/* ---- what the files of the kernel offer each other ------------------------------------------------------- */
+
+/* All steps that output `which` depends on, over n lanes; want: what to leave beside the registers.  One step of a plan
+ * whose lanes share their dimensions, with margins, not for higher groups.  kernel_steps.c */
+void lw_forward(const run *k, int which, size_t n, int per_lane, int want);
+void lw_forward_step(const run *k, const lw_step *s, size_t n);
+
+/* From the adjoints of output `which`, set in k->bar, to k->row and the input's row.  kernel_steps.c */
+void lw_backward(const run *k, int which, size_t n, double *input_bar);
+
+/* The step of a higher group.  kernel_higher.c */
+void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int want);
+void lw_higher_backward(const run *k, const lw_step *s, size_t n);
+
+/* For plans with higher groups: follow these over the lanes of `in`, chunk by chunk, and call `work_on` with each chunk:
+ * its lanes, the number of its first lane, scratch for its own rows, and where its groups are.  kernel_continuation.c */
+typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats);
+void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
+void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                    lw_group_pose *seat);
+
+/* J'J and J'r.  kernel_normal.c */
+void lw_kernel_normal(const lw_normal *in, double *h, double *g);
+
+/* Plans of the commonest kind (lw_fast_dyad), all steps in one loop.  kernel_fast_dyad.c */
+void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame);
+void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out);
+
+/* Sums over lanes, eight accumulators each. */
+typedef struct sums {
+    double r2[LW_GROUP], e_in[LW_GROUP], b[LW_GROUP], e[LW_GROUP], beta[LW_GROUP], d1[LW_GROUP], d2[LW_GROUP],
+           cx[LW_GROUP], cy[LW_GROUP], x0[LW_GROUP], y0[LW_GROUP], turn[LW_GROUP], f[LW_GROUP], margin[LW_GROUP];
+} sums;
+void lw_fast_sum(const run *k, int which, size_t n, const target *t, sums *a);
+#define LW_ZEROS 1024                    /* lanes for which an absent dimension has zeros to read         */
 
 #endif

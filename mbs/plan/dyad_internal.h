@@ -1,6 +1,6 @@
 /* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one pose at a time.
  *
- * Straight-line arithmetic without branches, written once and inlined into every loop (mbs/batch/kernel.c) and
+ * Straight-line arithmetic without branches, written once and inlined into every loop (mbs/batch/kernel*.c) and
  * into the single pose (mbs/plan/pose.c).  Internal to mbs.
  *
  * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the

@@ -1,5 +1,4 @@
-/* mbs/batch/kernel_higher_internal.h - higher groups, eight lanes at a time: the loops, Newton's method on them, their
- * derivatives.  Included by mbs/batch/kernel.c alone.
+/* mbs/batch/kernel_newton_internal.h - higher groups, eight lanes at a time: their loops and Newton's method on them.
  *
  * The unknowns' columns of the Jacobian are turned vectors, so that a column's length tells how much its
  * unknown counts.  With the columns made unit vectors (N),
@@ -8,8 +7,8 @@
  * of a dyad it is the squared sine by which dyads are measured.  A turn by delta changes a column by at most
  * |delta|; so while  sum of delta^2 < 1/|N^-1|^2 = margin/n  the Jacobian stays regular and there is no second
  * solution (mean value theorem): steps are kept to a half of that. */
-#ifndef LW_MBS_BATCH_KERNEL_HIGHER_INTERNAL_H
-#define LW_MBS_BATCH_KERNEL_HIGHER_INTERNAL_H
+#ifndef LW_MBS_BATCH_KERNEL_NEWTON_INTERNAL_H
+#define LW_MBS_BATCH_KERNEL_NEWTON_INTERNAL_H
 
 #include "mbs/batch/kernel_gear_internal.h"
 
@@ -22,7 +21,7 @@
     LW_APART void name##_4 parameters { name##_of(4, __VA_ARGS__); }            \
     LW_APART void name##_6 parameters { name##_of(6, __VA_ARGS__); }            \
     LW_APART void name##_any parameters { name##_of(w->n, __VA_ARGS__); }       \
-    static void name parameters                                                 \
+    LW_INLINE void name parameters                                              \
     {                                                                           \
         switch (w->n) {                                                         \
         case 2:  name##_2(__VA_ARGS__); break;                                  \
@@ -31,6 +30,8 @@
         default: name##_any(__VA_ARGS__);                                       \
         }                                                                       \
     }
+
+#define BEYOND_LEAST 1e-12                 /* by how much a lane out of reach is so, at least         */
 
 /* Loops over the unknowns whose values stay in registers, for the commonest sizes. */
 #if defined(__clang__)
@@ -406,29 +407,6 @@ LW_INLINE pack go(eight *w)
     return length;
 }
 
-/* ---- as a step of the plan ---------------------------------------------------------------------------- */
-
-static double *inverse_rows(const run *k, const lw_higher *g)
-{
-    double *at = k->inverse;
-    for (const lw_higher *h = k->plan->higher; h < g; h++)
-        at += (size_t)(h->n_unknown*h->n_unknown)*k->nb;
-    return at;
-}
-
-static void take_seat(const run *k, eight *w, size_t i)
-{
-    const lw_higher *g = w->g;
-    const double *row = k->seat + (size_t)g->first_row*k->seat_row + i;
-    for (int a = 0; a < g->n_turn; a++, row += 2*k->seat_row) {
-        w->ux[w->at[a]] = get8(row);
-        w->uy[w->at[a]] = get8(row + k->seat_row);
-    }
-    for (int d = 0; d < g->n_disp; d++, row += k->seat_row)
-        w->d[d] = get8(row);
-    turn_directions(w);
-}
-
 static void put_group(const run *k, const eight *w, size_t i)
 {
     const lw_higher *g = w->g;
@@ -439,235 +417,6 @@ static void put_group(const run *k, const eight *w, size_t i)
     for (int d = 0; d < g->n_disp; d++) {
         put8(reg_x(k, g->disp_reg[d]) + i, w->d[d]);
         put8(reg_y(k, g->disp_reg[d]) + i, (pack){ 0 });
-    }
-}
-
-#define ASTRAY 0.03                        /* a step as long leaves the seat: [rad], or times the size */
-#define BEYOND_LEAST 1e-12                 /* by how much a lane out of reach is so, at least         */
-
-/* Lanes whose step is too long, where it is made 0. */
-LW_INLINE mask hold_astray(const int n, eight *w, mask within)
-{
-    mask near = within;
-    for (int r = 0; r < n; r++)
-        near &= (mask)(abs8(w->step[r]) < ASTRAY*(r < w->g->n_turn ? 1 : w->size));
-    for (int r = 0; r < n; r++)
-        w->step[r] = where8(near, w->step[r]);
-    return within & ~near;
-}
-
-/* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
- * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach too. */
-LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int want)
-{
-    const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
-    const pack beyond = get8(out_of_reach);
-    mask astray = { 0 };
-    for (int i = 0; i < 5; i++) {
-        newton_of(n, w);
-        if (want >= WITH_MARGIN)
-            measure_of(n, w);
-        astray |= hold_astray(n, w, (mask)(beyond <= 0));
-        if (!(most8(go(w)) >= enough))
-            break;
-    }
-    w->margin = choose8(astray, all8(-BEYOND_LEAST), w->margin);
-    w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
-}
-LW_BY_SIZE(settle, (eight *w, const double *out_of_reach, int want), w, out_of_reach, want)
-
-/* What displacements are measured by, from the dimensions of lane i. */
-static double size_at(const run *k, size_t i)
-{
-    double dim[LW_DIM_MAX];
-    for (int d = 0; d < k->plan->n_dim; d++)
-        dim[d] = dim_of(k, d)[i];
-    return lw_plan_size(k->plan, dim);
-}
-
-static void higher(const run *k, const lw_step *s, size_t n, int per_lane, int want)
-{
-    const lw_higher *g = &k->plan->higher[s->dim[0]];
-    const double *reach = k->seat + (size_t)k->plan->n_row*k->seat_row;
-    double *inverse = inverse_rows(k, g);
-    eight w;
-    take_group(&w, g);
-    w.size = size_at(k, 0);
-    w.ends = !k->plan->input_is_slider;
-    w.margin = (pack){ 0 };
-    if (!per_lane) {
-        load_vectors(k, &w, 0, 0);
-        load_angles(k, &w);
-        load_meshes(k, g, 0, 0, &w.mesh);
-    }
-    for (size_t i = 0; i < n; i += LW_GROUP) {
-        if (per_lane) {
-            w.size = size_at(k, i);
-            load_vectors(k, &w, i, 1);
-            load_meshes(k, g, i, 1, &w.mesh);
-            load_known(k, &w, i, 1);
-        } else
-            load_known(k, &w, i, 0);
-        take_seat(k, &w, i);
-        settle(&w, reach + i, want);
-        put_group(k, &w, i);
-        if (want >= WITH_MARGIN)
-            put8(k->margin + i, less8(w.margin, get8(k->margin + i)));
-        mask sound = (mask)(w.margin > LW_MARGIN_FLAT);
-        for (int c = 0; want == WITH_ROOTS && c < w.n*w.n; c++)
-            put8(inverse + (size_t)c*k->nb + i, where8(sound, w.inv[c]));
-    }
-}
-
-static void turn_step(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows u = in_reg(k, s->in[0]), v = in_reg(k, s->in[1]);
-    const out_rows o = out_reg(k, s->out[0]);
-    const double sign = s->dim[0];
-    LW_LANES(n) put(o, i, lw_v2_turn(get(u, i), lw_v2(v.x[i], sign*v.y[i])));
-}
-
-static void slide_step(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]);
-    const out_rows o = out_reg(k, s->out[0]);
-    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d.x[i], 0));
-}
-
-/* ---- backwards ---------------------------------------------------------------------------------------- */
-
-static void back_turn(const run *k, const lw_step *s, size_t n)
-{
-    const double *o = bar_x(k, s->out[0]), sign = s->dim[0];
-    double *u = bar_x(k, s->in[0]), *v = bar_x(k, s->in[1]);
-    LW_LANES(n) {
-        u[i] += o[i];
-        v[i] += sign*o[i];
-    }
-}
-
-static void back_slide(const run *k, const lw_step *s, size_t n)
-{
-    const in_rows w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]), o_bar = in_bar(k, s->out[0]);
-    const out_rows q_bar = out_bar(k, s->in[0]);
-    double *w_bar = bar_x(k, s->in[1]), *d_bar = bar_x(k, s->in[2]);
-    LW_LANES(n) {
-        lw_vec2 o = get(o_bar, i), u = get(w, i);
-        d_bar[i] += lw_v2_dot(o, u);
-        w_bar[i] += d.x[i]*lw_v2_dot(o, lw_v2_perp(u));
-        add_to(q_bar, i, o);
-    }
-}
-
-/* F = 0 gives J dx = -dF: with J' lambda = bar, whatever moves F adds -lambda dF. */
-static void multipliers(const run *k, eight *w, size_t i)
-{
-    const lw_higher *g = w->g;
-    const double *inverse = inverse_rows(k, g) + i;
-    for (int r = 0; r < w->n; r++)
-        w->f[r] = (pack){ 0 };
-    for (int c = 0; c < w->n; c++) {
-        pack bar = get8(bar_x(k, c < g->n_turn ? g->turn_reg[c] : g->disp_reg[c - g->n_turn]) + i);
-        for (int r = 0; r < w->n; r++)
-            w->f[r] -= get8(inverse + (size_t)(c*w->n + r)*k->nb)*bar;
-    }
-}
-
-LW_INLINE void add8(double *to, pack v) { put8(to, get8(to) + v); }
-
-/* Turns of the directions, from the last to those known or given. */
-static void back_directions(const run *k, eight *w, size_t i, pack *turn)
-{
-    const lw_higher *g = w->g;
-    for (int a = g->n_dir - 1; a >= 0; a--) {
-        const lw_higher_dir *q = &g->dir[a];
-        if (q->base < 0 && q->root >= 0)
-            continue;
-        double sign = q->input < 0 ? -1 : 1;
-        add8((q->dim >= 0 ? dim_bar(k, q->dim) : bar_x(k, q->reg)) + i, sign*turn[a]);
-        if (q->base >= 0)
-            turn[q->base] += turn[a];
-    }
-}
-
-/* What phases, racks and known directions do to the rows of gears. */
-static void back_gears(const run *k, const eight *w, size_t i, pack *turn)
-{
-    const lw_higher *g = w->g;
-    for (int a = 0; a < g->n_gear; a++) {
-        const lw_higher_gear *q = &g->gear[a];
-        pack f = w->f[2*g->n_loop + a];
-        for (int h = 0; h < q->n_term; h++)
-            turn[q->dir[h]] += (double)q->power[h]/q->count*f;
-        if (q->phase >= 0)
-            add8(dim_bar(k, q->phase) + i, -f);
-        if (q->disp < 0)
-            continue;
-        pack by_rho = f*w->mesh.by_rho[a];
-        add8(dim_bar(k, q->shift) + i, by_rho);
-        add8(dim_bar(k, q->rho) + i, by_rho*rolled(&w->mesh, a, w->d[q->disp]));
-        if (q->disp == g->n_disp)
-            add8(bar_x(k, g->disp_reg[q->disp]) + i, -by_rho);
-    }
-}
-
-static void back_eight(const run *k, eight *w, size_t i)
-{
-    const lw_higher *g = w->g;
-    pack turn[LW_HIGHER_DIR_MAX];
-    for (int a = 0; a < g->n_dir; a++)
-        turn[a] = (pack){ 0 };
-    for (int p = 0; p < g->n_point; p++) {
-        const lw_higher_point *q = &g->point[p];
-        double sign = q->sign;
-        add8(bar_x(k, q->reg) + i, sign*w->f[2*q->loop]);
-        add8(bar_y(k, q->reg) + i, sign*w->f[2*q->loop + 1]);
-    }
-    for (int v = 0; v < g->n_vector; v++) {
-        const lw_higher_vector *q = &g->vector[v];
-        pack fx = w->f[2*q->loop], fy = w->f[2*q->loop + 1], ux = w->ux[q->dir], uy = w->uy[q->dir];
-        double sign = q->sign;
-        if (q->x >= 0)
-            add8(dim_bar(k, q->x) + i, sign*(fx*ux + fy*uy));
-        if (q->y >= 0)
-            add8(dim_bar(k, q->y) + i, sign*(fy*ux - fx*uy));
-    }
-    for (int e = 0; e < g->n_entry; e++) {
-        int dir = g->entry[e].dir, loop = g->entry[e].loop;
-        pack cx = w->cx[e], cy = w->cy[e], ux = w->ux[dir], uy = w->uy[dir];
-        turn[dir] += w->f[2*loop + 1]*(cx*ux - cy*uy) - w->f[2*loop]*(cx*uy + cy*ux);
-    }
-    for (int e = 0; e < g->n_slide; e++) {
-        const lw_higher_slide *q = &g->slide[e];
-        pack fx = w->f[2*q->loop], fy = w->f[2*q->loop + 1], ux = w->ux[q->dir], uy = w->uy[q->dir];
-        double sign = q->sign;
-        turn[q->dir] += sign*w->d[q->disp]*(fy*ux - fx*uy);
-        if (q->disp == g->n_disp)
-            add8(bar_x(k, g->disp_reg[q->disp]) + i, sign*(fx*ux + fy*uy));
-    }
-    back_gears(k, w, i, turn);
-    back_directions(k, w, i, turn);
-}
-
-static void back_higher(const run *k, const lw_step *s, size_t n)
-{
-    const lw_higher *g = &k->plan->higher[s->dim[0]];
-    eight w;
-    take_group(&w, g);
-    load_vectors(k, &w, 0, 0);
-    load_angles(k, &w);
-    load_meshes(k, g, 0, 0, &w.mesh);
-    for (size_t i = 0; i < n; i += LW_GROUP) {
-        load_known(k, &w, i, 0);
-        for (int a = 0; a < g->n_turn; a++) {
-            w.ux[w.at[a]] = get8(reg_x(k, g->turn_reg[a]) + i);
-            w.uy[w.at[a]] = get8(reg_y(k, g->turn_reg[a]) + i);
-        }
-        for (int d = 0; d < g->n_disp; d++)
-            w.d[d] = get8(reg_x(k, g->disp_reg[d]) + i);
-        turn_directions(&w);
-        multipliers(k, &w, i);
-        back_eight(k, &w, i);
     }
 }
 

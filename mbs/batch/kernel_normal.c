@@ -1,12 +1,8 @@
-/* mbs/batch/kernel_normal_internal.h - J'J and J'r of rows over lanes, several products side by side.  Included by
- * mbs/batch/kernel.c alone.
+/* J'J and J'r of rows over lanes, several products side by side.
  *
  * Every product is eight sums, lane number modulo eight, added up in one order: the same bits however many are worked
  * on at a time. */
-#ifndef LW_MBS_BATCH_KERNEL_NORMAL_INTERNAL_H
-#define LW_MBS_BATCH_KERNEL_NORMAL_INTERNAL_H
-
-#include "mbs/batch/kernel_higher_internal.h"
+#include "mbs/batch/kernel_pack_internal.h"
 
 #if defined(__AVX512F__)
 #define ABREAST 4                          /* products whose sums stay in registers                   */
@@ -29,7 +25,7 @@ LW_INLINE void products(const lw_normal *q, const double *a, size_t a_step, cons
         to[c] = ((s[c][0] + s[c][4]) + (s[c][1] + s[c][5])) + ((s[c][2] + s[c][6]) + (s[c][3] + s[c][7]));
 }
 
-static void kernel_normal(const lw_normal *q, double *h, double *g)
+void lw_kernel_normal(const lw_normal *q, double *h, double *g)
 {
     size_t step = q->row_step*q->ld;
     for (int i = 0; i < q->n; i++) {
@@ -47,5 +43,3 @@ static void kernel_normal(const lw_normal *q, double *h, double *g)
         }
     }
 }
-
-#endif

@@ -1,9 +1,5 @@
-/* mbs/batch/kernel_steps_internal.h - each step of a plan as one loop over a block, forwards and backwards.  Included by
- * mbs/batch/kernel.c alone. */
-#ifndef LW_MBS_BATCH_KERNEL_STEPS_INTERNAL_H
-#define LW_MBS_BATCH_KERNEL_STEPS_INTERNAL_H
-
-#include "mbs/batch/kernel_higher_internal.h"
+/* Each step of a plan as one loop over a block, forwards and backwards. */
+#include "mbs/batch/kernel_run_internal.h"
 
 /* ---- steps forwards ----------------------------------------------------------------------------------
  * per_lane: dimensions and modes differ from lane to lane; a constant wherever these are inlined. */
@@ -133,6 +129,21 @@ LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int want)
     }
 }
 
+static void turn_step(const run *k, const lw_step *s, size_t n)
+{
+    const in_rows u = in_reg(k, s->in[0]), v = in_reg(k, s->in[1]);
+    const out_rows o = out_reg(k, s->out[0]);
+    const double sign = s->dim[0];
+    LW_LANES(n) put(o, i, lw_v2_turn(get(u, i), lw_v2(v.x[i], sign*v.y[i])));
+}
+
+static void slide_step(const run *k, const lw_step *s, size_t n)
+{
+    const in_rows q = in_reg(k, s->in[0]), w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]);
+    const out_rows o = out_reg(k, s->out[0]);
+    LW_LANES(n) put(o, i, lw_frame_point(get(q, i), get(w, i), d.x[i], 0));
+}
+
 static void times(const out_rows o, in_rows u, double sign, size_t n)
 {
     LW_LANES(n) {
@@ -226,8 +237,9 @@ FORWARD(forward_shared_roots, 0, WITH_ROOTS)
 FORWARD(forward_lanes_pose, 1, POSE_ONLY)
 FORWARD(forward_lanes_margin, 1, WITH_MARGIN)
 
-/* All steps output `which` depends on. */
-static void forward(const run *k, int which, size_t n, int per_lane, int want)
+void lw_forward_step(const run *k, const lw_step *s, size_t n) { forward_shared_margin(k, s, ~0, n); }
+
+void lw_forward(const run *k, int which, size_t n, int per_lane, int want)
 {
     static void (*const step[2][3])(const run *, const lw_step *, int, size_t) = {
         { forward_shared_pose, forward_shared_margin, forward_shared_roots },
@@ -240,7 +252,7 @@ static void forward(const run *k, int which, size_t n, int per_lane, int want)
     for (int i = 0; i < p->n_output_step[which]; i++) {
         const lw_step *s = &p->step[p->output_step[which][i]];
         if (s->kind == LW_STEP_HIGHER)
-            higher(k, s, n, per_lane, want);
+            lw_higher_forward(k, s, n, per_lane, want);
         else
             step[per_lane][want](k, s, p->output_keep[which][i], n);
     }
@@ -377,6 +389,29 @@ static void back_prp(const run *k, const lw_step *s, size_t n)
     }
 }
 
+static void back_turn(const run *k, const lw_step *s, size_t n)
+{
+    const double *o = bar_x(k, s->out[0]), sign = s->dim[0];
+    double *u = bar_x(k, s->in[0]), *v = bar_x(k, s->in[1]);
+    LW_LANES(n) {
+        u[i] += o[i];
+        v[i] += sign*o[i];
+    }
+}
+
+static void back_slide(const run *k, const lw_step *s, size_t n)
+{
+    const in_rows w = in_reg(k, s->in[1]), d = in_reg(k, s->in[2]), o_bar = in_bar(k, s->out[0]);
+    const out_rows q_bar = out_bar(k, s->in[0]);
+    double *w_bar = bar_x(k, s->in[1]), *d_bar = bar_x(k, s->in[2]);
+    LW_LANES(n) {
+        lw_vec2 o = get(o_bar, i), u = get(w, i);
+        d_bar[i] += lw_v2_dot(o, u);
+        w_bar[i] += d.x[i]*lw_v2_dot(o, lw_v2_perp(u));
+        add_to(q_bar, i, o);
+    }
+}
+
 static void back_gear(const run *k, const lw_step *s, size_t n)
 {
     const double *o = bar_x(k, s->out[0]);
@@ -434,8 +469,7 @@ static void back_rack(const run *k, const lw_step *s, size_t n)
     }
 }
 
-/* From the adjoints of output `which`, set in k->bar, to k->row and the input's row. */
-static void backward(const run *k, int which, size_t n, double *input_bar)
+void lw_backward(const run *k, int which, size_t n, double *input_bar)
 {
     const lw_plan *p = k->plan;
     for (int i = p->n_output_step[which] - 1; i >= 0; i--) {
@@ -450,7 +484,7 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
         case LW_STEP_RPR:         back_rpr(k, s, n); break;
         case LW_STEP_PRP:
         case LW_STEP_PPR:         back_prp(k, s, n); break;
-        case LW_STEP_HIGHER:      back_higher(k, s, n); break;
+        case LW_STEP_HIGHER:      lw_higher_backward(k, s, n); break;
         case LW_STEP_TURN:        back_turn(k, s, n); break;
         case LW_STEP_SLIDE:       back_slide(k, s, n); break;
         case LW_STEP_GEAR:        back_gear(k, s, n); break;
@@ -460,5 +494,3 @@ static void backward(const run *k, int which, size_t n, double *input_bar)
         }
     }
 }
-
-#endif

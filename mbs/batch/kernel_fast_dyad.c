@@ -2,9 +2,6 @@
  * same dyad formulas as the loops of single steps.  Included by mbs/batch/kernel.c alone.
  *
  * `pin` (crank or slider input) and `dyad` are constants wherever these functions are inlined. */
-#ifndef LW_MBS_BATCH_KERNEL_FAST_DYAD_INTERNAL_H
-#define LW_MBS_BATCH_KERNEL_FAST_DYAD_INTERNAL_H
-
 #include "mbs/batch/kernel_run_internal.h"
 
 /* The line of RRP along x, at a distance; or through the origin, turned. */
@@ -27,7 +24,6 @@ typedef struct number_rows {
     const double *r2, *e_in, *b, *e, *wc, *ws, *d1, *d2, *cx, *cy, *x0, *y0, *ct, *st, *mode;
 } number_rows;
 
-#define LW_ZEROS 1024
 static const double zeros[LW_ZEROS];
 
 LW_INLINE const double *short_dim(const run *k, int d) { return d < 0 ? zeros : dim_of(k, d); }
@@ -222,12 +218,6 @@ LW_INLINE void short_jacobian(const run *k, const number_rows *r, size_t n, cons
     }
 }
 
-/* Sums of a short plan, eight accumulators each. */
-typedef struct sums {
-    double r2[LW_GROUP], e_in[LW_GROUP], b[LW_GROUP], e[LW_GROUP], beta[LW_GROUP], d1[LW_GROUP], d2[LW_GROUP],
-           cx[LW_GROUP], cy[LW_GROUP], x0[LW_GROUP], y0[LW_GROUP], turn[LW_GROUP], f[LW_GROUP], margin[LW_GROUP];
-} sums;
-
 LW_INLINE void add_bars(sums *a, const bars *o, size_t j, const int pin, const int dyad)
 {
     if (pin)
@@ -289,7 +279,7 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
             LW_EACH_DYAD(f, loop, 1, __VA_ARGS__)                                              \
     } while (0)
 
-static void short_block(const run *k, int which, size_t n, const rows *out, int per_lane, int frame)
+void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame)
 {
     const lw_fast_dyad *f = &k->plan->output_short[which];
     const number_rows r = short_rows(k, which);
@@ -309,7 +299,7 @@ static void short_block(const run *k, int which, size_t n, const rows *out, int 
     }
 }
 
-static void short_block_sum(const run *k, int which, size_t n, const target *t, sums *a)
+void lw_fast_sum(const run *k, int which, size_t n, const target *t, sums *a)
 {
     const lw_fast_dyad *f = &k->plan->output_short[which];
     const number_rows r = short_rows(k, which);
@@ -338,7 +328,7 @@ static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobia
     }
 }
 
-static void short_block_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
+void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
 {
     const lw_plan *p = k->plan;
     const lw_fast_dyad *f = &p->output_short[which];
@@ -360,5 +350,3 @@ static void short_block_jacobian(const run *k, int which, size_t n, const lw_jac
     fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);
     fill(out->jy + (size_t)p->i_y0*out->ld, 1, n);
 }
-
-#endif

@@ -1,12 +1,8 @@
-/* mbs/batch/kernel_continuation_internal.h - following the higher groups of a plan from their seed along the input, lane by lane.
- * Included by mbs/batch/kernel.c alone.
+/* Following the higher groups of a plan from their seed along the input, lane by lane.
  *
- * Those of eight postures tried that are sure one after the other are taken (kernel_trial_internal.h).  Lanes that lie
+ * Those of eight postures tried that are sure one after the other are taken (kernel_certified_step_internal.h).  Lanes that lie
  * closer than a step are put between.  At a limit of motion the steps shrink until they are too short to matter: there
  * the way ends. */
-#ifndef LW_MBS_BATCH_KERNEL_CONTINUATION_INTERNAL_H
-#define LW_MBS_BATCH_KERNEL_CONTINUATION_INTERNAL_H
-
 #include "mbs/batch/kernel_certified_step_internal.h"
 
 #define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
@@ -395,7 +391,7 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, boo
 }
 
 /* One posture for mbs/plan/pose.c. */
-static void kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                         lw_group_pose *seat)
 {
     follower f;
@@ -417,4 +413,49 @@ static void kernel_seat(const lw_plan *plan, const double *dim, const double *mo
             *inverse++ = w->inv[i][f.at_lane];
     }
 }
-#endif
+
+/* The lanes of a plan with higher groups in chunks, each with its groups followed first. */
+typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
+
+static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
+{
+    lw_lanes p = *in;
+    p.n = n;
+    p.c = in->c + first;
+    p.s = in->s ? in->s + first : NULL;
+    p.dim = in->dim_stride ? in->dim + first : in->dim;
+    p.mode = in->mode_stride ? in->mode + first : in->mode;
+    return p;
+}
+
+static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
+{
+    c->q.seat = work;
+    c->q.row = LW_CHUNK + LW_GROUP;
+    double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
+    c->lane_work = follow + lw_continuation_size(plan);
+    c->next = 0;
+    if (!in->dim_stride && !in->mode_stride)
+        follow_from_seed(&c->f, plan, in->dim, in->mode, false, follow);
+}
+
+/* The last chunk is merged with the one before so that none is smaller than LW_GROUP lanes. */
+static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
+{
+    size_t rest = in->n - c->next, n = rest < LW_CHUNK + LW_GROUP ? rest : LW_CHUNK;
+    if (rest == 0)
+        return false;
+    c->first = c->next;
+    c->next += n;
+    c->part = part_of(in, c->first, n);
+    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
+    return true;
+}
+
+void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller)
+{
+    chunks c;
+    begin_chunks(&c, plan, in, work);
+    while (next_chunk(&c, plan, in))
+        work_on(caller, &c.part, c.first, c.lane_work, c.q.seat);
+}
