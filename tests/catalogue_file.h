@@ -110,9 +110,9 @@ static inline void remove_catalogue(const char *path)
     remove(journal);
 }
 
-/* Run `arguments`, which fill the catalogue `file` in the folder $D/killed, to the end once, then kill them n_kill times,
- * each time at a random change of a file.  After each kill the catalogue must be whole.  A run that ends must leave in it
- * what the first left, of which `has` is a part; then the next begins with no file. */
+/* Run `arguments`, which fill the catalogue `file` in the folder $D/killed, once to the end.  Then kill further runs
+ * n_kill times, each at a random change of a file.  After each kill the catalogue must be whole.  A run that ends must
+ * leave the same content as the first run, of which `has` is a part; the next run then begins without a file. */
 static inline void kill_at_random(const char *file, const char *arguments, int n_kill, const char *has)
 {
     lw_rng rng;

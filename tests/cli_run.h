@@ -140,7 +140,7 @@ static inline void expect_row(const char *command, const char *columns, const ch
     ran_free(&r);
 }
 
-/* Run, and check that it ends well and prints these words in this order in a line, any number of blanks between them. */
+/* Run, and check that it ends well and prints these words, with any number of blanks between them. */
 static inline void expect_words(const char *command, const char *words)
 {
     ran r = run(command);

@@ -69,7 +69,8 @@ static inline void shuffle_linkage(lw_rng *r, const lw_linkage *k, lw_linkage *s
 static inline void jansen_linkage(lw_linkage *k)
 {
     enum { GROUND, M, J, B, E, D, K, C, F, G, I, H, N };
-    const lw_vec2 o = { 0, 0 }, a = { 15, 0 }, g = { -38, -7.8 }, p2 = { -24.013535097127790735, 31.272097454842680634 };
+    const lw_vec2 o = { 0, 0 }, a = { 15, 0 }, g = { -38, -7.8 },
+                  p2 = { -24.013535097127790735, 31.272097454842680634 };
     const lw_vec2 p3 = { -74.794365380936053419, 8.1431702058961433062 };
     const lw_vec2 p4 = { -26.952107031572960150, -45.515170170081168150 };
     const lw_vec2 p5 = { -59.231514961415004055, -28.052930230747767324 };

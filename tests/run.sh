@@ -2,8 +2,9 @@
 # Run test programs, as many at a time as there are processors, and add up their results.
 #     tests/run.sh PROGRAM...
 # The last line of a program is "<name>: N passed, M failed".  A program counts as failed if it crashes, prints no such
-# line, leaves a file in its folder for temporary files, or hangs: LW_TEST_SECONDS (an hour) is far beyond what any test
-# takes on a slow machine.  The others still run.  The very last line is the sum; the exit code tells whether anything failed.
+# line, leaves a file in its folder for temporary files, or runs for more than LW_TEST_SECONDS (an hour: only a program
+# that hangs runs so long).  The other programs still run.  The very last line is the sum; the exit code is 0 if nothing
+# failed.
 set -u
 logs=$(mktemp -d) || exit 1
 trap 'rm -rf "$logs"' EXIT

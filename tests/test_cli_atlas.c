@@ -49,7 +49,8 @@ static void add(void)
     expect("$P fit examples/ellipse.csv --rounds 1 --starts 32 --budget 1000 --quiet --results 2 --json > $D/fit.json; "
            "cat $D/fit.json $D/near.json | $P catalogue add $D/l.db -", 0, "", " 7 added");
     expect("$P catalogue add $D/l.db $D/fit.json", 0, "", "2 linkages read, 0 added");
-    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL, "bad.json:1: this is neither "
+    expect("echo '{\"a\": 1}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
+           "bad.json:1: this is neither "
            "a linkage");
     expect("printf '\\n\\n{\"results\": [}' > $D/bad.json; $P catalogue add $D/l.db $D/bad.json", 3, NULL,
            "bad.json:3:");

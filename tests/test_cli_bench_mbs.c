@@ -12,8 +12,8 @@ static int read_rows(row *r, int most)
     text = rest = slurp(path);
     for (char *line; (line = strsep(&rest, "\n")) && n < most;)
         if (*line && *line != '#' && strncmp(line, "problem,", 8))
-            n += sscanf(line, "%31[^,],%39[^,],%lf,%lf,%lf,%lf", r[n].problem, r[n].solver, &r[n].tolerance, &r[n].setup,
-                        &r[n].seconds, &r[n].error) == 6;
+            n += sscanf(line, "%31[^,],%39[^,],%lf,%lf,%lf,%lf", r[n].problem, r[n].solver, &r[n].tolerance,
+                        &r[n].setup, &r[n].seconds, &r[n].error) == 6;
     free(text);
     return n;
 }
@@ -49,7 +49,8 @@ static void rows(void)
 static void squeezer(void)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c andrews --tolerance 1e-11:1e-10 --time 0.001 -o $D/out -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c andrews --tolerance 1e-11:1e-10 --time 0.001 -q "
+           "-o $D/out", 0,
            "| andrews | ggl |", "");
     int n = read_rows(r, 200);
     CHECK_INT(n, 10);
@@ -64,7 +65,8 @@ static void squeezer(void)
 static void branch(void)
 {
     static row r[200];
-    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -o $D/out -q", 0,
+    expect("LW_CLOCK_STEP=0.001 $C bench mbs --peers none -c two-four-bars --tolerance 1e-10:1e-8 --time 0.001 -q "
+           "-o $D/out", 0,
            "| two-four-bars | reduced |", "");
     int n = read_rows(r, 200);
     CHECK(error_of(r, n, "two-four-bars", "reduced", 1e-10) < 1e-6);

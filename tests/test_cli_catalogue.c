@@ -136,7 +136,8 @@ static void two_at_once(void)
     /* the first, which would take minutes, is halted once it holds the file */
     expect("$P catalogue build $D/two.db --links 14 --no-pictures --quiet & "
            "until [ -s $D/two.db-lock ] || ! kill -0 $!; do sleep 0.01; done; kill -STOP $!; "
-           "$P catalogue build $D/two.db --links 6 --wait 0; c=$?; kill -KILL $!; wait; exit $c", 3, NULL, "--links 14");
+           "$P catalogue build $D/two.db --links 6 --wait 0; c=$?; kill -KILL $!; wait; exit $c", 3, NULL,
+           "--links 14");
     expect("$P catalogue build $D/w.db --links 10 & $P catalogue build $D/w.db --links 8 --wait 1e6; wait; "
            "$P catalogue check $D/w.db", 0, "230          230", "246 chains are what their labels say");
 }

@@ -65,9 +65,11 @@ static void pictures(void)
     CHECK_HAS(r.out, "204\n");                               /* two comments, head, 201 rows */
     ran_free(&r);
     /* a regular speed passes its start at one place, to a pixel or two, a wild one at many */
-    r = run("$P clearance " MODEL " --speed 90,120 --end 6 --settle 4 --passes $D/p.svg > $D/x && grep 'class=\"marker' $D/p.svg | "
+    r = run("$P clearance " MODEL " --speed 90,120 --end 6 --settle 4 --passes $D/p.svg > $D/x && "
+            "grep 'class=\"marker' $D/p.svg | "
             "sed 's/.*cx=\"//; s/\" cy=\"/ /; s/\".*//' | awk '{if(!($1 in least) || $2<least[$1]) least[$1]=$2; "
-            "if(!($1 in most) || $2>most[$1]) most[$1]=$2} END{for(x in least) print (most[x]-least[x] < 3 ? \"still\" : \"wild\")}' | sort");
+            "if(!($1 in most) || $2>most[$1]) most[$1]=$2} END{for(x in least) print "
+            "(most[x]-least[x] < 3 ? \"still\" : \"wild\")}' | sort");
     CHECK_TEXT(r.out, "still\nwild\n");
     ran_free(&r);
     expect("sed -n 3p $D/h.csv", 0, "t,input,input_rate,energy,x(B),y(B),force(B),touching(B)", NULL);

@@ -84,7 +84,8 @@ static void every_kind_in_every_format(void)
                  "test $? = %d -a ! -e $D/no.$t || echo $t; done; echo end", cannot[i][1], cannot[i][0], i ? 1 : 3);
         expect(command, 0, "end", i ? "there are no layers" : "joint \"G\" is a gear");
     }
-    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --to $t; done", 3, "", "joint \"B\" is tied to the first");
+    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --to $t; done", 3, "",
+           "joint \"B\" is tied to the first");
     expect("for m in examples/hoeken examples/slider-crank examples/inverted-slider-crank examples/trammel "
            "examples/klann examples/jansen tests/data/linkages/triad-eight-bar tests/data/linkages/scotch-yoke "
            "examples/five-bar; do for t in json pyslvs pmks adams acf mjcf dxf scad slvs svg poses motiongen; do "

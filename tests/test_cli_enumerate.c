@@ -42,7 +42,8 @@ static void chain_counts(void)
     expect("$P chains --links 10 --count", 0, "230\n", NULL);
     expect("$P chains --links 9 --dof 2 --count --fractionated", 0,
            "35 not fractionated\n5 fractionated, 0 of them with a bridge joint\n40 in all\n", NULL);
-    expect("$P chains --links 8 --dof 3 --count --fractionated", 0, "2 fractionated, 1 of them with a bridge joint", NULL);
+    expect("$P chains --links 8 --dof 3 --count --fractionated", 0, "2 fractionated, 1 of them with a bridge joint",
+           NULL);
     expect_row("$P chains --links 10 --count --by assortment", "P2|P3|P4|P5|chains|ground links", "5|4|1|0|95|868");
     expect("$P chains --links 12 --count --planar", 0, "5918\n", NULL);
     expect("$P chains --links 12 --count --non-planar", 0, "938\n", NULL);
@@ -91,10 +92,12 @@ static void resume_after_a_kill(void)
 {
     expect("$P chains --links 14 -o $D/all && { $P chains --links 14 -o $D/killed & "
            "until [ -s $D/killed.partial ] || ! kill -0 $!; do sleep 0.01; done; kill -KILL $!; wait; "
-           "$P chains --links 14 -o $D/killed --resume; } 2>&-; cmp $D/all $D/killed && ls $D/killed*", 0, "/killed\n", NULL);
+           "$P chains --links 14 -o $D/killed --resume; } 2>&-; cmp $D/all $D/killed && ls $D/killed*", 0,
+           "/killed\n", NULL);
     expect("$P chains --links 12 -o $D/other && $P chains --links 12 --planar -o $D/other --resume", 3, NULL,
            "other:6856:1: another chain comes here");
-    expect("head -n 5918 $D/other > $D/planar && $P chains --links 12 --planar -o $D/planar --resume", 3, NULL, ":5918:1:");
+    expect("head -n 5918 $D/other > $D/planar && $P chains --links 12 --planar -o $D/planar --resume", 3, NULL,
+           ":5918:1:");
     expect("$P chains --links 10 -o $D/all --resume", 3, NULL, "all:318162:1:");
     expect("wc -l < $D/all", 0, "318162\n", NULL);
     expect("rm $D/*.partial; $P chains --links 6 -o $D/plain && rm $D/plain && ls $D/*.partial 2>&-", 2, "", NULL);

@@ -20,7 +20,8 @@ static void five_bar_point(double ratio, double input, double *x, double *y)
 {
     const double c = 55, d = 62;
     double ax = 18*cos(input), ay = 18*sin(input), bx = 60 + 14*cos(ratio*input + 0.7), by = 14*sin(ratio*input + 0.7);
-    double dx = bx - ax, dy = by - ay, far = hypot(dx, dy), along = (far*far + c*c - d*d)/(2*far), up = sqrt(c*c - along*along);
+    double dx = bx - ax, dy = by - ay, far = hypot(dx, dy);
+    double along = (far*far + c*c - d*d)/(2*far), up = sqrt(c*c - along*along);
     double ux = (dx*along - dy*up)/far/c, uy = (dy*along + dx*up)/far/c;
     *x = ax + 30*ux - 20*uy;
     *y = ay + 30*uy + 20*ux;
@@ -49,7 +50,13 @@ static void write_target(const char *name, double ratio, bool timed)
 /* Every choice counted the plain way: each pair of joints at the ground either way round, each ratio; a choice is known by
  * the chain with ground, tracer and the sizes of both rates as colours, and by whether the two go the same way. */
 enum { FORMS = 4096 };
-typedef struct plain { int n, n_ratio; const double *ratio; bool full; lw_graph form[FORMS]; int sense[FORMS]; lw_rng rng; } plain;
+typedef struct plain {
+    int n, n_ratio, sense[FORMS];
+    const double *ratio;
+    bool full;
+    lw_graph form[FORMS];
+    lw_rng rng;
+} plain;
 
 static bool felt_by_all(plain *p, const lw_mechanism *m, int first, int second, double ratio)
 {
@@ -180,7 +187,8 @@ static void a_timing_tells_the_inputs_apart(void)
  * all three (Burnside: (12 + 3 2 + 2 0)/6). */
 static void three_freedoms_too(void)
 {
-    json_t *root = json_of("$P fit $D/m1.csv --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json -q");
+    json_t *root = json_of("$P fit $D/m1.csv --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
+                           "-q");
     const json_t *six = at(root, "topologies", 0), *eight = at(root, "topologies", 1);
     CHECK_INT(integer(six, "chains"), 1);                                  /* a ring: two pins at the ground  */
     CHECK_INT(integer(six, "with_inputs_at_ground"), 0);

@@ -35,8 +35,8 @@ static void table(void)
     }
     CHECK_HAS(r.err, "2 peaks of the free vibration: within");
     ran_free(&r);
-    expect("sed 's/-400/400/g; s/-800/800/g' $D/hang.json > $D/up.json; $P simulate $D/up.json --analysis linear", 0, NULL,
-           "the equilibrium is not stable: a mode grows 9.42e+03 times in a second");
+    expect("sed 's/-400/400/g; s/-800/800/g' $D/hang.json > $D/up.json; $P simulate $D/up.json --analysis linear", 0,
+           NULL, "the equilibrium is not stable: a mode grows 9.42e+03 times in a second");
     r = run("$P simulate $D/hang.json --analysis linear --hold");
     row = strstr(r.out, "\n1,");
     CHECK_NEAR(field(row ? row + 1 : "", 3), sqrt(9.81/0.4)/(2*3.14159265358979323846), 0, 1e-10);

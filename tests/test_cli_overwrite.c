@@ -6,8 +6,9 @@
 
 static void prepare(void)
 {
-    expect("cp examples/hoeken.json $D/model.json; cp examples/ellipse.csv $D/target.csv; ln -s model.json $D/link.json; "
-           "ln $D/model.json $D/hard.json; mkdir $D/sub; echo mine > $D/mine.txt; echo mine > $D/target.svg", 0, NULL, NULL);
+    expect("cp examples/hoeken.json $D/model.json; cp examples/ellipse.csv $D/target.csv; "
+           "ln -s model.json $D/link.json; ln $D/model.json $D/hard.json; mkdir $D/sub; "
+           "echo mine > $D/mine.txt; echo mine > $D/target.svg", 0, NULL, NULL);
 }
 
 /* However its path is spelt, also with --force. */
@@ -32,7 +33,7 @@ static void others(void)
     expect("cat $D/mine.txt", 0, "mine\n", NULL);
     expect("$P chains --links 6 -o $D/mine.txt --force && cat $D/mine.txt", 0, "ERr?", NULL);
     expect("$P trace $D/model.json -q -o $D/t.csv && $P trace $D/model.json -q -o $D/t.csv", 0, "", "");
-    expect("cp $D/t.csv $D/copy.csv && $P trace $D/model.json -q -o $D/copy.csv", 0, "", "");     /* it says who wrote it */
+    expect("cp $D/t.csv $D/copy.csv && $P trace $D/model.json -q -o $D/copy.csv", 0, "", "");     /* its comment says who wrote it */
     expect("$P draw $D/model.json > $D/redirected.svg; $P draw $D/model.json -o $D/redirected.svg", 2, "", "--force");
     expect(": > $D/empty.svg; $P draw $D/model.json -o $D/empty.svg", 0, "", "");
     expect("$P trace $D/model.json -q -o /dev/null", 0, "", "");
@@ -52,7 +53,8 @@ static void changed(void)
 static void two_outputs(void)
 {
     expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/sub/../a.csv", 2, "", "one file");
-    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "", "no such file or folder");
+    expect("$P simulate examples/pendulum.json --to 0.1 -o $D/a.csv --plot $D/none/a.svg", 3, "",
+           "no such file or folder");
     expect("test -e $D/a.csv", 1, "", "");
 }
 
@@ -60,11 +62,14 @@ static void two_outputs(void)
 static void folders(void)
 {
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save .", 2, "", "./target.svg exists");
-    expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 --save two",
+    expect(PREPARE "mkdir other; cp target.csv other; $P fit target.csv other/target.csv --budget 1e12 --links 8 "
+           "--save two",
            2, "", "under one name");
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save mine.txt/sub", 3, "", "cannot be made");
-    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save two -o two/target-2.json", 2, "", "two/target-2.json");
-    expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0, "target-1.json", NULL);
+    expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save two -o two/target-2.json", 2, "",
+           "two/target-2.json");
+    expect(PREPARE "$P fit target.csv --rounds 1 --starts 20 -q --save new/folder > table; ls new/folder", 0,
+           "target-1.json", NULL);
     expect("echo mine > $D/curves.csv; $P bench fit --seeds 1 -o $D", 2, "", "curves.csv");
     expect("$P catalogue build $D/a.db --links 4 -q; echo mine > $D/index.html; $P catalogue html $D/a.db -o $D", 2, "",
            "index.html exists");

@@ -54,7 +54,8 @@ static void groups_in_both_ways(void)
     CHECK(integer(best, "links") == 6);
     CHECK(real(best, "objective") < 1);
     json_decref(root);
-    snprintf(line, sizeof line, "%s -j 1 | grep objective > $D/one; %s -j 2 | grep objective | diff - $D/one", fit, fit);
+    snprintf(line, sizeof line, "%s -j 1 | grep objective > $D/one; %s -j 2 | grep objective | diff - $D/one", fit,
+             fit);
     expect(line, 0, "", "");
 }
 
@@ -76,7 +77,8 @@ static void only_the_topologies_asked_for(void)
     expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
     expect("$P fit $D/t.csv --links 6 --joints r,g --gear-ratios 1,1/0", 2, NULL, "'1/0' is none");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
-    expect("$P fit $D/t.csv -n 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0, "arc,mode", NULL);
+    expect("$P fit $D/t.csv -n 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0, "arc,mode",
+           NULL);
     expect("$P trace $D/two.json --result 9", 3, NULL, "result 9 is wanted");
     expect("$P fit $D/t.csv --topology watt1", 3, NULL, "more than four links");
     expect("$P fit $D/t.csv --bounds r1=5:5,r2=5:5,r3=5:5,r4=1e-3:1e-3 --crank-only --rounds 1 -j 1", 1, NULL, NULL);
@@ -84,8 +86,10 @@ static void only_the_topologies_asked_for(void)
 
 static void results_are_gone_on_from(void)
 {
-    json_t *first = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 5000 -o $D/r.json -q; cat $D/r.json");
-    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --resume $D/r.json --json");
+    json_t *first = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 5000 -o $D/r.json -q; "
+                            "cat $D/r.json");
+    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --resume "
+                           "$D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
     CHECK(after <= before*(1 + 1e-6) + 1e-26);
@@ -99,8 +103,8 @@ static void results_are_gone_on_from(void)
 
 static void error_against_links(void)
 {
-    expect("mkdir -p $D/p; cp $D/t.csv $D/p/; $P bench fit --links 6 --budget 3000 --problems $D/p -o $D/b", 0, "|  6 |",
-           NULL);
+    expect("mkdir -p $D/p; cp $D/t.csv $D/p/; $P bench fit --links 6 --budget 3000 --problems $D/p -o $D/b", 0,
+           "|  6 |", NULL);
     expect("head -2 $D/b/links.csv; ls $D/b", 0, "problem,links,evaluations,seconds,objective", NULL);
     expect("$P bench fit --links 7", 2, NULL, "even numbers from 4 to 10");
 }
@@ -286,7 +290,8 @@ static void gear_pairs_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
                            "--budget 1000 --json");
-    json_t *list = json_object_get(root, "topologies"), *three = json_array_get(list, 0), *five = json_array_get(list, 2);
+    json_t *list = json_object_get(root, "topologies"), *three = json_array_get(list, 0);
+    json_t *five = json_array_get(list, 2);
     CHECK_INT(json_array_size(list), 3);
     CHECK_INT(integer(three, "links"), 3);
     CHECK_INT(integer(three, "with_tracer_link"), 3);
@@ -334,7 +339,8 @@ static void counting_stops_when_asked(void)
 
 static void gears_are_fitted_and_traced(void)
 {
-    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --crank-only --starts 32 --rounds 1 --budget 1000 --json");
+    json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --crank-only --starts 32 --rounds 1 --budget 1000 "
+                           "--json");
     json_t *plain = json_of("$P fit $D/t.csv --links 5 --crank-only --starts 32 --rounds 1 --budget 1000 --json");
     CHECK(trace_results(root, 'g') > 0);
     CHECK(real(json_array_get(json_object_get(root, "results"), 0), "objective")

@@ -59,7 +59,8 @@ static void derive(void)
 
 static void explain_and_coverage(void)
 {
-    expect("echo '" WATT "' | $P grammar explain", 0, "  rules 1 to 4 reach it\n  rule 2, k = r r r r\n      " FOUR, NULL);
+    expect("echo '" WATT "' | $P grammar explain", 0, "  rules 1 to 4 reach it\n  rule 2, k = r r r r\n      " FOUR,
+           NULL);
     expect("echo '(3 3) 1-2:1 1-2:2 1-2:2' | $P grammar explain", 0, "this chain has F = 2", NULL);
     expect("echo '(3 3 3 3) 1-2:1 1-3:1 1-4:0 2-3:0 2-4:1 3-4:1' | $P grammar explain", 0,
            "ends at links 1 2 3 4 5 6 7 8, which are no seed", NULL);
@@ -75,19 +76,21 @@ static void steps(void)
 {
     expect_words("$P mechanisms --links 10 --count", "with ground link 1834\n");
     expect_words("$P mechanisms --links 6 --joints r,t --count", "with joint kinds 234\n");
-    expect("$P mechanisms --links 4 --joints t,r --void --no-ground", 0, "a loop of sliders only: 1-2:t 1-4:t 2-3:t 3-4:t",
-           NULL);
+    expect("$P mechanisms --links 4 --joints t,r --void --no-ground", 0,
+           "a loop of sliders only: 1-2:t 1-4:t 2-3:t 3-4:t", NULL);
     expect("$P mechanisms --links 4 --input ground --output-link -f edges", 0,
            "1-2! 1-4 2-3 3-4 @1 >3\n1-2! 1-4 2-3 3-4 @1 >4\n", NULL);
     expect("$P mechanisms --links 4 --input any --output-link --count --json", 0, "\"output\": 5", NULL);
-    expect("$P mechanisms --links 3 --n2 1 --no-ground --joints r,t,p -f edges", 0, "1-2 1-3:p 2-3\n1-2 1-3:p 2-3:t\n", NULL);
+    expect("$P mechanisms --links 3 --n2 1 --no-ground --joints r,t,p -f edges", 0, "1-2 1-3:p 2-3\n1-2 1-3:p 2-3:t\n",
+           NULL);
     expect("echo '1-2! 1-4 2-3 3-4 @1' | $P mechanisms --assur", 0,
            "  class II, order 2: links 3 4, joints 1-4:r 2-3:r 3-4:r, 2 assembly modes\n", NULL);
     expect("echo '1-2! 1-4 2-3 3-4 @1' | $P mechanisms --assur --json", 0, "\"class\":2", NULL);
     expect("echo 'Cl' | $P mechanisms --assur", 3, NULL, "wants as many inputs");
     expect("$P mechanisms --assur-groups 6 --count", 0, "10\n", NULL);
     expect("$P mechanisms --links 8 --multiple-joints --count", 0, "44\n", NULL);
-    expect("$P mechanisms --links 10 --joints r,t --input any --time 1e-9 --count", 5, "with inputs", "stopped by --time");
+    expect("$P mechanisms --links 10 --joints r,t --input any --time 1e-9 --count", 5, "with inputs",
+           "stopped by --time");
     expect("$P mechanisms --links 4 --joints r,x", 2, NULL, "letters of r, t, p, g");
     expect("$P mechanisms --links 4 --joints p", 3, NULL, "a letter for each freedom");
     expect("$P mechanisms --links 4 file", 2, NULL, "not both");
@@ -99,7 +102,8 @@ static void catalogue_check(void)
     expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"
            "simple-joint,1,8,3,nonfractionated chains,16,here,\\n"
            "simple-joint,1,8,3,nonfractionated chains,17,here,refuted\\n' > $D/t.csv; "
-           "$P catalogue check $D/t.csv --time 1e6", 0, "[here]", "1 rows agree, 0 disagree, 1 known errata, 0 too long");
+           "$P catalogue check $D/t.csv --time 1e6", 0, "[here]",
+           "1 rows agree, 0 disagree, 1 known errata, 0 too long");
     expect_row("$P catalogue check $D/t.csv --time 1e6", "published|counted|verdict|what",
                "16|16|agrees|simple-joint: F=1 P=8 nonfractionated chains");
     expect("printf 'family,dof,links,loops,what,count,source,verified_by\\n"

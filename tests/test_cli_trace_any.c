@@ -100,7 +100,8 @@ static void inputs_move_in_time(void)
     CHECK_NEAR(v[3], 0, 1e-11, 0);
     CHECK_NEAR(v[4], 100, 1e-11, 0);
     expect("$P trace examples/five-bar.json --time-range 0:1:0.5", 0, "time,input,input_2,x,y", "in time by Newton");
-    expect("sed 's/\"speed\": -1/\"motion\": \"pi*(t + 0.5)\"/' examples/two-four-bars.json |"     /* a row at a change point */
+    expect("sed 's/\"speed\": -1/\"motion\": \"pi*(t + 0.5)\"/' examples/two-four-bars.json |"
+           /* a row at a change point */
            "$P trace - --time-range 0:2:0.5", 0, "# branch points passed straight on: 2, the last at time 1.5", NULL);
 }
 
@@ -149,7 +150,8 @@ static void faults_are_told(void)
     /* the rocker's limit is passed at some time: the rows before are kept */
     expect(MODEL(FOUR_BAR, MOTION("pi/2 - t")) "--time-range 0:3:0.1", 5, "1,.,0.1,", "beyond a limit of the linkage");
     expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0*sqrt(1 - t)")) "--time-range 0:3:0.5", 4, NULL, "no number there");
-    expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0.1*sign(t - 1)")) "--time-range 0:3:0.3", 4, "1,.,0.8999999", "lost at t = 1 s");
+    expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0.1*sign(t - 1)")) "--time-range 0:3:0.3", 4, "1,.,0.8999999",
+           "lost at t = 1 s");
     expect(MODEL(FOUR_BAR, MOTION("stepp(t, 0, 0, 1, 1)")) "--time-range 0:3:0.3", 3, "", "did you mean step?");
     expect(MODEL(FOUR_BAR, MOTION("3 + t")) "--time-range 0:3:0.1", 4, "", "cannot get to where the motions begin");
 }
@@ -233,7 +235,8 @@ static void the_way_is_told(void)
     expect("echo " TRIAD " | $P trace - --explain", 0, "class III", NULL);
     expect("echo " BOOM " | $P trace - --explain", 0, "inside a group", NULL);
     expect("$P trace examples/jansen.json --explain", 0, "traced in closed form over all arcs", NULL);
-    expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'", NULL);
+    expect("$P trace examples/geared-five-bar.json --explain", 0, "all links at once: joint \"G\" is of kind 'g'",
+           NULL);
 }
 
 /* Two parallelograms are dyads, but a mode of a dyad goes round the corner at a change point: the file's circuit goes
