@@ -282,10 +282,10 @@ static void slots_are_fitted_and_traced(void)
 
 /* By hand.  Three links: carrier and two wheels; only a point of the wheel that runs on a fixed one is no circle.
  * Five links, c the carrier, i and j the wheels, five pins: the ring c i x y j, ground and tracer c x and i y fit (i j
- * is that of three links), and with ground x, where neither wheel is known first, by a group: x i and x c; or a four-bar
- * c i x y with the wheel j on c, with ground and tracer x j, y j, j x, j y, on a coupler by a group where the ratio is no
- * whole number.  Three gear pairs on a tree of four pins: the path of five links from end to end, and three more, each
- * with all 27 sets of ratios. */
+ * is that of three links), and with ground x, where neither wheel is known first, by a group: x i and x c; or a
+ * four-bar c i x y with the wheel j on c, with ground and tracer x j, y j, j x, j y, on a coupler by a group where the
+ * ratio is no whole number.  Three gear pairs on a tree of four pins: the path of five links from end to end, and
+ * three more, each with all 27 sets of ratios. */
 static void gear_pairs_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 5 --joints r,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "
@@ -315,8 +315,8 @@ static void gear_pairs_are_counted(void)
     json_decref(root);
 }
 
-/* Three links with a slide: the trochoids with every ratio, and a wheel that rolls on the ground or, upside down, carries
- * the point of a rack, both once: their pitch is a dimension. */
+/* Three links with a slide: the trochoids with every ratio, and a wheel that rolls on the ground or, upside down,
+ * carries the point of a rack, both once: their pitch is a dimension. */
 static void racks_are_counted(void)
 {
     json_t *root = json_of("$P fit $D/t.csv --links 4 --joints r,t,g --gear-ratios -1,2,1/2 --rounds 1 --starts 32 "

@@ -196,8 +196,8 @@ static int rows_of(const char *line, double (*v)[13], int room)
     return n;
 }
 
-/* Between postures of the curve rows come from the groups: every 16th row is on the curve, and with 16 times fewer rows all
- * are, so that both ways are compared - and each with the differences of its neighbours. */
+/* Between postures of the curve rows come from the groups: every 16th row is on the curve, and with 16 times fewer
+ * rows all are, so that both ways are compared - and each with the differences of its neighbours. */
 static void groups_and_curve_agree(void)
 {
     enum { FINE = 1008, COARSE = 63, ROOM = 4*(FINE + 1) };

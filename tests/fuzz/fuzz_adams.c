@@ -1,9 +1,7 @@
-/* A dataset that is read can be written, and is the same linkage when it is read again. */
-#include <stdlib.h>
+/* An ADAMS dataset that can be read can be written, and is the same linkage when it is read again. */
 #include "catalogues/exchange/adams.h"
 #include "catalogues/exchange/export.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -15,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             abort();
         return 0;
     }
-    k.n_input = 0;                         /* its way would be looked for */
+    k.n_input = 0;                         /* else the writer searches the range of the input */
     if (lw_export_adams(&k, &b, &e) != LW_OK)
         abort();
     if (lw_adams_read(b.data, b.size, "again", &back, &e) != LW_OK || back.n_joint != k.n_joint

@@ -1,12 +1,9 @@
-/* Any text as the families of a catalogue's curves: a maker says the same text again, and its members are linkages. */
-#include <stdint.h>
+/* Any text that names the families of a catalogue's curves: the maker of the curves gives the same text again, and
+ * what it makes are linkages. */
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "catalogues/curves/curves.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

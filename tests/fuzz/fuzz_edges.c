@@ -1,20 +1,5 @@
-/* What is read prints and reads back the same. */
-#include <stdint.h>
-#include <stdlib.h>
+/* A list of edges that can be read is printed and read back the same. */
 #include "grammar/edges.h"
+#include "tests/fuzz/fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
-{
-    lw_mechanism m, back;
-    lw_error e;
-    char text[LW_EDGES_SIZE];
-    if (lw_edges_read((const char *)data, size, "fuzz", &m, &e) != LW_OK)
-        return 0;
-    size_t n = lw_edges_print(&m, text, sizeof text);
-    if (n >= sizeof text || lw_edges_read(text, n, "fuzz", &back, &e) != LW_OK
-        || !lw_mechanism_same(&m, &back))
-        abort();
-    return 0;
-}
+FUZZ_READS_BACK(lw_mechanism, lw_edges_read, lw_edges_print, LW_EDGES_SIZE, lw_mechanism_same(&a, &b))

@@ -1,11 +1,8 @@
-/* What is read has a value, and gradient and series begin with the same one; its text reads again. */
+/* An expression that can be read has the same value by itself, with its gradient and as a series, and its text can be
+ * read again. */
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include "grammar/expression.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static int lookup(void *context, const char *word, const char *name, char *why)
 {

@@ -1,12 +1,7 @@
-/* Any bytes as a linkage: what is read passes the check, and reads back after writing; in SI to the
- * same text. */
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+/* A linkage that can be read passes the check and reads back after writing; in SI units it gives the same text. */
 
 #include "grammar/linkage.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static void demand(int condition)
 {

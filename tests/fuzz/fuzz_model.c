@@ -1,13 +1,8 @@
-/* Any bytes as a model: what is read passes the check of its linkage and holds sane numbers; what is not
- * has an error with a place. */
+/* Any bytes are a model with a valid linkage and sane numbers, or have an error with a place. */
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "grammar/model.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static void demand(int condition)
 {

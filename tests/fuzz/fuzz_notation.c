@@ -1,9 +1,6 @@
-/* Streams of topologies in any notation come to their end, and what is read prints. */
-#include <stdint.h>
-#include <stdlib.h>
+/* Reading a stream of topologies comes to an end, and each topology read fits the largest size of each notation. */
 #include "grammar/notation.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

@@ -1,8 +1,6 @@
 #include "grammar/pmks.h"
 #include "tests/fuzz/points_fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     return points_fuzz(data, size, lw_pmks_read, lw_pmks_write);

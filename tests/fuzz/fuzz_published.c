@@ -1,10 +1,6 @@
-/* Any bytes are a table or have a fault with a line. */
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+/* Any bytes are a table of published counts or have an error with a line. */
 #include "enumerate/published.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

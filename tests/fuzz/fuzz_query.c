@@ -1,12 +1,8 @@
-/* What is understood becomes SQL that SQLite understands too. */
+/* A query that can be read becomes SQL that SQLite accepts. */
 #include <sqlite3.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include "catalogues/store/query.h"
 #include "catalogues/store/store_internal.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 /* A catalogue in memory, made once. */
 static sqlite3 *tables(void)

@@ -1,9 +1,6 @@
-/* What is read prints and reads back the same, and the mechanism it means has a sentence too. */
-#include <stdint.h>
-#include <stdlib.h>
+/* A sentence that can be read is printed and read back the same, and its mechanism has a sentence too. */
 #include "grammar/sentence.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {

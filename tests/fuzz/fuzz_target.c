@@ -1,12 +1,8 @@
-/* Any bytes as a target: what is read keeps what target.h promises, and can be made again from arrays. */
+/* A target that can be read keeps what target.h promises, and can be made again from its arrays. */
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "optimise/task/target.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static void demand(int condition)
 {
@@ -43,7 +39,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             continue;
         }
         check_stations(&t);
-        demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again, &e) == LW_OK);
+        demand(lw_target_make_all(t.n, t.x, t.y, t.theta, t.angle, t.weight, t.also, t.n_also, t.closed, &again,
+                                  &e) == LW_OK);
         demand(again.closed == t.closed && again.length == t.length && again.size == t.size);
         demand(again.n_also == t.n_also && again.extent == t.extent && t.extent >= t.size);
         for (int k = 0; k < t.n_also; k++)

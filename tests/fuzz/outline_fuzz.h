@@ -1,14 +1,10 @@
-/* tests/fuzz/outline_fuzz.h - any bytes as a drawing: what is read is a target. */
+/* tests/fuzz/outline_fuzz.h - any bytes are a drawing with a target in it, or are refused. */
 #ifndef LW_TESTS_FUZZ_OUTLINE_FUZZ_H
 #define LW_TESTS_FUZZ_OUTLINE_FUZZ_H
 
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-
 #include "optimise/task/target_outline.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 typedef lw_status read_outline(const char *text, size_t size, const char *file, const lw_target_options *o,
                                lw_target *t, lw_error *e);

@@ -1,15 +1,13 @@
-/* tests/fuzz/points_fuzz.h - what is read can be written, but for an input among several moving links, and is the
- * same linkage when it is read again. */
+/* tests/fuzz/points_fuzz.h - a linkage that can be read from a list of points can be written, unless its input is a
+ * pin of several moving links, and is the same linkage when it is read again. */
 #ifndef LW_TESTS_POINTS_FUZZ_H
 #define LW_TESTS_POINTS_FUZZ_H
 
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include "grammar/linkage.h"
+#include "tests/fuzz/fuzz.h"
 
-/* Points at one place may become one, so the order of joints may change; what they are may not. */
+/* Points at the same place may become one point, which changes the order of the joints, but not the linkage. */
 static inline int points_same(const lw_linkage *a, const lw_linkage *b)
 {
     int n[256] = { 0 }, same = a->n_link == b->n_link && a->n_joint == b->n_joint && a->n_tracer == b->n_tracer

@@ -1,14 +1,9 @@
-/* A plain main for the fuzz targets: feeds every file of the corpus folders once, so that what was
- * found by fuzzing stays found.  `make fuzz` builds the same targets with libFuzzer instead. */
+/* The main of the fuzz targets in `make test`: runs each file of the corpus once, so that a fault found by fuzzing
+ * stays found. `make fuzz` builds the same targets with libFuzzer instead. */
 #include <dirent.h>
-#include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/file.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 /* tests/fuzz/corpus/NAME for the program fuzz_NAME */
 static void corpus_path(char *path, size_t size)

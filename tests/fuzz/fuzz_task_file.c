@@ -1,12 +1,8 @@
-/* Any bytes as a task: what is read is sane and gives a target or a reason; what is not has a place. */
+/* Any bytes are a task with sane numbers, which gives a target or a reason why not, or have an error with a place. */
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "optimise/task/task_file.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static void demand(int condition)
 {

@@ -1,0 +1,28 @@
+/* tests/fuzz/fuzz.h - for fuzz targets: their entry, and the target of a format that is read and printed. */
+#ifndef LW_TESTS_FUZZ_H
+#define LW_TESTS_FUZZ_H
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Calls abort() on a fault of the library; returns 0. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Text that can be read as `type` is printed in less than `most` bytes and reads back the same: `same` is a condition
+ * on the two values a and b. */
+#define FUZZ_READS_BACK(type, read, print, most, same) \
+    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) \
+    { \
+        type a, b; \
+        lw_error e; \
+        char text[most]; \
+        if (read((const char *)data, size, "fuzz", &a, &e) != LW_OK) \
+            return 0; \
+        size_t n = print(&a, text, sizeof text); \
+        if (n >= sizeof text || read(text, n, "fuzz", &b, &e) != LW_OK || !(same)) \
+            abort(); \
+        return 0; \
+    }
+
+#endif
