@@ -1,13 +1,10 @@
-/* cli/motion/clearance.c - laws and speeds of a sweep, run side by side. */
+/* cli/motion/clearance.c - the lists of the options of a sweep. */
 #include "cli/motion/clearance.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "base/clock.h"
-#include "base/parallel.h"
 #include "base/suggest.h"
-#include "cli/program/progress.h"
 #include "mbs/dynamics/contact.h"
 
 /* ---- lists --------------------------------------------------------------------------------------- */
@@ -107,50 +104,6 @@ static lw_status list_models(const char *text, lw_clearance_model *list, int *n,
     return LW_OK;
 }
 
-/* ---- laws ---------------------------------------------------------------------------------------- */
-
-/* A law: the model with every joint's clearance as asked; NAN: as the file has it. */
-static lw_status make_law(const cli_clearance *c, cli_clearance_law *l, lw_error *e)
-{
-    l->m = malloc(sizeof *l->m);
-    if (!l->m)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    *l->m = *c->model;
-    bool any = false;
-    for (int j = 0; j < l->m->linkage.n_joint; j++) {
-        lw_clearance *p = &l->m->clearance[j];
-        if (p->model == LW_CLEARANCE_NONE)
-            continue;
-        p->model = l->model != LW_CLEARANCE_NONE ? l->model : p->model;
-        p->stiffness = isnan(l->stiffness) ? p->stiffness : l->stiffness;
-        p->damping = isnan(l->damping) ? p->damping : l->damping;
-        if (!any) {                                  /* what the table says of this law */
-            l->model = p->model;
-            l->stiffness = p->stiffness;
-            l->damping = p->damping;
-        }
-        any = true;
-    }
-    return lw_clearance_make(l->m, &l->scene, e);
-}
-
-static lw_status make_laws(cli_clearance *c, const lw_clearance_model *model, int n_model, const double *stiffness,
-                           int n_stiffness, const double *damping, int n_damping, lw_error *e)
-{
-    c->law = calloc((size_t)n_model*(size_t)n_stiffness*(size_t)n_damping, sizeof *c->law);
-    if (!c->law)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    lw_status s = LW_OK;
-    for (int m = 0; m < n_model; m++)
-        for (int k = 0; k < n_stiffness; k++)
-            for (int d = 0; s == LW_OK && d < n_damping; d++) {
-                cli_clearance_law *l = &c->law[c->n_law++];
-                *l = (cli_clearance_law){ .model = model[m], .stiffness = stiffness[k], .damping = damping[d] };
-                s = make_law(c, l, e);
-            }
-    return s;
-}
-
 static lw_status positive(const double *v, int n, bool zero, const char *name, lw_error *e)
 {
     for (int i = 0; i < n; i++)
@@ -160,200 +113,56 @@ static lw_status positive(const double *v, int n, bool zero, const char *name, l
     return LW_OK;
 }
 
-/* A list of an option, or the one number NAN that stands for what the file says */
+/* The list of an option; empty without the option */
 static lw_status option_list(const char *name, const char *text, bool zero, double **list, int *n, lw_error *e)
 {
-    static const double none = NAN;
-    if (text) {
-        lw_status s = cli_clearance_list(name, text, list, n, e);
-        return s == LW_OK ? positive(*list, *n, zero, name, e) : s;
-    }
     *n = 0;
     *list = NULL;
-    return add(list, n, none, name, e);
+    if (!text)
+        return LW_OK;
+    lw_status s = cli_clearance_list(name, text, list, n, e);
+    return s == LW_OK ? positive(*list, *n, zero, name, e) : s;
 }
 
 lw_status cli_clearance_make(cli_clearance *c, const char *models, const char *stiffness, const char *damping,
                              const char *speeds, lw_error *e)
 {
-    lw_clearance_model model[8] = { LW_CLEARANCE_NONE };
-    int n_model = 1, n_k = 0, n_d = 0;
-    double *k = NULL, *d = NULL;
-    lw_status s = models ? list_models(models, model, &n_model, e) : LW_OK;
+    lw_sweep_options *o = &c->o;
+    lw_status s = models ? list_models(models, c->models, &o->n_model, e) : LW_OK;
     if (s == LW_OK)
-        s = option_list("stiffness", stiffness, false, &k, &n_k, e);
+        s = option_list("stiffness", stiffness, false, &c->stiffness, &o->n_stiffness, e);
     if (s == LW_OK)
-        s = option_list("damping", damping, true, &d, &n_d, e);
+        s = option_list("damping", damping, true, &c->damping, &o->n_damping, e);
     if (s == LW_OK && speeds)
-        s = cli_clearance_list("speed", speeds, &c->speed, &c->n_speed, e);
+        s = cli_clearance_list("speed", speeds, &c->speed, &o->n_speed, e);
     else if (s == LW_OK)
-        s = add(&c->speed, &c->n_speed, c->model->has_speed[0] ? c->model->speed[0]/c->unit_size : 0, "speed", e);
-    if (s == LW_OK && (long)n_model*n_k*n_d*c->n_speed > 1000000)
-        s = lw_error_set(e, LW_E_ARG, "the lists make more than 1000000 runs");
-    if (s == LW_OK)
-        s = make_laws(c, model, n_model, k, n_k, d, n_d, e);
-    free(k);
-    free(d);
-    if (s != LW_OK)
-        return s;
-    c->n_row = c->n_law*c->n_speed;
-    c->row = calloc((size_t)c->n_row, sizeof *c->row);
-    c->limit = calloc((size_t)c->n_law*LW_CLEARANCE_JOINT_MAX, sizeof *c->limit);
-    if (!c->row || !c->limit)
-        return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int i = 0; i < c->n_row; i++)
-        c->row[i] = (cli_clearance_row){ .law = i/c->n_speed, .speed = c->speed[i%c->n_speed] };
-    return LW_OK;
+        s = add(&c->speed, &o->n_speed, c->model->has_speed[0] ? c->model->speed[0]/o->unit : 0, "speed", e);
+    o->model = c->models;
+    o->stiffness = c->stiffness;
+    o->damping = c->damping;
+    o->speed = c->speed;
+    return s == LW_OK ? lw_sweep_make(c->model, o, &c->sweep, e) : s;
 }
 
 void cli_clearance_free(cli_clearance *c)
 {
-    for (int i = 0; i < c->n_law; i++) {
-        lw_clearance_free(c->law[i].scene);
-        free(c->law[i].m);                           /* what it points to is the first model's */
-    }
-    for (int i = 0; c->row && i < c->n_row; i++)
-        free(c->row[i].pass);
-    free(c->law);
-    free(c->row);
-    free(c->limit);
+    lw_sweep_free(&c->sweep);
+    free(c->stiffness);
+    free(c->damping);
     free(c->speed);
 }
 
-/* ---- runs ---------------------------------------------------------------------------------------- */
-
-static bool out_of_time(const cli_clearance *c)
+static void show(void *context, int n_done, int n_run)
 {
-    return cli_interrupted() || (c->until > 0 && lw_clock_wall() > c->until);
-}
-
-typedef struct passer { cli_clearance_row *row; double settle; } passer;
-
-static lw_status keep_pass(void *context, const lw_clearance_sample *s)
-{
-    passer *p = context;
-    cli_clearance_row *r = p->row;
-    if (s->t < p->settle || s->n_point == 0)
-        return LW_OK;
-    if (r->n_pass == r->room_pass) {
-        int room = 2*r->room_pass + 16;
-        cli_clearance_pass *more = realloc(r->pass, (size_t)room*sizeof *more);
-        if (!more)
-            return LW_E_MEMORY;
-        r->pass = more;
-        r->room_pass = room;
-    }
-    const lw_clearance_point *at = &s->point[0];
-    double turn = atan2(at->in_bush.y, at->in_bush.x)*180/LW_PI;
-    r->pass[r->n_pass++] = (cli_clearance_pass){ turn, at->force, at->touching };
-    return LW_OK;
-}
-
-static void run_row(const cli_clearance *c, cli_clearance_row *row)
-{
-    lw_clearance_options o = c->o;
-    passer p = { row, o.settle };
-    if (c->passes)
-        o.strobe = keep_pass, o.context = &p;
-    lw_error e = { 0 };
-    if (out_of_time(c))
-        return;
-    o.speed = c->model->motion[0] ? NAN : row->speed*c->unit_size;
-    row->status = lw_clearance_run(c->law[row->law].scene, &o, &row->r, &e);
-    snprintf(row->why, sizeof row->why, "%.255s", row->status == LW_OK ? "" : e.text);
-    row->done = row->status != LW_STOPPED || !out_of_time(c);    /* a run cut short is no result */
-}
-
-typedef struct work { cli_clearance *c; cli_progress progress; int n_done; } work;
-
-static void run_job(void *context, size_t job, int thread)
-{
-    work *w = context;
-    run_row(w->c, &w->c->row[job]);
-    int n = __atomic_add_fetch(&w->n_done, 1, __ATOMIC_RELAXED);
-    if (thread == 0)
-        cli_progress_show(&w->progress, n, w->c->n_row, NULL);
-}
-
-static bool is_lost(const cli_clearance_row *r, int joint) { return r->r.joint[joint].lost; }
-
-/* Rows of one law that ran, slow ones first, whichever way they turn */
-static int by_speed(const void *a, const void *b)
-{
-    const cli_clearance_row *const *x = a, *const *y = b;
-    double u = fabs((*x)->speed), v = fabs((*y)->speed);
-    return (u > v) - (u < v);
-}
-
-static void find_limit(const cli_clearance *c, int law, int joint, cli_clearance_row **sorted,
-                       cli_clearance_limit *l)
-{
-    int n = 0;
-    for (int i = law*c->n_speed; i < (law + 1)*c->n_speed; i++)
-        if (c->row[i].done && c->row[i].status == LW_OK)
-            sorted[n++] = &c->row[i];
-    qsort(sorted, (size_t)n, sizeof *sorted, by_speed);
-    *l = (cli_clearance_limit){ law, joint, NAN, NAN, NAN, NAN, 0, n };
-    for (int i = 0; i < n; i++) {
-        bool lost = is_lost(sorted[i], joint), before = i > 0 && is_lost(sorted[i - 1], joint);
-        l->n_lost += lost;
-        if (i > 0 && lost && !before && isnan(l->lost)) {
-            l->kept = sorted[i - 1]->speed;
-            l->lost = sorted[i]->speed;
-        }
-        if (i > 0 && !lost && before) {
-            l->lost_again = sorted[i - 1]->speed;
-            l->kept_again = sorted[i]->speed;
-        }
-    }
-    if (n > 0 && is_lost(sorted[n - 1], joint))
-        l->lost_again = l->kept_again = NAN;         /* not regular at the top: no upper limit here */
-}
-
-/* Halve the interval between two speeds of which one keeps contact and one does not. */
-static void refine(const cli_clearance *c, int law, int joint, double *kept, double *lost)
-{
-    cli_clearance_row row = { .law = law };
-    while (fabs(*lost - *kept) > c->refine && !out_of_time(c)) {
-        row.speed = 0.5*(*kept + *lost);
-        if (row.speed == *kept || row.speed == *lost)
-            break;
-        run_row(c, &row);
-        if (!row.done || row.status != LW_OK)
-            break;
-        *(is_lost(&row, joint) ? lost : kept) = row.speed;
-    }
-    free(row.pass);
-}
-
-static void refine_job(void *context, size_t job, int thread)
-{
-    cli_clearance *c = context;
-    cli_clearance_limit *l = &c->limit[job/2];
-    (void)thread;
-    if (job%2 == 0 && !isnan(l->lost))
-        refine(c, l->law, l->joint, &l->kept, &l->lost);
-    if (job%2 == 1 && !isnan(l->kept_again))
-        refine(c, l->law, l->joint, &l->kept_again, &l->lost_again);
+    cli_progress_show(context, n_done, n_run, NULL);
 }
 
 lw_status cli_clearance_run(cli_clearance *c, lw_error *e)
 {
-    int jobs = c->call->common.jobs;
-    work w = { c, cli_progress_begin(c->call, "clearance", "runs"), 0 };
-    lw_status s = lw_parallel(jobs, (size_t)c->n_row, run_job, &w);
-    cli_progress_end(&w.progress);
-    cli_clearance_row **sorted = malloc(sizeof *sorted*(size_t)(c->n_speed + 1));
-    if (s != LW_OK || !sorted) {
-        free(sorted);
-        return lw_error_set(e, s != LW_OK ? s : LW_E_MEMORY, "the runs cannot be started: out of memory");
-    }
-    int n_joint = 0;
-    for (int i = 0; i < c->n_row; i++)
-        n_joint = c->row[i].done && c->row[i].r.n_joint > n_joint ? c->row[i].r.n_joint : n_joint;
-    for (int law = 0; law < c->n_law; law++)
-        for (int joint = 0; joint < n_joint; joint++)
-            find_limit(c, law, joint, sorted, &c->limit[c->n_limit++]);
-    free(sorted);
-    return c->refine > 0 ? lw_parallel(jobs, 2*(size_t)c->n_limit, refine_job, c) : LW_OK;
+    cli_progress progress = cli_progress_begin(c->call, "clearance", "runs");
+    c->sweep.o.progress = show;
+    c->sweep.o.context = &progress;
+    lw_status s = lw_sweep_run(&c->sweep, e);
+    cli_progress_end(&progress);
+    return s;
 }

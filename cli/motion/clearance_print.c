@@ -20,7 +20,7 @@ static void cell(FILE *f, double v)
 
 /* ---- tables -------------------------------------------------------------------------------------- */
 
-static const char *contact_word(const cli_clearance_row *r, int joint)
+static const char *contact_word(const lw_sweep_row *r, int joint)
 {
     return r->status != LW_OK ? "failed" : r->r.joint[joint].lost ? "lost" : "kept";
 }
@@ -31,9 +31,9 @@ void cli_clearance_csv(const cli_clearance *c, FILE *f)
             "criterion [rad/(N s)]\n", c->call->line, c->unit);
     fputs("joint,model,stiffness,damping,speed,contact,first_loss,losses,apart,force_most,distance_most,criterion,"
           "speed_least,speed_most,energy_first,energy_last,steps\n", f);
-    for (int i = 0; i < c->n_row; i++) {
-        const cli_clearance_row *r = &c->row[i];
-        const cli_clearance_law *l = &c->law[r->law];
+    for (int i = 0; i < c->sweep.n_row; i++) {
+        const lw_sweep_row *r = &c->sweep.row[i];
+        const lw_sweep_law *l = &c->sweep.law[r->law];
         for (int j = 0; r->done && j < r->r.n_joint; j++) {
             const lw_clearance_outcome *o = &r->r.joint[j];
             fprintf(f, "%s,%s", joint_name(c, o->joint), lw_clearance_name(l->model));
@@ -42,7 +42,7 @@ void cli_clearance_csv(const cli_clearance *c, FILE *f)
             cell(f, o->first);
             fprintf(f, ",%ld", o->losses);
             cell(f, o->apart), cell(f, o->force_most), cell(f, o->distance_most), cell(f, o->criterion);
-            cell(f, r->r.speed_least/c->unit_size), cell(f, r->r.speed_most/c->unit_size);
+            cell(f, r->r.speed_least/c->o.unit), cell(f, r->r.speed_most/c->o.unit);
             cell(f, r->r.energy_first), cell(f, r->r.energy_last);
             fprintf(f, ",%ld\n", r->r.steps);
         }
@@ -61,13 +61,13 @@ void cli_clearance_limits(const cli_clearance *c, FILE *f)
 {
     fprintf(f, "%-10s %-20s %10s %10s  %-19s  %-19s  %s\n", "joint", "model", "K [N/m]", "c [N s/m]", "kept - lost",
             "lost - kept", "lost");
-    for (int i = 0; i < c->n_limit; i++) {
-        const cli_clearance_limit *l = &c->limit[i];
-        const cli_clearance_law *law = &c->law[l->law];
+    for (int i = 0; i < c->sweep.n_limit; i++) {
+        const lw_sweep_limit *l = &c->sweep.limit[i];
+        const lw_sweep_law *law = &c->sweep.law[l->law];
         const char *name = "";
-        for (int r = 0; r < c->n_row; r++)
-            if (c->row[r].done)
-                name = joint_name(c, c->row[r].r.joint[l->joint].joint);
+        for (int r = 0; r < c->sweep.n_row; r++)
+            if (c->sweep.row[r].done)
+                name = joint_name(c, c->sweep.row[r].r.joint[l->joint].joint);
         fprintf(f, "%-10s %-20s %10.4g %10.4g", name, lw_clearance_name(law->model), law->stiffness, law->damping);
         interval(f, l->kept, l->lost);
         interval(f, l->lost_again, l->kept_again);
@@ -75,7 +75,7 @@ void cli_clearance_limits(const cli_clearance *c, FILE *f)
     }
 }
 
-static void json_joint(cli_json *j, const cli_clearance *c, const cli_clearance_row *r, int k)
+static void json_joint(cli_json *j, const cli_clearance *c, const lw_sweep_row *r, int k)
 {
     const lw_clearance_outcome *o = &r->r.joint[k];
     cli_json_object(j, NULL);
@@ -90,9 +90,9 @@ static void json_joint(cli_json *j, const cli_clearance *c, const cli_clearance_
     cli_json_end(j);
 }
 
-static void json_run(cli_json *j, const cli_clearance *c, const cli_clearance_row *r)
+static void json_run(cli_json *j, const cli_clearance *c, const lw_sweep_row *r)
 {
-    const cli_clearance_law *l = &c->law[r->law];
+    const lw_sweep_law *l = &c->sweep.law[r->law];
     cli_json_object(j, NULL);
     cli_json_text(j, "model", lw_clearance_name(l->model));
     cli_json_real(j, "stiffness", l->stiffness);
@@ -101,8 +101,8 @@ static void json_run(cli_json *j, const cli_clearance *c, const cli_clearance_ro
     cli_json_text(j, "status", lw_status_name(r->status));
     if (r->why[0])
         cli_json_text(j, "why", r->why);
-    cli_json_real(j, "speed_least", r->r.speed_least/c->unit_size);
-    cli_json_real(j, "speed_most", r->r.speed_most/c->unit_size);
+    cli_json_real(j, "speed_least", r->r.speed_least/c->o.unit);
+    cli_json_real(j, "speed_most", r->r.speed_most/c->o.unit);
     cli_json_real(j, "energy_first", r->r.energy_first);
     cli_json_real(j, "energy_last", r->r.energy_last);
     cli_json_int(j, "steps", r->r.steps);
@@ -120,17 +120,17 @@ void cli_clearance_json(const cli_clearance *c, FILE *f)
     cli_json_text(&j, "command", c->call->line);
     cli_json_text(&j, "speed_unit", c->unit);
     cli_json_array(&j, "runs");
-    for (int i = 0; i < c->n_row; i++)
-        if (c->row[i].done)
-            json_run(&j, c, &c->row[i]);
+    for (int i = 0; i < c->sweep.n_row; i++)
+        if (c->sweep.row[i].done)
+            json_run(&j, c, &c->sweep.row[i]);
     cli_json_end(&j);
     cli_json_array(&j, "limits");
-    for (int i = 0; i < c->n_limit; i++) {
-        const cli_clearance_limit *l = &c->limit[i];
+    for (int i = 0; i < c->sweep.n_limit; i++) {
+        const lw_sweep_limit *l = &c->sweep.limit[i];
         cli_json_object(&j, NULL);
-        cli_json_text(&j, "model", lw_clearance_name(c->law[l->law].model));
-        cli_json_real(&j, "stiffness", c->law[l->law].stiffness);
-        cli_json_real(&j, "damping", c->law[l->law].damping);
+        cli_json_text(&j, "model", lw_clearance_name(c->sweep.law[l->law].model));
+        cli_json_real(&j, "stiffness", c->sweep.law[l->law].stiffness);
+        cli_json_real(&j, "damping", c->sweep.law[l->law].damping);
         cli_json_int(&j, "joint", l->joint);
         cli_json_reals(&j, "kept_lost", (double[]){ l->kept, l->lost }, 2);
         cli_json_reals(&j, "lost_kept", (double[]){ l->lost_again, l->kept_again }, 2);
@@ -149,22 +149,22 @@ lw_status cli_clearance_plot(const cli_clearance *c, const char *path, lw_error 
     lw_series series[LW_SERIES_MAX];
     char name[LW_SERIES_MAX][64], label[64];
     int n_series = 0;
-    double *room = malloc(sizeof *room*(4*(size_t)c->n_row + 1)), *p = room;
+    double *room = malloc(sizeof *room*(4*(size_t)c->sweep.n_row + 1)), *p = room;
     if (!room)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (lw_clearance_model m = LW_CLEARANCE_ZERO; m <= LW_CLEARANCE_LANKARANI; m++)
         for (int lost = 0; lost < 2; lost++) {
             size_t n = 0;
-            double *x = p, *y = p + c->n_row;
-            for (int i = 0; i < c->n_row; i++) {
-                const cli_clearance_row *r = &c->row[i];
+            double *x = p, *y = p + c->sweep.n_row;
+            for (int i = 0; i < c->sweep.n_row; i++) {
+                const lw_sweep_row *r = &c->sweep.row[i];
                 bool any = false;
                 for (int j = 0; j < r->r.n_joint; j++)
                     any = any || r->r.joint[j].lost;
-                if (!r->done || r->status != LW_OK || c->law[r->law].model != m || any != (bool)lost)
+                if (!r->done || r->status != LW_OK || c->sweep.law[r->law].model != m || any != (bool)lost)
                     continue;
                 x[n] = r->speed;
-                y[n++] = c->law[r->law].stiffness;
+                y[n++] = c->sweep.law[r->law].stiffness;
             }
             if (n == 0)
                 continue;
@@ -189,8 +189,8 @@ static size_t passes_of(const cli_clearance *c, int law, bool touching, double *
     for (int pass = 0; pass < 2; pass++) {
         double *y = x + n;
         n = 0;
-        for (int i = 0; i < c->n_row; i++) {
-            const cli_clearance_row *r = &c->row[i];
+        for (int i = 0; i < c->sweep.n_row; i++) {
+            const lw_sweep_row *r = &c->sweep.row[i];
             for (int k = 0; r->law == law && r->done && r->status == LW_OK && k < r->n_pass; k++)
                 if (r->pass[k].touching == touching)
                     (pass ? y : x)[n++] = pass ? r->pass[k].direction : r->speed;
@@ -205,21 +205,21 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
     char name[LW_SERIES_MAX][64], label[64];
     size_t room = 1;
     int n_series = 0;
-    if (2*c->n_law > LW_SERIES_MAX)
+    if (2*c->sweep.n_law > LW_SERIES_MAX)
         return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2,
-                            c->n_law);
-    for (int i = 0; i < c->n_row; i++)
-        room += 2*(size_t)c->row[i].n_pass;
+                            c->sweep.n_law);
+    for (int i = 0; i < c->sweep.n_row; i++)
+        room += 2*(size_t)c->sweep.row[i].n_pass;
     double *x = malloc(room*sizeof *x), *p = x;
     if (!x)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
-    for (int law = 0; law < c->n_law; law++)
+    for (int law = 0; law < c->sweep.n_law; law++)
         for (int apart = 0; apart < 2; apart++) {
             size_t n = passes_of(c, law, !apart, p);
             if (n == 0)
                 continue;
-            snprintf(name[n_series], sizeof name[n_series], "%s %.3g, %s", lw_clearance_name(c->law[law].model),
-                     c->law[law].stiffness, apart ? "apart" : "touching");
+            snprintf(name[n_series], sizeof name[n_series], "%s %.3g, %s", lw_clearance_name(c->sweep.law[law].model),
+                     c->sweep.law[law].stiffness, apart ? "apart" : "touching");
             series[n_series] = (lw_series){ name[n_series], n, p, p + n, LW_SERIES_POINTS };
             n_series++;
             p += 2*n;
@@ -283,7 +283,7 @@ static lw_status draw_path(const cli_clearance *c, const samples *l, const char 
     if (!x)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     size_t settled = 0;
-    double gap = l->n ? c->law[0].m->clearance[l->s[0].point[0].joint].gap*1e6 : 1;
+    double gap = l->n ? c->sweep.law[0].m->clearance[l->s[0].point[0].joint].gap*1e6 : 1;
     for (int i = 0; i < ROUND; i++) {
         x[i] = gap*cos(2*LW_PI*i/(ROUND - 1));
         y[i] = gap*sin(2*LW_PI*i/(ROUND - 1));
@@ -291,7 +291,7 @@ static lw_status draw_path(const cli_clearance *c, const samples *l, const char 
     for (size_t i = 0; i < l->n; i++) {
         x[ROUND + i] = l->s[i].point[0].in_bush.x*1e6;
         y[ROUND + i] = l->s[i].point[0].in_bush.y*1e6;
-        settled += l->s[i].t < c->o.settle;
+        settled += l->s[i].t < c->o.run.settle;
     }
     lw_series series[] = { { "gap", ROUND, x, y, LW_SERIES_LINE },
                            { "settling", settled, x + ROUND, y + ROUND, LW_SERIES_LINE },
@@ -328,11 +328,11 @@ lw_status cli_clearance_detail(cli_clearance *c, const char *history, const char
 {
     samples l = { 0 };
     lw_clearance_result r;
-    lw_clearance_options o = c->o;
-    o.speed = c->model->motion[0] ? NAN : c->speed[0]*c->unit_size;
+    lw_clearance_options o = c->o.run;
+    o.speed = c->model->motion[0] ? NAN : c->speed[0]*c->o.unit;
     o.sink = keep, o.context = &l;
     o.every = o.every > 0 ? o.every : o.time/10000;
-    lw_status s = lw_clearance_run(c->law[0].scene, &o, &r, e), run = s;
+    lw_status s = lw_clearance_run(c->sweep.law[0].scene, &o, &r, e), run = s;
     if (l.n > 0)
         s = LW_OK;                                   /* what there is of a run that broke off is written */
     if (s == LW_OK && history)

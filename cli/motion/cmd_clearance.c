@@ -71,7 +71,7 @@ static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "--unit %s does not go with an input that %s", name[unit],
                             slides ? "slides" : "turns");
     c->unit = name[unit];
-    c->unit_size = size[unit];
+    c->o.unit = size[unit];
     return LW_OK;
 }
 
@@ -81,17 +81,19 @@ static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
     lw_status st = set_unit(call, c, e);
     if (st != LW_OK)
         return st;
-    c->o = lw_clearance_options_default();
-    c->o.time = s->end;
-    c->o.settle = s->settle;
-    c->o.tolerance = s->tolerance;
-    c->o.start = (lw_clearance_start)s->start;
-    c->o.every = s->every;
-    c->refine = s->refine;
-    c->passes = s->passes != NULL;
-    c->o.stop = cli_stop_flag();
+    lw_clearance_options *o = &c->o.run;
+    *o = lw_clearance_options_default();
+    o->time = s->end;
+    o->settle = s->settle;
+    o->tolerance = s->tolerance;
+    o->start = (lw_clearance_start)s->start;
+    o->every = s->every;
+    c->o.refine = s->refine;
+    c->o.passes = s->passes != NULL;
+    c->o.jobs = call->common.jobs;
+    o->stop = cli_stop_flag();
     if (call->common.time > 0)
-        c->until = c->o.until = lw_clock_wall() + call->common.time;
+        o->until = lw_clock_wall() + call->common.time;
     return cli_clearance_make(c, s->model, s->stiffness, s->damping, s->speed, e);
 }
 
@@ -99,18 +101,18 @@ static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
 static int judge(const cli_call *call, const cli_clearance *c)
 {
     int n_failed = 0, n_missing = 0;
-    const cli_clearance_row *first = NULL;
-    for (int i = 0; i < c->n_row; i++) {
-        bool failed = c->row[i].done && c->row[i].status != LW_OK;
-        first = failed && !first ? &c->row[i] : first;
+    const lw_sweep_row *first = NULL;
+    for (int i = 0; i < c->sweep.n_row; i++) {
+        bool failed = c->sweep.row[i].done && c->sweep.row[i].status != LW_OK;
+        first = failed && !first ? &c->sweep.row[i] : first;
         n_failed += failed;
-        n_missing += !c->row[i].done;
+        n_missing += !c->sweep.row[i].done;
     }
     if (n_failed)
         fprintf(stderr, "linkwright %s: %d of %d runs failed, the first at %g %s: %s\n", call->command->name, n_failed,
-                c->n_row, first->speed, c->unit, first->why);
+                c->sweep.n_row, first->speed, c->unit, first->why);
     if (n_missing)
-        cli_note(call, "%d of %d runs were not made", n_missing, c->n_row);
+        cli_note(call, "%d of %d runs were not made", n_missing, c->sweep.n_row);
     return n_missing ? CLI_LIMIT : n_failed ? cli_exit_code(first->status) : CLI_DONE;
 }
 
@@ -142,10 +144,10 @@ static int work(const cli_call *call, cli_clearance *c)
     if (prepare(call, c, &e) != LW_OK)
         return cli_fail(call, &e);
     bool detail = s->path || s->force || s->history;
-    if (detail && c->n_row > 1)
+    if (detail && c->sweep.n_row > 1)
         return cli_usage(call, "--path, --force-plot and --history show one run, but the lists make %d; give one "
                          "speed and one "
-                         "law", c->n_row);
+                         "law", c->sweep.n_row);
     if (cli_clearance_run(c, &e) != LW_OK)
         return cli_fail(call, &e);
     if (detail && cli_clearance_detail(c, s->history, s->path, s->force, &e) != LW_OK)
