@@ -80,8 +80,8 @@ static void same_seed_same_way(void)
 {
     static row a[ROWS], b[ROWS];
     write_problem();
-    expect("LW_CLOCK_STEP=0.01 $C bench fit -p $D/own --seeds 0 --time 10 --solvers lm -o $D/first -q", 0, "four", "");
-    expect("LW_CLOCK_STEP=0.01 $C bench fit -p $D/own --seeds 0 --time 20 --solvers lm -o $D/second -q", 0, "four", "");
+    expect("LW_CLOCK_STEP=0.01 $C bench fit --problems $D/own --seeds 0 --time 10 --solvers lm -o $D/first -q", 0, "four", "");
+    expect("LW_CLOCK_STEP=0.01 $C bench fit --problems $D/own --seeds 0 --time 20 --solvers lm -o $D/second -q", 0, "four", "");
     int n = read_curves("first/curves.csv", a), m = read_curves("second/curves.csv", b);
     CHECK(n > 0 && m > 0);
     for (int i = 0; i < n && i < m && a[i].seconds < 10; i++) {
@@ -93,7 +93,7 @@ static void same_seed_same_way(void)
 static void default_strategy_reaches(void)
 {
     expect("mkdir -p $D/one && cp catalogues/data/paths/arc5.csv $D/one", 0, NULL, NULL);
-    expect("$P bench fit -p $D/one --solvers none --seeds 2 --limit 1e4 -j 2 -o $D/reach", 0, "| 2 of 2 |", "");
+    expect("$P bench fit --problems $D/one --solvers none --seeds 2 --reach-time 1e4 -j 2 -o $D/reach", 0, "| 2 of 2 |", "");
     char *text = read_file("reach/reach.csv");
     CHECK_HAS(text, "problem,figure,seed,evals,seconds,objective,reached\narc5,7.4158e-07,1,");
     CHECK_HAS(text, "\narc5,7.4158e-07,2,");
@@ -108,12 +108,12 @@ static void bad_calls(void)
     expect("$P bench fit --solvers lm,lm", 2, "", "names 'lm' twice");
     expect("$P bench fit --json", 2, "", "--json has no meaning here");
     expect("$P bench fit --time 0", 2, "", "out of range");
-    expect("$P bench fit -p $D/nowhere", 3, "", "nowhere: this folder of problems cannot be read");
-    expect("mkdir -p $D/empty && $P bench fit -p $D/empty", 3, "", "no CSV file of points in this folder");
-    expect("mkdir -p $D/odd && printf 'angle,theta\\n0,0\\n1,1\\n' > $D/odd/f.csv && $P bench fit -p $D/odd", 3,
+    expect("$P bench fit --problems $D/nowhere", 3, "", "nowhere: this folder of problems cannot be read");
+    expect("mkdir -p $D/empty && $P bench fit --problems $D/empty", 3, "", "no CSV file of points in this folder");
+    expect("mkdir -p $D/odd && printf 'angle,theta\\n0,0\\n1,1\\n' > $D/odd/f.csv && $P bench fit --problems $D/odd", 3,
            "", "odd/f.csv: a path is wanted");
-    expect("printf 'x,y\\n0,zero\\n' > $D/odd/f.csv && $P bench fit -p $D/odd", 3, "", "f.csv:2:3:");
-    expect("$P bench fit -p $D/one --solvers none --seeds 0 -o /dev/null/x", 3, "", "the folder cannot be made");
+    expect("printf 'x,y\\n0,zero\\n' > $D/odd/f.csv && $P bench fit --problems $D/odd", 3, "", "f.csv:2:3:");
+    expect("$P bench fit --problems $D/one --solvers none --seeds 0 -o /dev/null/x", 3, "", "the folder cannot be made");
 }
 
 int main(void)

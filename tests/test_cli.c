@@ -45,7 +45,7 @@ static void misspelt_words(void)
     expect("$P help clasify", 2, NULL, "did you mean 'classify'?");
     expect("$P xyzzy", 2, NULL, "there is no command 'xyzzy'\n");
     expect("$P classify 4 2 5 3 --tolerence 1", 2, NULL, "did you mean --tolerance?");
-    expect("$P classify 4 2 5 3 --unit=grad", 2, NULL, "deg|rad|turn");
+    expect("$P classify 4 2 5 3 --angle-unit=grad", 2, NULL, "deg|rad|turn");
 }
 
 static void options_are_strict(void)
@@ -63,8 +63,8 @@ static void options_are_strict(void)
     expect("$P classify 5 2 4", 2, NULL, "L1 L2 L3 L4");
     expect("$P classify 5 2 4 4 7", 2, NULL, "one word too many");
     /* all the ways to give one, and the order does not matter */
-    expect("$P classify -u rad 5 --tolerance=1e-9 2 -qj2 -- 4 4", 0, "crank-rocker", NULL);
-    expect("$P classify -urad 5 2 4 4", 0, " rad\n", NULL);
+    expect("$P classify --angle-unit rad 5 --tolerance=1e-9 2 -qj2 -- 4 4", 0, "crank-rocker", NULL);
+    expect("$P trace examples/hoeken.json -n2 -mfile", 0, "arc,mode,input", NULL);
     /* a negative number is a word, not an option */
     expect("$P classify -5 2 4 4", 3, NULL, "positive");
 }
@@ -92,7 +92,7 @@ static void classify_table(void)
 /* Dead points of a crank-rocker, crank and coupler in line, by the cosine rule. */
 static void classify_numbers(void)
 {
-    json_t *j = json_of("$P classify 5 2 4 4 --json --unit rad"), *d = json_object_get(j, "dead_points");
+    json_t *j = json_of("$P classify 5 2 4 4 --json --angle-unit rad"), *d = json_object_get(j, "dead_points");
     double out = acos((25.0 + 36 - 16)/(2*5*6)), in = acos((25.0 + 4 - 16)/(2*5*2));
     CHECK_INT(json_array_size(d), 4);
     CHECK_NEAR(json_real_value(json_array_get(d, 2)), out, 1e-14, 0);

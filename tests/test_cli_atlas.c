@@ -5,19 +5,19 @@
 static void curves(void)
 {
     expect("$P catalogue curves $D/c.db", 2, NULL, "--samples N");
-    expect("$P catalogue curves $D/c.db --samples 10 --types fourbra", 3, NULL, "no type 'fourbra'");
+    expect("$P catalogue curves $D/c.db --samples 10 --type fourbra", 3, NULL, "no type 'fourbra'");
     expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "4000 of 4000 samples");
     expect("$P catalogue curves $D/c.db --links 4 --samples 4000", 0, "", "0 curves drawn");
-    expect("$P catalogue curves $D/c.db --samples 500 --types slidercrank --curves closed", 0, "", "500 of 500");
+    expect("$P catalogue curves $D/c.db --samples 500 --type slidercrank --curves closed", 0, "", "500 of 500");
     expect("$P catalogue check $D/c.db", 0, NULL, "whole");
 }
 
 static void nearest(void)
 {
-    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 3", 0, "  3 ", "blocks read");
-    expect("$P catalogue nearest $D/c.db examples/ellipse.csv -k 5 --json -o $D/near.json; $P draw $D/near.json "
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv --results 3", 0, "  3 ", "blocks read");
+    expect("$P catalogue nearest $D/c.db examples/ellipse.csv --results 5 --json -o $D/near.json; $P draw $D/near.json "
            "--result 2 --target examples/ellipse.csv -o $D/near.svg && grep -c '</svg>' $D/near.svg", 0, "1\n", NULL);
-    expect("$P catalogue nearest $D/c.db examples/letter-s.csv --shape open -k 1", 0, "  1 ", NULL);
+    expect("$P catalogue nearest $D/c.db examples/letter-s.csv --shape open --results 1", 0, "  1 ", NULL);
     expect("$P catalogue nearest $D/c.db examples/function-log.csv", 3, NULL, "x and y");
     expect("$P catalogue nearest $D/none.db examples/ellipse.csv", 3, NULL, "no such file");
     expect("$P catalogue build $D/empty.db --links 4 && $P catalogue nearest $D/empty.db examples/ellipse.csv", 1, NULL,
@@ -27,18 +27,18 @@ static void nearest(void)
 /* Six links: drawn, found, told apart, and starts for a fit that may have so many. */
 static void six_links(void)
 {
-    expect("$P catalogue curves $D/s.db --links 6 -n 4000 && $P catalogue curves $D/s2.db --links 6 -n 4000 -j 1 -q && "
-           "$P catalogue nearest $D/s.db examples/walking-foot.csv -k 9 > $D/1 && $P catalogue nearest $D/s2.db "
+    expect("$P catalogue curves $D/s.db --links 6 --samples 4000 && $P catalogue curves $D/s2.db --links 6 --samples 4000 -j 1 -q && "
+           "$P catalogue nearest $D/s.db examples/walking-foot.csv --results 9 > $D/1 && $P catalogue nearest $D/s2.db "
            "examples/walking-foot.csv -k 9 | cmp - $D/1 && cat $D/1", 0, ", point on link ", "4000 of 4000 samples");
-    expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json -k 3 > $D/six.json && "
+    expect("$P catalogue nearest $D/s.db examples/letter-s.csv --json --results 3 > $D/six.json && "
            "$P draw $D/six.json --result 3 -o $D/six.svg && $P catalogue add $D/s.db $D/six.json && "
            "$P catalogue query $D/s.db links=6 --list linkages -f csv | wc -l", 0, "4\n", "3 added");
     expect("$P fit examples/walking-foot.csv --atlas $D/s.db --links 6 --budget 2000 --rounds 1 --timing none", 0, NULL,
            NULL);
     expect("$P fit examples/walking-foot.csv --atlas $D/s.db --rounds 1 --timing none | grep -c point.on.link", 1,
            "0\n", NULL);
-    expect("$P catalogue curves $D/s.db --links 8 -n 10", 2, NULL, "four or six links");
-    expect("$P catalogue curves $D/s.db --links 6 --types all -n 10", 2, NULL, "--types is for four links");
+    expect("$P catalogue curves $D/s.db --links 8 --samples 10", 2, NULL, "four or six links");
+    expect("$P catalogue curves $D/s.db --links 6 --type all --samples 10", 2, NULL, "--type is for four links");
 }
 
 static void add(void)
@@ -67,7 +67,7 @@ static void query(void)
     expect("$P catalogue query $D/q.db 'links=8' --format csv --columns links,assortment | tail -1", 0, "8,4 4\r\n",
            NULL);
     expect("$P catalogue query $D/q.db 'links=8 and assortment=\"4 4\"' --json | wc -l", 0, "9\n", NULL);
-    expect("$P catalogue query $D/q.db 'highest=3' --list mechanisms --sort modes --limit 1", 0, "III3:", NULL);
+    expect("$P catalogue query $D/q.db 'highest=3' --list mechanisms --sort modes --results 1", 0, "III3:", NULL);
     expect("$P catalogue query $D/q.db --list structures --format csv | wc -l", 0, "5\n", NULL);
     expect("$P catalogue query $D/q.db 'links=9'", 1, NULL, NULL);
     expect("$P catalogue query $D/q.db 'links=9 nad planar'", 3, NULL, "query:1:9:");
@@ -108,7 +108,7 @@ static void export(void)
            "same\n", NULL);
     expect("$P catalogue export $D/q.db --list mechanisms | sort > $D/a; $P mechanisms --links 8 --input ground | sort "
            "| cmp - $D/a && echo same", 0, "same\n", NULL);
-    expect("$P catalogue export $D/q.db --notation lem", 2, NULL, "no notation 'lem'");
+    expect("$P catalogue export $D/q.db --format lem", 2, NULL, "none of table|json|csv|graph6");
     expect("$P catalogue export $D/l.db > $D/l.jsonl; $P catalogue add $D/l2.db $D/l.jsonl && $P catalogue export "
            "$D/l2.db | cmp - $D/l.jsonl && echo same", 0, "same\n", "added");
     expect("$P catalogue export $D/q.db 'loops=3' --list structures", 3, NULL, "listed by query");
@@ -116,7 +116,7 @@ static void export(void)
 
 static void killed_adds(void)
 {
-    expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv -k 150 --json -o $D/killed/many.json",
+    expect("mkdir $D/killed && $P catalogue nearest $D/c.db examples/ellipse.csv --results 150 --json -o $D/killed/many.json",
            0, NULL, NULL);
     kill_at_random("x.db", "catalogue add x.db many.json --commit 0.005", 25, "linkage|");
 }
@@ -156,8 +156,8 @@ static void too_many_pages(void)
     expect("cp $D/q.db $D/big.db", 0, NULL, NULL);
     execute("big.db", "UPDATE chain SET grounds = 2000");
     expect("$P catalogue html $D/big.db -o $D/big; c=$?; test ! -e $D/big && exit $c", 2, NULL,
-           "16 chains make about 211 MB of pages: --limit 1000 takes the first thousand");
-    expect("$P catalogue html $D/big.db -o $D/big --limit 3 && ls $D/big | wc -l", 0, "4\n", "4 pages");
+           "16 chains make about 211 MB of pages: --results 1000 takes the first thousand");
+    expect("$P catalogue html $D/big.db -o $D/big --results 3 && ls $D/big | wc -l", 0, "4\n", "4 pages");
 }
 
 /* What is whole for SQLite and yet wrong is found by check; commands that meet it say so. */

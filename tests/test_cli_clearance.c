@@ -13,7 +13,7 @@ static int lines_with(const char *text, const char *part)
 
 static void table(void)
 {
-    ran r = run("$P clearance " MODEL " --speed 92,94 --model impact,mlsd");
+    ran r = run("$P clearance " MODEL " --speeds 92,94 --model impact,mlsd");
     CHECK_INT(r.code, 0);
     CHECK_INT(lines_with(r.out, "\nB,"), 4);
     CHECK(has_row(r.out, "joint|model|stiffness|damping|speed|contact|first_loss|losses|apart",
@@ -28,8 +28,8 @@ static void table(void)
 /* The same bytes whatever the number of threads, the command line apart */
 static void threads(void)
 {
-    ran a = run("$P clearance " MODEL " --speed 90:110:5 --stiffness 1e6,1e7 -j 1 | grep -v '^#'");
-    ran b = run("$P clearance " MODEL " --speed 90:110:5 --stiffness 1e6,1e7 -j 3 | grep -v '^#'");
+    ran a = run("$P clearance " MODEL " --speeds 90:110:5 --stiffness 1e6,1e7 -j 1 | grep -v '^#'");
+    ran b = run("$P clearance " MODEL " --speeds 90:110:5 --stiffness 1e6,1e7 -j 3 | grep -v '^#'");
     CHECK_INT(lines_with(a.out, "\n"), 11);
     CHECK_TEXT(a.out, b.out);
     ran_free(&a), ran_free(&b);
@@ -37,7 +37,7 @@ static void threads(void)
 
 static void limits(void)
 {
-    ran r = run("$P clearance " MODEL " --speed 90:98:4 --limits --refine 1");
+    ran r = run("$P clearance " MODEL " --speeds 90:98:4 --limits --refine 1");
     CHECK_INT(r.code, 0);
     const char *row = strstr(r.out, "impact");
     double k = 0, c = 0, kept = 0, lost = 0;
@@ -46,7 +46,7 @@ static void limits(void)
     CHECK(kept >= 92 && lost <= 95 && lost - kept <= 1 && lost > kept);
     CHECK_HAS(r.out, "2 of 3");
     ran_free(&r);
-    r = run("$P clearance " MODEL " --speed 90:98:4 --json");
+    r = run("$P clearance " MODEL " --speeds 90:98:4 --json");
     CHECK_HAS(r.out, "\"kept_lost\": [90, 94]");
     CHECK_HAS(r.out, "\"lost_kept\": [null, null]");
     CHECK_HAS(r.out, "\"speed_unit\": \"rpm\"");
@@ -55,9 +55,9 @@ static void limits(void)
 
 static void pictures(void)
 {
-    ran r = run("$P clearance " MODEL " --speed 94 --end 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
+    ran r = run("$P clearance " MODEL " --speeds 94 --to 0.2 --settle 0.1 --every 0.001 --path $D/path.svg "
                 "--force-plot $D/f.pdf "
-                "--history $D/h.csv && $P clearance " MODEL " --speed 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
+                "--history $D/h.csv && $P clearance " MODEL " --speeds 90,98 --stiffness 1e6,1e8 --plot $D/map.svg && "
                 "grep -c 'class=\"series' $D/path.svg && head -c 4 $D/f.pdf && wc -l < $D/h.csv && grep -c "
                 "'class=\"marker' $D/map.svg");
     CHECK_INT(r.code, 0);
@@ -65,7 +65,7 @@ static void pictures(void)
     CHECK_HAS(r.out, "204\n");                               /* two comments, head, 201 rows */
     ran_free(&r);
     /* a regular speed passes its start at one place, to a pixel or two, a wild one at many */
-    r = run("$P clearance " MODEL " --speed 90,120 --end 6 --settle 4 --passes $D/p.svg > $D/x && "
+    r = run("$P clearance " MODEL " --speeds 90,120 --to 6 --settle 4 --passes $D/p.svg > $D/x && "
             "grep 'class=\"marker' $D/p.svg | "
             "sed 's/.*cx=\"//; s/\" cy=\"/ /; s/\".*//' | awk '{if(!($1 in least) || $2<least[$1]) least[$1]=$2; "
             "if(!($1 in most) || $2>most[$1]) most[$1]=$2} END{for(x in least) print "
@@ -77,23 +77,23 @@ static void pictures(void)
 
 static void wrong_use(void)
 {
-    expect("$P clearance " MODEL " --end 1e5 --time 1e-9 --speed 92,94", 5, "joint,model", "2 of 2 runs were not made");
+    expect("$P clearance " MODEL " --to 1e5 --time 1e-9 --speeds 92,94", 5, "joint,model", "2 of 2 runs were not made");
     expect("$P clearance", 2, NULL, "MODEL.json");
-    expect("$P clearance " MODEL " --speed 80:400", 3, NULL, "lacks a step");
-    expect("$P clearance " MODEL " --speed 80:400:-1", 3, NULL, "no range");
-    expect("$P clearance " MODEL " --speed 80:400:1:2", 3, NULL, "too many colons");
-    expect("$P clearance " MODEL " --speed fast", 3, NULL, "speed");
+    expect("$P clearance " MODEL " --speeds 80:400", 3, NULL, "lacks a step");
+    expect("$P clearance " MODEL " --speeds 80:400:-1", 3, NULL, "no range");
+    expect("$P clearance " MODEL " --speeds 80:400:1:2", 3, NULL, "too many colons");
+    expect("$P clearance " MODEL " --speeds fast", 3, NULL, "speed");
     expect("$P clearance " MODEL " --stiffness 0", 3, NULL, "above 0");
     expect("$P clearance " MODEL " --damping=-1", 3, NULL, "0 or more");
     expect("$P clearance " MODEL " --model imapct", 3, NULL, "did you mean impact");
-    expect("$P clearance " MODEL " --unit m/s", 3, NULL, "an input that turns");
-    expect("$P clearance " MODEL " --speed 90,92 --path $D/no.svg", 2, NULL, "one speed and one law");
+    expect("$P clearance " MODEL " --speed-unit m/s", 3, NULL, "an input that turns");
+    expect("$P clearance " MODEL " --speeds 90,92 --path $D/no.svg", 2, NULL, "one speed and one law");
     expect("$P clearance examples/slider-crank.json", 3, NULL, "no joint has clearance");
     expect("$P clearance $D/none.json", 3, NULL, "none.json");
     expect("sed 's/\"name\": \"B\",/\"name\": \"B\", \"kind\": \"t\", \"along\": [1, 0],/' " MODEL " > $D/slide.json; "
            "$P clearance $D/slide.json", 3, NULL, "slide.json:15:");
     expect("sed 's/\"speed\": 9.6[0-9]*/\"motion\": \"3*t\"/' " MODEL " > $D/driven.json; "
-           "$P clearance $D/driven.json --speed 90", 3, NULL, "motion");
+           "$P clearance $D/driven.json --speeds 90", 3, NULL, "motion");
     expect("sed 's/\"mass\": 2.41, //' " MODEL " > $D/light.json; $P clearance $D/light.json", 3, NULL, "coupler");
 }
 

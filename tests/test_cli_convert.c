@@ -4,29 +4,29 @@
 static void examples_there_and_back(void)
 {
     expect("for e in chebyshev inverted-slider-crank jansen scott-russell trammel; do for t in pyslvs pmks; do"
-           " f=examples/$e.json; $P convert $f --to $t > $D/a || exit 1;"
+           " f=examples/$e.json; $P convert $f --format $t > $D/a || exit 1;"
            " $P convert $D/a -o $D/b.json || exit 1;"
-           " $P convert $D/b.json --to $t > $D/c || exit 1;"
+           " $P convert $D/b.json --format $t > $D/c || exit 1;"
            " cmp $D/a $D/c || exit 1;"
            " $P trace $D/b.json -m file -n 7 > $D/2 || exit 1; done; done", 0, NULL, NULL);
 }
 
 static void the_text_tells_its_format(void)
 {
-    expect("$P convert examples/jansen.json --to pyslvs > $D/j.pyslvs", 0, NULL, NULL);
+    expect("$P convert examples/jansen.json --format pyslvs > $D/j.pyslvs", 0, NULL, NULL);
     expect("$P convert - < $D/j.pyslvs", 0, "\"name\": \"P3_1\"", NULL);
     expect("$P convert < $D/j.pyslvs -o $D/j.txt; cat $D/j.txt", 0, "crank,j,k,R,", NULL);
-    expect("$P convert $D/j.txt --to pyslvs | diff - $D/j.pyslvs", 0, NULL, NULL);
+    expect("$P convert $D/j.txt --format pyslvs | diff - $D/j.pyslvs", 0, NULL, NULL);
     expect("$P convert $D/j.txt -o $D/k.json && $P trace $D/k.json -n 4", 0, "7,--+", NULL);
-    expect("$P convert $D/j.txt --from pyslvs", 3, NULL, ":1:1: 'M[' is expected");
+    expect("$P convert $D/j.txt --from-format pyslvs", 3, NULL, ":1:1: 'M[' is expected");
 }
 
 static void units(void)
 {
     expect("echo 'ground,a,R,10,0,ffft|a,b,R,20,0|b,ground,R,20,10' > $D/u.txt", 0, NULL, NULL);
-    expect("$P convert $D/u.txt -u mm", 0, "\"length\": \"mm\"", NULL);
-    expect("$P convert $D/u.txt -u mm -o $D/u.json", 0, NULL, NULL);
-    expect("$P convert $D/u.json -u cm --to pmks", 0, "a,b,R,2,0,ffff", NULL);
+    expect("$P convert $D/u.txt --length-unit mm", 0, "\"length\": \"mm\"", NULL);
+    expect("$P convert $D/u.txt --length-unit mm -o $D/u.json", 0, NULL, NULL);
+    expect("$P convert $D/u.json --length-unit cm --format pmks", 0, "a,b,R,2,0,ffff", NULL);
 }
 
 static void an_input_is_chosen(void)
@@ -34,19 +34,19 @@ static void an_input_is_chosen(void)
     expect("echo 'M[J[R, P[0, 0], L[ground, a]], J[R, P[0, 1], L[a, b]], J[P, A[0], P[1, 0], L[ground, b]]]' > $D/i",
            0, NULL, NULL);
     expect("$P convert $D/i", 0, NULL, NULL);
-    expect("$P convert $D/i --to pmks --input P2", 0, "ground,b,P,1,0,0,ffft", NULL);
-    expect("$P convert $D/i --to pyslvs --input P0", 0, "# input 0 1", NULL);
-    expect("$P convert $D/i --input P7", 3, NULL, "there is no joint 'P7'");
+    expect("$P convert $D/i --format pmks --input-joint P2", 0, "ground,b,P,1,0,0,ffft", NULL);
+    expect("$P convert $D/i --format pyslvs --input-joint P0", 0, "# input 0 1", NULL);
+    expect("$P convert $D/i --input-joint P7", 3, NULL, "there is no joint 'P7'");
 }
 
 static void refusals(void)
 {
-    expect("$P convert examples/jansen.json --to pyslv", 2, NULL, "did you mean 'pyslvs'");
-    expect("$P convert examples/jansen.json -o $D/x.dat", 2, NULL, "add --to");
-    expect("$P convert examples/jansen.json --from qmks", 3, NULL, "did you mean 'pmks'");
+    expect("$P convert examples/jansen.json --format pyslv", 2, NULL, "did you mean 'pyslvs'");
+    expect("$P convert examples/jansen.json -o $D/x.dat", 2, NULL, "add --format");
+    expect("$P convert examples/jansen.json --from-format qmks", 3, NULL, "did you mean 'pmks'");
     expect("$P convert nowhere.txt", 3, NULL, "nowhere.txt");
     expect("echo 'ground,a,R,0,x' | $P convert", 3, NULL, "1:14: y is wanted");
-    expect("$P convert examples/jansen.json -u ell", 3, NULL, "no length unit 'ell'");
+    expect("$P convert examples/jansen.json --length-unit ell", 3, NULL, "no length unit 'ell'");
     expect("echo 'ground,a,R,0,x' | $P convert -o $D/never.json; test ! -e $D/never.json", 0, NULL, NULL);
     expect("printf '' | $P convert", 3, NULL, "");
     expect("$P help convert", 0, "the joint table of PMKS", NULL);
@@ -55,21 +55,21 @@ static void refusals(void)
 static void files_for_other_programs(void)
 {
     expect("$P convert examples/hoeken.json -o $D/h.xml && cat $D/h.xml", 0, "<mujoco model=", NULL);
-    expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --to adams | diff - $D/s.adm", 0,
+    expect("$P convert examples/slider-crank.json -o $D/s.adm && $P convert $D/s.adm --format adams | diff - $D/s.adm", 0,
            NULL, NULL);
     expect("$P convert $D/s.adm | $P trace - -n 3", 0, NULL, NULL);
-    expect("$P convert examples/hoeken.json --to acf", 0, "SIMULATE/KINEMATICS", NULL);
+    expect("$P convert examples/hoeken.json --format acf", 0, "SIMULATE/KINEMATICS", NULL);
     expect("$P convert examples/klann.json -o $D/k.dxf && cat $D/k.dxf", 0, "_CRANK\n", NULL);
     expect("$P convert examples/klann.json -o $D/k.scad && cat $D/k.scad", 0, "module link5()", NULL);
-    expect("$P convert examples/geared-five-bar.json --to dxf", 3, NULL, "gears and welds are not cut");
+    expect("$P convert examples/geared-five-bar.json --format dxf", 3, NULL, "gears and welds are not cut");
     expect("$P convert examples/hoeken.json -o $D/c.svg && cat $D/c.svg", 0, "<path data-tracer=\"P\" d=\"M", NULL);
     expect("printf '<svg><path d=\"M40 0A40 15 0 0 1-40 0A40 15 0 0 1 40 0Z\"/></svg>' > $D/e.svg;"
            "$P fit $D/e.svg --type trammel --rounds 1 --results 1", 0, "60 points, closed", NULL);
     expect("$P fit examples/README.md.dxf", 3, NULL, "README.md.dxf");
     expect("$P convert examples/klann.json -o $D/k.csv && head -2 $D/k.csv", 0, "frame,input,link,x,y,turn", NULL);
     expect("$P convert examples/klann.json -o $D/k.slvs && grep -a -c AddConstraint $D/k.slvs", 0, NULL, NULL);
-    expect("$P convert examples/klann.json --to motiongen", 0, "\"couplerPoints\"", NULL);
-    expect("$P convert examples/hoeken.json --from mjcf", 3, NULL, "no format 'mjcf' to read");
+    expect("$P convert examples/klann.json --format motiongen", 0, "\"couplerPoints\"", NULL);
+    expect("$P convert examples/hoeken.json --from-format mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 
 /* Every kind of linkage in every format: written, or refused with the joint that has no form there. */
@@ -80,25 +80,25 @@ static void every_kind_in_every_format(void)
     };
     for (int i = 0; i < 2; i++) {
         char command[400];
-        snprintf(command, sizeof command, "for t in %s; do $P convert examples/%s.json --to $t -o $D/no.$t; "
+        snprintf(command, sizeof command, "for t in %s; do $P convert examples/%s.json --format $t -o $D/no.$t; "
                  "test $? = %d -a ! -e $D/no.$t || echo $t; done; echo end", cannot[i][1], cannot[i][0], i ? 1 : 3);
         expect(command, 0, "end", i ? "there are no layers" : "joint \"G\" is a gear");
     }
-    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --to $t; done", 3, "",
+    expect("for t in pyslvs pmks; do $P convert examples/tied-five-bar.json --format $t; done", 3, "",
            "joint \"B\" is tied to the first");
     expect("for m in examples/hoeken examples/slider-crank examples/inverted-slider-crank examples/trammel "
            "examples/klann examples/jansen tests/data/linkages/triad-eight-bar tests/data/linkages/scotch-yoke "
            "examples/five-bar; do for t in json pyslvs pmks adams acf mjcf dxf scad slvs svg poses motiongen; do "
-           "$P convert $m.json --to $t -o $D/all.$t && test -s $D/all.$t || echo $m $t; rm -f $D/all.$t; done; done "
+           "$P convert $m.json --format $t -o $D/all.$t && test -s $D/all.$t || echo $m $t; rm -f $D/all.$t; done; done "
            "> $D/bad; cat $D/bad; test ! -s $D/bad", 0, NULL, NULL);
     /* the triad and the slot through the formats that are read: the same text again, and the same curve */
     expect("for m in triad-eight-bar scotch-yoke; do for t in pyslvs pmks adams; do "
-           "u=mm; test $t != adams || u=m; $P convert tests/data/linkages/$m.json | $P convert --to $t > $D/1; "
-           "$P convert $D/1 -f $t -u $u -o $D/1.json; $P convert $D/1.json --to $t > $D/2; "
-           "$P convert $D/2 -f $t -u $u --to $t | cmp - $D/2 || exit 1; done; done", 0, NULL, NULL);
+           "u=mm; test $t != adams || u=m; $P convert tests/data/linkages/$m.json | $P convert --format $t > $D/1; "
+           "$P convert $D/1 --from-format $t --length-unit $u -o $D/1.json; $P convert $D/1.json --format $t > $D/2; "
+           "$P convert $D/2 --from-format $t --length-unit $u --format $t | cmp - $D/2 || exit 1; done; done", 0, NULL, NULL);
     expect("for t in pyslvs pmks adams; do u=mm; test $t != adams || u=m; f=tests/data/linkages/triad-eight-bar.json; "
-           "$P convert $f --to svg | grep -o ' d=.*' > $D/1; $P convert $f --to $t > $D/2; "
-           "$P convert $D/2 -f $t -u $u --to svg | grep -o ' d=.*' | cmp - $D/1 || exit 1; done", 0, NULL, NULL);
+           "$P convert $f --format svg | grep -o ' d=.*' > $D/1; $P convert $f --format $t > $D/2; "
+           "$P convert $D/2 --from-format $t --length-unit $u --format svg | grep -o ' d=.*' | cmp - $D/1 || exit 1; done", 0, NULL, NULL);
 }
 
 int main(void)

@@ -7,10 +7,10 @@ static void pictures(void)
         { "svg", "<?xml" }, { "png", "PNG" }, { "pdf", "%PDF" }, { "gif", "GIF89a" }, { "html", "<!" } };
     char line[256];
     for (size_t i = 0; i < sizeof kind/sizeof *kind; i++) {
-        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 -s 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
+        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 --size 200x150 -o $D/x.%s && head -c 8 $D/x.%s",
                  kind[i].name, kind[i].name);
         expect(line, 0, kind[i].head, NULL);
-        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 -s 200x150 -f %s | cmp - $D/x.%s",
+        snprintf(line, sizeof line, "$P draw examples/hoeken.json -n 4 --size 200x150 -f %s | cmp - $D/x.%s",
                  kind[i].name, kind[i].name);
         expect(line, 0, NULL, NULL);
     }
@@ -18,8 +18,8 @@ static void pictures(void)
     expect("for f in examples/*.json; do $P draw $f -o $D/x.svg || exit 1; done", 0, NULL, NULL);
     expect("$P draw examples/hoeken.json -o $D/x.bmp", 2, NULL, "svg");
     expect("$P draw examples/hoeken.json --json", 2, NULL, "no meaning");
-    expect("$P draw examples/hoeken.json -s 10x10", 2, NULL, "out of range");
-    expect("$P draw examples/hoeken.json -s 100", 2, NULL, "WIDTHxHEIGHT");
+    expect("$P draw examples/hoeken.json --size 10x10", 2, NULL, "out of range");
+    expect("$P draw examples/hoeken.json --size 100", 2, NULL, "WIDTHxHEIGHT");
     expect("$P draw examples/hoeken.json -t none.csv", 3, NULL, "no such file");
     expect("$P draw examples/hoeken.json -o /dev/full -f svg", 3, NULL, "no space left");
 }
@@ -40,11 +40,11 @@ static void any_linkage(void)
 {
     expect("for f in geared-five-bar five-bar loader mobility/focal mobility/parallelogram; do "
            "$P draw examples/$f.json -n 6 -o $D/x.html || exit 1; grep -q '\"links\":\\[' $D/x.html || exit 1; "
-           "$P draw examples/$f.json -n 3 -s 200x150 -o $D/x.gif || exit 1; done", 0, NULL, NULL);
-    expect("$P draw examples/loader.json -n 4 --until 0.5 -o $D/x.gif", 0, NULL, NULL);
+           "$P draw examples/$f.json -n 3 --size 200x150 -o $D/x.gif || exit 1; done", 0, NULL, NULL);
+    expect("$P draw examples/loader.json -n 4 --to 0.5 -o $D/x.gif", 0, NULL, NULL);
     expect("$P draw examples/geared-five-bar.json --all-modes", 0, "other-curve", NULL);
     expect("$P draw examples/mobility/shaky.json", 0, "Shown without motion", "no input");
-    expect("$P draw examples/loader.json --until -1", 2, NULL, "out of range");
+    expect("$P draw examples/loader.json --to -1", 2, NULL, "out of range");
 }
 
 int main(void)

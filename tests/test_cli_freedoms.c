@@ -255,7 +255,7 @@ static void threads_change_nothing(void)
 static void gone_on_from(void)
 {
     json_t *first = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 -o $D/r.json -q; cat $D/r.json");
-    json_t *then = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 --seed 9 --resume $D/r.json --json -q");
+    json_t *then = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 --seed 9 --start-from $D/r.json --json -q");
     CHECK(real(at(then, "results", 0), "objective") <= real(at(first, "results", 0), "objective")*(1 + 1e-6) + 1e-18);
     json_decref(first);
     json_decref(then);

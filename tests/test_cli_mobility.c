@@ -29,7 +29,7 @@ static void rounded_files(void)
            NULL);
     expect("$P mobility $D/r.json", 0, "would move if joints opened by", NULL);
     expect_words("$P mobility $D/r.json", "\nfreedom 0");
-    expect_words("$P mobility $D/r.json -t 1e-4", "\nfreedom 1");
+    expect_words("$P mobility $D/r.json --tolerance 1e-4", "\nfreedom 1");
 }
 
 static void refusals(void)

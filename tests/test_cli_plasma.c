@@ -102,7 +102,7 @@ static void other_mechanisms(void)
            "    4     1     4   102   402    12 ", NULL);
     expect("$P plasma $D/slide.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30 --ground 3", 0,
            "PART/03, GROUND", NULL);
-    expect("$P plasma $D/slide.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30 --input 4", 0,
+    expect("$P plasma $D/slide.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30 --input-joint 4", 0,
            "MOTION/01, JOINT = 04, TRANSLATION", NULL);
     expect("for j in 1 2; do $P plasma $D/lam.txt --target examples/ellipse.csv --points 3 --budget 1e4 --first 30"
            " --jobs $j > $D/j$j; done; cmp $D/j1 $D/j2", 0, NULL, NULL);
@@ -114,8 +114,8 @@ static void refusals(void)
     expect("$P plasma $D/lam.txt --target nowhere.csv", 3, NULL, "nowhere.csv");
     expect("$P plasma $D/lam.txt --target examples/function-log.csv", 3, NULL, "a path is wanted");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --ground 5", 3, NULL, "there is no part 5");
-    expect("$P plasma $D/lam.txt --target examples/ellipse.csv --input 5", 3, NULL, "there is no joint 5");
-    expect("$P plasma $D/lam.txt --target examples/ellipse.csv --tracer 1", 3, NULL, "which is the ground");
+    expect("$P plasma $D/lam.txt --target examples/ellipse.csv --input-joint 5", 3, NULL, "there is no joint 5");
+    expect("$P plasma $D/lam.txt --target examples/ellipse.csv --tracer-link 1", 3, NULL, "which is the ground");
     expect("echo '0 1 3;0 0 2;0 0 0' | $P plasma --target examples/ellipse.csv", 3, NULL, "has 0 freedoms");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv", 3, NULL, ":1:5:");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv -o $D/never; test ! -e $D/never", 0, NULL, NULL);

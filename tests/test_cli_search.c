@@ -77,7 +77,7 @@ static void only_the_topologies_asked_for(void)
     expect("$P fit $D/t.csv --links 6 --joints r,q", 2, NULL, "--joints takes r, or r with t");
     expect("$P fit $D/t.csv --links 6 --joints r,g --gear-ratios 1,1/0", 2, NULL, "'1/0' is none");
     expect("$P fit $D/t.csv --links 6 --topology wat", 3, NULL, "nothing up to 6 links is called 'wat'");
-    expect("$P fit $D/t.csv -n 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0, "arc,mode",
+    expect("$P fit $D/t.csv --results 2 --rounds 1 -q -o $D/two.json && $P trace $D/two.json --result 2 -n 3", 0, "arc,mode",
            NULL);
     expect("$P trace $D/two.json --result 9", 3, NULL, "result 9 is wanted");
     expect("$P fit $D/t.csv --topology watt1", 3, NULL, "more than four links");
@@ -88,16 +88,16 @@ static void results_are_gone_on_from(void)
 {
     json_t *first = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 5000 -o $D/r.json -q; "
                             "cat $D/r.json");
-    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --resume "
+    json_t *then = json_of("$P fit $D/t.csv --links 6 --topology watt --crank-only --budget 3000 --seed 9 --start-from "
                            "$D/r.json --json");
     double before = real(json_array_get(json_object_get(first, "results"), 0), "objective");
     double after = real(json_array_get(json_object_get(then, "results"), 0), "objective");
     CHECK(after <= before*(1 + 1e-6) + 1e-26);
     json_decref(first);
     json_decref(then);
-    expect("$P fit $D/t.csv --resume $D/none.json", 3, NULL, "none.json");
+    expect("$P fit $D/t.csv --start-from $D/none.json", 3, NULL, "none.json");
     expect("printf '{\"linkwright\":1,\"links\":[\"ground\",\"a\"],\"joints\":[{\"links\":[\"ground\",\"a\"],"
-           "\"name\":\"A\",\"at\":[0,0]}]}' > $D/l.json; $P fit $D/t.csv --resume $D/l.json", 3, NULL,
+           "\"name\":\"A\",\"at\":[0,0]}]}' > $D/l.json; $P fit $D/t.csv --start-from $D/l.json", 3, NULL,
            "one input and a tracer");
 }
 

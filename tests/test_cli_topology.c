@@ -37,20 +37,20 @@ static void faults_of_input(void)
 static void derive(void)
 {
     /* paper F, eq. 25 */
-    expect("$P grammar derive --from '" FOUR "' --rule 3 --at 3,4", 0,
+    expect("$P grammar derive --sentence '" FOUR "' --rule 3 --at 3,4", 0,
            "((1 r 2 r 3 r 5 p 4 r) (4 r 3 r 5 p) (1 r 2 r 3 r 4 r))\n", NULL);
-    expect("$P grammar derive --from '" FOUR "' --rule 4 --at 4,1 --word 2 --kinds rtr -f edges", 0,
+    expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 4,1 --word 2 --joints rtr -f edges", 0,
            "1-2 1-4 1-6 2-3 3-4 4-5 5-6:t\n", NULL);
     expect("$P grammar derive --rule 1", 0, "((1 r 2 r 3 p) (1 r 2 r 3 p))\n", NULL);
     expect("$P grammar derive --links 8 --rules 2,4 --count", 0, "12\n", NULL);
     expect("$P grammar derive --links 6 --rules 2,4 | $P grammar parse -f franke", 0, "(3 3) 1-2:1 1-2:1 1-2:2", NULL);
     expect("$P grammar derive --links 7 --rules 2,4", 1, NULL, NULL);
-    expect("$P grammar derive --from '" FOUR "' --rule 4 --at 2,2", 3, NULL, "X and Y must differ");
-    expect("$P grammar derive --from '((1 r 2 r' --rule 4 --at 1,2", 3, NULL, "--from:1:2:");
-    expect("$P grammar derive --rule 4", 2, NULL, "give --from");
-    expect("$P grammar derive --from '" FOUR "' --rule 4 --at 34", 2, NULL, "--at takes two");
-    expect("$P grammar derive --from '" FOUR "' --rule 4 --at 3,4 --kinds rr", 2, NULL, "rule 4 has 3 joints k");
-    expect("$P grammar derive --links 6 --kinds rp", 3, NULL, "takes r, t or rt");
+    expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 2,2", 3, NULL, "X and Y must differ");
+    expect("$P grammar derive --sentence '((1 r 2 r' --rule 4 --at 1,2", 3, NULL, "--sentence:1:2:");
+    expect("$P grammar derive --rule 4", 2, NULL, "give --sentence");
+    expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 34", 2, NULL, "--at takes two");
+    expect("$P grammar derive --sentence '" FOUR "' --rule 4 --at 3,4 --joints rr", 2, NULL, "rule 4 has 3 joints k");
+    expect("$P grammar derive --links 6 --joints rp", 3, NULL, "takes r, t or rt");
     expect("$P grammar derive --links 6 --rules 5", 2, NULL, "numbers 1 to 4");
     expect("$P grammar derive", 2, NULL, "--links N");
     expect("$P grammar derive x", 2, NULL, "reads no file");

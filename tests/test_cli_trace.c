@@ -91,7 +91,7 @@ static void slider_crank_is_exact(void)
 
 static void speed_scales_by_powers(void)
 {
-    table *t = trace("examples/slider-crank.json -t piston -m file -n 12 --speed -3");
+    table *t = trace("examples/slider-crank.json --tracer piston -m file -n 12 --speed -3");
     for (int i = 0; i < t->n; i++) {
         double d[4];
         piston(t->v[i][INPUT]*M_PI/180, d);
@@ -159,13 +159,13 @@ static void dead_points_are_told(void)
 
 static void windows_are_cut(void)
 {
-    table *t = trace("examples/slider-crank.json -t piston -m file --from -30 --to 400 -n 43");
+    table *t = trace("examples/slider-crank.json --tracer piston -m file --input-range -30:400 -n 43");
     CHECK_INT(t->n, 44);
     CHECK_NEAR(t->v[0][INPUT], -30, 1e-12, 0);
     CHECK_NEAR(t->v[43][INPUT], 400, 1e-12, 0);
     CHECK_NEAR(t->v[1][X], t->v[37][X], 1e-10, 0);        /* a turn later */
     free(t);
-    t = trace("examples/chebyshev.json -m file --from 0 --to 60 -n 2");
+    t = trace("examples/chebyshev.json -m file --input-range 0:60 -n 2");
     CHECK_INT(t->n, 3);
     CHECK_NEAR(t->v[2][INPUT], 60, 1e-12, 0);
     CHECK(isnan(t->v[0][VX]) && isfinite(t->v[2][VX]));   /* one limit, one cut */
@@ -176,7 +176,7 @@ static void windows_are_cut(void)
     for (int i = 0; i < t->n; i++)
         CHECK_NEAR(t->v[i][X], 0, 1e-11, 0);              /* the exact straight line */
     free(t);
-    expect("$P trace examples/chebyshev.json --from 200 --to 210", 1, NULL, "does not reach");
+    expect("$P trace examples/chebyshev.json --input-range 200:210", 1, NULL, "does not reach");
 }
 
 /* x^2/a^2 + y^2/b^2 = 1 for a point of the bar of an elliptic trammel; rates by the slider. */
@@ -227,10 +227,10 @@ static void bad_models(void)
     expect("$P trace none.json", 3, NULL, "no such file");
     expect("$P trace examples", 3, NULL, "folder");
     expect("$P trace examples/ellipse.csv", 3, NULL, "ellipse.csv:1:");
-    expect("$P trace examples/hoeken.json -t Q", 3, NULL, "no tracer 'Q'");
-    expect("$P trace examples/slider-crank.json -t pistn", 3, NULL, "did you mean 'piston'");
-    expect("$P trace examples/hoeken.json --from 3", 2, NULL, "--from needs --to");
-    expect("$P trace examples/hoeken.json --from 3 --to 1", 2, NULL, "less than");
+    expect("$P trace examples/hoeken.json --tracer Q", 3, NULL, "no tracer 'Q'");
+    expect("$P trace examples/slider-crank.json --tracer pistn", 3, NULL, "did you mean 'piston'");
+    expect("$P trace examples/hoeken.json --input-range 3", 2, NULL, "no range");
+    expect("$P trace examples/hoeken.json --input-range 3:1", 2, NULL, "empty");
     expect("$P trace examples/hoeken.json --steps 0", 2, NULL, "out of range");
     expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/m.json; $P trace $D/m.json", 3, NULL,
            "no tracer");

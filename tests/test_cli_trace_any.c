@@ -53,14 +53,14 @@ static void a_cycle_over_both_limits(void)
 /* Both ways give the same curve: every posture of the plan lies on the cycle, by its input. */
 static void two_ways_agree(void)
 {
-    ran r = run("$P trace examples/slider-crank.json -t piston --mode file --from 37 --to 37.5 -n 1");
+    ran r = run("$P trace examples/slider-crank.json --tracer piston --mode file --input-range 37:37.5 -n 1");
     double plan[20], curve[20];
     last_row(r.out, plan);
     ran_free(&r);
     r = run("sed 's/\"input\": {\"joint\": \"O\"\\([^}]*\\)}/\"inputs\": [{\"joint\": \"O\"\\1}, {\"joint\": \"W\"}]/;"
             "s/\"joints\": \\[/\"joints\": [{\"name\": \"W\", \"links\": [\"ground\", \"wheel\"], \"at\": [0, -90]},/;"
             "s/\"rod\", \"slider\"\\],$/\"rod\", \"slider\", \"wheel\"],/' examples/slider-crank.json | "
-            "$P trace - -t piston --mode file --from 37 --to 37.5 -n 1");
+            "$P trace - --tracer piston --mode file --input-range 37:37.5 -n 1");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.err, "input 1 moves, the other rests");
     CHECK_INT(last_row(r.out, curve), 2);
@@ -76,7 +76,7 @@ static void a_geared_five_bar_closes_after_two_turns(void)
     CHECK_NEAR(v[0], 45 + 720, 1e-9, 0);
     CHECK_NEAR(v[1], 35, 1e-10, 0);
     CHECK_NEAR(v[2], 75, 1e-10, 0);
-    CHECK_INT(trace("examples/geared-five-bar.json -n 10 --from 400 --to 410", v), 11);
+    CHECK_INT(trace("examples/geared-five-bar.json -n 10 --input-range 400:410", v), 11);
     CHECK_NEAR(v[0], 410, 1e-9, 0);
     expect("$P trace examples/geared-five-bar.json -n 2", 0, "closes after 2 turns of the input", "curve of postures");
     expect("$P trace examples/geared-five-bar.json -n 2 --all-assemblies", 0, "# circuit 2: closes after 2 turns",
@@ -146,7 +146,7 @@ static void faults_are_told(void)
     expect("$P trace examples/five-bar.json --time-range 0:1:-1", 2, NULL, "T0:T1:DT");
     expect("$P trace examples/five-bar.json --time-range 0:x:1", 2, NULL, "time-range");
     expect("$P trace examples/geared-five-bar.json --tracer Q", 3, NULL, "no tracer 'Q'");
-    expect("$P trace examples/chebyshev.json --cycle --from 1 --to 2", 2, NULL, "cycle");
+    expect("$P trace examples/chebyshev.json --cycle --input-range 1:2", 2, NULL, "cycle");
     /* the rocker's limit is passed at some time: the rows before are kept */
     expect(MODEL(FOUR_BAR, MOTION("pi/2 - t")) "--time-range 0:3:0.1", 5, "1,.,0.1,", "beyond a limit of the linkage");
     expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0*sqrt(1 - t)")) "--time-range 0:3:0.5", 4, NULL, "no number there");
@@ -247,7 +247,7 @@ static void change_points_are_passed_straight_on(void)
     const char *named = "# circuit 1: branch point, passed straight on; circuit 2 crosses, at input 3.14159265358";
     expect("$P trace examples/two-four-bars.json -n 2", 0, named, "as it passes change points");
     CHECK_INT(rows_of("sed 's/\"link\": \"crank0\"/\"link\": \"crank2\"/' examples/two-four-bars.json |"
-                      "$P trace - -m file -n 60 --from 0 --to 12", v, 61), 61);
+                      "$P trace - -m file -n 60 --input-range 0:12", v, 61), 61);
     for (int i = 0; i <= 60; i++) {
         CHECK_NEAR(v[i][0], 0.2*i, 1e-14, 0);
         CHECK_NEAR(v[i][9], v[i][0] - 0.5*M_PI, 1e-12, 0);
@@ -274,12 +274,12 @@ static void odd_ranges_of_the_input(void)
 {
     static double v[4][13];
     expect(MODEL(NO_BAR, "\"input\":{\"joint\":\"A\"}"), 1, "closes, the input stands still", "--cycle shows how");
-    CHECK_INT(rows_of("$P trace examples/geared-five-bar.json -n 3 --from -1395 --to 765", v, 4), 4);
+    CHECK_INT(rows_of("$P trace examples/geared-five-bar.json -n 3 --input-range -1395:765", v, 4), 4);
     for (int c = 1; c < 13; c++)
         if (c != 9)
             CHECK_NEAR(v[0][c], v[3][c], 1e-8, 1e-9);           /* three times two turns later */
-    expect("echo " TRIAD " | $P trace - -n 1 --from -1e12 --to 1e12 -o /dev/null", 5, NULL, "more arcs than the 1024");
-    expect("$P trace examples/chebyshev.json -n 1 --from -1e12 --to 1e12 -o /dev/null", 5, NULL, "more arcs than");
+    expect("echo " TRIAD " | $P trace - -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than the 1024");
+    expect("$P trace examples/chebyshev.json -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than");
 }
 
 int main(void)

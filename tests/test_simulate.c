@@ -80,8 +80,8 @@ static void wrong(void)
     expect("sed 's/\"mass\": 1/\"mass\": -1/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 3, NULL, "negative");
     expect("sed 's/\"mass\": 1/\"mass\": 0/' " PENDULUM " > $D/m.json; $P simulate $D/m.json", 3, NULL, "link \"bob\" can move");
     expect("$P simulate " PENDULUM " --to 1e6 -n 2 --max-steps 10", 5, "# incomplete", "rows so far are kept");
-    expect("$P simulate " PENDULUM " --plot $D/x.svg -c nothing", 3, NULL, "no column");
-    expect("$P simulate examples/jansen.json -f reduced", 3, NULL, NULL);
+    expect("$P simulate " PENDULUM " --plot $D/x.svg --columns nothing", 3, NULL, "no column");
+    expect("$P simulate examples/jansen.json --formulation reduced", 3, NULL, NULL);
 }
 
 /* Two cranks of a square that are to turn with 1 and 2 rad/s both turn with 1.5, and that is told. */

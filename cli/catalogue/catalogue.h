@@ -9,8 +9,8 @@
 typedef struct cli_catalogue_settings {
     double      time, wait, commit;
     bool        disagreeing, no_pictures, sql, fields;
-    int         links, dof, input, samples, curves, neighbours, shape, list, format, limit;
-    const char *joints, *types, *columns, *sort, *notation;
+    int         links, dof, input, samples, curves, results, shape, list, format;
+    const char *joints, *types, *columns, *sort;
 } cli_catalogue_settings;
 
 /* Each gets the whole call; word[0] is its own name.  They return the exit code. */

@@ -165,7 +165,7 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
     const cli_catalogue_settings *s = call->settings;
     const char *text = call->parsed.n_word > 2 ? call->parsed.word[2] : "";
     lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .sort = s->sort,
-                           .limit = s->limit };
+                           .limit = s->results };
     lw_status status = lw_query_compile(text, &o, q, e);
     if (status != LW_OK)
         return status;
@@ -180,6 +180,9 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
     return lw_query_compile(text, &o, q, e);
 }
 
+/* The choices of --format. */
+static const char *const formats[] = { "table", "json", "csv", "graph6", "lam", "sentence", "franke", "edges", "dot", "graphml" };
+
 int cli_catalogue_export(const cli_call *call)
 {
     const cli_catalogue_settings *s = call->settings;
@@ -188,10 +191,11 @@ int cli_catalogue_export(const cli_call *call)
     if (!q)
         return CLI_NUMERIC;
     lw_status status = compile(call, q, &j.e);
-    const char *name = s->notation ? s->notation : q->list == LW_LIST_MECHANISMS ? "json" : "graph6";
+    bool chosen = cli_given(&call->parsed, "format");
+    const char *name = chosen ? formats[s->format] : q->list == LW_LIST_MECHANISMS ? "json" : "graph6";
     j.notation = lw_notation_find(call->common.json ? "json" : name);
     int code = status != LW_OK ? cli_fail(call, &j.e)
-             : !j.notation ? cli_usage(call, "there is no notation '%s'; 'linkwright help chains' lists them", name)
+             : !j.notation ? cli_usage(call, "export writes a notation, not --format %s; query prints tables", name)
              : write_all(&j, q);
     lw_query_free(q);
     free(q);

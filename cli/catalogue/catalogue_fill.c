@@ -109,8 +109,8 @@ int cli_catalogue_curves(const cli_call *call)
     lw_error e = { 0 };
     if (s->links != 0 && s->links != 4 && s->links != 6)
         return cli_usage(call, "curves are drawn for four or six links: --links 4 or 6, not %d", s->links);
-    if (six && cli_given(&call->parsed, "types"))
-        return cli_usage(call, "--types is for four links; --links 6 draws all chains, ground links and tracer links");
+    if (six && cli_given(&call->parsed, "type"))
+        return cli_usage(call, "--type is for four links; --links 6 draws all chains, ground links and tracer links");
     if (s->samples == 0)
         return cli_usage(call, "how many curves? give --samples N");
     cli_catalogue_watch w = cli_catalogue_watch_begin(call, "curves", "samples");

@@ -37,10 +37,10 @@ static int look_ahead(const cli_call *call, lw_store *store, const lw_atlas_html
     double size = 0;
     if (lw_atlas_html_expect(store, o, &n, &size, &e) != LW_OK)
         return cli_fail(call, &e);
-    if (size <= MUCH || cli_given(&call->parsed, "limit"))
+    if (size <= MUCH || cli_given(&call->parsed, "results"))
         return CLI_DONE;
-    return cli_usage(call, "%zu chains make about %.0f MB of pages: --limit 1000 takes the first thousand, --links P "
-                     "those with P links, --limit %zu all of them", n, 1e-6*size, n);
+    return cli_usage(call, "%zu chains make about %.0f MB of pages: --results 1000 takes the first thousand, --links P "
+                     "those with P links, --results %zu all of them", n, 1e-6*size, n);
 }
 
 int cli_catalogue_html(const cli_call *call)
@@ -57,7 +57,7 @@ int cli_catalogue_html(const cli_call *call)
     if (st != LW_OK)
         return cli_fail(call, &e);
     o.links = cli_given(&call->parsed, "links") ? s->links : 0;
-    o.limit = cli_given(&call->parsed, "limit") ? s->limit : 0;
+    o.limit = cli_given(&call->parsed, "results") ? s->results : 0;
     int code = look_ahead(call, store, &o);
     if (code == CLI_DONE)
         code = check_folder(call, dir);

@@ -65,9 +65,15 @@ static void print_json(const cli_call *call, const lw_target *t, lw_atlas_hit *h
     cli_json_end(&j);
 }
 
-static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *hit, int *n, lw_error *e)
+/* How many curves are listed. */
+static int wanted(const cli_call *call)
 {
     const cli_catalogue_settings *s = call->settings;
+    return s->results ? s->results : 20;
+}
+
+static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *hit, int *n, lw_error *e)
+{
     lw_store *store = NULL;
     lw_atlas_search count = { 0 };
     lw_vec2 *p = malloc((t->n + 1)*sizeof *p);
@@ -80,7 +86,7 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
         cli_note(call, "%s: curves are compared with its first point alone", call->parsed.word[2]);
     lw_status status = cli_catalogue_open(call, false, &store, e);
     if (status == LW_OK)
-        status = lw_store_nearest(store, p, t->n, t->closed, s->neighbours, hit, n, &count, e);
+        status = lw_store_nearest(store, p, t->n, t->closed, wanted(call), hit, n, &count, e);
     if (status >= 0)
         cli_note(call, "%llu curves, %llu of %llu blocks read, %llu compared, %.1f ms",
                  (unsigned long long)count.n_curve, (unsigned long long)count.n_read, (unsigned long long)count.n_block,
@@ -92,13 +98,15 @@ static lw_status search(const cli_call *call, const lw_target *t, lw_atlas_hit *
 
 int cli_catalogue_nearest(const cli_call *call)
 {
+    if (wanted(call) > 100000)
+        return cli_usage(call, "nearest lists at most 100000 curves, not %d", wanted(call));
     const cli_catalogue_settings *s = call->settings;
     lw_target t = { 0 };
     lw_output out;
     lw_error e = { 0 };
     int n = 0, code;
     lw_target_options o = { .closed = s->shape == 0 ? -1 : s->shape == 1 };
-    lw_atlas_hit *hit = calloc((size_t)s->neighbours, sizeof *hit);
+    lw_atlas_hit *hit = calloc((size_t)wanted(call), sizeof *hit);
     lw_status status = hit ? cli_read_target(call->parsed.word[2], &o, &t, &e)
                            : lw_error_set(&e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK && !t.x)

@@ -243,7 +243,7 @@ static int run_query(job *j)
     const cli_catalogue_settings *s = call->settings;
     const char *text = call->parsed.n_word > 2 ? call->parsed.word[2] : "";
     lw_query_options o = { .list = s->list ? (lw_query_list)(s->list - 1) : LW_LIST_ANY, .columns = s->columns,
-                           .sort = s->sort, .limit = s->limit };
+                           .sort = s->sort, .limit = s->results };
     lw_query *q = calloc(1, sizeof *q);
     lw_status status = q ? LW_OK : lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     lw_store_query sql = { .sql = text, .foreign = true };
@@ -277,6 +277,8 @@ int cli_catalogue_query(const cli_call *call)
     if (s->fields)
         return print_fields(call);
     j.format = call->common.json || s->format == JSON ? JSON : s->format == CSV ? CSV : TABLE;
+    if (s->format > CSV)
+        return cli_usage(call, "query prints table, json or csv; export writes notations");
     if (s->sql && call->parsed.n_word < 3)
         return cli_usage(call, "--sql wants a SELECT: linkwright catalogue query FILE 'SELECT ...' --sql");
     int code = cli_catalogue_watch_end(&j.watch, run_query(&j));

@@ -9,37 +9,34 @@
 #define PLACE(member) offsetof(cli_catalogue_settings, member)
 
 static const cli_option options[] = {
-    { "links", 'p', CLI_INT, PLACE(links), "P", NULL, "build: number of links; curves: 4 (default) or 6", 3, LW_LINK_MAX, NULL, NULL },
+    { "links", 'l', CLI_INT, PLACE(links), "P", NULL, "build: number of links; curves: 4 (default) or 6", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
-    { "joints", 0, CLI_TEXT, PLACE(joints), "LETTERS", "r",
+    { "joints", 0, CLI_TEXT, PLACE(joints), "KINDS", "r",
       "build: kinds that joints may have, of r and t: every labelling that is not void", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground", "build: drive joints at the ground, or any", 0, 0,
       NULL, NULL },
     { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL,
       "build: leave out where the joints of a chain are drawn", 0, 0, NULL, NULL },
-    { "samples", 'n', CLI_INT, PLACE(samples), "N", NULL, "curves: how many are drawn", 1, 2e9, NULL, NULL },
-    { "types", 0, CLI_TEXT, PLACE(types), "LIST", "fourbar",
+    { "samples", 0, CLI_INT, PLACE(samples), "N", NULL, "curves: how many are drawn", 1, 2e9, NULL, NULL },
+    { "type", 0, CLI_TEXT, PLACE(types), "NAME,...", "fourbar",
       "curves: types of linkages, as of fit, apart by commas, or all", 0, 0, NULL, NULL },
     { "curves", 0, CLI_CHOICE, PLACE(curves), "both|closed|open", "both",
       "curves: whole circuits, or pieces of them, or in turn", 0, 0, NULL, NULL },
-    { "neighbours", 'k', CLI_INT, PLACE(neighbours), "K", "20", "nearest: how many curves are wanted", 1, 100000, NULL,
-      NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as closed or open", 0, 0, NULL, NULL },
-    { "list", 'l', CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
+    { "list", 0, CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
       "query, export: what is listed; any: the first of them that has all fields asked for", 0, 0, NULL, NULL },
-    { "columns", 0, CLI_TEXT, PLACE(columns), "FIELDS", NULL,
+    { "columns", 0, CLI_TEXT, PLACE(columns), "NAME,...", NULL,
       "query: fields that are shown, apart by commas", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: by these fields; -FIELD: falling", 0, 0, NULL, NULL },
-    { "limit", 0, CLI_INT, PLACE(limit), "N", NULL, "query, export: at most so many rows; html: chains", 1, 2e9, NULL, NULL },
-    { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv", "table",
-      "query: how rows are written", 0, 0, NULL, NULL },
+    { "results", 0, CLI_INT, PLACE(results), "N", NULL,
+      "at most so many: nearest: curves, 20 without it; query, export: rows; html: chains", 1, 2e9, NULL, NULL },
+    { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv|graph6|lam|sentence|franke|edges|dot|graphml", "table",
+      "query: table, json or csv; export: notation of chains and mechanisms, all but table and csv", 0, 0, NULL, NULL },
     { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
       "query: the question is a SELECT of SQL, with the tables of docs/catalogue.md", 0, 0, NULL, NULL },
     { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL, "query: list the fields instead", 0, 0, NULL, "sql" },
-    { "notation", 0, CLI_TEXT, PLACE(notation), "NAME", NULL,
-      "export: notation of chains and mechanisms, graph6, lam, sentence, ...", 0, 0, NULL, NULL },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5", "how long to wait for another program that writes to the file",
       0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
@@ -127,11 +124,11 @@ const cli_command cli_catalogue_command = {
         "  linkwright catalogue add atlas.db results.jsonl      what fit --json printed, or linkages\n"
         "  linkwright catalogue curves atlas.db --links 4 --samples 1000000\n"
         "  linkwright catalogue curves atlas.db --links 6 --samples 1000000\n"
-        "  linkwright catalogue nearest atlas.db target.csv -k 20\n"
+        "  linkwright catalogue nearest atlas.db target.csv --results 20\n"
         "  linkwright catalogue query atlas.db 'links=8 and planar and symmetry>1' --sort grounds\n"
         "  linkwright catalogue query atlas.db 'class=GCRR and error<0.01 and error_max<2mm' --format csv\n"
         "  linkwright catalogue query atlas.db 'SELECT links, count(*) FROM chain GROUP BY links' --sql\n"
-        "  linkwright catalogue export atlas.db 'links=10 and not planar' --notation lam\n"
+        "  linkwright catalogue export atlas.db 'links=10 and not planar' --format lam\n"
         "  linkwright catalogue check atlas.db                  against the published counts, page by page\n"
         "  linkwright catalogue html atlas.db -o atlas          web pages: open atlas/index.html\n"
         "  linkwright catalogue check                    the table that comes with the program\n"
@@ -158,7 +155,7 @@ const cli_command cli_catalogue_command = {
         "makes the exit code 4.\n"
         "html writes a folder of web pages that need no server: an overview with search, a page a chain with its picture,\n"
         "notations to copy and ground links, and pages of moving linkages; --links P takes only chains with P links,\n"
-        "--limit N the first N. More than 200 MB of pages are only made with --limit.\n",
+        "--results N the first N. More than 200 MB of pages are only made with --results.\n",
     .options = options,
     .settings_size = sizeof(cli_catalogue_settings),
     .least_words = 1,

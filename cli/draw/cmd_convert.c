@@ -11,15 +11,15 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "from", 'f', CLI_TEXT, offsetof(settings, from), "FORMAT", NULL,
+    { "from-format", 0, CLI_TEXT, offsetof(settings, from), "json|pyslvs|pmks|adams", NULL,
       "format of what is read: json, pyslvs, pmks, adams; without it the text itself tells", 0, 0, NULL, NULL },
-    { "to", 't', CLI_TEXT, offsetof(settings, to), "FORMAT", NULL,
+    { "format", 0, CLI_TEXT, offsetof(settings, to), "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|slvs|svg|poses|motiongen", NULL,
       "format of what is written; without it the end of the output's name tells (.json, .pyslvs, .txt, .adm, .xml, "
       "...), and it is json on standard output", 0, 0, NULL, NULL },
-    { "unit", 'u', CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
+    { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
       "length unit: m mm cm km um in ft; of numbers that are read without one (metre), else of what is written", 0, 0,
       NULL, NULL },
-    { "input", 'i', CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
+    { "input-joint", 0, CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
       "this joint, a pin or a slider, is driven, whatever the file says", 0, 0, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
       "result number N of a file that fit wrote; without it the first", 1, 1e9, NULL, NULL },
@@ -64,7 +64,7 @@ static lw_status format_of_output(const cli_call *call, const cli_format **out, 
             *out = f;
             return LW_OK;
         }
-    return lw_error_set(e, LW_E_ARG, "the end of '%s' says no format; add --to", path);
+    return lw_error_set(e, LW_E_ARG, "the end of '%s' says no format; add --format", path);
 }
 
 static lw_status set_unit(const char *name, lw_units *u, lw_error *e)
@@ -139,9 +139,9 @@ const cli_command cli_convert_command = {
     .words = "[FILE]",
     .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo, DXF, ...",
     .examples =
-        "  linkwright convert jansen.json --to pyslvs                 an expression for Pyslvs\n"
+        "  linkwright convert jansen.json --format pyslvs                 an expression for Pyslvs\n"
         "  linkwright convert table.txt -u mm -o walker.json          what PMKS wrote, in millimetres\n"
-        "  linkwright convert expression.pyslvs --input P0 | linkwright draw - -o x.svg\n",
+        "  linkwright convert expression.pyslvs --input-joint P0 | linkwright draw - -o x.svg\n",
     .about =
         "Reads one linkage from FILE or standard input; the text itself tells its format. Formats:\n"
         "  json     linkages as in docs/notation.md, and the results of fit\n"

@@ -15,7 +15,7 @@ typedef cli_draw_settings settings;
 static const cli_option options[] = {
     { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
       "linkage: draw the points of this target too", 0, 0, NULL, NULL },
-    { "size", 's', CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
+    { "size", 0, CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
       "size in pixels; without it what suits the format, for sheets A4", 64, 8192, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120",
       "linkage: postures of the motion, for animations", 2, 10000, NULL, NULL },
@@ -28,14 +28,14 @@ static const cli_option options[] = {
       "instead says that chains are read; their notation is told by how they begin", 0, 0, NULL, NULL },
     { "title", 0, CLI_TEXT, offsetof(settings, title), "TEXT", NULL,
       "title; without it the name of the linkage", 0, 0, NULL, NULL },
-    { "all-modes", 'a', CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
+    { "all-modes", 0, CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
       "linkage: the curves of the other assembly modes too, dashed", 0, 0, NULL, NULL },
-    { "until", 'u', CLI_REAL, offsetof(settings, until), "SECONDS", "0",
+    { "to", 0, CLI_REAL, offsetof(settings, until), "T", "0",
       "linkage whose several inputs have motions: show them from 0 to here; 0: to where they begin again or come to "
       "rest", 0, 1e6, NULL, NULL },
-    { "grid", 'g', CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: pictures on a page", 1, 64,
+    { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: pictures on a page", 1, 64,
       NULL, NULL },
-    { "each", 'e', CLI_FLAG, offsetof(settings, each), NULL, NULL,
+    { "each", 0, CLI_FLAG, offsetof(settings, each), NULL, NULL,
       "chains: every chain on a page, or in a file, of its own", 0, 0, NULL, "grid" },
     { "caption", 0, CLI_CHOICE, offsetof(settings, caption), "number|graph6|joints|assortment|none", "number",
       "chains: what stands below each; the assortment counts binary, ternary, ... links", 0, 0, NULL, NULL },
@@ -129,7 +129,7 @@ static bool holds_topologies(const char *path)
 /* NULL, or the option that has no meaning for what is drawn. */
 static const char *misplaced(const cli_call *call, bool chains)
 {
-    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "until", NULL };
+    static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "to", NULL };
     static const char *const of_chains[] = { "grid", "each", "caption", "numbers", "keep-going", NULL };
     for (const char *const *name = chains ? of_linkage : of_chains; *name; name++)
         if (cli_given(&call->parsed, *name))

@@ -20,13 +20,13 @@ typedef struct settings {
 enum { AUTO = 0 };
 
 static const cli_option options[] = {
-    { "type", 't', CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
+    { "type", 0, CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
       "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
       "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too; with --dof 2 from 5", 4, 10,
       NULL, NULL },
-    { "dof", 0, CLI_INT, offsetof(settings, dof), "F", "1",
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, "
       "with 3 of 8; all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99,
       NULL, NULL },
@@ -44,7 +44,7 @@ static const cli_option options[] = {
       "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
       "evaluations for each number of links above four, as many again with sliders, and with slots or gears", 1e3, 1e12, NULL, NULL },
-    { "resume", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
+    { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
       "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
     { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
       "start from the nearest curves of a catalogue too ('linkwright catalogue curves')", 0, 0, NULL, NULL },
@@ -59,9 +59,9 @@ static const cli_option options[] = {
       "from the x axis", 0, 0, NULL, NULL },
     { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
       "links of the target's further points (x2, ...), in their order: input, coupler, output, or any", 0, 0, NULL, NULL },
-    { "weight-path", 'a', CLI_REAL, offsetof(settings, weight_path), "A", "1",
+    { "weight-path", 0, CLI_REAL, offsetof(settings, weight_path), "A", "1",
       "weight of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
-    { "weight-angle", 'b', CLI_REAL, offsetof(settings, weight_angle), "B", "1",
+    { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", "1",
       "weight of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
     { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
       "bounds of the link lengths; without it 1/1000 to 10 diagonals of the target", 0, 1e300, NULL, NULL },
@@ -71,7 +71,7 @@ static const cli_option options[] = {
       "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
       "bounds of single dimensions, r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
-    { "crank-only", 'c', CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
+    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
       "the input is a crank: turns fully, and of a four-bar is the shortest link", 0, 0, NULL, NULL },
     { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
       "the input turns fully; drag-links too", 0, 0, NULL, "crank-only" },
@@ -89,7 +89,7 @@ static const cli_option options[] = {
       "starts a round, family and mode; 0: by the size of the problem", 0, 3200, NULL, NULL },
     { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
       "rounds at most; 0: by the size of the problem", 0, 100000, NULL, NULL },
-    { "results", 'n', CLI_INT, offsetof(settings, results), "N", "10", "results at most", 1, 64,
+    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10", "results at most", 1, 64,
       NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
       "linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
@@ -100,7 +100,7 @@ static const cli_option options[] = {
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
       "unit of the target's lengths: m, mm, cm, in, ...; without it what the file says, else m", 0,
       0, NULL, NULL },
-    { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "UNIT", NULL,
+    { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
       "unit of its angles: rad, deg, turn; without it what the file says, else rad", 0, 0, NULL, NULL },
     { .name = NULL }
 };

@@ -12,9 +12,9 @@ typedef struct settings {
 static const char *const units[] = { "deg", "rad", "turn" };
 
 static const cli_option options[] = {
-    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "T", "1e-12",
+    { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
       "sums of lengths are called equal within T times the perimeter", 0, 0.1, NULL, NULL },
-    { "unit", 'u', CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg",
+    { "angle-unit", 0, CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg",
       "unit of the angles that are printed", 0, 0, NULL, NULL },
     { .name = NULL }
 };

@@ -14,34 +14,34 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "speed", 's', CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
+    { "speeds", 0, CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
       "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it that of "
       "the file", 0, 0, NULL, NULL },
-    { "unit", 'u', CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
+    { "speed-unit", 0, CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
       "unit of the speeds; m/s for inputs that slide", 0, 0, NULL, NULL },
     { "stiffness", 'K', CLI_TEXT, offsetof(settings, stiffness), "LIST", NULL,
       "stiffness of the contact [N/m] instead of the file's", 0, 0, NULL, NULL },
-    { "damping", 'c', CLI_TEXT, offsetof(settings, damping), "LIST", NULL,
+    { "damping", 0, CLI_TEXT, offsetof(settings, damping), "LIST", NULL,
       "damping of the contact [N s/m] instead of the file's", 0, 0, NULL, NULL },
-    { "model", 'm', CLI_TEXT, offsetof(settings, model), "LIST", NULL,
+    { "model", 0, CLI_TEXT, offsetof(settings, model), "LIST", NULL,
       "zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh, instead of the file's", 0, 0, NULL, NULL },
-    { "end", 'e', CLI_REAL, offsetof(settings, end), "T", "1.25", "length of a run [s]", 1e-9, 1e9, NULL, NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25", "length of a run [s]", 1e-9, 1e9, NULL, NULL },
     { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4",
       "contact counts from here on [s]", 0, 1e9, NULL, NULL },
     { "start", 0, CLI_CHOICE, offsetof(settings, start), "closed|seated|crank", "closed",
       "pin in the middle of its bush and all links at the speeds of the closed linkage; pin pressed in as the reaction "
       "asks; or only the driven link moving", 0, 0, NULL, NULL },
-    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "E", "1e-9",
+    { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-9",
       "error of a step in sizes of the linkage", 1e-14, 1e-3, NULL, NULL },
-    { "limits", 'l', CLI_FLAG, offsetof(settings, limits), NULL, NULL,
+    { "limits", 0, CLI_FLAG, offsetof(settings, limits), NULL, NULL,
       "print only where contact is lost and kept again as the speed rises", 0, 0, NULL, NULL },
-    { "refine", 'r', CLI_REAL, offsetof(settings, refine), "W", NULL,
+    { "refine", 0, CLI_REAL, offsetof(settings, refine), "W", NULL,
       "halve the limits down to this width", 0, 1e9, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
       "picture of speed against stiffness, contact kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { "passes", 0, CLI_OUTPUT, offsetof(settings, passes), "FILE", NULL,
       "picture of the pin's direction in its bush each time the input passes its start, over speed: few points where "
-      "motion is regular, a cloud where it is not; give it time with --end", 0, 0, NULL, NULL },
+      "motion is regular, a cloud where it is not; give it time with --to", 0, 0, NULL, NULL },
     { "path", 0, CLI_OUTPUT, offsetof(settings, path), "FILE", NULL,
       "picture of the way of the pin in its bush; for one speed and one law", 0, 0, NULL, NULL },
     { "force-plot", 0, CLI_OUTPUT, offsetof(settings, force), "FILE", NULL,
@@ -60,15 +60,15 @@ static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
     const settings *s = call->settings;
     const lw_linkage *k = &c->model->linkage;
     bool slides = k->n_input > 0 && k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
-    int unit = slides && !cli_given(&call->parsed, "unit") ? 2 : s->unit;
+    int unit = slides && !cli_given(&call->parsed, "speed-unit") ? 2 : s->unit;
     if (s->speed && k->n_input == 0)
-        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for the input, and the model has none; "
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speeds is for the input, and the model has none; "
                            "add \"input\" to the file");
     if (s->speed && c->model->motion[0])
-        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speed is for an input that runs freely, but its "
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speeds is for an input that runs freely, but its "
                            "\"motion\" is prescribed; give it a \"speed\" instead");
     if (k->n_input > 0 && (unit == 2) != slides)
-        return lw_error_set(e, LW_E_ARG, "--unit %s does not go with an input that %s", name[unit],
+        return lw_error_set(e, LW_E_ARG, "--speed-unit %s does not go with an input that %s", name[unit],
                             slides ? "slides" : "turns");
     c->unit = name[unit];
     c->o.unit = size[unit];
@@ -173,12 +173,12 @@ const cli_command cli_clearance_command = {
     .words = "MODEL.json",
     .title = "does a pin keep contact with its bush: speeds, stiffnesses, models of clearance",
     .examples =
-        "  linkwright clearance examples/clearance-four-bar.json --speed 80:120:2             kept or lost\n"
-        "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
-        "  linkwright clearance model.json --speed 80:400:2 --stiffness 1e6,1e7,1e8 --plot map.svg\n"
-        "  linkwright clearance model.json --speed 80:130:1 --end 8 --settle 4 --passes cloud.svg\n"
-        "  linkwright clearance model.json --speed 94 --path path.svg --force-plot force.svg       one run in full\n"
-        "  linkwright clearance model.json --speed 92,94 --model impact,mlsd,link,zero        by four models\n",
+        "  linkwright clearance examples/clearance-four-bar.json --speeds 80:120:2             kept or lost\n"
+        "  linkwright clearance model.json --speeds 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
+        "  linkwright clearance model.json --speeds 80:400:2 --stiffness 1e6,1e7,1e8 --plot map.svg\n"
+        "  linkwright clearance model.json --speeds 80:130:1 --to 8 --settle 4 --passes cloud.svg\n"
+        "  linkwright clearance model.json --speeds 94 --path path.svg --force-plot force.svg       one run in full\n"
+        "  linkwright clearance model.json --speeds 92,94 --model impact,mlsd,link,zero        by four models\n",
     .about =
         "The joints that have a \"clearance\" in the file (pins only) are opened, and the linkage moves from the\n"
         "posture and speed of the file, its input free unless it has a \"motion\". A row of the table is one run\n"

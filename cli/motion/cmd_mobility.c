@@ -13,7 +13,7 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "tolerance", 't', CLI_REAL, offsetof(settings, tolerance), "T", "1e-12",
+    { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
       "a posture closes when its joints fit to T times the size of the linkage; more than the default lets "
       "rounded files of special linkages move", 0, 1e-4, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,

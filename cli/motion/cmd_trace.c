@@ -14,7 +14,7 @@
 typedef struct settings {
     int         steps, mode, result;
     const char *tracer, *range;
-    double      from, to, speed;
+    double      input_range[2], speed;
     bool        cycle, all, explain;
 } settings;
 
@@ -35,27 +35,25 @@ static const cli_option options[] = {
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
       "which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is", 0, 1000000, NULL,
       NULL },
-    { "tracer", 't', CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
+    { "tracer", 0, CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
       "only this tracer; without it all of them", 0, 0, NULL, NULL },
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
       "arcs of all assembly modes, or only the arc that holds the posture of the file", 0, 0, NULL, NULL },
-    { "from", 0, CLI_REAL, offsetof(settings, from), "A", NULL,
-      "least input, in the unit of the file", 0, 0, "to", NULL },
-    { "to", 0, CLI_REAL, offsetof(settings, to), "B", NULL,
-      "greatest input", 0, 0, "from", NULL },
+    { "input-range", 0, CLI_RANGE, offsetof(settings, input_range), "MIN:MAX", NULL,
+      "only this part of the input, in the unit of the file", 0, 0, NULL, NULL },
     { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
       "constant speed of the input [rad/s, or length unit/s for a slider]: derivatives are by time "
       "instead of by the input", 0, 0, NULL, NULL },
-    { "cycle", 'c', CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
+    { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
       "the whole motion as one curve of postures, over limits of the input until it closes; rows evenly along it",
-      0, 0, NULL, "from" },
-    { "all-assemblies", 'a', CLI_FLAG, offsetof(settings, all), NULL, NULL,
+      0, 0, NULL, "input-range" },
+    { "all-assemblies", 0, CLI_FLAG, offsetof(settings, all), NULL, NULL,
       "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
-    { "explain", 0, CLI_FLAG, offsetof(settings, explain), NULL, NULL,
+    { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
       "say how the linkage would be solved for its tracers - group by group, what is left out - and end",
       0, 0, NULL, NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
-      "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "from" },
+      "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "input-range" },
     { .name = NULL }
 };
 
@@ -84,12 +82,12 @@ static lw_status choose_tracers(const settings *s, const char *file, const lw_li
 static void set_window(const settings *s, const cli_call *call, cli_trace *t)
 {
     const lw_input *in = &t->k.input[0];
-    t->whole = !cli_given(&call->parsed, "from") && in->first == in->last;
+    t->whole = !cli_given(&call->parsed, "input-range") && in->first == in->last;
     t->from = t->to = 0;
-    if (cli_given(&call->parsed, "from")) {
+    if (cli_given(&call->parsed, "input-range")) {
         double unit = t->plan.input_is_slider ? t->k.units.metre : t->k.units.radian;
-        t->from = s->from*unit;
-        t->to = s->to*unit;
+        t->from = s->input_range[0]*unit;
+        t->to = s->input_range[1]*unit;
     } else if (!t->whole) {
         t->from = fmin(in->first, in->last);
         t->to = fmax(in->first, in->last);
@@ -141,7 +139,7 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
 static bool cut_short(const cli_call *call, const cli_rows *r, bool dropped, int most)
 {
     if (dropped)
-        cli_note(call, "there are more arcs than the %d that are traced; narrow --from and --to", most);
+        cli_note(call, "there are more arcs than the %d that are traced; narrow --input-range", most);
     return r->cut_short || dropped;
 }
 
@@ -239,10 +237,10 @@ static void curve_window(const cli_call *call, cli_curve_trace *t)
     const settings *s = call->settings;
     const lw_input *in = &t->k->input[0];
     double unit = t->k->n_input ? cli_curve_unit(t, 0) : 1;
-    bool given = cli_given(&call->parsed, "from");
+    bool given = cli_given(&call->parsed, "input-range");
     t->whole = !given && in->first == in->last;
-    t->from = given ? s->from*unit : fmin(in->first, in->last);
-    t->to = given ? s->to*unit : fmax(in->first, in->last);
+    t->from = given ? s->input_range[0]*unit : fmin(in->first, in->last);
+    t->to = given ? s->input_range[1]*unit : fmax(in->first, in->last);
     t->timed = cli_given(&call->parsed, "speed");
     t->speed = s->speed*(t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER ? t->k->units.metre : 1);
     t->steps = s->steps;
@@ -466,8 +464,8 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
-    if (cli_given(&call->parsed, "from") && !(s->from < s->to))
-        return cli_usage(call, "--from must be less than --to");
+    if (cli_given(&call->parsed, "input-range") && !(s->input_range[0] < s->input_range[1]))
+        return cli_usage(call, "--input-range wants two different inputs, the smaller first");
     double until = call->common.time > 0 ? lw_clock_wall() + call->common.time : 0;
     lw_error e = { 0 };
     lw_model *m = cli_read_model(call->parsed.word[0], s->result, &e);
@@ -489,7 +487,7 @@ const cli_command cli_trace_command = {
         "  linkwright trace examples/hoeken.json                    all arcs, as CSV\n"
         "  linkwright trace examples/slider-crank.json --speed 10   per second, at 10 rad/s\n"
         "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
-        "  linkwright trace model.json --from -90 --to 90 --json    part of the input, as JSON\n"
+        "  linkwright trace model.json --input-range -90:90 --json  part of the input, as JSON\n"
         "  linkwright trace examples/chebyshev.json --cycle         over both limits and back, one closed curve\n"
         "  linkwright trace model.json --tracer foot --explain      the groups it is solved by\n"
         "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",

@@ -1,5 +1,6 @@
 #include "cli/program/option.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -238,6 +239,22 @@ static lw_status unknown_option(parser *q, const char *word, size_t size)
     return lw_error_set(q->e, LW_E_ARG, "there is no option --%s", name);
 }
 
+/* A letter means the same in every command, so most options have none: name those that begin with it. */
+static lw_status unknown_letter(parser *q, char letter)
+{
+    char names[256] = "";
+    for (int table = 0; table < 2; table++) {
+        const cli_option *rows = table ? cli_common_options : q->own;
+        for (int i = 0; rows && rows[i].name; i++) {
+            size_t n = strlen(names);
+            if (rows[i].name[0] == letter)
+                snprintf(names + n, sizeof names - n, "%s--%s", n ? ", " : "", rows[i].name);
+        }
+    }
+    return lw_error_set(q->e, LW_E_ARG, "there is no option -%c%s%s", letter, names[0] ? "; by this letter begin " : "",
+                        names);
+}
+
 static bool is_number(const char *w) { return (w[1] >= '0' && w[1] <= '9') || w[1] == '.'; }
 
 /* `value` is the text after '=' or the letter, NULL when the next word is it */
@@ -281,10 +298,10 @@ static lw_status short_options(parser *q, const char *word)
     for (const char *c = word + 1; *c; c++) {
         found f = place_of(q, row_by_letter(q->own, *c), row_by_letter(cli_common_options, *c));
         char shown[4] = { '-', *c, 0, 0 };
-        if (!f.row && c == word + 1)
+        if (!f.row && c == word + 1 && isalpha((unsigned char)c[1]))
             return unknown_option(q, word + 1, strlen(word + 1));
         if (!f.row)
-            return lw_error_set(q->e, LW_E_ARG, "there is no option %s (in %s)", shown, word);
+            return unknown_letter(q, *c);
         bool flag = f.row->kind == CLI_FLAG;
         lw_status s = take(q, f, shown, flag || !c[1] ? NULL : c + 1 + (c[1] == '='));
         if (s != LW_OK || !flag)

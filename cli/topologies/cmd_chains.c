@@ -23,13 +23,13 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "links", 'p', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
-    { "dof", 'f', CLI_INT, offsetof(settings, dof), "F", "1",
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom; 0 gives Baranov trusses", 0, LW_DOF_MAX, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, do not list", 0, 0, NULL, NULL },
     { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
       "count by numbers of binary, ternary, ... links", 0, 0, "count", NULL },
-    { "format", 0, CLI_CHOICE, offsetof(settings, format),
+    { "format", 'f', CLI_CHOICE, offsetof(settings, format),
       "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6",
       "how a chain is written", 0, 0, NULL, "count" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,

@@ -18,23 +18,23 @@ static const cli_option options[] = {
     CLI_FORMAT_ROW(settings, format, NULL),
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
       "parse, print, explain: after a fault of input go on with the next topology", 0, 0, NULL, NULL },
-    { "from", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
+    { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
       "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
-    { "rule", 'r', CLI_INT, offsetof(settings, rule), "N", NULL,
-      "derive: one rule by hand; 1 and 2 plant a seed, 3 and 4 grow --from at --at", 1, 4, NULL, "links" },
+    { "rule", 0, CLI_INT, offsetof(settings, rule), "N", NULL,
+      "derive: one rule by hand; 1 and 2 plant a seed, 3 and 4 grow --sentence at --at", 1, 4, NULL, "links" },
     { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
       "derive: the parts between which the new string goes", 0, 0, "rule", NULL },
     { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
       "derive: which word, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at", NULL },
-    { "kinds", 0, CLI_TEXT, offsetof(settings, k), "LETTERS", NULL,
+    { "joints", 0, CLI_TEXT, offsetof(settings, k), "KINDS", NULL,
       "derive: with --rule, the joints k of the new string in order (rule 4: three); with --links, what k may "
       "be; r and t. Without it r", 0, 0, NULL, NULL },
-    { "links", 'n', CLI_INT, offsetof(settings, links), "N", NULL,
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "derive: everything with N links that the rules reach; coverage: up to N links", 3, LW_LINK_MAX, NULL,
       NULL },
     { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
       "derive --links: the rules that may be used", 0, 0, NULL, NULL },
-    { "anywhere", 'a', CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
+    { "anywhere", 0, CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
       "derive --links: X and Y need not lie at one region", 0, 0, "links", NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive --links: the number only", 0, 0,
       "links", NULL },
@@ -212,21 +212,21 @@ static int derive_by_hand(const cli_call *call)
     lw_production p = lw_production_of(s->rule);
     lw_sentence sentence;
     if (s->k && strlen(s->k) != (size_t)lw_rule_kinds(s->rule))
-        return cli_usage(call, "rule %d has %d joints k, --kinds %s gives %zu", s->rule, lw_rule_kinds(s->rule),
+        return cli_usage(call, "rule %d has %d joints k, --joints %s gives %zu", s->rule, lw_rule_kinds(s->rule),
                          s->k, strlen(s->k));
     if (s->k)
         memcpy(p.kind, s->k, strlen(s->k));
     if (s->rule <= 2) {
         if (s->from || s->at)
-            return cli_usage(call, "rule %d plants a seed and takes neither --from nor --at", s->rule);
+            return cli_usage(call, "rule %d plants a seed and takes neither --sentence nor --at", s->rule);
         return lw_rule_plant(&p, &sentence, &j.e) == LW_OK ? write_sentence(&j, &sentence) : cli_fail(call, &j.e);
     }
     if (!s->from || !s->at)
-        return cli_usage(call, "rule %d grows a sentence: give --from SENTENCE and --at X,Y", s->rule);
+        return cli_usage(call, "rule %d grows a sentence: give --sentence SENTENCE and --at X,Y", s->rule);
     if (!read_place(s->at, &p))
         return cli_usage(call, "--at takes two part numbers, such as 3,4, not '%s'", s->at);
     p.word = s->word > 0 ? s->word - 1 : LW_NONE;
-    if (lw_sentence_read(s->from, strlen(s->from), "--from", &sentence, &j.e) != LW_OK
+    if (lw_sentence_read(s->from, strlen(s->from), "--sentence", &sentence, &j.e) != LW_OK
         || lw_rule_apply(&sentence, &p, &sentence, &j.e) != LW_OK)
         return cli_fail(call, &j.e);
     return write_sentence(&j, &sentence);
@@ -254,7 +254,7 @@ static int derive_all(const cli_call *call)
         return cli_fail(call, &j.e);
     lw_status s = lw_derive_each(&how, write_derived, &j);
     if (s == LW_E_ARG)
-        lw_error_set(&j.e, s, "--kinds with --links takes r, t or rt, not '%s'", how.kinds);
+        lw_error_set(&j.e, s, "--joints with --links takes r, t or rt, not '%s'", how.kinds);
     if (s == LW_E_MEMORY)
         lw_error_set(&j.e, s, "out of memory: too much is reached with %d links", how.n_link);
     if (s < 0) {
@@ -352,7 +352,7 @@ const cli_command cli_grammar_command = {
     .examples =
         "  echo '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' | linkwright grammar parse --format lam\n"
         "  linkwright grammar print watt.lam                    the sentence of a matrix\n"
-        "  linkwright grammar derive --from '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' --rule 3 --at 3,4\n"
+        "  linkwright grammar derive --sentence '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' --rule 3 --at 3,4\n"
         "  linkwright grammar derive --links 8 --rules 2,4      everything that rules 2 and 4 make\n"
         "  linkwright grammar explain chains.g6                 a derivation of each, or why there is none\n"
         "  linkwright grammar coverage --links 12               how much of everything the rules reach\n",

@@ -6,8 +6,8 @@
 typedef struct settings { int dof, loops, n2; } settings;
 
 static const cli_option options[] = {
-    { "dof", 'f', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
-    { "loops", 'l', CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops; without it 1 to 4", 1,
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops; without it 1 to 4", 1,
       LW_LOOP_MAX, NULL, NULL },
     { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0", "up to K joints of two freedoms", 0, 3*LW_LOOP_MAX, NULL,
       NULL },

@@ -16,10 +16,10 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "loops", 'l', CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops", 2, LW_LOOP_MAX, NULL, NULL },
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops", 2, LW_LOOP_MAX, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, by number of circles", 0, 0, NULL,
       NULL },
-    { "derive", 'd', CLI_FLAG, offsetof(settings, derive), NULL, NULL, "show how each grows from the seed", 0, 0, NULL,
+    { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL, "show how each grows from the seed", 0, 0, NULL,
       "count" },
     { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only those with a planar graph", 0, 0, NULL,
       "non-planar" },

@@ -1,0 +1,91 @@
+/* test_cli_option_names.c - an option means the same in every command: one letter has one name, one name has one letter
+ * and one kind of value.  Read from the help texts, which are made from the tables of options. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+typedef struct option { char command[32], letter[8], name[40], value[160]; } option;
+
+static option all[512];
+static int n_all;
+
+/* "  -l, --links P               text": true, and the row is filled. */
+static bool read_row(const char *line, option *o)
+{
+    char at[3] = "";
+    *o = (option){ 0 };
+    if (strncmp(line, "      --", 8) == 0)
+        line += 6;
+    else if (sscanf(line, "  -%1[a-zA-Z], -%1[-]", o->letter, at) == 2)
+        line += 6;
+    else
+        return false;
+    int n = 0;
+    sscanf(line, "--%39[a-z0-9-]%n", o->name, &n);
+    if (line[n] == ' ' && line[n + 1] != ' ')
+        sscanf(line + n, " %159[^ \n]", o->value);
+    return n > 0;
+}
+
+static void read_help(const char *command)
+{
+    char line[128];
+    snprintf(line, sizeof line, "$P help %s", command);
+    ran r = run(line);
+    for (char *at = r.out; at && *at; at = strchr(at, '\n'), at += at != NULL)
+        if (n_all < 512 && read_row(at, &all[n_all]))
+            snprintf(all[n_all++].command, sizeof all[0].command, "%s", command);
+    ran_free(&r);
+}
+
+static void read_all(void)
+{
+    ran r = run("$P help");
+    char name[32];
+    for (char *at = r.out; at && *at; at = strchr(at, '\n'), at += at != NULL)
+        if (strncmp(at, "  ", 2) == 0 && sscanf(at, "  %31[a-z]  ", name) == 1 && strcmp(name, "help") != 0)
+            read_help(name);
+    ran_free(&r);
+    CHECK(n_all > 150);
+}
+
+/* Choices may differ, a list is several of one value, and -o names a folder where a command writes several files. */
+static bool same_value(const option *a, const option *b)
+{
+    size_t n = strlen(a->value), m = strlen(b->value);
+    bool choices = strchr(a->value, '|') && strchr(b->value, '|'), folder = strcmp(a->name, "output") == 0;
+    bool list = (n < m && strcmp(b->value + n, ",...") == 0) || (m < n && strcmp(a->value + m, ",...") == 0);
+    return strcmp(a->value, b->value) == 0 || choices || folder || (list && strncmp(a->value, b->value, n < m ? n : m) == 0);
+}
+
+static void told(const option *a, const option *b, const char *why)
+{
+    printf("%s: -%s --%s %s, %s: -%s --%s %s: %s\n", a->command, a->letter, a->name, a->value, b->command, b->letter,
+           b->name, b->value, why);
+}
+
+static void names_and_letters(void)
+{
+    int n_bad = 0;
+    for (int i = 0; i < n_all; i++)
+        for (int k = 0; k < i; k++) {
+            const option *a = &all[i], *b = &all[k];
+            bool same_name = strcmp(a->name, b->name) == 0;
+            if (a->letter[0] && strcmp(a->letter, b->letter) == 0 && !same_name)
+                told(a, b, "one letter, two names"), n_bad++;
+            /* -f of convert named the format that is read; it is left out there so that nothing changes silently */
+            if (same_name && strcmp(a->letter, b->letter) != 0 && strcmp(a->command, "convert") != 0
+                && strcmp(b->command, "convert") != 0)
+                told(a, b, "one name, two letters"), n_bad++;
+            if (same_name && !same_value(a, b))
+                told(a, b, "one name, two kinds of value"), n_bad++;
+        }
+    CHECK_INT(n_bad, 0);
+}
+
+int main(void)
+{
+    RUN(read_all);
+    RUN(names_and_letters);
+    run_end();
+    return check_end();
+}
