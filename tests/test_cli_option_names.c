@@ -86,6 +86,5 @@ int main(void)
 {
     RUN(read_all);
     RUN(names_and_letters);
-    run_end();
     return check_end();
 }
