@@ -40,7 +40,7 @@ static inline void make_plan_of(const lw_family *f, bool function, lw_plan *plan
     lw_type_linkage(lw_type_find(f->type), &k);
     if (function)
         k.tracer[0].link = 3;
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, plan, NULL), LW_OK);
 }
 
 /* Inputs over which a member moves without a limit: the turn, or the middle of the longest stretch

@@ -16,7 +16,7 @@ static _Alignas(64) double work[1 << 17];
 
 static bool plan_of(subject *q, bool all)
 {
-    CHECK_INT(lw_plan_make(&q->k, (lw_plan_outputs){ 1, all }, &q->p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = 1, .all_joints = all }, &q->p, NULL), LW_OK);
     CHECK(lw_batch_work_size(&q->p) <= sizeof work);
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, NULL) == LW_OK;
 }

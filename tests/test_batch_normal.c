@@ -50,7 +50,7 @@ static void products_are_the_sums_written_out(void)
     int column[COLUMN_MAX];
     lw_rng_seed(&r, check_seed(), 1);
     lw_type_linkage(lw_type_find("fourbar"), &k);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, false }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &plan, NULL), LW_OK);
     for (int trial = 0; trial < 300; trial++) {
         size_t ld = 8*(1 + (size_t)trial%(LD_MAX/8));
         lw_normal q = { trial%(COLUMN_MAX + 1), 1 + trial%ROW_MAX, column, row, res, COLUMN_MAX, ld };

@@ -56,7 +56,7 @@ static void six_links_as_the_plan_says(void)
         for (int j = 0; j < 7; j++)
             add_pin(&l, pair[trial%2][j][0], pair[trial%2][j][1], random_place(&r));
         add_input(&l, 0, lw_linkage_posture_input(&l, 0));
-        CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ .all_joints = true }, &p, NULL), LW_OK);
+        CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .all_joints = true }, &p, NULL), LW_OK);
         CHECK_INT(lw_plan_read(&p, &l, dim, mode, &input, NULL), LW_OK);
         CHECK_INT(lw_motion_find(&p, dim, m), LW_OK);
         CHECK_INT(circuits(&l, 1), m->n_circuit);

@@ -66,7 +66,7 @@ static bool felt_by_all(plain *p, const lw_mechanism *m, int first, int second, 
     k.n_input = 2;
     k.input[0] = (lw_input){ .joint = first };
     k.input[1] = (lw_input){ .joint = second, .ratio = ratio };
-    return lw_plan_make_geared(&k, (lw_plan_outputs){ .tracers = 1 }, &plan, NULL) == LW_OK && plan.n_link == m->n_link;
+    return lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, &plan, NULL) == LW_OK && plan.n_link == m->n_link;
 }
 
 static int other_end(const lw_mechanism *m, int joint)

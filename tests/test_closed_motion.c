@@ -48,7 +48,7 @@ static subject *begin(const lw_linkage *k)
 {
     subject *s = malloc(sizeof *s);
     s->k = *k;
-    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 1, true }, &s->plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &s->plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&s->plan, k, s->dim, s->mode, &s->input, NULL), LW_OK);
     s->batch = aligned_alloc(64, (lw_batch_work_size(&s->plan) + 127) & ~(size_t)63);
     s->status = lw_closed_motion_find(&s->plan, s->dim, s->mode, s->input, s->batch, &s->cycle);

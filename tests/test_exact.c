@@ -230,7 +230,7 @@ static unsigned defects_again(const lw_candidate *c, size_t n, bool function)
     unsigned found = 0;
     lw_type_linkage(lw_type_find(c->family->type), &k);
     k.tracer[0].link = function ? 3 : 2;
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, c->dim, &m), LW_OK);
     int first = lw_motion_arc(&plan, &m, &c->mode_of[0], c->input[0]);
     for (size_t j = 0; j < n && first >= 0; j++) {

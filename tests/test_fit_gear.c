@@ -110,7 +110,7 @@ static int make_target(const lw_linkage *k, lw_target *t)
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, x[STATIONS], y[STATIONS], angle[STATIONS];
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make_geared(k, (lw_plan_outputs){ 1, true }, &plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED }, &plan, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < STATIONS; i++) {
@@ -183,7 +183,7 @@ static bool comes_back(const lw_problem *p, const lw_linkage *topology, const do
     lw_linkage k = *topology;
     lw_plan plan;
     lw_newton *n;
-    CHECK_INT(lw_plan_make_geared(topology, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(topology, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED }, &plan, NULL), LW_OK);
     double seed = p->branch.mode[plan.n_mode - 1];
     if (lw_plan_write(&plan, shape, p->branch.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
         return false;

@@ -7,7 +7,7 @@ static bool closes(const lw_linkage *k, int n)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
-    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < n; i++) {
         lw_pose pose;

@@ -16,7 +16,7 @@ static lw_plan plan_of_type(const char *name, lw_linkage *k)
 {
     lw_plan plan;
     lw_type_linkage(lw_type_find(name), k);
-    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     return plan;
 }
 
@@ -264,7 +264,7 @@ static void compare_over_a_turn(const double k[9], double mode, double start, do
     lw_plan plan;
     double dim[LW_DIM_MAX], modes[LW_MODE_MAX], input;
     fourbar_linkage(&l, k, mode, start);
-    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, modes, &input, NULL), LW_OK);
     lw_newton *s = newton_of(&l);
     for (int i = 1; s && i <= 24; i++) {
@@ -427,7 +427,7 @@ static void equal_crank_and_rod(void)
 
     lw_motion m;
     static lw_pose p;
-    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
     CHECK(m.change_point && m.n_arc == 2 && m.n_circuit == 1);
@@ -460,7 +460,7 @@ static void rocking_slider_crank(void)
     lw_plan plan;
     lw_motion m;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
-    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
     int a = lw_motion_arc(&plan, &m, mode, input);
@@ -497,7 +497,7 @@ static void peaucellier_is_straight(void)
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input, reached;
     peaucellier(&l, 1.5, 0.3);
     lw_newton *s = newton_of(&l);
-    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     for (int i = -9; s && i <= 9; i++) {
         static lw_pose p;

@@ -73,7 +73,7 @@ static void peaucellier_by_plan(const lw_linkage *l, double t)
     lw_plan plan;
     static lw_pose pose;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    CHECK_INT(lw_plan_make(l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, l, dim, mode, &input, NULL), LW_OK);
     /* closed form: Q from two pins 2 h apart whose places hold some ulps (9e-16) of 5 */
     for (int i = 0; i <= 100; i++)
@@ -233,7 +233,7 @@ static void by_plan_and_curve(const char *file)
     CHECK_INT(lw_file_read(file, &text, &size, NULL), LW_OK);
     CHECK_INT(lw_linkage_read(text, size, file, &l, NULL), LW_OK);
     free(text);
-    CHECK_INT(lw_plan_make(&l, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&l, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &l, dim, mode, &input, NULL), LW_OK);
     curve *v = follow(&l, 0);
     CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);

@@ -9,7 +9,7 @@ typedef struct planned { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[L
 static bool plan_all(planned *q)
 {
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make(&q->k, (lw_plan_outputs){ (1u << q->k.n_tracer) - 1, true }, &q->p, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p, &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, &e) == LW_OK;
 }
@@ -208,15 +208,15 @@ static void plans_hold_what_is_wanted(void)
     static planned q;
     jansen_linkage(&q.k);
     q.k.tracer[0].link = 2;
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_outputs){ 1, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1 }, &q.p, NULL), LW_OK);
     CHECK_INT(q.p.n_dyad, 1);
     CHECK_INT(q.p.n_dim, 9);
     add_tracer(&q.k, 8, lw_v2(1, 2));                     /* bar f: three dyads more, two names more */
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_outputs){ 3, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 3 }, &q.p, NULL), LW_OK);
     CHECK_INT(q.p.n_dyad, 4);
     CHECK(q.p.n_output_step[0] < q.p.n_output_step[1]);
     CHECK(lw_plan_dim(&q.p, "cx2") >= 0 && lw_plan_dim(&q.p, "cx3") < 0);
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_outputs){ 2, false }, &q.p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 2 }, &q.p, NULL), LW_OK);
     CHECK_INT(q.p.output_tracer[0], 1);
 }
 
@@ -239,21 +239,21 @@ static void says_what_cannot_be_planned(void)
 {
     static planned q;
     lw_error e;
-    const lw_plan_outputs want = { 1, false };
+    const lw_plan_options want = { .tracers = 1 };
     triad_linkage(&q.k);
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
     CHECK_HAS(e.text, "\"L3\", \"L4\", \"L5\", \"L6\"");
-    CHECK_INT(lw_plan_make_any(&q.k, want, &q.p, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &e), LW_OK);
     CHECK_INT(q.p.n_higher, 1);
     CHECK_INT(q.p.higher[0].n_link, 4);
     CHECK_INT(q.p.n_mode, 5);
     lw_type_linkage(lw_type_find("fourbar"), &q.k);
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_outputs){ 0, false }, &q.p, &e), LW_E_ARG);
-    CHECK_INT(lw_plan_make(&q.k, (lw_plan_outputs){ 2, false }, &q.p, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 0 }, &q.p, &e), LW_E_ARG);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 2 }, &q.p, &e), LW_E_ARG);
     q.k.input[0].joint = 1;
     CHECK_INT(lw_plan_make(&q.k, want, &q.p, &e), LW_E_KIND);
     CHECK_HAS(e.text, "does not touch the ground");
-    CHECK_INT(lw_plan_make_any(&q.k, want, &q.p, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&q.k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &q.p, &e), LW_OK);
     CHECK_INT(q.p.n_higher, 1);
     CHECK_INT(q.p.n_dyad, 0);
     q.k.n_input = 0;

@@ -11,7 +11,7 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-static const lw_plan_outputs all = { .tracers = 1, .all_joints = true };
+static const lw_plan_options all = { .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED };
 
 static void drive(lw_linkage *k, int joint)
 {
@@ -206,7 +206,7 @@ static bool plan_case(int i, planned *p)
 {
     lw_error e = { .text = "" };
     cases[i].make(&p->k, cases[i].ratio);
-    bool good = lw_plan_make_geared(&p->k, all, &p->plan, &e) == LW_OK
+    bool good = lw_plan_make(&p->k, all, &p->plan, &e) == LW_OK
              && lw_plan_read(&p->plan, &p->k, p->dim, p->mode, &p->input, &e) == LW_OK;
     if (!good)
         printf("case %d: %s\n", i, e.text);
@@ -269,7 +269,7 @@ static void random_ones_too(void)
         for (int j = 0; j < p.k.n_joint; j++)
             p.k.joint[j].at = lw_v2_add(p.k.joint[j].at, lw_v2(lw_rng_range(&r, -12, 12), lw_rng_range(&r, -12, 12)));
         p.k.input[0].value = lw_linkage_posture_input(&p.k, p.k.input[0].joint);
-        bool good = lw_plan_make_geared(&p.k, all, &p.plan, NULL) == LW_OK
+        bool good = lw_plan_make(&p.k, all, &p.plan, NULL) == LW_OK
                  && lw_plan_read(&p.plan, &p.k, p.dim, p.mode, &p.input, NULL) == LW_OK;
         CHECK(good);
         if (!good || lw_newton_create(&p.k, &n, NULL) != LW_OK)
@@ -445,18 +445,18 @@ static void what_cannot_be_planned_says_why(void)
     lw_plan plan;
     lw_error e;
     five_bar(&k, -0.5);
-    CHECK(lw_plan_make_any(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &plan, &e) == LW_E_KIND);
     CHECK_HAS(e.text, "of kind 'g'");
     five_bar(&k, -sqrt(2));
-    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK(lw_plan_make(&k, all, &plan, &e) == LW_E_KIND);
     CHECK_HAS(e.text, "ratios of whole numbers");
     train(&k, 1.0/5);                                          /* a fifth of a fifth                           */
     k.joint[4].ratio = 1.0/5;
-    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK(lw_plan_make(&k, all, &plan, &e) == LW_E_KIND);
     CHECK_HAS(e.text, "more than 24 turns of the input");
     five_bar(&k, -1);                                          /* wheels without a link in common              */
     k.joint[1].link[1] = 3;
-    CHECK(lw_plan_make_geared(&k, all, &plan, &e) == LW_E_KIND);
+    CHECK(lw_plan_make(&k, all, &plan, &e) == LW_E_KIND);
 }
 
 static void explained(void)

@@ -9,7 +9,7 @@ typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[L
 
 static bool plan_of(subject *q)
 {
-    CHECK_INT(lw_plan_make(&q->k, (lw_plan_outputs){ (1u << q->k.n_tracer) - 1, true }, &q->p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p, NULL), LW_OK);
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, NULL) == LW_OK;
 }
 
@@ -181,7 +181,7 @@ static void slider_crank_by_hand(void)
     lw_plan p;
     lw_pose pose;
     lw_type_linkage(lw_type_find("slidercrank"), &k);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, NULL), LW_OK);
     const double dim[8] = { 1, 3, 0, 3, 0, 0, 0, 0 }, mode[1] = { 1 };
     for (int i = 0; i < 36; i++) {
         double t = i*LW_PI/18, c = cos(t), s = sin(t), w = sqrt(9 - s*s), w1 = -s*c/w, w2 = -(c*c - s*s + w1*w1)/w;
@@ -203,7 +203,7 @@ static void limits_and_dead_points(void)
     lw_pose pose;
     const double dim[9] = { 4, 3, 2, 2.5, 1, 1, 0, 0, 0 }, mode[1] = { 1 };
     lw_type_linkage(lw_type_find("fourbar"), &k);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, NULL), LW_OK);
     CHECK_INT(lw_pose_solve(&p, dim, mode, 0, -1, &pose), LW_E_ARG);
     CHECK_INT(lw_pose_solve(&p, dim, mode, 0, LW_ORDER_MAX + 1, &pose), LW_E_ARG);
     double limit = acos((16 + 9 - 4.5*4.5)/24);                    /* coupler and rocker in line: 2 + 2.5 */

@@ -25,7 +25,7 @@ static void finite_around_every_limit(void)
     CHECK_INT(lw_file_read("examples/jansen.json", &text, &size, &e), LW_OK);
     CHECK_INT(lw_linkage_read(text, size, "jansen.json", &k, &e), LW_OK);
     free(text);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &k, dim, file_mode, &file_input, &e), LW_OK);
     int n_limit = 0;
     for (int set = 0; set < 1 << plan.n_dyad; set++) {

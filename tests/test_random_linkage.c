@@ -29,7 +29,7 @@ static bool newton_goes(const lw_problem *p, const lw_linkage *topology, const d
     lw_plan plan;
     lw_newton *n;
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make(topology, (lw_plan_outputs){ 1, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(topology, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
     if (lw_plan_write(&plan, shape, p->branch.mode, from, &k) != LW_OK || lw_newton_create(&k, &n, &e) != LW_OK)
         return false;
     bool ok = lw_newton_move(n, lw_newton_input(n) + to - from, NULL) == LW_OK;

@@ -554,7 +554,7 @@ static void motion_of_higher_groups(void)
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], first, least = 9, most = 0, fastest = 0;
         lw_error e = { .text = "" };
         made m = { .spec = lw_fit_spec_default() };
-        CHECK_INT(lw_plan_make_any(&k, (lw_plan_outputs){ 1, true }, &plan, &e), LW_OK);
+        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &plan, &e), LW_OK);
         CHECK_INT(plan.n_higher, 1);
         CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &first, &e), LW_OK);
         static lw_vec2 around[N + 3], *p = around + 1;

@@ -265,7 +265,7 @@ static void walks_end_at_the_limits_of_the_four_bar(void)
         double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
         lw_motion m;
         lw_walk w;
-        CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &plan, &e), LW_OK);
+        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, &e), LW_OK);
         CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, &e), LW_OK);
         CHECK_INT(lw_motion_find(&plan, dim, &m), LW_OK);
         lw_walk_make(&plan, dim, &m, lw_motion_arc(&plan, &m, mode, input), input, &w);

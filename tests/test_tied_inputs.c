@@ -20,7 +20,7 @@
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 
-static const lw_plan_outputs all = { .tracers = 1, .all_joints = true };
+static const lw_plan_options all = { .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED };
 
 static void tie(lw_linkage *k, int joint, double ratio)
 {
@@ -344,7 +344,7 @@ static void planned_as_a_gear_pair(void)
         double dim[2][LW_DIM_MAX], mode[2][LW_MODE_MAX], input[2];
         for (int h = 0; h < 2; h++) {
             five_bar(&k[h], ratio[i], h);
-            CHECK_INT(lw_plan_make_geared(&k[h], all, &plan[h], NULL), LW_OK);
+            CHECK_INT(lw_plan_make(&k[h], all, &plan[h], NULL), LW_OK);
             CHECK_INT(lw_plan_read(&plan[h], &k[h], dim[h], mode[h], &input[h], NULL), LW_OK);
         }
         CHECK_INT(plan[0].n_dim, plan[1].n_dim);
@@ -367,23 +367,23 @@ static void what_has_no_plan_says_why(void)
     lw_plan plan;
     lw_error e;
     five_bar(&k, 2, false);
-    CHECK_INT(lw_plan_make_any(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &plan, &e), LW_E_KIND);
     CHECK_HAS(e.text, "are tied");
     k.input[1].ratio = 0;
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
     CHECK_HAS(e.text, "needs one input, this linkage has 2");
     k.input[1].ratio = sqrt(2);
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
     CHECK_HAS(e.text, "tied input \"J2\": plans take ratios of whole numbers");
     k.input[1] = (lw_input){ .joint = 3, .ratio = 2 };
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
     CHECK_HAS(e.text, "turn on the ground");
     k.input[1] = (lw_input){ .joint = 1, .ratio = 2 };
     add_pin(&k, 0, 3, lw_v2(5, 5));
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
     CHECK_HAS(e.text, "F = 0; its inputs need F = 2");
     crank_and_slide(&k);
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, &e), LW_E_KIND);
+    CHECK_INT(lw_plan_make(&k, all, &plan, &e), LW_E_KIND);
 }
 
 static void explained(void)
@@ -392,7 +392,7 @@ static void explained(void)
     lw_plan plan;
     char text[2000];
     five_bar(&k, 2, false);
-    CHECK_INT(lw_plan_make_geared(&k, all, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, all, &plan, NULL), LW_OK);
     lw_plan_explain(&plan, &k, text, sizeof text);
     CHECK_HAS(text, "turned by the tied input \"J2\"");
 }
@@ -531,7 +531,7 @@ static lw_status check_inputs(void *context, const lw_mechanism *m)
         k.input[1].joint = first.joint;
         k.input[1].value = first.value;
     }
-    lw_status st = lw_plan_make_geared(&k, all, &plan, &e);
+    lw_status st = lw_plan_make(&k, all, &plan, &e);
     CHECK(st == LW_OK);
     if (st != LW_OK || lw_plan_read(&plan, &k, dim, mode, &input, NULL) != LW_OK)
         return LW_OK;

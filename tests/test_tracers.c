@@ -30,7 +30,7 @@ static void draw_machine(lw_rng *rng, machine *m)
     lw_fit_spec s = lw_fit_spec_default();
     double r2 = lw_rng_range(rng, 0.5, 1.2), size[3];
     CHECK_INT(lw_tracers_linkage(family_named("crank-rocker"), &like, &s, &k, &e), LW_OK);
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ lw_tracers_mask(&like), true }, &m->plan, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = lw_tracers_mask(&like), .all_joints = true }, &m->plan, &e), LW_OK);
     do
         for (int i = 0; i < 3; i++)
             size[i] = lw_rng_range(rng, 1.5, 4)*r2;
@@ -268,7 +268,7 @@ static void shaken_six_bar(lw_linkage *k, bool timed, lw_rng *rng, lw_target *t)
     k->n_tracer = 3;
     k->tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
     k->tracer[2] = (lw_tracer){ .name = "H", .link = 5, .at = { -3, 2.5 } };
-    CHECK_INT(lw_plan_make(k, (lw_plan_outputs){ 7, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(k, (lw_plan_options){ .tracers = 7, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
         lw_pose pose;
@@ -406,7 +406,7 @@ static void points_on_two_links_are_found_again(void)
     lw_fit_options o = lw_fit_options_default();
     k.n_tracer = 2;
     k.tracer[1] = (lw_tracer){ .name = "Q", .link = 2, .at = { 1.5, 2.6 } };
-    CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 3, true }, &plan, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 3, .all_joints = true }, &plan, NULL), LW_OK);
     CHECK_INT(lw_plan_read(&plan, &k, dim, mode, &input, NULL), LW_OK);
     for (int i = 0; i < N; i++) {
         lw_pose pose;

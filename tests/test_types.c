@@ -32,7 +32,7 @@ static void dimensions_have_their_names(void)
         lw_plan p;
         char text[256];
         lw_type_linkage(lw_type_find(known[i].type), &k);
-        CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, false }, &p, NULL), LW_OK);
+        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &p, NULL), LW_OK);
         names_of(&p, text, sizeof text);
         CHECK_TEXT(text, known[i].dims);
         CHECK_INT(lw_plan_dim(&p, "theta0"), p.i_theta0);
@@ -67,7 +67,7 @@ static void postures_are_sound(void)
         lw_type_linkage(t, &k);
         CHECK_INT(lw_linkage_check(&k, &e), LW_OK);
         CHECK_INT(lw_linkage_mobility(&k), 1);
-        CHECK_INT(lw_plan_make(&k, (lw_plan_outputs){ 1, true }, &p, &e), LW_OK);
+        CHECK_INT(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &p, &e), LW_OK);
         CHECK_INT(lw_plan_read(&p, &k, dim, mode, &input, &e), LW_OK);
         CHECK_INT(p.input_is_slider, t->input_is_slider);
         CHECK_NEAR(k.input[0].value, input, 1e-15, 0);

@@ -75,7 +75,7 @@ static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
     if (m->n == FAMILY_MAX)
         return lw_error_set(e, LW_E_ARG, "more than %d families", FAMILY_MAX);
     lw_type_linkage(lw_type_find(f->type), &k);
-    lw_status status = lw_plan_make(&k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, &to->plan, e);
+    lw_status status = lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &to->plan, e);
     if (status != LW_OK)
         return status;
     to->coupler = lw_plan_dim(&to->plan, "r3");

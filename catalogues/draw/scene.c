@@ -139,8 +139,9 @@ static void keep_dimensions(lw_work *w)
  * dimensions are told all the same where there is any plan. */
 static bool prepare(lw_work *w)
 {
-    const lw_plan_outputs want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true };
-    bool any = choose_references(w) && lw_plan_make_any(&w->linkage, want, &w->plan, NULL) == LW_OK
+    const lw_plan_options want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true,
+                                    .kind = LW_PLAN_HIGHER };
+    bool any = choose_references(w) && lw_plan_make(&w->linkage, want, &w->plan, NULL) == LW_OK
                && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
     if (any)
         keep_dimensions(w);

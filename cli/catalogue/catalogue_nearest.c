@@ -12,7 +12,7 @@ static void print_dimensions(const lw_linkage *k, double unit, FILE *f)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX], input;
-    if (lw_plan_make(k, (lw_plan_outputs){ 1, false }, &plan, NULL) != LW_OK
+    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1 }, &plan, NULL) != LW_OK
         || lw_plan_read(&plan, k, dim, mode, &input, NULL) != LW_OK)
         return;
     for (int d = 0; d < plan.n_dim; d++)

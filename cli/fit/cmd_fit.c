@@ -246,7 +246,7 @@ static bool is_dimension(const char *types, const char *name)
         lw_plan plan;
         lw_type_linkage(t, &k);
         bool asked = strcmp(types, "all") == 0 || strstr(types, t->name) || strstr(types, t->letters);
-        if (asked && lw_plan_make(&k, (lw_plan_outputs){ .tracers = 1 }, &plan, NULL) == LW_OK
+        if (asked && lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &plan, NULL) == LW_OK
             && lw_plan_dim(&plan, name) >= 0)
             return true;
     }

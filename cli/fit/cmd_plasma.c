@@ -73,7 +73,7 @@ static int try_choice(job *b, int input, int tracer, lw_linkage *k)
     m.output = tracer;
     lw_rng_seed(&rng, b->call->common.seed, 7);
     if (plan && lw_linkage_sketch(&m, &rng, k) == LW_OK
-        && lw_plan_make_any(k, (lw_plan_outputs){ .tracers = 1 }, plan, NULL) == LW_OK)
+        && lw_plan_make(k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK)
         links = plan->n_link;
     free(plan);
     return links;
@@ -178,7 +178,7 @@ static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
-    bool ok = plan && lw_plan_make_any(&b->sketch, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, plan, NULL) == LW_OK;
+    bool ok = plan && lw_plan_make(&b->sketch, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK;
     double scale = plan && ok && plan->input_is_slider ? p->unit : 1, mid = p->branch.turns ? 0 : p->branch.mid*scale;
     bool found = false;
     memcpy(mode, p->branch.mode, sizeof mode);

@@ -361,8 +361,8 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
     char text[8192];
     lw_error e = { 0 };
     lw_output o;
-    bool dyads = lw_plan_make(k, (lw_plan_outputs){ .tracers = tracers }, &plan, &e) == LW_OK;
-    lw_status st = lw_plan_make_any(k, (lw_plan_outputs){ .tracers = tracers }, &plan, &e);
+    bool dyads = lw_plan_make(k, (lw_plan_options){ .tracers = tracers }, &plan, &e) == LW_OK;
+    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .kind = LW_PLAN_HIGHER }, &plan, &e);
     if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     if (st == LW_E_KIND)
@@ -435,7 +435,7 @@ static int choose_way(const job *j)
     if (!t)
         return lw_error_set(&e, LW_E_MEMORY, "out of memory"), cli_fail(call, &e);
     t->k = *k;
-    lw_status st = lw_plan_make(k, (lw_plan_outputs){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
+    lw_status st = lw_plan_make(k, (lw_plan_options){ .tracers = j->tracers, .all_joints = true }, &t->plan, &e);
     int code;
     if (st == LW_OK)
         code = by_plan(j, t);

@@ -35,7 +35,7 @@ int main(int argc, char **argv)
     free(text);
 
     /* once per topology: what the first tracer needs; then the numbers of this posture */
-    if (lw_plan_make(&linkage, (lw_plan_outputs){ .tracers = 1 }, &plan, &e) != LW_OK ||
+    if (lw_plan_make(&linkage, (lw_plan_options){ .tracers = 1 }, &plan, &e) != LW_OK ||
         lw_plan_read(&plan, &linkage, dim, mode, &input, &e) != LW_OK)
         return complain(&e);
 

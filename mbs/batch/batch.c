@@ -69,32 +69,34 @@ size_t lw_batch_work_size(const lw_plan *p)
     return sizeof(double)*n;
 }
 
+const lw_kernels *lw_kernels_of(const lw_plan *plan) { return plan->kernels ? plan->kernels : lw_kernels_supported(0); }
+
 void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *x, double *y, double *u, double *v, double *margin)
 {
-    plan->kernels->point(plan, in, which, work, x, y, u, v, margin);
+    lw_kernels_of(plan)->point(plan, in, which, work, x, y, u, v, margin);
 }
 
 void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *ox, double *oy, double *dx, double *dy, double *margin)
 {
-    plan->kernels->frame(plan, in, which, work, ox, oy, dx, dy, margin);
+    lw_kernels_of(plan)->frame(plan, in, which, work, ox, oy, dx, dy, margin);
 }
 
 void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
 {
-    plan->kernels->jacobian(plan, in, which, work, out);
+    lw_kernels_of(plan)->jacobian(plan, in, which, work, out);
 }
 
 double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     const double *tx, const double *ty, const double *w, double *grad, double *margin)
 {
-    return plan->kernels->sum(plan, in, which, work, tx, ty, w, grad, margin);
+    return lw_kernels_of(plan)->sum(plan, in, which, work, tx, ty, w, grad, margin);
 }
 
 void lw_batch_normal(const lw_plan *plan, const lw_normal *in, double *h, double *g)
 {
-    plan->kernels->normal(in, h, g);
+    lw_kernels_of(plan)->normal(in, h, g);
 }
 
-const char *lw_batch_isa(const lw_plan *plan) { return plan->kernels->isa; }
+const char *lw_batch_isa(const lw_plan *plan) { return lw_kernels_of(plan)->isa; }

@@ -43,4 +43,7 @@ size_t lw_continuation_size(const lw_plan *plan);
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);
 
+/* The table that plan->kernels chooses, the best one when it is NULL. */
+const lw_kernels *lw_kernels_of(const lw_plan *plan);
+
 #endif

@@ -74,7 +74,7 @@ static bool loads_fit(const lw_model *m, int joint)
 static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     lw_error e;
-    lw_plan_outputs want = { .all_joints = true };
+    lw_plan_options want = { .all_joints = true };
     bool fits = false;
     if (d->s.n_tie > 0)
         return no(why, "inputs that are tied to the first");

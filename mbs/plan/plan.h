@@ -270,29 +270,31 @@ typedef struct lw_plan {
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */
     int         link_dir[LW_LINK_MAX];
     int         joint_point[LW_JOINT_MAX];        /* register of each joint's pin, -1: left out   */
-    const struct lw_kernels *kernels;             /* chosen for this processor                    */
+    const struct lw_kernels *kernels;             /* of mbs/batch; NULL: the best for this processor */
 } lw_plan;
 
-/* What a caller wants worked out.  Outputs are numbered 0, 1, ... in the order of the tracers. */
-typedef struct lw_plan_outputs {
-    unsigned tracers;         /* bit i: tracer i                                                  */
-    bool     all_joints;      /* every joint and link too (for drawings and traces)               */
-} lw_plan_outputs;
+/* Which linkages a plan is made for; each kind includes those before it. */
+typedef enum lw_plan_kind {
+    LW_PLAN_DYADS,            /* pins and sliders, the input at the ground, dyads only: closed forms throughout */
+    LW_PLAN_HIGHER,           /* pins in slots, inputs between moving links and higher groups too */
+    LW_PLAN_GEARED            /* gear pairs and racks too; F > 1 with all inputs but one tied, all turning on the ground */
+} lw_plan_kind;
 
-/* Make the plan.  LW_E_KIND, with a text, when the linkage is not one of F = 1 with one input, has joints
- * other than pins, sliders and pins in slots, sliders that form a closed chain, parts that hold each other
- * twice and others not at all, or higher groups beyond the limits above; other failures as
- * lw_linkage_check.  Pins of a link at the bit-same place are one pin. */
-lw_status lw_plan_make_any(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
+/* What is wanted of a plan.  Outputs are numbered 0, 1, ... in the order of the tracers. */
+typedef struct lw_plan_options {
+    unsigned     tracers;     /* bit i: tracer i                                                  */
+    bool         all_joints;  /* every joint and link too (for drawings and traces)               */
+    lw_plan_kind kind;
+} lw_plan_options;
 
-/* The same with gear pairs and racks too, and for F > 1 with all inputs but one tied, where all turn on the ground; mind
- * plan->laps.  LW_E_KIND also for ratios of wheels that are not of small whole numbers, or need more than LW_LAP_MAX
- * turns, for racks on racks, and for gears without a carrier. */
-lw_status lw_plan_make_geared(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
-
-/* The same for linkages made of dyads of pins and sliders with the input at the ground, whose plans are closed forms throughout;
- * others are LW_E_KIND, with a text saying which links are left over. */
-lw_status lw_plan_make(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e);
+/* Make the plan.  Pins of a link at the bit-same place are one pin.  Geared plans: mind plan->laps.  Errors:
+ *     LW_E_ARG   no tracer and no joint is asked for, or a tracer that the linkage does not have
+ *     LW_E_KIND  with a text: not one input that drives one freedom; joints or groups beyond options.kind (the text names
+ *                the links that are left over); sliders that form a closed chain; parts that hold each other twice and
+ *                others not at all; groups beyond the limits above; ratios of wheels that are not of small whole numbers
+ *                or need more than LW_LAP_MAX turns; racks on racks; gears without a carrier
+ *     others     as lw_linkage_check */
+lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e);
 
 /* Read dimensions, modes and input value [rad] or [m] off the posture of k (the linkage the plan was
  * made from, or another of the same topology).  LW_E_ARG when the posture contradicts itself. */

@@ -81,7 +81,7 @@ void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);
 int lw_known_link(const lw_topology *t, int joint);
 
 /* Frames, dimensions, registers and steps of what is needed (mbs/plan/plan_steps.c). */
-lw_status lw_plan_emit(const lw_topology *t, lw_plan_outputs want, lw_plan *plan, lw_error *e);
+lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *plan, lw_error *e);
 
 /* Is output o of the plan one of the commonest kind (mbs/plan/fast_dyad.c)? */
 lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);

@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include "mbs/batch/kernels_internal.h"
 
 /* ---- pins ------------------------------------------------------------------------------------- */
 
@@ -145,8 +144,9 @@ static lw_status check_inputs(const lw_linkage *k, bool tied, lw_error *e)
     return LW_OK;
 }
 
-static lw_status check_joints(const lw_linkage *k, bool higher, bool gears, lw_error *e)
+static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_error *e)
 {
+    const bool higher = plan_kind >= LW_PLAN_HIGHER, gears = plan_kind == LW_PLAN_GEARED;
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint_kind kind = k->joint[j].kind;
         if (kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER || (higher && kind == LW_JOINT_SLOT)
@@ -235,13 +235,13 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
 
 /* Backward slice: a link is needed by an output on it, or by a needed dyad that hangs on it.  The
  * pin side of PPR needs its own pin and a direction only, not the link it slides on. */
-static void slice(lw_topology *t, lw_plan_outputs want)
+static void slice(lw_topology *t, lw_plan_options options)
 {
     bool need[LW_LINK_MAX] = { false };
     for (int i = 0; i < t->k->n_link; i++)
-        need[i] = want.all_joints;
+        need[i] = options.all_joints;
     for (int i = 0; i < t->k->n_tracer; i++)
-        if (want.tracers >> i & 1)
+        if (options.tracers >> i & 1)
             need[t->k->tracer[i].link] = true;
     for (int i = t->n_group - 1; i >= 0; i--) {
         lw_plan_group *g = &t->group[i];
@@ -296,8 +296,9 @@ static lw_status no_freedom(const lw_topology *t, lw_error *e)
                         n == 1 ? "one input needs" : "its inputs need", n);
 }
 
-static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_outputs want, bool higher, lw_plan *plan, lw_error *e)
+static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e)
 {
+    const bool higher = options.kind >= LW_PLAN_HIGHER;
     lw_linkage wide;
     lw_status s = lw_plan_expand(k, &wide, t->slot, e);
     if (s != LW_OK)
@@ -312,15 +313,13 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_outputs want,
         return s;
     if (mobility(t) != 1)
         return no_freedom(t, e);
-    slice(t, want);
+    slice(t, options);
     memset(plan, 0, sizeof *plan);
     plan->laps = t->laps;
-    plan->kernels = lw_kernels_supported(0);
-    return lw_plan_emit(t, want, plan, e);
+    return lw_plan_emit(t, options, plan, e);
 }
 
-static lw_status check_and_make(const lw_linkage *k, lw_plan_outputs want, bool higher, bool gears, lw_plan *plan,
-                                lw_error *e)
+lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e)
 {
     lw_topology t = { .k = k };
     for (int i = 0; i < LW_LINK_MAX; i++)
@@ -328,27 +327,12 @@ static lw_status check_and_make(const lw_linkage *k, lw_plan_outputs want, bool 
     lw_status s = lw_linkage_check(k, e);
     if (s != LW_OK)
         return s;
-    if (k->n_tracer < 32 && want.tracers >> k->n_tracer)
+    if (k->n_tracer < 32 && options.tracers >> k->n_tracer)
         return lw_error_set(e, LW_E_ARG, "a tracer is wanted that the linkage does not have (it has %d)", k->n_tracer);
-    if (!want.tracers && !want.all_joints)
+    if (!options.tracers && !options.all_joints)
         return lw_error_set(e, LW_E_ARG, "nothing is wanted of the plan");
-    s = check_joints(k, higher, gears, e);
-    return s == LW_OK ? make(&t, k, want, higher, plan, e) : s;
-}
-
-lw_status lw_plan_make(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
-{
-    return check_and_make(k, want, false, false, plan, e);
-}
-
-lw_status lw_plan_make_any(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
-{
-    return check_and_make(k, want, true, false, plan, e);
-}
-
-lw_status lw_plan_make_geared(const lw_linkage *k, lw_plan_outputs want, lw_plan *plan, lw_error *e)
-{
-    return check_and_make(k, want, true, true, plan, e);
+    s = check_joints(k, options.kind, e);
+    return s == LW_OK ? make(&t, k, options, plan, e) : s;
 }
 
 int lw_plan_dim(const lw_plan *plan, const char *name)

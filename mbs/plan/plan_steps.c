@@ -417,11 +417,11 @@ static void emit_groups(builder *b)
 
 /* ---- outputs ------------------------------------------------------------------------------------ */
 
-static void emit_outputs(builder *b, lw_plan_outputs want)
+static void emit_outputs(builder *b, lw_plan_options options)
 {
     lw_plan *p = b->p;
     for (int i = 0; i < b->t->k->n_tracer; i++) {
-        if (!(want.tracers >> i & 1))
+        if (!(options.tracers >> i & 1))
             continue;
         int o = p->n_output++, link = b->t->k->tracer[i].link;
         p->i_cx[o] = lw_build_dim(b, LW_ROLE_CX, link, i, o);
@@ -597,7 +597,7 @@ static void set_modes(builder *b)
     b->full |= p->n_mode > LW_MODE_MAX;
 }
 
-lw_status lw_plan_emit(const lw_topology *t, lw_plan_outputs want, lw_plan *plan, lw_error *e)
+lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *plan, lw_error *e)
 {
     builder b = { .t = t, .p = plan };
     start(&b);
@@ -605,7 +605,7 @@ lw_status lw_plan_emit(const lw_topology *t, lw_plan_outputs want, lw_plan *plan
     set_frames(&b);
     emit_input(&b);
     emit_groups(&b);
-    emit_outputs(&b, want);
+    emit_outputs(&b, options);
     set_modes(&b);
     if (b.full)
         return lw_error_set(e, LW_E_KIND, "the plan needs more than %d dimensions, %d steps, %d registers or %d numbers of "

@@ -119,7 +119,7 @@ static void take_seat(const lw_higher *g, const lw_group_pose *seat, lw_vec2 *re
 static double find_seat(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_pose *seat)
 {
     double work[LW_CONTINUATION_MAX];
-    plan->kernels->seat(plan, dim, mode, input, work, seat);
+    lw_kernels_of(plan)->seat(plan, dim, mode, input, work, seat);
     return seat->margin;
 }
 

@@ -81,7 +81,7 @@ static void set_input(lw_linkage *k)
 {
     lw_plan plan;
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
-    if (lw_plan_make(k, (lw_plan_outputs){ 1, true }, &plan, NULL) == LW_OK)
+    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL) == LW_OK)
         lw_plan_read(&plan, k, dim, mode, &k->input[0].value, NULL);
 }
 

@@ -76,7 +76,7 @@ static kind *kind_of(lw_ranking *r, const char *letters)
         return NULL;
     now->family = f;
     lw_family_linkage(f, r->o->spec.task, &now->k);
-    if (lw_plan_make(&now->k, (lw_plan_outputs){ .tracers = 1, .all_joints = true }, &now->plan, NULL) != LW_OK) {
+    if (lw_plan_make(&now->k, (lw_plan_options){ .tracers = 1, .all_joints = true }, &now->plan, NULL) != LW_OK) {
         free(now);
         return NULL;
     }

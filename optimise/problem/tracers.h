@@ -13,7 +13,7 @@
 lw_status lw_tracers_linkage(const lw_family *family, const lw_target *target, const lw_fit_spec *spec,
                              lw_linkage *linkage, lw_error *e);
 
-/* The tracers that a plan needs for this target: bits of lw_plan_outputs.tracers. */
+/* The tracers that a plan needs for this target: bits of lw_plan_options.tracers. */
 unsigned lw_tracers_mask(const lw_target *target);
 
 /* What a link is to a tracer on it: input, coupler or output. */

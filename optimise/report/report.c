@@ -17,7 +17,7 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
 {
     lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return st == LW_OK ? lw_plan_make_geared(k, (lw_plan_outputs){ .tracers = lw_tracers_mask(t), .all_joints = true }, plan, e)
+    return st == LW_OK ? lw_plan_make(k, (lw_plan_options){ .tracers = lw_tracers_mask(t), .all_joints = true, .kind = LW_PLAN_GEARED }, plan, e)
                        : st;
 }
 

@@ -29,7 +29,7 @@ static double place(const course *c, int i)
 
 static bool run_course(const lw_linkage *k, course *c)
 {
-    if (lw_plan_make_geared(k, (lw_plan_outputs){ .tracers = 1u << c->point, .all_joints = true }, &c->plan, NULL) != LW_OK
+    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1u << c->point, .all_joints = true, .kind = LW_PLAN_GEARED }, &c->plan, NULL) != LW_OK
         || lw_plan_read(&c->plan, k, c->dim, c->mode, &c->input, NULL) != LW_OK)
         return false;
     for (int i = 0; i <= SAMPLES; i++) {

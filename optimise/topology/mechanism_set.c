@@ -85,7 +85,7 @@ static bool try_inputs(maker *mk, lw_packed_mechanism *f, int *links)
 {
     lw_linkage k;
     if (lw_packed_mechanism_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
-        || lw_plan_make_geared(&k, (lw_plan_outputs){ .tracers = 1 }, mk->plan, NULL) != LW_OK)
+        || lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, mk->plan, NULL) != LW_OK)
         return false;
     f->turn = mk->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
     *links = links_of(mk->plan, &k);

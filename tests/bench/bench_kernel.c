@@ -169,7 +169,7 @@ static void set_type(bench *b, const char *type, const double *dim)
     lw_linkage k;
     const lw_kernels *kernels = b->plan.kernels;
     lw_type_linkage(lw_type_find(type), &k);
-    if (lw_plan_make(&k, (lw_plan_outputs){ 1, false }, &b->plan, NULL) != LW_OK)
+    if (lw_plan_make(&k, (lw_plan_options){ .tracers = 1 }, &b->plan, NULL) != LW_OK)
         exit(1);
     b->plan.kernels = kernels;
     memcpy(b->one, dim, (size_t)b->plan.n_dim*sizeof *dim);
@@ -206,7 +206,7 @@ static void plan_of(bench *b, lw_linkage *k, int link, lw_vec2 at)
     strcpy(k->tracer[0].name, "tracer");
     k->tracer[0].link = link;
     k->tracer[0].at = at;
-    if (lw_plan_make_any(k, (lw_plan_outputs){ 1, false }, &b->plan, &e) != LW_OK ||
+    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_HIGHER }, &b->plan, &e) != LW_OK ||
         lw_plan_read(&b->plan, k, b->one, b->sign, &input, &e) != LW_OK) {
         fprintf(stderr, "%s\n", e.text);
         exit(1);
