@@ -5,15 +5,7 @@
 #ifndef LW_BASE_ERROR_H
 #define LW_BASE_ERROR_H
 
-#include "base/status.h"
-
-typedef struct lw_error {
-    lw_status status;
-    char      file[256];   /* "" if no file is involved; "-" is standard input         */
-    long      line;        /* 1 is the first line; 0 when unknown                     */
-    long      column;      /* 1 is the first byte of the line; 0 when unknown         */
-    char      text[768];   /* one or two sentences, no newline at the end             */
-} lw_error;
+#include "base/status.h"     /* lw_error: linkwright.h */
 
 /* Fill e and return s: a caller can write  return lw_error_set(e, LW_E_ARG, "..."). */
 lw_status lw_error_set(lw_error *e, lw_status s, const char *format, ...)

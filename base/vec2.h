@@ -4,10 +4,9 @@
 #define LW_BASE_VEC2_H
 
 #include <math.h>
+#include "linkwright.h"     /* lw_vec2 */
 
 #define LW_PI 3.14159265358979323846
-
-typedef struct lw_vec2 { double x, y; } lw_vec2;
 
 static inline lw_vec2 lw_v2(double x, double y) { return (lw_vec2){ x, y }; }
 static inline lw_vec2 lw_v2_add(lw_vec2 a, lw_vec2 b) { return lw_v2(a.x + b.x, a.y + b.y); }

@@ -3,29 +3,7 @@
 #ifndef LW_MBS_KINEMATICS_FOURBAR_H
 #define LW_MBS_KINEMATICS_FOURBAR_H
 
-#include <stdbool.h>
-#include "base/error.h"
-
-typedef struct lw_fourbar_class {
-    int         number;          /* 1 .. 14                                                       */
-    const char *symbol;          /* "GCCC", "GCRR", ..., "CP3X"                                   */
-    const char *name;            /* "crank-rocker", ...                                           */
-    bool        grashof;         /* s + l <= p + q within the tolerance                           */
-    bool        crank;           /* the input link turns fully                                    */
-    bool        rocker_turns;    /* the output link turns fully                                   */
-    double      change;          /* s + l - p - q over the perimeter: 0 at a change point [1]     */
-    double      margin;          /* distance to the nearest change point: least over the three    */
-                                 /* pairings of |sum of two - sum of the others| / perimeter [1]  */
-    int         circuits;        /* 1 or 2; 1 at a change point, where the two meet               */
-    int         n_limit;         /* limits of the input angle: 0, 2 or 4                          */
-    double      limit[4];        /* [rad], rising, in (-pi, pi], from the frame line              */
-    int         n_dead;          /* input angles at which the output cannot be driven backwards   */
-    double      dead[4];         /* (crank and coupler in line) [rad], rising, in (-pi, pi]       */
-    double      transmission[2]; /* least and greatest angle between coupler and output over the  */
-                                 /* motion [rad], in [0, pi]                                      */
-    int         n_range;         /* where the input can stand: 1 or 2 ranges [first, last], rising; */
-    double      range[2][2];     /* last - first = 2 pi: a full turn.  [rad]                      */
-} lw_fourbar_class;
+#include "base/error.h"     /* lw_fourbar_class: linkwright.h */
 
 /* Classify frame r[0], input r[1], coupler r[2], output r[3], in any unit.  Sums are called equal
  * within tolerance * perimeter; the usual tolerance is LW_FOURBAR_TOLERANCE, 0 asks for equality.

@@ -50,13 +50,6 @@ lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
 
 /* ---- everything a target asks for --------------------------------------------------------------- */
 
-/* What keeps a linkage from running through the positions as they stand in the target. */
-enum {
-    LW_DEFECT_ORDER   = 1,         /* it comes to them in another order                               */
-    LW_DEFECT_BRANCH  = 2,         /* a dead point of the input lies between them                     */
-    LW_DEFECT_CIRCUIT = 4          /* they lie on two circuits: it must be taken apart                */
-};
-
 typedef struct lw_exact {
     lw_fit    fit;                 /* candidates sorted by defects, then by quality                   */
     unsigned *defect;              /* bits of each                                            (fit.n) */

@@ -50,16 +50,6 @@ typedef struct lw_target {
     void    *store;             /* what _free frees                                                */
 } lw_target;
 
-/* Options of reading that a command line may force. */
-typedef struct lw_target_options {
-    int         closed;         /* 1 yes, 0 no, -1 by the file: its "closed" comment, or by guess:
-                                 * the gap from last to first is no longer than 1.5 times the longest
-                                 * step or a twentieth of the path (a last station that repeats
-                                 * the first is kept); functions are open                          */
-    const char *length_unit;    /* NULL: by the file, else metre; overrules a "units" comment      */
-    const char *angle_unit;     /* NULL: by the file, else radian; overrules likewise              */
-} lw_target_options;
-
 /* Read; o may be NULL.  LW_E_NOTATION, LW_E_ARG (an option) or LW_E_MEMORY; after a failure t is
  * empty and needs no _free. */
 lw_status lw_target_read(const char *text, size_t size, const char *file,

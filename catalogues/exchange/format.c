@@ -1,0 +1,88 @@
+#include "catalogues/exchange/format.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include "catalogues/exchange/adams.h"
+#include "catalogues/exchange/export.h"
+#include "grammar/pmks.h"
+#include "grammar/pyslvs.h"
+
+static bool begins_with(const char *text, const char *word)
+{
+    return strncmp(text + strspn(text, " \t\r\n"), word, strlen(word)) == 0;
+}
+
+/* Add a text and free it; NULL: it failed with e, or for want of memory. */
+static lw_status add(lw_bytes *out, char *text, lw_error *e)
+{
+    if (!text)
+        return e && e->status < 0 ? e->status : LW_E_MEMORY;
+    lw_bytes_text(out, text);
+    free(text);
+    return lw_bytes_end(out, e);
+}
+
+static bool begins_json(const char *text) { return begins_with(text, "{"); }
+
+static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e)
+{
+    (void)units;
+    return lw_linkage_read(text, size, file, k, e);
+}
+
+static lw_status write_json(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    char *text = lw_linkage_write(k, 2);
+    return text ? add(out, text, e) : lw_error_set(e, LW_E_MEMORY, "out of memory for a linkage");
+}
+
+static bool begins_pyslvs(const char *text) { return begins_with(text, "M[") || begins_with(text, "#"); }
+static bool begins_pmks(const char *text) { return text[0] != 0; }
+
+/* A title may say anything; a line with a statement decides. */
+static bool begins_adams(const char *text)
+{
+    return strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/") || strstr(text, "\nUNITS/");
+}
+
+static lw_status write_pyslvs(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    lw_error own = { .status = LW_OK };
+    return add(out, lw_pyslvs_write(k, e ? e : &own), e ? e : &own);
+}
+
+static lw_status write_pmks(const lw_linkage *k, lw_bytes *out, lw_error *e)
+{
+    lw_error own = { .status = LW_OK };
+    return add(out, lw_pmks_write(k, e ? e : &own), e ? e : &own);
+}
+
+static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e)
+{
+    (void)units;
+    return lw_adams_read(text, size, file, k, e);
+}
+
+const lw_format lw_formats[] = {
+    { "json", "linkages of linkwright, and the results of fit", ".json", begins_json, read_json, write_json },
+    { "pyslvs", "the mechanism expression of Pyslvs", ".pyslvs", begins_pyslvs, lw_pyslvs_read, write_pyslvs },
+    { "adams", "a dataset of ADAMS/Solver", ".adm", begins_adams, read_adams, lw_export_adams },
+    { "pmks", "the joint table of PMKS", ".txt", begins_pmks, lw_pmks_read, write_pmks },
+    { "mjcf", "a model of MuJoCo", ".xml", NULL, NULL, lw_export_mjcf },
+    { "acf", "the commands that run a dataset in ADAMS/Solver", ".acf", NULL, NULL, lw_export_adams_commands },
+    { "dxf", "plates to cut, DXF R12", ".dxf", NULL, NULL, lw_export_dxf },
+    { "scad", "plates in layers, OpenSCAD", ".scad", NULL, NULL, lw_export_openscad },
+    { "slvs", "a sketch of SolveSpace", ".slvs", NULL, NULL, lw_export_solvespace },
+    { "svg", "the tracers' curves as SVG paths", ".svg", NULL, NULL, lw_export_svg },
+    { "poses", "place and turn of each link over the motion, CSV", ".csv", NULL, NULL, lw_export_poses },
+    { "motiongen", "joints, links, actuators, curves in the style of MotionGen", "", NULL, NULL, lw_export_joints },
+    { .name = NULL }
+};
+
+const lw_format *lw_format_find(const char *name)
+{
+    for (const lw_format *f = lw_formats; f->name; f++)
+        if (strcmp(f->name, name) == 0)
+            return f;
+    return NULL;
+}

@@ -1,0 +1,24 @@
+/* catalogues/exchange/format.h - all formats of linkages in one table: to add one, write its reader or writer and its row. */
+#ifndef LW_CATALOGUES_EXCHANGE_FORMAT_H
+#define LW_CATALOGUES_EXCHANGE_FORMAT_H
+
+#include "catalogues/draw/bytes.h"
+#include "grammar/linkage.h"
+
+typedef struct lw_format {
+    const char *name, *title;
+    const char *end;                   /* of a file's name, ".json"; "": none                            */
+    bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
+    /* Numbers without a unit of their own count in `units`.  NULL: written only. */
+    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e);
+    /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
+    lw_status (*write)(const lw_linkage *k, lw_bytes *out, lw_error *e);
+} lw_format;
+
+/* Ends with a row without name.  Ask in this order whether a text is theirs: the last that can be read takes any. */
+extern const lw_format lw_formats[];
+
+/* NULL: there is none of that name. */
+const lw_format *lw_format_find(const char *name);
+
+#endif

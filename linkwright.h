@@ -1,0 +1,789 @@
+/* linkwright.h - the whole public interface of linkwright, a library for planar mechanisms: which exist, how they
+ * move, what they carry, and which one does a job.  C17 and C++.  Compile with `pkg-config --cflags --libs linkwright`.
+ *
+ * Units.  SI everywhere: lengths [m], angles [rad] counter-clockwise, time [s], mass [kg], force [N].  A file may use
+ * other units; they are converted when it is read.
+ *
+ * Numbers.  Links, joints, tracers (points to watch) and inputs count from 0 here, and from 1 in every text.
+ * Letters of joints: r pin, t slider, p pin in a slot, g gear pair, f weld (linkages only).
+ *
+ * Handles.  Structs that are only declared here are made by lw_X_create, _load, _read or a function that fills `out`, and
+ * belong to the caller, who frees each with its lw_X_destroy; NULL is allowed there.  `out` is set to NULL when the
+ * call fails, and may not be NULL.  Handles and texts inside a callback's arguments are valid during that call only.
+ * Texts and bytes that a function returns through `char **` are freed with lw_free.  A `const char *` that is returned
+ * belongs to the handle, or lives for ever.
+ *
+ * Errors.  lw_status tells how a call ended: 0 done, > 0 another answer, < 0 failed.  The last argument `error` may be
+ * NULL; a call that fails fills it with a text that says what is wrong and what to do.  A function without status
+ * takes an index as given; one outside its range gives 0, -1 or NULL.  Nothing here prints, exits or aborts, and
+ * error handlers of other libraries (GSL, igraph) are left as the caller set them.
+ *
+ * Callbacks.  LW_OK goes on; any other status ends the call, which returns it.
+ *
+ * Threads.  Different handles are independent of each other.  One handle may be read by several threads at once through
+ * functions that take it as `const`; all others need it alone.  There is no global state that a result depends on.
+ * Functions with `jobs` start that many threads (below 1: one for each core), give the same result for any number, and
+ * make all calls of a callback one at a time, from any of these threads where `progress` is concerned, else from the
+ * calling thread. */
+#ifndef LINKWRIGHT_H
+#define LINKWRIGHT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define LW_VERSION_MAJOR  0
+#define LW_VERSION_MINOR  1
+#define LW_VERSION_PATCH  0
+#define LW_VERSION_STRING "0.1.0"
+
+#define LW_API __attribute__((visibility("default")))
+
+/* ---- general ----------------------------------------------------------------------------------------------- */
+
+/* name, code, text */
+#define LW_STATUS_LIST(X)                                                          \
+    X(LW_OK,            0, "success")                                              \
+    X(LW_OPEN,          1, "the linkage cannot close at this input")               \
+    X(LW_STOPPED,       2, "a limit ended the search before its tolerance")        \
+    X(LW_NOTHING,       3, "nothing was found")                                    \
+    X(LW_E_ARG,        -1, "argument outside its documented range")                \
+    X(LW_E_MEMORY,     -2, "out of memory")                                        \
+    X(LW_E_NOTATION,   -3, "text does not follow docs/notation.md")                \
+    X(LW_E_IO,         -4, "a file could not be read or written")                  \
+    X(LW_E_NUMERIC,    -5, "the numbers do not allow an answer")                   \
+    X(LW_E_KIND,       -6, "this kind of mechanism is not handled here")
+
+typedef enum lw_status {
+#define X(name, code, text) name = code,
+    LW_STATUS_LIST(X)
+#undef X
+} lw_status;
+
+typedef struct lw_error {
+    lw_status status;
+    char      file[256];       /* "" when no file is concerned; "-" is standard input     */
+    long      line;            /* 1 is the first line; 0 when unknown                     */
+    long      column;          /* 1 is the first byte of the line; 0 when unknown         */
+    char      text[768];       /* one sentence or two, no newline at the end              */
+} lw_error;
+
+typedef struct lw_vec2 { double x, y; } lw_vec2;
+
+/* Version of the library that runs, "0.1.0"; LW_VERSION_STRING is that of this header. */
+LW_API const char *lw_version(void);
+
+/* Text of a status; never NULL, also for numbers that are no status. */
+LW_API const char *lw_status_text(lw_status status);
+
+/* Name of a status, "LW_OK"; "LW_?" for numbers that are no status. */
+LW_API const char *lw_status_name(lw_status status);
+
+/* "file:line:column: text" into buffer (size), always terminated; parts that are unknown are left out. */
+LW_API void lw_error_print(const lw_error *error, char *buffer, int size);
+
+/* Free a text or bytes that a function of this header returned. */
+LW_API void lw_free(void *text);
+
+/* Called during long work: share done, 0 to 1, seconds since the start, and the best objective so far (NaN where there is
+ * none).  false: stop; the call then returns LW_STOPPED and keeps what it has. */
+typedef bool lw_progress(void *context, double done, double seconds, double best);
+
+/* ---- topologies: chains and mechanisms ----------------------------------------------------------------------- */
+
+typedef struct lw_chain lw_chain;              /* links and joints, nothing fixed                              */
+typedef struct lw_mechanism lw_mechanism;      /* a chain with kinds of joints, ground, inputs, output link     */
+typedef struct lw_linkage lw_linkage;          /* a mechanism with dimensions: places of joints in one posture   */
+
+/* Chain of n_link links (1 to 32) without joints.  LW_E_ARG, LW_E_MEMORY. */
+LW_API lw_status lw_chain_create(int n_link, lw_chain **out);
+LW_API lw_status lw_chain_copy(const lw_chain *chain, lw_chain **out);
+LW_API void      lw_chain_destroy(lw_chain *chain);
+
+/* Join links i and k by a joint of 1 or 2 freedoms.  LW_E_ARG: i is k, no such link, or they are joined by the other sort. */
+LW_API lw_status lw_chain_join(lw_chain *chain, int i, int k, int freedom);
+LW_API void      lw_chain_unjoin(lw_chain *chain, int i, int k);
+
+LW_API int       lw_chain_n_link(const lw_chain *chain);
+LW_API int       lw_chain_joint_freedom(const lw_chain *chain, int i, int k);      /* 0: not joined            */
+LW_API int       lw_chain_count(const lw_chain *chain, int freedom);               /* joints of 1 or 2 freedoms */
+LW_API int       lw_chain_links_with(const lw_chain *chain, int n_joint);          /* links with so many joints */
+LW_API int       lw_chain_mobility(const lw_chain *chain);        /* F = 3 (P - 1) - 2 n1 - n2; a count, no proof */
+LW_API int       lw_chain_loops(const lw_chain *chain);           /* L = n1 + n2 - P + 1                        */
+LW_API bool      lw_chain_is_connected(const lw_chain *chain);
+LW_API bool      lw_chain_is_planar(const lw_chain *chain);       /* its graph can be drawn without crossings     */
+LW_API bool      lw_chain_is_fractionated(const lw_chain *chain); /* it falls apart at one link                   */
+
+/* Can it move: connected, every link with two joints, no rigid part?  LW_E_ARG with a text that names the links. */
+LW_API lw_status lw_chain_check(const lw_chain *chain, lw_error *error);
+
+/* The same chain but for the numbers of its links? */
+LW_API lw_status lw_chain_is_isomorphic(const lw_chain *a, const lw_chain *b, bool *same);
+
+/* Put the canonical form of `chain` into `form`, an existing chain; isomorphic chains have equal forms. */
+LW_API lw_status lw_chain_canonical(const lw_chain *chain, lw_chain *form);
+
+/* lowest (n_link): the lowest link that symmetry makes alike to each link.  *n_class, may be NULL: how many classes, which is
+ * the number of different choices of ground. */
+LW_API lw_status lw_chain_orbits(const lw_chain *chain, uint8_t *lowest, int *n_class);
+
+/* Order of the symmetry group. */
+LW_API lw_status lw_chain_symmetries(const lw_chain *chain, uint64_t *order);
+
+/* Mechanism without joints, nothing chosen.  LW_E_ARG, LW_E_MEMORY. */
+LW_API lw_status lw_mechanism_create(int n_link, lw_mechanism **out);
+LW_API lw_status lw_mechanism_copy(const lw_mechanism *mechanism, lw_mechanism **out);
+LW_API void      lw_mechanism_destroy(lw_mechanism *mechanism);
+
+/* A chain as a mechanism with nothing chosen: joints r and p.  LW_E_ARG: too many joints. */
+LW_API lw_status lw_mechanism_of_chain(const lw_chain *chain, lw_mechanism **out);
+
+/* The chain of a mechanism into an existing one: kinds and choices are forgotten. */
+LW_API void      lw_mechanism_chain(const lw_mechanism *mechanism, lw_chain *chain);
+
+/* Joints get numbers in the order of the link adjacency matrix, so join all links before anything is chosen.  LW_E_ARG: i is
+ * k, no such link or kind, joined already, inputs are chosen. */
+LW_API lw_status lw_mechanism_join(lw_mechanism *mechanism, int i, int k, char kind);
+LW_API int       lw_mechanism_joint(const lw_mechanism *mechanism, int i, int k);   /* its number; -1: not joined */
+
+LW_API int       lw_mechanism_n_link(const lw_mechanism *mechanism);
+LW_API int       lw_mechanism_n_joint(const lw_mechanism *mechanism);
+LW_API char      lw_mechanism_joint_kind(const lw_mechanism *mechanism, int joint, int link[2]);  /* 0: no such joint */
+LW_API int       lw_mechanism_ground(const lw_mechanism *mechanism);               /* -1: not chosen           */
+LW_API int       lw_mechanism_output(const lw_mechanism *mechanism);               /* -1: not chosen           */
+LW_API int       lw_mechanism_n_input(const lw_mechanism *mechanism);
+LW_API int       lw_mechanism_input(const lw_mechanism *mechanism, int i);         /* the driven joint         */
+LW_API int       lw_mechanism_mobility(const lw_mechanism *mechanism);
+
+/* ground, output: links, -1 to leave open; input (n_input): joints of one freedom, rising. */
+LW_API lw_status lw_mechanism_choose(lw_mechanism *mechanism, int ground, int n_input, const int *input, int output);
+
+LW_API lw_status lw_mechanism_is_isomorphic(const lw_mechanism *a, const lw_mechanism *b, bool *same);
+
+/* Does the count F say rightly how it moves, at general dimensions?  LW_NOTHING: no; text (size) says why. */
+LW_API lw_status lw_mechanism_moves(const lw_mechanism *mechanism, char *text, int size);
+
+/* An Assur group: links that are solved together once those before are known. */
+typedef struct lw_group_info {
+    int        group_class;            /* I, II (dyad), III, ... as 1, 2, 3                              */
+    int        order;                  /* joints to links outside                                        */
+    int        assembly_modes;         /* over the complex numbers; 0: not known                          */
+    int        n_link;
+    const int *link;                   /* (n_link)                                                        */
+} lw_group_info;
+typedef lw_status lw_group_visit(void *context, const lw_group_info *group);
+
+/* The groups in the order of solution.  LW_E_ARG: no ground, not F inputs, inputs that do not drive everything. */
+LW_API lw_status lw_mechanism_groups(const lw_mechanism *mechanism, lw_group_visit *visit, void *context, lw_error *error);
+
+/* How the four rules of the published grammar derive it, step by step, or why they cannot, as text. */
+LW_API lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **out, lw_error *error);
+
+/* Notations: "graph6", "lam", "sentence", "franke", "edges", "json"; for writing also "dot", "graphml". */
+
+/* One topology from text.  notation NULL: found from how the text begins.  LW_E_NOTATION with line and column. */
+LW_API lw_status lw_chain_from_text(const char *text, size_t size, const char *notation, lw_chain **out, lw_error *error);
+LW_API lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out, lw_error *error);
+
+/* LW_E_ARG: no such notation; LW_E_KIND: it cannot say this. */
+LW_API lw_status lw_chain_to_text(const lw_chain *chain, const char *notation, char **out, lw_error *error);
+LW_API lw_status lw_mechanism_to_text(const lw_mechanism *mechanism, const char *notation, char **out, lw_error *error);
+
+typedef lw_status lw_chain_callback(void *context, const lw_chain *chain);
+typedef lw_status lw_mechanism_callback(void *context, const lw_mechanism *mechanism);
+
+/* All topologies of a text, in any mixture of notations; `file` is for messages, may be NULL. */
+LW_API lw_status lw_mechanism_read_all(const char *text, size_t size, const char *file, lw_mechanism_callback *visit,
+                                       void *context, lw_error *error);
+
+/* ---- which topologies exist ----------------------------------------------------------------------------------- */
+
+/* Number synthesis: F = 3 (P - 1) - 2 n1 - n2 and L = n1 + n2 - P + 1. */
+typedef struct lw_link_numbers { int links, dof, loops, joints1, joints2; } lw_link_numbers;
+
+/* From F, L and n2; from P, F and n2.  LW_E_ARG with the equation when they do not go together. */
+LW_API lw_status lw_link_numbers_of_loops(int dof, int loops, int joints2, lw_link_numbers *numbers, lw_error *error);
+LW_API lw_status lw_link_numbers_of_links(int links, int dof, int joints2, lw_link_numbers *numbers, lw_error *error);
+
+/* Assortments: n_with[j] links with j joints, j below n.  Those with the largest links first. */
+typedef lw_status lw_assortment_visit(void *context, const int *n_with, int n);
+LW_API lw_status lw_enumerate_assortments(const lw_link_numbers *numbers, lw_assortment_visit *visit, void *context);
+
+/* Franke structures with 2 to 9 loops: 1, 4, 17, 118, 1198, 17133, 311757, ...  Text: "(3 3 4) 1-2 1-3 ..."; derivation:
+ * "theta 1(1,2) 3(2,5)". */
+typedef lw_status lw_structure_visit(void *context, const char *structure, const char *derivation);
+LW_API lw_status lw_enumerate_structures(int loops, int jobs, lw_structure_visit *visit, void *context);
+
+typedef struct lw_enumeration {
+    int          links, dof;
+    int          joints2;              /* joints of two freedoms                                          (0)     */
+    bool         fractionated;         /* those that fall apart at a link, instead of those that do not   (false) */
+    const char  *filter;               /* "planar", "nonplanar", ...; NULL: all                           (NULL)  */
+    int          part, parts;          /* part 0 .. parts-1 of the list                                   (0, 1)  */
+    uint64_t     skip;                 /* leave out so many chains at the front                           (0)     */
+    int          jobs;                 /* threads; below 1: one for each core                             (0)     */
+    lw_progress *progress;             /* NULL: none                                                      (NULL)  */
+    void        *context;              /* of progress                                                     (NULL)  */
+} lw_enumeration;
+LW_API lw_enumeration lw_enumeration_default(int links, int dof);
+
+/* Every chain once, in an order that does not depend on jobs.  LW_E_ARG with the equation when links and dof do not go
+ * together, for filter, part and skip beside fractionated or joints2; LW_E_MEMORY. */
+LW_API lw_status lw_enumerate_chains(const lw_enumeration *what, lw_chain_callback *visit, void *context, lw_error *error);
+
+/* How many chains, and how many choices of a ground link up to symmetry; quicker than visiting.  grounds may be NULL. */
+LW_API lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint64_t *grounds, lw_error *error);
+
+/* Expected number of chains, processor time to count and to list them [s], and memory [byte]. */
+typedef struct lw_enumeration_cost { double chains, count_seconds, list_seconds, bytes; } lw_enumeration_cost;
+LW_API lw_status lw_enumerate_estimate(int links, int dof, lw_enumeration_cost *cost, lw_error *error);
+
+/* Chains with multiple joints, several pins on one axis: links on each pin as text, "1-2-5 1-3 2-4". */
+typedef lw_status lw_text_visit(void *context, const char *text);
+LW_API lw_status lw_enumerate_multiple(int links, int dof, int jobs, lw_text_visit *visit, void *context, lw_error *error);
+
+/* From a chain or mechanism to mechanisms, each step up to symmetry. */
+typedef struct lw_choices {
+    bool        ground;                /* choose the ground link                                          (true)  */
+    const char *kinds;                 /* kinds of joints, of "rtpg"; NULL: as they are                   (NULL)  */
+    int         inputs;                /* F driven joints: 0 none, 1 at the ground, 2 anywhere            (0)     */
+    bool        output;                /* choose the output link                                          (false) */
+} lw_choices;
+LW_API lw_choices lw_choices_default(void);
+
+/* visit NULL: count only.  *n, may be NULL: how many there are.  LW_E_ARG: choices that do not go together. */
+LW_API lw_status lw_enumerate_mechanisms(const lw_mechanism *of, const lw_choices *choices, lw_mechanism_callback *visit,
+                                         void *context, uint64_t *n, lw_error *error);
+
+/* Every Assur group of pins with so many links (even): its Baranov truss, the link taken away, and the group. */
+typedef lw_status lw_assur_group_visit(void *context, const lw_chain *truss, int lost, const lw_group_info *group);
+LW_API lw_status lw_enumerate_groups(int links, int jobs, lw_assur_group_visit *visit, void *context, lw_error *error);
+
+/* Everything that the rules of the published grammar reach with so many links; rules: "1234" or fewer; kinds: "r", "t", "rt";
+ * regions: only planar graphs, as the source demands. */
+LW_API lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, bool regions,
+                                      lw_mechanism_callback *visit, void *context, lw_error *error);
+
+/* ---- linkages ------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_joint_info {
+    const char *name;                  /* NULL: by number                                                        */
+    char        kind;                  /* r t p g f                                                              */
+    int         link[2];               /* p: the pin of link[1] runs in a slot of link[0]                        */
+    lw_vec2     at;                    /* pin; a point of the slide line; contact of a gear [m]                   */
+    lw_vec2     along;                 /* t, p: direction of the slide line                                      */
+    double      ratio;                 /* g: speed of link[1] over that of link[0], both against their carrier    */
+} lw_joint_info;
+
+typedef struct lw_input_info {
+    int    joint;
+    double value;                      /* in the given posture [rad] or [m]; NaN: as the posture says             */
+    double first, last;                /* range wanted; equal: all of it                                        */
+    double ratio;                      /* moves with input 0 so many times as far; 0: by itself                   */
+} lw_input_info;
+
+typedef struct lw_tracer_info {
+    const char *name;                  /* NULL: by number                                                        */
+    int         link;
+    lw_vec2     at;                    /* in the given posture [m]                                                */
+    double      angle;                 /* direction of a tool on the link [rad]                                   */
+} lw_tracer_info;
+
+/* From arrays: joints in one assembled posture.  `ground`: the fixed link.  LW_E_ARG with a text that names the joint. */
+LW_API lw_status lw_linkage_create(int n_link, int ground, int n_joint, const lw_joint_info *joint, int n_input,
+                                   const lw_input_info *input, int n_tracer, const lw_tracer_info *tracer,
+                                   lw_linkage **out, lw_error *error);
+
+/* From text.  format: "json", "pyslvs", "adams", "pmks"; NULL: found from how it begins.  `file` is for messages, may be
+ * NULL.  LW_E_NOTATION with line and column. */
+LW_API lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out,
+                                  lw_error *error);
+LW_API lw_status lw_linkage_load(const char *path, lw_linkage **out, lw_error *error);
+LW_API lw_status lw_linkage_copy(const lw_linkage *linkage, lw_linkage **out);
+LW_API void      lw_linkage_destroy(lw_linkage *linkage);
+
+/* As text or bytes of another program: "json", "pyslvs", "pmks", "adams", "acf", "mjcf", "dxf", "scad", "slvs", "svg" (the
+ * curves of tracers), "poses" (CSV), "motiongen".  *size, may be NULL: without the terminator.  LW_E_ARG: no such format;
+ * LW_E_KIND: the format cannot say this. */
+LW_API lw_status lw_linkage_export(const lw_linkage *linkage, const char *format, char **out, size_t *size, lw_error *error);
+
+/* The same into a file; format NULL: by the end of the name. */
+LW_API lw_status lw_linkage_save(const lw_linkage *linkage, const char *format, const char *path, lw_error *error);
+
+LW_API const char *lw_linkage_name(const lw_linkage *linkage);
+LW_API void        lw_linkage_set_name(lw_linkage *linkage, const char *name);
+LW_API int         lw_linkage_n_link(const lw_linkage *linkage);
+LW_API int         lw_linkage_n_joint(const lw_linkage *linkage);
+LW_API int         lw_linkage_n_input(const lw_linkage *linkage);
+LW_API int         lw_linkage_n_tracer(const lw_linkage *linkage);
+LW_API int         lw_linkage_ground(const lw_linkage *linkage);
+LW_API const char *lw_linkage_link_name(const lw_linkage *linkage, int link);
+
+/* LW_E_ARG: no such index. */
+LW_API lw_status lw_linkage_joint(const lw_linkage *linkage, int joint, lw_joint_info *out);
+LW_API lw_status lw_linkage_input(const lw_linkage *linkage, int input, lw_input_info *out);
+LW_API lw_status lw_linkage_tracer(const lw_linkage *linkage, int tracer, lw_tracer_info *out);
+LW_API lw_status lw_linkage_set_tracer(lw_linkage *linkage, int tracer, const lw_tracer_info *tracer_info, lw_error *error);
+
+LW_API int       lw_linkage_mobility(const lw_linkage *linkage);                   /* Gruebler's count          */
+LW_API lw_status lw_linkage_mechanism(const lw_linkage *linkage, lw_mechanism **out, lw_error *error);
+
+/* A linkage of this topology with dimensions drawn by `seed`.  LW_E_ARG: no ground or no output. */
+LW_API lw_status lw_linkage_of_mechanism(const lw_mechanism *mechanism, uint64_t seed, lw_linkage **out, lw_error *error);
+
+/* Mirror in the x axis if so, then turn, scale and move: p becomes shift + size e^{i turn} p. */
+LW_API void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift);
+
+/* ---- motion --------------------------------------------------------------------------------------------------- */
+
+/* What the lengths of a four-bar say about its motion (Barker 1985). */
+typedef struct lw_fourbar_class {
+    int         number;                /* 1 .. 14                                                                */
+    const char *symbol;                /* "GCCC", "GCRR", ..., "CP3X"                                            */
+    const char *name;                  /* "crank-rocker", ...                                                    */
+    bool        grashof;               /* shortest + longest <= sum of the others, within the tolerance           */
+    bool        crank;                 /* the input link turns fully                                             */
+    bool        rocker_turns;          /* the output link turns fully                                            */
+    double      change;                /* (s + l - p - q) / perimeter: 0 at a change point [1]                    */
+    double      margin;                /* distance to the nearest change point [1]                               */
+    int         circuits;              /* 1 or 2; 1 at a change point, where the two meet                         */
+    int         n_limit;               /* limits of the input angle: 0, 2 or 4                                    */
+    double      limit[4];              /* [rad], rising, in (-pi, pi], from the frame line                        */
+    int         n_dead;                /* input angles at which the output cannot drive                           */
+    double      dead[4];               /* [rad], rising, in (-pi, pi]                                             */
+    double      transmission[2];       /* least and greatest transmission angle [rad], in [0, pi]                 */
+    int         n_range;               /* ranges of the input, 1 or 2, rising                                     */
+    double      range[2][2];           /* first, last [rad]; 2 pi apart: a full turn                              */
+} lw_fourbar_class;
+
+/* lengths: frame, input, coupler, output, in any unit.  Sums count as equal within tolerance * perimeter; 1e-12 is usual.
+ * LW_E_ARG: a length that is not positive, or the linkage cannot be assembled. */
+LW_API lw_status lw_fourbar_classify(const double lengths[4], double tolerance, lw_fourbar_class *out, lw_error *error);
+
+/* The other two four-bars that trace the same coupler curve (Roberts).  in, out: r1 r2 r3 r4 cx cy x0 y0 theta0; mode +1 or
+ * -1: side of the line from the crank pin to the rocker's ground pin on which the coupler's other pin lies.
+ * LW_E_ARG: no four-bar; LW_E_NUMERIC: the point lies on a pin of the coupler. */
+LW_API lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9], double out_mode[2]);
+
+/* Input angle and mode of both cognates where `in` has its input at `angle`.  LW_OPEN: it cannot close there. */
+LW_API lw_status lw_fourbar_cognate_pose(const double in[9], double mode, double angle, double out_angle[2],
+                                         double out_mode[2]);
+
+/* A linkage prepared for evaluation at many inputs, in the assembly mode of its posture. */
+typedef struct lw_kinematics lw_kinematics;
+
+/* LW_E_KIND with a text: no plan is known for it; its motion curves (below) exist all the same. */
+LW_API lw_status lw_kinematics_create(const lw_linkage *linkage, lw_kinematics **out, lw_error *error);
+LW_API void      lw_kinematics_destroy(lw_kinematics *kinematics);
+
+/* Input of the posture [rad] or [m].  Pins count here from the x axis of the ground frame (from the first ground pin to the
+ * second, else along the first ground slide). */
+LW_API double    lw_kinematics_input(const lw_kinematics *kinematics);
+
+/* Turns of the linkage's input in one turn here: more than 1 with gears of fractional ratio. */
+LW_API int       lw_kinematics_turns(const lw_kinematics *kinematics);
+
+/* Dimensions: "r1", "cx", "theta0", ... (docs/theory.md).  Changing one keeps the topology and the assembly mode. */
+LW_API int         lw_kinematics_n_dimension(const lw_kinematics *kinematics);
+LW_API const char *lw_kinematics_dimension_name(const lw_kinematics *kinematics, int i);
+LW_API double      lw_kinematics_dimension(const lw_kinematics *kinematics, int i);
+LW_API lw_status   lw_kinematics_set_dimension(lw_kinematics *kinematics, int i, double value);
+
+/* One posture with derivatives by the input: [k*(order + 1) + d], derivative d = 0 .. order (at most 3).  Arrays may be NULL:
+ * joint (n_joint), link_angle (n_link), tracer (n_tracer).  *margin, may be NULL: squared sine of the least transmission
+ * angle, negative where it cannot close.  LW_OPEN: positions are those of the nearest posture, derivatives 0. */
+LW_API lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
+                                    double *link_angle, lw_vec2 *tracer, double *margin);
+
+/* Points of one tracer at n inputs.  x, y (n) [m]; angle (n) of its link, margin (n): may be NULL.  No memory is
+ * allocated.  Inputs where it cannot close have a negative margin. */
+LW_API lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,
+                                     double *y, double *angle, double *margin);
+
+/* A linkage in the posture at this input.  LW_OPEN: it cannot close there. */
+LW_API lw_status lw_kinematics_linkage(const lw_kinematics *kinematics, double input, lw_linkage **out, lw_error *error);
+
+/* Where the input can stand, in every assembly mode. */
+typedef struct lw_input_range {
+    double first, last;                /* [rad] or [m]                                                           */
+    bool   turns;                      /* a full turn                                                            */
+    bool   limit[2];                   /* first, last: the motion ends there and goes back in another mode        */
+    int    circuit;                    /* ranges of one circuit can be reached from each other                    */
+    bool   own;                        /* the one that holds the posture                                          */
+    double transmission[2];            /* least and greatest transmission angle [rad]                             */
+} lw_input_range;
+typedef lw_status lw_range_visit(void *context, const lw_input_range *range);
+
+/* LW_E_KIND: higher Assur groups; see the motion curves.  LW_OPEN: it closes nowhere. */
+LW_API lw_status lw_kinematics_ranges(const lw_kinematics *kinematics, lw_range_visit *visit, void *context);
+
+/* The groups in the order of solution and how each is solved, as text. */
+LW_API lw_status lw_kinematics_explain(const lw_kinematics *kinematics, char **out);
+
+/* Every motion of any linkage with one free input, as curves: one for each circuit, through all assembly modes. */
+typedef struct lw_motion_curves lw_motion_curves;
+
+/* Curves are found from random postures; ends after `patience` postures without a new curve.  Same seed, same curves.
+ * The first holds the posture of the linkage.  LW_E_ARG: not one free input; LW_E_NUMERIC: it cannot move. */
+LW_API lw_status lw_motion_curves_create(const lw_linkage *linkage, int patience, uint64_t seed, lw_motion_curves **out,
+                                         lw_error *error);
+LW_API void      lw_motion_curves_destroy(lw_motion_curves *curves);
+LW_API int       lw_motion_curves_count(const lw_motion_curves *curves);
+
+typedef struct lw_motion_curve_info {
+    bool   closed;                     /* the motion comes back to where it began                                */
+    int    input_turns;                /* whole turns of the input over a closed curve                           */
+    int    limits;                     /* where the input turns back                                             */
+    int    crossings;                  /* branch points                                                          */
+    double residual;                   /* greatest error of the constraints [m]                                  */
+} lw_motion_curve_info;
+LW_API lw_status lw_motion_curves_info(const lw_motion_curves *curves, int curve, lw_motion_curve_info *out);
+
+/* n points evenly by arc over a whole curve.  input, x, y (n): of the input and of a tracer; each may be NULL. */
+LW_API lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer, size_t n, double *input, double *x,
+                                        double *y);
+
+/* How freely a linkage moves, found by moving it: lengths count, unlike in Gruebler's count. */
+typedef struct lw_mobility_info {
+    const char *kind;                  /* "rigid", "shaky", "moves"                                               */
+    int         count;                 /* Gruebler's count                                                       */
+    int         freedom;               /* of the motion through the posture                                      */
+    int         generic;               /* of the same topology with general dimensions; -1: unknown               */
+    int         instant;               /* freedoms of first order in the posture                                 */
+    int         redundant;             /* constraints that follow from others                                    */
+    int         driven, idle;          /* freedoms that inputs set; that neither inputs nor tracers notice         */
+    double      residual;              /* greatest error of the constraints on the way [m]                        */
+} lw_mobility_info;
+
+/* tolerance: of closing, over the size of the linkage; 1e-12 is usual, 1e-4 the greatest. */
+LW_API lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed, lw_mobility_info *out,
+                                             lw_error *error);
+
+/* Weld joints until no freedom is idle; *joints: those joints as bits. */
+LW_API lw_status lw_mobility_hold_idle(lw_linkage *linkage, uint64_t *joints, lw_error *error);
+
+/* ---- forces and dynamics ---------------------------------------------------------------------------------------- */
+
+typedef struct lw_model lw_model;              /* a linkage with masses, loads, springs, motions, clearances      */
+typedef struct lw_simulation lw_simulation;
+
+/* From a linkage without masses and loads; from JSON text or file (docs/notation.md, "Model"). */
+LW_API lw_status lw_model_create(const lw_linkage *linkage, lw_model **out);
+LW_API lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error);
+LW_API lw_status lw_model_load(const char *path, lw_model **out, lw_error *error);
+LW_API void      lw_model_destroy(lw_model *model);
+LW_API const lw_linkage *lw_model_linkage(const lw_model *model);      /* belongs to the model                   */
+
+/* Move an input by an expression of t: "0.5 + 10*t" [rad] or [m].  LW_E_NOTATION with the column. */
+LW_API lw_status lw_model_drive(lw_model *model, int input, const char *motion, lw_error *error);
+LW_API lw_status lw_model_set_speed(lw_model *model, int input, double speed);     /* at the start, then free     */
+LW_API lw_status lw_model_set_mass(lw_model *model, int link, double mass, lw_vec2 centre, double inertia);
+LW_API void      lw_model_set_gravity(lw_model *model, lw_vec2 gravity);           /* [m/s^2]                     */
+
+/* Motion of a link: its centre of mass [m], [m/s]; its angle since the drawn posture [rad], [rad/s].  0 for ground. */
+typedef struct lw_link_motion { lw_vec2 place, velocity; double angle, angular_velocity; } lw_link_motion;
+
+/* Acceleration of the centre of mass [m/s^2] and of the angle [rad/s^2]. */
+typedef struct lw_link_acceleration { lw_vec2 linear; double angular; } lw_link_acceleration;
+
+/* Load on a link: a force on its centre of mass [N] and a torque [N m], counter-clockwise. */
+typedef struct lw_link_load { lw_vec2 force; double torque; } lw_link_load;
+
+/* Forces of the caller's own, added to those of the model.
+ *
+ * `apply` is called in every evaluation, several times a step and not in the order of time.  It reads the motion of
+ * the links and writes their loads, which are 0 before; both arrays (n_link) are in the order of the model's links, and
+ * the load on ground is ignored.  The loads must depend on t and on `link` alone, smoothly.  Their work counts in the
+ * energy balance.  Where derivatives are wanted (equilibrium) they are taken by central differences. */
+typedef struct lw_caller_force {
+    void *context;
+    void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);
+} lw_caller_force;
+
+/* What a joint does to its link[1], about the joint's point on that link (of a gear: on the carrier). */
+typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
+
+typedef struct lw_simulation_options {
+    const char    *analysis;           /* transient static quasistatic kinematic dynamic            ("transient") */
+    const char    *formulation;        /* auto driven quadrature reduced index1 cvode ggl           ("auto")      */
+    double         from, to;           /* time [s]                                                  (0, 1)        */
+    int            intervals;          /* samples less one, evenly spaced                           (100)         */
+    double         tolerance;          /* of a step, lengths over the size of the linkage           (1e-10)       */
+    long           max_steps;          /* 0: no limit                                               (0)           */
+    double         max_seconds;        /* 0: no limit                                               (0)           */
+    const volatile int *stop;          /* *stop not 0 ends the run; may be set by a signal          (NULL)        */
+    lw_caller_force force;             /* apply NULL: none                                          (NULL)        */
+} lw_simulation_options;
+LW_API lw_simulation_options lw_simulation_options_default(void);
+
+typedef struct lw_simulation_sample {
+    double                      t;
+    const lw_link_motion       *link;            /* (n_link)                                                    */
+    const lw_link_acceleration *acceleration;    /* (n_link)                                                    */
+    const lw_reaction          *joint;           /* (n_joint)                                                   */
+    const double               *input;           /* [rad] or [m] (n_input)                                      */
+    const double               *drive;           /* torque or force that moves the input (n_input)               */
+    const lw_vec2              *tracer;          /* (n_tracer) [m]                                               */
+    lw_reaction                 shaking;         /* of moving masses on the frame, about the origin               */
+    double                      kinetic, potential, work;      /* [J]                                            */
+    double                      residual;        /* of the constraints, over the size of the linkage              */
+} lw_simulation_sample;
+typedef lw_status lw_simulation_callback(void *context, const lw_simulation_sample *sample);
+
+typedef struct lw_simulation_report {
+    const char *formulation;           /* that was used                                                          */
+    char        why[256];              /* why this one                                                           */
+    int         freedom, unknowns, redundant;
+    long        steps, refused, evaluations;
+    double      t;                     /* how far it came [s]                                                     */
+    double      energy_error;          /* greatest |E - E(start) - work| [J]                                       */
+    double      residual;
+} lw_simulation_report;
+
+/* The model must outlive the simulation.  LW_E_ARG: a mass is missing; LW_E_KIND: the formulation cannot do this model;
+ * LW_OPEN, LW_E_NUMERIC: no start satisfies the constraints. */
+LW_API lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
+                                      lw_error *error);
+LW_API void      lw_simulation_destroy(lw_simulation *simulation);
+
+/* Run from start to end, once; analysis "static": one sample, where it rests.  visit, report may be NULL.  What was sampled
+ * before a failure is valid.  LW_STOPPED: a limit of steps or seconds. */
+LW_API lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
+                                   lw_simulation_report *report, lw_error *error);
+
+typedef struct lw_vibration_info {
+    double re, im;                     /* eigenvalue [1/s], im >= 0                                              */
+    double frequency, natural;         /* damped and natural frequency [Hz]                                      */
+    double damping;                    /* ratio; < 0: grows                                                      */
+} lw_vibration_info;
+typedef lw_status lw_vibration_callback(void *context, const lw_vibration_info *vibration);
+
+/* Small vibrations about the drawn posture, or with `rest` about the equilibrium near it; inputs with a motion are held, with
+ * `hold` all inputs.  LW_NOTHING: no freedom is left. */
+LW_API lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
+                                     lw_error *error);
+
+/* Pins with clearance, as the model file gives them ("clearance" of a joint). */
+typedef struct lw_clearance_settings {
+    double time, settle;               /* run from 0 to time; contact counts after settle [s]       (1.25, 0.4)   */
+    double tolerance;                  /* of a step, lengths over the size of the linkage           (1e-9)        */
+    double speed;                      /* of input 0 at the start [rad/s] or [m/s]; NaN: the model's  (NaN)       */
+    const char *start;                 /* closed: all links move as without clearance; seated: pins pressed as the
+                                        * reaction asks; crank: only the driven link moves          ("closed")    */
+    double every;                      /* time between samples [s]; 0: none                         (0)           */
+    long   max_steps;                  /* 0: no limit                                               (0)           */
+    double max_seconds;                /* 0: no limit                                               (0)           */
+    const volatile int *stop;          /* *stop not 0 ends the run; may be set by a signal          (NULL)        */
+} lw_clearance_settings;
+LW_API lw_clearance_settings lw_clearance_settings_default(void);
+
+/* One joint at one moment. */
+typedef struct lw_clearance_point {
+    int     joint;
+    lw_vec2 pin;                     /* centre of the pin from that of the bush, in the plane [m]     */
+    lw_vec2 in_bush;                 /* the same in the frame of the bush's link                      */
+    double  force;                   /* [N], > 0 presses pin and bush together                        */
+    double  rate;                    /* of the pin's distance [m/s]                                   */
+    bool    touching;
+} lw_clearance_point;
+typedef lw_status lw_clearance_callback(void *context, double t, double input, double energy, int n_point,
+                                        const lw_clearance_point *point);
+
+/* What became of one joint after `settle`. */
+typedef struct lw_clearance_outcome {
+    int    joint;
+    bool   lost;                     /* the distance fell to the gap (link: the force to 0; zero: criterion > 1) */
+    double first;                    /* when first [s]; NaN: never                                     */
+    long   losses;                   /* how often contact was left                                     */
+    double apart;                    /* share of the time without contact                              */
+    double force_most;               /* at the ends of steps [N]                                       */
+    double distance_most;            /* of the centres [m]                                             */
+    double criterion;                /* zero: greatest |d direction of reaction/dt| / reaction [rad/(N s)], Earles &
+                                        Wu 1977: contact is kept below 1 */
+} lw_clearance_outcome;
+
+/* outcome (room): of each joint with clearance; *n: how many there are.  LW_E_ARG with a text: no joint with clearance, a
+ * missing mass; LW_STOPPED: a limit. */
+LW_API lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings,
+                                       lw_clearance_callback *visit, void *context, lw_clearance_outcome *outcome, int room,
+                                       int *n, lw_error *error);
+
+/* ---- targets ---------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_target lw_target;            /* stations that a point, or an output angle, has to meet          */
+typedef struct lw_task_file lw_task_file;      /* a target with the conditions of its fit                         */
+
+typedef struct lw_target_options {
+    int         closed;         /* 1 yes, 0 no, -1 by the file: its "closed" comment, or by guess:
+                                 * the gap from last to first is no longer than 1.5 times the longest
+                                 * step or a twentieth of the path (a last station that repeats
+                                 * the first is kept); functions are open                          */
+    const char *length_unit;    /* NULL: by the file, else metre; overrules a "units" comment      */
+    const char *angle_unit;     /* NULL: by the file, else radian; overrules likewise              */
+} lw_target_options;
+
+/* From CSV text with a header x,y[,theta][,angle|t][,weight] or angle,theta[,weight] (docs/notation.md, "Target").
+ * options NULL: by the file.  LW_E_NOTATION with line and column. */
+LW_API lw_status lw_target_parse(const char *text, size_t size, const char *file, const lw_target_options *options,
+                                 lw_target **out, lw_error *error);
+
+/* From a file: CSV, or by the end of its name a path of an SVG or a curve of a DXF drawing. */
+LW_API lw_status lw_target_load(const char *path, const lw_target_options *options, lw_target **out, lw_error *error);
+
+/* From arrays (n): x and y of a path [m], with theta, the angle of a tool, for a motion [rad]; or, for a function, angle of
+ * the input and theta of the output.  Others NULL.  angle: prescribed input angles.  closed as in the options. */
+LW_API lw_status lw_target_create(size_t n, const double *x, const double *y, const double *theta, const double *angle,
+                                  const double *weight, int closed, lw_target **out, lw_error *error);
+LW_API void      lw_target_destroy(lw_target *target);
+LW_API size_t    lw_target_n(const lw_target *target);
+LW_API bool      lw_target_closed(const lw_target *target);
+LW_API double    lw_target_length(const lw_target *target);          /* of the polygon through the stations [m]   */
+
+/* Arrays (n) of the target; NULL where it has none. */
+LW_API void      lw_target_stations(const lw_target *target, const double **x, const double **y, const double **theta,
+                                    const double **angle);
+
+/* ---- fitting dimensions -------------------------------------------------------------------------------------- */
+
+typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;    /* of a dimension [m] or [rad]            */
+
+/* Where something must or must not be: boxes, circles, lines. */
+typedef enum lw_zone_kind {
+    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
+    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
+    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
+    LW_ZONE_NO_CIRCLE
+} lw_zone_kind;
+
+typedef struct lw_zone {
+    lw_zone_kind kind;
+    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
+    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
+    double  reach;        /* circle: radius; line: how far off [m]                                  */
+} lw_zone;
+
+typedef struct lw_fit_request {
+    /* where to look */
+    const char *types;                 /* four links: "fourbar", "slidercrank", ..., with commas, or "all" ("fourbar") */
+    int         links;                 /* all mechanisms with up to so many links                         (4)     */
+    int         dof;                   /* 1 to 3; inputs but the first go with it in ratios               (1)     */
+    const char *joints;                /* kinds of joints with more than four links, of "rtpg"            ("r")   */
+    const char *topology;              /* of these only "watt1,stephenson3,8.5"                           ("all") */
+    const char *gear_ratios;           /* NULL: the usual                                                 (NULL)  */
+    const char *input_ratios;          /* NULL: the usual                                                 (NULL)  */
+    int         n_start;               /* linkages to start from                                          (0)     */
+    const lw_linkage *const *start;    /* (n_start)                                                               */
+    /* what is wanted */
+    const char *task;                  /* auto path function motion                                       ("auto") */
+    const char *timing;                /* auto prescribed free none                                       ("auto") */
+    const char *angle_from;            /* prescribed angles count from: first frame plane                 ("first") */
+    double      weight_path, weight_angle;        /* of squared distances [1/m^2] and angles [1/rad^2]    (1, 1)  */
+    bool        crank_only;            /* the input turns fully and is the shortest link of a four-bar    (false) */
+    bool        full_turn;             /* the input turns fully                                           (false) */
+    double      min_transmission;      /* [rad]; 0: not asked                                             (0)     */
+    double      max_acceleration;      /* of the point by the input [m/rad^2]; 0: not asked               (0)     */
+    double      length_range[2];       /* [m]; 0, 0: by the target                                        (0, 0)  */
+    double      position_range[2];     /* [m]; equal: by the target                                       (0, 0)  */
+    double      length_ratio;          /* longest over shortest length at most; 0: not asked              (0)     */
+    int         n_bound, n_zone;       /* 24 and 8 at most                                                (0, 0)  */
+    const lw_bound *bound;             /* (n_bound)                                                               */
+    const lw_zone  *zone;              /* (n_zone)                                                                */
+    /* how long */
+    const char *solver;                /* local solver; NULL: Levenberg-Marquardt                         (NULL)  */
+    uint64_t    seed;                  /* same seed, same answer                                          (1)     */
+    int         jobs;                  /* threads; below 1: one for each core                             (0)     */
+    double      max_seconds;           /* 0: no limit                                                     (0)     */
+    int         rounds, starts;        /* 0: by the size of the problem                                   (0, 0)  */
+    double      budget;                /* evaluations for each number of links above four                 (1e6)   */
+    int         results;               /* at most                                                         (10)    */
+    const volatile int *stop;          /* *stop not 0 ends the search; may be set by a signal             (NULL)  */
+    lw_progress *progress;             /* NULL: none                                                      (NULL)  */
+    void        *context;              /* of progress                                                     (NULL)  */
+} lw_fit_request;
+LW_API lw_fit_request lw_fit_request_default(void);
+
+/* A task file (docs/notation.md, "Task") with the targets it names.  _request: what it asks for, the rest as by default;
+ * it points into the task, which must outlive its use. */
+LW_API lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **target, lw_error *error);
+LW_API void      lw_task_file_destroy(lw_task_file *task);
+LW_API lw_fit_request lw_task_file_request(const lw_task_file *task);
+
+typedef struct lw_results lw_results;          /* ranked linkages, best first, each simulated a second time        */
+
+/* LW_OK; LW_NOTHING: no linkage meets the conditions; LW_STOPPED: time, `stop` or progress ended it, with what was found
+ * until then; LW_E_ARG with a text: conditions that exclude everything, or do not suit the target. */
+LW_API lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, lw_results **out, lw_error *error);
+
+/* Linkages that pass through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points. */
+LW_API lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
+                                         lw_error *error);
+LW_API void      lw_results_destroy(lw_results *results);
+LW_API int       lw_results_count(const lw_results *results);
+
+/* What keeps a linkage through precision points from running through them in order. */
+enum { LW_DEFECT_ORDER = 1, LW_DEFECT_BRANCH = 2, LW_DEFECT_CIRCUIT = 4 };
+
+typedef struct lw_result_info {
+    const char *title;                 /* "four-bar", "Watt I, point on link 5"                                   */
+    const char *fourbar_class;         /* "GCRR"; "": no four-bar                                                */
+    int         links;
+    double      objective;             /* weighted sum of squares                                                */
+    double      error_mean, error_rms, error_max;        /* distances at the stations [m]                         */
+    double      error_percent;         /* mean in percent of the target's length; NaN without length              */
+    double      angle_mean, angle_max; /* [rad]; NaN without angles                                              */
+    double      transmission[2];       /* least and greatest over the motion [rad]                                */
+    double      acceleration_max;      /* by the input [m/rad^2]                                                 */
+    bool        turns;                 /* the input turns fully                                                  */
+    int         circuits;              /* 0: not counted                                                         */
+    bool        verified;              /* an independent simulation of the written linkage agrees                 */
+    unsigned    defects;               /* of LW_DEFECT_                                                          */
+} lw_result_info;
+LW_API lw_status lw_results_info(const lw_results *results, int i, lw_result_info *out);
+
+/* The linkage in the posture of the first station; tracer 0 is the point that was fitted. */
+LW_API lw_status lw_results_linkage(const lw_results *results, int i, lw_linkage **out);
+
+/* Its dimensions by name; the name is NULL past the last one. */
+LW_API const char *lw_results_dimension(const lw_results *results, int i, int dimension, double *value);
+
+/* Input of each station, input (n of the target) [rad] or [m] as lw_kinematics counts. */
+LW_API lw_status lw_results_inputs(const lw_results *results, int i, double *input);
+
+/* All results with moving pictures as one HTML page. */
+LW_API lw_status lw_results_page(const lw_results *results, const char *title, char **out, size_t *size, lw_error *error);
+
+/* ---- pictures --------------------------------------------------------------------------------------------------- */
+
+typedef struct lw_picture lw_picture;
+
+/* Diagram of a linkage with its curves, and the stations of a target (NULL: none).  title NULL: the linkage's name. */
+LW_API lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_target *target, const char *title,
+                                       lw_picture **out, lw_error *error);
+
+/* Mechanisms (n) on one page in so many columns.  caption (n): may be NULL, as may each. */
+LW_API lw_status lw_picture_of_mechanisms(int n, const lw_mechanism *const *mechanism, const char *const *caption, int columns,
+                                          const char *title, lw_picture **out, lw_error *error);
+LW_API void      lw_picture_destroy(lw_picture *picture);
+
+/* Bytes of kind "svg", "pdf", "png"; of linkages also "gif" and "html", which move.  width, height [px]; 0: as usual. */
+LW_API lw_status lw_picture_write(const lw_picture *picture, const char *kind, int width, int height, char **out,
+                                  size_t *size, lw_error *error);
+
+/* The same into a file, kind by the end of its name. */
+LW_API lw_status lw_picture_save(const lw_picture *picture, const char *path, int width, int height, lw_error *error);
+
+typedef struct lw_plot_series { const char *name; size_t n; const double *x, *y; } lw_plot_series;
+
+/* Curves over axes as SVG, PDF or PNG, by the end of the name.  Labels may be NULL; at most 32 series. */
+LW_API lw_status lw_plot_save(const char *path, const char *title, const char *x_label, const char *y_label, bool log_x,
+                              bool log_y, int n_series, const lw_plot_series *series, lw_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

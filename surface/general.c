@@ -1,0 +1,56 @@
+#include "surface/surface.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/file.h"
+
+const char *lw_version(void) { return LW_VERSION_STRING; }
+
+void lw_free(void *text) { free(text); }
+
+lw_status lw_surface_copy(const void *from, size_t size, void **out)
+{
+    *out = malloc(size);
+    if (!*out)
+        return LW_E_MEMORY;
+    memcpy(*out, from, size);
+    return LW_OK;
+}
+
+lw_status lw_surface_give(lw_bytes *b, char **out, size_t *size, lw_error *e)
+{
+    *out = NULL;
+    lw_bytes_add(b, "", 0);
+    lw_status s = lw_bytes_end(b, e);
+    if (s != LW_OK)
+        return s;
+    if (size)
+        *size = b->size;
+    *out = b->data ? b->data : calloc(1, 1);
+    memset(b, 0, sizeof *b);
+    return *out ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
+}
+
+int lw_surface_word(const char *what, const char *word, const char *const *list, lw_error *e)
+{
+    char known[256] = "";
+    for (int i = 0; list[i]; i++) {
+        if (word && strcmp(word, list[i]) == 0)
+            return i;
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", list[i]);
+    }
+    lw_error_set(e, LW_E_ARG, "%s '%s' is not known; known are %s", what, word ? word : "", known);
+    return -1;
+}
+
+lw_status lw_surface_load(const char *path, lw_surface_reader *read, void *context, lw_error *e)
+{
+    char *text = NULL;
+    size_t size = 0;
+    lw_status s = lw_file_read(path, &text, &size, e);
+    if (s == LW_OK)
+        s = read(text, size, path, context, e);
+    free(text);
+    return s;
+}

@@ -1,0 +1,23 @@
+/* surface/surface.h - what the files behind linkwright.h share. */
+#ifndef LW_SURFACE_SURFACE_H
+#define LW_SURFACE_SURFACE_H
+
+#include "catalogues/draw/bytes.h"
+#include "catalogues/draw/scene.h"
+#include "optimise/task/target.h"
+
+/* Size bytes at `from` as an allocated copy; *out NULL: out of memory. */
+#define LW_SURFACE_COPY(from, out) lw_surface_copy((from), sizeof *(from), (void **)(out))
+lw_status lw_surface_copy(const void *from, size_t size, void **out);
+
+/* Hand the bytes over to a caller, who frees them; b is empty afterwards. */
+lw_status lw_surface_give(lw_bytes *b, char **out, size_t *size, lw_error *e);
+
+/* Place of a word in a list that ends with NULL; -1, with a text that names `what` and the list: it is not there. */
+int lw_surface_word(const char *what, const char *word, const char *const *list, lw_error *e);
+
+/* A whole file through a reader: read(text, size, path, context, e). */
+typedef lw_status lw_surface_reader(const char *text, size_t size, const char *file, void *context, lw_error *e);
+lw_status lw_surface_load(const char *path, lw_surface_reader *read, void *context, lw_error *e);
+
+#endif
