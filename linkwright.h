@@ -681,6 +681,7 @@ typedef struct lw_fit_request {
     const char *task;                  /* auto path function motion                                       ("auto") */
     const char *timing;                /* auto prescribed free none                                       ("auto") */
     const char *angle_from;            /* prescribed angles count from: first frame plane                 ("first") */
+    int         point_link[3];         /* links of the target's further points: 0 any, 1 input, 2 coupler, 3 output (0) */
     double      weight_path, weight_angle;        /* of squared distances [1/m^2] and angles [1/rad^2]    (1, 1)  */
     bool        crank_only;            /* the input turns fully and is the shortest link of a four-bar    (false) */
     bool        full_turn;             /* the input turns fully                                           (false) */
@@ -781,6 +782,83 @@ typedef struct lw_plot_series { const char *name; size_t n; const double *x, *y;
 /* Curves over axes as SVG, PDF or PNG, by the end of the name.  Labels may be NULL; at most 32 series. */
 LW_API lw_status lw_plot_save(const char *path, const char *title, const char *x_label, const char *y_label, bool log_x,
                               bool log_y, int n_series, const lw_plot_series *series, lw_error *error);
+
+/* ---- catalogues -------------------------------------------------------------------------------------------------- */
+
+/* What was enumerated and found, in one SQLite file (docs/catalogue.md).  A handle belongs to one thread; one program
+ * writes at a time, any number may read.  Work that was stopped or killed is continued by the same call. */
+typedef struct lw_catalogue lw_catalogue;
+
+/* write: the file is made when there is none.  wait: for another program that writes [s].  LW_E_IO, LW_E_NOTATION: it is no
+ * catalogue, or one of a newer version. */
+LW_API lw_status lw_catalogue_open(const char *path, bool write, double wait, lw_catalogue **out, lw_error *error);
+LW_API void      lw_catalogue_close(lw_catalogue *catalogue);
+
+/* How long work is done; { 0 } is allowed. */
+typedef struct lw_catalogue_work {
+    int          jobs;                 /* threads; below 1: one for each core                                    */
+    uint64_t     seed;                 /* of samples of curves                                                   */
+    lw_progress *progress;             /* `done` is NaN where the whole is unknown; NULL: none                    */
+    void        *context;              /* of progress                                                            */
+} lw_catalogue_work;
+
+/* Every chain with so many links and freedoms, with ground links, inputs, Assur groups and a picture.  kinds: "r", "rt", "t".
+ * *n, may be NULL: chains in the catalogue now.  LW_STOPPED: progress said so, what is done is kept. */
+LW_API lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, const char *kinds,
+                                         const lw_catalogue_work *work, uint64_t *n, lw_error *error);
+
+/* Linkages as JSON text, also results of `linkwright fit --json`; *n, may be NULL: how many were new. */
+LW_API lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file,
+                                           uint64_t *n, lw_error *error);
+
+/* Coupler curves of four-link types ("fourbar,slidercrank", "all") until there are `samples` of this seed. */
+LW_API lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, uint64_t samples,
+                                         const lw_catalogue_work *work, lw_error *error);
+
+typedef enum lw_value_kind {
+    LW_VALUE_NULL, LW_VALUE_INTEGER, LW_VALUE_REAL, LW_VALUE_TEXT, LW_VALUE_BLOB
+} lw_value_kind;
+
+typedef struct lw_value {
+    lw_value_kind kind;
+    long long     integer;
+    double        real;
+    const char   *text;                      /* text or blob; of a row: valid during the call       */
+    size_t        size;
+} lw_value;
+
+/* A row: names and values of its columns (n_column). */
+typedef lw_status lw_catalogue_row(void *context, int n_column, const char *const *name, const lw_value *value);
+
+/* A question such as "links=6 and sliders>=1" (docs/catalogue.md); NULL: everything.  list: "chains", "mechanisms",
+ * "linkages", "structures"; NULL: the first with all fields.  columns, sort: fields with commas, may be NULL.  limit 0: all
+ * rows.  LW_E_NOTATION with the column of the fault. */
+LW_API lw_status lw_catalogue_query(lw_catalogue *catalogue, const char *question, const char *list, const char *columns,
+                                    const char *sort, long limit, lw_catalogue_row *row, void *context, lw_error *error);
+
+/* One SELECT of SQL; it may only read. */
+LW_API lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context,
+                                  lw_error *error);
+
+/* A coupler curve near a target. */
+typedef struct lw_catalogue_hit {
+    double      distance;              /* root mean square, over the size of the target [1]                        */
+    double      distance_m;            /* the same [m]                                                            */
+    const char *family;                /* "crank-rocker"; "": a linkage that was added                             */
+    const lw_linkage *linkage;         /* laid on the target; tracer 0 draws the curve                             */
+} lw_catalogue_hit;
+typedef lw_status lw_catalogue_hit_visit(void *context, const lw_catalogue_hit *hit);
+
+/* The `count` curves nearest to the path of a target, nearest first.  LW_NOTHING: there are no such curves. */
+LW_API lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, int count,
+                                      lw_catalogue_hit_visit *visit, void *context, lw_error *error);
+
+/* Check every page, reference and sum.  LW_E_NOTATION with the first fault. */
+LW_API lw_status lw_catalogue_check(lw_catalogue *catalogue, lw_error *error);
+
+/* The catalogue as a folder of HTML pages.  links, limit 0: all chains. */
+LW_API lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int links, int limit,
+                                    const lw_catalogue_work *work, lw_error *error);
 
 #ifdef __cplusplus
 }

@@ -2,7 +2,7 @@
 #ifndef LW_SURFACE_SURFACE_H
 #define LW_SURFACE_SURFACE_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "catalogues/draw/scene.h"
 #include "optimise/task/target.h"
 

@@ -2,7 +2,7 @@
 #ifndef LW_CATALOGUES_EXCHANGE_FORMAT_H
 #define LW_CATALOGUES_EXCHANGE_FORMAT_H
 
-#include "catalogues/draw/bytes.h"
+#include "base/bytes.h"
 #include "grammar/linkage.h"
 
 typedef struct lw_format {

@@ -124,18 +124,6 @@ lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error 
 
 /* ---- asking -------------------------------------------------------------------------------------- */
 
-typedef enum lw_value_kind {
-    LW_VALUE_NULL, LW_VALUE_INTEGER, LW_VALUE_REAL, LW_VALUE_TEXT, LW_VALUE_BLOB
-} lw_value_kind;
-
-typedef struct lw_value {
-    lw_value_kind kind;
-    long long     integer;
-    double        real;
-    const char   *text;                      /* text or blob; of a row: valid during the call       */
-    size_t        size;
-} lw_value;
-
 typedef struct lw_store_query {
     const char     *sql;                     /* one SELECT                                          */
     const lw_value *value;                   /* for ?1, ?2, ...                            (n_value) */

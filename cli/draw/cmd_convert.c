@@ -3,7 +3,9 @@
 #include <string.h>
 
 #include "base/suggest.h"
-#include "cli/draw/convert.h"
+#include "catalogues/exchange/format.h"
+#include "cli/program/model.h"
+#include "cli/program/output.h"
 
 typedef struct settings {
     const char *from, *to, *unit, *input;
@@ -28,11 +30,11 @@ static const cli_option options[] = {
 
 /* ---- choices --------------------------------------------------------------------------------------- */
 
-static lw_status format_named(const char *name, bool read, const cli_format **out, lw_error *e)
+static lw_status format_named(const char *name, bool read, const lw_format **out, lw_error *e)
 {
     const char *names[32];
     int n = 0;
-    for (const cli_format *f = cli_formats; f->name; f++) {
+    for (const lw_format *f = lw_formats; f->name; f++) {
         if (strcmp(f->name, name) == 0 && (read ? f->read != NULL : f->write != NULL)) {
             *out = f;
             return LW_OK;
@@ -45,21 +47,21 @@ static lw_status format_named(const char *name, bool read, const cli_format **ou
                         read ? "read" : "write", near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }
 
-static const cli_format *format_of_text(const cli_text *t)
+static const lw_format *format_of_text(const char *text)
 {
-    for (const cli_format *f = cli_formats; f->name; f++)
-        if (f->read && f->begins(t))
+    for (const lw_format *f = lw_formats; f->name; f++)
+        if (f->read && f->begins(text))
             return f;
-    return cli_formats;
+    return lw_formats;
 }
 
-static lw_status format_of_output(const cli_call *call, const cli_format **out, lw_error *e)
+static lw_status format_of_output(const cli_call *call, const lw_format **out, lw_error *e)
 {
     const char *path = call->common.output, *end = path ? strrchr(path, '.') : NULL;
-    *out = cli_formats;
+    *out = lw_formats;
     if (!path || strcmp(path, "-") == 0)
         return LW_OK;
-    for (const cli_format *f = cli_formats; f->name; f++)
+    for (const lw_format *f = lw_formats; f->name; f++)
         if (end && f->write && strcmp(f->end, end) == 0) {
             *out = f;
             return LW_OK;
@@ -97,22 +99,28 @@ static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
 {
     const settings *s = call->settings;
     const char *path = call->parsed.n_word > 0 ? call->parsed.word[0] : "-";
-    cli_text t = { .path = path, .result = s->result, .units = lw_units_si() };
-    const cli_format *f = NULL;
-    lw_status status = lw_units_set_angle(&t.units, "deg") ? LW_OK : LW_E_ARG;
+    char *text = NULL;
+    size_t size = 0;
+    lw_units units = lw_units_si();
+    const lw_format *f = NULL;
+    lw_status status = lw_units_set_angle(&units, "deg") ? LW_OK : LW_E_ARG;
     if (s->unit)
-        status = set_unit(s->unit, &t.units, e);
+        status = set_unit(s->unit, &units, e);
     if (status == LW_OK && s->from)
         status = format_named(s->from, true, &f, e);
     if (status == LW_OK)
-        status = cli_read_file(path, "a linkage", &t.text, &t.size, e);
-    if (status == LW_OK)
-        status = (f ? f : format_of_text(&t))->read(&t, k, e);
+        status = cli_read_file(path, "a linkage", &text, &size, e);
+    if (status == LW_OK && !f)
+        f = format_of_text(text);
+    if (status == LW_OK && strcmp(f->name, "json") == 0)              /* also a result of fit */
+        status = cli_linkage_text(path, s->result, &text, &size, k, e);
+    else if (status == LW_OK)
+        status = f->read(text, size, path, &units, k, e);
     if (status == LW_OK && s->unit)
         status = set_unit(s->unit, &k->units, e);
     if (status == LW_OK && s->input)
         status = set_input(s->input, k, e);
-    free(t.text);
+    free(text);
     return status;
 }
 
@@ -120,17 +128,20 @@ static int run(const cli_call *call)
 {
     const settings *s = call->settings;
     static lw_linkage k;
-    const cli_format *to = NULL;
+    const lw_format *to = NULL;
     lw_output out;
+    lw_bytes b = { 0 };
     lw_error e = { 0 };
     if ((s->to ? format_named(s->to, false, &to, &e) : format_of_output(call, &to, &e)) != LW_OK)
         return cli_usage(call, "%s", e.text);
     if (read_linkage(call, &k, &e) != LW_OK || cli_open(call, &out, &e) != LW_OK)
         return cli_fail(call, &e);
-    if (to->write(&k, out.f, &e) != LW_OK) {
+    if (to->write(&k, &b, &e) != LW_OK) {
         lw_output_abandon(&out);
         return cli_fail(call, &e);
     }
+    fwrite(b.data, 1, b.size, out.f);
+    lw_bytes_free(&b);
     return cli_close(call, &out, CLI_DONE);
 }
 

@@ -5,10 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include "cli/program/output.h"
 #include "grammar/model.h"
-#include "optimise/task/target_outline.h"
 
 /* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
 static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
@@ -94,74 +92,23 @@ lw_status cli_linkage_text(const char *path, int which, char **text, size_t *siz
     return s == LW_OK ? lw_linkage_read(*text, *size, path, k, e) : s;
 }
 
+/* Of a read that was waited for: Ctrl-C ends it. */
+static lw_status waited(const char *path, lw_status s, lw_error *e)
+{
+    bool stopped = strcmp(path, "-") == 0 && cli_interrupted();
+    return stopped ? lw_error_at(e, LW_STOPPED, path, 0, 0, "interrupted while it was read") : s;
+}
+
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e)
 {
-    char *text = NULL;
-    size_t size = 0;
-    lw_status s = cli_read_file(path, "a target (CSV)", &text, &size, e);
-    const char *end = strrchr(path, '.');
-    if (s == LW_OK)
-        s = (end && strcasecmp(end, ".svg") == 0 ? lw_target_read_svg
-             : end && strcasecmp(end, ".dxf") == 0 ? lw_target_read_dxf : lw_target_read)(text, size, path, o, t, e);
-    free(text);
-    return s;
-}
-
-/* The file named in a task lies beside it, unless its name begins at the root. */
-static void beside(const char *path, const char *name, char *out, size_t size)
-{
-    const char *slash = strrchr(path, '/');
-    int folder = name[0] == '/' || !slash ? 0 : (int)(slash - path) + 1;
-    snprintf(out, size, "%.*s%s", folder, path, name);
-}
-
-/* A target of a task: its own stations, or a file beside it. */
-static lw_status read_source(const char *path, const char *name, const lw_target *own, const lw_target_options *o,
-                             lw_target *read, const lw_target **part, lw_error *e)
-{
-    char file[1024];
-    *part = own;
-    if (!name[0])
-        return LW_OK;
-    beside(path, name, file, sizeof file);
-    *part = read;
-    return cli_read_target(file, o, read, e);
-}
-
-static lw_status read_brief(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e)
-{
-    lw_target read[1 + LW_ALSO_MAX], joined;
-    const lw_target *part[1 + LW_ALSO_MAX];
-    lw_target_options mine = o ? *o : (lw_target_options){ .closed = -1 };
-    memset(read, 0, sizeof read);
-    if (mine.closed < 0)
-        mine.closed = b->closed;
-    lw_status s = read_source(path, b->target, &b->stations, &mine, &read[0], &part[0], e);
-    for (int i = 0; i < b->n_also && s == LW_OK; i++)
-        s = read_source(path, b->also[i].target, &b->also[i].stations, &mine, &read[i + 1], &part[i + 1], e);
-    if (s == LW_OK && (s = lw_target_join(part, 1 + b->n_also, &joined, e)) == LW_OK) {
-        s = lw_task_file_target(b, &joined, t, e);
-        lw_target_free(&joined);
-    }
-    for (int i = 0; i <= LW_ALSO_MAX; i++)
-        lw_target_free(&read[i]);
-    return s;
+    if (strcmp(path, "-") == 0)
+        cli_say_waiting("a target (CSV)");
+    return waited(path, lw_target_read_file(path, o, t, e), e);
 }
 
 lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e)
 {
-    char *text = NULL;
-    size_t size = 0;
-    lw_status s = cli_read_file(path, "a task (JSON)", &text, &size, e);
-    if (s == LW_OK)
-        s = lw_task_file_read(text, size, path, b, e);
-    free(text);
-    if (s != LW_OK)
-        return s;
-    s = read_brief(path, o, b, t, e);
-    if (s != LW_OK && !e->file[0])
-        snprintf(e->file, sizeof e->file, "%s", path);
-    if (s != LW_OK)
-        lw_task_file_free(b);
-    return s;
+    if (strcmp(path, "-") == 0)
+        cli_say_waiting("a task (JSON)");
+    return waited(path, lw_task_file_read_file(path, o, b, t, e), e);
 }

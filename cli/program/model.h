@@ -3,7 +3,7 @@
 #define CLI_PROGRAM_MODEL_H
 
 #include "grammar/linkage.h"
-#include "optimise/task/task_file.h"
+#include "optimise/task/read_file.h"
 
 /* A linkage from a file ("-" is standard input): one linkage as in docs/notation.md, or an object
  * with `results` as `linkwright fit --json` prints it, of which `linkage` of result number `which`

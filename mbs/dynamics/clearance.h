@@ -30,16 +30,6 @@ typedef enum lw_clearance_start {
     LW_CLEARANCE_CRANK               /* as closed, but only the driven link moves (Makkonen 1999, paper C, 7e) */
 } lw_clearance_start;
 
-/* One joint at one moment. */
-typedef struct lw_clearance_point {
-    int     joint;
-    lw_vec2 pin;                     /* centre of the pin from that of the bush, in the plane [m]     */
-    lw_vec2 in_bush;                 /* the same in the frame of the bush's link                      */
-    double  force;                   /* [N], > 0 presses pin and bush together                        */
-    double  rate;                    /* of the pin's distance [m/s]                                   */
-    bool    touching;
-} lw_clearance_point;
-
 typedef struct lw_clearance_sample {
     double t;
     double input, input_rate;        /* of input 0, as it counts [rad] or [m]; 0 without an input       */
@@ -68,19 +58,6 @@ typedef struct lw_clearance_options {
 } lw_clearance_options;
 
 lw_clearance_options lw_clearance_options_default(void);
-
-/* What became of one joint after `settle`. */
-typedef struct lw_clearance_outcome {
-    int    joint;
-    bool   lost;                     /* the distance fell to the gap (link: the force to 0; zero: criterion > 1) */
-    double first;                    /* when first [s]; NAN: never                                     */
-    long   losses;                   /* how often contact was left                                     */
-    double apart;                    /* share of the time without contact                              */
-    double force_most;               /* at the ends of steps [N]                                       */
-    double distance_most;            /* of the centres [m]                                             */
-    double criterion;                /* zero: greatest |d direction of reaction/dt| / reaction [rad/(N s)], Earles &
-                                        Wu 1977: contact is kept below 1 */
-} lw_clearance_outcome;
 
 typedef struct lw_clearance_result {
     int    n_joint;

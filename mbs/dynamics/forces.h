@@ -15,23 +15,6 @@
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
 
-/* Motion of a link: its centre of mass [m], [m/s]; its angle since the drawn posture [rad], [rad/s].  0 for ground. */
-typedef struct lw_link_motion { lw_vec2 place, velocity; double angle, angular_velocity; } lw_link_motion;
-
-/* Load on a link: a force on its centre of mass [N] and a torque [N m], counter-clockwise. */
-typedef struct lw_link_load { lw_vec2 force; double torque; } lw_link_load;
-
-/* Forces of the caller's own, added to those of the model.
- *
- * `apply` is called in every evaluation, several times a step and not in the order of time.  It reads the motion of
- * the links and writes their loads, which are 0 before; both arrays (n_link) are in the order of the model's links, and
- * the load on ground is ignored.  The loads must depend on t and on `link` alone, smoothly.  Their work counts in the
- * energy balance.  Where derivatives are wanted (equilibrium) they are taken by central differences. */
-typedef struct lw_caller_force {
-    void *context;
-    void (*apply)(void *context, double t, const lw_link_motion *link, lw_link_load *load);
-} lw_caller_force;
-
 typedef struct lw_forces {
     const lw_model  *model;                 /* the caller's; must outlive this                        */
     const lw_system *system;

@@ -5,9 +5,6 @@
 
 #include "mbs/dynamics/dynamics.h"
 
-/* What joint does to link[1], about the joint's point on link[1] (of a gear: on the carrier).  In the plane. */
-typedef struct lw_reaction { lw_vec2 force; double moment; } lw_reaction;     /* [N] [N m]             */
-
 /* out (n_joint). */
 void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out);
 

@@ -1,0 +1,277 @@
+/* Models and how they move under their loads. */
+#include "surface/surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "base/clock.h"
+#include "mbs/dynamics/clearance.h"
+#include "mbs/dynamics/dynamics.h"
+#include "mbs/dynamics/modes.h"
+#include "mbs/dynamics/reactions.h"
+#include "mbs/dynamics/statics.h"
+
+/* ---- models ------------------------------------------------------------------------------------------------- */
+
+lw_status lw_model_create(const lw_linkage *linkage, lw_model **out)
+{
+    *out = calloc(1, sizeof **out);
+    if (*out)
+        lw_model_from_linkage(linkage, *out);
+    return *out ? LW_OK : LW_E_MEMORY;
+}
+
+lw_status lw_model_parse(const char *text, size_t size, const char *file, lw_model **out, lw_error *error)
+{
+    lw_model *m = calloc(1, sizeof *m);
+    *out = NULL;
+    lw_status s = m ? lw_model_read(text, size, file, m, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        *out = m;
+    else
+        free(m);
+    return s;
+}
+
+static lw_status parse(const char *text, size_t size, const char *file, void *out, lw_error *e)
+{
+    return lw_model_parse(text, size, file, out, e);
+}
+
+lw_status lw_model_load(const char *path, lw_model **out, lw_error *error)
+{
+    *out = NULL;
+    return lw_surface_load(path, parse, out, error);
+}
+
+void lw_model_destroy(lw_model *model)
+{
+    if (model)
+        lw_model_free(model);
+    free(model);
+}
+
+const lw_linkage *lw_model_linkage(const lw_model *model) { return &model->linkage; }
+
+lw_status lw_model_set_speed(lw_model *model, int input, double speed)
+{
+    if (input < 0 || input >= model->linkage.n_input || !isfinite(speed))
+        return LW_E_ARG;
+    model->has_speed[input] = true;
+    model->speed[input] = speed;
+    return LW_OK;
+}
+
+lw_status lw_model_set_mass(lw_model *model, int link, double mass, lw_vec2 centre, double inertia)
+{
+    bool good = link >= 0 && link < model->linkage.n_link && mass >= 0 && inertia >= 0 && isfinite(mass) && isfinite(inertia)
+                && isfinite(centre.x) && isfinite(centre.y);
+    if (good)
+        model->body[link] = (lw_body){ .given = true, .mass = mass, .centre = centre, .inertia = inertia };
+    return good ? LW_OK : LW_E_ARG;
+}
+
+void lw_model_set_gravity(lw_model *model, lw_vec2 gravity) { model->gravity = gravity; }
+
+/* ---- simulation ----------------------------------------------------------------------------------------------- */
+
+struct lw_simulation {
+    const lw_model      *model;
+    lw_dynamics         *d;
+    lw_dynamics_options  o;
+    lw_simulation_callback *visit;
+    void                *context;
+};
+
+lw_simulation_options lw_simulation_options_default(void)
+{
+    return (lw_simulation_options){ .analysis = "transient", .formulation = "auto", .to = 1, .intervals = 100,
+                                    .tolerance = 1e-10 };
+}
+
+lw_status lw_simulation_create(const lw_model *model, const lw_simulation_options *options, lw_simulation **out,
+                               lw_error *error)
+{
+    static const char *const analyses[] = { "transient", "static", "quasistatic", "kinematic", "dynamic", NULL };
+    const char *formulations[LW_FORMULATION_GGL + 2] = { NULL };
+    *out = NULL;
+    for (int i = 0; i <= LW_FORMULATION_GGL; i++)
+        formulations[i] = lw_formulation_name((lw_formulation)i);
+    int analysis = lw_surface_word("analysis", options->analysis, analyses, error);
+    int formulation = analysis < 0 ? -1 : lw_surface_word("formulation", options->formulation, formulations, error);
+    if (formulation < 0)
+        return LW_E_ARG;
+    if (options->intervals < 1 || !(options->from < options->to) || !(options->tolerance > 0))
+        return lw_error_set(error, LW_E_ARG, "a simulation needs from < to, an interval and a positive tolerance");
+    lw_simulation *s = calloc(1, sizeof *s);
+    if (!s)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
+    s->model = model;
+    s->o = lw_dynamics_options_default();
+    s->o.analysis = (lw_analysis)analysis;
+    s->o.formulation = (lw_formulation)formulation;
+    s->o.from = options->from;
+    s->o.to = options->to;
+    s->o.intervals = options->intervals;
+    s->o.relative = s->o.absolute = options->tolerance;
+    s->o.max_step = options->max_steps;
+    s->o.until = options->max_seconds > 0 ? lw_clock_wall() + options->max_seconds : 0;
+    s->o.stop = options->stop;
+    s->o.force = options->force;
+    lw_status status = lw_dynamics_make(model, &s->o, &s->d, error);
+    if (status == LW_OK)
+        *out = s;
+    else
+        free(s);
+    return status;
+}
+
+void lw_simulation_destroy(lw_simulation *simulation)
+{
+    if (simulation)
+        lw_dynamics_free(simulation->d);
+    free(simulation);
+}
+
+static lw_status hand_over(void *context, const lw_moment *m)
+{
+    const lw_simulation *s = context;
+    const lw_system *sys = lw_dynamics_system(s->d);
+    const lw_linkage *k = &s->model->linkage;
+    lw_link_motion link[LW_LINK_MAX] = { 0 };
+    lw_link_acceleration acceleration[LW_LINK_MAX] = { 0 };
+    lw_reaction joint[LW_JOINT_MAX];
+    double input[LW_INPUT_MAX], drive[LW_INPUT_MAX];
+    lw_vec2 tracer[LW_TRACER_MAX];
+    for (int b = 0; b < sys->n_body; b++) {
+        const double *v = &m->v[3*b], *a = &m->a[3*b];
+        link[sys->link[b]] = (lw_link_motion){ lw_system_point(sys, b, lw_v2(0, 0), m->q),
+                                               lw_v2(v[0]*sys->unit, v[1]*sys->unit), m->q[3*b + 2], v[2] };
+        acceleration[sys->link[b]] = (lw_link_acceleration){ lw_v2(a[0]*sys->unit, a[1]*sys->unit), a[2] };
+    }
+    for (int i = 0; i < sys->n_tracer; i++)
+        tracer[i] = lw_system_point(sys, sys->tracer_body[i], sys->tracer_arm[i], m->q);
+    for (int i = 0; i < k->n_input; i++) {
+        lw_measure count;
+        lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &count);
+        input[i] = k->input[i].value + count.value;
+    }
+    lw_reactions_joints(s->d, m, joint);
+    lw_reactions_drives(s->d, m, drive);
+    lw_simulation_sample sample = { .t = m->t, .link = link, .acceleration = acceleration, .joint = joint, .input = input,
+                                    .drive = drive, .tracer = tracer, .shaking = lw_reactions_shaking(s->d, m),
+                                    .kinetic = m->kinetic, .potential = m->potential, .work = m->work, .residual = m->off };
+    return s->visit ? s->visit(s->context, &sample) : LW_OK;
+}
+
+static void put_report(const lw_dynamics_report *r, lw_simulation_report *out)
+{
+    *out = (lw_simulation_report){ .formulation = lw_formulation_name(r->formulation), .freedom = r->freedom,
+                                   .unknowns = r->unknowns, .redundant = r->redundant, .steps = r->steps,
+                                   .refused = r->refused, .evaluations = r->rates, .t = r->t,
+                                   .energy_error = r->energy_error, .residual = r->worst_off };
+    memcpy(out->why, r->why, sizeof out->why);
+}
+
+lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
+                            lw_simulation_report *report, lw_error *error)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_dynamics_report r = *lw_dynamics_choice(simulation->d);
+    lw_rest rest;
+    lw_status s;
+    simulation->visit = visit;
+    simulation->context = context;
+    if (simulation->o.analysis == LW_ANALYSIS_STATIC) {
+        s = lw_statics_rest(simulation->d, simulation->o.from, q, &rest, error);
+        if (s == LW_OK)
+            s = lw_statics_moment(simulation->d, simulation->o.from, q, hand_over, simulation, error);
+        r.t = simulation->o.from;
+    } else {
+        s = lw_dynamics_run(simulation->d, hand_over, simulation, &r, error);
+    }
+    if (report)
+        put_report(&r, report);
+    return s;
+}
+
+/* ---- vibrations ------------------------------------------------------------------------------------------------- */
+
+typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; } vibrations;
+
+static lw_status find_modes(vibrations *w, const lw_model *model, const lw_modes_options *o, lw_error *e)
+{
+    double q[LW_SYSTEM_Q_MAX];
+    lw_status s = lw_forces_system(model, &w->s, e);
+    if (s != LW_OK)
+        return s;
+    lw_forces_make(model, &w->s, NULL, &w->f);
+    lw_system_posture(&w->s, q);
+    return lw_modes_find(&w->f, o, 0, q, &w->modes, e);
+}
+
+lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
+                              lw_error *error)
+{
+    lw_modes_options o = { .hold_inputs = hold, .rest = rest };
+    vibrations *w = malloc(sizeof *w);
+    lw_status s = w ? find_modes(w, model, &o, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    for (int i = 0; s == LW_OK && i < w->modes.n_mode; i++) {
+        const lw_mode *m = &w->modes.mode[i];
+        lw_vibration_info info = { m->re, m->im, m->frequency, m->natural, m->damping };
+        s = visit(context, &info);
+    }
+    free(w);
+    return s;
+}
+
+/* ---- clearance -------------------------------------------------------------------------------------------------- */
+
+typedef struct contact_run { lw_clearance_callback *visit; void *context; } contact_run;
+
+static lw_status hand_contact(void *context, const lw_clearance_sample *s)
+{
+    const contact_run *r = context;
+    return r->visit(r->context, s->t, s->input, s->energy, s->n_point, s->point);
+}
+
+lw_clearance_settings lw_clearance_settings_default(void)
+{
+    lw_clearance_options o = lw_clearance_options_default();
+    return (lw_clearance_settings){ .time = o.time, .settle = o.settle, .tolerance = o.tolerance, .speed = o.speed,
+                                    .start = "closed" };
+}
+
+lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings, lw_clearance_callback *visit,
+                                void *context, lw_clearance_outcome *outcome, int room, int *n, lw_error *error)
+{
+    static const char *const starts[] = { "closed", "seated", "crank", NULL };
+    contact_run run = { visit, context };
+    lw_clearance_options o = lw_clearance_options_default();
+    lw_clearance_result r = { 0 };
+    lw_clearance_scene *scene;
+    int start = lw_surface_word("start", settings->start, starts, error);
+    *n = 0;
+    if (start < 0)
+        return LW_E_ARG;
+    o.time = settings->time;
+    o.settle = settings->settle;
+    o.tolerance = settings->tolerance;
+    o.speed = settings->speed;
+    o.start = (lw_clearance_start)start;
+    o.max_step = settings->max_steps;
+    o.until = settings->max_seconds > 0 ? lw_clock_wall() + settings->max_seconds : 0;
+    o.every = settings->every;
+    o.stop = settings->stop;
+    o.sink = visit ? hand_contact : NULL;
+    o.context = &run;
+    lw_status s = lw_clearance_make(model, &scene, error);
+    if (s != LW_OK)
+        return s;
+    s = lw_clearance_run(scene, &o, &r, error);
+    lw_clearance_free(scene);
+    *n = r.n_joint;
+    for (int i = 0; i < r.n_joint && i < room; i++)
+        outcome[i] = r.joint[i];
+    return s;
+}
