@@ -1,11 +1,15 @@
 # linkwright: make, make test, make demo, make check, make bench, make install.  See README.md.
-VERSION  = 0.1.0
+# CC, CFLAGS, CPPFLAGS, LDFLAGS, PREFIX, LIBDIR, DESTDIR: from the environment or the command line
+VERSION := $(shell sed -n 's/^\#define LW_VERSION_STRING "\(.*\)"/\1/p' linkwright.h)
 SO_MAJOR = 0
 B        = $(if $(MPI),build/mpi,build)
+ifeq ($(origin CC),default)
 CC       = gcc
-CFLAGS   = -O3 -g
-PREFIX   = /usr/local
-STAGES   = base grammar enumerate mbs optimise catalogues     # each includes only those before it
+endif
+CFLAGS  ?= -O3 -g
+PREFIX  ?= /usr/local
+LIBDIR  ?= $(PREFIX)/lib
+STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
 
 PKGS     = gsl igraph nlopt jansson cairo sqlite3
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
@@ -22,7 +26,7 @@ ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
 endif
-COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -I. $(INCS) $(CFLAGS) -MMD -MP
+COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FLOAT) -fPIC -fvisibility=hidden -I. $(INCS) $(CPPFLAGS) $(CFLAGS) -MMD -MP
 
 # mbs/batch/kernel*.c hold the hot loops; they are compiled once per instruction set, which is chosen at run time
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
@@ -36,13 +40,14 @@ LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/
 CLI_OBJ := $(patsubst %.c,$B/%.o,$(wildcard cli/*.c cli/*/*.c))
 FUZZ    := $(patsubst %.c,$B/%,$(wildcard tests/fuzz/fuzz_*.c))
 TESTS   := $(patsubst %.c,$B/%,$(wildcard tests/test_*.c)) $(FUZZ)
-SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))
+SAMPLES := $(patsubst %.c,$B/%,$(wildcard docs/examples/*.c))     # of the shared library and linkwright.h alone
 BENCHES := $(patsubst %.c,$B/%,$(filter-out %/peer_mujoco.c,$(wildcard tests/bench/*.c)))
 # other programs' solvers, never part of linkwright, built where their headers are
 SIMBODY := $(shell pkg-config --libs simbody 2>/dev/null)
 PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++ 2>/dev/null)),$B/peers/simbody) \
             $(if $(wildcard /usr/include/mujoco/mujoco.h /usr/local/include/mujoco/mujoco.h),$B/peers/mujoco)
 SONAME   = liblinkwright.so.$(SO_MAJOR)
+OBJCOPY  = objcopy
 
 all: $B/linkwright
 MAKEFLAGS += --no-builtin-rules
@@ -65,8 +70,15 @@ $B/%.o: %.c
 	$(COMPILE) -c $< -o $@
 $B/liblinkwright.a: $(LIB_OBJ)
 	rm -f $@; ar rcs $@ $^
-$B/$(SONAME): $(LIB_OBJ) linkwright.map
-	$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=linkwright.map $(CFLAGS) $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
+# visible: what linkwright.h marks LW_API
+$B/$(SONAME): $(LIB_OBJ)
+	$(CC) -shared -Wl,-soname,$(SONAME) $(CFLAGS) $(LDFLAGS) $(LIB_OBJ) $(LIBS) -o $@
+$B/liblinkwright.so: $B/$(SONAME)
+	ln -sf $(SONAME) $@
+# the same for those who link it in: one object in which everything else is local
+$B/install/liblinkwright.a: $(LIB_OBJ)
+	@mkdir -p $(@D)
+	rm -f $@; $(LD) -r $(LIB_OBJ) -o $(@:.a=.o) && $(OBJCOPY) --localize-hidden $(@:.a=.o) && ar rcs $@ $(@:.a=.o)
 $B/linkwright: $(CLI_OBJ) $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
 # the program for tests of limits: its clock and its end by a signal are set by the environment
@@ -77,8 +89,9 @@ $(FUZZ): %: %.o $B/tests/fuzz/replay.o $B/liblinkwright.a
 $B/tests/test_flexible_crank: $B/cli/bench/flexible_crank.o
 $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
-$B/docs/examples/%: $B/docs/examples/%.o $B/liblinkwright.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(LIBS) -o $@
+$B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
+	@mkdir -p $(@D)
+	$(CC) -std=c17 $(WARN) -I. $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $< -L$B -llinkwright -Wl,-rpath,$(abspath $B) -lm -o $@
 
 $B/peers/simbody: tests/bench/peer_simbody.cc tests/bench/peer.h
 	@mkdir -p $(@D)
