@@ -91,7 +91,7 @@ $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 	$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) $(LIBS) -o $@
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
 	@mkdir -p $(@D)
-	$(CC) -std=c17 $(WARN) -I. $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $< -L$B -llinkwright -Wl,-rpath,$(abspath $B) -lm -o $@
+	$(CC) -std=c17 -D_GNU_SOURCE $(WARN) -I. $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $< -L$B -llinkwright -Wl,-rpath,$(abspath $B) -lm -o $@
 
 $B/peers/simbody: tests/bench/peer_simbody.cc tests/bench/peer.h
 	@mkdir -p $(@D)
@@ -110,6 +110,7 @@ deps-bench:
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
 run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
+	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
@@ -126,10 +127,13 @@ run-demo: $B/linkwright
 # ---- looking after it ----------------------------------------------------------------------------
 check: $B/$(SONAME)
 	tests/check_layers.sh
+	@tests/check_headers.sh -D_GNU_SOURCE -DLW_VERSION='""' -I. $(INCS) -Wall -Wextra
 	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c tests/*.c tests/*/*.c); do \
 	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \
 	    clang -std=c17 -D_GNU_SOURCE -DLW_VERSION='""' -DLW_ISA=check -DLW_ISA_NAME='""' $(WARN) -Werror -I. $(INCS) -fsyntax-only $$f || exit 1; done
-	@! nm -D --defined-only $B/$(SONAME) | awk '$$3 !~ /^lw_/' | grep .
+	@nm -D --defined-only $B/$(SONAME) | awk '{ print $$3 }' | LC_ALL=C sort > $B/exported
+	@sed -n 's/^LW_API.*[ *]\(lw_[a-z0-9_]*\)(.*/\1/p' linkwright.h | LC_ALL=C sort | diff $B/exported - || \
+	    { echo "the shared library shows other names than linkwright.h"; exit 1; }
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
 sanitize:
 	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test

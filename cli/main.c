@@ -1,5 +1,4 @@
 /* linkwright - planar mechanism synthesis.  main.c: finds the command, reads its options, runs it. */
-#include <gsl/gsl_errno.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,7 +164,6 @@ static int run(const cli_command *c, int argc, char **argv)
 int main(int argc, char **argv)
 {
     setlocale(LC_ALL, "C");
-    gsl_set_error_handler_off();      /* GSL's own handler aborts the program */
     cli_watch_interrupt();
     if (argc < 2) {
         overview(stderr);

@@ -10,7 +10,7 @@ while read -r folder allowed; do
     pattern=$(for a in $folder $allowed; do
                   case $a in */*) echo "$a/[^/\"]*\"" ;; *) [ "$a" = "$folder" ] && echo "$a/[^/\"]*\"" || echo "$a/" ;; esac
               done | paste -sd '|')
-    hits=$(grep -nE '^#include "(base|grammar|enumerate|mbs|optimise|catalogues|cli|tests)/' "$folder"/*.[ch] 2>/dev/null |
+    hits=$(grep -nE '^#include "(base|grammar|enumerate|mbs|optimise|catalogues|surface|cli|tests)/' "$folder"/*.[ch] 2>/dev/null |
            grep -vE "#include \"($pattern)")
     if [ -n "$hits" ]; then
         echo "$hits" | sed "s|\$|   ($folder may include: $allowed)|"
@@ -39,6 +39,7 @@ catalogues/curves base grammar mbs optimise
 catalogues/store base grammar mbs optimise catalogues/draw catalogues/curves
 catalogues/build base grammar enumerate mbs optimise catalogues/draw catalogues/curves catalogues/store
 catalogues/pages base grammar mbs optimise catalogues/draw catalogues/store
+surface base grammar enumerate mbs optimise catalogues
 cli/program base grammar enumerate mbs optimise catalogues
 cli/topologies base grammar enumerate mbs optimise catalogues cli/program
 cli/motion base grammar enumerate mbs optimise catalogues cli/program
@@ -49,20 +50,20 @@ cli/bench base grammar enumerate mbs optimise catalogues cli/program
 TABLE
 
 # every folder with sources has its row
-for d in $(find base grammar enumerate mbs optimise catalogues cli -name '*.[ch]' -printf '%h\n' | sort -u); do
+for d in $(find base grammar enumerate mbs optimise catalogues surface cli -name '*.[ch]' -printf '%h\n' | sort -u); do
     grep -qE "^$d( |\$)" "$0" || [ "$d" = cli ] || { echo "$d: no row in tests/check_layers.sh"; bad=1; }
 done
 
 # header of a foreign library: the files that may see it
 while read -r header files; do
-    hits=$(grep -rnE "^#include <$header" --include=*.[ch] base grammar enumerate mbs optimise catalogues cli |
+    hits=$(grep -rnE "^#include <$header" --include=*.[ch] base grammar enumerate mbs optimise catalogues surface cli |
            grep -vE "^($(tr ' ' '|' <<< "$files")):")
     if [ -n "$hits" ]; then
         echo "$hits" | sed "s|\$|   (bridge files of $header: $files)|"
         bad=1
     fi
 done <<'TABLE'
-gsl/ cli/main.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c mbs/dynamics/modes_eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
+gsl/ base/gsl_errors.c optimise/solvers/solver_gsl.c optimise/solvers/lowdiscrepancy.c mbs/dynamics/modes_eigen.c mbs/ode/panel.c mbs/dynamics/modes_fft.c
 nlopt optimise/solvers/solver_nlopt.c
 jansson grammar/json.c cli/program/model.c catalogues/build/build_linkages.c
 cairo catalogues/draw/picture.c

@@ -1,6 +1,5 @@
 /* tests/test_modes.c - eigenfrequencies with closed forms: pendula, chains, oscillators; rest; redundant rows. */
 #include "mbs/dynamics/modes.h"
-#include <gsl/gsl_errno.h>
 #include <stdarg.h>
 #include "tests/check.h"
 #include "base/vec2.h"
@@ -519,7 +518,6 @@ static void refused(void)
 
 int main(void)
 {
-    gsl_set_error_handler_off();
     RUN(pendulum);
     RUN(double_pendulum);
     RUN(hanging_chains);

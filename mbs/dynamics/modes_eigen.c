@@ -2,6 +2,7 @@
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
+#include "base/gsl_errors.h"
 #include "mbs/dynamics/modes_eigen_internal.h"
 
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
@@ -9,6 +10,7 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
     size_t size = (size_t)n;
     gsl_matrix_view a = gsl_matrix_view_array(k, size, size), b = gsl_matrix_view_array(m, size, size);
     gsl_vector_view values = gsl_vector_view_array(w, size);
+    lw_gsl_begin();                        /* a mass matrix that is not positive is an error of GSL */
     gsl_matrix *vectors = gsl_matrix_alloc(size, size);
     gsl_eigen_gensymmv_workspace *work = vectors ? gsl_eigen_gensymmv_alloc(size) : NULL;
     lw_status s = work ? LW_OK : LW_E_MEMORY;
@@ -23,6 +25,7 @@ lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x)
         gsl_eigen_gensymmv_free(work);
     if (vectors)
         gsl_matrix_free(vectors);
+    lw_gsl_end();
     return s;
 }
 
@@ -30,6 +33,7 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
 {
     size_t size = (size_t)n;
     gsl_matrix_view m = gsl_matrix_view_array(a, size, size);
+    lw_gsl_begin();
     gsl_vector_complex *values = gsl_vector_complex_alloc(size);
     gsl_matrix_complex *vectors = gsl_matrix_complex_alloc(size, size);
     gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
@@ -54,5 +58,6 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
         gsl_matrix_complex_free(vectors);
     if (values)
         gsl_vector_complex_free(values);
+    lw_gsl_end();
     return s;
 }

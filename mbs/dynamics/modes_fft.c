@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/gsl_errors.h"
 #include "mbs/dynamics/clearance_internal.h"
 #include "mbs/ode/integrate.h"
 #include "mbs/dynamics/modes.h"
@@ -153,7 +154,10 @@ static lw_status transform(const listener *l, double *track)
         double x = 8.0*(i + 0.5)/n - 4.0;
         track[i] = (track[i] - mean)*exp(-0.5*x*x);
     }
-    if (gsl_fft_real_radix2_transform(track, 1, (size_t)n) != GSL_SUCCESS)
+    lw_gsl_begin();
+    int code = gsl_fft_real_radix2_transform(track, 1, (size_t)n);
+    lw_gsl_end();
+    if (code != GSL_SUCCESS)
         return LW_E_NUMERIC;
     for (int i = 1; i < n/2; i++)                            /* real parts first, imaginary from the end */
         track[i] = hypot(track[i], track[n - i]);

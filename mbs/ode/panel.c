@@ -3,6 +3,7 @@
 
 #include <gsl/gsl_integration.h>
 #include <math.h>
+#include "base/gsl_errors.h"
 #include "base/vec2.h"
 
 enum { N = LW_PANEL_NODES };
@@ -33,7 +34,9 @@ static void from_values(const lw_panel_rule *r, const lw_panel_matrix *a, lw_pan
 
 lw_status lw_panel_rule_make(lw_panel_rule *r)
 {
+    lw_gsl_begin();
     gsl_integration_glfixed_table *gauss = gsl_integration_glfixed_table_alloc(N);
+    lw_gsl_end();
     double y, w, t[N], one[N] = { 0 };
     lw_panel_matrix mean = { 0 }, root = { 0 };
     if (!gauss)

@@ -1,11 +1,14 @@
 #include "optimise/solvers/lowdiscrepancy.h"
 
 #include <gsl/gsl_qrng.h>
+#include "base/gsl_errors.h"
 
 bool lw_low_discrepancy(lw_rng *shift, size_t n, int d, double *u)
 {
     double by[40];
+    lw_gsl_begin();
     gsl_qrng *q = d >= 1 && d <= 40 ? gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)d) : NULL;
+    lw_gsl_end();
     if (!q)
         return false;
     for (int k = 0; k < d; k++)

@@ -10,14 +10,14 @@
  * Points in between may lie outside; the record keeps what is feasible, and the end of every round is
  * moved inside and offered.
  *
- * GSL's default error handler aborts. Nothing here can raise an error but memory running out: sizes
- * fit, and everything handed over is finite. Programs switch the handler off at their start
- * (gsl_set_error_handler_off, as cli/main.c does), then that is returned too. */
+ * Sizes fit and everything handed to GSL is finite; errors of GSL, such as memory running out, are returned
+ * (base/gsl_errors.h). */
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "base/gsl_errors.h"
 #include "optimise/solvers/feasible.h"
 #include "optimise/solvers/method_internal.h"
 
@@ -168,6 +168,7 @@ lw_stop lw_gsl_lm(lw_barrier_stage *stage, const double *start)
     if (!isfinite(lw_barrier_stage_value(stage, x, NULL)))
         return LW_STOP_FAILED;
     a.lambda = calloc(a.n_condition + fn->n_residual*(fn->n + 1), sizeof *a.lambda);
+    lw_gsl_begin();
     gsl_multifit_nlinear_parameters how = gsl_multifit_nlinear_default_parameters();
     gsl_multifit_nlinear_workspace *w = gsl_multifit_nlinear_alloc(
         gsl_multifit_nlinear_trust, &how, a.n_residual + a.n_condition, a.n);
@@ -179,6 +180,7 @@ lw_stop lw_gsl_lm(lw_barrier_stage *stage, const double *start)
     }
     if (w)
         gsl_multifit_nlinear_free(w);
+    lw_gsl_end();
     free(a.lambda);
     return why;
 }

@@ -28,23 +28,6 @@ typedef enum lw_carrier {
     LW_CARRIER_OUTPUT     /* on a link that is, and is not driven                                  */
 } lw_carrier;
 
-typedef struct lw_bound { char name[16]; double lo, hi; } lw_bound;
-
-/* Where something must or must not be: boxes, circles, lines. */
-typedef enum lw_zone_kind {
-    LW_ZONE_PIVOTS_BOX,   /* every fixed pivot lies in the box                                      */
-    LW_ZONE_PIVOTS_LINE,  /* every fixed pivot lies within `reach` of the line                      */
-    LW_ZONE_NO_BOX,       /* no pin and no tracer ever enters                                       */
-    LW_ZONE_NO_CIRCLE
-} lw_zone_kind;
-
-typedef struct lw_zone {
-    lw_zone_kind kind;
-    lw_vec2 at;           /* box: its lower left corner; circle: centre; line: a point [m]         */
-    lw_vec2 to;           /* box: its upper right corner [m]; line: unit direction                  */
-    double  reach;        /* circle: radius; line: how far off [m]                                  */
-} lw_zone;
-
 /* What a person asks for; in SI. */
 typedef struct lw_fit_spec {
     lw_task   task;

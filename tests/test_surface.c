@@ -1,0 +1,281 @@
+/* The library as its users see it: linkwright.h alone, and a program with an error handler of its own. */
+#include <gsl/gsl_errno.h>
+#include <pthread.h>
+#include "linkwright.h"
+#include "tests/check.h"
+
+static int n_handled;
+
+static void of_program(const char *reason, const char *file, int line, int code)
+{
+    fprintf(stderr, "%s (%s:%d: %d) reached the program\n", reason, file, line, code);
+    n_handled++;
+}
+
+static lw_linkage *four_bar(void)
+{
+    static const lw_joint_info joint[] = {
+        { .kind = 'r', .link = { 0, 1 }, .at = { 0, 0 } }, { .kind = 'r', .link = { 1, 2 }, .at = { 0, 1 } },
+        { .kind = 'r', .link = { 2, 3 }, .at = { 2, 2.5 } }, { .kind = 'r', .link = { 0, 3 }, .at = { 2, 0 } }
+    };
+    static const lw_input_info input = { .joint = 0, .value = NAN };
+    static const lw_tracer_info tracer = { .name = "P", .link = 2, .at = { 4, 4 } };
+    lw_linkage *k = NULL;
+    lw_error e;
+    CHECK_INT(lw_linkage_create(4, 0, 4, joint, 1, &input, 1, &tracer, &k, &e), LW_OK);
+    return k;
+}
+
+/* ---- topologies ------------------------------------------------------------------------------------------------ */
+
+static lw_status count(void *n, const lw_chain *chain)
+{
+    ++*(int *)n;
+    return lw_chain_check(chain, NULL);
+}
+
+static lw_status stop_at_three(void *n, const lw_chain *chain)
+{
+    (void)chain;
+    return ++*(int *)n == 3 ? LW_STOPPED : LW_OK;
+}
+
+static void chains_are_made_asked_and_written(void)
+{
+    lw_chain *c = NULL, *back = NULL;
+    lw_error e;
+    char *text = NULL;
+    bool same = false;
+    int n_class = 0;
+    uint8_t lowest[4];
+    CHECK_INT(lw_chain_create(33, &c), LW_E_ARG);
+    CHECK(!c);
+    CHECK_INT(lw_chain_create(4, &c), LW_OK);
+    for (int i = 0; i < 4; i++)
+        CHECK_INT(lw_chain_join(c, i, (i + 1)%4, 1), LW_OK);
+    CHECK_INT(lw_chain_mobility(c), 1);
+    CHECK_INT(lw_chain_loops(c), 1);
+    CHECK_INT(lw_chain_links_with(c, 2), 4);
+    CHECK_INT(lw_chain_joint_freedom(c, 0, 2), 0);
+    CHECK_INT(lw_chain_joint_freedom(c, 0, 99), 0);
+    CHECK(lw_chain_is_planar(c) && !lw_chain_is_fractionated(c));
+    CHECK_INT(lw_chain_orbits(c, lowest, &n_class), LW_OK);
+    CHECK_INT(n_class, 1);
+    static const char *const notations[] = { "graph6", "lam", "sentence", "franke", "edges", "json" };
+    for (size_t i = 0; i < sizeof notations/sizeof *notations; i++) {
+        CHECK_INT(lw_chain_to_text(c, notations[i], &text, &e), LW_OK);
+        CHECK_INT(lw_chain_from_text(text, strlen(text), notations[i], &back, &e), LW_OK);
+        CHECK_INT(lw_chain_is_isomorphic(c, back, &same), LW_OK);
+        CHECK(same);
+        lw_free(text);
+        lw_chain_destroy(back);
+    }
+    CHECK_INT(lw_chain_to_text(c, "prose", &text, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "graph6");
+    lw_chain_destroy(c);
+}
+
+static void enumerations_stop_when_asked(void)
+{
+    lw_enumeration what = lw_enumeration_default(8, 1);
+    lw_error e;
+    uint64_t chains = 0, grounds = 0;
+    int n = 0;
+    CHECK_INT(lw_enumerate_chains(&what, count, &n, &e), LW_OK);
+    CHECK_INT(n, 16);
+    n = 0;
+    CHECK_INT(lw_enumerate_chains(&what, stop_at_three, &n, &e), LW_STOPPED);
+    CHECK_INT(n, 3);
+    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_OK);
+    CHECK_INT(grounds, 71);
+    what.links = 7;
+    CHECK_INT(lw_enumerate_chains(&what, count, &n, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "7");
+    what = lw_enumeration_default(8, 1);
+    what.filter = "beautiful";
+    CHECK_INT(lw_enumerate_count(&what, &chains, &grounds, &e), LW_E_ARG);
+}
+
+/* ---- motion ------------------------------------------------------------------------------------------------------ */
+
+static lw_status see_range(void *n, const lw_input_range *range)
+{
+    CHECK(range->turns);
+    ++*(int *)n;
+    return LW_OK;
+}
+
+static void linkages_move_and_are_written(void)
+{
+    lw_linkage *k = four_bar(), *back = NULL;
+    lw_kinematics *moving = NULL;
+    lw_motion_curves *curves = NULL;
+    lw_motion_curve_info info;
+    lw_fourbar_class barker;
+    lw_mobility_info mobility;
+    lw_error e;
+    lw_vec2 tracer[4];
+    char *text = NULL;
+    size_t size = 0;
+    double x, y, margin, input, lengths[4] = { 2, 1, 2.5, 2.5 };
+    int n = 0;
+    CHECK_INT(lw_fourbar_classify(lengths, 1e-12, &barker, &e), LW_OK);
+    CHECK_TEXT(barker.symbol, "GCRR");
+    CHECK_INT(lw_kinematics_create(k, &moving, &e), LW_OK);
+    input = lw_kinematics_input(moving);
+    CHECK_INT(lw_kinematics_pose(moving, input, 3, NULL, NULL, tracer, &margin), LW_OK);
+    CHECK_INT(lw_kinematics_trace(moving, 0, 1, &input, &x, &y, NULL, NULL), LW_OK);
+    CHECK_NEAR(tracer[0].x, 4, 1e-14, 0);
+    CHECK_NEAR(x, 4, 1e-14, 0);
+    CHECK_NEAR(y, 4, 1e-14, 0);
+    CHECK_INT(lw_kinematics_pose(moving, input, 4, NULL, NULL, NULL, NULL), LW_E_ARG);
+    CHECK_INT(lw_kinematics_trace(moving, 1, 1, &input, &x, &y, NULL, NULL), LW_E_ARG);
+    CHECK_TEXT(lw_kinematics_dimension_name(moving, 0), "r1");
+    CHECK_NEAR(lw_kinematics_dimension(moving, 0), 2, 1e-15, 0);
+    CHECK(!lw_kinematics_dimension_name(moving, 99));
+    CHECK_INT(lw_kinematics_ranges(moving, see_range, &n), LW_OK);
+    CHECK_INT(n, 2);
+    CHECK_INT(lw_motion_curves_create(k, 5, 1, &curves, &e), LW_OK);
+    CHECK_INT(lw_motion_curves_count(curves), 2);
+    CHECK_INT(lw_motion_curves_info(curves, 0, &info), LW_OK);
+    CHECK(info.closed && info.input_turns == 1 && info.limits == 0);
+    CHECK_INT(lw_linkage_analyse_mobility(k, 1e-12, 1, &mobility, &e), LW_OK);
+    CHECK_INT(mobility.freedom, 1);
+    static const char *const formats[] = { "json", "pyslvs", "pmks", "adams" };
+    for (size_t i = 0; i < sizeof formats/sizeof *formats; i++) {
+        CHECK_INT(lw_linkage_export(k, formats[i], &text, &size, &e), LW_OK);
+        CHECK_INT(strlen(text), size);
+        CHECK_INT(lw_linkage_parse(text, size, NULL, NULL, &back, &e), LW_OK);
+        CHECK_INT(lw_linkage_mobility(back), 1);
+        lw_linkage_destroy(back);
+        lw_free(text);
+    }
+    CHECK_INT(lw_linkage_export(k, "origami", &text, &size, &e), LW_E_ARG);
+    lw_motion_curves_destroy(curves);
+    lw_kinematics_destroy(moving);
+    lw_linkage_destroy(k);
+}
+
+static void faults_of_a_linkage_are_named(void)
+{
+    lw_joint_info joint = { .name = "A", .kind = 'r', .link = { 0, 7 }, .at = { 0, 0 } };
+    lw_linkage *k = NULL;
+    lw_error e;
+    CHECK_INT(lw_linkage_create(2, 0, 1, &joint, 0, NULL, 0, NULL, &k, &e), LW_E_ARG);
+    CHECK(!k);
+    CHECK_HAS(e.text, "A");
+    joint.kind = 'x';
+    CHECK_INT(lw_linkage_create(2, 0, 1, &joint, 0, NULL, 0, NULL, &k, NULL), LW_E_ARG);
+    CHECK_INT(lw_linkage_create(999, 0, 1, &joint, 0, NULL, 0, NULL, &k, &e), LW_E_ARG);
+    CHECK_INT(lw_linkage_parse("{", 1, "x.json", NULL, &k, &e), LW_E_NOTATION);
+    CHECK_TEXT(e.file, "x.json");
+    CHECK_INT(lw_linkage_load("/no/such/file", &k, &e), LW_E_IO);
+    CHECK(!k);
+}
+
+/* ---- fits ---------------------------------------------------------------------------------------------------------- */
+
+static bool not_a_step_more(void *context, double done, double seconds, double best)
+{
+    (void)context, (void)done, (void)seconds, (void)best;
+    return false;
+}
+
+static void fits_find_stop_and_explain(void)
+{
+    static const double x[5] = { 0, 1, 2, 3, 4 }, y[5] = { 0, 0.1, 0.15, 0.1, 0 };
+    lw_target *t = NULL;
+    lw_results *r = NULL;
+    lw_result_info info;
+    lw_linkage *k = NULL;
+    lw_error e;
+    double input[5], value;
+    char *page = NULL;
+    size_t size = 0;
+    lw_fit_request o = lw_fit_request_default();
+    o.rounds = 1;
+    o.results = 2;
+    o.solver = "lm-gsl";
+    CHECK_INT(lw_target_create(5, x, y, NULL, NULL, NULL, 0, &t, &e), LW_OK);
+    CHECK_INT(lw_target_n(t), 5);
+    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_OK);
+    CHECK(lw_results_count(r) >= 1);
+    CHECK_INT(lw_results_info(r, 0, &info), LW_OK);
+    CHECK(info.verified && info.error_max < 0.05);
+    CHECK_INT(lw_results_inputs(r, 0, input), LW_OK);
+    CHECK_TEXT(lw_results_dimension(r, 0, 0, &value), "r1");
+    CHECK_INT(lw_results_linkage(r, 0, &k), LW_OK);
+    CHECK_INT(lw_results_page(r, "test", &page, &size, &e), LW_OK);
+    CHECK_HAS(page, "<!DOCTYPE html>");
+    lw_free(page);
+    lw_linkage_destroy(k);
+    lw_results_destroy(r);
+    o.progress = not_a_step_more;
+    o.rounds = 0;
+    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_STOPPED);
+    lw_results_destroy(r);
+    o = lw_fit_request_default();
+    o.task = "dance";
+    CHECK_INT(lw_fit_target(t, &o, &r, &e), LW_E_ARG);
+    CHECK_HAS(e.text, "function");
+    CHECK(!r);
+    o = lw_fit_request_default();
+    CHECK_INT(lw_fit_precision_points(t, &o, &r, &e), LW_OK);
+    CHECK(lw_results_count(r) >= 1);
+    lw_results_destroy(r);
+    lw_target_destroy(t);
+}
+
+/* ---- the program's error handler ------------------------------------------------------------------------------------ */
+
+static lw_status see_mode(void *n, const lw_vibration_info *mode)
+{
+    (void)mode;
+    ++*(int *)n;
+    return LW_OK;
+}
+
+/* A mass matrix that GSL cannot factor, and damping that asks for general eigenvalues. */
+static void *vibrate(void *unused)
+{
+    (void)unused;
+    for (int i = 0; i < 50; i++) {
+        lw_linkage *k = four_bar();
+        lw_model *m = NULL;
+        lw_vec2 centre = { 1, 1 }, gravity = { 0, -9.81 };
+        int n = 0;
+        CHECK_INT(lw_model_create(k, &m), LW_OK);
+        for (int link = 1; link < 4; link++)
+            CHECK_INT(lw_model_set_mass(m, link, link == i%4 ? 1e-320 : 1e300, centre, 0), LW_OK);
+        lw_model_set_gravity(m, gravity);
+        lw_model_vibrations(m, i%2, false, see_mode, &n, NULL);
+        lw_model_destroy(m);
+        lw_linkage_destroy(k);
+    }
+    return NULL;
+}
+
+static void no_error_reaches_the_program(void)
+{
+    pthread_t thread[4];
+    for (int i = 0; i < 4; i++)
+        pthread_create(&thread[i], NULL, vibrate, NULL);
+    for (int i = 0; i < 4; i++)
+        pthread_join(thread[i], NULL);
+    CHECK_INT(n_handled, 0);
+    gsl_error_handler_t *now = gsl_set_error_handler(of_program);
+    CHECK(now == of_program);                                     /* as the program left it */
+}
+
+int main(void)
+{
+    gsl_set_error_handler(of_program);
+    CHECK_TEXT(lw_version(), LW_VERSION_STRING);
+    RUN(chains_are_made_asked_and_written);
+    RUN(enumerations_stop_when_asked);
+    RUN(linkages_move_and_are_written);
+    RUN(faults_of_a_linkage_are_named);
+    RUN(fits_find_stop_and_explain);
+    RUN(no_error_reaches_the_program);
+    return check_end();
+}
