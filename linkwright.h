@@ -612,6 +612,55 @@ LW_API lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance
                                        lw_clearance_callback *visit, void *context, lw_clearance_outcome *outcome, int room,
                                        int *n, lw_error *error);
 
+/* The same over speeds of input 0 and laws of contact, each law at each speed, on several threads. */
+typedef struct lw_sweep_request {
+    int           n_model, n_stiffness, n_damping, n_speed;
+    const char *const *model;          /* zero link mlsd impact hunt-crossley lankarani-nikravesh; n_model 0: the model's */
+    const double *stiffness, *damping; /* [N/m], [N s/m]; none: the model's                                      */
+    const double *speed;               /* [rad/s] or [m/s], 1 or more, rising                                    */
+    double        refine;              /* > 0: halve the limits of contact to this width [rad/s] or [m/s]         */
+    int           jobs;                /* threads; below 1: one for each core                                    */
+} lw_sweep_request;
+
+typedef struct lw_sweep_result {
+    const char *model;                 /* the law: model, stiffness, damping of the first joint with clearance     */
+    double      stiffness, damping, speed;
+    lw_status   status;                /* LW_STOPPED: a limit came first                                         */
+    const char *why;                   /* of a failure                                                          */
+    int         n_outcome;
+    const lw_clearance_outcome *outcome;
+} lw_sweep_result;
+typedef lw_status lw_sweep_callback(void *context, const lw_sweep_result *result);
+
+/* Speeds between which one joint loses contact and has it again as the speed rises; NaN: not within the sweep. */
+typedef struct lw_contact_limits {
+    const char *model;
+    double      stiffness, damping;
+    int         joint;
+    double      kept, lost;            /* first pair of neighbouring speeds with and without contact               */
+    double      lost_again, kept_again;            /* last pair the other way round                              */
+} lw_contact_limits;
+typedef lw_status lw_contact_limits_callback(void *context, const lw_contact_limits *limits);
+
+/* settings->speed and ->every are not used.  visit, see_limits may be NULL. */
+LW_API lw_status lw_sweep_clearance(const lw_model *model, const lw_clearance_settings *settings,
+                                    const lw_sweep_request *request, lw_sweep_callback *visit,
+                                    lw_contact_limits_callback *see_limits, void *context, lw_error *error);
+
+typedef struct lw_counterweight {
+    int     link, joint;                  /* the link that carries it; the pin it is measured from        */
+    double  product;                      /* mass times distance from the pin [kg m]                     */
+    double  mass;                         /* as far from the pin as the other joints of the link are [kg]  */
+    lw_vec2 at;                           /* there, in the drawn posture [m]                             */
+} lw_counterweight;
+typedef lw_status lw_counterweight_callback(void *context, const lw_counterweight *weight);
+
+/* Run the simulation and find counterweights that hold the common centre of mass still, which nulls the shaking force.
+ * *before, *after: RMS deviation of total mass times that centre from its mean [kg m].  LW_E_KIND: no link turns about a
+ * ground pin; LW_E_ARG: too few samples. */
+LW_API lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context,
+                                       double *before, double *after, lw_error *error);
+
 /* ---- targets ---------------------------------------------------------------------------------------------------- */
 
 typedef struct lw_target lw_target;            /* stations that a point, or an output angle, has to meet          */

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
-#include "mbs/dynamics/clearance.h"
+#include "mbs/dynamics/clearance_sweep.h"
+#include "mbs/dynamics/contact.h"
+#include "mbs/dynamics/counterweights.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/modes.h"
 #include "mbs/dynamics/reactions.h"
@@ -195,6 +197,40 @@ lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *v
     return s;
 }
 
+/* ---- counterweights -------------------------------------------------------------------------------------------- */
+
+typedef struct postures { const lw_simulation *simulation; size_t n, most; double *q; } postures;
+
+static lw_status keep(void *context, const lw_moment *m)
+{
+    postures *p = context;
+    size_t n_q = (size_t)lw_dynamics_system(p->simulation->d)->n_q;
+    if (p->n < p->most)
+        memcpy(p->q + p->n++*n_q, m->q, n_q*sizeof *m->q);
+    return LW_OK;
+}
+
+lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context, double *before,
+                                double *after, lw_error *error)
+{
+    const lw_system *sys = lw_dynamics_system(simulation->d);
+    postures p = { .simulation = simulation, .most = (size_t)simulation->o.intervals + 1 };
+    lw_dynamics_report r;
+    lw_counterweights found;
+    p.q = calloc(p.most*(size_t)sys->n_q + 1, sizeof *p.q);
+    lw_status s = p.q ? lw_dynamics_run(simulation->d, keep, &p, &r, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK)
+        s = lw_counterweights_find(simulation->model, sys, p.n, p.q, &found, error);
+    free(p.q);
+    if (s != LW_OK)
+        return s;
+    *before = found.deviation_before;
+    *after = found.deviation_after;
+    for (int i = 0; i < found.n && s == LW_OK; i++)
+        s = visit(context, &found.weight[i]);
+    return s;
+}
+
 /* ---- vibrations ------------------------------------------------------------------------------------------------- */
 
 typedef struct vibrations { lw_system s; lw_forces f; lw_modes modes; } vibrations;
@@ -242,36 +278,94 @@ lw_clearance_settings lw_clearance_settings_default(void)
                                     .start = "closed" };
 }
 
+static lw_status contact_options(const lw_clearance_settings *settings, lw_clearance_options *o, lw_error *e)
+{
+    static const char *const starts[] = { "closed", "seated", "crank", NULL };
+    int start = lw_surface_word("start", settings->start, starts, e);
+    *o = lw_clearance_options_default();
+    if (start < 0)
+        return LW_E_ARG;
+    o->time = settings->time;
+    o->settle = settings->settle;
+    o->tolerance = settings->tolerance;
+    o->speed = settings->speed;
+    o->start = (lw_clearance_start)start;
+    o->max_step = settings->max_steps;
+    o->until = settings->max_seconds > 0 ? lw_clock_wall() + settings->max_seconds : 0;
+    o->stop = settings->stop;
+    return LW_OK;
+}
+
 lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings, lw_clearance_callback *visit,
                                 void *context, lw_clearance_outcome *outcome, int room, int *n, lw_error *error)
 {
-    static const char *const starts[] = { "closed", "seated", "crank", NULL };
     contact_run run = { visit, context };
-    lw_clearance_options o = lw_clearance_options_default();
+    lw_clearance_options o;
     lw_clearance_result r = { 0 };
     lw_clearance_scene *scene;
-    int start = lw_surface_word("start", settings->start, starts, error);
     *n = 0;
-    if (start < 0)
-        return LW_E_ARG;
-    o.time = settings->time;
-    o.settle = settings->settle;
-    o.tolerance = settings->tolerance;
-    o.speed = settings->speed;
-    o.start = (lw_clearance_start)start;
-    o.max_step = settings->max_steps;
-    o.until = settings->max_seconds > 0 ? lw_clock_wall() + settings->max_seconds : 0;
-    o.every = settings->every;
-    o.stop = settings->stop;
-    o.sink = visit ? hand_contact : NULL;
-    o.context = &run;
-    lw_status s = lw_clearance_make(model, &scene, error);
+    lw_status s = contact_options(settings, &o, error);
+    if (s == LW_OK)
+        s = lw_clearance_make(model, &scene, error);
     if (s != LW_OK)
         return s;
+    o.every = settings->every;
+    o.sink = visit ? hand_contact : NULL;
+    o.context = &run;
     s = lw_clearance_run(scene, &o, &r, error);
     lw_clearance_free(scene);
     *n = r.n_joint;
     for (int i = 0; i < r.n_joint && i < room; i++)
         outcome[i] = r.joint[i];
+    return s;
+}
+
+static lw_status hand_sweep(const lw_sweep *w, lw_sweep_callback *visit, lw_contact_limits_callback *see_limits,
+                            void *context)
+{
+    lw_status s = LW_OK;
+    for (int i = 0; i < w->n_row && visit && s == LW_OK; i++) {
+        const lw_sweep_row *row = &w->row[i];
+        const lw_sweep_law *law = &w->law[row->law];
+        lw_sweep_result r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness, .damping = law->damping,
+                              .speed = row->speed, .status = row->done ? row->status : LW_STOPPED, .why = row->why,
+                              .n_outcome = row->r.n_joint, .outcome = row->r.joint };
+        s = visit(context, &r);
+    }
+    for (int i = 0; i < w->n_limit && see_limits && s == LW_OK; i++) {
+        const lw_sweep_limit *l = &w->limit[i];
+        const lw_sweep_law *law = &w->law[l->law];
+        lw_contact_limits r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness, .damping = law->damping,
+                                .joint = l->joint, .kept = l->kept, .lost = l->lost, .lost_again = l->lost_again,
+                                .kept_again = l->kept_again };
+        s = see_limits(context, &r);
+    }
+    return s;
+}
+
+lw_status lw_sweep_clearance(const lw_model *model, const lw_clearance_settings *settings, const lw_sweep_request *request,
+                             lw_sweep_callback *visit, lw_contact_limits_callback *see_limits, void *context,
+                             lw_error *error)
+{
+    enum { LAWS = LW_CLEARANCE_LANKARANI + 1 };
+    lw_clearance_model law[LAWS];
+    lw_sweep_options o = { .stiffness = request->stiffness, .damping = request->damping, .speed = request->speed, .model = law,
+                           .n_model = request->n_model, .n_stiffness = request->n_stiffness, .n_damping = request->n_damping,
+                           .n_speed = request->n_speed, .unit = 1, .refine = request->refine, .jobs = request->jobs };
+    lw_sweep w;
+    if (request->n_speed < 1 || request->n_model < 0 || request->n_model > LAWS)
+        return lw_error_set(error, LW_E_ARG, "a sweep has a speed or more, and at most %d models", LAWS);
+    for (int i = 0; i < request->n_model; i++)
+        if ((law[i] = lw_clearance_named(request->model[i])) == LW_CLEARANCE_NONE)
+            return lw_error_set(error, LW_E_ARG, "there is no clearance model '%s'", request->model[i]);
+    lw_status s = contact_options(settings, &o.run, error);
+    if (s != LW_OK)
+        return s;
+    s = lw_sweep_make(model, &o, &w, error);
+    if (s == LW_OK)
+        s = lw_sweep_run(&w, error);
+    if (s == LW_OK)
+        s = hand_sweep(&w, visit, see_limits, context);
+    lw_sweep_free(&w);
     return s;
 }

@@ -22,12 +22,12 @@ struct lw_kinematics {
 lw_status lw_kinematics_create(const lw_linkage *linkage, lw_kinematics **out, lw_error *error)
 {
     lw_kinematics *k = calloc(1, sizeof *k);
-    lw_plan_outputs outputs = { .tracers = (1u << linkage->n_tracer) - 1, .all_joints = true };
+    lw_plan_options o = { .kind = LW_PLAN_GEARED, .tracers = (1u << linkage->n_tracer) - 1, .all_joints = true };
     *out = NULL;
     if (!k)
         return lw_error_set(error, LW_E_MEMORY, "out of memory");
     k->linkage = *linkage;
-    lw_status s = lw_plan_make_geared(linkage, outputs, &k->plan, error);
+    lw_status s = lw_plan_make(linkage, o, &k->plan, error);
     if (s == LW_OK)
         s = lw_plan_read(&k->plan, linkage, k->dim, k->mode, &k->input, error);
     if (s == LW_OK) {

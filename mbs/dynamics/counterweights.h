@@ -14,13 +14,6 @@
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
 
-typedef struct lw_counterweight {
-    int     link, joint;                  /* the link that carries it; the pin it is measured from        */
-    double  product;                      /* mass times distance from the pin [kg m]                     */
-    double  mass;                         /* as far from the pin as the other joints of the link are [kg]  */
-    lw_vec2 at;                           /* there, in the drawn posture [m]                             */
-} lw_counterweight;
-
 typedef struct lw_counterweights {
     int    n;
     lw_counterweight weight[LW_LINK_MAX];
