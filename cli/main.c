@@ -31,24 +31,84 @@ static void overview(FILE *f)
           "Usage:  linkwright COMMAND [words] [options]\n\n", f);
     for (int i = 0; i < N_COMMAND; i++)
         fprintf(f, "  %-11s %s\n", commands[i]->name, commands[i]->title);
-    fputs("\n  help [COMMAND], COMMAND --help     examples and all options of a command\n"
-          "  --version                          version\n\n"
+    fputs("\n  help COMMAND [ACTION]     examples and all options of a command; COMMAND --help is the same\n"
+          "  --version, -V             version\n\n"
           "Data goes to standard output (or -o FILE), messages to standard error.\n"
           "An input is never overwritten, and a file that linkwright did not write only with --force.\n"
           "Exit codes: 0 done, 1 nothing found, 2 wrong usage, 3 bad input, 4 numerical failure,\n"
           "5 stopped by a limit with partial results kept, 130 Ctrl-C, 143 SIGTERM.\n", f);
 }
 
-void cli_command_help(const cli_command *c, FILE *f)
+static const cli_action *find_action(const cli_command *c, const char *name)
 {
-    fprintf(f, "linkwright %s - %s\n\nExamples:\n%s\nUsage:  linkwright %s %s [options]\n\n%s\n",
-            c->name, c->title, c->examples, c->name, c->words, c->about);
-    if (c->options && c->options[0].name) {
-        fputs("Options:\n", f);
-        cli_option_help(c->options, f);
-        fputc('\n', f);
+    for (const cli_action *a = c->actions; a && a->name; a++)
+        if (strcmp(a->name, name) == 0)
+            return a;
+    return NULL;
+}
+
+/* Does a clause of the help text begin with this action, as in "build, check: number of links; html: ..."? */
+static bool names_action(const char *help, const char *action)
+{
+    size_t n = strlen(action);
+    for (const char *clause = help, *next; clause; clause = next ? next + 2 : NULL) {
+        size_t head = strspn(clause, "abcdefghijklmnopqrstuvwxyz, ");
+        next = strstr(clause, "; ");
+        for (const char *at = clause; clause[head] == ':' && (at = strstr(at, action)) && at < clause + head; at++)
+            if ((at == clause || at[-1] == ' ') && (at[n] == ',' || at[n] == ':'))
+                return true;
     }
-    fputs("Options of every command:\n", f);
+    return false;
+}
+
+/* Options whose help names no action are for all of them. */
+static bool belongs_to(const cli_option *o, const cli_command *c, const cli_action *only)
+{
+    bool any = false;
+    for (const cli_action *a = c->actions; only && a->name; a++)
+        any = any || names_action(o->help, a->name);
+    return !any || names_action(o->help, only->name);
+}
+
+/* The lines of `text` that hold `part`. */
+static void matching_lines(const char *text, const char *part, FILE *f)
+{
+    for (size_t n; *text; text += n) {
+        n = strcspn(text, "\n");
+        n += text[n] != 0;
+        const char *found = strstr(text, part);
+        if (found && found < text + n)
+            fwrite(text, 1, n, f);
+    }
+}
+
+static void actions_help(const cli_action *a, const cli_action *only, FILE *f)
+{
+    for (; a && a->name; a++) {
+        if (only && a != only)
+            continue;
+        if (!only)
+            fprintf(f, "\n  %s %s\n", a->name, a->words);
+        for (const char *line = a->about; *line; line += strcspn(line, "\n") + 1)
+            fprintf(f, "%s%.*s\n", only ? "" : "      ", (int)strcspn(line, "\n"), line);
+    }
+}
+
+void cli_command_help(const cli_command *c, const cli_action *only, FILE *f)
+{
+    char part[64] = "";
+    if (only)
+        snprintf(part, sizeof part, "%s %s", c->name, only->name);
+    fprintf(f, "linkwright %s - %s\n\nExamples:\n", only ? part : c->name, c->title);
+    matching_lines(c->examples, part, f);
+    fprintf(f, "\nUsage:  linkwright %s %s [options]\n\n%s", only ? part : c->name, only ? only->words : c->words,
+            only ? "" : c->about);
+    actions_help(c->actions, only, f);
+    fputs("\nOptions:\n", f);
+    for (const cli_option *o = c->options; o && o->name; o++)
+        if (belongs_to(o, c, only))
+            cli_option_help(o, f);
+    fputs("\nOptions of every command:\n", f);
     cli_common_help(c->options, f);
 }
 
@@ -63,6 +123,22 @@ static int unknown_command(const char *word)
     if (near)
         fprintf(stderr, "; did you mean '%s'?", near);
     fputs("\nSee 'linkwright help'.\n", stderr);
+    return CLI_USAGE;
+}
+
+static int unknown_action(const cli_command *c, const char *word)
+{
+    const char *names[16];
+    int n = 0;
+    fprintf(stderr, "linkwright %s: there is no action '%s'", c->name, word);
+    for (const cli_action *a = c->actions; a && a->name && n < 16; a++)
+        names[n++] = a->name;
+    const char *near = lw_suggest(word, names, n);
+    if (near)
+        fprintf(stderr, "; did you mean '%s'?", near);
+    for (int i = 0; i < n && !near; i++)
+        fprintf(stderr, "%s%s", i == 0 ? "; there are " : i < n - 1 ? ", " : " and ", names[i]);
+    fprintf(stderr, "\nSee 'linkwright help %s'.\n", c->name);
     return CLI_USAGE;
 }
 
@@ -91,8 +167,11 @@ static int help(int argc, char **argv)
     const cli_command *c = argc > 0 ? find(argv[0]) : NULL;
     if (argc > 0 && !c)
         return unknown_command(argv[0]);
+    const cli_action *action = c && argc > 1 ? find_action(c, argv[1]) : NULL;
+    if (argc > 1 && !action)
+        return unknown_action(c, argv[1]);
     if (c)
-        cli_command_help(c, stdout);
+        cli_command_help(c, action, stdout);
     else
         overview(stdout);
     return finish_text(CLI_DONE);
@@ -126,16 +205,28 @@ static char *shell_line(int argc, char **argv)
     return fclose(f) == 0 ? line : NULL;
 }
 
-static int check_words(const cli_call *call)
+/* Are the words as many as the command, or its action, takes?  *run is set to what runs it. */
+static int check_words(const cli_call *call, int (**run)(const cli_call *call))
 {
-    int n = call->parsed.n_word;
     const cli_command *c = call->command;
-    if (n < c->least_words)
-        return cli_usage(call, "%s wanted: linkwright %s %s", n ? "more words are" : "something is",
-                         c->name, c->words);
-    if (n > c->most_words)
-        return cli_usage(call, "'%s' is one word too many: linkwright %s %s",
-                         call->parsed.word[c->most_words], c->name, c->words);
+    int n = call->parsed.n_word, least = c->least_words, most = c->most_words;
+    char usage[256];
+    snprintf(usage, sizeof usage, "linkwright %s %s", c->name, c->words);
+    *run = c->run;
+    if (c->actions) {
+        const cli_action *a = n > 0 ? find_action(c, call->parsed.word[0]) : NULL;
+        if (n > 0 && !a)
+            return unknown_action(c, call->parsed.word[0]);
+        least = a ? a->least + 1 : 1;
+        most = a ? a->most + 1 : 1;
+        *run = a ? a->run : NULL;
+        if (a)
+            snprintf(usage, sizeof usage, "linkwright %s %s %s", c->name, a->name, a->words);
+    }
+    if (n < least)
+        return cli_usage(call, "%s missing; write: %s", n ? "more words are" : "a word is", usage);
+    if (n > most)
+        return cli_usage(call, "'%s' is one word too many; write: %s", call->parsed.word[most], usage);
     return CLI_DONE;
 }
 
@@ -145,16 +236,16 @@ static int run(const cli_command *c, int argc, char **argv)
     char *line = shell_line(argc, argv);
     cli_call call = { .command = c, .settings = settings, .line = line };
     lw_error e = { 0 };
-    int code = CLI_NUMERIC;
+    int code = CLI_NUMERIC, (*act)(const cli_call *call) = NULL;
     if (!settings || !line)
         fputs("linkwright: out of memory\n", stderr);
     else if (cli_parse(c->options, argc - 2, argv + 2, settings, &call.common, &call.parsed, &e) != LW_OK)
         code = cli_usage(&call, "%s", e.text);
     else if (call.common.help) {
-        cli_command_help(c, stdout);
+        cli_command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
         code = finish_text(CLI_DONE);
-    } else if ((code = check_words(&call)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE)
-        code = finish_text(c->run(&call));
+    } else if ((code = check_words(&call, &act)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE)
+        code = finish_text(act(&call));
     free(call.parsed.word);
     free(settings);
     free(line);

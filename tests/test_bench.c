@@ -102,8 +102,8 @@ static void default_strategy_reaches(void)
 
 static void bad_calls(void)
 {
-    expect("$P bench", 2, "", "something is wanted");
-    expect("$P bench fits", 2, "", "there is no bench 'fits'");
+    expect("$P bench", 2, "", "a word is missing");
+    expect("$P bench fits", 2, "", "there is no action 'fits'");
     expect("$P bench fit --solvers lm,slsq", 2, "", "did you mean 'slsqp'?");
     expect("$P bench fit --solvers lm,lm", 2, "", "names 'lm' twice");
     expect("$P bench fit --json", 2, "", "--json has no meaning here");

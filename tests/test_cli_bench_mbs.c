@@ -131,7 +131,7 @@ static void wrong_use(void)
 {
     expect("$P bench mbs --cases andrew", 2, NULL, "did you mean 'andrews'");
     expect("$P bench mbs --json", 2, NULL, "--json has no meaning here");
-    expect("$P bench mbz", 2, NULL, "there are 'fit' and 'mbs'");
+    expect("$P bench mbz", 2, NULL, "did you mean 'mbs'?");
 }
 
 int main(void)

@@ -1,6 +1,5 @@
 /* test_cli_option_names.c - an option means the same in every command: one letter has one name, one name has one letter
  * and one kind of value.  Read from the help texts, which are made from the tables of options. */
-#include <stdbool.h>
 #include "tests/cli_run.h"
 
 typedef struct option { char command[32], letter[8], name[40], value[160]; } option;
@@ -82,9 +81,29 @@ static void names_and_letters(void)
     CHECK_INT(n_bad, 0);
 }
 
+/* help COMMAND ACTION shows only what concerns the action. */
+static void actions(void)
+{
+    ran r = run("$P help catalogue build");
+    CHECK_INT(r.code, 0);
+    CHECK_HAS(r.out, "Usage:  linkwright catalogue build FILE --links P");
+    CHECK_HAS(r.out, "--no-pictures");
+    CHECK_HAS(r.out, "--commit");
+    CHECK(!strstr(r.out, "--sql") && !strstr(r.out, "catalogue query"));
+    ran_free(&r);
+    expect("$P catalogue build --help | grep Usage", 0, "catalogue build FILE", "");
+    expect("$P help grammar derive", 0, "--sentence", "");
+    expect("$P help bench mbs", 0, "--tolerances", "");
+    expect("$P help catalogue bild", 2, "", "did you mean 'build'?");
+    expect("$P grammar", 2, "", "a word is missing");
+    expect("$P catalogue query", 2, "", "more words are missing");
+    expect("$P bench fits", 2, "", "did you mean 'fit'?");
+}
+
 int main(void)
 {
     RUN(read_all);
     RUN(names_and_letters);
+    RUN(actions);
     return check_end();
 }

@@ -1,5 +1,4 @@
 /* test_cli_overwrite.c - nothing of the user is overwritten, and a place is checked before a long search. */
-#include <stdbool.h>
 #include "tests/cli_run.h"
 
 #define PREPARE "cd $D; P=$(realpath $OLDPWD/$P); "

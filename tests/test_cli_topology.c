@@ -53,7 +53,7 @@ static void derive(void)
     expect("$P grammar derive --links 6 --joints rp", 3, NULL, "takes r, t or rt");
     expect("$P grammar derive --links 6 --rules 5", 2, NULL, "numbers 1 to 4");
     expect("$P grammar derive", 2, NULL, "--links N");
-    expect("$P grammar derive x", 2, NULL, "reads no file");
+    expect("$P grammar derive x", 2, NULL, "one word too many");
     expect("$P grammar diagram", 2, NULL, "there is no action 'diagram'");
 }
 

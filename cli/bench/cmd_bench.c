@@ -1,4 +1,4 @@
-/* linkwright bench - speed against error, as tables and plots. */
+/* linkwright bench - measure speed and error, as tables and plots. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,31 +22,31 @@ static const cli_option options[] = {
     { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
       "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
     { "problems", 0, CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
-      "folder of CSV files of points; without it the published problems that come with linkwright", 0, 0,
-      NULL, NULL },
+      "fit: folder with targets as CSV files; without it the published problems that come with linkwright", 0, 0, NULL, NULL },
     { "solvers", 0, CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
-      "whose curves: 'default' (the whole strategy of fit), rows of 'linkwright fit --solver help', 'all', "
-      "'none'", 0, 0, NULL, NULL },
-    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3", "for each curve; mbs: for the repeats of a row", 1e-3,
-      1e6, NULL, NULL },
+      "fit: solvers to compare: 'default' (the complete method of 'linkwright fit'), names from 'linkwright fit --solver "
+      "help', 'all' or 'none'", 0, 0, NULL, NULL },
+    { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3",
+      "time limit; fit: of each solver on each problem; mbs: of the repetitions of a row", 1e-3, 1e6, NULL, NULL },
     { "seeds", 0, CLI_INT, offsetof(settings, seeds), "N", "20",
-      "runs of the default strategy towards the reachable error, with the seeds from --seed on", 0, 10000,
-      NULL, NULL },
+      "fit: number of complete fits of each problem, with the seeds --seed, --seed + 1, ...", 0, 10000, NULL, NULL },
+    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "fit: time limit of each of these fits", 1e-3,
+      1e6, NULL, NULL },
     { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
-      "instead: error against number of links, 6 or 6,8: searches over all mechanisms with so many", 0, 0, NULL, NULL },
-    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
-      "with --links: evaluations for each number of links", 1e3, 1e12, NULL, NULL },
-    { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
-      "with --links: paths without input angles are scored from target to curve and from curve to target", 0, 0, NULL, NULL },
-    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "for each of these", 1e-3, 1e6, NULL, NULL },
-    { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
-      "with mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; all when left out", 0, 0,
+      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links", 0, 0,
       NULL, NULL },
-    { "tolerances", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4", "with mbs: a row for each power of ten",
-      1e-13, 1e-1, NULL, NULL },
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
+      "fit: with --links, number of evaluations for each number of links", 1e3, 1e12, NULL, NULL },
+    { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
+      "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target", 0, 0,
+      NULL, NULL },
+    { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
+      "mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; without it all", 0, 0, NULL, NULL },
+    { "tolerances", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
+      "mbs: tolerances to use, a row for each power of ten", 1e-13, 1e-1, NULL, NULL },
     { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
-      "with mbs: run the programs of this folder too ('make peers' builds those of Simbody and MuJoCo); 'none'; "
-      "when left out 'peers' beside linkwright, if it is there", 0, 0, NULL, NULL },
+      "mbs: compare with the programs in this folder ('make peers' builds those of Simbody and MuJoCo), or 'none'; without "
+      "it 'peers' beside linkwright, if there is such a folder", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -226,9 +226,13 @@ static int run_links(const cli_call *call, cli_bench *b)
     return code != CLI_DONE ? code : st < 0 ? cli_fail(call, &e) : CLI_DONE;
 }
 
+#define NO_JSON "--json has no meaning here; -o FOLDER writes CSV"
+
 static int run_mbs(const cli_call *call)
 {
     const settings *s = call->settings;
+    if (call->common.json)
+        return cli_usage(call, NO_JSON);
     lw_error e = { 0 };
     cli_mbs b = { .call = call, .time = s->time,
                   .loosest = (int)lrint(-log10(s->tolerance[1])), .tightest = (int)lrint(-log10(s->tolerance[0])) };
@@ -245,20 +249,15 @@ static int run_mbs(const cli_call *call)
     return st < 0 ? cli_fail(call, &e) : CLI_DONE;
 }
 
-static int run(const cli_call *call)
+static int run_fit(const cli_call *call)
 {
     const settings *s = call->settings;
-    const char *what = call->parsed.word[0];
     cli_bench b = { .n_seed = s->seeds, .seconds = s->time, .limit = s->limit,
                     .jobs = call->common.jobs > 0 ? call->common.jobs : lw_core_count() };
     chosen c;
     lw_error e = { 0 };
     if (call->common.json)
-        return cli_usage(call, "--json has no meaning here; -o FOLDER writes CSV");
-    if (strcmp(what, "mbs") == 0)
-        return run_mbs(call);
-    if (strcmp(what, "fit") != 0)
-        return cli_usage(call, "there is no bench '%s'; there are 'fit' and 'mbs'", what);
+        return cli_usage(call, NO_JSON);
     if (choose(s->solvers, &c, &e) != LW_OK)
         return cli_usage(call, "%s", e.text);
     cli_bench_machine(b.machine, sizeof b.machine);
@@ -274,36 +273,38 @@ static int run(const cli_call *call)
     return code;
 }
 
+static const cli_action actions[] = {
+    { "fit", "",
+      "Prints two tables in Markdown. The first tells how often, and after how much time, a complete fit comes within 1 %\n"
+      "of the smallest error known, over many seeds and with all threads. The second tells what each solver reaches on one core\n"
+      "within --time. Local solvers start from the starting points of 'linkwright fit', global solvers search the whole\n"
+      "box of bounds. With -o, curves.csv holds every improvement, reach.csv every fit. Errors and numbers of evaluations depend\n"
+      "on the seed only; times depend on the machine.\n", 0, 0, run_fit },
+    { "mbs", "",
+      "Solves reference problems of multibody dynamics with every formulation and every tolerance. A row gives the error\n"
+      "against an exact solution, or against a solution with more digits, and the shortest processor time of several runs. A\n"
+      "solver that needs more than a second, or fails twice, is not run with smaller tolerances. Other programs (--peers) get\n"
+      "the same models and are measured in the same way. With -o, the rows go to mbs.csv.\n", 0, 0, run_mbs },
+    { .name = NULL }
+};
+
 const cli_command cli_bench_command = {
     .name = "bench",
     .words = "fit|mbs",
-    .title = "speed against error, as tables and plots",
+    .title = "measure speed and error of the fits and simulations of this machine",
     .examples =
-        "  linkwright bench fit                                      the published path problems, all solvers\n"
+        "  linkwright bench fit                                      published problems, all solvers\n"
         "  linkwright bench fit -o out                               with CSV and a plot of each problem\n"
         "  linkwright bench fit --solvers lm,slsqp --time 2 --seeds 0\n"
         "  linkwright bench fit --problems my-targets --solvers default,lm,crs\n"
         "  linkwright bench fit --links 6,8                          error against number of links\n"
         "  linkwright bench fit --links 8 --problems examples/letters -o out\n"
-        "  linkwright bench mbs -o out                               multibody reference problems, all solvers\n"
+        "  linkwright bench mbs -o out                               problems of dynamics, all solvers\n"
         "  linkwright bench mbs --cases andrews\n"
         "  linkwright bench mbs --cases andrews --peers none         without other programs\n",
     .about =
-        "mbs: reference problems of multibody dynamics with every formulation at every tolerance: error against\n"
-        "exact solutions or more digits, processor time as the best of several, mbs.csv and plots. A solver\n"
-        "that takes more than a second, or fails twice, is not asked for tighter tolerances. Other programs\n"
-        "(--peers) are told the same scenes; their places are measured as ours.\n"
-        "\n"
-        "fit: two Markdown tables go to standard output: how often and how soon the default strategy\n"
-        "of fit comes within 1 % of the reachable error, over many seeds and all --jobs; and\n"
-        "what each solver reaches on one core in the given time. Local solvers run from the\n"
-        "structured starts of the default strategy, global ones search the box of the bounds.\n"
-        "-o names a folder for curves.csv (an improvement a line), reach.csv and the plots.\n"
-        "Evaluations and errors depend on the seed only; seconds, and with them how far a\n"
-        "run comes, on the machine.\n",
+        "Measures the search for linkages (fit) and the simulation (mbs).\n",
     .options = options,
     .settings_size = sizeof(settings),
-    .least_words = 1,
-    .most_words = 1,
-    .run = run,
+    .actions = actions,
 };

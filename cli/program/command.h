@@ -18,6 +18,15 @@ typedef struct cli_call {
     const char               *line;         /* the whole command as one would type it in a shell   */
 } cli_call;
 
+/* What a command does is chosen by its first word, if it has actions: "catalogue build FILE". */
+typedef struct cli_action {
+    const char *name;                       /* "build"; NULL ends the list                         */
+    const char *words;                      /* "FILE --links P"                                    */
+    const char *about;                      /* lines of text                                       */
+    int         least, most;                /* words after the name                                */
+    int       (*run)(const cli_call *call); /* word[0] is the name; returns an exit code           */
+} cli_action;
+
 typedef struct cli_command {
     const char       *name;                 /* "trace"                                             */
     const char       *words;                /* "MODEL.json"                                        */
@@ -26,6 +35,7 @@ typedef struct cli_command {
     const char       *about;                /* what it prints, units, exit codes of its own        */
     const cli_option *options;
     size_t            settings_size;
+    const cli_action *actions;              /* NULL: none; else the next three members are unused  */
     int               least_words, most_words;
     int             (*run)(const cli_call *call);   /* returns an exit code                        */
 } cli_command;
@@ -36,8 +46,9 @@ extern const cli_command cli_simulate_command,
                          cli_mechanisms_command, cli_grammar_command, cli_catalogue_command,
                          cli_bench_command, cli_mobility_command, cli_plasma_command, cli_convert_command;
 
-/* Help of one command, from its row; the same as a section of the manual page (cli/program/man.c). */
-void cli_command_help(const cli_command *c, FILE *f);
+/* Help of one command, from its row, or of one of its actions (NULL: of all); the same as a section of the manual page
+ * (cli/program/man.c). */
+void cli_command_help(const cli_command *c, const cli_action *only, FILE *f);
 void cli_command_roff(const cli_command *c, FILE *f);
 void cli_common_roff(FILE *f);
 

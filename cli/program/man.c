@@ -52,6 +52,12 @@ void cli_command_roff(const cli_command *c, FILE *f)
     roff(c->title, f);
     fputs("\n.PP\n", f);
     as_it_is(c->about, f);
+    for (const cli_action *a = c->actions; a && a->name; a++) {
+        fprintf(f, ".PP\n\\fB%s\\fR ", a->name);
+        roff(a->words, f);
+        fputs("\n.PP\n", f);
+        as_it_is(a->about, f);
+    }
     fputs(".PP\nExamples:\n.PP\n", f);
     as_it_is(c->examples, f);
     for (const cli_option *o = c->options; o && o->name; o++)

@@ -29,14 +29,6 @@ const cli_option cli_common_options[] = {
     { .name = NULL }
 };
 
-static int row_count(const cli_option *options)
-{
-    int n = 0;
-    while (options && options[n].name)
-        n++;
-    return n;
-}
-
 static int row_by_name(const cli_option *options, const char *name, size_t size)
 {
     for (int i = 0; options && options[i].name; i++)
@@ -389,7 +381,7 @@ void cli_option_text(const cli_option *r, char text[CLI_HELP_SIZE])
              r->fallback ? r->fallback : "", r->fallback ? ")" : "");
 }
 
-static void row_help(const cli_option *r, FILE *f)
+void cli_option_help(const cli_option *r, FILE *f)
 {
     char head[128], text[CLI_HELP_SIZE];
     char letter[8] = "    ";
@@ -406,15 +398,9 @@ static void row_help(const cli_option *r, FILE *f)
     fold(text, HELP_COLUMN, f);
 }
 
-void cli_option_help(const cli_option *options, FILE *f)
-{
-    for (int i = 0; i < row_count(options); i++)
-        row_help(&options[i], f);
-}
-
 void cli_common_help(const cli_option *shadow, FILE *f)
 {
     for (const cli_option *r = cli_common_options; r->name; r++)
         if (row_by_name(shadow, r->name, strlen(r->name)) < 0)
-            row_help(r, f);
+            cli_option_help(r, f);
 }

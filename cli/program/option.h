@@ -79,8 +79,8 @@ lw_status cli_value(const cli_option *row, const char *name, const char *text, v
 #define CLI_HELP_SIZE 1024
 void cli_option_text(const cli_option *row, char text[CLI_HELP_SIZE]);
 
-/* The rows as they stand in --help. */
-void cli_option_help(const cli_option *options, FILE *f);
+/* A row as it stands in --help; the common rows that `shadow` does not replace. */
+void cli_option_help(const cli_option *row, FILE *f);
 void cli_common_help(const cli_option *shadow, FILE *f);
 
 #endif

@@ -17,27 +17,28 @@ typedef struct settings {
 static const cli_option options[] = {
     CLI_FORMAT_ROW(settings, format, NULL),
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
-      "parse, print, explain: after a fault of input go on with the next topology", 0, 0, NULL, NULL },
+      "parse, print, explain: after an error in the input continue with the next topology", 0, 0, NULL, NULL },
     { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
       "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
     { "rule", 0, CLI_INT, offsetof(settings, rule), "N", NULL,
-      "derive: one rule by hand; 1 and 2 plant a seed, 3 and 4 grow --sentence at --at", 1, 4, NULL, "links" },
+      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at", 1, 4, NULL,
+      "links" },
     { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
-      "derive: the parts between which the new string goes", 0, 0, "rule", NULL },
+      "derive: the two parts between which the new string of links is put", 0, 0, "rule", NULL },
     { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
-      "derive: which word, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at", NULL },
+      "derive: number of the word that is extended, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at",
+      NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, k), "KINDS", NULL,
-      "derive: with --rule, the joints k of the new string in order (rule 4: three); with --links, what k may "
-      "be; r and t. Without it r", 0, 0, NULL, NULL },
+      "derive: with --rule the kinds of the new joints in order (rule 4: three), with --links the kinds allowed: r pin, t "
+      "slider; without it r", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "derive: everything with N links that the rules reach; coverage: up to N links", 3, LW_LINK_MAX, NULL,
+      "derive: all topologies with P links that the rules can make; coverage: greatest number of links", 3, LW_LINK_MAX, NULL,
       NULL },
     { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
-      "derive --links: the rules that may be used", 0, 0, NULL, NULL },
+      "derive: with --links, the rules that may be used", 0, 0, NULL, NULL },
     { "anywhere", 0, CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
-      "derive --links: X and Y need not lie at one region", 0, 0, "links", NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive --links: the number only", 0, 0,
-      "links", NULL },
+      "derive: X and Y need not lie at the same region of the drawing", 0, 0, "links", NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive: print only the number", 0, 0, "links", NULL },
     { .name = NULL }
 };
 
@@ -328,45 +329,39 @@ static int run_coverage(const cli_call *call)
 
 /* ---- the command ------------------------------------------------------------------------------- */
 
-static int run(const cli_call *call)
-{
-    static const struct { const char *name; int (*run)(const cli_call *); bool reads; } action[] = {
-        { "parse", run_parse, true }, { "print", run_print, true }, { "explain", run_explain, true },
-        { "derive", run_derive, false }, { "coverage", run_coverage, false },
-    };
-    for (size_t i = 0; i < sizeof action/sizeof *action; i++) {
-        if (strcmp(call->parsed.word[0], action[i].name) != 0)
-            continue;
-        if (!action[i].reads && call->parsed.n_word > 1)
-            return cli_usage(call, "%s reads no file", action[i].name);
-        return action[i].run(call);
-    }
-    return cli_usage(call, "there is no action '%s'; there are parse, print, explain, derive, coverage",
-                     call->parsed.word[0]);
-}
+static const cli_action actions[] = {
+    { "parse", "[FILE]", "Reads topologies in any notation and prints them as lists of joints, or as --format says.\n", 0, 1,
+      run_parse },
+    { "print", "[FILE]", "Reads topologies in any notation and prints them as sentences, or as --format says.\n", 0, 1,
+      run_print },
+    { "explain", "[FILE]",
+      "Prints a derivation of each chain, sentence by sentence, or the reason why rules 1 to 4 cannot make it. To find a\n"
+      "derivation, strings of links are removed one after the other.\n", 0, 1, run_explain },
+    { "derive", "--rule N | --links P",
+      "Applies one rule to a sentence, or all rules as often as P links allow; each result is printed once.\n", 0, 0,
+      run_derive },
+    { "coverage", "--links P",
+      "Counts the chains of pins with one degree of freedom: all, those with a planar graph, and those that the rules can\n"
+      "make, with and without the condition that X and Y lie at the same region.\n", 0, 0, run_coverage },
+    { .name = NULL }
+};
 
 const cli_command cli_grammar_command = {
     .name = "grammar",
-    .words = "parse|print|explain|derive|coverage [FILE]",
-    .title = "sentences of paper F, its rules, derivations, what the rules reach",
+    .words = "ACTION [FILE]",
+    .title = "topologies as sentences: read, print, derive by the rules of a grammar",
     .examples =
         "  echo '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' | linkwright grammar parse --format lam\n"
         "  linkwright grammar print watt.lam                    the sentence of a matrix\n"
         "  linkwright grammar derive --sentence '((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))' --rule 3 --at 3,4\n"
-        "  linkwright grammar derive --links 8 --rules 2,4      everything that rules 2 and 4 make\n"
+        "  linkwright grammar derive --links 8 --rules 2,4      all that rules 2 and 4 can make\n"
         "  linkwright grammar explain chains.g6                 a derivation of each, or why there is none\n"
-        "  linkwright grammar coverage --links 12               how much of everything the rules reach\n",
+        "  linkwright grammar coverage --links 12               how many chains the rules can make\n",
     .about =
-        "parse and print read topologies in any notation (graph6, matrix, sentence, Franke, joints, JSON;\n"
-        "see docs/notation.md) and write them in the one of --format, by default as joints (parse) or as a\n"
-        "sentence (print). Faults have line and column. explain takes strings away backwards and shows the\n"
-        "rules that make the chain, sentence by sentence, or the reason why rules 1 to 4 cannot. derive\n"
-        "applies one rule by hand or all of them exhaustively, each result once. coverage counts the chains of\n"
-        "pins with F = 1: all, the planar ones, and those that the rules reach, with and without the demand\n"
-        "that X and Y lie at one region (Makkonen 1999, paper F).\n",
+        "A sentence writes a topology as words, one for each loop of links (Makkonen 1999, paper F; docs/notation.md).\n"
+        "Notations that are read: graph6, link adjacency matrix, sentence, Franke, list of joints, JSON. Errors in the input\n"
+        "are printed with line and column. 'linkwright help grammar ACTION' shows one action.\n",
     .options = options,
     .settings_size = sizeof(settings),
-    .least_words = 1,
-    .most_words = 2,
-    .run = run,
+    .actions = actions,
 };
