@@ -7,7 +7,12 @@
 #include "base/rng.h"
 #include "mbs/plan/pose.h"
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
+#include "optimise/problem/constraint.h"
+#include "optimise/problem/evaluate.h"
+#include "optimise/problem/residuals.h"
+#include "optimise/problem/timing.h"
+#include "optimise/problem/variable_projection.h"
 #include "tests/check.h"
 
 #define STATION_MAX 64

@@ -172,7 +172,7 @@ static void conditions_are_those_of_single_poses(void)
         for (size_t k = 0; k < N; k++) {
             double mode[LW_MODE_MAX];
             int leg;
-            double input = round ? 2*LW_PI*(double)k/N : lw_problem_way(&p, work, (double)k/(N - 1), mode, &leg);
+            double input = round ? 2*LW_PI*(double)k/N : lw_problem_input_at(&p, work, (double)k/(N - 1), mode, &leg);
             if (p.plan.input_is_slider)
                 input *= p.unit;
             if (!round && (k == 0 || k == N - 1))

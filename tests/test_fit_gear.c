@@ -5,7 +5,7 @@
 #include "mbs/constraints/newton.h"
 #include "mbs/plan/pose.h"
 #include "optimise/search/random_linkage.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/work.h"
 #include "optimise/topology/staged_search.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

@@ -5,11 +5,12 @@
  * At a limit a linkage moves as the square root of the input's distance to it.  With  input = mid - half cos(psi)
  * that root is proportional to  sqrt(half) psi; each stroke gets a share of the phase in proportion to sqrt(half),
  * so that one stroke runs into the next with the same speed. */
+#include "optimise/problem/circuit.h"
+
 #include <string.h>
 
 #include "mbs/kinematics/motion.h"
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
 
 /* ---- strokes and phases ----------------------------------------------------------------------------- */
 

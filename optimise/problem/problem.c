@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
 
 const char *lw_problem_variable(const lw_problem *p, int i)
 {
@@ -42,300 +41,77 @@ void lw_problem_from_dims(const lw_problem *p, const double *dim, double *x)
     x[p->plan.i_y0] = (dim[p->plan.i_y0] - p->origin.y)/p->unit;
 }
 
-/* Lanes first .. last-1, all in one assembly mode. */
-static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
-                          const double *mode)
+int lw_problem_first_length(const lw_problem *p)
 {
-    lw_lanes in = { .n = last - first, .c = w->c + first, .s = w->s + first, .dim = x, .mode = mode };
-    for (int k = 0; k <= p->n_also; k++) {
-        lw_jacobian j = *lw_work_jac(w, k);
-        double **each[] = { &j.x, &j.y, &j.u, &j.v, &j.margin, &j.jx, &j.jy, &j.jt, &j.tx, &j.ty, &j.tt };
-        for (size_t i = 0; i < sizeof each/sizeof *each; i++)
-            if (*each[i])
-                *each[i] += first;
-        lw_batch_jacobian(&p->plan, &in, k, w->batch, &j);
-    }
+    for (int i = 0; i < p->n_dim; i++)
+        if (p->plan.dim[i].kind == LW_DIM_LENGTH)
+            return i;
+    return -1;
 }
 
-/* A circuit: run by run of one stroke; then derivatives by the phase. */
-static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
+size_t lw_problem_lane_count(const lw_problem *p)
 {
-    if (!lw_problem_has_modes(p))
-        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
-    else
-        for (size_t first = 0, next; first < w->n_lane; first = next) {
-            next = lw_circuit_run(w, first, w->n_lane);
-            lanes_of_mode(p, x, w, first, next, w->swing.stroke[w->leg[first]].mode);
-        }
-    for (int i = 0; i <= p->n_also; i++) {
-        const lw_jacobian *j = lw_work_jac(w, i);
-        for (size_t k = 0; k < w->n_lane; k++) {
-            j->tx[k] *= w->rate[k];
-            j->ty[k] *= w->rate[k];
-            if (j->tt)
-                j->tt[k] *= w->rate[k];
-        }
-    }
+    return p->n + (p->timing == LW_TIMING_NONE ? LW_CURVE_SAMPLES : 0);
 }
 
-/* All round, or from the first station's input to the last's. */
-static double margin_of_range(const lw_problem *p, const double *x, double shift, lw_work *w)
+bool lw_problem_has_modes(const lw_problem *p)
 {
-    size_t n = LW_CURVE_SAMPLES;
-    double lo = w->input[0], hi = w->input[0], least = 1;
-    for (size_t k = 1; k < p->n && !p->branch.turns; k++) {
-        lo = fmin(lo, w->input[k]);
-        hi = fmax(hi, w->input[k]);
-    }
-    if (p->branch.turns)
-        hi = lo + 2*LW_PI;
-    for (size_t k = 0; k < n; k++) {
-        double at = lo + (hi - lo)*((double)k + shift)/(double)n;
-        w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
-        w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
-    }
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->branch.mode };
-    lw_problem_margin(p, &in, w, w->pose.margin);
-    for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->pose.margin[k]);
-    return least;
+    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->branch.through);
 }
 
-/* Over limits: all along the circuit, over what it is next to a limit. */
-static double margin_of_circuit(const lw_problem *p, const double *x, double shift, lw_work *w)
+int lw_problem_component_count(const lw_problem *p)
 {
-    size_t n = LW_CURVE_SAMPLES;
-    double least = 1, part[LW_CURVE_SAMPLES];
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = w->turn_mode, .mode_stride = n };
-    if (!lw_circuit_find(p, x, w))
-        return -1;
-    for (size_t k = 0; k < n; k++) {
-        lw_cycle_point at = lw_circuit_point(p, w, 2*LW_PI*((double)k + shift)/(double)n);
-        w->pose_c[k] = at.c;
-        w->pose_s[k] = at.s;
-        part[k] = w->swing.turning ? 1 : fmax(at.psi_s*at.psi_s, 1e-9);
-        lw_circuit_put_mode(p, w, at.leg, w->turn_mode + k, n);
-    }
-    lw_problem_margin(p, &in, w, w->pose.margin);
-    for (size_t k = 0; k < n; k++)
-        least = fmin(least, w->pose.margin[k]/part[k]);
-    return least;
+    int n = p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+    for (int i = 0; i < p->n_also; i++)
+        n += (p->also[i].x ? 2 : 0) + (p->also[i].theta ? 1 : 0);
+    return n;
 }
 
-/* Least margin in between, at samples put off by `shift` of one. */
-static double margin_between(const lw_problem *p, const double *x, double shift, lw_work *w)
+int lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at)
 {
-    return lw_problem_has_modes(p) ? margin_of_circuit(p, x, shift, w) : margin_of_range(p, x, shift, w);
-}
-
-/* Nearer to a dead point of a dyad than its square root [rad], a linkage may leave its branch between two
- * samples. */
-#define LEAST_MARGIN 1e-4
-
-bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
-{
-    enum { TIMES = 12 };
-    for (int i = 0; p->family->linkage && i < TIMES; i++)
-        if (!(margin_between(p, x, (i + 0.5)/TIMES, w) > 0.1*LEAST_MARGIN))
-            return false;
-    return true;
-}
-
-bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
-{
-    double least = 1;
-    if (p->branch.turns || p->timing == LW_TIMING_PRESCRIBED)
-        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
-    else
-        lanes_of_circuit(p, x, w);
-    for (int i = 0; i <= p->n_also; i++)
-        for (size_t k = 0; k < w->n_lane; k++)
-            least = fmin(least, lw_work_jac(w, i)->margin[k]);
-    return least >= w->least_margin && (!p->family->linkage || margin_between(p, x, 0.5, w) > LEAST_MARGIN);
-}
-
-bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
-{
-    if (!lw_circuit_find(p, x, w))
-        return false;
-    bool samples_stand = p->branch.turns;                    /* their inputs are those of the turn       */
-    size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
-    lw_circuit_lanes(p, w, n);
-    memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);
-    memcpy(w->s + n, w->turn_s, sizeof *w->s*rest);
-    return true;
-}
-
-void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
-{
-    double first = x[p->i_input0] - (p->datum == LW_DATUM_PLANE ? x[p->plan.i_theta0]/p->plan.laps : 0);
-    double c = cos(first), s = sin(first);
-    for (size_t k = 0; k < p->n; k++) {
-        w->c[k] = c*p->c[k] - s*p->s[k];
-        w->s[k] = s*p->c[k] + c*p->s[k];
-        w->input[k] = first + p->angle[k];
-    }
-}
-
-/* Residuals of the stations: what f squares and adds. */
-static void station_residuals(const lw_problem *p, const double *x, lw_work *w)
-{
-    double *res = w->res;
-    for (int i = 0; i <= p->n_also; i++) {
-        const lw_jacobian *j = lw_work_jac(w, i);
-        lw_aim aim = lw_problem_aim(p, i);
-        if (aim.x) {
-            for (size_t k = 0; k < p->n; k++) {
-                res[k] = aim.wa[k]*(j->x[k] - aim.x[k]);
-                res[w->ld + k] = aim.wa[k]*(j->y[k] - aim.y[k]);
-            }
-            res += 2*w->ld;
-        }
-        if (aim.theta) {
-            for (size_t k = 0; k < p->n; k++) {
-                double turn = atan2(j->v[k], j->u[k]) + x[aim.i_tool] - aim.theta[k];
-                res[k] = aim.wb[k]*remainder(turn, 2*LW_PI);
-            }
-            res += w->ld;
-        }
-    }
-}
-
-/* One row of derivatives: those of the plan, and by input0 and the tool's mounting angle (-1: none). */
-static void component_rows(const lw_problem *p, lw_work *w, int row, const double *by_dim, const double *by_input,
-                           const double *weight, int tool)
-{
-    size_t ld = w->ld, n = p->n;
-    double *base = w->row + (size_t)row*(size_t)p->n_var*ld;
-    for (int d = 0; d < p->n_dim; d++)
-        for (size_t k = 0; k < n; k++)
-            base[(size_t)d*ld + k] = by_dim[(size_t)d*w->jac.ld + k]*weight[k];
-    for (size_t k = 0; p->i_input0 >= 0 && k < n; k++)
-        base[(size_t)p->i_input0*ld + k] = by_input[k]*weight[k];
-    for (size_t k = 0; p->i_input0 >= 0 && p->datum == LW_DATUM_PLANE && k < n; k++)
-        base[(size_t)p->plan.i_theta0*ld + k] -= by_input[k]*weight[k]/p->plan.laps;
-    for (int d = p->n_dim + (p->i_input0 >= 0); d < p->n_var; d++)
-        for (size_t k = 0; k < n; k++)
-            base[(size_t)d*ld + k] = d == tool ? weight[k] : 0;
-}
-
-static void station_rows(const lw_problem *p, lw_work *w)
-{
-    int row = 0;
-    for (int i = 0; i <= p->n_also; i++) {
-        const lw_jacobian *j = lw_work_jac(w, i);
-        lw_aim aim = lw_problem_aim(p, i);
-        if (aim.x) {
-            component_rows(p, w, row++, j->jx, j->tx, aim.wa, -1);
-            component_rows(p, w, row++, j->jy, j->ty, aim.wa, -1);
-        }
-        if (aim.theta)
-            component_rows(p, w, row++, j->jt, j->tt, aim.wb, aim.i_tool);
-    }
-}
-
-/* Derivatives of the samples' distances, whose normals (weighted) are nx, ny.  Where the limits of the
- * input move with the dimensions, samples stay at their phases. */
-static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const double *nx,
-                        const double *ny)
-{
-    size_t ld = w->ld, nv = (size_t)p->n_var;
-    memset(w->by_input, 0, sizeof *w->by_input*w->n_lane);
-    lw_circuit_slopes(p, x, w);
-    for (size_t k = p->n; k < w->n_lane && !w->swing.turning; k++)
-        if (w->rate[k] != 0)
-            w->by_input[k] = (nx[k]*w->jac.tx[k] + ny[k]*w->jac.ty[k])/w->rate[k];
-    for (size_t c = 0; c < nv*(size_t)w->n_row; c++) {
-        double *row = w->row + c*ld;
-        if (c >= (size_t)p->n_dim) {
-            memset(row + p->n, 0, sizeof *row*(w->n_lane - p->n));
+    int n = 0, ground = p->plan.link[0];
+    at[n++] = lw_v2(0, 0);
+    for (int d = 0; d < p->n_dim; d++) {
+        const lw_dim_info *i = &p->plan.dim[d];
+        if (i->link != ground)
             continue;
-        }
-        const double *jx = w->jac.jx + c*w->jac.ld, *jy = w->jac.jy + c*w->jac.ld;
-        for (size_t k = p->n; k < w->n_lane; k++)
-            row[k] = nx[k]*jx[k] + ny[k]*jy[k];
-        for (size_t k = p->n; k < w->n_lane && !w->swing.turning; k++)
-            row[k] += w->by_input[k]*lw_circuit_drift(w, k, c);
+        if (i->role == LW_ROLE_R)
+            at[n++] = lw_v2(x[d], 0);
+        if (i->role == LW_ROLE_X)
+            at[n++] = lw_v2(x[d], 0);
+        if (i->role == LW_ROLE_Y)
+            at[n - 1].y = x[d];
     }
+    return n;
 }
 
-/* Curve samples against the target polygon: distance to the nearest point of it (timing none). */
-static void sample_residuals(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
+size_t lw_problem_zone_count(const lw_problem *p)
 {
-    size_t ld = w->ld;
-    double weight = sqrt(p->a*w->sample_weight);
-    for (size_t k = p->n; k < w->n_lane; k++) {
-        double dx = w->jac.x[k] - w->foot_x[k - p->n], dy = w->jac.y[k] - w->foot_y[k - p->n];
-        double d = sqrt(dx*dx + dy*dy), per = d > 0 ? weight/d : 0;
-        w->normal_x[k] = dx*per;
-        w->normal_y[k] = dy*per;
-        w->res[k] = weight*d;
-        for (int i = 1; i < w->n_row; i++)
-            w->res[(size_t)i*ld + k] = 0;
-    }
-    if (derivatives)
-        sample_rows(p, x, w, w->normal_x, w->normal_y);
+    double x[LW_VAR_MAX] = { 0 };
+    lw_vec2 at[LW_DIM_MAX + 1];
+    size_t n = 0, pivots = p->n_zone > 0 ? (size_t)lw_problem_fixed_pivots(p, x, at) : 0;
+    for (int i = 0; i < p->n_zone; i++)
+        n += lw_zone_forbids(&p->zone[i]) ? LW_ZONE_SAMPLES : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
+    return n;
 }
 
-double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
+bool lw_problem_must_close(const lw_problem *p)
 {
-    double f = 0;
-    station_residuals(p, x, w);
-    if (derivatives) {
-        station_rows(p, w);
-        if (p->timing != LW_TIMING_PRESCRIBED)
-            lw_variable_projection(p, x, w);
-    }
-    if (p->timing == LW_TIMING_NONE)
-        sample_residuals(p, x, w, derivatives);
-    for (int i = 0; i < w->n_row; i++)
-        for (size_t k = 0; k < w->n_lane; k++)
-            f += w->res[(size_t)i*w->ld + k]*w->res[(size_t)i*w->ld + k];
-    return f;
+    return !p->branch.turns && p->timing == LW_TIMING_PRESCRIBED;
 }
 
-bool lw_problem_settle(const lw_problem *p, const double *x, lw_work *w)
+bool lw_problem_is_nonlinear(const lw_problem *p)
 {
-    if (p->timing == LW_TIMING_PRESCRIBED) {
-        lw_problem_prescribe(p, x, w);
-        return lw_problem_lanes(p, x, w);
-    }
-    return lw_timing_assign(p, x, w) && lw_timing_refine(p, x, w, 60);
+    return lw_problem_must_close(p) || p->min_transmission > 0 || p->max_acceleration > 0 || p->n_zone > 0;
 }
 
-double lw_problem_value(const lw_problem *p, const double *x, double *grad, void *work)
+size_t lw_problem_constraint_count(const lw_problem *p)
 {
-    lw_work *w = work;
-    if (grad)
-        memset(grad, 0, sizeof *grad*(size_t)p->n_var);
-    if (!lw_problem_settle(p, x, w))
-        return INFINITY;
-    double f = lw_problem_rows(p, x, w, grad != NULL);
-    size_t ld = w->ld, nv = (size_t)p->n_var;
-    for (size_t d = 0; grad && d < nv; d++)
-        for (size_t i = 0; i < (size_t)w->n_row; i++)
-            for (size_t k = 0; k < w->n_lane; k++)
-                grad[d] += 2*w->row[(i*nv + d)*ld + k]*w->res[i*ld + k];
-    return f;
+    return (size_t)p->n_linear + (lw_problem_must_close(p) ? p->n : 0)
+         + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0) + lw_problem_zone_count(p);
 }
 
-size_t lw_problem_residual_count(const lw_problem *p)
+size_t lw_problem_constraint_most(const lw_problem *p)
 {
-    return lw_problem_lane_count(p)*(size_t)lw_problem_component_count(p);
-}
-
-bool lw_problem_residuals(const lw_problem *p, const double *x, double *r, double *j, void *work)
-{
-    lw_work *w = work;
-    if (!lw_problem_settle(p, x, w))
-        return false;
-    lw_problem_rows(p, x, w, j != NULL);
-    size_t ld = w->ld, nv = (size_t)p->n_var, at = 0;
-    for (size_t i = 0; i < (size_t)w->n_row; i++)
-        for (size_t k = 0; k < w->n_lane; k++, at++) {
-            r[at] = w->res[i*ld + k];
-            for (size_t d = 0; j && d < nv; d++)
-                j[at*nv + d] = w->row[(i*nv + d)*ld + k];
-        }
-    return true;
+    return (size_t)p->n_linear + p->n + 2*LW_CURVE_SAMPLES + lw_problem_zone_count(p);
 }

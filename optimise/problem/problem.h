@@ -25,6 +25,10 @@
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
+#define LW_CURVE_SAMPLES 64           /* poses of one turn or circuit: samples of the curve, checks of the motion  */
+#define LW_ZONE_SAMPLES  24           /* steps of the motion at which forbidden zones are checked                  */
+#define LW_PROBLEM_TRACER_MAX (1 + LW_ALSO_MAX)
+#define LW_PROBLEM_ROW_MAX   (3*LW_PROBLEM_TRACER_MAX)   /* residuals of a station at most: x, y, angle of each point */
 /* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
  * branches cross and nobody can say which one a linkage follows. */
 #define LW_LINEAR_LEAST 1e-6
@@ -83,8 +87,39 @@ typedef struct lw_problem {
     lw_zone      zone[LW_ZONE_MAX];                         /* scaled                               */
 } lw_problem;
 
+/* What point k has to do; 0: the first. */
+static inline lw_aim lw_problem_aim(const lw_problem *p, int k)
+{
+    bool path = p->task != LW_TASK_FUNCTION;
+    return k > 0 ? p->also[k - 1]
+                 : (lw_aim){ path ? p->x : NULL, path ? p->y : NULL, p->theta, p->wa, p->wb, p->i_tool0 };
+}
+
 const char *lw_problem_variable(const lw_problem *p, int i);         /* its name                   */
 int         lw_problem_index(const lw_problem *p, const char *name); /* -1: no such variable       */
+
+/* Variable of the first length, which stands for the size of the linkage; -1: there is none. */
+int lw_problem_first_length(const lw_problem *p);
+
+/* Do the stations have assembly modes of their own, because the input goes over limits? */
+bool lw_problem_has_modes(const lw_problem *p);
+
+/* Residuals of one station. */
+int lw_problem_component_count(const lw_problem *p);
+
+/* Lanes, the inputs at which poses are found at once: stations, and curve samples where both ways count. */
+size_t lw_problem_lane_count(const lw_problem *p);
+
+/* Fixed pivots: their places in the ground frame, whose origin is the first.  Returns how many, LW_DIM_MAX + 1 at most. */
+int lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at);
+
+/* Are there constraints besides bounds and linear ones?  Must the linkage close at every station, so that closing is one? */
+bool lw_problem_is_nonlinear(const lw_problem *p);
+bool lw_problem_must_close(const lw_problem *p);
+
+/* Constraints of the zones; constraints at most, whichever motion is intended. */
+size_t lw_problem_zone_count(const lw_problem *p);
+size_t lw_problem_constraint_most(const lw_problem *p);
 
 /* Make the problem of fitting one family, in one assembly mode and sense, to a target.
  * LW_E_ARG with a text: bounds that exclude everything, a task the target has no columns for, ...

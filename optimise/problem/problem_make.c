@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
 #include "optimise/problem/tracers.h"
 
 /* "+r3+r4-r1-r2" into coefficients by variable. */
@@ -191,14 +190,6 @@ static lw_status named_bound(lw_problem *p, const lw_bound *b, lw_error *e)
     if (!(b->lo <= b->hi))
         return bad_bound(e, b->name, b->lo, b->hi);
     return LW_OK;
-}
-
-int lw_problem_first_length(const lw_problem *p)
-{
-    for (int i = 0; i < p->n_dim; i++)
-        if (p->plan.dim[i].kind == LW_DIM_LENGTH)
-            return i;
-    return -1;
 }
 
 static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_problem *p, lw_error *e)

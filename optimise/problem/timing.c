@@ -1,8 +1,12 @@
 /* optimise/problem/timing.c - which input belongs to which station when the timing is free: a monotone
  * assignment to samples of the curve by dynamic programming, then Newton steps along the curve. */
+#include "optimise/problem/timing.h"
+
 #include <string.h>
 
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
+#include "optimise/problem/residuals.h"
+#include "optimise/problem/variable_projection.h"
 
 enum { M = LW_CURVE_SAMPLES };
 
@@ -235,14 +239,6 @@ void lw_timing_order(const lw_problem *p, double *theta, const double *weight, d
     for (size_t k = 0, i = 0; k < b.n; k++)
         for (double q = 0; q < b.size[k]; q++)
             theta[i++] = p->branch.sense*b.mean[k];
-}
-
-bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k)
-{
-    if (p->timing != LW_TIMING_FREE || p->n < 2)
-        return false;
-    return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
-                        : w->phase[k] == p->branch.sense*(p->branch.sense*w->phase[0] + 2*LW_PI);
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two

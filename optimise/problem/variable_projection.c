@@ -1,9 +1,11 @@
 /* optimise/problem/variable_projection.c - the inputs of free stations taken out of the derivatives: of the rows is kept what
  * no change of the stations' own inputs can make up for (variable projection, Kaufman 1975).  Stations
  * that the order holds at one input have one input to give, and are taken together. */
+#include "optimise/problem/variable_projection.h"
+
 #include <string.h>
 
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
 
 double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_PROBLEM_ROW_MAX])
 {
@@ -22,6 +24,14 @@ double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, doubl
     for (int i = 0; i < row; i++)
         s += t[i]*t[i];
     return s;
+}
+
+bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k)
+{
+    if (p->timing != LW_TIMING_FREE || p->n < 2)
+        return false;
+    return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
+                        : w->phase[k] == p->branch.sense*(p->branch.sense*w->phase[0] + 2*LW_PI);
 }
 
 /* Products of a block's tangent with each column of its rows, and with its residuals. */

@@ -9,7 +9,8 @@
 #include "optimise/solvers/lm.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 #include "optimise/search/random_linkage.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/constraint.h"
+#include "optimise/problem/residuals.h"
 #include "optimise/search/start.h"
 
 enum {

@@ -5,7 +5,8 @@
 #include <string.h>
 
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
+#include "optimise/problem/residuals.h"
 
 enum { M = LW_CURVE_SAMPLES };
 

@@ -4,7 +4,9 @@
 
 #include "mbs/plan/pose.h"
 #include "optimise/search/fit_internal.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
+#include "optimise/problem/evaluate.h"
+#include "optimise/problem/timing.h"
 
 /* The curve of one find: where its stations and its samples are. */
 typedef struct trail {

@@ -5,7 +5,9 @@
 
 #include "optimise/problem/family.h"
 #include "optimise/solvers/lm.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/circuit.h"
+#include "optimise/problem/residuals.h"
+#include "optimise/problem/timing.h"
 
 static int shape_draws(const lw_problem *p)
 {

@@ -5,7 +5,10 @@
 
 #include "base/clock.h"
 #include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
+#include "optimise/problem/constraint.h"
+#include "optimise/problem/evaluate.h"
+#include "optimise/problem/residuals.h"
+#include "optimise/problem/timing.h"
 #include "optimise/solvers/qp.h"
 
 enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };

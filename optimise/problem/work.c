@@ -1,36 +1,6 @@
-/* optimise/problem/problem_work.c - the scratch of one thread, laid out in memory of the caller. */
+#include "optimise/problem/work.h"
+
 #include <string.h>
-
-#include "optimise/problem/family.h"
-#include "optimise/problem/problem_internal.h"
-
-size_t lw_problem_lane_count(const lw_problem *p)
-{
-    return p->n + (p->timing == LW_TIMING_NONE ? LW_CURVE_SAMPLES : 0);
-}
-
-bool lw_problem_has_modes(const lw_problem *p)
-{
-    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->branch.through);
-}
-
-int lw_problem_component_count(const lw_problem *p)
-{
-    int n = p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
-    for (int i = 0; i < p->n_also; i++)
-        n += (p->also[i].x ? 2 : 0) + (p->also[i].theta ? 1 : 0);
-    return n;
-}
-
-void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)
-{
-    lw_batch_frame(&p->plan, in, 0, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, margin);
-    for (int i = 1; i <= p->n_also; i++) {
-        lw_batch_frame(&p->plan, in, i, w->batch, w->pose_x, w->pose_y, w->pose_u, w->pose_v, w->pose_m);
-        for (size_t k = 0; k < in->n; k++)
-            margin[k] = fmin(margin[k], w->pose_m[k]);
-    }
-}
 
 /* Hand out 64-byte aligned pieces; with base NULL it only counts. */
 static void *piece(char *base, size_t *at, size_t bytes)

@@ -1,0 +1,14 @@
+/* optimise/problem/constraint.h - the subsidiary conditions g(x) >= 0 in the scratch of a thread. */
+#ifndef LW_OPTIMISE_PROBLEM_CONSTRAINT_H
+#define LW_OPTIMISE_PROBLEM_CONSTRAINT_H
+
+#include "optimise/problem/work.h"
+
+/* Are all conditions met at x, g >= -tolerance? */
+bool lw_problem_admissible(const lw_problem *p, const double *x, double tolerance, lw_work *w);
+
+/* The input at `part` (0 .. 1) of the motion from the first station to the last, or of all the turn; the assembly mode there
+ * (mode[dyad]) and the stroke. */
+double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg);
+
+#endif

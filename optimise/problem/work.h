@@ -1,0 +1,71 @@
+/* optimise/problem/work.h - the scratch of one thread for one problem, laid out in memory of the caller. */
+#ifndef LW_OPTIMISE_PROBLEM_WORK_H
+#define LW_OPTIMISE_PROBLEM_WORK_H
+
+#include "mbs/batch/batch.h"
+#include "mbs/kinematics/closed_motion.h"
+#include "optimise/problem/problem.h"
+
+/* Of a further point: its lanes, and its curve at the samples. */
+typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
+
+/* The circuit of a linkage whose input does not turn fully, stroke by stroke.  Over stroke j, of odd number on the way
+ * down, from phase `from` on:  input = mid - half cos(psi),  psi = rate phase + shift  in [j pi, (j + 1) pi]. */
+typedef struct lw_stroke { double from, mid, half, rate, shift, mode[LW_DYAD_MAX]; } lw_stroke;
+typedef struct lw_swing {
+    bool      known, closes, has_slopes;   /* of the dimensions `of`: worked out; closes somewhere; by the dimensions */
+    double    of[LW_DIM_MAX];
+    bool      turning;                     /* the phase is the input, in the mode of stroke 0          */
+    int       n;
+    double    gain;                        /* of the input over all strokes: whole turns, of a pin       */
+    lw_stroke stroke[LW_LEG_MAX];
+    double    mid_by[LW_LEG_MAX][LW_DIM_MAX], half_by[LW_LEG_MAX][LW_DIM_MAX];   /* by the dimensions     */
+    double    rate_by[LW_LEG_MAX][LW_DIM_MAX], shift_by[LW_LEG_MAX][LW_DIM_MAX];
+} lw_swing;
+
+/* A place on it: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the phase,
+ * the stroke, the phase within the first turn of it, cos and sin of psi. */
+typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_cycle_point;
+
+typedef struct lw_work {
+    size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
+    double *phase;               /* where each lane is on its circuit [rad]; the input if that turns */
+    double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
+    double *mode;                /* assembly of each lane, where they have their own: mode[dyad*ld + lane] */
+    short  *leg;                 /* its stroke                                                     */
+    double *around, *psi_c, *psi_s;      /* as of lw_cycle_point                                          */
+    double *c, *s;               /* cosine and sine of the input                                   */
+    lw_jacobian jac;             /* of every lane                                                  */
+    lw_also_work also[LW_ALSO_MAX];
+    double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
+    double *res;                 /* residuals, res[k*ld + lane]                                    */
+    int     n_row;               /* residuals a lane                                               */
+    bool   *tie;                 /* station whose input moves nothing: not eliminated              */
+    double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
+    double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
+    double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
+    lw_swing swing;
+    lw_closed_motion cycle;
+    double   least_margin;
+    /* the curve, sampled (LW_CURVE_SAMPLES); turn: phases */
+    double *turn, *turn_c, *turn_s, *turn_mode, *curve_x, *curve_y, *curve_u, *curve_v, *curve_m;
+    double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
+    double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
+    double  sample_weight;
+    /* poses in which conditions on the motion are looked at: samples of the turn, or of the way between the stations */
+    double *way_c, *way_s, *way_mode;        /* way_mode[dyad*LW_CURVE_SAMPLES + pose]               */
+    short  *way_leg;             /* their strokes                                                  */
+    double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
+    lw_jacobian pose;
+    double *g_now, *g_up, *g_down;
+    double *cost, *best;         /* dynamic programme: station by sample                           */
+    short  *from, *order;
+    void   *batch;
+} lw_work;
+
+static inline const lw_jacobian *lw_work_jac(const lw_work *w, int k) { return k > 0 ? &w->also[k - 1].jac : &w->jac; }
+
+/* Work out again what the scratch keeps of the intended motion, after that of p has changed. */
+void lw_problem_work_branch(const lw_problem *p, lw_work *w);
+
+#endif
