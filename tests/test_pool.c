@@ -57,12 +57,12 @@ static void counts_what_comes_again(void)
     lw_problem p;
     make_problem(&p);
     lw_variables v = lw_pool_variables(&p);
-    lw_found a = find(1, 3), again = a, turned = a, other = a, arm = a, none = a;
+    lw_found a = find(1, 3), again = a, turned = a, other = a, candidate = a, none = a;
     again.f *= 1 - 1e-6;
     again.x[2] *= 1 + 1e-6;
     turned.x[p.plan.i_theta0] += 2*LW_PI;
     other.x[1] += 0.01;
-    arm.arm = 1;
+    candidate.candidate = 1;
     none.f = INFINITY;
     lw_pool_put(&pool, &a, &v);
     lw_pool_put(&pool, &again, &v);
@@ -72,7 +72,7 @@ static void counts_what_comes_again(void)
     CHECK_INT(pool.n, 1);
     CHECK(pool.item[0].f == again.f && pool.item[0].hits == 3);
     lw_pool_put(&pool, &other, &v);
-    lw_pool_put(&pool, &arm, &v);
+    lw_pool_put(&pool, &candidate, &v);
     lw_pool_put(&pool, &none, &v);
     CHECK_INT(pool.n, 3);
     check_order(&pool);

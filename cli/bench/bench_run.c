@@ -158,7 +158,7 @@ static bool draw_arm(arms *a, int arm, lw_rng *rng, start *s)
     for (int i = 0; i < DRAWS; i++) {
         s[i] = (start){ .arm = arm, .draw = i };
         if (look)
-            s[i].f = lw_start_glance(p, u + i*d, a->work);
+            s[i].f = lw_start_estimate(p, u + i*d, a->work);
     }
     if (look)
         qsort(s, DRAWS, sizeof *s, by_f);

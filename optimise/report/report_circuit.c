@@ -1,4 +1,5 @@
-/* optimise/report/report_circuit.c - the motion of a closed result that runs over limits: leg by leg, all of its circuit. */
+/* optimise/report/report_circuit.c - the motion of a closed result that runs over limits: leg by leg, all of its
+ * circuit. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
-/* optimise/report/report_curve.c - the motion of a result whose plan has higher groups, for which there are no arcs in closed
- * form: the curve of postures through the first station. */
+/* optimise/report/report_curve.c - the motion of a result whose plan has higher groups, for which there are no arcs
+ * in closed form: the curve of postures through the first station. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

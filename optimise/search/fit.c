@@ -1,185 +1,16 @@
-#include "optimise/search/fit.h"
-
+/* optimise/search/fit.c - options, candidates and the problems made of them. */
+#include <assert.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/parallel.h"
 #include "optimise/search/fit_internal.h"
-
-enum { HITS = 100 };        /* found this often by different starts: nothing better is likely     */
-enum { BUDGET = 1000000 };  /* evaluations of a search over families, when nobody says           */
-#define EXACT 1e-27         /* f of one station, of size one, that is rounding                    */
 
 lw_fit_options lw_fit_options_default(void)
 {
     return (lw_fit_options){ .spec = lw_fit_spec_default(), .types = "fourbar", .seed = 1,
                              .n_result = 10 };
-}
-
-static int rounds_of(const lw_search *s)
-{
-    /* Jobs of about five milliseconds each at eighteen stations: 500 of them for one family of cranks
-     * are enough for every published path problem with margin (docs/benchmarks.md); further families
-     * take their share of more. */
-    if (s->o->max_rounds > 0 || s->o->families || s->n_job == 0)
-        return s->o->max_rounds > 0 ? s->o->max_rounds : 100000;
-    const lw_target *t = s->thin.n ? &s->thin : s->t;
-    double share = s->n_job > 16 ? 700.0 : 500.0;
-    double jobs = share*45/((double)t->n + 27);
-    int rounds = (int)(jobs/s->n_job + 0.5);
-    return rounds < 5 ? 5 : rounds;
-}
-
-/* Families of any linkage have more variables and dearer starts, and there are more of them; higher groups are
- * dearer still. */
-lw_effort lw_search_effort(const lw_search *s, const lw_problem *p)
-{
-    if (!s->o->families)
-        return (lw_effort){ LW_SEARCH_BLOCK, 100, 12, 1 };
-    return p->plan.n_higher > 0 ? (lw_effort){ 40, 10, 3, LW_HIGHER_COST } : (lw_effort){ 96, 24, 6, 1 };
-}
-
-static lw_status make_benches(lw_search *s)
-{
-    s->n_thread = s->o->jobs > 0 ? s->o->jobs : lw_core_count();
-    s->bench = calloc((size_t)s->n_thread, sizeof *s->bench);
-    for (int i = 0; s->bench && i < s->n_thread; i++) {
-        s->bench[i].slot = calloc(LW_SLOTS, sizeof *s->bench[i].slot);
-        for (int k = 0; s->bench[i].slot && k < LW_SLOTS; k++)
-            s->bench[i].slot[k].arm = -1;
-        if (!s->bench[i].slot)
-            return LW_E_MEMORY;
-    }
-    return s->bench ? LW_OK : LW_E_MEMORY;
-}
-
-static void bench_free(lw_workbench *b)
-{
-    for (int k = 0; b->slot && k < LW_SLOTS; k++)
-        if (b->slot[k].arm >= 0)
-            lw_problem_free(&b->slot[k].problem);
-    free(b->slot);
-    free(b->work);
-}
-
-static void search_free(lw_search *s)
-{
-    for (int i = 0; s->bench && i < s->n_thread; i++)
-        bench_free(&s->bench[i]);
-    for (int i = 0; i < s->n_arm; i++)
-        free(s->arm[i].best);
-    free(s->bench);
-    free(s->arm);
-    free(s->sweep.order);
-    free(s->sweep.arm);
-    free(s->found);
-    lw_target_free(&s->thin);
-    free(s);
-}
-
-static long budget_of(const lw_search *s)
-{
-    return s->o->budget > 0 ? s->o->budget : BUDGET;
-}
-
-static double done_share(const lw_search *s, int rounds)
-{
-    double rounded = (s->round + 1.0)/rounds;
-    return s->o->families ? fmax(rounded, fmin(1, (double)s->evals/(double)budget_of(s))) : rounded;
-}
-
-/* Say how far it is. */
-static void tell(lw_search *s, int rounds, double *least)
-{
-    double best = s->pool.n ? s->pool.item[0].f : INFINITY, now = lw_clock_wall() - s->started;
-    lw_status st;
-    const lw_problem *p = s->pool.n ? lw_search_made(s, 0, s->pool.item[0].arm, false, &st) : NULL;
-    double value = p ? best*p->scale : INFINITY;
-    if (s->o->progress)
-        s->o->progress(s->o->context, done_share(s, rounds), now, value);
-    if (s->o->improved && best < *least)
-        s->o->improved(s->o->context, s->evals, now, value);
-    *least = fmin(*least, best);
-}
-
-static lw_status search_rounds(lw_search *s, lw_stop *stop, lw_error *e)
-{
-    double least = INFINITY;
-    int rounds = rounds_of(s);
-    *stop = LW_STOP_EVALS;
-    for (s->round = 0; s->round < rounds && s->n_job > 0; s->round++) {
-        lw_status st = lw_search_round(s, e);
-        if (st != LW_OK)
-            return st;
-        tell(s, rounds, &least);
-        if (s->o->interrupt && *s->o->interrupt)
-            *stop = LW_STOP_USER;
-        else if (lw_search_stopped(s))
-            *stop = LW_STOP_TIME;
-        else if (least <= EXACT*(double)s->t->n)
-            *stop = LW_STOP_F_TARGET;
-        else if (s->hits >= HITS && s->round >= 2 && !s->o->families)
-            *stop = LW_STOP_F_TOL;
-        if (*stop != LW_STOP_EVALS || (s->o->families && s->evals >= budget_of(s)))
-            break;
-        lw_search_halving(s);
-    }
-    return LW_OK;
-}
-
-static lw_status describe(const lw_search *s, lw_fit *out)
-{
-    out->improved = s->improved;
-    out->evals = s->evals;
-    out->rounds = s->round + (out->stop != LW_STOP_EVALS);       /* it ended in a round, or after all */
-    for (int i = 0; i < s->n_arm; i++)
-        out->starts += s->arm[i].starts;
-    out->n_state = s->o->families ? s->n_arm : 0;
-    out->state = malloc((size_t)out->n_state + 1);
-    for (int i = 0; out->state && i < out->n_state; i++)
-        out->state[i] = (unsigned char)s->arm[i].state;
-    return out->state ? LW_OK : LW_E_MEMORY;
-}
-
-static lw_status search_all(lw_search *s, lw_fit *out, lw_error *e)
-{
-    lw_status st = make_benches(s);
-    if (st == LW_OK)
-        st = lw_search_make_candidates(s, out, e);
-    if (st == LW_OK)
-        st = lw_search_halving_begin(s);
-    if (st != LW_OK)
-        return st;
-    lw_search_halving(s);
-    st = search_rounds(s, &out->stop, e);
-    if (st == LW_OK)
-        st = lw_search_rank(s, out);
-    return st == LW_OK ? describe(s, out) : st;
-}
-
-lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, lw_error *e)
-{
-    memset(out, 0, sizeof *out);
-    lw_search *s = calloc(1, sizeof *s);
-    if (!s)
-        return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
-    s->t = t;
-    s->o = o;
-    s->started = lw_clock_wall();
-    s->best_raw = INFINITY;
-    lw_status st = search_all(s, out, e);
-    out->seconds = lw_clock_wall() - s->started;
-    search_free(s);
-    if (st == LW_E_MEMORY)
-        lw_error_set(e, st, "no memory for the search");
-    if (st != LW_OK) {
-        lw_fit_free(out);
-        return st;
-    }
-    if (out->stop == LW_STOP_TIME || out->stop == LW_STOP_USER)
-        return LW_STOPPED;
-    return out->n == 0 ? LW_NOTHING : LW_OK;
 }
 
 int lw_candidate_links(const lw_candidate *c)
@@ -202,4 +33,236 @@ void lw_fit_free(lw_fit *f)
     free(f->candidate);
     free(f->state);
     memset(f, 0, sizeof *f);
+}
+
+bool lw_search_stopped(const lw_search *s)
+{
+    return (s->o->interrupt && *s->o->interrupt)
+        || (s->o->max_seconds > 0 && lw_clock_wall() - s->started > s->o->max_seconds);
+}
+
+/* Less a job for families of any linkage: they have more variables, their starts cost more, and there are many of them.
+ * Higher groups cost most. */
+lw_effort lw_search_effort(const lw_search *s, const lw_problem *p)
+{
+    if (!s->o->families)
+        return (lw_effort){ LW_SEARCH_BLOCK, 100, 12, 1 };
+    return p->plan.n_higher > 0 ? (lw_effort){ 40, 10, 3, LW_HIGHER_COST } : (lw_effort){ 96, 24, 6, 1 };
+}
+
+/* ---- families ------------------------------------------------------------------------------------------- */
+
+/* Is this type requested?  `types` is "all", or names and letters with commas between. */
+static bool type_requested(const char *types, const lw_type *type)
+{
+    const char *names[] = { type->letters, type->name };
+    if (strcmp(types, "all") == 0)
+        return true;
+    for (int i = 0; i < 2; i++)
+        for (const char *at = types; (at = strstr(at, names[i])); at++) {
+            size_t n = strlen(names[i]);
+            if ((at == types || at[-1] == ',') && (at[n] == 0 || at[n] == ','))
+                return true;
+        }
+    return false;
+}
+
+static bool family_requested(const lw_fit_options *o, const lw_family *f)
+{
+    if (!type_requested(o->types, lw_type_find(f->type)))
+        return false;
+    if (o->spec.crank_only && !f->turns)
+        return false;
+    return !(o->spec.exclude_drag_link && f->drag_link);
+}
+
+static void note_skipped(lw_fit *out, const lw_family *f, const lw_error *e)
+{
+    const char *title = lw_type_find(f->type)->title;
+    size_t n = strlen(out->skipped);
+    if (!strstr(out->skipped, title))                       /* each type once, not each of its families */
+        snprintf(out->skipped + n, sizeof out->skipped - n, "%s%s (%.60s)", n ? ", " : "", title,
+                 e->text);
+}
+
+lw_status lw_search_family(const lw_search *s, int candidate, lw_family_made *made, const lw_family **family)
+{
+    assert(candidate >= 0 && (s->o->families || s->candidate[candidate].row));
+    const lw_search_candidate *a = &s->candidate[candidate];
+    *family = a->row ? a->row : &made->family;
+    return a->row ? LW_OK : s->o->families->make(s->o->families->of, candidate, made);
+}
+
+/* ---- problems of a thread ------------------------------------------------------------------------------- */
+
+static lw_status make_slot(const lw_search *s, int candidate, bool coarse, lw_slot *slot, lw_error *e)
+{
+    const lw_search_candidate *c = &s->candidate[candidate];
+    const lw_family *f;
+    if (slot->candidate >= 0)
+        lw_problem_free(&slot->problem);
+    slot->candidate = -1;
+    lw_status st = lw_search_family(s, candidate, &slot->made, &f);
+    if (st == LW_OK)
+        st = lw_problem_make(coarse ? &s->thin : s->t, &s->o->spec, f, c->mode, c->sense, &slot->problem, e);
+    if (st == LW_OK) {
+        slot->candidate = candidate;
+        slot->coarse = coarse;
+    }
+    return st;
+}
+
+/* The slot that holds the problem, else the one that was not used for the longest time. */
+static lw_slot *find_slot(lw_workbench *b, int candidate, bool coarse)
+{
+    lw_slot *oldest = b->slot;
+    for (int i = 0; i < LW_SLOTS; i++) {
+        if (b->slot[i].candidate == candidate && b->slot[i].coarse == coarse)
+            return &b->slot[i];
+        if (b->slot[i].used < oldest->used)
+            oldest = &b->slot[i];
+    }
+    return oldest;
+}
+
+const lw_problem *lw_search_made(lw_search *s, int thread, int candidate, bool coarse, lw_status *st)
+{
+    lw_workbench *b = &s->bench[thread];
+    bool thin = coarse && s->thin.n > 0;
+    lw_slot *slot = find_slot(b, candidate, thin);
+    *st = slot->candidate == candidate && slot->coarse == thin ? LW_OK : make_slot(s, candidate, thin, slot, NULL);
+    slot->used = ++b->used;
+    return *st == LW_OK ? &slot->problem : NULL;
+}
+
+/* Replace the scratch by a larger one if it is too small. */
+static bool make_work(lw_workbench *b, size_t size)
+{
+    if (size <= b->work_size)
+        return true;
+    free(b->work);
+    b->work_size = (size + size/4 + 127) & ~(size_t)63;
+    if (!(b->work = aligned_alloc(64, b->work_size)))
+        b->work_size = 0;
+    return b->work != NULL;
+}
+
+lw_problem *lw_search_problem(lw_search *s, int thread, int candidate, bool coarse, lw_status *st)
+{
+    lw_workbench *b = &s->bench[thread];
+    const lw_problem *p = lw_search_made(s, thread, candidate, coarse, st);
+    if (p && !make_work(b, lw_problem_work_size(p)))
+        *st = LW_E_MEMORY;
+    if (*st != LW_OK)
+        return NULL;
+    b->local = *p;
+    lw_problem_work_init(&b->local, b->work);
+    return &b->local;
+}
+
+lw_status lw_search_fault(lw_search *s, int candidate, lw_error *e)
+{
+    lw_slot *slot = s->bench[0].slot;
+    lw_status st = make_slot(s, candidate, false, slot, e);
+    return st == LW_OK ? lw_error_set(e, LW_E_MEMORY, "no memory for the search") : st;
+}
+
+/* ---- candidates ----------------------------------------------------------------------------------------- */
+
+/* Add a four-link candidate, if its type can do the task. */
+static lw_status add_candidate(lw_search *s, const lw_family *f, int mode, int sense, lw_error *e)
+{
+    assert(s->n_candidate < LW_SEARCH_CANDIDATE_MAX);
+    s->candidate[s->n_candidate] = (lw_search_candidate){ .row = f, .mode = (signed char)mode,
+                                                          .sense = (signed char)sense };
+    lw_status st = make_slot(s, s->n_candidate, false, s->bench[0].slot, e);
+    s->n_candidate += st == LW_OK;
+    return st;
+}
+
+/* All candidates: families in both modes, and for ordered free timing in both senses. */
+static lw_status make_candidates(lw_search *s, lw_fit *out, lw_error *e)
+{
+    for (const lw_family *f = lw_family_table; f->name; f++) {
+        if (!family_requested(s->o, f))
+            continue;
+        int senses = s->o->spec.timing == LW_TIMING_FREE ? 2 : 1;
+        for (int k = 0; k < 2*senses; k++) {
+            lw_error why = { .text = "" };
+            lw_status st = add_candidate(s, f, k & 1 ? -1 : 1, k & 2 ? -1 : 1, &why);
+            if (st == LW_E_KIND && k == 0)
+                note_skipped(out, f, &why);
+            if (st == LW_E_KIND)
+                break;
+            if (st != LW_OK) {
+                if (e)
+                    *e = why;
+                return st;
+            }
+        }
+    }
+    if (s->n_candidate == 0)
+        return lw_error_set(e, LW_E_ARG, "no linkage of the types asked for can do this%s%s%s",
+                            s->o->spec.crank_only ? ", since its input must turn fully" : "",
+                            out->skipped[0] ? ": " : "", out->skipped);
+    return LW_OK;
+}
+
+/* A target with more than LONG stations is searched with THIN of them. */
+enum { LONG = 48, THIN = 28 };
+
+static void thin_column(const lw_target *t, const double *from, double to[THIN])
+{
+    for (size_t i = 0; i < THIN && from; i++)
+        to[i] = from[t->closed ? i*t->n/THIN : i*(t->n - 1)/(THIN - 1)];
+}
+
+/* Weights; all 1 if only stations without weight are left. */
+static void thin_weights(const lw_target *t, const double *from, double to[THIN])
+{
+    double weight = 0;
+    thin_column(t, from, to);
+    for (size_t i = 0; i < THIN; i++)
+        weight += to[i];
+    for (size_t i = 0; i < THIN && !(weight > 0); i++)
+        to[i] = 1;
+}
+
+static lw_status make_thin_target(lw_search *s, lw_error *e)
+{
+    const lw_target *t = s->t;
+    if (t->n <= LONG || s->o->spec.task == LW_TASK_FUNCTION)
+        return LW_OK;
+    double v[4][THIN], weight[THIN], more[LW_ALSO_MAX][4][THIN];
+    lw_also also[LW_ALSO_MAX];
+    const double *from[4] = { t->x, t->y, t->theta, t->angle };
+    for (int c = 0; c < 4; c++)
+        thin_column(t, from[c], v[c]);
+    thin_weights(t, t->weight, weight);
+    for (int k = 0; k < t->n_also; k++) {
+        const lw_also *a = &t->also[k];
+        thin_column(t, a->x, more[k][0]);
+        thin_column(t, a->y, more[k][1]);
+        thin_column(t, a->theta, more[k][2]);
+        thin_weights(t, a->weight, more[k][3]);
+        also[k] = (lw_also){ .x = a->x ? more[k][0] : NULL, .y = a->x ? more[k][1] : NULL,
+                             .theta = a->theta ? more[k][2] : NULL, .weight = more[k][3] };
+    }
+    return lw_target_make_all(THIN, v[0], v[1], t->theta ? v[2] : NULL, t->angle ? v[3] : NULL, weight, also,
+                              t->n_also, t->closed, &s->thin, e);
+}
+
+lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e)
+{
+    const lw_families *f = s->o->families;
+    lw_status st = make_thin_target(s, e);
+    s->candidate = calloc((size_t)(f ? f->n : LW_SEARCH_CANDIDATE_MAX) + 1, sizeof *s->candidate);
+    if (!s->candidate)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for the search");
+    if (st != LW_OK || !f)
+        return st == LW_OK ? make_candidates(s, out, e) : st;
+    for (int i = 0; i < f->n; i++)
+        s->candidate[i] = (lw_search_candidate){ .mode = 1, .sense = 1 };
+    s->n_candidate = f->n;
+    return LW_OK;
 }

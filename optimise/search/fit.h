@@ -1,9 +1,9 @@
 /* optimise/search/fit.h - from a target to a ranked list of linkages.
  *
- * Rounds of: many low-discrepancy starts in every family, assembly mode and sense (optimise/search/start.h),
- * the best by their error improved by local least squares, the best of these polished.  Rounds and
- * not seconds decide when it ends, so that the answer depends on the seed only, not on the number of
- * threads; a time limit can end it earlier and is then given as the reason. */
+ * A search consists of rounds.  A round draws many low-discrepancy starts in every family, assembly mode and sense
+ * (optimise/search/start.h), improves the best of them by local least squares, and polishes the best of these.
+ * Rounds and evaluations end the search, not seconds; so the answer depends on the seed only and not on the number
+ * of threads.  A time limit can end it earlier, which `stop` then says. */
 #ifndef LW_OPTIMISE_SEARCH_FIT_H
 #define LW_OPTIMISE_SEARCH_FIT_H
 
@@ -14,42 +14,43 @@
 
 typedef struct lw_fit_options {
     lw_fit_spec spec;
-    const char *types;           /* names or letters of mbs/plan/types.h, comma separated, or "all"
-                                  * ("fourbar")                                                     */
-    const lw_families *families; /* look in these instead, by successive halving; NULL: by types     */
-    long        budget;          /* evaluations of f after which no further round begins, with `families`; one
-                                  * of a linkage with higher groups counts LW_HIGHER_COST of them; 0: by
-                                  * default                                                          */
-    long        sweep;           /* evaluations that the first look of the first sweep over families may cost, and as
-                                  * many the rest of it; each further sweep twice as many; 0: 500000   */
-    const lw_solver *solver;     /* local solver of the improvement; NULL: lm                       */
+    const char *types;           /* names or letters of mbs/plan/types.h with commas between, or "all" ("fourbar") */
+    const lw_families *families; /* search in these by successive halving instead of in types; NULL: in types */
+    long        budget;          /* with `families`: no round begins after so many evaluations of f.  An evaluation of a
+                                  * linkage with higher groups counts as LW_HIGHER_COST.  0: 1000000 */
+    long        sweep;           /* with `families`: evaluations that the first look of the first sweep may cost, and
+                                  * the same number for its halvings; each further sweep costs twice as much as the
+                                  * one before.  0: 500000                                          */
+    const lw_solver *solver;     /* local solver that improves starts; NULL: lm                     */
     uint64_t    seed;            /* 1                                                               */
     int         jobs;            /* threads; < 1: one per core                                      */
     double      max_seconds;     /* 0: no limit                                                     */
-    long        starts;          /* a round and arm; 0: by default                                  */
-    int         max_rounds;      /* 0: by the effort of a problem of this size                      */
-    int         n_result;        /* 10                                                              */
-    const volatile int *interrupt;
+    long        starts;          /* starts of each candidate in a round; 0: by the type              */
+    int         max_rounds;      /* 0: by the size of the problem                                   */
+    int         n_result;        /* most results (10)                                               */
+    const volatile int *interrupt;   /* the search stops when it becomes nonzero; NULL: nothing stops it */
+    /* Called after each round, may be NULL; done in [0, 1], best objective so far. */
     void      (*progress)(void *context, double done, double seconds, double best);
-    /* called after each round that found something better, for work-precision curves; may be NULL */
+    /* Called after each round that found something better, for work-precision curves; may be NULL. */
     void      (*improved)(void *context, long evals, double seconds, double best);
     void       *context;
 } lw_fit_options;
 lw_fit_options lw_fit_options_default(void);
 
-/* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame, as
- * the plan counts them (mbs/plan/plan.h, laps). */
+/* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame, as the plan counts them
+ * (mbs/plan/plan.h, laps). */
 typedef struct lw_candidate {
     const lw_family *family;
-    lw_family_made  *own;        /* with families: where `family` points                            */
-    lw_intended_motion branch;            /* assembly, sense of the run                                      */
+    lw_family_made  *own;        /* with families: the memory that `family` points to               */
+    lw_intended_motion branch;   /* assembly mode, sense of the run                                 */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
-    double  objective;           /* eq. 17 in the user's units (SI)                                 */
+    double  objective;           /* eq. 17 in SI                                                    */
     double *input;               /* of each station [rad] or [m]                     (n_station)    */
-    double *mode_of;             /* assembly at each station, one after the other; NULL: branch.mode (n_station*n_dyad) */
+    double *mode_of;             /* assembly mode of each dyad at each station; NULL: branch.mode everywhere
+                                  *                                                  (n_station*n_dyad) */
     int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */
     double  seconds;             /* when it was found                                               */
@@ -66,19 +67,19 @@ typedef enum lw_fit_state {
 } lw_fit_state;
 
 typedef struct lw_fit {
-    int           n;             /* candidates, best first, no two of one curve                     */
+    int           n;             /* candidates, best first, no two with the same curve              */
     lw_candidate *candidate;
     long          starts, improved, evals, rounds;
     double        seconds;
-    lw_stop       stop;          /* LW_STOP_F_TARGET exact, _F_TOL nothing better in many rounds, _EVALS all
-                                  * rounds, _TIME, _USER                                            */
-    int           n_state;       /* with families: as many as these                                 */
+    lw_stop       stop;          /* LW_STOP_F_TARGET exact; _F_TOL the best was found again and again; _EVALS all rounds
+                                  * or the budget; _TIME; _USER                                     */
+    int           n_state;       /* with families: their number                                     */
     unsigned char *state;        /* lw_fit_state of each                                   (n_state) */
-    char          skipped[512];  /* types that cannot do this task, with the reason              */
+    char          skipped[512];  /* types that cannot do this task, with the reason                 */
 } lw_fit;
 
-/* LW_OK, LW_NOTHING when no family has a feasible member, LW_STOPPED with what was found when time
- * or the user ended it; failures < 0 as lw_problem_make. */
+/* LW_OK; LW_NOTHING when no family has a feasible linkage; LW_STOPPED with what was found when the time or the user
+ * ended it; failures < 0 as lw_problem_make.  After LW_NOTHING, LW_STOPPED and LW_OK free `out`. */
 lw_status lw_fit_run(const lw_target *t, const lw_fit_options *o, lw_fit *out, lw_error *e);
 void      lw_fit_free(lw_fit *f);
 void      lw_candidate_free(lw_candidate *c);

@@ -1,5 +1,6 @@
-/* optimise/search/fit_internal.h - the state of one search, and its parts: which problems there are (fit_arms.c),
- * one round of starts and improvements (fit_round.c), what the caller gets (rank.c). */
+/* optimise/search/fit_internal.h - the state of one search and its parts, from bottom to top: candidates and their
+ * problems (fit.c), the work of a round (successive_halving.c), one round (fit_round.c), the list of results
+ * (rank.c), the search (fit_run.c). */
 #ifndef LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 #define LW_OPTIMISE_SEARCH_FIT_INTERNAL_H
 
@@ -7,114 +8,118 @@
 #include "optimise/search/pool.h"
 
 enum {
-    LW_SEARCH_BLOCK = 400,         /* draws of one job                                                   */
-    LW_KEEP = 8,            /* finds of a job that are handed to the pool                         */
-    LW_SEARCH_CANDIDATE_MAX = 80,        /* by types                                                           */
-    LW_SEARCH_CANDIDATE_BEST = 4,        /* finds that an arm remembers, to look around them                   */
-    LW_JOB_MAX = 4096
+    LW_SEARCH_BLOCK = 400,             /* starts drawn by one job                                   */
+    LW_SEARCH_BLOCK_MAX = 8,           /* jobs of a four-link candidate in a round                  */
+    LW_KEEP = 8,                       /* finds that a job hands to the pool                        */
+    LW_SEARCH_CANDIDATE_MAX = 80,      /* candidates of a search by types                           */
+    LW_SEARCH_CANDIDATE_BEST = 4,      /* finds that a candidate keeps, to look around them         */
+    LW_JOB_MAX = 4096,
+    LW_SLOTS = 6                       /* problems that a thread keeps                              */
 };
 
-/* A family (of four links: in one assembly mode and sense), as far as a search must remember it.  Its problem is made
- * where somebody works on it. */
+/* Something to search in: a family, and of four-link types one assembly mode and sense.  Only this much is kept of
+ * it; its problem is made by the thread that works on it. */
 typedef struct lw_search_candidate {
-    const lw_family *row;                    /* of four links; NULL: that of this number in the families */
-    signed char mode, sense;
-    lw_fit_state state;
-    long        starts;
-    lw_best_starts     *best;                        /* of its search, with families; NULL: nothing         */
+    const lw_family *row;              /* of a four-link type; NULL: the family with this number in the options */
+    signed char      mode, sense;
+    lw_fit_state     state;
+    long             starts;
+    lw_best_starts  *best;             /* best finds of a search over families; NULL: none yet      */
 } lw_search_candidate;
 
-/* One piece of work of a round: draw from an arm, or look around what it found; and what came of it. */
+/* One piece of work of a round: draw starts from a candidate, or search around its best finds; and its outcome. */
 typedef struct lw_search_job {
-    int          arm;
+    int          candidate;
     bool         around;
-    lw_status    status;                     /* of making the problem                               */
-    int          block, n_mode;              /* draws; see lw_best_starts                                   */
+    lw_status    status;               /* of making the problem                                     */
+    int          block, n_mode;        /* starts drawn; see lw_best_starts                          */
     long         evals, improved;
     lw_variables of;
 } lw_search_job;
 
-/* How much is done in a job. */
+/* The work of one job. */
 typedef struct lw_effort {
-    int block, settle, improve;              /* draws, those settled, those improved                */
-    int cost;                                /* of one evaluation, in those of dyads                */
+    int block, settle, improve;        /* starts drawn; of these settled; of these improved         */
+    int cost;                          /* of one evaluation, in evaluations of a linkage of dyads   */
 } lw_effort;
 
-enum { LW_SLOTS = 6 };
-
-/* What one thread works with: problems made last, one of them in one branch, and scratch. */
 typedef struct lw_slot {
-    int            arm;                      /* -1: empty                                           */
+    int            candidate;          /* -1: the slot is empty                                     */
     bool           coarse;
-    long           used;                     /* when last                                           */
+    long           used;               /* when it was used last, counted by lw_workbench.used       */
     lw_family_made made;
     lw_problem     problem;
 } lw_slot;
 
+/* What one thread works with: its last problems, a copy of one with an intended motion of its own, and scratch. */
 typedef struct lw_workbench {
-    lw_slot    *slot;                        /* (LW_SLOTS)                                          */
+    lw_slot    *slot;                  /* (LW_SLOTS)                                                */
     lw_problem  local;
     void       *work;
     size_t      work_size;
     long        used;
 } lw_workbench;
 
-/* Where a sweep over families stands (fit_share.c). */
+/* The state of successive halving. */
 typedef struct lw_sweep {
-    int *order, next;                        /* of all arms; the next that has not had its turn (n_arm) */
-    int *arm, n, rung;                       /* those of this sweep, n at its beginning             */
-    int go_on, n_sweep;                      /* after the first look; sweeps begun                  */
-    bool apart;                              /* those with groups beyond dyads by themselves        */
-    long mean_job;                           /* else what a job costs in the mean                   */
+    int *order, next;                  /* all candidates in the order of their turns; the next one  (n_candidate) */
+    int *candidate, n, rung;           /* candidates of this sweep; how often it was halved    (n)  */
+    int  go_on, n_sweep;               /* how many go on after the first look; sweeps begun         */
+    bool apart;                        /* candidates with groups beyond dyads are swept by themselves */
+    long mean_job;                     /* if not: mean cost of a job                                */
 } lw_sweep;
 
 typedef struct lw_search {
     const lw_target      *t;
     const lw_fit_options *o;
-    lw_target  thin;                         /* fewer stations, for the search on a long target; n 0: not so */
-    int        n_arm, n_thread, n_job, round;
-    lw_search_candidate    *arm;
-    lw_search_job job[LW_JOB_MAX];
-    lw_sweep   sweep;
-    lw_workbench *bench;                     /* of each thread                                      */
-    lw_pool    pool, raw;                    /* polished; of this round's search                    */
-    lw_found  *found;                        /* LW_KEEP of each job                        (n_found) */
-    int        n_found;
-    double     started, best_raw;            /* the latter in the search's own scale                */
-    long       hits;                         /* how often the best of the search was found          */
-    long       evals, improved;
+    lw_target            thin;         /* of a long target fewer stations, to search with; n 0: none */
+    int                  n_candidate, n_thread, n_job, round;
+    lw_search_candidate *candidate;
+    lw_search_job        job[LW_JOB_MAX];
+    lw_sweep             sweep;
+    lw_workbench        *bench;        /* of each thread                                (n_thread)  */
+    lw_pool              pool, raw;    /* polished finds; finds of this round before that           */
+    lw_found            *found;        /* LW_KEEP of each job                                       */
+    int                  n_found;      /* jobs that `found` has memory for                          */
+    double               started;      /* wall clock                                                */
+    double               best_raw;     /* least f before polishing, in the scale of the search      */
+    long                 hits;         /* how often that was found                                  */
+    long                 evals, improved;
 } lw_search;
 
-/* Make the arms of the families that are asked for, and the thinner target of a long one. */
+/* ---- fit.c */
+
+/* Make the candidates that the options ask for, and the thin target.  LW_E_ARG: no type can do the task;
+ * LW_E_MEMORY. */
 lw_status lw_search_make_candidates(lw_search *s, lw_fit *out, lw_error *e);
 
-/* The problem of an arm, for the search (coarse) or for the full target; it stays until LW_SLOTS others were made in this
- * thread.  NULL: *st says why. */
-const lw_problem *lw_search_made(lw_search *s, int thread, int arm, bool coarse, lw_status *st);
+/* The problem of a candidate for the thin target (coarse) or the full one.  It stays until this thread has made
+ * LW_SLOTS others.  NULL: *st says why. */
+const lw_problem *lw_search_made(lw_search *s, int thread, int candidate, bool coarse, lw_status *st);
 
-/* A copy of it whose branch may be changed, the thread's only one, with scratch.  NULL as above. */
-lw_problem *lw_search_problem(lw_search *s, int thread, int arm, bool coarse, lw_status *st);
+/* The thread's only copy of that problem, whose intended motion may be changed, with scratch in the thread's bench. */
+lw_problem *lw_search_problem(lw_search *s, int thread, int candidate, bool coarse, lw_status *st);
 
-/* Why the problem of an arm could not be made, with a text. */
-lw_status lw_search_fault(lw_search *s, int arm, lw_error *e);
+/* Why the problem of a candidate could not be made, with a text. */
+lw_status lw_search_fault(lw_search *s, int candidate, lw_error *e);
 
-/* Family of an arm: the row of its type, or made in `made`. */
-lw_status lw_search_family(const lw_search *s, int arm, lw_family_made *made, const lw_family **family);
+/* The family of a candidate: the row of its type, or made in `made`. */
+lw_status lw_search_family(const lw_search *s, int candidate, lw_family_made *made, const lw_family **family);
 
 lw_effort lw_search_effort(const lw_search *s, const lw_problem *p);
 
-/* Begin to share; LW_E_MEMORY.  Then the jobs of a round, after what the arms have found. */
+/* Is the time over, or was the search asked to stop? */
+bool lw_search_stopped(const lw_search *s);
+
+/* ---- successive_halving.c: prepare, or LW_E_MEMORY; make the jobs of the next round */
 lw_status lw_search_halving_begin(lw_search *s);
 void      lw_search_halving(lw_search *s);
 
-/* Draw, improve, polish; the pool gets what was found.  LW_E_MEMORY, or as lw_problem_make what a family cannot be
- * excused for. */
+/* ---- fit_round.c: run the jobs, improve and polish their finds, and put these in the pool.  LW_E_MEMORY, or a failure
+ * of lw_problem_make other than that a family cannot do the task. */
 lw_status lw_search_round(lw_search *s, lw_error *e);
 
-/* Time over, or asked to stop. */
-bool lw_search_stopped(const lw_search *s);
-
-/* The pool as candidates, best first, each curve once. */
+/* ---- rank.c: the pool as candidates for the caller, best first, each curve once */
 lw_status lw_search_rank(lw_search *s, lw_fit *out);
 
 #endif

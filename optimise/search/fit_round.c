@@ -1,5 +1,5 @@
-/* optimise/search/fit_round.c - one round of the search: low-discrepancy starts, the better ones improved, the
- * best polished. */
+/* optimise/search/fit_round.c - one round of the search: draw low-discrepancy starts, improve the better ones, polish
+ * the best. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,43 +14,41 @@
 #include "optimise/search/start.h"
 
 enum {
-    IMPROVE = 12,           /* starts of a job that are improved, at most                          */
-    FIRST_STEPS = 40,       /* of each of these                                                   */
-    FULL_STEPS = 120,       /* of the LW_KEEP that are handed on                                  */
-    DEAR = 2,               /* that go on where conditions on the motion cost most                */
-    POLISH = 8              /* of a round's finds, polished                                       */
+    IMPROVE = 12,           /* most starts of a job that are improved                                */
+    FIRST_STEPS = 40,       /* of the improvement of each                                            */
+    FULL_STEPS = 120,       /* of the LW_KEEP best                                                   */
+    POLISH_STEPS = 1500,
+    COSTLY = 2,             /* how many are improved further where conditions on the motion cost most */
+    POLISH = 8              /* finds of a round that are polished                                    */
 };
-#define GRACE 0.5           /* for the polish of what was found when time is over [s]                */
-#define MET   1e-6          /* conditions of what is handed on are met to this                       */
+#define GRACE 0.5           /* time to polish finds after the time limit [s]                         */
+#define MET   1e-6          /* conditions on results are met to this                                 */
+#define HOPELESS 1e4        /* no start whose f exceeds the best by this factor is improved further  */
+#define HIT   1e-3          /* relative difference of f of two finds of the same linkage             */
 
-bool lw_search_stopped(const lw_search *s)
+typedef struct estimate { double residual; int which; } estimate;
+
+static int by_residual(const void *a, const void *b)
 {
-    return (s->o->interrupt && *s->o->interrupt)
-        || (s->o->max_seconds > 0 && lw_clock_wall() - s->started > s->o->max_seconds);
+    const estimate *p = a, *q = b;
+    return p->residual < q->residual ? -1 : p->residual > q->residual ? 1 : p->which - q->which;
 }
 
-typedef struct glance { double rest; int which; } glance;
-
-static int by_rest(const void *a, const void *b)
-{
-    const glance *p = a, *q = b;
-    return p->rest < q->rest ? -1 : p->rest > q->rest ? 1 : p->which - q->which;
-}
-
-/* Which draws of a block are worth settling: all where that is cheap, else the best by a first look. */
-static int choose_draws(const lw_effort *a, lw_problem *p, const double *u, int d, void *work, glance *g)
+/* Choose the draws of a block to settle: all with prescribed timing, which is cheap, else the best by a first estimate.
+ * Returns how many; g says which. */
+static int choose_draws(const lw_effort *a, lw_problem *p, const double *u, int d, void *work, estimate *g)
 {
     for (int i = 0; i < a->block; i++) {
         g[i].which = i;
-        g[i].rest = p->timing == LW_TIMING_PRESCRIBED ? 0 : lw_start_glance(p, u + i*d, work);
+        g[i].residual = p->timing == LW_TIMING_PRESCRIBED ? 0 : lw_start_estimate(p, u + i*d, work);
     }
     if (p->timing == LW_TIMING_PRESCRIBED)
         return a->block;
-    qsort(g, (size_t)a->block, sizeof *g, by_rest);
+    qsort(g, (size_t)a->block, sizeof *g, by_residual);
     return a->settle;
 }
 
-/* Put c among the n best; returns how many there are now. */
+/* Put c among the n best, of which there are `most` at most.  Returns their new number. */
 static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
 {
     if (!isfinite(c->f) || (n == most && c->f >= best[n - 1].f))
@@ -62,16 +60,16 @@ static int put_in_order(lw_found *best, int n, int most, const lw_found *c)
     return n;
 }
 
-/* The best starts of a block, in order. */
-static int screen(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+/* Draw a block of starts; best: the best of them in order of f.  Returns how many. */
+static int draw_starts(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
 {
     double u[LW_SEARCH_BLOCK*LW_START_DRAWS];
-    glance g[LW_SEARCH_BLOCK];
+    estimate g[LW_SEARCH_BLOCK];
     int n = 0, d = lw_start_draws(p);
     if (!lw_low_discrepancy(rng, (size_t)a->block, d, u))
         return 0;
     int chosen = choose_draws(a, p, u, d, work, g);
-    for (int i = 0; i < chosen && isfinite(g[i].rest); i++) {
+    for (int i = 0; i < chosen && isfinite(g[i].residual); i++) {
         lw_found c;
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
         c.branch = p->branch;
@@ -80,13 +78,14 @@ static int screen(const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw
     return n;
 }
 
-/* Starts around what the arm found: all variables moved a little, or some of them farther. */
-static int look_around(const lw_best_starts *few, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work, lw_found *best)
+/* Draw starts around the best finds of a candidate: move all variables a little, or some of them farther. */
+static int search_around(const lw_best_starts *finds, const lw_effort *a, lw_problem *p, lw_rng *rng, void *work,
+                         lw_found *best)
 {
     int n = 0;
-    for (int i = 0; few && i < a->settle; i++) {
+    for (int i = 0; finds && i < a->settle; i++) {
         lw_found c;
-        lw_best_starts_get(few, (int)(lw_rng_uniform(rng)*few->n), &c);
+        lw_best_starts_get(finds, (int)(lw_rng_uniform(rng)*finds->n), &c);
         double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
         p->branch = c.branch;
         lw_problem_work_branch(p, work);
@@ -99,7 +98,7 @@ static int look_around(const lw_best_starts *few, const lw_effort *a, lw_problem
     return n;
 }
 
-/* The user's solver from where the start stands. */
+/* Improve c by the solver of the user's choice. */
 static void run_solver(const lw_search *s, const lw_solver *solver, const lw_problem *p, long evals, double until,
                        lw_found *c)
 {
@@ -115,8 +114,8 @@ static void run_solver(const lw_search *s, const lw_solver *solver, const lw_pro
     c->stop = r.stop;
 }
 
-/* Improve c: least squares by default, a solver with conditions where these are violated (if they are looked
- * at already). */
+/* Improve c by least squares; with `conditions`, by a solver that keeps conditions on the motion where these are
+ * violated. */
 static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options *o, bool conditions, void *work,
                     lw_found *c)
 {
@@ -129,13 +128,12 @@ static void improve(const lw_search *s, const lw_problem *p, const lw_lm_options
                       : lw_lm_improve(p, o, c->x, false, work, &c->evals, &c->stop);
 }
 
-/* Least squares from each of n starts, at most so many steps; then in order of f. */
-static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, void *work,
-                        lw_found *best)
+/* Improve each of n starts by `steps` steps at most; then sort them by f. */
+static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, void *work, lw_found *best)
 {
     lw_lm_options o = lw_lm_options_default();
     o.max_steps = steps;
-    o.f_hopeless = 1e4*s->best_raw;
+    o.f_hopeless = HOPELESS*s->best_raw;
     o.patience = FIRST_STEPS;
     o.interrupt = s->o->interrupt;
     o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
@@ -155,16 +153,16 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     }
 }
 
-/* The starts of one job, in order of f. */
+/* The starts of one job in order of f.  Returns how many. */
 static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_problem *p, void *work, lw_found *best)
 {
-    const lw_search_candidate *a = &s->arm[s->job[job].arm];
+    const lw_search_candidate *a = &s->candidate[s->job[job].candidate];
     lw_rng rng;
-    uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*8);
+    uint64_t round = (uint64_t)s->round*(s->o->families ? LW_JOB_MAX : LW_SEARCH_CANDIDATE_MAX*LW_SEARCH_BLOCK_MAX);
     lw_rng_seed(&rng, s->o->seed, round + job);
     if (s->job[job].around)
-        return look_around(a->best, effort, p, &rng, work, best);
-    int n = screen(effort, p, &rng, work, best);
+        return search_around(a->best, effort, p, &rng, work, best);
+    int n = draw_starts(effort, p, &rng, work, best);
     if (p->family->posture && a->starts == 0) {
         lw_found c;
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
@@ -174,8 +172,7 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     return n;
 }
 
-/* Local fits of the best starts of one job: all of them a little, the best of these further; LW_KEEP
- * go to the pool. */
+/* Run one job: improve all of its best starts a little and the best of these further; LW_KEEP go to the pool. */
 static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
 {
     lw_search_job *job = &s->job[at];
@@ -188,15 +185,14 @@ static void search_in(lw_search *s, size_t at, lw_problem *p, void *work)
     job->evals += (long)effort.cost*effort.block;
     job->improved += n;
     for (int i = 0; i < n; i++) {
-        best[i].arm = job->arm;
+        best[i].candidate = job->candidate;
         best[i].evals = 0;
         best[i].polished = false;
         best[i].hits = 1;
     }
     improve_all(s, p, FIRST_STEPS, n, work, best);
-    bool dear = p->family->linkage && lw_problem_is_nonlinear(p);
-    if (dear && n > DEAR)
-        n = DEAR;
+    if (p->family->linkage && lw_problem_is_nonlinear(p) && n > COSTLY)
+        n = COSTLY;
     improve_all(s, p, FULL_STEPS, n < LW_KEEP ? n : LW_KEEP, work, best);
     for (int i = 0; i < n; i++) {
         best[i].seconds = lw_clock_wall() - s->started;
@@ -214,12 +210,12 @@ static void search_job(void *context, size_t at, int thread)
         s->found[at*LW_KEEP + (size_t)i].f = INFINITY;
     if (lw_search_stopped(s))
         return;
-    lw_problem *p = lw_search_problem(s, thread, job->arm, true, &job->status);
+    lw_problem *p = lw_search_problem(s, thread, job->candidate, true, &job->status);
     if (p)
         search_in(s, at, p, s->bench[thread].work);
 }
 
-/* A find on the full target: what is polished, and what came of it. */
+/* A find to polish on the full target, and the outcome. */
 typedef struct polish {
     lw_found     find;
     long         spent;                      /* evaluations of the polish alone                  */
@@ -230,11 +226,11 @@ typedef struct polish {
 typedef struct polish_list {
     lw_search *s;
     int n;
-    double until;                            /* wall clock; 0: no end                            */
+    double until;                            /* wall clock; 0: no limit                           */
     polish item[LW_POOL_MAX];
 } polish_list;
 
-/* Coarse and fine targets are scaled by themselves: go through the user's frame. */
+/* The coarse and the fine problem have scales of their own: convert by the user's frame. */
 static void refine_variables(const lw_problem *coarse, const lw_problem *fine, double *x)
 {
     double dim[LW_DIM_MAX], to[LW_VAR_MAX];
@@ -243,20 +239,20 @@ static void refine_variables(const lw_problem *coarse, const lw_problem *fine, d
     memcpy(x, to, sizeof *x*(size_t)fine->n_dim);
 }
 
-/* To the end. */
+/* Improve a find until it converges; f becomes INFINITY if it does not meet the conditions. */
 static void polish_one(void *context, size_t job, int thread)
 {
     polish_list *list = context;
     lw_search *s = list->s;
     polish *l = &list->item[job];
     lw_found *c = &l->find;
-    lw_problem *p = lw_search_problem(s, thread, c->arm, false, &l->status);
-    const lw_problem *searched = p ? lw_search_made(s, thread, c->arm, true, &l->status) : NULL;
+    lw_problem *p = lw_search_problem(s, thread, c->candidate, false, &l->status);
+    const lw_problem *searched = p ? lw_search_made(s, thread, c->candidate, true, &l->status) : NULL;
     void *work = s->bench[thread].work;
     lw_lm_options o = lw_lm_options_default();
     if (!searched)
         return;
-    o.max_steps = 1500;
+    o.max_steps = POLISH_STEPS;
     o.f_tol = 1e-12;
     o.until = list->until;
     l->of = lw_pool_variables(p);
@@ -269,20 +265,20 @@ static void polish_one(void *context, size_t job, int thread)
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;
     l->spent *= lw_search_effort(s, p).cost;
-    if (isfinite(c->f) && p->timing != LW_TIMING_PRESCRIBED)       /* what x is worth with no more known */
+    if (isfinite(c->f) && p->timing != LW_TIMING_PRESCRIBED)       /* f of x alone, without stations kept */
         c->f = lw_problem_value(p, c->x, NULL, work);
     if (isfinite(c->f) && !(lw_problem_stays(p, c->x, work) && lw_problem_admissible(p, c->x, MET, work)))
         c->f = INFINITY;
     c->polished = true;
 }
 
-/* Count how often the best of the search was met, to know when to end. */
+/* Count how often the search found its best, which decides when it ends. */
 static void count_hits(lw_search *s, double f)
 {
-    if (f < s->best_raw*(1 - 1e-3)) {
+    if (f < s->best_raw*(1 - HIT)) {
         s->best_raw = f;
         s->hits = 1;
-    } else if (f <= s->best_raw*(1 + 1e-3))
+    } else if (f <= s->best_raw*(1 + HIT))
         s->hits++;
 }
 
@@ -293,10 +289,10 @@ static void take(const lw_found *c, polish_list *list)
 
 static const char *type_of(const lw_search *s, const lw_found *c)
 {
-    return lw_family_type(s->arm[c->arm].row);
+    return lw_family_type(s->candidate[c->candidate].row);
 }
 
-/* The best of each type that the search found, best[0 ..]; returns how many types. */
+/* best: the best find of each type in this round.  Returns the number of types. */
 static int best_of_types(const lw_search *s, const lw_found **best)
 {
     int n_type = 0;
@@ -315,8 +311,8 @@ static int best_of_types(const lw_search *s, const lw_found **best)
     return n_type;
 }
 
-/* The best of the round's finds go on, each linkage once; and of every type the best, since a list
- * of one type is not what somebody asks for who allows several. */
+/* List the round's best finds, each linkage once, and the best of every type: who allows several types wants to see
+ * them all. */
 static void pick(lw_search *s, polish_list *list)
 {
     lw_pool *raw = &s->raw;
@@ -341,35 +337,35 @@ static void pick(lw_search *s, polish_list *list)
     }
 }
 
-/* What the finds of a job add to what its arm remembers. */
+/* Add the finds of a job to the best finds of its candidate. */
 static void remember(lw_search *s, const lw_search_job *job, const lw_found *found, lw_search_candidate *a)
 {
-    lw_pool *few = &s->raw;
-    few->n = 0;
+    lw_pool *best = &s->raw;
+    best->n = 0;
     for (int i = 0; a->best && i < a->best->n; i++)
-        lw_best_starts_get(a->best, i, &few->item[few->n++]);
+        lw_best_starts_get(a->best, i, &best->item[best->n++]);
     for (int i = 0; i < LW_KEEP; i++)
-        lw_pool_put(few, &found[i], &job->of);
-    lw_best_starts *more = lw_best_starts_of(few, LW_SEARCH_CANDIDATE_BEST, &job->of, job->n_mode);
+        lw_pool_put(best, &found[i], &job->of);
+    lw_best_starts *more = lw_best_starts_of(best, LW_SEARCH_CANDIDATE_BEST, &job->of, job->n_mode);
     if (more) {
         free(a->best);
         a->best = more;
     }
 }
 
-/* What the arms learnt in a round, and what it took. */
-static lw_status keep_of_arms(lw_search *s, lw_error *e)
+/* Update the candidates and the totals by the jobs of a round. */
+static lw_status update_candidates(lw_search *s, lw_error *e)
 {
     for (int j = 0; j < s->n_job; j++) {
         const lw_search_job *job = &s->job[j];
-        lw_search_candidate *a = &s->arm[job->arm];
+        lw_search_candidate *a = &s->candidate[job->candidate];
         s->evals += job->evals;
         s->improved += job->improved;
         a->starts += job->block;
         if (job->status == LW_E_KIND && s->o->families)
             a->state = LW_FIT_UNABLE;
         else if (job->status != LW_OK)
-            return lw_search_fault(s, job->arm, e);
+            return lw_search_fault(s, job->candidate, e);
         if (job->block == 0)
             continue;
         if (s->o->families)
@@ -379,7 +375,7 @@ static lw_status keep_of_arms(lw_search *s, lw_error *e)
     return LW_OK;
 }
 
-static lw_status make_room(lw_search *s, lw_error *e)
+static lw_status make_memory(lw_search *s, lw_error *e)
 {
     if (s->n_job <= s->n_found)
         return LW_OK;
@@ -392,11 +388,11 @@ static lw_status make_room(lw_search *s, lw_error *e)
 lw_status lw_search_round(lw_search *s, lw_error *e)
 {
     polish_list list = { .s = s };
-    lw_status st = make_room(s, e);
+    lw_status st = make_memory(s, e);
     if (st != LW_OK)
         return st;
     lw_parallel(s->n_thread, (size_t)s->n_job, search_job, s);
-    if ((st = keep_of_arms(s, e)) != LW_OK)
+    if ((st = update_candidates(s, e)) != LW_OK)
         return st;
     pick(s, &list);
     if (s->o->max_seconds > 0 || lw_search_stopped(s))
@@ -405,7 +401,7 @@ lw_status lw_search_round(lw_search *s, lw_error *e)
     for (int i = 0; i < list.n; i++) {
         const polish *l = &list.item[i];
         if (l->status != LW_OK)
-            return lw_search_fault(s, l->find.arm, e);
+            return lw_search_fault(s, l->find.candidate, e);
         lw_pool_put(&s->pool, &l->find, &l->of);
         s->evals += l->spent;
     }

@@ -1,5 +1,6 @@
 #include "optimise/search/pool.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,14 +14,17 @@ lw_variables lw_pool_variables(const lw_problem *p)
     return v;
 }
 
-/* Variables alike: lengths and coordinates to a part of the larger, angles the short way round. */
+#define SAME   1e-4         /* relative difference of variables and f of the same linkage              */
+#define ROUNDING 1e-24      /* of f at an exact fit                                                    */
+
+/* Do the variables agree: lengths and coordinates relative to the larger, angles the short way round? */
 static bool alike(const lw_variables *v, const double *a, const double *b)
 {
     for (int i = 0; i < v->n; i++) {
         bool angle = v->angle[i/64] >> i % 64 & 1;
         double d = angle ? remainder(a[i] - b[i], 2*LW_PI) : a[i] - b[i];
         double size = angle ? 1 : fmax(1, fmax(fabs(a[i]), fabs(b[i])));
-        if (fabs(d) > 1e-4*size)
+        if (fabs(d) > SAME*size)
             return false;
     }
     return true;
@@ -29,7 +33,7 @@ static bool alike(const lw_variables *v, const double *a, const double *b)
 static bool same(const lw_variables *v, const lw_found *a, const lw_found *b)
 {
     double f = fmax(a->f, b->f);
-    return a->arm == b->arm && fabs(a->f - b->f) <= 1e-4*f + 1e-24 && alike(v, a->x, b->x);
+    return a->candidate == b->candidate && fabs(a->f - b->f) <= SAME*f + ROUNDING && alike(v, a->x, b->x);
 }
 
 static void take_out(lw_pool *p, int i)
@@ -68,41 +72,42 @@ void lw_pool_put(lw_pool *p, const lw_found *c, const lw_variables *of)
 
 enum { HEAD = 5 };           /* numbers of a find before its variables */
 
-static size_t size_of_one(const lw_best_starts *few)
+static size_t size_of_one(const lw_best_starts *starts)
 {
-    return (size_t)(HEAD + few->of.n + few->n_mode);
+    return (size_t)(HEAD + starts->of.n + starts->n_mode);
 }
 
 lw_best_starts *lw_best_starts_of(const lw_pool *p, int most, const lw_variables *of, int n_mode)
 {
     lw_best_starts head = { .n = p->n < most ? p->n : most, .n_mode = n_mode, .of = *of };
     size_t one = size_of_one(&head);
-    lw_best_starts *few = head.n > 0 ? malloc(sizeof *few + sizeof(double)*one*(size_t)head.n) : NULL;
-    if (!few)
+    lw_best_starts *starts = head.n > 0 ? malloc(sizeof *starts + sizeof(double)*one*(size_t)head.n) : NULL;
+    if (!starts)
         return NULL;
-    *few = head;
-    few->arm = p->item[0].arm;
-    for (int i = 0; i < few->n; i++) {
+    *starts = head;
+    starts->candidate = p->item[0].candidate;
+    for (int i = 0; i < starts->n; i++) {
         const lw_found *c = &p->item[i];
-        double *at = few->number + one*(size_t)i;
+        double *at = starts->number + one*(size_t)i;
         memcpy(at, (double[HEAD]){ c->f, c->branch.sense, c->branch.turns, c->branch.mid, c->branch.half },
                HEAD*sizeof *at);
         memcpy(at + HEAD, c->x, sizeof *at*(size_t)of->n);
         memcpy(at + HEAD + of->n, c->branch.mode, sizeof *at*(size_t)n_mode);
     }
-    return few;
+    return starts;
 }
 
-double lw_best_starts_f(const lw_best_starts *few, int i)
+double lw_best_starts_f(const lw_best_starts *starts, int i)
 {
-    return few->number[size_of_one(few)*(size_t)i];
+    return starts->number[size_of_one(starts)*(size_t)i];
 }
 
-void lw_best_starts_get(const lw_best_starts *few, int i, lw_found *c)
+void lw_best_starts_get(const lw_best_starts *starts, int i, lw_found *c)
 {
-    const double *at = few->number + size_of_one(few)*(size_t)i;
-    *c = (lw_found){ .f = at[0], .arm = few->arm, .hits = 1,
+    assert(i >= 0 && i < starts->n);
+    const double *at = starts->number + size_of_one(starts)*(size_t)i;
+    *c = (lw_found){ .f = at[0], .candidate = starts->candidate, .hits = 1,
                      .branch = { .sense = (int)at[1], .turns = at[2] != 0, .mid = at[3], .half = at[4] } };
-    memcpy(c->x, at + HEAD, sizeof *at*(size_t)few->of.n);
-    memcpy(c->branch.mode, at + HEAD + few->of.n, sizeof *at*(size_t)few->n_mode);
+    memcpy(c->x, at + HEAD, sizeof *at*(size_t)starts->of.n);
+    memcpy(c->branch.mode, at + HEAD + starts->of.n, sizeof *at*(size_t)starts->n_mode);
 }

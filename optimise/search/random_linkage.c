@@ -10,10 +10,10 @@
 
 enum { M = LW_CURVE_SAMPLES };
 
-/* Points and directions of the plan's registers over the inputs of the motion: all of a turn, or one. */
+/* Points and directions of the plan's registers over the inputs of the motion: over a turn, or at one input. */
 typedef struct drawing {
     const lw_plan *plan;
-    const double  *u;               /* numbers not used yet                                         */
+    const double  *u;               /* random numbers not used yet                                  */
     double        *shape, *mode;
     int            n;               /* inputs                                                       */
     double         input[M];
@@ -46,7 +46,7 @@ static void choose(drawing *d, int dim, double value)
 
 /* ---- points and lines on links -------------------------------------------------------------------- */
 
-/* A pin of a link: the crank's at distance one, others near the size of their link. */
+/* Choose a pin of a link: the crank's at distance one, others near the size of their link. */
 static void draw_point(drawing *d, const lw_step *s)
 {
     if (s->dim[0] < 0 || d->drawn[s->dim[0]])            /* the link's origin needs no numbers      */
@@ -107,7 +107,7 @@ static void distances(const drawing *d, int a, int b, double *least, double *mos
     }
 }
 
-/* Both lengths together exceed the greatest distance, their difference is below the least. */
+/* The sum of both lengths exceeds the greatest distance; their difference is below the least. */
 static bool step_rrr(drawing *d, const lw_step *s)
 {
     double least, most, mode = sign_of(d, s);
@@ -220,7 +220,7 @@ static void step_along(drawing *d, const lw_step *s)
         d->reg[s->out[0]][k] = creal((d->reg[s->in[2]][k] - d->reg[s->in[0]][k])*conj(d->reg[s->in[1]][k]));
 }
 
-/* The pinion goes to and fro by a third of 1 rad to two turns. */
+/* The pinion turns back and forth by a third of 1 rad to two turns. */
 static void step_roll(drawing *d, const lw_step *s)
 {
     double least = INFINITY, most = -INFINITY;
@@ -228,14 +228,15 @@ static void step_roll(drawing *d, const lw_step *s)
         least = fmin(least, creal(d->reg[s->in[1]][k]));
         most = fmax(most, creal(d->reg[s->in[1]][k]));
     }
-    double way = most - least > 1e-3 ? most - least : 2;
-    choose(d, s->dim[0], radius(*d->u++, way/12, 3*way));
+    double stroke = most - least > 1e-3 ? most - least : 2;
+    choose(d, s->dim[0], radius(*d->u++, stroke/12, 3*stroke));
     choose(d, s->dim[1], least - d->shape[s->dim[0]]*2*LW_PI**d->u++);
     for (int k = 0; k < d->n; k++)
-        d->reg[s->out[0]][k] = d->reg[s->in[0]][k]*cexp(I*(creal(d->reg[s->in[1]][k]) - d->shape[s->dim[1]])/d->shape[s->dim[0]]);
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k]
+                             *cexp(I*(creal(d->reg[s->in[1]][k]) - d->shape[s->dim[1]])/d->shape[s->dim[0]]);
 }
 
-/* The middle of the rack is that of its pinion's way, which is less than a turn. */
+/* The middle of the rack belongs to the middle of its pinion's angles, whose range is less than a turn. */
 static bool step_rack(drawing *d, const lw_step *s)
 {
     double angle[M], least = INFINITY, most = -INFINITY;
@@ -259,7 +260,7 @@ static bool step_rack(drawing *d, const lw_step *s)
     return true;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------------- */
+/* ---- all steps ---------------------------------------------------------------------------------------- */
 
 static bool take_step(drawing *d, const lw_step *s)
 {
@@ -288,7 +289,7 @@ static bool take_step(drawing *d, const lw_step *s)
     }
 }
 
-/* The steps that the point depends on, its own place excepted: that is solved for. */
+/* Take the steps that the tracers depend on.  The places of the tracers on their links are not drawn but solved for. */
 static bool run_steps(drawing *d)
 {
     const lw_plan *plan = d->plan;
@@ -296,7 +297,7 @@ static bool run_steps(drawing *d)
         d->reg[0][k] = 0;
         d->reg[1][k] = 1;
     }
-    bool all = plan->n_output > 1;                   /* several points: their steps in one             */
+    bool all = plan->n_output > 1;                   /* several points: the steps of all               */
     for (int i = 0; i < (all ? plan->n_step : plan->n_output_step[0]); i++) {
         const lw_step *s = &plan->step[all ? i : plan->output_step[0][i]];
         bool tracer = s->kind == LW_STEP_POINT && s->dim[0] >= 0 && plan->dim[s->dim[0]].role == LW_ROLE_CX;
@@ -306,7 +307,7 @@ static bool run_steps(drawing *d)
     return true;
 }
 
-/* The range about the branch's `mid` in which it closes, looked for in steps of a part of `reach`. */
+/* Find the range around p->branch.mid in which the linkage closes, within `reach` to each side, at M samples. */
 static bool find_range(lw_problem *p, const double *shape, double reach, lw_work *w)
 {
     int half = M/2, lo = half, hi = half;
@@ -329,8 +330,8 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
     return hi > lo + 2;
 }
 
-/* The circuit through the branch's `mid`, over the limits of the motion; mid and half become those of its first stroke,
- * all but the very limits. */
+/* Find the circuit through p->branch.mid, across the limits of the motion.  mid and half become those of its first
+ * stroke, without the limits themselves. */
 static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
 {
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
@@ -348,14 +349,15 @@ static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
     return found;
 }
 
-/* A closed curve asks for a way there and another way back; what has none goes to and fro. */
-static bool find_way(lw_problem *p, const double *shape, lw_work *w)
+/* Find a motion: for a closed curve one that returns another way, else back and forth in a range. */
+static bool find_motion(lw_problem *p, const double *shape, lw_work *w)
 {
     return find_circuit(p, shape, w) || find_range(p, shape, p->plan.input_is_slider ? 8 : LW_PI, w);
 }
 
-/* A group with gears is followed from its seed by half a turn either way: is it at the same place there?  Places just
- * before and behind tell, between which the step is like those on both sides.  (Lanes in order would be one way.) */
+/* A group with gears is computed by continuation from its seed, half a turn to either side: do both sides end at the
+ * same pose?  Compare the step across that input with the steps just before and after it.  (Lanes in order of their
+ * inputs would all be continued from one side.) */
 static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
 {
     enum { N = 4 };
@@ -382,7 +384,7 @@ static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
     return step[1] <= 10*(step[0] + step[2]) + 1e-9;
 }
 
-/* Does it close at every sample of a turn, and come back? */
+/* Does the linkage close at every sample of a turn, and return to its first pose? */
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
@@ -412,7 +414,7 @@ bool lw_random_linkage_posture(lw_problem *p, double *x, void *work)
     if (p->must_turn && !p->branch.turns)
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_way(p, x, work);
+    return p->branch.turns || find_motion(p, x, work);
 }
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
@@ -423,7 +425,7 @@ static int driven_link(const lw_linkage *k, int input)
     return j->link[j->link[0] == k->ground];
 }
 
-/* The input whose link carries the joint beside its own, -1: none. */
+/* The input whose driven link carries this joint besides the input's own joint; -1: none. */
 static int crank_with(const lw_linkage *k, int joint)
 {
     for (int i = 0; i < k->n_input; i++) {
@@ -434,15 +436,15 @@ static int crank_with(const lw_linkage *k, int joint)
     return -1;
 }
 
-/* Where a driven link turns; of one that slides the middle of the square. */
+/* The pin about which a driven link turns; of a sliding one the middle of the square. */
 static lw_vec2 hub(const lw_linkage *k, int input)
 {
     const lw_joint *j = &k->joint[k->input[input].joint];
     return j->kind == LW_JOINT_REVOLUTE ? j->at : lw_v2(0, 0);
 }
 
-/* Joints anywhere in a square of four cranks to each side, the first input's pin in its middle, those of driven links at
- * about one crank from theirs. */
+/* Place the joints anywhere in a square of four crank lengths to each side of the first input's pin; joints of driven
+ * links about one crank length from the link's own pin. */
 static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
 {
     *k = *p->family->linkage;
@@ -469,7 +471,7 @@ static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
     k->tracer[0].at = lw_v2(1, 1);
 }
 
-/* The driven links made smaller, about their pins at the ground. */
+/* Scale the driven links about their pins at the ground. */
 static void shorten_cranks(lw_linkage *k, double by)
 {
     for (int j = 0; j < k->n_joint; j++) {
@@ -481,7 +483,7 @@ static void shorten_cranks(lw_linkage *k, double by)
     }
 }
 
-/* A posture's dimensions; its crank turns fully, or it goes to and fro about the posture. */
+/* Draw a posture and read its dimensions; its crank turns fully, or it moves back and forth around the posture. */
 static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work *w)
 {
     lw_linkage k;
@@ -492,7 +494,7 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
             return false;
         if (!p->branch.turns) {
             p->branch.mid = input;
-            return find_way(p, shape, w);
+            return find_motion(p, shape, w);
         }
         if (closes_all_round(p, shape, w))
             return true;
@@ -520,5 +522,5 @@ bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *
     if (!run_steps(&d))
         return false;
     lw_problem_work_branch(p, work);
-    return p->branch.turns || find_way(p, shape, work);
+    return p->branch.turns || find_motion(p, shape, work);
 }

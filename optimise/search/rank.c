@@ -1,4 +1,4 @@
-/* optimise/search/rank.c - what the caller gets: candidates in order, no two of one curve. */
+/* optimise/search/rank.c - the list of results: candidates in order, no two with the same curve. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,14 +8,20 @@
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/timing.h"
 
-/* The curve of one find: where its stations and its samples are. */
-typedef struct trail {
+#define SAME_POINT 1e-4         /* stations of the same curve agree to this; the target has size one   */
+#define SAME_CURVE 0.03         /* so do samples, as far as polygons through samples can tell           */
+enum { PULLS = 20 };            /* each twice as far as the one before                               */
+#define FIRST_PULL 1e-16        /* parts of a stroke                                                  */
+#define SAME_RATIO 1e-4         /* relative, of two lengths of the same function generator              */
+
+/* The positions of a find at the stations, and samples of its curve. */
+typedef struct traced {
     const lw_found *of;
     double *px, *py;             /* stations of every point, one point after the other           */
     double  cx[LW_CURVE_SAMPLES], cy[LW_CURVE_SAMPLES];
-} trail;
+} traced;
 
-static double nearest_of(const trail *t, double x, double y)
+static double nearest_of(const traced *t, double x, double y)
 {
     double least = INFINITY;
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
@@ -26,42 +32,42 @@ static double nearest_of(const trail *t, double x, double y)
     return least;
 }
 
-/* One curve (cognates, or a linkage met twice), and all further points alike: the stations' points agree, and the rest to what
- * polygons of samples can tell. */
-static bool same_curves(const trail *a, const trail *b, size_t n)
+/* Do two finds have the same curve, as cognates or a linkage found twice have, and the same curves of further
+ * points? */
+static bool same_curves(const traced *a, const traced *b, size_t n)
 {
     for (size_t k = 0; k < n; k++)
-        if (hypot(a->px[k] - b->px[k], a->py[k] - b->py[k]) > 1e-4)
+        if (hypot(a->px[k] - b->px[k], a->py[k] - b->py[k]) > SAME_POINT)
             return false;
     for (int j = 0; j < LW_CURVE_SAMPLES; j += 4)
-        if (nearest_of(b, a->cx[j], a->cy[j]) > 0.03)
+        if (nearest_of(b, a->cx[j], a->cy[j]) > SAME_CURVE)
             return false;
     return true;
 }
 
-/* One generator of a function: links of the same proportions.  An offset to the other side with the slide
- * turned round is the same. */
-static bool same_links(lw_search *s, const lw_found *a, const lw_found *b)
+/* Are two finds the same function generator: links with the same proportions?  An offset to the other side with the
+ * slide reversed is the same. */
+static bool same_proportions(lw_search *s, const lw_found *a, const lw_found *b)
 {
     lw_status st;
-    const lw_problem *p = lw_search_made(s, 0, a->arm, false, &st);
-    const lw_problem *q = p ? lw_search_made(s, 0, b->arm, false, &st) : NULL;
+    const lw_problem *p = lw_search_made(s, 0, a->candidate, false, &st);
+    const lw_problem *q = p ? lw_search_made(s, 0, b->candidate, false, &st) : NULL;
     if (!q || strcmp(lw_family_type(p->family), lw_family_type(q->family)) != 0 || p->n_dim != q->n_dim)
         return false;
     int first = p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]);
     for (int i = 0; i < p->n_dim; i++) {
         double u = fabs(a->x[i]/a->x[first]), v = fabs(b->x[i]/b->x[first]);
-        if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > 1e-4*fmax(1, u))
+        if (p->plan.dim[i].kind != LW_DIM_ANGLE && fabs(u - v) > SAME_RATIO*fmax(1, u))
             return false;
     }
     return true;
 }
 
-/* The problem of a find in its branch, its stations at the inputs that suit them; NULL: there are none. */
+/* The problem of a find in its intended motion, the stations at their best inputs; NULL: there are none. */
 static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
 {
     lw_status st;
-    lw_problem *p = lw_search_problem(s, 0, c->arm, false, &st);
+    lw_problem *p = lw_search_problem(s, 0, c->candidate, false, &st);
     if (!p)
         return NULL;
     *w = s->bench[0].work;
@@ -70,7 +76,7 @@ static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
     return lw_problem_settle(p, c->x, *w) ? p : NULL;
 }
 
-static bool follow(lw_search *s, const lw_found *c, trail *t)
+static bool trace(lw_search *s, const lw_found *c, traced *t)
 {
     lw_work *w;
     const lw_problem *p = settled(s, c, &w);
@@ -81,7 +87,7 @@ static bool follow(lw_search *s, const lw_found *c, trail *t)
         memcpy(t->px + (size_t)i*p->n, lw_work_jac(w, i)->x, sizeof *t->px*p->n);
         memcpy(t->py + (size_t)i*p->n, lw_work_jac(w, i)->y, sizeof *t->py*p->n);
     }
-    if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {     /* no end to its way: the stations must do   */
+    if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {   /* no limits of its motion found: compare stations only */
         for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
             t->cx[j] = t->px[0];
             t->cy[j] = t->py[0];
@@ -94,26 +100,27 @@ static bool follow(lw_search *s, const lw_found *c, trail *t)
     return true;
 }
 
-/* The family of a candidate, with families in memory of its own. */
-static bool give_family(const lw_search *s, int arm, lw_candidate *out)
+/* Give the candidate its family; one of lw_fit_options.families in memory of its own. */
+static bool give_family(const lw_search *s, int candidate, lw_candidate *out)
 {
     out->own = s->o->families ? malloc(sizeof *out->own) : NULL;
-    return (out->own || !s->o->families) && lw_search_family(s, arm, out->own, &out->family) == LW_OK;
+    return (out->own || !s->o->families) && lw_search_family(s, candidate, out->own, &out->family) == LW_OK;
 }
 
-/* Rounding may put a station at a limit just beyond it: back inside, by as little as it takes. */
+/* Rounding may put a station at a limit just beyond it: move it back inside by the least step that closes. */
 static void pull_inside(const lw_problem *p, const lw_work *w, size_t k, lw_candidate *c)
 {
     double mode[LW_MODE_MAX], from = c->input[k];
-    double step = copysign(1e-16*w->swing.stroke[w->leg[k]].half, w->psi_c[k])*(p->plan.input_is_slider ? p->unit : 1);
+    double unit = p->plan.input_is_slider ? p->unit : 1;
+    double step = copysign(FIRST_PULL*w->swing.stroke[w->leg[k]].half, w->psi_c[k])*unit;
     lw_pose pose;
     memcpy(mode, c->mode_of + k*(size_t)c->n_dyad, sizeof *mode*(size_t)c->n_dyad);
-    for (int i = 0; i < 20 && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
+    for (int i = 0; i < PULLS && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
         c->input[k] = from + step;
 }
 
-/* What the caller gets of one find. */
-static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
+/* Fill `out` with one find; false: no memory, or no inputs suit its stations. */
+static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
 {
     lw_work *w;
     const lw_problem *p = settled(s, c, &w);
@@ -131,7 +138,7 @@ static bool hand_out(lw_search *s, const lw_found *c, lw_candidate *out)
     out->input = malloc(sizeof *out->input*p->n);
     size_t dyads = (size_t)(out->n_dyad = p->plan.n_dyad);
     out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n*dyads) : NULL;
-    if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->arm, out)) {
+    if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->candidate, out)) {
         lw_candidate_free(out);
         return false;
     }
@@ -149,7 +156,7 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
 {
     int most = s->o->n_result > 0 ? s->o->n_result : 1;
     size_t n = s->t->n*(size_t)(1 + s->t->n_also);
-    trail *seen = calloc((size_t)most + 1, sizeof *seen);
+    traced *seen = calloc((size_t)most + 1, sizeof *seen);
     double *points = malloc(sizeof *points*2*n*((size_t)most + 1));
     out->candidate = calloc((size_t)most, sizeof *out->candidate);
     if (!seen || !points || !out->candidate) {
@@ -159,14 +166,14 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
     }
     for (int i = 0; i < s->pool.n && out->n < most; i++) {
         const lw_found *c = &s->pool.item[i];
-        trail *t = &seen[out->n];
+        traced *t = &seen[out->n];
         t->px = points + 2*n*(size_t)out->n;
         t->py = t->px + n;
-        bool fresh = follow(s, c, t);
+        bool fresh = trace(s, c, t);
         for (int k = 0; fresh && k < out->n; k++)
-            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_links(s, t->of, seen[k].of)
+            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_proportions(s, t->of, seen[k].of)
                                                         : !same_curves(t, &seen[k], n);
-        if (fresh && hand_out(s, c, &out->candidate[out->n]))
+        if (fresh && fill_candidate(s, c, &out->candidate[out->n]))
             out->n++;
     }
     free(seen);

@@ -19,9 +19,12 @@ int lw_start_draws(const lw_problem *p)
     return shape_draws(p) + (p->timing == LW_TIMING_PRESCRIBED ? 1 : 4);
 }
 
-/* z0, a, b of  P = z0 + a o + b d  by weighted least squares; small multiples of the diagonal are
- * added so that one or two stations, or a curve that is a circle, give an answer too. */
-typedef struct linear_fit { double complex z0, a, b, also[LW_ALSO_MAX]; double rest; } linear_fit;
+#define RIDGE   1e-12       /* added to the diagonal of normal equations, relative                     */
+#define PIVOT   1e-14       /* least pivot, relative                                                   */
+
+/* z0, a, b of  P = z0 + a o + b d  by weighted least squares.  RIDGE lets one or two stations, or a curve that is a
+ * circle, have a solution too. */
+typedef struct linear_fit { double complex z0, a, b, also[LW_ALSO_MAX]; double residual; } linear_fit;
 
 static linear_fit fit_one(const lw_problem *p, const lw_work *w)
 {
@@ -47,15 +50,15 @@ static linear_fit fit_one(const lw_problem *p, const lw_work *w)
         op += p->w[k]*conj(o)*q;
         dp += p->w[k]*conj(d)*q;
     }
-    oo += 1e-12*(oo + mass);
-    dd += 1e-12*(dd + mass);
+    oo += RIDGE*(oo + mass);
+    dd += RIDGE*(dd + mass);
     double det = oo*dd - creal(od)*creal(od) - cimag(od)*cimag(od);
-    det = fmax(det, 1e-14*oo*dd);
+    det = fmax(det, PIVOT*oo*dd);
     linear_fit f;
     f.a = (dd*op - od*dp)/det;
     f.b = (oo*dp - conj(od)*op)/det;
     f.z0 = sp - f.a*so - f.b*sd;
-    f.rest = pp - creal(conj(op)*f.a + conj(dp)*f.b);
+    f.residual = pp - creal(conj(op)*f.a + conj(dp)*f.b);
     return f;
 }
 
@@ -68,33 +71,33 @@ typedef struct normal {
     double         pp;
 } normal;
 
-/* Add |sum of row[i] x[i] - want|^2, weighted. */
-static void add_row(normal *s, double weight, const double complex *row, double complex want)
+/* Add |sum of row[i] x[i] - value|^2, weighted. */
+static void add_row(normal *s, double weight, const double complex *row, double complex value)
 {
     for (int i = 0; i < s->n; i++) {
         for (int k = 0; k < s->n; k++)
             s->m[i][k] += weight*conj(row[i])*row[k];
-        s->r[i] += weight*conj(row[i])*want;
+        s->r[i] += weight*conj(row[i])*value;
     }
-    s->pp += weight*(creal(want)*creal(want) + cimag(want)*cimag(want));
+    s->pp += weight*(creal(value)*creal(value) + cimag(value)*cimag(value));
 }
 
-/* Cholesky's factors of a Hermitian matrix; small multiples of the diagonal added as in fit_one.  r becomes the
- * solution; what is left of pp is returned. */
+/* Solve by Cholesky's factors of the Hermitian matrix, with the diagonal enlarged as in fit_one.  r becomes the
+ * solution. Returns the residual, pp less what the solution explains. */
 static double solve_normal(normal *s)
 {
     double complex rhs[UNKNOWN_MAX];
-    double size = 0, rest = s->pp;
+    double size = 0, residual = s->pp;
     memcpy(rhs, s->r, sizeof rhs);
     for (int i = 0; i < s->n; i++)
         size = fmax(size, creal(s->m[i][i]));
     for (int i = 0; i < s->n; i++) {
-        s->m[i][i] += 1e-12*(creal(s->m[i][i]) + size);
+        s->m[i][i] += RIDGE*(creal(s->m[i][i]) + size);
         for (int k = 0; k <= i; k++) {
             double complex v = s->m[i][k];
             for (int l = 0; l < k; l++)
                 v -= s->m[i][l]*conj(s->m[k][l]);
-            s->m[i][k] = k < i ? v/s->m[k][k] : sqrt(fmax(creal(v), 1e-14*size));
+            s->m[i][k] = k < i ? v/s->m[k][k] : sqrt(fmax(creal(v), PIVOT*size));
         }
         for (int k = 0; k < i; k++)
             s->r[i] -= s->m[i][k]*s->r[k];
@@ -106,8 +109,8 @@ static double solve_normal(normal *s)
         s->r[i] /= s->m[i][i];
     }
     for (int i = 0; i < s->n; i++)
-        rest -= creal(conj(rhs[i])*s->r[i]);
-    return rest;
+        residual -= creal(conj(rhs[i])*s->r[i]);
+    return residual;
 }
 
 static linear_fit fit_all(const lw_problem *p, const lw_work *w)
@@ -125,7 +128,7 @@ static linear_fit fit_all(const lw_problem *p, const lw_work *w)
             add_row(&s, aim.wa[k]*aim.wa[k], row, aim.x[k] + I*aim.y[k]);
         }
     }
-    linear_fit f = { .rest = solve_normal(&s) };
+    linear_fit f = { .residual = solve_normal(&s) };
     f.z0 = s.r[0];
     f.a = s.r[1];
     f.b = s.r[at[0]];
@@ -139,7 +142,7 @@ static linear_fit fit_linear(const lw_problem *p, const lw_work *w)
     return p->n_also > 0 ? fit_all(p, w) : fit_one(p, w);
 }
 
-/* Variables from a shape of size one and the linear fit. */
+/* Compute the variables from a shape of size one and the linear fit. */
 static bool put_together(const lw_problem *p, const double *shape, linear_fit f, double *x)
 {
     double size = cabs(f.a);
@@ -160,7 +163,7 @@ static bool put_together(const lw_problem *p, const double *shape, linear_fit f,
     return true;
 }
 
-/* Mounting angles of the tools: what is left between link and tool in the (circular) mean. */
+/* Set the mounting angles of the tools: the circular mean of the angle between link and tool. */
 static void mount_tools(const lw_problem *p, const lw_work *w, double *x)
 {
     for (int i = 0; i <= p->n_also; i++) {
@@ -178,7 +181,8 @@ static void mount_tools(const lw_problem *p, const lw_work *w, double *x)
     }
 }
 
-/* Frames of the tracers' links at the stations' inputs, in a linkage of this shape. */
+/* Compute the frames of the tracers' links at the stations' inputs, in a linkage of this shape.  false: it does not
+ * close. */
 static bool frames(const lw_problem *p, const double *shape, lw_work *w)
 {
     lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->branch.mode };
@@ -197,7 +201,7 @@ static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w
 {
     double value[LW_SHAPE_MAX];
     if (p->family->linkage) {
-        if (p->timing == LW_TIMING_FREE)                 /* both senses alike                       */
+        if (p->timing == LW_TIMING_FREE)                 /* both senses are equally likely          */
             p->branch.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
         return lw_random_linkage_draw(p, u, p->must_turn, shape, w);
     }
@@ -223,8 +227,8 @@ static double settle_and_score(const lw_problem *p, double *x, lw_work *w)
     return lw_problem_rows(p, x, w, false);
 }
 
-/* A function does not mind the size: the one that the first length is given, or else in the middle of
- * what the bounds of the lengths allow. */
+/* A function leaves the size open: take the size that a fixed first length gives, or else the middle of what the
+ * bounds of the lengths allow. */
 static double function_size(const lw_problem *p, const double *shape)
 {
     int first = p->family->linkage ? lw_problem_first_length(p) : lw_plan_dim(&p->plan, p->family->shape[0]);
@@ -265,8 +269,8 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
     return settle_and_score(p, x, w);
 }
 
-/* First guess of the phases: the stations' share of the target's length, warped and shifted.  A closed
- * target may also be run through in a part of the turn, the rest being spent between two stations. */
+/* Guess the inputs of the stations: by their place along the target, warped and shifted.  A closed target may also be
+ * passed in a part of the turn; the rest of the turn lies between two stations. */
 static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
 {
     double first = 2*LW_PI*u[0], warp = 0.9*u[1], phase = 2*LW_PI*u[2], along = 0, total = 0;
@@ -287,7 +291,7 @@ static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
     }
 }
 
-/* Fit place, size and tracer; assign the stations anew; and again. */
+/* Fit place, size and tracer, then assign the inputs of the stations anew; repeat. */
 static double start_free(lw_problem *p, const double *u, double *x, lw_work *w)
 {
     enum { ROUNDS = 4 };
@@ -310,13 +314,13 @@ static double start_free(lw_problem *p, const double *u, double *x, lw_work *w)
     return settle_and_score(p, x, w);
 }
 
-double lw_start_glance(lw_problem *p, const double *u, void *work)
+double lw_start_estimate(lw_problem *p, const double *u, void *work)
 {
     double shape[LW_VAR_MAX];
     if (!draw_shape(p, u, shape, work))
         return INFINITY;
     guess_phases(p, u + shape_draws(p), work);
-    return lw_problem_turn_stations(p, shape, work) && frames(p, shape, work) ? fit_linear(p, work).rest : INFINITY;
+    return lw_problem_turn_stations(p, shape, work) && frames(p, shape, work) ? fit_linear(p, work).residual : INFINITY;
 }
 
 double lw_start(lw_problem *p, const double *u, double *x, void *work)

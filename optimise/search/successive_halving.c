@@ -1,12 +1,15 @@
-/* optimise/search/successive_halving.c - which arm gets how much of the next round.
+/* optimise/search/successive_halving.c - which candidate gets how many jobs of the next round.
  *
- * Four-link types have fixed shares.  Families of any linkage are searched in sweeps by successive halving (Karnin,
- * Koren & Somekh 2013; Jamieson & Talwalkar 2016): a look at all of a sweep, then the better ones, of these the
- * better half with twice as much for each, until a few are left; then the next sweep, over those that had no turn, and
- * in the end over all again with other starts, since luck decides too.  How large a sweep is depends on what it may
- * cost, not on the budget: with more budget a search begins as with less, and each sweep may cost twice as much as
- * the one before (as the brackets of Li, Jamieson, DeSalvo, Rostamizadeh & Talwalkar 2018), so that wide and deep
- * ones share it.  What an arm has found is its best f, at whatever price. */
+ * Four-link types have fixed numbers of jobs.  Families of any linkage are searched in sweeps by successive halving
+ * (Karnin, Koren & Somekh 2013; Jamieson & Talwalkar 2016).  A sweep looks at all of its candidates, goes on with the
+ * better ones, then with the better half of these and twice the work for each, until a few are left.  The next sweep
+ * takes the candidates that had no turn yet; after the last candidate the sweeps begin again at the first, with other
+ * starts.  A candidate stands by its best f, whatever that cost.
+ *
+ * The size of a sweep depends on what the sweep may cost and not on the budget, so a search with more budget begins
+ * like one with less.  Each sweep may cost twice as much as the one before, so wide and deep sweeps share the budget
+ * (as the brackets of Li, Jamieson, DeSalvo, Rostamizadeh & Talwalkar 2018). */
+#include <assert.h>
 #include <stdlib.h>
 
 #include "base/rng.h"
@@ -14,70 +17,72 @@
 #include "optimise/problem/problem.h"
 
 enum {
-    LEAST_JOBS = 32,        /* of a round                                                         */
-    LAST_ARMS = 3,          /* of a sweep                                                         */
-    DYAD_JOB = 550,         /* what a job is likely to cost, in evaluations                       */
-    GROUP_JOB = 4400,
-    SWEEP_COST = 500000
+    LEAST_JOBS = 32,        /* of a round                                                            */
+    LAST_CANDIDATES = 3,    /* a sweep ends when no more are left                                    */
+    DYAD_JOB = 550,         /* evaluations that a job is likely to cost, of dyads ...                */
+    GROUP_JOB = 4400,       /* ... and of groups beyond dyads                                        */
+    SWEEP_COST = 500000,
+    DOUBLINGS_MAX = 20      /* of the cost of a sweep                                                */
 };
 
-static void share_types(lw_search *s)
+static void jobs_of_types(lw_search *s)
 {
     s->n_job = 0;
-    for (int i = 0; i < s->n_arm; i++) {
-        long blocks = s->o->starts > 0 ? (s->o->starts + LW_SEARCH_BLOCK - 1)/LW_SEARCH_BLOCK : s->arm[i].row->blocks;
-        for (int k = 0; k < blocks && k < 8; k++)
-            s->job[s->n_job++] = (lw_search_job){ .arm = i };
+    for (int i = 0; i < s->n_candidate; i++) {
+        long blocks = s->o->starts > 0 ? (s->o->starts + LW_SEARCH_BLOCK - 1)/LW_SEARCH_BLOCK
+                                       : s->candidate[i].row->blocks;
+        for (int k = 0; k < blocks && k < LW_SEARCH_BLOCK_MAX; k++)
+            s->job[s->n_job++] = (lw_search_job){ .candidate = i };
     }
 }
 
 /* ---- families ------------------------------------------------------------------------------------------- */
 
-typedef struct standing { double f; uint64_t lot; int arm; } standing;
+typedef struct standing { double f; uint64_t lot; int candidate; } standing;
 
 static int by_f(const void *a, const void *b)
 {
     const standing *p = a, *q = b;
     if (p->f != q->f)
         return p->f < q->f ? -1 : 1;
-    return p->lot != q->lot ? (p->lot < q->lot ? -1 : 1) : p->arm - q->arm;
+    return p->lot != q->lot ? (p->lot < q->lot ? -1 : 1) : p->candidate - q->candidate;
 }
 
-/* The order of their turns: as lw_turn says, among equals by lot. */
+/* The order of the candidates' turns: by lw_turn, equal ones by lot. */
 static lw_status draw_order(lw_search *s, int *order)
 {
     const lw_families *f = s->o->families;
-    standing *list = malloc(sizeof *list*((size_t)s->n_arm + 1));
+    standing *list = malloc(sizeof *list*((size_t)s->n_candidate + 1));
     if (!list)
         return LW_E_MEMORY;
-    for (int i = 0; i < s->n_arm; i++) {
+    for (int i = 0; i < s->n_candidate; i++) {
         lw_rng rng;
         lw_rng_seed(&rng, s->o->seed ^ 0x6c6f7473u, (uint64_t)i);
         list[i] = (standing){ f->turn(f->of, i), lw_rng_bits(&rng), i };
     }
-    qsort(list, (size_t)s->n_arm, sizeof *list, by_f);
-    for (int i = 0; i < s->n_arm; i++)
-        order[i] = list[i].arm;
+    qsort(list, (size_t)s->n_candidate, sizeof *list, by_f);
+    for (int i = 0; i < s->n_candidate; i++)
+        order[i] = list[i].candidate;
     free(list);
     return LW_OK;
 }
 
-static bool has_groups(const lw_search *s, int arm)
+static bool has_groups(const lw_search *s, int candidate)
 {
     const lw_families *f = s->o->families;
-    return f->turn(f->of, arm) == LW_TURN_GROUPS;
+    return f->turn(f->of, candidate) == LW_TURN_GROUPS;
 }
 
-/* Those with groups are swept by themselves, unless they are so few that together they cost less than the others: what
- * one job of either kind costs then. */
+/* Candidates with groups beyond dyads are swept by themselves, unless they are so few that together they cost less
+ * than the others.  Then every job counts with the mean cost. */
 static void weigh_groups(lw_search *s)
 {
     long groups = 0;
-    for (int i = 0; i < s->n_arm; i++)
+    for (int i = 0; i < s->n_candidate; i++)
         groups += has_groups(s, i);
-    long dyads = s->n_arm - groups;
+    long dyads = s->n_candidate - groups;
     s->sweep.apart = groups*GROUP_JOB > dyads*DYAD_JOB;
-    s->sweep.mean_job = s->n_arm > 0 ? (groups*GROUP_JOB + dyads*DYAD_JOB)/s->n_arm : DYAD_JOB;
+    s->sweep.mean_job = s->n_candidate > 0 ? (groups*GROUP_JOB + dyads*DYAD_JOB)/s->n_candidate : DYAD_JOB;
 }
 
 lw_status lw_search_halving_begin(lw_search *s)
@@ -85,9 +90,9 @@ lw_status lw_search_halving_begin(lw_search *s)
     lw_sweep *w = &s->sweep;
     if (!s->o->families)
         return LW_OK;
-    w->order = malloc(sizeof *w->order*((size_t)s->n_arm + 1));
-    w->arm = malloc(sizeof *w->arm*((size_t)s->n_arm + 1));
-    if (!w->order || !w->arm)
+    w->order = malloc(sizeof *w->order*((size_t)s->n_candidate + 1));
+    w->candidate = malloc(sizeof *w->candidate*((size_t)s->n_candidate + 1));
+    if (!w->order || !w->candidate)
         return LW_E_MEMORY;
     weigh_groups(s);
     return draw_order(s, w->order);
@@ -96,58 +101,60 @@ lw_status lw_search_halving_begin(lw_search *s)
 static int rungs_of(int n)
 {
     int rungs = 0;
-    for (; n > LAST_ARMS; n = (n + 1)/2)
+    for (; n > LAST_CANDIDATES; n = (n + 1)/2)
         rungs++;
     return rungs;
 }
 
-static long job_cost(const lw_search *s, int arm)
+static long job_cost(const lw_search *s, int candidate)
 {
-    return !s->sweep.apart ? s->sweep.mean_job : has_groups(s, arm) ? GROUP_JOB : DYAD_JOB;
+    return !s->sweep.apart ? s->sweep.mean_job : has_groups(s, candidate) ? GROUP_JOB : DYAD_JOB;
 }
 
-/* The arms of the next sweep: those whose turn it is, by dyads or by groups alone, as many as may be looked at; after the
- * last the first again.  Of these so many go on as the halvings may cost. */
+/* Fill the next sweep with the candidates whose turn it is, as many as a first look may cost; candidates with groups
+ * beyond dyads and others are not mixed if they are swept apart.  After the last candidate the first one follows
+ * again.  Set how many go on after the first look, by what the halvings may cost. */
 static void begin_sweep(lw_search *s)
 {
     lw_sweep *w = &s->sweep;
-    long most = (s->o->sweep > 0 ? s->o->sweep : SWEEP_COST) << (w->n_sweep < 20 ? w->n_sweep : 20), job = 1;
+    int doublings = w->n_sweep < DOUBLINGS_MAX ? w->n_sweep : DOUBLINGS_MAX;
+    long most = (s->o->sweep > 0 ? s->o->sweep : SWEEP_COST) << doublings, job = 1;
     w->n_sweep++;
     w->rung = w->n = w->go_on = 0;
-    for (int i = 0; i < s->n_arm && w->n < LW_JOB_MAX; i++, w->next = (w->next + 1) % s->n_arm) {
-        int arm = w->order[w->next];
-        if (s->arm[arm].state == LW_FIT_UNABLE)
+    for (int i = 0; i < s->n_candidate && w->n < LW_JOB_MAX; i++, w->next = (w->next + 1) % s->n_candidate) {
+        int candidate = w->order[w->next];
+        if (s->candidate[candidate].state == LW_FIT_UNABLE)
             continue;
-        job = w->n == 0 ? job_cost(s, arm) : job;
-        if (job_cost(s, arm) != job || (w->n >= LEAST_JOBS && job*w->n >= most))
+        job = w->n == 0 ? job_cost(s, candidate) : job;
+        if (job_cost(s, candidate) != job || (w->n >= LEAST_JOBS && job*w->n >= most))
             break;
-        w->arm[w->n++] = arm;
+        w->candidate[w->n++] = candidate;
     }
     while (w->go_on < w->n && (w->go_on < LEAST_JOBS || job*w->go_on*rungs_of(w->go_on) < most))
         w->go_on++;
 }
 
-/* Those that go on stand first; those that cannot do the task are out. */
+/* Sort by best f; take out candidates that cannot do the task. */
 static bool sort_sweep(const lw_search *s, lw_sweep *w)
 {
     standing *list = malloc(sizeof *list*((size_t)w->n + 1));
     int n = 0;
     for (int i = 0; list && i < w->n; i++) {
-        const lw_search_candidate *a = &s->arm[w->arm[i]];
+        const lw_search_candidate *a = &s->candidate[w->candidate[i]];
         if (a->state != LW_FIT_UNABLE)
-            list[n++] = (standing){ a->best ? lw_best_starts_f(a->best, 0) : INFINITY, 0, w->arm[i] };
+            list[n++] = (standing){ a->best ? lw_best_starts_f(a->best, 0) : INFINITY, 0, w->candidate[i] };
     }
     if (!list)
         return false;
     qsort(list, (size_t)n, sizeof *list, by_f);
     for (int i = 0; i < n; i++)
-        w->arm[i] = list[i].arm;
+        w->candidate[i] = list[i].candidate;
     w->n = n;
     free(list);
     return true;
 }
 
-/* How many of a sweep are left on its rung. */
+/* How many candidates of a sweep are left after its halvings so far. */
 static int left_of(const lw_sweep *w)
 {
     int n = w->rung == 0 ? w->n : w->go_on < w->n ? w->go_on : w->n;
@@ -156,13 +163,13 @@ static int left_of(const lw_sweep *w)
     return n;
 }
 
-static void share_families(lw_search *s)
+static void jobs_of_families(lw_search *s)
 {
     lw_sweep *w = &s->sweep;
     s->n_job = 0;
     if (!sort_sweep(s, w))
-        return;                                          /* no jobs: the search ends with what it has */
-    if (left_of(w) > LAST_ARMS)
+        return;                                          /* no memory: without jobs the search ends with what it has */
+    if (left_of(w) > LAST_CANDIDATES)
         w->rung++;
     else {
         begin_sweep(s);
@@ -172,16 +179,17 @@ static void share_families(lw_search *s)
     int n = left_of(w), jobs = w->rung == 0 ? w->n : w->go_on;
     jobs = jobs > LEAST_JOBS ? jobs : LEAST_JOBS;
     for (int at = 0; at < jobs && n > 0; at++) {
-        int arm = w->arm[at%n], turn = at/n;
-        bool around = s->arm[arm].best && w->rung > 0 && (turn & 1) == (w->rung & 1);
-        s->job[s->n_job++] = (lw_search_job){ .arm = arm, .around = around };
+        int candidate = w->candidate[at%n], turn = at/n;
+        bool around = s->candidate[candidate].best && w->rung > 0 && (turn & 1) == (w->rung & 1);
+        assert(s->n_job < LW_JOB_MAX);
+        s->job[s->n_job++] = (lw_search_job){ .candidate = candidate, .around = around };
     }
 }
 
 void lw_search_halving(lw_search *s)
 {
     if (s->o->families)
-        share_families(s);
+        jobs_of_families(s);
     else
-        share_types(s);
+        jobs_of_types(s);
 }

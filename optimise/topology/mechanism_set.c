@@ -192,8 +192,8 @@ static lw_status add_tied(maker *mk, const lw_packed_mechanism *f, lw_pair_outco
     return what == LW_PAIR_FITTED ? add_family(mk, &now) : LW_OK;
 }
 
-/* Inputs at the ground, all of them pins: each in front, the others tied by every ratio.  Which is in front matters with a
- * timing only. */
+/* Inputs at the ground, all of them pins: each in front, the others tied by every ratio.  Which is in front matters
+ * with a timing only. */
 static lw_status add_ties(void *context, const lw_mechanism *m)
 {
     maker *mk = context;

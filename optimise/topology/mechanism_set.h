@@ -1,5 +1,5 @@
-/* optimise/topology/mechanism_set.h - the mechanisms that a search goes through: from numbers of links to chains, ground
- * links, tracer links and inputs, each once up to symmetry, as families to fit.
+/* optimise/topology/mechanism_set.h - the mechanisms that a search goes through: from numbers of links to chains,
+ * ground links, tracer links and inputs, each once up to symmetry, as families to fit.
  *
  * A pair of ground link and tracer link that is not fitted is counted by the reason. */
 #ifndef LW_OPTIMISE_TOPOLOGY_MECHANISM_SET_H
@@ -75,8 +75,8 @@ bool lw_kinds_have_two_freedoms(const char *kinds);
 /* Fewest links of a mechanism with F inputs that are pins at the ground, F >= 1. */
 int lw_mechanism_least_links(int dof);
 
-/* Mechanisms of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from three
- * links.  With a text: LW_E_ARG, no mechanism bears a name in `only`; LW_NOTHING, interrupted; LW_E_MEMORY. */
+/* Mechanisms of pins and sliders by rising number of links, with F = 1 from six, then those with slots and gears from
+ * three links.  With a text: LW_E_ARG, no mechanism bears a name in `only`; LW_NOTHING, interrupted; LW_E_MEMORY. */
 lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanism_set *set, lw_error *e);
 void      lw_mechanism_set_free(lw_mechanism_set *set);
 

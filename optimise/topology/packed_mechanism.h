@@ -1,5 +1,5 @@
-/* optimise/topology/packed_mechanism.h - one mechanism of a search in a few bytes, and what is made of it when somebody wants it: its
- * linkage, its name. */
+/* optimise/topology/packed_mechanism.h - one mechanism of a search in a few bytes, and what is made of it when
+ * somebody wants it: its linkage, its name. */
 #ifndef LW_OPTIMISE_TOPOLOGY_PACKED_MECHANISM_H
 #define LW_OPTIMISE_TOPOLOGY_PACKED_MECHANISM_H
 
@@ -43,13 +43,13 @@ typedef struct lw_packed_mechanism {
     uint8_t  turn;             /* lw_turn                                                         */
 } lw_packed_mechanism;
 
-/* Sets of ratios that one mechanism is tried with.  Of g gear pairs and n ratios there are n^g sets; where that is more,
- * the first of those that give all pairs the same ratio, then of those in which the second pair is one, the third two
- * further on in the list, and so on: every pair meets every ratio equally often. */
+/* Sets of ratios that one mechanism is tried with.  Of g gear pairs and n ratios there are n^g sets; where that is
+ * more, the first of those that give all pairs the same ratio, then of those in which the second pair is one, the
+ * third two further on in the list, and so on: every pair meets every ratio equally often. */
 #define LW_GEAR_SET_MAX 32
 
-/* How many sets of ratios a linkage with gears is tried with, 1 when all are racks, whose pitch is a dimension; 0: one of
- * its gears has no carrier, or several. */
+/* How many sets of ratios a linkage with gears is tried with, 1 when all are racks, whose pitch is a dimension; 0:
+ * one of its gears has no carrier, or several. */
 int lw_gear_sets(const lw_linkage *k, const lw_ratio_list *gear);
 
 /* Of a mechanism with ground and output, its inputs left open. */
@@ -61,8 +61,8 @@ lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_pac
 /* A linkage of it, without a name: the same each time. */
 lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_linkage *k);
 
-/* "Watt I, point on link 5", with `input` or several inputs "Watt I, input 2, point on link 5", "5-link chain 1, ground 1,
- * inputs 1+4 by -2, point on link 4". */
+/* "Watt I, point on link 5", with `input` or several inputs "Watt I, input 2, point on link 5", "5-link chain 1,
+ * ground 1, inputs 1+4 by -2, point on link 4". */
 void lw_packed_mechanism_name(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, bool input,
                        char *name, size_t size);
 

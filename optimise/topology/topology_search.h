@@ -1,5 +1,5 @@
-/* optimise/topology/topology_search.h - a search over topologies in one call: from a target to ranked linkages of four,
- * six, eight, ... links that pass a second, independent simulation.
+/* optimise/topology/topology_search.h - a search over topologies in one call: from a target to ranked linkages of
+ * four, six, eight, ... links that pass a second, independent simulation.
  *
  *     lw_topology_search_options o = lw_topology_search_options_default();
  *     lw_topology_search found;
@@ -10,10 +10,11 @@
  *         lw_topology_search_free(&found);
  *     }
  *
- * The search goes through stages in a fixed order: the four-link types; mechanisms of pins with six, eight, ... links,
- * and with them the starting linkages with so many links; mechanisms with sliders; mechanisms with slots and gears.  A stage
- * is the same search whatever follows it.  The best linkages of a stage with two links fewer, and a dyad added, are starts
- * of the next stage, so more links are never worse than fewer.  Same seed, same answer, for any number of threads. */
+ * The search goes through stages in a fixed order: the four-link types; mechanisms of pins with six, eight, ...
+ * links, and with them the starting linkages with so many links; mechanisms with sliders; mechanisms with slots and
+ * gears.  A stage is the same search whatever follows it.  The best linkages of a stage with two links fewer, and a
+ * dyad added, are starts of the next stage, so more links are never worse than fewer.  Same seed, same answer, for
+ * any number of threads. */
 #ifndef LW_OPTIMISE_TOPOLOGY_TOPOLOGY_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_TOPOLOGY_SEARCH_H
 
@@ -71,10 +72,10 @@ typedef struct lw_topology_search {
     lw_mechanism_summary mechanisms[LW_STAGE_MAX];                               /* (n_mechanisms)  */
 } lw_topology_search;
 
-/* LW_OK; LW_STOPPED with what was found when the time or the user ended it; LW_NOTHING, no linkage was found.  LW_OK does not
- * say that a candidate was verified: results.n may be 0, results.left_out says why.
- * Failures < 0 with a text: LW_E_ARG an option, LW_E_KIND no type can do the task, LW_E_MEMORY, or as lw_problem_make.  After
- * LW_NOTHING and failures there is nothing to free. */
+/* LW_OK; LW_STOPPED with what was found when the time or the user ended it; LW_NOTHING, no linkage was found.  LW_OK
+ * does not say that a candidate was verified: results.n may be 0, results.left_out says why. Failures < 0 with a
+ * text: LW_E_ARG an option, LW_E_KIND no type can do the task, LW_E_MEMORY, or as lw_problem_make.  After LW_NOTHING
+ * and failures there is nothing to free. */
 lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_options *o, lw_topology_search *out,
                                  lw_error *e);
 void      lw_topology_search_free(lw_topology_search *s);
