@@ -8,7 +8,7 @@
 #include "optimise/report/report.h"
 #include "optimise/search/start.h"
 #include "optimise/problem/tracers.h"
-#include "optimise/search/tracer_spread.h"
+#include "optimise/topology/point_links.h"
 #include "tests/fit_problem.h"
 #include "tests/six_bar.h"
 
@@ -364,13 +364,13 @@ static void choices_of_links_are_counted_by_hand(void)
         lw_family f = { .name = "Stephenson III, point on link 5", .linkage = &k, .links = 6 };
         lw_fit_spec s = lw_fit_spec_default();
         lw_target t = { .n = 2, .n_also = 1, .also = { { .x = row[i].place ? one : NULL, .theta = row[i].place ? NULL : one } } };
-        lw_tracer_spread spread;
+        lw_point_links spread;
         s.carrier[0] = row[i].carrier;
         lw_families only = lw_families_of(&f, 1), all;
         lw_family_made *made = malloc(sizeof *made);
-        CHECK_INT(lw_tracers_spread(&only, &t, &s, &spread, NULL), LW_OK);
+        CHECK_INT(lw_point_links_make(&only, &t, &s, &spread, NULL), LW_OK);
         CHECK_INT(spread.n, row[i].n);
-        all = lw_tracer_spread_families(&spread);
+        all = lw_point_links_families(&spread);
         for (int c = 0; c < spread.n && c < row[i].n; c++) {
             CHECK_INT(all.make(all.of, c, made), LW_OK);
             CHECK_INT(made->linkage.n_tracer, 2);
@@ -379,15 +379,15 @@ static void choices_of_links_are_counted_by_hand(void)
             CHECK(made->family.linkage == &made->linkage && made->family.links == 6);
             CHECK_HAS(made->family.name, "Stephenson III, points on links ");
         }
-        lw_tracer_spread_free(&spread);
+        lw_point_links_free(&spread);
         k.n_tracer = 2;                                  /* one that brings its tracers stays as it is */
         k.tracer[1] = (lw_tracer){ .name = "Q", .link = 3, .at = { 7, 8 } };
-        CHECK_INT(lw_tracers_spread(&only, &t, &s, &spread, NULL), LW_OK);
+        CHECK_INT(lw_point_links_make(&only, &t, &s, &spread, NULL), LW_OK);
         CHECK_INT(spread.n, 1);
-        all = lw_tracer_spread_families(&spread);
+        all = lw_point_links_families(&spread);
         CHECK_INT(all.make(all.of, 0, made), LW_OK);
         CHECK(made->linkage.tracer[1].link == 3 && made->linkage.tracer[1].at.x == 7);
-        lw_tracer_spread_free(&spread);
+        lw_point_links_free(&spread);
         free(made);
     }
 }
@@ -398,7 +398,7 @@ static void points_on_two_links_are_found_again(void)
     lw_linkage k = six_bar(), start;
     lw_plan plan;
     lw_target t;
-    lw_tracer_spread spread;
+    lw_point_links spread;
     lw_fit fit;
     lw_error e = { .text = "" };
     rows r;
@@ -425,8 +425,8 @@ static void points_on_two_links_are_found_again(void)
     lw_family f = { .name = "six-bar, point on link 5", .linkage = &start, .posture = true, .links = 6 };
     o.spec.timing = LW_TIMING_PRESCRIBED;
     lw_families one = lw_families_of(&f, 1), all;
-    CHECK_INT(lw_tracers_spread(&one, &t, &o.spec, &spread, &e), LW_OK);
-    all = lw_tracer_spread_families(&spread);
+    CHECK_INT(lw_point_links_make(&one, &t, &o.spec, &spread, &e), LW_OK);
+    all = lw_point_links_families(&spread);
     o.families = &all;
     o.budget = 30000;
     CHECK(lw_fit_run(&t, &o, &fit, &e) >= 0);
@@ -441,7 +441,7 @@ static void points_on_two_links_are_found_again(void)
         free(report);
     }
     lw_fit_free(&fit);
-    lw_tracer_spread_free(&spread);
+    lw_point_links_free(&spread);
     lw_target_free(&t);
 }
 

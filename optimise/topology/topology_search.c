@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optimise/search/tracer_spread.h"
+#include "optimise/topology/point_links.h"
 
 enum { LINKS_MAX = 10 };
 
@@ -18,7 +18,7 @@ typedef struct plan {
     int              n_stage;
     lw_search_stage  stage[LW_STAGE_MAX];
     lw_families_pair pair[LW_STAGE_MAX];            /* mechanisms and starts of a stage             */
-    lw_tracer_spread spread[LW_STAGE_MAX];          /* of a target with several points              */
+    lw_point_links   points[LW_STAGE_MAX];          /* of a target with several points              */
     int              pins[LW_STAGE_MAX];            /* stage of the search for the mechanisms of pins of each stage of
                                                      * `set`; -1: there is none                     */
     int              others[LW_STAGE_MAX];          /* the same for those with other joints         */
@@ -128,10 +128,10 @@ static lw_status choose_point_links(const lw_target *t, const lw_fit_spec *s, pl
     for (int i = 0; i < p->n_stage && t->n_also > 0; i++) {
         if (!p->stage[i].families.make)
             continue;
-        lw_status st = lw_tracers_spread(&p->stage[i].families, t, s, &p->spread[i], e);
+        lw_status st = lw_point_links_make(&p->stage[i].families, t, s, &p->points[i], e);
         if (st != LW_OK)
             return st;
-        p->stage[i].families = lw_tracer_spread_families(&p->spread[i]);
+        p->stage[i].families = lw_point_links_families(&p->points[i]);
     }
     return LW_OK;
 }
@@ -185,7 +185,7 @@ static void plan_free(plan *p)
     free(p->start);
     free(p->start_family);
     for (int i = 0; i < p->n_stage; i++)
-        lw_tracer_spread_free(&p->spread[i]);
+        lw_point_links_free(&p->points[i]);
     free(p);
 }
 
@@ -201,7 +201,7 @@ static void sum_links(const plan *p, lw_topology_search *out)
             if (p->stage[i].links != links)
                 continue;
             any = true;
-            s->n_point_choice += p->spread[i].n;
+            s->n_point_choice += p->points[i].n;
             if (i >= out->found.n_stage)
                 continue;
             const lw_stage_result *r = &out->found.stage[i];
@@ -225,7 +225,7 @@ static void sum_links(const plan *p, lw_topology_search *out)
 static void count_states(const plan *p, const lw_topology_search *out, int stage, int n, long state[LW_FIT_STATES])
 {
     const lw_stage_result *r = stage >= 0 && stage < out->found.n_stage ? &out->found.stage[stage] : NULL;
-    n = stage >= 0 && p->spread[stage].n > 0 ? p->spread[stage].n : n;
+    n = stage >= 0 && p->points[stage].n > 0 ? p->points[stage].n : n;
     for (int i = 0; i < n; i++)
         state[r && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
 }

@@ -1,4 +1,4 @@
-#include "optimise/search/tracer_spread.h"
+#include "optimise/topology/point_links.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,13 +11,13 @@ typedef struct choice {
     const lw_linkage  *linkage;                      /* of the family                                */
     const lw_target   *t;
     const lw_fit_spec *s;
-    lw_tracer_spread  *out;
-    lw_tracer_choice   now;
-    bool               partial[LW_LINK_MAX];         /* a point there feels fewer links              */
+    lw_point_links  *out;
+    lw_point_choice   now;
+    bool               partial[LW_LINK_MAX];         /* its motion depends on fewer links            */
 } choice;
 
-/* Does a point on this link feel fewer links than there are? */
-static bool feels_fewer(const lw_linkage *k, int link, lw_plan *plan)
+/* Does the motion of this link depend on fewer links than there are? */
+static bool depends_on_fewer(const lw_linkage *k, int link, lw_plan *plan)
 {
     lw_linkage alone = *k;
     lw_tracers_put(&alone, 0, link);
@@ -29,24 +29,24 @@ static bool suits(const choice *c, int i, int link)
 {
     const lw_linkage *k = c->linkage;
     const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
-    lw_carrier is = lw_tracers_carrier(k, link), want = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
+    lw_carrier is = lw_tracers_carrier(k, link), carrier = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
     bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
     bool angle = a ? a->theta != NULL : c->s->task != LW_TASK_PATH;
     if (link == k->ground || (angle && lw_tracers_only_slides(k, link)))
         return false;
     if (i == 0 && link != k->tracer[0].link && !c->partial[link])
         return false;
-    if (want != LW_CARRIER_ANY)
-        return is == want;
+    if (carrier != LW_CARRIER_ANY)
+        return is == carrier;
     return place ? is == LW_CARRIER_COUPLER || (i == 0 && link == k->tracer[0].link) : is != LW_CARRIER_INPUT;
 }
 
 static lw_status add_choice(choice *c)
 {
-    lw_tracer_spread *s = c->out;
-    if (s->n == LW_SPREAD_MAX)
+    lw_point_links *s = c->out;
+    if (s->n == LW_POINT_CHOICE_MAX)
         return LW_E_ARG;
-    lw_tracer_choice *more = lw_array_grow(s->choice, s->n, &s->capacity, sizeof *more);
+    lw_point_choice *more = lw_array_grow(s->choice, s->n, &s->capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
     s->choice = more;
@@ -54,7 +54,7 @@ static lw_status add_choice(choice *c)
     return LW_OK;
 }
 
-/* Links for point i and those behind it; one of all lies where the family's tracer does. */
+/* Choose links for point i and the points after it; met: a point lies on the link of the family's tracer. */
 static lw_status choose(choice *c, int i, bool met)
 {
     const lw_linkage *k = c->linkage;
@@ -69,42 +69,42 @@ static lw_status choose(choice *c, int i, bool met)
     return st;
 }
 
-static lw_status spread_one(choice *c, lw_plan *plan)
+static lw_status list_choices(choice *c, lw_plan *plan)
 {
     const lw_linkage *k = c->linkage;
     c->now.link[0] = -1;
     if (k->n_tracer > c->t->n_also)
         return add_choice(c);
     for (int l = 0; l < k->n_link; l++)
-        c->partial[l] = l != k->ground && feels_fewer(k, l, plan);
+        c->partial[l] = l != k->ground && depends_on_fewer(k, l, plan);
     return choose(c, 0, false);
 }
 
-lw_status lw_tracers_spread(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
-                            lw_tracer_spread *out, lw_error *e)
+lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const lw_fit_spec *s,
+                            lw_point_links *out, lw_error *e)
 {
     lw_plan *plan = malloc(sizeof *plan);
     lw_family_made *made = malloc(sizeof *made);
     lw_status st = plan && made ? LW_OK : LW_E_MEMORY;
-    *out = (lw_tracer_spread){ .of = *of, .n_point = 1 + t->n_also };
+    *out = (lw_point_links){ .of = *of, .n_point = 1 + t->n_also };
     for (int i = 0; i < of->n && st == LW_OK; i++) {
         choice c = { .linkage = &made->linkage, .t = t, .s = s, .out = out, .now.family = i };
         if ((st = of->make(of->of, i, made)) == LW_OK)
-            st = spread_one(&c, plan);
+            st = list_choices(&c, plan);
     }
     free(made);
     free(plan);
     if (st == LW_OK)
         return LW_OK;
-    lw_tracer_spread_free(out);
+    lw_point_links_free(out);
     if (st == LW_E_MEMORY)
         return lw_error_set(e, st, "no memory for the choices of links");
-    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say for the further ones "
-                        "on which they lie (input, coupler, output), or look through fewer topologies", LW_SPREAD_MAX,
+    return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say on which links "
+                        "the further points lie (input, coupler, output), or search fewer topologies", LW_POINT_CHOICE_MAX,
                         1 + t->n_also);
 }
 
-void lw_tracer_spread_free(lw_tracer_spread *s)
+void lw_point_links_free(lw_point_links *s)
 {
     free(s->choice);
     memset(s, 0, sizeof *s);
@@ -112,8 +112,8 @@ void lw_tracer_spread_free(lw_tracer_spread *s)
 
 static lw_status make_choice(const void *of, int i, lw_family_made *made)
 {
-    const lw_tracer_spread *s = of;
-    const lw_tracer_choice *c = &s->choice[i];
+    const lw_point_links *s = of;
+    const lw_point_choice *c = &s->choice[i];
     lw_linkage *k = &made->linkage;
     lw_status st = s->of.make(s->of.of, c->family, made);
     if (st != LW_OK)
@@ -132,11 +132,11 @@ static lw_status make_choice(const void *of, int i, lw_family_made *made)
 
 static lw_turn turn_of_choice(const void *of, int i)
 {
-    const lw_tracer_spread *s = of;
+    const lw_point_links *s = of;
     return s->of.turn(s->of.of, s->choice[i].family);
 }
 
-lw_families lw_tracer_spread_families(const lw_tracer_spread *s)
+lw_families lw_point_links_families(const lw_point_links *s)
 {
     return (lw_families){ s->n, make_choice, turn_of_choice, s };
 }
