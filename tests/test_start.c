@@ -120,7 +120,7 @@ static void starts_are_what_they_say(void)
             CHECK(d <= LW_START_DRAWS && lw_low_discrepancy(&rng, DRAWS, d, u));
             void *work = new_work(&p);
             for (int i = 0; i < DRAWS; i++) {
-                double rest = timing[k] == LW_TIMING_PRESCRIBED ? 0 : lw_start_glance(&p, u + i*d, work);
+                double rest = timing[k] == LW_TIMING_PRESCRIBED ? 0 : lw_start_estimate(&p, u + i*d, work);
                 double start = lw_start(&p, u + i*d, x, work);
                 CHECK(rest >= -1e-9 && !isnan(start));
                 CHECK(isfinite(rest) || !isfinite(start));
@@ -155,7 +155,7 @@ static void full_starts_mostly_improve_on_the_glance(void)
         for (int i = 0; i < lw_start_draws(&p); i++)
             u[i] = lw_rng_uniform(&rng);
         void *work = new_work(&p);
-        double rest = lw_start_glance(&p, u, work), f = lw_start(&p, u, x, work);
+        double rest = lw_start_estimate(&p, u, work), f = lw_start(&p, u, x, work);
         all += isfinite(rest) && isfinite(f);
         better += isfinite(f) && f <= rest;
         free(work);

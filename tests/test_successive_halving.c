@@ -11,15 +11,15 @@ static lw_turn turn_of(const void *of, int i)
     return i >= c->n - 3 ? LW_TURN_START : c->dear && i % 7 == 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
 }
 
-static double worth(int arm) { return 1 + arm*2654435761u % 100003; }
+static double worth(int candidate) { return 1 + candidate*2654435761u % 100003; }
 
-/* A find of the arm that is worth so much. */
-static lw_best_starts *find_of(int arm)
+/* A find of the candidate that is worth so much. */
+static lw_best_starts *find_of(int candidate)
 {
     static lw_pool pool;
     lw_variables v = { .n = 1 };
     pool.n = 0;
-    lw_found c = { .f = worth(arm), .arm = arm };
+    lw_found c = { .f = worth(candidate), .candidate = candidate };
     lw_pool_put(&pool, &c, &v);
     return lw_best_starts_of(&pool, 1, &v, 0);
 }
@@ -30,19 +30,19 @@ static lw_search *begin(crowd *c, lw_families *f, lw_fit_options *o)
     *f = (lw_families){ c->n, NULL, turn_of, c };
     *o = (lw_fit_options){ .families = f, .seed = 1, .sweep = o->sweep };
     s->o = o;
-    s->n_arm = c->n;
-    s->arm = calloc((size_t)c->n + 1, sizeof *s->arm);
+    s->n_candidate = c->n;
+    s->candidate = calloc((size_t)c->n + 1, sizeof *s->candidate);
     CHECK_INT(lw_search_halving_begin(s), LW_OK);
     return s;
 }
 
 static void end(lw_search *s)
 {
-    for (int i = 0; i < s->n_arm; i++)
-        free(s->arm[i].best);
-    free(s->arm);
+    for (int i = 0; i < s->n_candidate; i++)
+        free(s->candidate[i].best);
+    free(s->candidate);
     free(s->sweep.order);
-    free(s->sweep.arm);
+    free(s->sweep.candidate);
     free(s);
 }
 
@@ -50,18 +50,18 @@ static void end(lw_search *s)
 static void learn(lw_search *s)
 {
     for (int j = 0; j < s->n_job; j++) {
-        lw_search_candidate *a = &s->arm[s->job[j].arm];
+        lw_search_candidate *a = &s->candidate[s->job[j].candidate];
         a->state = LW_FIT_CLOSED;
         a->starts++;
         if (!a->best)
-            a->best = find_of(s->job[j].arm);
+            a->best = find_of(s->job[j].candidate);
     }
 }
 
-static bool in_round(const lw_search *s, int arm)
+static bool in_round(const lw_search *s, int candidate)
 {
     for (int j = 0; j < s->n_job; j++)
-        if (s->job[j].arm == arm)
+        if (s->job[j].candidate == candidate)
             return true;
     return false;
 }
@@ -107,14 +107,14 @@ static void many_families_have_their_turn(void)
             lw_search_halving(s);
             CHECK(s->n_job > 0 && s->n_job <= LW_JOB_MAX);
             for (int j = 0; j < s->n_job && s->sweep.rung == 0; j++) {
-                int arm = s->job[j].arm, fresh = !seen[arm];
-                lw_turn turn = turn_of(&c, arm);
+                int candidate = s->job[j].candidate, fresh = !seen[candidate];
+                lw_turn turn = turn_of(&c, candidate);
                 CHECK(fresh && !s->job[j].around);
                 CHECK(turn == LW_TURN_START || turn >= last);
-                CHECK((turn == LW_TURN_GROUPS) == (turn_of(&c, s->job[0].arm) == LW_TURN_GROUPS));
+                CHECK((turn == LW_TURN_GROUPS) == (turn_of(&c, s->job[0].candidate) == LW_TURN_GROUPS));
                 CHECK(turn != LW_TURN_START || rounds == 0);
                 last = turn == LW_TURN_START ? last : turn;
-                seen[arm] = 1;
+                seen[candidate] = 1;
                 looked += fresh;
             }
             learn(s);
@@ -133,16 +133,16 @@ static void the_unable_are_left_out(void)
     lw_fit_options o = { 0 };
     lw_search *s = begin(&c, &f, &o);
     for (int i = 0; i < c.n; i++)
-        s->arm[i].state = i % 2 ? LW_FIT_UNABLE : LW_FIT_UNREACHED;
+        s->candidate[i].state = i % 2 ? LW_FIT_UNABLE : LW_FIT_UNREACHED;
     for (int round = 0; round < 12; round++) {
         lw_search_halving(s);
         CHECK(s->n_job > 0);
         for (int j = 0; j < s->n_job; j++)
-            CHECK(s->job[j].arm % 2 == 0);
+            CHECK(s->job[j].candidate % 2 == 0);
         learn(s);
     }
     for (int i = 0; i < c.n; i++)
-        s->arm[i].state = LW_FIT_UNABLE;
+        s->candidate[i].state = LW_FIT_UNABLE;
     lw_search_halving(s);
     CHECK_INT(s->n_job, 0);
     end(s);

@@ -6,41 +6,43 @@
 
 #include "mbs/plan/pose.h"
 
-enum { SAMPLES = 48, TRIES = 12 };
+enum { SAMPLES = 48, TRIES = 12, HALVINGS = 30 };
 
-/* Where the parent's point and a place on another link are, over its motion. */
-typedef struct course {
+/* The poses of the parent over its motion. */
+typedef struct motion_path {
     const lw_linkage *k;
-    int     point;                               /* the tracer that goes on to the new dyad          */
-    lw_plan plan;                                /* its only output                                  */
+    int     point;                               /* the tracer that the new dyad takes over          */
+    lw_plan plan;                                /* with that tracer as its only output              */
     double  dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
     bool    turns;
     double  first, last;
     lw_pose pose[SAMPLES + 1];                   /* the last one is the posture                      */
-} course;
+} motion_path;
 
-/* Even over a turn; else dense towards both ends, where limits make everything go as a root. */
-static double place(const course *c, int i)
+/* Input of sample i: at equal steps over a turn; else denser near both ends, where at a limit the pose varies like the
+ * square root of the input. */
+static double sample_input(const motion_path *c, int i)
 {
     if (c->turns)
         return c->input + 2*LW_PI*i/SAMPLES;
     return 0.5*(c->first + c->last) - 0.5*(c->last - c->first)*cos(LW_PI*i/(SAMPLES - 1));
 }
 
-static bool run_course(const lw_linkage *k, course *c)
+static bool run_path(const lw_linkage *k, motion_path *c)
 {
-    if (lw_plan_make(k, (lw_plan_options){ .tracers = 1u << c->point, .all_joints = true, .kind = LW_PLAN_GEARED }, &c->plan, NULL) != LW_OK
+    lw_plan_options options = { .tracers = 1u << c->point, .all_joints = true, .kind = LW_PLAN_GEARED };
+    if (lw_plan_make(k, options, &c->plan, NULL) != LW_OK
         || lw_plan_read(&c->plan, k, c->dim, c->mode, &c->input, NULL) != LW_OK)
         return false;
     for (int i = 0; i <= SAMPLES; i++) {
-        double at = i == SAMPLES ? c->input : place(c, i);
+        double at = i == SAMPLES ? c->input : sample_input(c, i);
         if (lw_pose_solve(&c->plan, c->dim, c->mode, at, 1, &c->pose[i]) != LW_OK)
             return false;
     }
     return true;
 }
 
-/* A joint of a link to carry its places along. */
+/* A pin of a link, to compute the motion of its points from; -1: it has none. */
 static int joint_of(const lw_linkage *k, int link)
 {
     for (int j = 0; j < k->n_joint; j++)
@@ -49,11 +51,11 @@ static int joint_of(const lw_linkage *k, int link)
     return -1;
 }
 
-/* A place of a link, by where it lies in the posture. */
-typedef struct hold { int link, joint; lw_vec2 at; } hold;
+/* A point of a link, by its position in the posture. */
+typedef struct link_point { int link, joint; lw_vec2 at; } link_point;
 
-/* Where it is in a pose, and its velocity. */
-static void carry(const course *c, const hold *h, const lw_pose *b, lw_vec2 out[2])
+/* Its position and velocity in a pose. */
+static void move_point(const motion_path *c, const link_point *h, const lw_pose *b, lw_vec2 out[2])
 {
     const lw_pose *a = &c->pose[SAMPLES];
     out[0] = h->at;
@@ -61,29 +63,29 @@ static void carry(const course *c, const hold *h, const lw_pose *b, lw_vec2 out[
     if (h->link == c->k->ground || h->joint < 0)
         return;
     lw_vec2 turn = lw_v2_polar(1, b->angle[h->link][0] - a->angle[h->link][0]);
-    lw_vec2 arm = lw_v2_turn(lw_v2_sub(h->at, a->joint[h->joint][0]), turn);
-    out[0] = lw_v2_add(b->joint[h->joint][0], arm);
-    out[1] = lw_v2_add(b->joint[h->joint][1], lw_v2_scale(lw_v2_perp(arm), b->angle[h->link][1]));
+    lw_vec2 lever_arm = lw_v2_turn(lw_v2_sub(h->at, a->joint[h->joint][0]), turn);
+    out[0] = lw_v2_add(b->joint[h->joint][0], lever_arm);
+    out[1] = lw_v2_add(b->joint[h->joint][1], lw_v2_scale(lw_v2_perp(lever_arm), b->angle[h->link][1]));
 }
 
-/* ---- how far the new dyad has to reach -------------------------------------------------------------------- */
+/* ---- distances that the new dyad spans -------------------------------------------------------------------- */
 
-/* Distance between the point and the hold, and half the rate of its square. */
-static double span(const course *c, const hold *h, const lw_pose *p, double *rate)
+/* Distance between the tracer and a point, and half the rate of its square. */
+static double span(const motion_path *c, const link_point *h, const lw_pose *p, double *rate)
 {
     lw_vec2 at[2];
-    carry(c, h, p, at);
+    move_point(c, h, p, at);
     lw_vec2 gap = lw_v2_sub(at[0], p->tracer[0][0]);
     *rate = lw_v2_dot(gap, lw_v2_sub(at[1], p->tracer[0][1]));
     return lw_v2_norm(gap);
 }
 
-/* Its extreme between two places where it rises and falls, by halving. */
-static double extreme(const course *c, const hold *h, double lo, double hi, bool rises)
+/* Its extreme between two inputs, at which it rises and falls, by bisection. */
+static double extreme(const motion_path *c, const link_point *h, double lo, double hi, bool rises)
 {
     double rate, d = 0;
     lw_pose pose;
-    for (int i = 0; i < 30; i++) {
+    for (int i = 0; i < HALVINGS; i++) {
         double middle = 0.5*(lo + hi);
         lw_pose_solve(&c->plan, c->dim, c->mode, middle, 1, &pose);
         d = span(c, h, &pose, &rate);
@@ -95,10 +97,10 @@ static double extreme(const course *c, const hold *h, double lo, double hi, bool
     return d;
 }
 
-static void reach(const course *c, const hold *h, double *least, double *most)
+static void reach(const motion_path *c, const link_point *h, double *least, double *most)
 {
     double before = 0, rate;
-    int n = SAMPLES + c->turns;                           /* a turn comes back to its first place */
+    int n = SAMPLES + c->turns;                           /* a turn ends at its first pose */
     *least = INFINITY;
     *most = 0;
     for (int i = 0; i < n; i++, before = rate) {
@@ -107,14 +109,14 @@ static void reach(const course *c, const hold *h, double *least, double *most)
         *most = fmax(*most, d);
         if (!(before*rate < 0))                           /* at limits there is no rate */
             continue;
-        d = extreme(c, h, place(c, i - 1), place(c, i), before > 0);
+        d = extreme(c, h, sample_input(c, i - 1), sample_input(c, i), before > 0);
         *least = fmin(*least, d);
         *most = fmax(*most, d);
     }
 }
 
-/* How large the motion is: the diagonal of the point's box. */
-static double size_of(const course *c)
+/* Size of the motion: diagonal of the bounding box of the tracer's path. */
+static double size_of(const motion_path *c)
 {
     lw_vec2 lo = c->pose[0].tracer[0][0], hi = lo;
     for (int i = 1; i <= SAMPLES; i++) {
@@ -150,14 +152,14 @@ static void add_links(const lw_linkage *parent, int point, int base, lw_vec2 kne
     child->tracer[point].link = arm;
 }
 
-/* One try: where the stay is held, and two lengths that reach and fold far enough. */
-static bool try_once(const course *c, double size, lw_rng *rng, lw_linkage *child)
+/* Draw where the second new link is pinned, and two lengths that reach and fold far enough; false: they do not suit. */
+static bool try_once(const motion_path *c, double size, lw_rng *rng, lw_linkage *child)
 {
     const lw_linkage *parent = c->k;
     int base = lw_rng_uniform(rng) < 0.6 ? parent->ground : (int)(lw_rng_uniform(rng)*parent->n_link);
     double far = size*0.3*exp(2.5*lw_rng_uniform(rng)), turn = lw_rng_range(rng, 0, 2*LW_PI);
     lw_vec2 p = c->pose[SAMPLES].tracer[0][0];
-    hold h = { base, joint_of(parent, base), lw_v2_add(p, lw_v2_polar(far, turn)) };
+    link_point h = { base, joint_of(parent, base), lw_v2_add(p, lw_v2_polar(far, turn)) };
     double least, most, here = lw_v2_norm(lw_v2_sub(h.at, p));
     double more = 0.02*exp(3.5*lw_rng_uniform(rng)), fold = lw_rng_range(rng, -0.95, 0.95);
     double side = lw_rng_uniform(rng) < 0.5 ? -1 : 1;
@@ -178,11 +180,11 @@ static bool try_once(const course *c, double size, lw_rng *rng, lw_linkage *chil
 lw_status lw_linkage_grow(const lw_linkage *parent, bool turns, double first, double last, lw_rng *rng,
                           lw_linkage *child)
 {
-    course c = { .k = parent, .point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0,
+    motion_path c = { .k = parent, .point = parent->n_tracer > 1 ? (int)(lw_rng_uniform(rng)*parent->n_tracer) : 0,
                  .turns = turns, .first = first, .last = last };
     if (parent->n_link + 2 > LW_LINK_MAX || parent->n_joint + 3 > LW_JOINT_MAX)
         return LW_E_ARG;
-    if (!run_course(parent, &c))
+    if (!run_path(parent, &c))
         return LW_OPEN;
     double size = size_of(&c);
     for (int i = 0; i < TRIES; i++)

@@ -9,20 +9,22 @@
 #include "enumerate/higher.h"
 #include "enumerate/mechanisms.h"
 
-/* What becomes of one chain. */
-typedef struct maker {
-    const lw_mechanism_request  *w;
-    const lw_numbered_chain *chain;
-    int                      index;              /* of the chain in the stage's list               */
-    lw_mechanism_stage       own;                /* families and numbers of this chain alone       */
-    lw_mechanism_counts      counts;
-    unsigned                 turned;             /* slots on the later link, bit i: the i-th       */
-    int                      ratio;              /* set of the gears' ratios, from 1; 0: no gears  */
-    bool                     met[64];            /* names of `only` that something bore            */
-    lw_pair_outcome        best;               /* of the sets of tied inputs of one mechanism    */
-    lw_plan                 *plan;
-    lw_status                status;
-} maker;
+enum { NAMES_MAX = 64 };         /* of lw_mechanism_request.only that are checked                       */
+
+/* Make all mechanisms of one chain. */
+typedef struct chain_job {
+    const lw_mechanism_request *request;
+    const lw_numbered_chain    *chain;
+    int                  index;              /* of the chain in the stage's list                       */
+    lw_mechanism_stage   own;                /* families and tally of this chain alone                 */
+    lw_mechanism_counts  counts;
+    unsigned             turned;             /* bit i: slot i is on the second link of its joint       */
+    int                  ratio;              /* set of the gears' ratios, from 1; 0: no gears          */
+    bool                 met[NAMES_MAX];     /* names of `only` that a mechanism bears                 */
+    lw_pair_outcome      best;               /* of the sets of tied inputs of one mechanism            */
+    lw_plan             *plan;
+    lw_status            status;
+} chain_job;
 
 const char *lw_pair_outcome_text(lw_pair_outcome f)
 {
@@ -34,17 +36,17 @@ const char *lw_pair_outcome_text(lw_pair_outcome f)
     return text[f];
 }
 
-/* Is one of `keys` (separated by commas) the word or its beginning up to digits? */
-static bool asked_for(maker *mk, const char *key)
+/* Does request->only name this key, or its beginning before the digits? */
+static bool is_requested(chain_job *job, const char *key)
 {
-    bool found = strcmp(mk->w->only, "all") == 0;
+    bool found = strcmp(job->request->only, "all") == 0;
     int k = 0;
-    for (const char *at = mk->w->only; *at; k++) {
+    for (const char *at = job->request->only; *at; k++) {
         size_t n = strcspn(at, ",");
         bool whole = strncmp(key, at, n) == 0 && key[n] == 0;
-        bool begins = strncmp(key, at, n) == 0 && at[n - 1] > '9' && key[n] <= '9';     /* "watt": both */
-        if ((whole || begins) && k < 64)
-            mk->met[k] = found = true;
+        bool begins = strncmp(key, at, n) == 0 && at[n - 1] > '9' && key[n] <= '9';     /* "watt": watt1 and watt2 */
+        if ((whole || begins) && k < NAMES_MAX)
+            job->met[k] = found = true;
         at += n + (at[n] == ',');
     }
     return found;
@@ -55,13 +57,13 @@ static bool asked_for(maker *mk, const char *key)
 static lw_status count_input(void *context, const lw_mechanism *m)
 {
     (void)m;
-    ((maker *)context)->own.tally.n_driven++;
+    ((chain_job *)context)->own.tally.n_driven++;
     return LW_OK;
 }
 
-static lw_status add_family(maker *mk, const lw_packed_mechanism *f)
+static lw_status add_family(chain_job *job, const lw_packed_mechanism *f)
 {
-    lw_mechanism_stage *s = &mk->own;
+    lw_mechanism_stage *s = &job->own;
     lw_packed_mechanism *more = lw_array_grow(s->family, s->n_family, &s->capacity, sizeof *more);
     if (!more)
         return LW_E_MEMORY;
@@ -71,7 +73,7 @@ static lw_status add_family(maker *mk, const lw_packed_mechanism *f)
     return LW_OK;
 }
 
-/* Links that a plan works out, dies in slots not counted. */
+/* Links of a plan without the blocks in slots. */
 static int links_of(const lw_plan *plan, const lw_linkage *k)
 {
     int n = 0;
@@ -80,98 +82,101 @@ static int links_of(const lw_plan *plan, const lw_linkage *k)
     return n;
 }
 
-/* May these inputs drive it?  Then *f says by what it is worked out; *links that the point feels. */
-static bool try_inputs(maker *mk, lw_packed_mechanism *f, int *links)
+/* May these inputs drive the mechanism?  Set f->turn, and *links to the number of links that the tracer depends on. */
+static bool try_inputs(chain_job *job, lw_packed_mechanism *f, int *links)
 {
     lw_linkage k;
-    if (lw_packed_mechanism_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK
-        || lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, mk->plan, NULL) != LW_OK)
+    if (lw_packed_mechanism_sketch(job->chain, f, &job->request->ratio, &k) != LW_OK
+        || lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .kind = LW_PLAN_GEARED }, job->plan, NULL) != LW_OK)
         return false;
-    f->turn = mk->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
-    *links = links_of(mk->plan, &k);
+    f->turn = job->plan->n_higher > 0 ? LW_TURN_GROUPS : LW_TURN_DYADS;
+    *links = links_of(job->plan, &k);
     return true;
 }
 
-static bool try_input(maker *mk, int joint, lw_packed_mechanism *f, int *links)
+static bool try_input(chain_job *job, int joint, lw_packed_mechanism *f, int *links)
 {
     f->n_input = 1;
     f->input[0] = (uint8_t)joint;
-    return try_inputs(mk, f, links);
+    return try_inputs(job, f, links);
 }
 
-/* Of the joints that may drive the one that makes the plainest plan: pins at the ground first, slides there.  false:
- * there is none. */
-static bool best_input(maker *mk, const lw_mechanism *m, lw_packed_mechanism *best, int *links)
+/* Choose the joint at the ground that makes the plainest plan as the input: pins before slides.  false: there is
+ * none. */
+static bool best_input(chain_job *job, const lw_mechanism *m, lw_packed_mechanism *best, int *links)
 {
     bool found = false;
     for (int pass = 0; pass < 2; pass++)
         for (int j = 0; j < m->n_joint && !(found && best->turn == LW_TURN_DYADS); j++) {
             bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
             lw_packed_mechanism f = *best;
-            int felt;
-            if (!ground || m->kind[j] != (pass ? 't' : 'r') || !try_input(mk, j, &f, &felt)
+            int n;
+            if (!ground || m->kind[j] != (pass ? 't' : 'r') || !try_input(job, j, &f, &n)
                 || (found && f.turn >= best->turn))
                 continue;
             found = true;
-            *links = felt;
+            *links = n;
             *best = f;
         }
     return found;
 }
 
-/* By a pin or a slide: then its points draw circles or lines. */
+/* Is the tracer link joined to the ground by a pin or a slide?  Its points draw circles or lines then. */
 static bool joined_to_ground(const lw_mechanism *m)
 {
     int j = lw_mechanism_joint(m, m->ground, m->output);
     return j != LW_NONE && lw_kind_freedom(m->kind[j]) == 1;
 }
 
-/* All inputs at the ground that a prescribed timing may mean. */
+/* Add a family for an input at the ground that a prescribed timing may mean. */
 static lw_status add_timed(void *context, const lw_mechanism *m)
 {
-    maker *mk = context;
-    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
+    chain_job *job = context;
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
     int links;
-    if (m->kind[m->input[0]] != 'r' || !try_input(mk, m->input[0], &f, &links) || links < m->n_link)
+    if (m->kind[m->input[0]] != 'r' || !try_input(job, m->input[0], &f, &links) || links < m->n_link)
         return LW_OK;
-    return add_family(mk, &f);
+    return add_family(job, &f);
 }
 
-/* By the plainest of its inputs; with a timing, all of them. */
-static lw_status add_driven(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
+/* Add the family driven by the plainest input; with a timing, one family for each input. */
+static lw_status add_driven(chain_job *job, const lw_mechanism *m, lw_pair_outcome *outcome)
 {
-    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
-    int links = 0, before = mk->own.n_family;
-    bool driven = best_input(mk, m, &f, &links), fewer = driven && links < m->n_link;
-    *fate = !driven ? LW_PAIR_NO_PLAN : fewer ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
-    if (*fate != LW_PAIR_FITTED && !(fewer && mk->w->timed))
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
+    int links = 0, before = job->own.n_family;
+    bool driven = best_input(job, m, &f, &links), fewer = driven && links < m->n_link;
+    *outcome = !driven ? LW_PAIR_NO_PLAN : fewer ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
+    if (*outcome != LW_PAIR_FITTED && !(fewer && job->request->timed))
         return LW_OK;
-    if (!mk->w->timed)
-        return add_family(mk, &f);
-    lw_status st = lw_inputs_each(m, 1, true, add_timed, mk);
-    *fate = mk->own.n_family > before ? LW_PAIR_FITTED : LW_PAIR_SMALLER;
+    if (!job->request->timed)
+        return add_family(job, &f);
+    lw_status st = lw_inputs_each(m, 1, true, add_timed, job);
+    *outcome = job->own.n_family > before ? LW_PAIR_FITTED : LW_PAIR_SMALLER;
     return st;
 }
 
 /* ---- tied inputs ---------------------------------------------------------------------------------------- */
 
-/* The set of m with input `first` in front, the others tied by the digits of `code`. */
-static void tie_inputs(const maker *mk, const lw_mechanism *m, int first, int code, lw_packed_mechanism *f)
+/* Make input `first` of m the free one and tie the others to it; the digits of `code` are the numbers of their
+ * ratios. */
+static void tie_inputs(const chain_job *job, const lw_mechanism *m, int first, int code, lw_packed_mechanism *f)
 {
     f->n_input = (uint8_t)m->n_input;
     f->input[0] = m->input[first];
     for (int i = 1; i < m->n_input && i < LW_PACKED_INPUT_MAX; i++) {
         f->input[i] = m->input[i <= first ? i - 1 : i];
-        f->tie[i] = (uint8_t)(code % mk->w->ratio.tie.n);
-        code /= mk->w->ratio.tie.n;
+        f->tie[i] = (uint8_t)(code % job->request->ratio.tie.n);
+        code /= job->request->ratio.tie.n;
     }
 }
 
-/* Is this, seen from another input or through a symmetry, one of those before? */
-static bool tied_before(const maker *mk, const lw_packed_mechanism *f, lw_graph *form, int *n)
+/* Is it the same as a mechanism listed before, by a symmetry, or seen from another input?  If not, add its form to
+ * the n forms. */
+static bool listed_before(const chain_job *job, const lw_packed_mechanism *f, lw_graph *form, int *n)
 {
     lw_linkage k;
-    if (lw_packed_mechanism_sketch(mk->chain, f, &mk->w->ratio, &k) != LW_OK || !lw_linkage_canonical_form(&k, &form[*n]))
+    if (lw_packed_mechanism_sketch(job->chain, f, &job->request->ratio, &k) != LW_OK
+        || !lw_linkage_canonical_form(&k, &form[*n]))
         return false;
     for (int i = 0; i < *n; i++)
         if (memcmp(&form[i], &form[*n], sizeof *form) == 0)
@@ -180,148 +185,132 @@ static bool tied_before(const maker *mk, const lw_packed_mechanism *f, lw_graph 
     return false;
 }
 
-static lw_status add_tied(maker *mk, const lw_packed_mechanism *f, lw_pair_outcome *fate)
+static lw_status add_tied(chain_job *job, const lw_packed_mechanism *f, lw_pair_outcome *outcome)
 {
     lw_packed_mechanism now = *f;
     int links;
-    if (!try_inputs(mk, &now, &links))
+    if (!try_inputs(job, &now, &links))
         return LW_OK;
-    lw_pair_outcome what = links < mk->chain->m.n_link ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
-    if (*fate != LW_PAIR_FITTED)
-        *fate = what;
-    return what == LW_PAIR_FITTED ? add_family(mk, &now) : LW_OK;
+    lw_pair_outcome now_is = links < job->chain->m.n_link ? LW_PAIR_SMALLER : LW_PAIR_FITTED;
+    if (*outcome != LW_PAIR_FITTED)
+        *outcome = now_is;
+    return now_is == LW_PAIR_FITTED ? add_family(job, &now) : LW_OK;
 }
 
-/* Inputs at the ground, all of them pins: each in front, the others tied by every ratio.  Which is in front matters
- * with a timing only. */
+/* Add the families of a set of inputs, all pins at the ground: each input as the free one, the others tied to it by
+ * every ratio.  Which input is free matters with a timing only. */
 static lw_status add_ties(void *context, const lw_mechanism *m)
 {
-    maker *mk = context;
-    lw_pair_outcome fate = LW_PAIR_NO_PLAN;
+    chain_job *job = context;
+    lw_pair_outcome outcome = LW_PAIR_NO_PLAN;
     lw_status st = LW_OK;
     int codes = 1, n = 0;
     bool pins = true;
     for (int i = 0; i < m->n_input; i++) {
-        codes *= i > 0 ? mk->w->ratio.tie.n : 1;
+        codes *= i > 0 ? job->request->ratio.tie.n : 1;
         pins = pins && m->kind[m->input[i]] == 'r';
     }
     lw_graph *form = malloc(sizeof *form*(size_t)(m->n_input*codes + 1));
     if (!form)
         return LW_E_MEMORY;
     for (int first = 0; first < m->n_input && pins; first++) {
-        n = mk->w->timed ? 0 : n;
+        n = job->request->timed ? 0 : n;
         for (int code = 0; code < codes && st == LW_OK; code++) {
-            lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
-            tie_inputs(mk, m, first, code, &f);
-            if (!tied_before(mk, &f, form, &n))
-                st = add_tied(mk, &f, &fate);
+            lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
+            tie_inputs(job, m, first, code, &f);
+            if (!listed_before(job, &f, form, &n))
+                st = add_tied(job, &f, &outcome);
         }
     }
     free(form);
-    mk->own.tally.n_set++;
-    mk->own.tally.n_set_out += fate != LW_PAIR_FITTED;
-    if (mk->best == LW_PAIR_NO_PLAN || fate == LW_PAIR_FITTED)
-        mk->best = fate;
+    job->own.tally.n_set++;
+    job->own.tally.n_set_out += outcome != LW_PAIR_FITTED;
+    if (job->best == LW_PAIR_NO_PLAN || outcome == LW_PAIR_FITTED)
+        job->best = outcome;
     return st;
 }
 
-static lw_status add_pair(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
+static lw_status add_pair(chain_job *job, const lw_mechanism *m, lw_pair_outcome *outcome)
 {
-    *fate = LW_PAIR_CIRCLE;
-    if (joined_to_ground(m) && mk->w->task != LW_TASK_FUNCTION)
+    *outcome = LW_PAIR_CIRCLE;
+    if (joined_to_ground(m) && job->request->task != LW_TASK_FUNCTION)
         return LW_OK;
-    if (mk->w->dof == 1)
-        return add_driven(mk, m, fate);
-    mk->best = LW_PAIR_NO_PLAN;
-    lw_status st = lw_inputs_each(m, mk->w->dof, true, add_ties, mk);
-    *fate = mk->best;
+    if (job->request->dof == 1)
+        return add_driven(job, m, outcome);
+    job->best = LW_PAIR_NO_PLAN;
+    lw_status st = lw_inputs_each(m, job->request->dof, true, add_ties, job);
+    *outcome = job->best;
     return st;
 }
 
 /* ---- variants ------------------------------------------------------------------------------------------- */
 
-/* Is this set of ratios, through a symmetry, one of those before? */
-static bool same_ratios(maker *mk, const lw_mechanism *m, lw_graph *form, int *n)
-{
-    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, mk->ratio);
-    return tied_before(mk, &f, form, n);
-}
-
-/* A mechanism with gears, with each set of ratios: what becomes of it with the one with which it does best. */
-static lw_status add_geared(maker *mk, const lw_mechanism *m, lw_pair_outcome *fate)
+/* Add the families of a mechanism with gears with each set of ratios; *outcome is the best of the sets. */
+static lw_status add_geared(chain_job *job, const lw_mechanism *m, lw_pair_outcome *outcome)
 {
     lw_linkage k;
-    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
-    lw_status st = lw_packed_mechanism_sketch(mk->chain, &f, &mk->w->ratio, &k);
-    int sets = st == LW_OK ? lw_gear_sets(&k, &mk->w->ratio.gear) : 0, n = 0;
+    lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, 0);
+    lw_status st = lw_packed_mechanism_sketch(job->chain, &f, &job->request->ratio, &k);
+    int sets = st == LW_OK ? lw_gear_sets(&k, &job->request->ratio.gear) : 0, n = 0;
     lw_graph *form = malloc(sizeof *form*(size_t)(sets + 1));
-    *fate = sets > 0 ? LW_PAIR_NO_PLAN : LW_PAIR_NO_CARRIER;
-    for (mk->ratio = 1; form && st == LW_OK && mk->ratio <= sets; mk->ratio++) {
+    *outcome = sets > 0 ? LW_PAIR_NO_PLAN : LW_PAIR_NO_CARRIER;
+    for (job->ratio = 1; form && st == LW_OK && job->ratio <= sets; job->ratio++) {
         lw_pair_outcome now;
-        if (same_ratios(mk, m, form, &n))
+        f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
+        if (listed_before(job, &f, form, &n))
             continue;
-        st = add_pair(mk, m, &now);
-        if (*fate != LW_PAIR_FITTED && now != LW_PAIR_NO_PLAN)
-            *fate = now;
+        st = add_pair(job, m, &now);
+        if (*outcome != LW_PAIR_FITTED && now != LW_PAIR_NO_PLAN)
+            *outcome = now;
     }
     free(form);
-    mk->ratio = 0;
+    job->ratio = 0;
     return form ? st : LW_E_MEMORY;
 }
 
-static lw_status visit_variant(maker *mk, const lw_mechanism *m)
+static lw_status visit_variant(chain_job *job, const lw_mechanism *m)
 {
-    lw_pair_outcome fate = LW_PAIR_NOT_REQUESTED;
-    const lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
+    lw_pair_outcome outcome = LW_PAIR_NOT_REQUESTED;
+    const lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, 0);
     lw_status st = LW_OK;
     char key[64];
-    lw_packed_mechanism_key(mk->chain, &f, key, sizeof key);
-    if (asked_for(mk, key))
-        st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(mk, m, &fate) : add_pair(mk, m, &fate);
-    mk->own.tally.n_pair++;
-    mk->own.tally.outcome[fate]++;
+    lw_packed_mechanism_key(job->chain, &f, key, sizeof key);
+    if (is_requested(job, key))
+        st = memchr(m->kind, 'g', (size_t)m->n_joint) ? add_geared(job, m, &outcome) : add_pair(job, m, &outcome);
+    job->own.tally.n_pair++;
+    job->own.tally.outcome[outcome]++;
     return st;
 }
 
-/* Is this choice of slots, up to symmetry, one of those before? */
-static bool seen(maker *mk, const lw_mechanism *m, lw_graph *form, int n)
-{
-    lw_linkage k;
-    lw_packed_mechanism f = lw_packed_mechanism_of(m, mk->index, mk->turned, 0);
-    if (lw_packed_mechanism_sketch(mk->chain, &f, &mk->w->ratio, &k) != LW_OK || !lw_linkage_canonical_form(&k, &form[n]))
-        return false;
-    for (int i = 0; i < n; i++)
-        if (memcmp(&form[i], &form[n], sizeof *form) == 0)
-            return true;
-    return false;
-}
-
-/* Each pin in a slot both ways: the slot on the one link, the pin on the other.  Its inputs are the same. */
+/* Visit a pair of ground and tracer link with each slot on the one or on the other link of its joint.  The inputs are
+ * the same. */
 static lw_status visit_pair(void *context, const lw_mechanism *m)
 {
-    maker *mk = context;
-    int slots = 0, n = 0;
-    long before = mk->own.tally.n_driven;
-    if (mk->w->interrupt && *mk->w->interrupt)
+    chain_job *job = context;
+    int slots = 0, n = 0, variants = 0;
+    long before = job->own.tally.n_driven;
+    if (job->request->interrupt && *job->request->interrupt)
         return LW_STOPPED;
-    lw_status st = lw_inputs_each(m, mk->w->dof, false, count_input, mk);
+    lw_status st = lw_inputs_each(m, job->request->dof, false, count_input, job);
     for (int j = 0; j < m->n_joint; j++)
         slots += m->kind[j] == 'p';
     lw_graph *form = malloc(sizeof *form << slots);
     if (!form)
         return LW_E_MEMORY;
-    for (mk->turned = 0; st == LW_OK && mk->turned < 1u << slots; mk->turned++)
-        if (slots == 0 || !seen(mk, m, form, n)) {
-            n++;
-            st = visit_variant(mk, m);
+    for (job->turned = 0; st == LW_OK && job->turned < 1u << slots; job->turned++) {
+        lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, 0);
+        if (slots == 0 || !listed_before(job, &f, form, &n)) {
+            variants++;
+            st = visit_variant(job, m);
         }
-    mk->own.tally.n_driven = before + n*(mk->own.tally.n_driven - before);
+    }
+    job->own.tally.n_driven = before + variants*(job->own.tally.n_driven - before);
     free(form);
-    mk->turned = 0;
+    job->turned = 0;
     return st;
 }
 
-/* ---- as families, and the other way ------------------------------------------------------------------------ */
+/* ---- as families, and by name ------------------------------------------------------------------------ */
 
 static void stage_free(lw_mechanism_stage *s)
 {
@@ -371,7 +360,7 @@ lw_families lw_mechanism_stage_others(const lw_mechanism_stage *s)
     return (lw_families){ s->n_family - s->n_pins, make_slide, turn_of_slide, s };
 }
 
-/* How many joints of each kind, and what is joined to ground and tracer link: alike where mechanisms are. */
+/* A sum over joints, by kind and by whether they join the ground or the tracer link; equal for equal mechanisms. */
 static unsigned outline_of_joint(char kind, int a, int b, int ground, int tracer)
 {
     int place = 2*(a == ground || b == ground) + (a == tracer || b == tracer);
@@ -419,15 +408,17 @@ bool lw_mechanism_set_name(void *context, const lw_linkage *k, char *name, size_
 
 /* ---- a number of links ------------------------------------------------------------------------------------ */
 
-/* Every mechanism of one chain. */
-static void make_chain(void *context, size_t job, int thread)
+
+static void make_chain(void *context, size_t i, int thread)
 {
-    maker *mk = (maker *)context + job;
-    lw_mechanism_steps steps = { .ground = true, .kinds = mk->w->kinds, .output = true };
+    chain_job *job = (chain_job *)context + i;
+    lw_mechanism_steps steps = { .ground = true, .kinds = job->request->kinds, .output = true };
     (void)thread;
-    mk->plan = malloc(sizeof *mk->plan);
-    mk->status = mk->plan ? lw_mechanisms_each(&mk->chain->m, &steps, &mk->counts, visit_pair, NULL, mk) : LW_E_MEMORY;
-    free(mk->plan);
+    job->plan = malloc(sizeof *job->plan);
+    job->status = LW_E_MEMORY;
+    if (job->plan)
+        job->status = lw_mechanisms_each(&job->chain->m, &steps, &job->counts, visit_pair, NULL, job);
+    free(job->plan);
 }
 
 static lw_status list_chain(lw_mechanism_stage *s, const lw_chain *c, int number, int n2)
@@ -451,7 +442,7 @@ static lw_status visit_chain(void *context, const lw_chain *c)
     return list_chain(l->to, c, ++l->number, l->n2);
 }
 
-/* Chains with so many links of which n2 joints have two freedoms (Makkonen 1999, eq. 2). */
+/* List the chains with to->links links, of which n2 joints have two freedoms (Makkonen 1999, eq. 2). */
 static lw_status list_chains(lw_mechanism_stage *to, int n2, lw_error *e)
 {
     int links = to->links, dof = to->all->dof, twice = 3*(links - 1) - dof - n2;
@@ -461,8 +452,8 @@ static lw_status list_chains(lw_mechanism_stage *to, int n2, lw_error *e)
     return lw_higher_each(links, dof, n2, 1, visit_chain, &l, e);
 }
 
-/* What a chain adds to the numbers of its stage, and to the names met. */
-static lw_status join(const maker *part, lw_mechanism_stage *to, bool met[64])
+/* Add the tally of a chain to its stage's, and the names it bears. */
+static lw_status join(const chain_job *part, lw_mechanism_stage *to, bool met[NAMES_MAX])
 {
     const lw_mechanism_tally *own = &part->own.tally;
     lw_mechanism_tally *sum = &to->tally;
@@ -475,13 +466,13 @@ static lw_status join(const maker *part, lw_mechanism_stage *to, bool met[64])
     sum->n_group += own->n_group;
     for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
         sum->outcome[i] += own->outcome[i];
-    for (int i = 0; i < 64; i++)
+    for (int i = 0; i < NAMES_MAX; i++)
         met[i] |= part->met[i];
     return part->status;
 }
 
-/* The families of all chains, those of pins alone first. */
-static lw_status join_families(const maker *part, lw_mechanism_stage *to)
+/* Join the families of all chains, those of pins alone first. */
+static lw_status join_families(const chain_job *part, lw_mechanism_stage *to)
 {
     for (int i = 0; i < to->n_list; i++)
         to->n_family += part[i].own.n_family;
@@ -497,18 +488,20 @@ static lw_status join_families(const maker *part, lw_mechanism_stage *to)
     return to->family ? LW_OK : LW_E_MEMORY;
 }
 
-/* Those of pins and sliders alone (higher false), or those with slots and gears. */
-static lw_status make_stage(const lw_mechanism_request *w, lw_mechanism_stage *to, bool met[64], lw_error *e)
+/* Make the mechanisms of a stage: of pins and sliders alone, or with slots and gears (two_freedoms). */
+static lw_status make_stage(const lw_mechanism_request *request, lw_mechanism_stage *to, bool met[NAMES_MAX],
+                            lw_error *e)
 {
     lw_status st = LW_OK;
-    for (int n2 = to->two_freedoms; st == LW_OK && (n2 == 0 || (to->two_freedoms && to->links + n2 <= LW_EXPANDED_LINK_MAX)); n2++)
+    int last = to->two_freedoms ? LW_EXPANDED_LINK_MAX - to->links : 0;
+    for (int n2 = to->two_freedoms; st == LW_OK && n2 <= last; n2++)
         st = list_chains(to, n2, e);
-    maker *part = st == LW_OK ? calloc((size_t)to->n_list + 1, sizeof *part) : NULL;
+    chain_job *part = st == LW_OK ? calloc((size_t)to->n_list + 1, sizeof *part) : NULL;
     if (!part)
         return st == LW_OK ? LW_E_MEMORY : st;
     for (int i = 0; i < to->n_list; i++)
-        part[i] = (maker){ .w = w, .chain = &to->list[i], .index = i };
-    st = lw_parallel(w->jobs, (size_t)to->n_list, make_chain, part);
+        part[i] = (chain_job){ .request = request, .chain = &to->list[i], .index = i };
+    st = lw_parallel(request->jobs, (size_t)to->n_list, make_chain, part);
     for (int i = 0; i < to->n_list; i++)
         st = st == LW_OK ? join(&part[i], to, met) : st;
     st = st == LW_OK ? join_families(part, to) : st;
@@ -518,15 +511,15 @@ static lw_status make_stage(const lw_mechanism_request *w, lw_mechanism_stage *t
     return st;
 }
 
-static lw_status check_names(const lw_mechanism_request *w, const bool met[64], lw_error *e)
+static lw_status check_names(const lw_mechanism_request *request, const bool met[NAMES_MAX], lw_error *e)
 {
     int k = 0;
-    for (const char *at = w->only; strcmp(w->only, "all") != 0 && *at; k++) {
+    for (const char *at = request->only; strcmp(request->only, "all") != 0 && *at; k++) {
         size_t n = strcspn(at, ",");
-        if (k < 64 && !met[k])
+        if (k < NAMES_MAX && !met[k])
             return lw_error_set(e, LW_E_ARG, "topology: nothing up to %d links is called '%.*s'; there are watt1, "
-                                "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and by links, "
-                                "number of slots and gears, and number as 5.1.2", w->links, (int)n, at);
+                                "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and by "
+                                "links, number of slots and gears, and number as 5.1.2", request->links, (int)n, at);
         at += n + (at[n] == ',');
     }
     return LW_OK;
@@ -544,14 +537,15 @@ int lw_mechanism_least_links(int dof)
     return dof > 1 ? 3*dof - 1 : 4;
 }
 
-/* A stage that holds nothing to count is none. */
-static lw_status add_stage(const lw_mechanism_request *w, lw_mechanism_set *t, int links, bool two_freedoms, bool met[64], lw_error *e)
+/* Add a stage, unless it has no chain. */
+static lw_status add_stage(const lw_mechanism_request *request, lw_mechanism_set *t, int links, bool two_freedoms,
+                           bool met[NAMES_MAX], lw_error *e)
 {
     if (t->n == LW_STAGE_MAX)
         return LW_OK;
     lw_mechanism_stage *to = &t->stage[t->n++];
     *to = (lw_mechanism_stage){ .links = links, .two_freedoms = two_freedoms, .all = t };
-    lw_status st = make_stage(w, to, met, e);
+    lw_status st = make_stage(request, to, met, e);
     if (to->tally.n_chain == 0) {
         stage_free(to);
         t->n--;
@@ -559,25 +553,25 @@ static lw_status add_stage(const lw_mechanism_request *w, lw_mechanism_set *t, i
     return st;
 }
 
-lw_status lw_mechanism_set_make(const lw_mechanism_request *w, lw_mechanism_set *set, lw_error *e)
+lw_status lw_mechanism_set_make(const lw_mechanism_request *request, lw_mechanism_set *set, lw_error *e)
 {
     lw_status st = LW_OK;
-    bool met[64] = { false };
+    bool met[NAMES_MAX] = { false };
     lw_error why = { .text = "" };
     memset(set, 0, sizeof *set);
-    set->every = strcmp(w->only, "all") == 0;
-    set->timed = w->timed;
-    set->ratio = w->ratio;
-    set->dof = w->dof;
-    for (int links = w->dof == 1 ? 6 : w->dof + 3; links <= w->links; links += 2)
-        st = st == LW_OK ? add_stage(w, set, links, false, met, &why) : st;
-    int most = w->links < LW_EXPANDED_LINK_MAX ? w->links : LW_EXPANDED_LINK_MAX - 1;
-    if (!lw_kinds_have_two_freedoms(w->kinds))
+    set->every = strcmp(request->only, "all") == 0;
+    set->timed = request->timed;
+    set->ratio = request->ratio;
+    set->dof = request->dof;
+    for (int links = request->dof == 1 ? 6 : request->dof + 3; links <= request->links; links += 2)
+        st = st == LW_OK ? add_stage(request, set, links, false, met, &why) : st;
+    int most = request->links < LW_EXPANDED_LINK_MAX ? request->links : LW_EXPANDED_LINK_MAX - 1;
+    if (!lw_kinds_have_two_freedoms(request->kinds))
         most = 0;
     for (int links = 3; links <= most; links++)
-        st = st == LW_OK ? add_stage(w, set, links, true, met, &why) : st;
+        st = st == LW_OK ? add_stage(request, set, links, true, met, &why) : st;
     if (st == LW_OK)
-        st = check_names(w, met, e);
+        st = check_names(request, met, e);
     else if (st == LW_STOPPED)
         st = lw_error_set(e, LW_NOTHING, "stopped while mechanisms were still counted: none was searched");
     else if (why.text[0] && e)

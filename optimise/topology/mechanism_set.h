@@ -30,8 +30,8 @@ typedef struct lw_mechanism_tally {
     long n_chain, n_ground;            /* chains; with a ground link                                */
     long n_pair;                       /* with ground link and tracer link, each slot on either of its links */
     long n_driven;                     /* pairs with F inputs anywhere                              */
-    long n_set, n_set_out;             /* F > 1: sets of inputs at the ground, of the pairs not left out; those of them that
-                                        * are left out                                              */
+    long n_set, n_set_out;             /* F > 1, of the pairs not left out: sets of inputs at the ground; those of
+                                        * these sets that are left out                              */
     long outcome[LW_PAIR_OUTCOMES];    /* of the pairs                                              */
     long n_group;                      /* fitted mechanisms with an Assur group beyond dyads        */
 } lw_mechanism_tally;
@@ -64,7 +64,7 @@ typedef struct lw_mechanism_request {
     const char *only;          /* names with commas between: "watt1,stephenson3", "watt" (both), chains by links and
                                 * number "8.5", by links, joints of two freedoms and number "5.1.2"; or "all" */
     lw_task     task;
-    bool        timed;         /* it matters which input has the target's angles: fit every input at the ground by itself */
+    bool        timed;         /* fit every input at the ground by itself: it matters which one has the target's angles */
     int         jobs;          /* threads; < 1: one per core                                        */
     const volatile int *interrupt;   /* stops when it becomes nonzero; NULL: nothing stops it       */
 } lw_mechanism_request;

@@ -9,28 +9,31 @@
 
 static const char letters[] = "rtpg";
 
+#define WHOLE 1e-9              /* a number this near to a whole number is one                           */
+
 lw_packed_mechanism lw_packed_mechanism_of(const lw_mechanism *m, int chain, unsigned turned, int ratio)
 {
-    lw_packed_mechanism f = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
-                       .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
+    lw_packed_mechanism p = { .chain = (uint16_t)chain, .ground = (uint8_t)m->ground, .tracer = (uint8_t)m->output,
+                              .turned = (uint8_t)turned, .ratio = (uint8_t)ratio };
     for (int j = 0; j < m->n_joint; j++)
-        f.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
-    return f;
+        p.kinds |= (uint32_t)(strchr(letters, m->kind[j]) - letters) << 2*j;
+    return p;
 }
 
-lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_packed_mechanism *f)
+lw_mechanism lw_packed_mechanism_unpack(const lw_numbered_chain *c, const lw_packed_mechanism *p)
 {
     lw_mechanism m = c->m;
-    m.ground = f->ground;
-    m.output = f->tracer;
+    m.ground = p->ground;
+    m.output = p->tracer;
     for (int j = 0; j < m.n_joint; j++)
-        m.kind[j] = letters[f->kinds >> 2*j & 3];
+        m.kind[j] = letters[p->kinds >> 2*j & 3];
     return m;
 }
 
 /* ---- gears ---------------------------------------------------------------------------------------------- */
 
-/* The joints of a linkage that are pairs of wheels; -1: a gear has no carrier, or several. */
+/* List the joints that are pairs of wheels.  Returns their number, or -1: a gear has no link that carries both its
+ * sides, or several. */
 static int wheel_pairs(const lw_linkage *k, int joint[LW_JOINT_MAX])
 {
     int n = 0;
@@ -61,7 +64,7 @@ int lw_gear_sets(const lw_linkage *k, const lw_ratio_list *gear)
     return pairs < 0 ? 0 : sets < LW_GEAR_SET_MAX ? sets : LW_GEAR_SET_MAX;
 }
 
-/* Number of the ratio of pair g in a set, both from 0. */
+/* Number of the ratio that pair g has in a set; all count from 0. */
 static int ratio_of(int set, int g, int pairs, int n)
 {
     if (all_sets(pairs, n) > LW_GEAR_SET_MAX)
@@ -71,56 +74,58 @@ static int ratio_of(int set, int g, int pairs, int n)
     return set % n;
 }
 
-static void put_ratios(const lw_packed_mechanism *f, const lw_ratio_list *gear, lw_linkage *k)
+static void put_ratios(const lw_packed_mechanism *p, const lw_ratio_list *gear, lw_linkage *k)
 {
-    int joint[LW_JOINT_MAX], pairs = f->ratio > 0 ? wheel_pairs(k, joint) : 0;
+    int joint[LW_JOINT_MAX], pairs = p->ratio > 0 ? wheel_pairs(k, joint) : 0;
     for (int g = 0; g < pairs; g++)
-        k->joint[joint[g]].ratio = gear->of[ratio_of(f->ratio - 1, g, pairs, gear->n)].value;
+        k->joint[joint[g]].ratio = gear->of[ratio_of(p->ratio - 1, g, pairs, gear->n)].value;
 }
 
 /* ", ratio 2", ", ratios 2, -1". */
-static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name, size_t size)
+static int ratios_text(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
+                       size_t size)
 {
     lw_linkage k;
     int joint[LW_JOINT_MAX], n = 0;
-    if (f->ratio == 0 || lw_packed_mechanism_sketch(c, f, r, &k) != LW_OK)
+    if (p->ratio == 0 || lw_packed_mechanism_sketch(c, p, r, &k) != LW_OK)
         return 0;
     int pairs = wheel_pairs(&k, joint);
     for (int g = 0; g < pairs; g++)
         n += snprintf(name + n, size - (size_t)n, "%s%s", g > 0 ? ", " : pairs > 1 ? ", ratios " : ", ratio ",
-                      r->gear.of[ratio_of(f->ratio - 1, g, pairs, r->gear.n)].text);
+                      r->gear.of[ratio_of(p->ratio - 1, g, pairs, r->gear.n)].text);
     return n;
 }
 
 /* ---- a linkage ------------------------------------------------------------------------------------------ */
 
-static void put_inputs(const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_linkage *k)
+static void put_inputs(const lw_packed_mechanism *p, const lw_ratio_choices *r, lw_linkage *k)
 {
-    k->n_input = f->n_input;
-    for (int i = 0; i < f->n_input; i++)
-        k->input[i] = (lw_input){ .joint = f->input[i], .value = lw_linkage_posture_input(k, f->input[i]),
-                                  .ratio = i > 0 ? r->tie.of[f->tie[i]].value : 0 };
+    k->n_input = p->n_input;
+    for (int i = 0; i < p->n_input; i++)
+        k->input[i] = (lw_input){ .joint = p->input[i], .value = lw_linkage_posture_input(k, p->input[i]),
+                                  .ratio = i > 0 ? r->tie.of[p->tie[i]].value : 0 };
 }
 
-lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, lw_linkage *k)
+lw_status lw_packed_mechanism_sketch(const lw_numbered_chain *c, const lw_packed_mechanism *p,
+                                     const lw_ratio_choices *r, lw_linkage *k)
 {
-    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, p);
     lw_rng rng;
     unsigned bit = 1;
-    lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | f->chain,
-                (uint64_t)f->kinds << 24 | (uint64_t)f->ground << 16 | (uint64_t)f->tracer << 8 | f->turned);
+    lw_rng_seed(&rng, (uint64_t)c->n2 << 32 | (uint64_t)c->m.n_link << 16 | p->chain,
+                (uint64_t)p->kinds << 24 | (uint64_t)p->ground << 16 | (uint64_t)p->tracer << 8 | p->turned);
     lw_status st = lw_linkage_sketch(&m, &rng, k);
     for (int j = 0; j < k->n_joint && st == LW_OK; j++)
         if (k->joint[j].kind == LW_JOINT_SLOT) {
-            bool later = f->turned & bit;
+            bool later = p->turned & bit;
             k->joint[j].link[0] = m.link[j][later];
             k->joint[j].link[1] = m.link[j][!later];
             bit <<= 1;
         }
     if (st != LW_OK)
         return st;
-    put_ratios(f, &r->gear, k);
-    put_inputs(f, r, k);
+    put_ratios(p, &r->gear, k);
+    put_inputs(p, r, k);
     return LW_OK;
 }
 
@@ -134,7 +139,7 @@ static int degree(const lw_mechanism *m, int link)
     return n;
 }
 
-/* Watt I, II, Stephenson I, II, III by the place of the ground. */
+/* Is a six-link chain Watt's, else Stephenson's?  *number: I, II, III by the ground link. */
 static bool is_watt(const lw_mechanism *m, int ground, int *number)
 {
     int ternary[2], n = 0, beside = 0;
@@ -148,7 +153,7 @@ static bool is_watt(const lw_mechanism *m, int ground, int *number)
     return watt;
 }
 
-void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechanism *f, char *key, size_t size)
+void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechanism *p, char *key, size_t size)
 {
     int number;
     if (c->n2 > 0)
@@ -156,38 +161,39 @@ void lw_packed_mechanism_key(const lw_numbered_chain *c, const lw_packed_mechani
     else if (c->m.n_link != 6)
         snprintf(key, size, "%d.%d", c->m.n_link, c->number);
     else {
-        const char *chain = is_watt(&c->m, f->ground, &number) ? "watt" : "stephenson";
+        const char *chain = is_watt(&c->m, p->ground, &number) ? "watt" : "stephenson";
         snprintf(key, size, "%s%d", chain, number);
     }
 }
 
-/* Chains with joints of two freedoms: by links, those joints and number, the kinds of all joints, and the links that
- * carry the slots. */
-static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name,
+/* Name of a mechanism with joints of two freedoms: number of links, of these joints, and of the chain; kinds of all
+ * joints; links with the slots. */
+static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
                         size_t size)
 {
-    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
+    lw_mechanism m = lw_packed_mechanism_unpack(c, p);
     unsigned bit = 1;
     int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
     for (int j = 0; j < m.n_joint; j++)
         if (m.kind[j] == 'p') {
             n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
-                          m.link[j][(f->turned & bit) != 0] + 1);
+                          m.link[j][(p->turned & bit) != 0] + 1);
             bit <<= 1;
         }
-    n += ratios_text(c, f, r, name + n, size - (size_t)n);
-    return n + snprintf(name + n, size - (size_t)n, ", ground %d", f->ground + 1);
+    n += ratios_text(c, p, r, name + n, size - (size_t)n);
+    return n + snprintf(name + n, size - (size_t)n, ", ground %d", p->ground + 1);
 }
 
-/* With the kinds of all joints where these are not all pins. */
-static int title(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, char *name, size_t size)
+/* Name without inputs and tracer link; with the kinds of the joints if these are not all pins. */
+static int title(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r, char *name,
+                 size_t size)
 {
     static const char *const roman[] = { "", "I", "II", "III" };
-    lw_mechanism m = lw_packed_mechanism_unpack(c, f);
-    int number, n_kind = f->kinds ? m.n_joint : 0;
+    lw_mechanism m = lw_packed_mechanism_unpack(c, p);
+    int number, n_kind = p->kinds ? m.n_joint : 0;
     const char *blank = n_kind ? " " : "";
     if (c->n2 > 0)
-        return higher_title(c, f, r, name, size);
+        return higher_title(c, p, r, name, size);
     if (m.n_link != 6)
         return snprintf(name, size, "%d-link chain %d%s%.*s, ground %d", m.n_link, c->number, blank, n_kind, m.kind,
                         m.ground + 1);
@@ -196,30 +202,30 @@ static int title(const lw_numbered_chain *c, const lw_packed_mechanism *f, const
 }
 
 /* ", input 2", ", inputs 1+4 by -2", ", inputs 1+4+6 by -2 and 3". */
-static int inputs_text(const lw_packed_mechanism *f, const lw_ratio_list *tie, char *name, size_t size)
+static int inputs_text(const lw_packed_mechanism *p, const lw_ratio_list *tie, char *name, size_t size)
 {
     int n = 0;
-    for (int i = 0; i < f->n_input; i++)
-        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : f->n_input > 1 ? ", inputs " : ", input ",
-                      f->input[i] + 1);
-    for (int i = 1; i < f->n_input; i++)
-        n += snprintf(name + n, size - (size_t)n, "%s%s", i == 1 ? " by " : " and ", tie->of[f->tie[i]].text);
+    for (int i = 0; i < p->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%d", i > 0 ? "+" : p->n_input > 1 ? ", inputs " : ", input ",
+                      p->input[i] + 1);
+    for (int i = 1; i < p->n_input; i++)
+        n += snprintf(name + n, size - (size_t)n, "%s%s", i == 1 ? " by " : " and ", tie->of[p->tie[i]].text);
     return n;
 }
 
-void lw_packed_mechanism_name(const lw_numbered_chain *c, const lw_packed_mechanism *f, const lw_ratio_choices *r, bool input,
-                       char *name, size_t size)
+void lw_packed_mechanism_name(const lw_numbered_chain *c, const lw_packed_mechanism *p, const lw_ratio_choices *r,
+                              bool input, char *name, size_t size)
 {
-    int n = title(c, f, r, name, size);
-    if (input || f->n_input > 1)
-        n += inputs_text(f, &r->tie, name + n, size - (size_t)n);
-    snprintf(name + n, size - (size_t)n, ", point on link %d", f->tracer + 1);
+    int n = title(c, p, r, name, size);
+    if (input || p->n_input > 1)
+        n += inputs_text(p, &r->tie, name + n, size - (size_t)n);
+    snprintf(name + n, size - (size_t)n, ", point on link %d", p->tracer + 1);
 }
 
 /* ---- canonical form --------------------------------------------------------------------------------------- */
 
-/* A vertex between the links of a joint. */
-static void put_between(lw_graph *g, const lw_joint *q, int colour, int first, int second)
+/* Add a vertex between the links of a joint. */
+static void add_between(lw_graph *g, const lw_joint *q, int colour, int first, int second)
 {
     int at = g->n++;
     g->colour[at] = (uint8_t)colour;
@@ -227,16 +233,16 @@ static void put_between(lw_graph *g, const lw_joint *q, int colour, int first, i
     g->tie[q->link[1]][at] = g->tie[at][q->link[1]] = (uint8_t)second;
 }
 
-/* Of a ratio of small whole numbers the upper one, and 128 more. */
+/* Numerator of a ratio of small whole numbers, plus 128. */
 static int part_of_ratio(double ratio)
 {
     for (int lower = 1; lower < LW_LAP_MAX; lower++)
-        if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < 1e-9 && fabs(ratio)*lower < 100)
+        if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < WHOLE && fabs(ratio)*lower < 100)
             return 128 + (int)lround(fabs(ratio)*lower);
     return 128;
 }
 
-/* How fast the inputs go, as whole numbers without a common divisor; false: they are too large. */
+/* Rates of the inputs as whole numbers without a common divisor; false: the numbers are too large. */
 static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
 {
     for (int lower = 1; lower < 128; lower++) {
@@ -244,7 +250,7 @@ static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
         for (int i = 0; i < k->n_input; i++) {
             double r = lower*(i > 0 ? k->input[i].ratio : 1);
             rate[i] = (int)lround(r);
-            whole = whole && fabs(r - rate[i]) < 1e-9 && abs(rate[i]) < 128;
+            whole = whole && fabs(r - rate[i]) < WHOLE && abs(rate[i]) < 128;
         }
         if (whole)
             return true;
@@ -252,8 +258,8 @@ static bool whole_rates(const lw_linkage *k, int rate[LW_INPUT_MAX])
     return false;
 }
 
-/* Two vertices that are joined: driven links are joined to the one or the other by the sense in which they go. */
-static bool put_rates(const lw_linkage *k, lw_graph *g)
+/* Add two joined vertices.  Each driven link is joined to the first or the second by the sign of its rate. */
+static bool add_rates(const lw_linkage *k, lw_graph *g)
 {
     int rate[LW_INPUT_MAX], box = g->n;
     if (g->n + 2 > LW_GRAPH_MAX || !whole_rates(k, rate))
@@ -269,7 +275,6 @@ static bool put_rates(const lw_linkage *k, lw_graph *g)
     return true;
 }
 
-/* Its ratio, a length, is a dimension. */
 static bool is_rack(const lw_linkage *k, int joint)
 {
     lw_gear g;
@@ -285,15 +290,15 @@ bool lw_linkage_canonical_form(const lw_linkage *k, lw_graph *form)
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *q = &k->joint[j];
         if (q->kind == LW_JOINT_SLOT && g.n < LW_GRAPH_MAX)
-            put_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
+            add_between(&g, q, 8, LW_JOINT_SLIDER, LW_JOINT_REVOLUTE);
         else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX && is_rack(k, j))
-            put_between(&g, q, 18, 1, 1);
+            add_between(&g, q, 18, 1, 1);
         else if (q->kind == LW_JOINT_GEAR && g.n < LW_GRAPH_MAX)
-            put_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
+            add_between(&g, q, q->ratio < 0 ? 16 : 17, part_of_ratio(1/q->ratio), part_of_ratio(q->ratio));
         else
             g.tie[q->link[0]][q->link[1]] = g.tie[q->link[1]][q->link[0]] = (uint8_t)q->kind;
     }
-    if ((k->n_input > 1 && !put_rates(k, &g)) || lw_graph_label(&g, to) != LW_OK)
+    if ((k->n_input > 1 && !add_rates(k, &g)) || lw_graph_label(&g, to) != LW_OK)
         return false;
     *form = (lw_graph){ .n = g.n };
     for (int i = 0; i < g.n; i++) {

@@ -100,8 +100,8 @@ lw_status lw_point_links_make(const lw_families *of, const lw_target *t, const l
     if (st == LW_E_MEMORY)
         return lw_error_set(e, st, "no memory for the choices of links");
     return lw_error_set(e, LW_E_ARG, "there are more than %d choices of links for %d points; say on which links "
-                        "the further points lie (input, coupler, output), or search fewer topologies", LW_POINT_CHOICE_MAX,
-                        1 + t->n_also);
+                        "the further points lie (input, coupler, output), or search fewer topologies",
+                        LW_POINT_CHOICE_MAX, 1 + t->n_also);
 }
 
 void lw_point_links_free(lw_point_links *s)

@@ -8,7 +8,13 @@
 #include "base/clock.h"
 #include "optimise/topology/grow.h"
 
-enum { PARENTS = 4, CHILDREN = 24 };       /* of a stage that are grown, and into how many in all   */
+enum {
+    PARENTS = 4,            /* linkages of a stage that get a dyad                                  */
+    CHILDREN = 24,          /* that they have in all, half of them the best one's                    */
+    OF_EACH = 4             /* candidates of every number of links that are kept, in case the best has a defect */
+};
+#define SAME     1e-9       /* relative difference of the objectives of one linkage, or of cognates  */
+#define ROUNDING 1e-20      /* objectives below this are not compared                                */
 
 typedef struct grown {
     int            n;
@@ -18,7 +24,7 @@ typedef struct grown {
 
 /* ---- the starts of a stage ------------------------------------------------------------------------ */
 
-/* Inputs over which a candidate is used. */
+/* The range of the inputs at the stations. */
 static void used_range(const lw_target *t, const lw_candidate *c, double *first, double *last)
 {
     *first = *last = c->input[0];
@@ -55,9 +61,9 @@ static bool changes_mode(const lw_target *t, const lw_candidate *c)
     return false;
 }
 
-/* Children of the best results with `links` links. */
-static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from, int links,
-                 grown *to)
+/* Add dyads to the best results with `links` links. */
+static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, const lw_fit *from,
+                 int links, grown *to)
 {
     int parents = 0;
     lw_rng rng;
@@ -68,9 +74,9 @@ static void grow(const lw_target *t, const lw_fit_options *o, const lw_search_st
         if (lw_candidate_links(c) != links || changes_mode(t, c) || lw_fit_report_make(t, &o->spec, c, r, NULL) != LW_OK
             || !r->verified)
             continue;
-        int want = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
+        int children = parents == 0 ? CHILDREN/2 : CHILDREN/(2*(PARENTS - 1));
         parents++;
-        for (int k = 0; k < want && to->n < CHILDREN; k++)
+        for (int k = 0; k < children && to->n < CHILDREN; k++)
             grow_one(t, stage, c, r, &rng, to);
     }
     free(r);
@@ -86,7 +92,7 @@ static int by_objective(const void *a, const void *b)
     return lw_candidate_links(p) - lw_candidate_links(q);
 }
 
-/* The candidates of one more stage among the others. */
+/* Move the candidates of one more stage to `all`. */
 static lw_status merge(lw_fit *all, lw_fit *more)
 {
     lw_candidate *list = realloc(all->candidate, sizeof *list*(size_t)(all->n + more->n + 1));
@@ -111,7 +117,7 @@ static lw_status merge(lw_fit *all, lw_fit *more)
 
 /* ---- stages ------------------------------------------------------------------------------------------ */
 
-/* What the survey keeps of a stage's fit. */
+/* Keep the results of a stage's fit. */
 static lw_status take(lw_staged_search *out, lw_stage_result *r, lw_fit *fit, lw_error *e)
 {
     r->starts = fit->starts;
@@ -153,24 +159,23 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     return st;
 }
 
-/* A linkage met again, or a cognate: as many links and the same error to rounding. */
-static bool again(const lw_candidate *a, const lw_candidate *b)
+/* Is it the same linkage, or a cognate: as many links and the same error to rounding? */
+static bool same(const lw_candidate *a, const lw_candidate *b)
 {
     return lw_candidate_links(a) == lw_candidate_links(b)
-        && fabs(a->objective - b->objective) <= 1e-9*b->objective && b->objective > 1e-20;
+        && fabs(a->objective - b->objective) <= SAME*b->objective && b->objective > ROUNDING;
 }
 
-/* No more than wanted, but of every stage its best, and some more in case the best has a defect. */
+/* Keep `most` candidates, and OF_EACH of every number of links. */
 static void shorten(lw_staged_search *s, int most)
 {
     lw_fit *f = &s->fit;
     int n = 0;
-    enum { OF_EACH = 4 };
     int seen[LW_LINK_MAX + 1] = { 0 };
     for (int i = 0; i < f->n; i++) {
         lw_candidate *c = &f->candidate[i];
         int links = lw_candidate_links(c);
-        if ((n < most || seen[links] < OF_EACH) && (n == 0 || !again(c, &f->candidate[n - 1]))) {
+        if ((n < most || seen[links] < OF_EACH) && (n == 0 || !same(c, &f->candidate[n - 1]))) {
             f->candidate[n++] = *c;
             seen[links]++;
         } else {
@@ -181,15 +186,15 @@ static void shorten(lw_staged_search *s, int most)
 }
 
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
-                        lw_staged_search *out, lw_error *e)
+                               lw_staged_search *out, lw_error *e)
 {
     lw_status st = LW_OK;
     double start = lw_clock_wall();
     memset(out, 0, sizeof *out);
     for (int i = 0; i < n_stage && i < LW_STAGE_MAX; i++) {
-        double left = o->max_seconds - (lw_clock_wall() - start), share = left/(n_stage - i);
+        double left = o->max_seconds - (lw_clock_wall() - start);
         lw_status now = run_stage(t, o, &stage[i], i > 0 ? stage[i].links - 2 : 0,
-                                  o->max_seconds > 0 ? fmax(share, 1e-3) : 0, out, e);
+                                  o->max_seconds > 0 ? fmax(left/(n_stage - i), 1e-3) : 0, out, e);
         if (now < 0 && now != LW_E_KIND) {
             lw_staged_search_free(out);
             return now;

@@ -1,7 +1,7 @@
-/* optimise/topology/staged_search.h - one target, linkages of four, six, eight links: fits stage by stage, the best of
- * each stage grown into starts of the next, so that more links are never worse than fewer.
+/* optimise/topology/staged_search.h - fits of one target stage by stage: linkages of four, six, eight, ... links.
  *
- * Which topologies there are the caller says (enumerate/ is not known here). */
+ * The best linkages of a stage with two links fewer, and a dyad added, are starts of the next stage; so more links
+ * are never worse than fewer.  The caller says which families a stage has. */
 #ifndef LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 #define LW_OPTIMISE_TOPOLOGY_STAGED_SEARCH_H
 
@@ -9,35 +9,34 @@
 
 #define LW_STAGE_MAX 24
 
-/* The families of one number of links; families.make NULL: four-link types, as lw_fit_options.types says. */
 typedef struct lw_search_stage {
     int              links;
-    lw_families      families;
-    /* What a grown linkage of the stage is called; false: it is not wanted.  NULL: by its parent. */
+    lw_families      families;       /* make NULL: the four-link types of lw_fit_options.types      */
+    /* Write the name of a linkage with an added dyad.  false: the linkage is not wanted.  NULL: names come from the
+     * parent. */
     bool           (*name)(void *context, const lw_linkage *k, char *name, size_t size);
     void            *context;
 } lw_search_stage;
 
-/* What came of a stage. */
 typedef struct lw_stage_result {
-    int        links, n_grown;       /* starts grown out of the stage before                        */
-    double     best;                 /* objective; INFINITY: nothing                                */
+    int        links, n_grown;       /* n_grown: starts with an added dyad                          */
+    double     best;                 /* objective; INFINITY: nothing was found                      */
     long       starts, improved, evals;
     double     seconds;              /* of the stage                                                */
     int        n_state;
-    unsigned char *state;            /* lw_fit_state of the stage's families, without grown ones (n_state) */
+    unsigned char *state;            /* lw_fit_state of the stage's families, without those grown (n_state) */
     lw_stop    stop;
 } lw_stage_result;
 
 typedef struct lw_staged_search {
-    lw_fit          fit;             /* candidates of all stages, best first; of every stage its best  */
+    lw_fit          fit;             /* candidates of all stages, best first; some of every number of links */
     int             n_stage;
     lw_stage_result stage[LW_STAGE_MAX];
 } lw_staged_search;
 
 /* o->families is not used; o->budget counts for each stage.  Statuses as lw_fit_run. */
 lw_status lw_staged_search_run(const lw_target *t, const lw_fit_options *o, const lw_search_stage *stage, int n_stage,
-                        lw_staged_search *out, lw_error *e);
+                               lw_staged_search *out, lw_error *e);
 void      lw_staged_search_free(lw_staged_search *s);
 
 #endif

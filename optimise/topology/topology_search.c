@@ -38,8 +38,8 @@ lw_status lw_start_check(const lw_linkage *k, lw_error *e)
     int own = lw_linkage_free_inputs(k);
     if (own == 1 && k->n_tracer > 0)
         return LW_OK;
-    return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d inputs and "
-                        "%d tracers", own > 1 ? ", beside those tied to it by a ratio," : "", k->name, own, k->n_tracer);
+    return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d inputs "
+                        "and %d tracers", own > 1 ? ", beside those tied to it by a ratio," : "", k->name, own, k->n_tracer);
 }
 
 static int by_links(const void *a, const void *b)
@@ -156,7 +156,7 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
     if (links > 4 || lw_kinds_have_two_freedoms(kinds))
         return lw_mechanism_set_make(&r, &p->set, e);
     if (strcmp(o->topologies, "all") != 0)
-        return lw_error_set(e, LW_E_ARG, "topology '%s' is one of more than four links; say how many with --links, or with "
+        return lw_error_set(e, LW_E_ARG, "topology '%s' has more than four links; say how many with --links, or with "
                             "\"links\" in a task file", o->topologies);
     return LW_OK;
 }
@@ -262,8 +262,8 @@ lw_status lw_topology_search_run(const lw_target *t, const lw_topology_search_op
         sum_mechanisms(p, out);
     } else {
         if (st == LW_NOTHING && out->found.n_stage > 0)
-            lw_error_set(e, st, "no linkage of these types within these bounds and conditions was found; widen the bounds "
-                         "or allow more types");
+            lw_error_set(e, st, "no linkage of these types within these bounds and conditions was found; widen the "
+                         "bounds or allow more types");
         lw_topology_search_free(out);
     }
     plan_free(p);

@@ -29,8 +29,8 @@ typedef struct lw_topology_search_options {
                                   * callbacks, stop flag.  `budget` and the progress count for each stage; `families` is
                                   * not used                                                        */
     int         links;           /* most links of a mechanism, 10 at most; 0: the fewest with these freedoms */
-    int         freedoms;        /* degree of freedom F, 1 .. LW_PACKED_INPUT_MAX (1).  Of F inputs at the ground all but one
-                                  * are tied to that one, by a ratio of input_ratios                */
+    int         freedoms;        /* degree of freedom F, 1 .. LW_PACKED_INPUT_MAX (1).  F inputs are at the ground; all
+                                  * but one are tied to that one, by a ratio of input_ratios        */
     const char *joints;          /* kinds of joints beyond the four-link types: letters of "rtpg", with or without
                                   * commas; r pin, t slider, p pin in a slot, g gear pair ("r")     */
     const char *topologies;      /* which mechanisms, see lw_mechanism_request.only ("all")         */
