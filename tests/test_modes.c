@@ -475,7 +475,7 @@ static void heard(void)
         CHECK_INT(find(s, false, true), LW_OK);
         CHECK_INT(s->modes.n_mode, 2);
         CHECK_INT(s->modes.conservative, i == 0);
-        CHECK_INT(lw_modes_listen(&s->f, &o, 0.0, s->q, &s->modes, peak, &e), LW_OK);
+        CHECK_INT(lw_modes_from_spectra(&s->f, &o, 0.0, s->q, &s->modes, peak, &e), LW_OK);
         for (int k = 0; k < s->modes.n_mode; k++)
             CHECK_NEAR(peak[k], s->modes.mode[k].frequency, 0, 5e-5);
         /* the same with the input held: one mode fewer in the loop */
@@ -483,7 +483,7 @@ static void heard(void)
             CHECK_INT(find(s, true, false), LW_OK);
             CHECK_INT(s->modes.n_mode, 1);
             o.hold_inputs = true;
-            CHECK_INT(lw_modes_listen(&s->f, &o, 0.0, s->q, &s->modes, peak, &e), LW_OK);
+            CHECK_INT(lw_modes_from_spectra(&s->f, &o, 0.0, s->q, &s->modes, peak, &e), LW_OK);
             CHECK_NEAR(peak[0], s->modes.mode[0].frequency, 0, 5e-5);
         }
         drop(s);
@@ -494,7 +494,7 @@ static void heard(void)
     double peak[2*LW_SYSTEM_Q_MAX];
     lw_modes_options o = { 0 };
     CHECK_INT(find(s, false, false), LW_OK);
-    CHECK_INT(lw_modes_listen(&s->f, &o, 0.0, s->q, &s->modes, peak, NULL), LW_NOTHING);
+    CHECK_INT(lw_modes_from_spectra(&s->f, &o, 0.0, s->q, &s->modes, peak, NULL), LW_NOTHING);
     CHECK(isnan(peak[0]));
     drop(s);
 }

@@ -207,7 +207,7 @@ static lw_status look_at_power(void *context, const lw_moment *m)
     double drive[LW_INPUT_MAX], row[LW_SYSTEM_Q_MAX], rate = 0, change = 0, force[LW_SYSTEM_Q_MAX];
     const lw_system *s = lw_dynamics_system(made);
     const lw_forces *f = lw_dynamics_forces(made);
-    lw_reactions_drives(made, m, drive);
+    lw_reactions_driving(made, m, drive);
     lw_system_measure(s, s->input_joint[0], m->q, row);
     for (int i = 0; i < s->n_q; i++)
         rate += row[i]*m->v[i];

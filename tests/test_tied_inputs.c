@@ -228,7 +228,7 @@ static lw_status sample(void *context, const lw_moment *m)
 {
     sampled *s = context;
     const lw_system *y = lw_dynamics_system(s->d);
-    lw_reactions_drives(s->d, m, s->drive[s->n]);
+    lw_reactions_driving(s->d, m, s->drive[s->n]);
     for (int i = 0; i < 2 && i < y->n_input + y->n_tie; i++) {
         double row[LW_SYSTEM_Q_MAX];
         bool pin = y->joint[y->input_joint[i]].kind == LW_JOINT_REVOLUTE;

@@ -82,7 +82,7 @@ static double *put_inputs(const cli_simulate *s, const lw_moment *m, double *to)
     const lw_linkage *k = &s->model->linkage;
     double drive[LW_INPUT_MAX];
     lw_measure z;
-    lw_reactions_drives(s->d, m, drive);
+    lw_reactions_driving(s->d, m, drive);
     for (int i = 0; i < k->n_input; i++) {
         lw_measure_joint(sys, k->input[i].joint, m->q, m->v, false, &z);
         *to++ = k->input[i].value + z.value;

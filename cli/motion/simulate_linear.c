@@ -143,7 +143,7 @@ static lw_status one(linear *l, bool rest, lw_error *e)
     lw_status s = lw_modes_find(&l->f, &o, l->o->t, l->q, &l->modes, e);
     if (s != LW_OK)
         return s;
-    if (l->o->fft && (s = lw_modes_listen(&l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
+    if (l->o->fft && (s = lw_modes_from_spectra(&l->f, &o, l->o->t, l->q, &l->modes, l->peak, e)) < 0)
         return s;
     if (l->o->fft)
         compare(l);
@@ -165,7 +165,7 @@ static lw_status along(linear *l, lw_error *e)
     double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;
     lw_status s = LW_OK;
     for (int k = 0; s == LW_OK && k <= l->o->along && !cli_interrupted(); k++) {
-        s = lw_modes_drive(&l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
+        s = lw_modes_move_input(&l->f, l->o->t, 0, first + (last - first)*k/l->o->along, l->q, e);
         if (s == LW_OK && l->o->rest) {
             lw_modes held;
             lw_status st = lw_modes_find(&l->f, &(lw_modes_options){ true, true }, l->o->t, l->q, &held, e);

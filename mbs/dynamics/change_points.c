@@ -1,28 +1,28 @@
-/* mbs/dynamics/change_points.c - change points: inputs at which the two assemblies of a dyad meet and part again.
+/* mbs/dynamics/change_points.c - change points: inputs at which the two assembly modes of a dyad meet and part again.
  *
- * The margin of a dyad, sin^2 of its angle, has a double root there, so that y = +-sqrt(margin) has a simple one and a
- * linkage that keeps its velocities changes to the other sign.  The input is gone through from the start, to
- * both sides, with modes that change at every such place; where a margin falls below 0 the motion ends. */
+ * The margin of a dyad, sin^2 of its angle, has a double root there, so y = +-sqrt(margin) has a simple one, and a
+ * linkage that keeps its velocities changes to the other sign.  The input is scanned from the start to both sides,
+ * with modes that change at every such point; where a margin falls below 0 the motion ends. */
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <math.h>
 #include <string.h>
 #include "base/linalg.h"
 
-static const int    per_turn = 360;          /* places looked at in a turn                                */
-static const double is_zero = 1e-13;         /* margin of a change point, rounding of lengths             */
-static const double vague = 1e-7;            /* a margin below that is none and no gap either             */
-static const double on_lengths = 1e-11;      /* what a bridge closes to, over the links' lengths            */
-static const double reach_most = 0.05;       /* half the width of a bridge [rad], or of the size          */
+static const int    per_turn = 360;          /* inputs looked at in a turn */
+static const double is_zero = 1e-13;         /* a margin below this is 0: rounding of lengths */
+static const double vague = 1e-7;            /* a margin below this is neither 0 nor clearly a gap */
+static const double on_lengths = 1e-11;      /* residual allowed on a bridge, over the links' lengths */
+static const double reach_most = 0.05;       /* greatest half width of a bridge [rad], or over the size */
 
 typedef struct scan {
     lw_reduced *r;
-    double mode[LW_DYAD_MAX], width;         /* of one step                                               */
-    double margin[3][LW_DYAD_MAX];           /* at the last three places                                  */
-    double limit;                            /* where the motion ends                                     */
-    int    side;                             /* way of the scan                                           */
-    bool   vague;                            /* assemblies came near each other but did not meet          */
-    const lw_change_point *met;                     /* behind it its dyads have changed over; NULL: none yet       */
+    double mode[LW_DYAD_MAX], width;         /* width: of one step */
+    double margin[3][LW_DYAD_MAX];           /* at the last three inputs */
+    double limit;                            /* input at which the motion ends */
+    int    side;                             /* direction of the scan */
+    bool   vague;                            /* assembly modes came near each other but did not meet */
+    const lw_change_point *met;                     /* point behind which the modes of its dyads have changed */
 } scan;
 
 /* Margin of one dyad. */
@@ -36,7 +36,7 @@ static double margin_at(const scan *c, int dyad, double input)
     return of[dyad];
 }
 
-/* Least margin of a dyad between a and b, by golden section. */
+/* Least margin of a dyad between inputs a and b, by golden section. */
 static double least_margin(const scan *c, int dyad, double a, double b, double *where)
 {
     const double g = 0.6180339887498949;
@@ -54,7 +54,7 @@ static double least_margin(const scan *c, int dyad, double a, double b, double *
     return fmin(f1, f2);
 }
 
-/* The simple root of +-sqrt(margin) by inverse interpolation from places well beside it. */
+/* The simple root of +-sqrt(margin), by inverse interpolation from inputs on both sides. */
 static double sharpen(const scan *c, int dyad, double at)
 {
     for (int pass = 0; pass < 3; pass++) {
@@ -80,8 +80,7 @@ static int angles_of(const lw_plan *p, int dyad, int out[2])
     return -1;
 }
 
-/* Polynomials through angle and rate at six places beside the change point; false when they do not
- * fit: it is none. */
+/* Fit polynomials through angle and rate at six inputs near the change point; false: they do not fit. */
 static bool fit_bridge(lw_reduced *r, const double *before, const double *after, const lw_change_point *t, lw_bridge *b)
 {
     static const double place[6] = { -2, -1.5, -1, 1, 1.5, 2 };
@@ -100,9 +99,9 @@ static bool fit_bridge(lw_reduced *r, const double *before, const double *after,
                 continue;
             const lw_reg1 *u = &r->reg[out[j]];
             double angle = atan2(u->p.y, u->p.x);
-            /* near the value that the place before leads to */
-            double want = i ? first[j] + (place[i] - place[i - 1])*t->reach*u->d.x : angle;
-            first[j] = want + remainder(angle - want, 2*LW_PI);
+            /* the branch of the angle that the last value predicts */
+            double expected = i ? first[j] + (place[i] - place[i - 1])*t->reach*u->d.x : angle;
+            first[j] = expected + remainder(angle - expected, 2*LW_PI);
             rhs[j][2*i] = first[j];
             rhs[j][2*i + 1] = u->d.x*t->reach;
         }
@@ -121,16 +120,16 @@ static bool fit_bridge(lw_reduced *r, const double *before, const double *after,
 
 /* ---- going through ------------------------------------------------------------------------------------ */
 
-/* Had its margin its least at the middle of the last three places, and is it 0 near there? */
-static bool touches(const scan *c, int d, double middle)
+/* Is the margin least at the middle of the last three inputs, and 0 near there? */
+static bool is_change_point(const scan *c, int d, double middle)
 {
     double where;
     return c->margin[1][d] <= c->margin[0][d] && c->margin[1][d] <= c->margin[2][d] && c->margin[1][d] <= 0.05
            && fabs(least_margin(c, d, middle - c->width, middle + c->width, &where)) <= is_zero;
 }
 
-/* Dyads whose margin had its least at the middle of the last three places, or whose change point is that of one that had:
- * where it lies on one of the places, rounding decides which of them is least. */
+/* Find the dyads whose margin is least at the middle of the last three inputs, and those that share the change point
+ * of one of them: where it lies on one of the inputs, rounding decides which margin is least there. */
 static bool meet(scan *c, double middle, lw_change_point *t)
 {
     lw_reduced *r = c->r;
@@ -138,17 +137,17 @@ static bool meet(scan *c, double middle, lw_change_point *t)
     t->n_bridge = 0;
     c->met = NULL;
     for (int d = 0; d < r->plan.n_dyad; d++)
-        any = any || touches(c, d, middle);
+        any = any || is_change_point(c, d, middle);
     for (int d = 0; d < r->plan.n_dyad; d++) {
         double where;
         const double *m[3] = { c->margin[0], c->margin[1], c->margin[2] };
-        /* with one that changes over all are looked at; the others for margins that are vague */
+        /* if one dyad changes, look at all; else only at margins that are vague */
         if (!any && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
             continue;
         double least = least_margin(c, d, middle - c->width, middle + c->width, &where);
         c->vague = c->vague || (fabs(least) > is_zero && fabs(least) < vague);
         if (!(fabs(least) <= is_zero))
-            continue;                              /* passed by, or a gap: the motion ends there                 */
+            continue;                              /* passed by, or a gap, where the motion ends */
         where = sharpen(c, d, where);
         if (t->n_bridge == 0)
             t->at = where;
@@ -160,8 +159,8 @@ static bool meet(scan *c, double middle, lw_change_point *t)
     return t->n_bridge > 0;
 }
 
-/* From `from` to one side, at most `turns` turns: touches in the order met, modes behind each. */
-static int go(scan *c, double from, int side, int turns, lw_change_point *touch, double mode[][LW_DYAD_MAX])
+/* Scan from `from` to one side, at most `turns` turns: change points in the order met, and the modes behind each. */
+static int scan_side(scan *c, double from, int side, int turns, lw_change_point *found, double mode[][LW_DYAD_MAX])
 {
     lw_reduced *r = c->r;
     double least;
@@ -172,16 +171,16 @@ static int go(scan *c, double from, int side, int turns, lw_change_point *touch,
         double at = from + side*k*c->width;
         memmove(c->margin[0], c->margin[1], 2*sizeof c->margin[0]);
         lw_reduced_plain(r, c->mode, NULL, at, c->margin[2], &least);
-        if (++seen >= 3 && n < LW_TOUCH_MAX && meet(c, at - side*c->width, &touch[n])) {
-            for (int b = 0; b < touch[n].n_bridge; b++)
-                c->mode[touch[n].bridge[b].dyad] *= -1;
+        if (++seen >= 3 && n < LW_CHANGE_POINT_MAX && meet(c, at - side*c->width, &found[n])) {
+            for (int b = 0; b < found[n].n_bridge; b++)
+                c->mode[found[n].bridge[b].dyad] *= -1;
             memcpy(mode[n++], c->mode, sizeof c->mode);
-            seen = 0;                              /* margins of dyads further on belong to other modes now */
+            seen = 0;                              /* the last margins belong to other modes */
             open = 0;
             k--;
             continue;
         }
-        open = least < -1e-12 ? open + 1 : 0;      /* just behind a change point modes may not fit yet */
+        open = least < -1e-12 ? open + 1 : 0;      /* just behind a change point the modes may not fit yet */
         if (open == 2) {
             c->limit = at;
             break;
@@ -198,8 +197,8 @@ static bool same_modes(const lw_plan *p, const double *a, const double *b)
     return true;
 }
 
-/* Do the dyads close all along the bridge?  Where their assemblies come near each other but do not meet (a
- * parallelogram with a length that is a little off) they do not. */
+/* Do the dyads close all along the bridge?  They do not where their assembly modes come near each other without
+ * meeting (a parallelogram with one length slightly off). */
 static bool bridge_closes(lw_reduced *r, const double *before, const double *after, const lw_change_point *t)
 {
     for (int k = -4; k <= 4; k++) {
@@ -223,16 +222,16 @@ static bool bridge_closes(lw_reduced *r, const double *before, const double *aft
     return true;
 }
 
-/* A bridge as wide as its neighbours allow; false when one does not close. */
+/* Make each bridge as wide as its neighbours allow; false: one does not close. */
 static bool make_bridges(lw_reduced *r)
 {
-    for (int i = 0; i < r->n_touch; i++) {
-        lw_change_point *t = &r->touch[i];
+    for (int i = 0; i < r->n_change; i++) {
+        lw_change_point *t = &r->change[i];
         t->reach = reach_most*r->scale;
         if (i > 0)
-            t->reach = fmin(t->reach, 0.25*(t->at - r->touch[i - 1].at));
-        if (i + 1 < r->n_touch)
-            t->reach = fmin(t->reach, 0.25*(r->touch[i + 1].at - t->at));
+            t->reach = fmin(t->reach, 0.25*(t->at - r->change[i - 1].at));
+        if (i + 1 < r->n_change)
+            t->reach = fmin(t->reach, 0.25*(r->change[i + 1].at - t->at));
         for (int b = 0; b < t->n_bridge;) {
             if (fit_bridge(r, r->piece_mode[i], r->piece_mode[i + 1], t, &t->bridge[b])) {
                 b++;
@@ -250,50 +249,50 @@ bool lw_reduced_change_points(lw_reduced *r, double from)
 {
     static const int most_turns = 4;
     double turn = r->plan.input_is_slider ? 20*r->scale : 2*LW_PI;
-    lw_change_point found[LW_TOUCH_MAX];
-    double mode[LW_TOUCH_MAX][LW_DYAD_MAX];
+    lw_change_point found[LW_CHANGE_POINT_MAX];
+    double mode[LW_CHANGE_POINT_MAX][LW_DYAD_MAX];
     scan c = { .r = r, .width = turn/per_turn };
     memcpy(c.mode, r->mode, sizeof c.mode);
-    int n = go(&c, from, 1, most_turns, found, mode);
+    int n = scan_side(&c, from, 1, most_turns, found, mode);
     if (c.vague)
         return false;
     if (n == 0)
-        return true;                              /* nothing to change over: the plan itself tells where it ends */
+        return true;                              /* no mode changes: the plan itself tells where it ends */
     memcpy(r->piece_mode[0], r->mode, sizeof r->mode);
     for (int k = 1; !r->plan.input_is_slider && isinf(c.limit) && k <= most_turns; k++) {
         int m = 0;
         while (m < n && found[m].at < from + k*turn)
             m++;
-        if (!same_modes(&r->plan, m ? mode[m - 1] : r->mode, r->mode) || m > LW_TOUCH_MAX/2)
+        if (!same_modes(&r->plan, m ? mode[m - 1] : r->mode, r->mode) || m > LW_CHANGE_POINT_MAX/2)
             continue;
         r->period = k*turn;
         r->low = from;
-        r->n_touch = m;
-        memcpy(r->touch, found, (size_t)m*sizeof *found);
+        r->n_change = m;
+        memcpy(r->change, found, (size_t)m*sizeof *found);
         memcpy(r->piece_mode[1], mode, (size_t)m*sizeof *mode);
         return make_bridges(r);
     }
-    /* not periodic within these turns: to both sides as far as was looked */
-    lw_change_point back[LW_TOUCH_MAX];
-    double back_mode[LW_TOUCH_MAX][LW_DYAD_MAX];
+    /* not periodic within these turns: scan both sides */
+    lw_change_point back[LW_CHANGE_POINT_MAX];
+    double back_mode[LW_CHANGE_POINT_MAX][LW_DYAD_MAX];
     r->high = from + most_turns*turn;
     memcpy(c.mode, r->mode, sizeof c.mode);
-    int m = go(&c, from, -1, most_turns, back, back_mode);
+    int m = scan_side(&c, from, -1, most_turns, back, back_mode);
     if (c.vague)
         return false;
-    m = m < LW_TOUCH_MAX/2 ? m : LW_TOUCH_MAX/2;
-    n = n < LW_TOUCH_MAX/2 ? n : LW_TOUCH_MAX/2;
-    r->low = m == LW_TOUCH_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
-    if (n == LW_TOUCH_MAX/2)
+    m = m < LW_CHANGE_POINT_MAX/2 ? m : LW_CHANGE_POINT_MAX/2;
+    n = n < LW_CHANGE_POINT_MAX/2 ? n : LW_CHANGE_POINT_MAX/2;
+    r->low = m == LW_CHANGE_POINT_MAX/2 ? back[m - 1].at + 1e-3*c.width : from - most_turns*turn;
+    if (n == LW_CHANGE_POINT_MAX/2)
         r->high = found[n - 1].at - 1e-3*c.width;
-    r->n_touch = m + n;
+    r->n_change = m + n;
     for (int i = 0; i < m; i++) {
-        r->touch[i] = back[m - 1 - i];
+        r->change[i] = back[m - 1 - i];
         memcpy(r->piece_mode[i], back_mode[m - 1 - i], sizeof *back_mode);
     }
     memcpy(r->piece_mode[m], r->mode, sizeof r->mode);
     for (int i = 0; i < n; i++) {
-        r->touch[m + i] = found[i];
+        r->change[m + i] = found[i];
         memcpy(r->piece_mode[m + i + 1], mode[i], sizeof *mode);
     }
     return make_bridges(r);

@@ -1,4 +1,5 @@
-/* mbs/dynamics/clearance_equations.c - accelerations in tree coordinates, with rows for loops, links and driven inputs. */
+/* mbs/dynamics/clearance_equations.c - accelerations in tree coordinates, with rows for loops, links, stops and
+ * inputs. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +36,8 @@ lw_status lw_clearance_work_make(const lw_clearance_scene *c, const lw_clearance
                  + (size_t)c->n_stop, all = u + c_max;
     size_t columns = 2*u*(size_t)c->s.n_body;
     size_t n = columns + 3*q + 3*q + rows*q + 3*rows + q + u*u + u + c_max*u + 3*c_max + all + 4*u
-             + (size_t)c->n_friction*all + lw_rank_doubles((int)all, (int)all) + lw_rank_doubles((int)c_max + 1, (int)u);
+             + (size_t)c->n_friction*all + lw_rank_doubles((int)all, (int)all)
+             + lw_rank_doubles((int)c_max + 1, (int)u);
     memset(w, 0, sizeof *w);
     w->c = c;
     w->o = *o;
@@ -82,7 +84,7 @@ lw_play lw_clearance_play(const lw_clearance_work *w, int i, const double *du)
     return p;
 }
 
-/* Acceleration of pin from bush that needs no d2u */
+/* Acceleration of the pin from the bush by velocities alone */
 static lw_vec2 play_bias(const lw_clearance_work *w, int i, const lw_play *p)
 {
     const lw_journal *j = &w->c->journal[i];
@@ -95,7 +97,7 @@ static lw_vec2 play_bias(const lw_clearance_work *w, int i, const lw_play *p)
     return lw_v2_sub(a[1], a[0]);
 }
 
-/* out (n_u) += what f at the pin and -f at the bush do */
+/* out (n_u) += generalised force of f at the pin and -f at the bush */
 static void push_apart(const lw_clearance_work *w, int i, const lw_play *p, lw_vec2 f, double *out)
 {
     const lw_journal *j = &w->c->journal[i];
@@ -122,8 +124,8 @@ double lw_clearance_press(const lw_clearance_work *w, int i, const lw_play *p)
     return w->rows.link[i] ? -lw_v2_dot(f, p->d)/lw_v2_norm(p->d) : contact_force(w, i, p, &r);
 }
 
-/* Contact force and friction of journal i into the load; friction acts where the surfaces touch, the pin's radius out
- * from its centre. */
+/* Add contact force and friction of journal i to the load.  Friction acts where the surfaces touch, at the pin's
+ * radius from its centre. */
 static void add_contact(lw_clearance_work *w, int i, const double *du)
 {
     const lw_journal *j = &w->c->journal[i];
@@ -137,7 +139,7 @@ static void add_contact(lw_clearance_work *w, int i, const double *du)
     if (j->c->friction > 0.0) {
         lw_vec2 along = lw_v2_perp(n);
         double pin = j->pin/unit, spin1 = w->state.spin[j->body[1] + 1], spin0 = w->state.spin[j->body[0] + 1];
-        /* d turns with the bush by spin0 r: what is left is slip */
+        /* d turns with the bush by spin0 r; the rest is slip */
         double slip = lw_v2_dot(along, p.rate) + spin1*pin - spin0*(pin + r);
         double drag = lw_contact_friction(j->c, f, slip*unit)*unit;
         pull = lw_v2_sub(pull, lw_v2_scale(along, drag));
@@ -160,7 +162,7 @@ void lw_clearance_through_tree(const lw_clearance_work *w, const double *row, do
     }
 }
 
-/* q, dq/dt and the part of d2q/dt2/2 without d2u as a series, for the rows of the system */
+/* q, dq/dt and half of d2q/dt2 without d2u as a series, for the rows of the system */
 static void write_series(lw_clearance_work *w, const double *du)
 {
     const lw_tree *t = &w->c->tree;
@@ -172,7 +174,7 @@ static void write_series(lw_clearance_work *w, const double *du)
     }
 }
 
-/* Value, rate and second rate at t that the row of input i must have, scaled, from the posture. */
+/* Value, rate and second rate at t that the row of input i must have, scaled, from the posture */
 static lw_status wanted_motion(const lw_clearance_work *w, int i, double t, double m[3])
 {
     const lw_clearance_scene *c = w->c;
@@ -181,7 +183,7 @@ static lw_status wanted_motion(const lw_clearance_work *w, int i, double t, doub
     m[1] = m[2] = 0.0;
     if (w->held)
         return LW_OK;
-    if (!c->m->motion[i]) {              /* starts only: from the posture, at its speed                     */
+    if (!c->m->motion[i]) {              /* starts only: from the posture, at its speed */
         m[1] = (i == 0 && !isnan(w->o.speed) ? w->o.speed : c->m->has_speed[i] ? c->m->speed[i] : 0.0)/scale;
         return LW_OK;
     }
@@ -278,7 +280,7 @@ static void stop_rows(lw_clearance_work *w, const lw_row_choice *choice, bool se
     }
 }
 
-/* First row of the stops among all */
+/* First row of the stops */
 static int first_row(const lw_clearance_work *w)
 {
     int n = w->c->tree.n_row;
@@ -295,7 +297,7 @@ double lw_clearance_stop_press(const lw_clearance_work *w, int i)
     return w->stop[i].sign*w->lambda[n];
 }
 
-/* w->a, w->off, w->wanted of the placed state: wanted rates, or with `series` wanted accelerations. */
+/* Fill w->a, w->off and w->wanted for the placed state: wanted rates or, with `series`, wanted accelerations. */
 static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, double t, const double *du, bool series)
 {
     int n = 0;
@@ -372,7 +374,7 @@ static void fill_load(lw_clearance_work *w, double t, const double *du)
         add_contact(w, i, du);
 }
 
-/* Cholesky's method on the lower half of w->mass; x is load, then the answer. */
+/* Cholesky's method on the lower half of w->mass; x is the load, then the answer. */
 static lw_status solve_free(lw_clearance_work *w, double *x)
 {
     int n = w->n_u;
@@ -404,8 +406,8 @@ static lw_status solve_free(lw_clearance_work *w, double *x)
     return LW_OK;
 }
 
-/* M x - A^T l = load, A x = wanted: least squares of least norm, which serves redundant rows; rows are scaled to
- * the size of the masses so that the rank can be judged. */
+/* Factor M x - A^T l = load, A x = wanted for least squares of least norm, which allows redundant rows.  Rows are
+ * scaled to the size of the masses so that the rank can be judged. */
 static lw_status factor_constrained(lw_clearance_work *w)
 {
     int n = w->n_u, all = n + w->n_c;
@@ -454,7 +456,7 @@ static lw_status solve_constrained(lw_clearance_work *w, double *ddu)
 
 /* ---- friction of joints without clearance ----------------------------------------------------------- */
 
-/* ddu and the multipliers, found without friction, become those with it. */
+/* Change ddu and the multipliers, found without friction, to those with it. */
 static lw_status add_friction(lw_clearance_work *w, double t, const double *du, double *ddu)
 {
     const lw_clearance_scene *c = w->c;
@@ -467,8 +469,8 @@ static lw_status add_friction(lw_clearance_work *w, double t, const double *du, 
         lw_clearance_through_tree(w, force, b);
         solve_again(w, b, w->response + k*all);
     }
-    return lw_friction_add(c->m, &c->s, c->n_friction, c->friction, w->friction_row, w->response, t, w->n_u, ddu, w->n_c,
-                           w->lambda, size, &w->undetermined);
+    return lw_friction_add(c->m, &c->s, c->n_friction, c->friction, w->friction_row, w->response, t, w->n_u, ddu,
+                           w->n_c, w->lambda, size, &w->undetermined);
 }
 
 /* ---- accelerations ------------------------------------------------------------------------------- */
@@ -549,7 +551,7 @@ int lw_clearance_lightest(lw_clearance_work *w, const double *u)
 
 /* ---- projection ---------------------------------------------------------------------------------- */
 
-/* x (n_u) least of A x = b (n_c, overwritten) */
+/* The least x (n_u) with A x = b (n_c, overwritten) */
 static void fit_rows(lw_clearance_work *w, double *b, double *x)
 {
     lw_rank_place(&w->fit, w->n_c, w->n_u, w->fit.a, w->fit.column);

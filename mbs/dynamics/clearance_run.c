@@ -1,4 +1,4 @@
-/* mbs/dynamics/clearance_run.c - motion with clearance from 0 to the end, contact made and lost on the way. */
+/* mbs/dynamics/clearance_run.c - motion with clearance from 0 to the end, with contact made and lost. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,14 +6,14 @@
 #include "mbs/dynamics/limits_internal.h"
 #include "mbs/ode/integrate.h"
 
-#define LOOKS 8                          /* places of a step at which the criterion of `zero` is taken      */
+#define LOOKS 8                          /* places in a step at which the criterion of `zero` is taken */
 
-/* Share of the gap, and of the depth in which damping comes in, that an error of a step may have. */
+/* Greatest error of a step: parts of the gap, and of the depth over which damping grows. */
 #define FINEST_GAP   2e-3
 #define FINEST_DEPTH 0.1
 
-/* Events of journal i: contact at 2i, full damping at 2i + 1; those of stops follow. */
-enum { TOUCH, FULL, PER_JOURNAL };
+/* Events of journal i: contact at 2i, full damping at 2i + 1; those of the stops follow. */
+enum { CONTACT, FULL, PER_JOURNAL };
 
 /* ---- callbacks of the integrator ----------------------------------------------------------------- */
 
@@ -30,8 +30,8 @@ static lw_status put_back(void *context, double t, double *y)
     return lw_clearance_project(w, &w->rows, t, y, y + w->n_u);
 }
 
-/* Gaps of stops, scaled; what presses on those that are rested on */
-static void look_at_stops(lw_clearance_work *w, double *g)
+/* Gaps of stops, scaled; pressure of those that are rested on */
+static void find_stop_events(lw_clearance_work *w, double *g)
 {
     if (w->c->n_stop == 0)
         return;
@@ -51,7 +51,7 @@ static bool has_strobe(const lw_clearance_work *w)
     return w->o.strobe && w->c->s.n_input > 0;
 }
 
-/* 0 where input 0 has come round to its start; the state is placed */
+/* 0 where input 0 is back at its start; the state is placed */
 static double round_trip(lw_clearance_work *w)
 {
     const lw_system *s = &w->c->s;
@@ -60,8 +60,8 @@ static double round_trip(lw_clearance_work *w)
     return s->joint[s->input_joint[0]].kind == LW_JOINT_REVOLUTE ? sin(0.5*value) : value;
 }
 
-/* How deep in gaps; for a link how hard the pin pulls in newtons (contact is lost when it would have to push) */
-static lw_status look(void *context, double t, const double *y, double *g)
+/* Depth in gaps; for a link the pull of the pin in newtons (contact is lost when it would have to push) */
+static lw_status find_events(void *context, double t, const double *y, double *g)
 {
     lw_clearance_work *w = context;
     const lw_clearance_scene *c = w->c;
@@ -80,11 +80,11 @@ static lw_status look(void *context, double t, const double *y, double *g)
         const lw_clearance *law = c->journal[i].c;
         lw_play p = lw_clearance_play(w, i, NULL);
         double depth = lw_v2_norm(p.d)*c->s.unit - law->gap;
-        g[PER_JOURNAL*i + TOUCH] = w->rows.link[i] ? lw_clearance_press(w, i, &p)
+        g[PER_JOURNAL*i + CONTACT] = w->rows.link[i] ? lw_clearance_press(w, i, &p)
                                  : w->rows.hold[i] ? 1.0 : depth/law->gap;
         g[PER_JOURNAL*i + FULL] = lw_contact_rises(law) ? (depth - law->depth)/law->gap : -1.0;
     }
-    look_at_stops(w, g + PER_JOURNAL*c->n_journal);
+    find_stop_events(w, g + PER_JOURNAL*c->n_journal);
     if (has_strobe(w))
         g[strobe_event(c)] = round_trip(w);
     return s;
@@ -92,7 +92,7 @@ static lw_status look(void *context, double t, const double *y, double *g)
 
 /* ---- book-keeping -------------------------------------------------------------------------------- */
 
-static void note_touch(lw_clearance_work *w, int i, double t, bool touching)
+static void note_contact(lw_clearance_work *w, int i, double t, bool touching)
 {
     lw_clearance_outcome *o = &w->r->joint[i];
     if (touching == w->touching[i])
@@ -136,7 +136,7 @@ static double energy(lw_clearance_work *w, const double *y)
     return sum;
 }
 
-/* What input 0 counts and its rate, at the placed state with w->q, w->v written. */
+/* Value and rate of input 0 at the placed state with w->q, w->v written. */
 static void read_input(lw_clearance_work *w, double *value, double *rate)
 {
     const lw_system *s = &w->c->s;
@@ -218,12 +218,12 @@ static lw_status take_step(lw_clearance_work *w, lw_integrator *in)
 
 /* ---- events -------------------------------------------------------------------------------------- */
 
-/* Contact made or lost, full damping reached or left: the next phase of a journal. */
+/* Next phase of a journal: contact made or lost, full damping reached or left. */
 static void change_phase(lw_clearance_work *w, const lw_integrator *in, int i)
 {
     const lw_clearance *law = w->c->journal[i].c;
-    bool touch = in->side[PER_JOURNAL*i + TOUCH] > 0, full = in->side[PER_JOURNAL*i + FULL] > 0;
-    lw_contact_phase next = !touch ? LW_CONTACT_APART : full || !lw_contact_rises(law) ? LW_CONTACT_FULL
+    bool contact = in->side[PER_JOURNAL*i + CONTACT] > 0, full = in->side[PER_JOURNAL*i + FULL] > 0;
+    lw_contact_phase next = !contact ? LW_CONTACT_APART : full || !lw_contact_rises(law) ? LW_CONTACT_FULL
                           : LW_CONTACT_RISING;
     if (w->phase[i] == LW_CONTACT_APART && next != LW_CONTACT_APART) {
         lw_tree_place(&w->c->tree, in->y, in->y + w->n_u, &w->state);
@@ -231,26 +231,26 @@ static void change_phase(lw_clearance_work *w, const lw_integrator *in, int i)
         w->struck[i] = fabs(lw_v2_dot(p.d, p.rate))/lw_v2_norm(p.d)*w->c->s.unit;
     }
     w->phase[i] = next;
-    note_touch(w, i, in->t, touch);
+    note_contact(w, i, in->t, contact);
 }
 
-/* Events that change no law: told at their own time. */
+/* Events that change no law are handled at their own time. */
 static void passed(void *context, int event, double t, const double *y)
 {
     lw_clearance_work *w = context;
     w->r->events++;
     if (event != strobe_event(w->c)) {
-        note_touch(w, event/PER_JOURNAL, t, !w->touching[event/PER_JOURNAL]);
+        note_contact(w, event/PER_JOURNAL, t, !w->touching[event/PER_JOURNAL]);
         return;
     }
     lw_tree_place(&w->c->tree, y, NULL, &w->state);
-    if (fabs(round_trip(w)) < 1e-7)      /* else it is the start, where rounding took a side                */
+    if (fabs(round_trip(w)) < 1e-7)      /* else it is the start, where rounding chose a side */
         sample_at(w, w->o.strobe, t, y);
 }
 
 /* ---- the run ------------------------------------------------------------------------------------- */
 
-/* The quickest rate of the scene [1/s]: a contact's stiffness over the mass that moves with it, or the speeds. */
+/* Fastest rate of the scene [1/s]: of a contact's stiffness with the mass that moves with it, or the speeds. */
 static double quickest(lw_clearance_work *w, const double *u, const double *du)
 {
     const lw_clearance_scene *c = w->c;
@@ -291,12 +291,12 @@ static lw_ode equations(lw_clearance_work *w)
     for (int i = 0; i < c->n_journal; i++) {
         bool smooth = c->journal[i].c->model == LW_CLEARANCE_MLSD || w->rows.link[i];
         any = any || !w->rows.hold[i];
-        ode.passing[PER_JOURNAL*i + TOUCH] = smooth;
+        ode.passing[PER_JOURNAL*i + CONTACT] = smooth;
     }
     if (any) {
         ode.n_event = strobe_event(c) + has_strobe(w);
         ode.passing[strobe_event(c)] = has_strobe(w);
-        ode.event = look;
+        ode.event = find_events;
     }
     ode.project = lw_clearance_count_rows(c, &w->rows) > 0 || c->n_stop > 0 ? put_back : NULL;
     return ode;
@@ -316,7 +316,7 @@ static lw_status sample_step(lw_clearance_work *w, lw_integrator *in, double *ne
     return s;
 }
 
-/* Stops struck, rested on or left */
+/* Apply impacts, rests and departures of stops */
 static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, lw_error *e)
 {
     double flight, least = 2e-14*fmax(fabs(in->t), 1e-6);
@@ -330,8 +330,9 @@ static lw_status take_strikes(lw_clearance_work *w, lw_integrator *in, lw_error 
     return s;
 }
 
-/* The integrator has just ended a step at an event: laws change, and with them the equations.  It is asked first on
- * which side things go on: a pin that only grazes its bush has no contact, and no law of contact may stay. */
+/* The integrator has just ended a step at an event that changes the laws of contact and so the equations.  First it
+ * finds on which side of each event the motion goes on: a pin that only grazes its bush has no contact, and keeps no
+ * law of contact. */
 static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *e)
 {
     unsigned long long events = in->events;
@@ -339,7 +340,7 @@ static lw_status take_events(lw_clearance_work *w, lw_integrator *in, lw_error *
     unsigned long long stops = events >> PER_JOURNAL*w->c->n_journal & ~(~0ull << w->c->n_stop);
     lw_status s = stops ? take_strikes(w, in, e) : lw_integrate_restart(in, NULL, e);
     for (int i = 0; i < w->c->n_journal; i++)
-        if (!in->ode->passing[PER_JOURNAL*i + TOUCH] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
+        if (!in->ode->passing[PER_JOURNAL*i + CONTACT] && (events >> (PER_JOURNAL*i) & ((1u << PER_JOURNAL) - 1u))) {
             change_phase(w, in, i);
             w->r->events++;
         }
@@ -380,8 +381,8 @@ static void finish(lw_clearance_work *w, const lw_integrator *in)
     }
 }
 
-/* Error of a step in sizes of the linkage: what is asked for, but never so much that a pin is lost in its play or
- * steps over the depth in which damping comes in. */
+/* Error of a step in sizes of the linkage: as asked for, but small beside the gap and beside the depth over which
+ * damping grows. */
 static double error_allowed(const lw_clearance_work *w)
 {
     double e = w->o.tolerance, unit = w->c->s.unit;
@@ -396,11 +397,11 @@ static double error_allowed(const lw_clearance_work *w)
     return e;
 }
 
-/* Tolerances of places and of rates; the start; the first sample. */
+/* Tolerances of places and rates; the start; the first sample. */
 static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
 {
     choose_rows(w);
-    double *u = each + 2*w->n_u, *du = u + w->n_u;           /* room for the start */
+    double *u = each + 2*w->n_u, *du = u + w->n_u;           /* scratch for the start */
     lw_status s = lw_clearance_begin(w, u, du, e);
     if (s != LW_OK)
         return s;
@@ -424,9 +425,9 @@ static lw_status prepare(lw_clearance_work *w, double *each, lw_error *e)
     return LW_OK;
 }
 
-static lw_status run(lw_clearance_work *w, double *room, lw_error *e)
+static lw_status run(lw_clearance_work *w, double *memory, lw_error *e)
 {
-    double *each = room, *start = room + 2*w->n_u, *work = room + 4*w->n_u, next = 0.0;
+    double *each = memory, *start = memory + 2*w->n_u, *work = memory + 4*w->n_u, next = 0.0;
     lw_status s = prepare(w, each, e);
     if (s != LW_OK)
         return s;
@@ -461,12 +462,12 @@ lw_status lw_clearance_run(const lw_clearance_scene *scene, const lw_clearance_o
     if (lw_clearance_work_make(scene, o, &w) != LW_OK)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     size_t n = 2*(size_t)w.n_u;
-    double *room = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *room);
+    double *memory = calloc(2*n + lw_integrate_work((int)n, strobe_event(scene) + 1), sizeof *memory);
     begin_books(&w, r);
-    lw_status s = room ? run(&w, room, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
+    lw_status s = memory ? run(&w, memory, e) : lw_error_set(e, LW_E_MEMORY, "no memory for a run with clearance");
     if (s == LW_E_NUMERIC && w.undetermined.status != LW_OK && e)
         *e = w.undetermined;
-    free(room);
+    free(memory);
     lw_clearance_work_free(&w);
     return s;
 }

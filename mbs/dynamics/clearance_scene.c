@@ -1,4 +1,4 @@
-/* mbs/dynamics/clearance.c - scenes: which joints are opened, what is left. */
+/* mbs/dynamics/clearance_scene.c - a scene: which joints are opened, which are kept. */
 #include "mbs/dynamics/clearance.h"
 
 #include <math.h>
@@ -70,7 +70,7 @@ static lw_status find_journals(const lw_model *m, lw_clearance_scene *c, lw_erro
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
-/* Where a motion starts whole turns away from the posture. */
+/* Find whole turns between the posture and the start of a motion. */
 static void count_turns(lw_clearance_scene *c)
 {
     for (int i = 0; i < c->m->linkage.n_input; i++) {
@@ -116,8 +116,8 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
     if (s == LW_OK)
         s = lw_forces_system(m, &c->s, e);
     if (s == LW_OK && c->s.n_tie > 0)
-        s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which runs with clearance do not know; give "
-                         "each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
+        s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which runs with clearance do not "
+                         "know; give each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
     if (s != LW_OK) {
         free(c);
         return s;

@@ -1,12 +1,12 @@
 /* mbs/dynamics/clearance_start.c - places and speeds at t = 0.
  *
- * Without clearance the posture of the file and the speeds of the inputs fix everything; the reaction of each
+ * Without clearance, the posture of the file and the speeds of the inputs determine everything; the reaction of each
  * journal then says where in its bush the pin sits (Makkonen 1999, eqs. 26-27). */
 #include <math.h>
 #include <string.h>
 #include "mbs/dynamics/clearance_internal.h"
 
-/* Direction derivatives along the motion by central differences: the error is the step squared */
+/* Step of central differences along the motion; the error is its square */
 #define FLOW_STEP 1e-5
 
 static lw_row_choice closed(const lw_clearance_scene *c, bool all_inputs)
@@ -47,7 +47,7 @@ lw_status lw_clearance_reaction_rate(lw_clearance_work *w, double t, const doubl
     return LW_OK;
 }
 
-/* Where the pin of journal i sits and how it moves, from the reaction without clearance. */
+/* Place and rate of the pin of journal i in its bush, from the reaction without clearance. */
 static lw_status seat(lw_clearance_work *w, const double *y, int i)
 {
     const lw_clearance *c = w->c->journal[i].c;
@@ -58,7 +58,7 @@ static lw_status seat(lw_clearance_work *w, const double *y, int i)
         return s;
     double size = lw_v2_norm(f);
     if (!(size > 0.0))
-        return LW_OK;                    /* nothing presses it anywhere: it stays in the middle           */
+        return LW_OK;                    /* no force on it: it stays in the middle */
     lw_vec2 n = lw_v2_scale(f, -1.0/size);
     double turn = lw_v2_cross(f, rate)/(size*size), grow = lw_v2_dot(f, rate)/size;
     double depth = c->model == LW_CLEARANCE_LINK ? 0.0 : lw_contact_depth(c, size);

@@ -1,5 +1,5 @@
-/* mbs/dynamics/clearance_stops.c - rigid stops in tree coordinates (mbs/dynamics/rigid_stops_internal.h).  Forces of contacts
- * are finite, so they take no part in an impact. */
+/* mbs/dynamics/clearance_stops.c - rigid stops in tree coordinates (mbs/dynamics/rigid_stops_internal.h).  Forces of
+ * contacts are finite, so they take no part in an impact. */
 #include <math.h>
 #include <string.h>
 #include "mbs/dynamics/clearance_internal.h"

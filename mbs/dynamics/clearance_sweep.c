@@ -8,7 +8,7 @@
 
 /* ---- laws ---------------------------------------------------------------------------------------- */
 
-/* A law: the model with every joint's clearance as asked; NAN: as the file has it. */
+/* Make a law: the model with the law in every joint with clearance.  NAN: as the model has it. */
 static lw_status make_law(const lw_sweep *c, lw_sweep_law *l, lw_error *e)
 {
     l->m = malloc(sizeof *l->m);
@@ -23,7 +23,7 @@ static lw_status make_law(const lw_sweep *c, lw_sweep_law *l, lw_error *e)
         p->model = l->model != LW_CLEARANCE_NONE ? l->model : p->model;
         p->stiffness = isnan(l->stiffness) ? p->stiffness : l->stiffness;
         p->damping = isnan(l->damping) ? p->damping : l->damping;
-        if (!any) {                                  /* what the table says of this law */
+        if (!any) {                                  /* the law is reported by its first joint */
             l->model = p->model;
             l->stiffness = p->stiffness;
             l->damping = p->damping;
@@ -38,7 +38,8 @@ static lw_status make_laws(lw_sweep *c, lw_error *e)
     static const double as_given = NAN;
     const lw_sweep_options *o = &c->o;
     const lw_clearance_model own = LW_CLEARANCE_NONE, *model = o->n_model ? o->model : &own;
-    const double *stiffness = o->n_stiffness ? o->stiffness : &as_given, *damping = o->n_damping ? o->damping : &as_given;
+    const double *stiffness = o->n_stiffness ? o->stiffness : &as_given;
+    const double *damping = o->n_damping ? o->damping : &as_given;
     int n_model = o->n_model ? o->n_model : 1, n_stiffness = o->n_stiffness ? o->n_stiffness : 1;
     int n_damping = o->n_damping ? o->n_damping : 1;
     if ((double)n_model*n_stiffness*n_damping*o->n_speed > LW_SWEEP_RUN_MAX)
@@ -143,7 +144,7 @@ static void run_job(void *context, size_t job, int thread)
 
 static bool is_lost(const lw_sweep_row *r, int joint) { return r->r.joint[joint].lost; }
 
-/* Rows of one law that ran, slow ones first, whichever way they turn */
+/* Rows of one law by speed, whichever direction it has */
 static int by_speed(const void *a, const void *b)
 {
     const lw_sweep_row *const *x = a, *const *y = b;
@@ -173,10 +174,10 @@ static void find_limit(const lw_sweep *c, int law, int joint, lw_sweep_row **sor
         }
     }
     if (n > 0 && is_lost(sorted[n - 1], joint))
-        l->lost_again = l->kept_again = NAN;         /* not regular at the top: no upper limit here */
+        l->lost_again = l->kept_again = NAN;         /* contact is lost at the top: no upper limit here */
 }
 
-/* Halve the interval between two speeds of which one keeps contact and one does not. */
+/* Halve the interval between two speeds of which one keeps contact and the other does not. */
 static void refine(const lw_sweep *c, int law, int joint, double *kept, double *lost)
 {
     lw_sweep_row row = { .law = law };

@@ -14,7 +14,7 @@ static void add_path(lw_tree_joint *b, int k)
     b->path[b->n_path++] = k;
 }
 
-/* Hang body on parent by joint j, whose link[end] is the parent. */
+/* Connect a body to its parent by joint j, whose link[end] is the parent. */
 static void hang(lw_tree *t, int body, int j, int end)
 {
     const lw_system_joint *p = &t->s->joint[j];
@@ -48,7 +48,7 @@ static bool can_hang(lw_joint_kind k)
     return k == LW_JOINT_REVOLUTE || k == LW_JOINT_SLIDER || k == LW_JOINT_FIXED;
 }
 
-/* One body more: the first joint that leads from a body that hangs (or ground) to one that does not. */
+/* Add one body by the first joint from a connected body (or ground) to one that is not. */
 static bool grow(lw_tree *t, const bool *opened, const bool *apart, bool *hangs, bool *used)
 {
     for (int j = 0; j < t->s->n_joint; j++)
@@ -116,8 +116,8 @@ static void place_free(const lw_tree_joint *b, const double *u, const double *du
     col[k + 2] = lw_v2(0.0, 0.0);
 }
 
-/* The place of a body is p + r_p [+ sign u w] - r_b with r_p, r_b the turned arms of the joint on parent and body
- * and w the turned slide line. */
+/* The place of a body is p + r_p [+ sign u w] - r_b, with r_p, r_b the turned arms of the joint on parent and body,
+ * and w the turned line of the slide. */
 static void place_one(const lw_tree *t, const double *u, const double *du, int body, lw_tree_state *s)
 {
     const lw_tree_joint *b = &t->hang[body];

@@ -17,7 +17,7 @@ lw_contact_phase lw_contact_phase_at(const lw_clearance *c, double depth)
     return lw_contact_rises(c) && depth < c->depth ? LW_CONTACT_RISING : LW_CONTACT_FULL;
 }
 
-/* depth^e; stages of a step may look a little below 0 */
+/* depth^e; stages of a step may evaluate a little below 0 */
 static double power(double depth, double e)
 {
     return e == 1.0 ? depth : depth > 0.0 ? pow(depth, e) : 0.0;

@@ -11,14 +11,14 @@ typedef struct balance {
     const lw_model  *m;
     const lw_system *s;
     size_t n_posture;
-    const double *q;                      /* (n_posture*n_q)                                            */
+    const double *q;                      /* (n_posture*n_q) */
     int    n_link, body[LW_LINK_MAX], joint[LW_LINK_MAX];
     bool   floats[LW_LINK_MAX];
     double radius[LW_LINK_MAX], weight[LW_LINK_MAX];     /* of the counterweights: distance from the pin, mass */
-    double mass;                          /* of all moving links                                        */
+    double mass;                          /* of all moving links */
 } balance;
 
-/* A counterweight as far out on its link as the link's other joints are. */
+/* Distance of a counterweight from its pin: that of the farthest other joint of the link. */
 static double radius_of(const balance *b, int l)
 {
     const lw_linkage *k = &b->m->linkage;
@@ -95,15 +95,15 @@ static lw_status solve(const balance *b, double *p)
 {
     int m = 2*(int)b->n_posture, n = 2*b->n_link + 2;
     lw_rank r;
-    double *room = calloc(lw_rank_doubles(m, n) + (size_t)m, sizeof *room);
+    double *memory = calloc(lw_rank_doubles(m, n) + (size_t)m, sizeof *memory);
     int *ints = calloc(lw_rank_ints(m, n), sizeof *ints);
-    if (!room || !ints) {
-        free(room);
+    if (!memory || !ints) {
+        free(memory);
         free(ints);
         return LW_E_MEMORY;
     }
-    double *rhs = room + lw_rank_doubles(m, n);
-    lw_rank_place(&r, m, n, room, ints);
+    double *rhs = memory + lw_rank_doubles(m, n);
+    lw_rank_place(&r, m, n, memory, ints);
     for (int i = 0; i < (int)b->n_posture; i++) {
         const double *q = b->q + (size_t)i*(size_t)b->s->n_q;
         lw_vec2 z = moment_of(b, q);
@@ -121,7 +121,7 @@ static lw_status solve(const balance *b, double *p)
     }
     lw_rank_factor(&r, 1e-9);
     lw_rank_solve(&r, rhs, p);
-    free(room);
+    free(memory);
     free(ints);
     return LW_OK;
 }
@@ -229,9 +229,9 @@ lw_status lw_counterweights_find(const lw_model *m, const lw_system *s, size_t n
     for (int l = 0; l < b.n_link; l++) {
         lw_vec2 w = lw_v2(p[2*l], p[2*l + 1]), pin = m->linkage.joint[b.joint[l]].at;
         double product = lw_v2_norm(w);
+        lw_vec2 at = lw_v2_add(pin, lw_v2_scale(w, product > 0 ? b.radius[l]/product : 0));
         out->weight[l] = (lw_counterweight){ .link = s->link[b.body[l]], .joint = b.joint[l], .product = product,
-                                             .mass = product/b.radius[l],
-                                             .at = lw_v2_add(pin, lw_v2_scale(w, product > 0 ? b.radius[l]/product : 0)) };
+                                             .mass = product/b.radius[l], .at = at };
     }
     return LW_OK;
 }

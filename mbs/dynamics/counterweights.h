@@ -1,8 +1,8 @@
 /* mbs/dynamics/counterweights.h - counterweights that hold the common centre of mass still.
  *
  * The shaking force of the moving masses is minus the total mass times the acceleration of their common centre.  A
- * counterweight m at the place a (from a pin J of its link, in the frame of the link) adds m J(t) and m a, turned by the
- * angle of the link; with p = m a the condition is
+ * counterweight m at the place a (from a pin J of its link, in the frame of the link) adds m J(t) and m a, turned by
+ * the angle of the link; with p = m a the condition is
  *     sum of m c(t) + sum over links of (m_l J_l(t) + turn_l(t) p_l)  =  constant.
  * On links that turn about ground pins J stands still, and this is linear in the p: least squares over the postures.
  * Where they do not remove all of the motion, floating links get counterweights too, the one that helps most first;
@@ -17,7 +17,7 @@
 typedef struct lw_counterweights {
     int    n;
     lw_counterweight weight[LW_LINK_MAX];
-    double deviation_before, deviation_after;    /* of mass times common centre from its mean, RMS [kg m]  */
+    double deviation_before, deviation_after;    /* of mass times common centre from its mean, RMS [kg m] */
     bool   balanced;
 } lw_counterweights;
 

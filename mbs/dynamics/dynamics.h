@@ -3,9 +3,9 @@
  * One lw_dynamics holds one run: model, equations and memory.  The formulation follows from the analysis and the model,
  * or is asked for (docs/theory.md, "Dynamics").
  *
- * Coordinates q (n_q) and velocities v are those of mbs/constraints/system.h, scaled by system->unit; forces are those of
- * mbs/dynamics/forces.h.  Multipliers l (n_c) belong to the rows of the system, then of the driven inputs, then of the
- * stops that are rested on; the constraints push with -J^T l. */
+ * Coordinates q (n_q) and velocities v are those of mbs/constraints/system.h, scaled by system->unit; forces are those
+ * of mbs/dynamics/forces.h.  Multipliers l (n_c) belong to the rows of the system, then of the driven inputs, then of
+ * the stops that are rested on; the constraints push with -J^T l. */
 #ifndef LW_MBS_DYNAMICS_DYNAMICS_H
 #define LW_MBS_DYNAMICS_DYNAMICS_H
 
@@ -13,10 +13,10 @@
 #include "mbs/dynamics/forces.h"
 
 typedef enum lw_analysis {
-    LW_ANALYSIS_TRANSIENT,       /* kinematic when every freedom is driven, else dynamic              */
-    LW_ANALYSIS_STATIC,          /* equilibrium                                                       */
-    LW_ANALYSIS_QUASISTATIC,     /* motions prescribed, forces without inertia                        */
-    LW_ANALYSIS_KINEMATIC,       /* motions prescribed, forces with inertia                           */
+    LW_ANALYSIS_TRANSIENT,       /* kinematic when every freedom is driven, else dynamic */
+    LW_ANALYSIS_STATIC,          /* equilibrium */
+    LW_ANALYSIS_QUASISTATIC,     /* motions prescribed, forces without inertia */
+    LW_ANALYSIS_KINEMATIC,       /* motions prescribed, forces with inertia */
     LW_ANALYSIS_DYNAMIC
 } lw_analysis;
 
@@ -49,13 +49,13 @@ const char *lw_formulation_name(lw_formulation f);     /* "reduced"; "auto" */
 typedef struct lw_dynamics_options {
     lw_analysis    analysis;
     lw_formulation formulation;
-    double from, to;             /* time [s]                                                       */
-    int    intervals;            /* number of samples less one; they are evenly spaced               */
-    double relative, absolute;   /* error of a step, in scaled coordinates                            */
-    long   max_step;             /* 0: no limit                                                      */
-    double until;                /* time of lw_clock_wall at which to stop; 0: no limit               */
-    const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL              */
-    lw_caller_force force;       /* forces of the caller's own; apply NULL: none                      */
+    double from, to;             /* time [s] */
+    int    intervals;            /* number of samples less one; they are evenly spaced */
+    double relative, absolute;   /* error of a step, in scaled coordinates */
+    long   max_step;             /* 0: no limit */
+    double until;                /* time of lw_clock_wall at which to stop; 0: no limit */
+    const volatile sig_atomic_t *stop;     /* the run ends when it is not 0; may be NULL */
+    lw_caller_force force;       /* forces of the caller's own; apply NULL: none */
 } lw_dynamics_options;
 
 /* transient, auto, 0 to 1 s, 100 intervals, 1e-10 */
@@ -64,11 +64,11 @@ lw_dynamics_options lw_dynamics_options_default(void);
 /* One moment.  The arrays are the solver's and hold until the next moment. */
 typedef struct lw_moment {
     double t;
-    const double *q, *v, *a;     /* (n_q)                                                           */
-    const double *l;             /* (n_c) multipliers                                               */
-    double kinetic, potential;   /* [J]                                                             */
-    double work;                 /* done since the start by forces without potential [J]              */
-    double off, off_rate;        /* greatest residual of the constraints, scaled, and of their rates  */
+    const double *q, *v, *a;     /* (n_q) */
+    const double *l;             /* (n_c) multipliers */
+    double kinetic, potential;   /* [J] */
+    double work;                 /* done since the start by forces without potential [J] */
+    double off, off_rate;        /* greatest residual of the constraints, scaled, and of their rates */
     bool   unique;               /* the multipliers are the only ones; else they are those of least norm */
 } lw_moment;
 
@@ -82,21 +82,21 @@ typedef struct lw_run_event { double t; int joint; bool greatest, impact; double
 
 typedef struct lw_dynamics_report {
     lw_formulation formulation;
-    char   why[256];             /* reason for this formulation                                      */
-    int    unknowns;             /* of the differential or algebraic system solved                   */
-    int    freedom;              /* degree of freedom, driven inputs included                        */
-    int    redundant;            /* rows that depend on others                                      */
-    double moved, moved_rate;    /* change of the start by putting it on the constraints, scaled       */
-    long   steps, refused, rates;          /* rates: evaluations of the equations                     */
-    double worst_off, worst_off_rate;      /* greatest residuals over all samples                     */
-    double energy_error;         /* greatest |E - E(start) - work| [J]                               */
+    char   why[256];             /* reason for this formulation */
+    int    unknowns;             /* of the differential or algebraic system solved */
+    int    freedom;              /* degree of freedom, driven inputs included */
+    int    redundant;            /* rows that depend on others */
+    double moved, moved_rate;    /* change of the start by putting it on the constraints, scaled */
+    long   steps, refused, rates;          /* rates: evaluations of the equations */
+    double worst_off, worst_off_rate;      /* greatest residuals over all samples */
+    double energy_error;         /* greatest |E - E(start) - work| [J] */
     double energy_held;          /* sum of the corrections of the energy after steps, where it is kept [J] */
     double period;               /* of a motion that repeats itself: measured, used for the rest of the run [s]; 0 */
-    double energy_scale;         /* greatest kinetic energy or change of potential [J]               */
+    double energy_scale;         /* greatest kinetic energy or change of potential [J] */
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
-    int    n_event, n_event_seen;            /* events kept, and all                                 */
+    int    n_event, n_event_seen;            /* events kept, and all */
     lw_run_event event[LW_REPORT_EVENT_MAX];
-    double t;                    /* time reached                                                    */
+    double t;                    /* time reached */
 } lw_dynamics_report;
 
 typedef struct lw_dynamics lw_dynamics;

@@ -1,5 +1,6 @@
-/* mbs/dynamics/dynamics_bodies.c - forward dynamics in the bodies' coordinates: index1 by an explicit method, cvode by an implicit
- * one.  Rigid stops are events; singular postures are passed (mbs/dynamics/dynamics_singular.c). */
+/* mbs/dynamics/dynamics_bodies.c - forward dynamics in the coordinates of all bodies: index1 by an explicit method,
+ * cvode by an implicit one.  Rigid stops are events; singular postures are passed
+ * (mbs/dynamics/dynamics_singular.c). */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -9,11 +10,12 @@
 #include "mbs/ode/cvode.h"
 #include "mbs/ode/integrate.h"
 
-static const double hold_most = 30;          /* change of velocities over the error that a step may have    */
+static const double hold_most = 30;          /* greatest correction of velocities, over the error allowed in a step */
 
-/* The same after an explicit step, and the energy of a conservative model put back by a change of all velocities in
- * proportion, which constraints at rest allow, where that is as little as the step's error may be. */
-static lw_status arrive(void *context, double t, double *y)
+/* Project y after an explicit step.  The energy of a conservative model is corrected too, by a change of all
+ * velocities in proportion, which constraints at rest allow, where the correction is as small as the error allowed
+ * in a step. */
+static lw_status project_and_hold_energy(void *context, double t, double *y)
 {
     lw_run *run = context;
     lw_dynamics *d = run->d;
@@ -50,7 +52,8 @@ static lw_status begin_steps(stepper *w, lw_run *run, double t, const double *y)
     each.relative = o->relative;
     each.absolute = o->absolute;
     each.max_step = lw_run_steps_left(run);
-    w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate, .project = w->implicit ? lw_run_project : arrive,
+    w->ode = (lw_ode){ .n = run->n, .context = run, .rate = lw_run_rate,
+                       .project = w->implicit ? lw_run_project : project_and_hold_energy,
                        .n_event = run->d->n_stop, .event = lw_run_stop_events };
     memset(w->ode.direction, -1, sizeof w->ode.direction);
     if (w->implicit)
@@ -80,7 +83,7 @@ static lw_status step(stepper *w, double end, lw_ode_stop *stop, lw_error *e)
                        : lw_integrate_step(&w->explicit_one, end, stop, e);
 }
 
-/* The first step ends within the flight, so that a short one is seen. */
+/* The first step ends within the flight, so that the end of a short one is found. */
 static lw_status restart(stepper *w, const double *y, double flight, lw_error *e)
 {
     if (flight > 0)
@@ -89,7 +92,7 @@ static lw_status restart(stepper *w, const double *y, double flight, lw_error *e
                        : lw_integrate_restart(&w->explicit_one, y, e);
 }
 
-/* The state at t, within the last step. */
+/* The state at t within the last step. */
 static lw_status state_at(void *context, double t, double *y)
 {
     stepper *w = context;
@@ -101,28 +104,29 @@ static lw_status state_at(void *context, double t, double *y)
     return s == LW_OK && lw_run_project(w->run, t, y) < 0 ? LW_E_NUMERIC : s;
 }
 
-/* The last state at a fair distance from singular postures. */
-typedef struct fair { double t, h, weak, *y; } fair;
+/* The last state at some distance from singular postures. */
+typedef struct good_state { double t, h, weak, *y; } good_state;
 
-static const double beside = 1e-4;           /* least pivot beside a singular posture: an angle of 0.01        */
+static const double beside = 1e-4;           /* least pivot near a singular posture: an angle of 0.01 */
 
-/* Does the solver creep up to a singular posture? */
-static bool creeps(const stepper *w, const lw_dynamics *d, const fair *f, lw_status s)
+/* Does the solver take ever shorter steps towards a singular posture? */
+static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f, lw_status s)
 {
     if (s == LW_STOPPED || w->implicit || d->n_stop || !(f->h > 0) || d->weak > beside)
         return false;
     return s == LW_E_NUMERIC || s == LW_OPEN || w->explicit_one.h < 0.02*f->h;
 }
 
-/* Note a fair state, or leap over the singular posture that the solver creeps up to and begin again behind it. */
-static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
+/* Keep the state where it is good.  Where the solver is stuck before a singular posture, step over it and begin
+ * again behind it. */
+static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_status s)
 {
     lw_dynamics *d = run->d;
     double t;
     if (s == LW_OK && d->weak > beside)
-        *f = (fair){ time_of(w), fmax(time_of(w) - w->explicit_one.t_old, 0.5*f->h), d->weak,
+        *f = (good_state){ time_of(w), fmax(time_of(w) - w->explicit_one.t_old, 0.5*f->h), d->weak,
                      memcpy(f->y, state(w), (size_t)run->n*sizeof *f->y) };
-    if (!creeps(w, d, f, s))
+    if (!is_stuck(w, d, f, s))
         return s;
     s = lw_run_singular_step(run, LW_SINGULAR_STEP_HALF, f->t, f->weak, time_of(w), &t, f->y);
     if (s != LW_OK)
@@ -136,23 +140,23 @@ static lw_status keep_off(lw_run *run, stepper *w, fair *f, lw_status s)
     return s;
 }
 
-/* An implicit method beside a singular posture that it cannot pass comes nearer for ever, in ever shorter steps: so many
- * of them in a row, each so small a part of the run. */
-static const long   creep_most = 5000;
-static const double creep_step = 1e-9;
+/* An implicit method near a singular posture that it cannot pass takes ever shorter steps without end.  It counts as
+ * stuck after so many steps in a row, each no longer than this part of the run. */
+static const long   stuck_most = 5000;
+static const double stuck_step = 1e-9;
 
-static lw_status creep(const lw_run *run, const stepper *w, long *n)
+static lw_status check_progress(const lw_run *run, const stepper *w, long *n)
 {
     const lw_dynamics *d = run->d;
-    bool still = time_of(w) - run->r->t < creep_step*(d->o.to - d->o.from) && d->weak < beside;
+    bool still = time_of(w) - run->r->t < stuck_step*(d->o.to - d->o.from) && d->weak < beside;
     *n = still ? *n + 1 : 0;
-    return *n < creep_most ? LW_OK
-         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
-                        "motion was found behind it: a dead point or the end of its way", time_of(w));
+    return *n < stuck_most ? LW_OK
+         : lw_error_set(run->e, LW_E_NUMERIC, "at t = %.9g s the linkage comes to a singular posture with speed, and "
+                        "no motion was found behind it: a dead point or the end of its way", time_of(w));
 }
 
-/* Through the singular posture ahead, if there is one, and begin again behind it. */
-static lw_status cross(lw_run *run, stepper *w, double weak, double *y)
+/* Pass through the singular posture ahead, if there is one, and begin again behind it. */
+static lw_status pass_singular(lw_run *run, stepper *w, double weak, double *y)
 {
     double t = time_of(w);
     memcpy(y, state(w), (size_t)run->n*sizeof *y);
@@ -174,14 +178,14 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     lw_dynamics *d = run->d;
     lw_ode_stop stop = LW_ODE_STEP;
     bool changed = false;
-    long creeping = 0;
-    fair f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
+    long n_stuck = 0;
+    good_state f = { t, 0, 1, calloc((size_t)run->n, sizeof *y) };
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, d->o.to, &stop, run->e);
-        s = w->implicit ? s : keep_off(run, w, &f, s);
+        s = w->implicit ? s : step_over_singular(run, w, &f, s);
         if (s == LW_OK && w->implicit)
-            s = creep(run, w, &creeping);
+            s = check_progress(run, w, &n_stuck);
         run->r->t = time_of(w);
         if (s != LW_OK)
             break;
@@ -198,7 +202,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
         if (s == LW_OK)
             s = lw_run_limits(run, time_of(w), n);
         if (s == LW_OK && stop != LW_ODE_END) {
-            s = cross(run, w, weak, y);
+            s = pass_singular(run, w, weak, y);
             stop = time_of(w) >= d->o.to ? LW_ODE_END : stop;
         }
     }

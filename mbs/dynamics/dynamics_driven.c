@@ -1,6 +1,6 @@
-/* mbs/dynamics/dynamics_driven.c - every freedom driven: postures by Newton's method from a prediction of second order,
- * in steps short enough that the correction stays small; velocities, accelerations and all forces by the same
- * factors.  Singular postures (change points) are stepped over: the prediction goes on with the velocity. */
+/* mbs/dynamics/dynamics_driven.c - every freedom is driven: postures by Newton's method from a prediction of second
+ * order, in steps short enough to keep the correction small; velocities, accelerations and all forces from the same
+ * factors.  Steps go over singular postures (change points): the prediction goes on with the velocity. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double longest = 0.05;          /* way of a coordinate in one step, scaled or [rad]             */
+static const double longest_step = 0.05;          /* of a coordinate in one step, scaled or [rad] */
 
 static double greatest(const double *x, int n)
 {
@@ -18,32 +18,32 @@ static double greatest(const double *x, int n)
     return most;
 }
 
-/* Move y = (q, v) and a from t by h; LW_OPEN: shorter. */
+/* Advance y = (q, v) and a from t by h.  LW_OPEN: the step must be shorter. */
 static lw_status advance(lw_dynamics *d, double t, double h, double *y, double *a, double *to)
 {
     int n = d->n_q;
     for (int i = 0; i < n; i++)
         to[i] = y[i] + h*(y[n + i] + 0.5*h*a[i]);
-    double way = h*greatest(y + n, n);
-    lw_status s = lw_mbs_project_q(d, t + h, to, 0.3*way + 0.5*h*h*greatest(a, n) + 1e-9);
+    double distance = h*greatest(y + n, n);
+    lw_status s = lw_mbs_project_q(d, t + h, to, 0.3*distance + 0.5*h*h*greatest(a, n) + 1e-9);
     memcpy(to + n, y + n, (size_t)n*sizeof *to);
     if (s == LW_OK)
         s = lw_mbs_project_v(d, t + h, to + n);
     return s;
 }
 
-/* From t to end. */
-static lw_status follow(lw_run *run, double t, double end, double *y, double *a)
+/* Advance from t to end. */
+static lw_status go_to(lw_run *run, double t, double end, double *y, double *a)
 {
     lw_dynamics *d = run->d;
     int n = d->n_q, tries = 0;
     lw_status s = LW_OK;
     while (s == LW_OK && t < end) {
-        double way = greatest(y + n, n), h = end - t;
-        if (h*way > longest)
-            h /= ceil(h*way/longest);
-        if (h*h*greatest(a, n) > longest)
-            h = fmin(h, sqrt(longest/greatest(a, n)));
+        double distance = greatest(y + n, n), h = end - t;
+        if (h*distance > longest_step)
+            h /= ceil(h*distance/longest_step);
+        if (h*h*greatest(a, n) > longest_step)
+            h = fmin(h, sqrt(longest_step/greatest(a, n)));
         for (tries = 0; tries < 30; tries++, h *= 0.7) {
             s = advance(d, t, h, y, a, run->y);
             if (s == LW_OK)
@@ -64,8 +64,8 @@ static lw_status follow(lw_run *run, double t, double end, double *y, double *a)
     return s;
 }
 
-/* Work of the drives between two moments by the trapezium of their powers would be of second order only; energy is
- * not watched here: nothing is integrated. */
+/* The energy balance is not checked: nothing is integrated, and the work of the driving torques, from their powers
+ * at the samples, would be known to second order only. */
 static lw_status run_all(lw_run *run, double *y, double *a)
 {
     lw_dynamics *d = run->d;
@@ -75,7 +75,7 @@ static lw_status run_all(lw_run *run, double *y, double *a)
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
         if (k > 0)
-            s = follow(run, lw_run_time(d, k - 1), t, y, a);
+            s = go_to(run, lw_run_time(d, k - 1), t, y, a);
         if (s != LW_OK)
             break;
         if (d->o.analysis == LW_ANALYSIS_QUASISTATIC)

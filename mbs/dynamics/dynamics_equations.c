@@ -1,4 +1,4 @@
-/* mbs/dynamics/dynamics_solve.c - rows, factors, accelerations and reactions at one moment. */
+/* mbs/dynamics/dynamics_equations.c - rows, factors, accelerations and reactions at one moment. */
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <float.h>
@@ -8,7 +8,7 @@
 #include "base/sparse.h"
 #include "mbs/dynamics/friction.h"
 
-static const double least_pivot = 1e-4;     /* pivots below this are left to the sure way              */
+static const double least_pivot = 1e-4;     /* relative pivots below this: solve by rank */
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
@@ -22,7 +22,7 @@ lw_status lw_mbs_rows(lw_dynamics *d, double t, const double *q)
     const lw_system *s = &d->s;
     int row = s->n_row;
     lw_system_place(s, q, &d->frames);
-    for (int r = 0; r < d->n_c; r++)                 /* elsewhere it is 0 since the rows were arranged */
+    for (int r = 0; r < d->n_c; r++)                 /* other entries are 0 since lw_mbs_arrange */
         for (int k = 0; k < LW_SYSTEM_ROW_BODIES && d->row_body[r][k] >= 0; k++)
             memset(d->jac + r*d->n_q + 3*d->row_body[r][k], 0, 3*sizeof *d->jac);
     lw_system_fill(s, &d->frames, d->phi, d->jac, d->n_q, 1);
@@ -52,7 +52,7 @@ lw_status lw_mbs_rate_wanted(lw_dynamics *d, double t)
     return LW_OK;
 }
 
-/* A joint's points, their velocities and what their acceleration is without any of the coordinates'. */
+/* The two points of a joint and their relative motion, with the part of the acceleration that velocities cause. */
 typedef struct joint_motion { lw_vec2 d, dd, ddd, u, du, ddu; } joint_motion;
 
 static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint *j, const double *v)
@@ -77,7 +77,7 @@ static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint 
     return z;
 }
 
-/* The second rate of what a joint counts, less J a. */
+/* Second rate of the measure of a joint, without J a. */
 static double count_bias(const lw_dynamics *d, int joint, const double *v)
 {
     const lw_system_joint *j = &d->s.joint[joint];
@@ -127,7 +127,7 @@ static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)
 
 /* ---- the fast way ------------------------------------------------------------------------------ */
 
-/* S = J M^-1 J^T over the kept rows, upper triangle: entry (i, j) at schur[i*n + j], only those of the pattern. */
+/* S = J M^-1 J^T over the kept rows, upper triangle: entry (i, j) at schur[i*n + j], only entries of the pattern. */
 static void form_schur(lw_dynamics *d)
 {
     int n = d->n_kept, q = d->n_q;
@@ -146,7 +146,7 @@ static void form_schur(lw_dynamics *d)
     }
 }
 
-/* S = U^T U by rows, over the pattern; d->weak: least pivot over its diagonal. */
+/* S = U^T U by rows, over the pattern.  d->weak: least pivot over its diagonal. */
 static void cholesky(lw_dynamics *d)
 {
     int n = d->n_kept;
@@ -173,7 +173,7 @@ static void cholesky(lw_dynamics *d)
     }
 }
 
-/* S x = b over the kept rows, in place. */
+/* Solve S x = b over the kept rows, in place. */
 static void schur_solve(const lw_dynamics *d, double *b)
 {
     int n = d->n_kept;
@@ -235,9 +235,9 @@ static void fast_solve(lw_dynamics *d, const double *force, const double *rhs, d
         x[i] += push[i]*d->by_mass[i];
 }
 
-/* ---- the sure way ------------------------------------------------------------------------------ */
+/* ---- by rank ------------------------------------------------------------------------------ */
 
-/* N^T M N by Cholesky; LW_E_ARG names the link whose motion has no mass. */
+/* Factor N^T M N by Cholesky's method.  LW_E_ARG names the link whose motion has no mass. */
 static lw_status factor_null(lw_dynamics *d)
 {
     int n = d->freedom, q = d->n_q;
@@ -322,7 +322,7 @@ static void factor_rank(lw_dynamics *d)
 {
     for (int r = 0; r < d->n_c; r++)
         memcpy(d->rank_of.a + r*d->n_q, d->jac + r*d->n_q, (size_t)d->n_q*sizeof *d->jac);
-    d->rank_of.most = d->rank;               /* off the constraints redundant rows are not quite so */
+    d->rank_of.most = d->rank;               /* off the constraints, redundant rows look independent */
     lw_rank_factor(&d->rank_of, LW_RANK_TOLERANCE);
     d->null_ready = false;
 }
@@ -356,7 +356,8 @@ lw_status lw_mbs_linear(lw_dynamics *d, const double *force, const double *rhs, 
 /* ---- friction ------------------------------------------------------------------------------------- */
 
 /* a and l, found without friction, become those with it. */
-static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l, double *power)
+static lw_status add_friction(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
+                              double *power)
 {
     int n = d->n_friction, stride = d->n_q + d->n_c;
     double size[LW_JOINT_MAX], unit_power[LW_JOINT_MAX];
@@ -399,7 +400,7 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
         s = lw_mbs_factor(d, false);
     if (s != LW_OK || !d->by_rank || d->has_zero_mass)
         return s == LW_OK ? lw_mbs_solve(d, t, q, v, a, l, power) : s;
-    /* Near a singular posture what lies off the constraints is magnified: put it on them first. */
+    /* Near a singular posture residuals of the constraints are magnified: project first. */
     memcpy(d->q_try, q, (size_t)d->n_q*sizeof *q);
     memcpy(d->v_try, v, (size_t)d->n_q*sizeof *v);
     s = lw_mbs_settle(d, t, d->q_try, d->v_try);
@@ -432,7 +433,7 @@ static double greatest(const double *x, int n)
     return most;
 }
 
-/* x with J x = rhs, the least in the metric of the masses or of the coordinates. */
+/* The least x with J x = rhs, in the metric of the masses or of the coordinates. */
 static void least_change(lw_dynamics *d, const double *rhs, double *x)
 {
     if (d->by_rank)
@@ -441,7 +442,7 @@ static void least_change(lw_dynamics *d, const double *rhs, double *x)
         fast_solve(d, NULL, rhs, x, d->l_each);
 }
 
-lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far)
+lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
 {
     double *step = d->hold, before = INFINITY;
     for (int pass = 0; pass < 12; pass++) {
@@ -457,13 +458,13 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far)
             return s;
         }
         before = off;
-        /* factors of the step before serve when little has changed since */
+        /* the factors of the last pass serve when little has changed since */
         if ((pass < 1 || off > 1e-7) && (s = lw_mbs_factor(d, d->has_zero_mass || d->by_rank)) != LW_OK)
             return s;
         for (int r = 0; r < d->n_c; r++)
             d->rhs[r] = -d->phi[r];
         least_change(d, d->rhs, step);
-        if (!(greatest(step, d->n_q) <= far))
+        if (!(greatest(step, d->n_q) <= longest))
             return LW_OPEN;
         for (int i = 0; i < d->n_q; i++)
             q[i] += step[i];
@@ -471,21 +472,21 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far)
     return LW_OPEN;
 }
 
-/* Rows and factors are those of q. */
+/* Rows and factors are those at q. */
 lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v)
 {
-    double *step = d->hold, *want = d->l_each + d->n_c;
+    double *step = d->hold, *missing = d->l_each + d->n_c;
     for (int pass = 0; pass < 8; pass++) {
         if (lw_mbs_rate_wanted(d, t) != LW_OK)
             return LW_E_NUMERIC;
         double off = 0, size = greatest(v, d->n_q);
         for (int r = 0; r < d->n_c; r++) {
-            want[r] = d->rhs[r] - row_dot(d, r, v);
-            off = fmax(off, fabs(want[r]));
+            missing[r] = d->rhs[r] - row_dot(d, r, v);
+            off = fmax(off, fabs(missing[r]));
         }
         if (off <= 4*DBL_EPSILON*size)
             return LW_OK;
-        least_change(d, want, step);
+        least_change(d, missing, step);
         for (int i = 0; i < d->n_q; i++)
             v[i] += step[i];
     }
@@ -513,14 +514,14 @@ static void find_row_bodies(lw_dynamics *d)
 
 enum { SHARED = LW_SYSTEM_ROW_BODIES*LW_SYSTEM_ROW_BODIES };
 
-/* Which body two rows share as number k/4 of the first and k%4 of the second; -1: none. */
+/* Body that two rows share as number k/4 of the first and k%4 of the second; -1: none. */
 static int shared_body(const lw_dynamics *d, int row, int other, int k)
 {
     int b = d->row_body[row][k/LW_SYSTEM_ROW_BODIES];
     return b >= 0 && b == d->row_body[other][k%LW_SYSTEM_ROW_BODIES] ? b : -1;
 }
 
-/* Who meets whom in J M^-1 J^T: near[i*n + j], i, j places among the kept rows. */
+/* Pattern of J M^-1 J^T: near[i*n + j] for places i, j among the kept rows. */
 static void find_meetings(const lw_dynamics *d, unsigned char *near)
 {
     int n = d->n_kept;
@@ -531,7 +532,7 @@ static void find_meetings(const lw_dynamics *d, unsigned char *near)
                 near[i*n + j] |= shared_body(d, d->kept[i], d->kept[j], k) >= 0;
 }
 
-/* The kept rows in the order in which they are eliminated, and the pattern of U. */
+/* Order the kept rows for elimination, and find the pattern of U. */
 static void order_rows(lw_dynamics *d)
 {
     int n = d->n_kept, order[LW_MBS_ROW_MAX], kept[LW_MBS_ROW_MAX], used = 0;
@@ -551,7 +552,7 @@ static void order_rows(lw_dynamics *d)
 
 static int compare(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
 
-/* Pairs of kept rows that share a body, the later one first: the upper triangle of J M^-1 J^T. */
+/* Pairs of kept rows that share a body, the later row first: the upper triangle of J M^-1 J^T. */
 static void find_pairs(lw_dynamics *d)
 {
     int n = d->n_kept;
@@ -565,7 +566,7 @@ static void find_pairs(lw_dynamics *d)
             }
 }
 
-/* Keep the rows that the factorisation found to be a basis. */
+/* Keep a basis of the rows, as the factorisation found it. */
 static void keep_basis(lw_dynamics *d)
 {
     d->n_kept = d->rank_of.rank;
@@ -624,7 +625,7 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
 
 /* ---- stiffness ---------------------------------------------------------------------------------------- */
 
-/* Fastest decay by dampers times length of the run: beyond that an explicit method takes too many steps. */
+/* Fastest decay by dampers times the length of the run; above this an explicit method takes too many steps. */
 static const double stiff = 2e4;
 
 /* Speed along a measure for an impulse of 1 [1/kg] or [1/(kg m^2)]. */

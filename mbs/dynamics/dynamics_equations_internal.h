@@ -14,7 +14,7 @@
 #include "mbs/dynamics/friction.h"
 #include "mbs/dynamics/rigid_stops_internal.h"
 
-#define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time                        */
+#define LW_STOP_ROW_MAX 16               /* stops that can be rested on at one time */
 #define LW_MBS_ROW_MAX  (LW_SYSTEM_ROW_MAX + LW_INPUT_MAX + LW_STOP_ROW_MAX)
 
 /* Diagonals of a rank-revealing factorisation below this, relative to the first, count as 0. */
@@ -28,46 +28,46 @@ struct lw_dynamics {
     lw_dynamics_options  o;
     lw_system            s;
     lw_forces            f;
-    int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first     */
-    int     n_driven, driven[LW_INPUT_MAX];   /* inputs with a motion                                      */
-    int     n_stop;                           /* rigid stops                                               */
+    int     n_q, n_row, n_c;                  /* n_c: rows in force; the n_row of the system come first */
+    int     n_driven, driven[LW_INPUT_MAX];   /* inputs with a motion */
+    int     n_stop;                           /* rigid stops */
     lw_rigid_stop stop[2*LW_JOINT_MAX];
-    int     n_resting, resting[LW_STOP_ROW_MAX];     /* stops in the order of their rows                    */
+    int     n_resting, resting[LW_STOP_ROW_MAX];     /* stops in the order of their rows */
     int     n_friction;
     lw_friction_joint friction[LW_JOINT_MAX];
     int     friction_row[LW_JOINT_MAX];
-    int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank         */
+    int     rank, freedom;                    /* of J in a posture that is not singular; n_q - rank */
     bool    has_zero_mass;
     /* rows of the fast way */
-    int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows; place among them, -1: left out   */
+    int     n_kept, kept[LW_MBS_ROW_MAX], place[LW_MBS_ROW_MAX];   /* rows; place among them, -1: left out */
     int     n_pair, most_pair;
     lw_row_pair *pair;
     int     *after, after_at[LW_MBS_ROW_MAX + 1];    /* pattern of U, S = U^T U: columns right of the diagonal */
-    unsigned char *near;                      /* (n_c*n_c) scratch for the pattern                          */
+    unsigned char *near;                      /* (n_c*n_c) scratch for the pattern */
     int     row_body[LW_MBS_ROW_MAX][LW_SYSTEM_ROW_BODIES];
     /* at the posture last factored */
     lw_system_frames frames;
-    double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c)                      */
-    double *by_mass;                          /* (n_q) 1/mass                                              */
-    bool    by_rank, null_ready;              /* which way holds; mass_null is made                        */
+    double *phi, *jac, *rhs, *schur, *diag;   /* (n_c) (n_c*n_q) (n_c) (n_c*n_c) (n_c) */
+    double *by_mass;                          /* (n_q) 1/mass */
+    bool    by_rank, null_ready;              /* which way holds; mass_null is made */
     double  weak;                             /* least pivot of the fast way over its diagonal: how singular */
-    lw_rank rank_of;                          /* of J^T                                                    */
+    lw_rank rank_of;                          /* of J^T */
     double *rank_work, *null, *mass_null, *small;
     int    *rank_ints;
     double *force, *bias, *q_try, *v_try, *a, *l, *l_each, *hold;
-    double *hold_rows;                        /* (n_c*n_q) for reports                                     */
+    double *hold_rows;                        /* (n_c*n_q) for reports */
     double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
     double *start_q, *start_v;
-    double  moved, moved_rate;                /* change of the start by putting it on the constraints       */
+    double  moved, moved_rate;                /* change of the start by putting it on the constraints */
     struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
     lw_status reduced_status;
-    char    not_reduced[128];                 /* and if not, why                                           */
-    struct lw_panel_rule *rule;               /* of the quadrature formulation                              */
-    double  decay;                            /* fastest decay by dampers at the start [1/s]                */
+    char    not_reduced[128];                 /* and if not, why */
+    struct lw_panel_rule *rule;               /* of the quadrature formulation */
+    double  decay;                            /* fastest decay by dampers at the start [1/s] */
     bool    decay_known;
-    lw_dynamics_report choice;                /* the formulation chosen                                    */
-    double *work;                             /* memory of all arrays                                      */
-    lw_error *e;                              /* of the run under way                                      */
+    lw_dynamics_report choice;                /* the formulation chosen */
+    double *work;                             /* memory of all arrays */
+    lw_error *e;                              /* of the run under way */
 };
 
 /* Make d, whose model and options are set, ready: system, forces, memory, a start on the constraints. */
@@ -94,7 +94,7 @@ lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *
 
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.
  * LW_OPEN: a step of q would be longer than `far`. */
-lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double far);
+lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest);
 lw_status lw_mbs_project_v(lw_dynamics *d, double t, double *v);
 
 /* Both, after a step or for a stage. */

@@ -1,9 +1,9 @@
 /* mbs/dynamics/dynamics_ggl.c - stabilised index 2 (Gear, Gupta & Leimkuhler 1985), by IDA:
  *
- *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (rate of what is prescribed)
+ *     q' = v - W J^T m,   M v' = Q - J^T l,   0 = Phi(t, q),   0 = J v - (prescribed rates)
  *
- * W = 1/M keeps the two equations in one metric, J runs over the kept rows.  Friction uses the multipliers
- * of the state.  y = (q, v, l, m, work). */
+ * W = 1/M keeps both equations in one metric; J has the kept rows.  Friction uses the multipliers of the state.  y =
+ * (q, v, l, m, work). */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -11,19 +11,19 @@
 #include <string.h>
 #include "mbs/ode/ida.h"
 
-/* Absolute tolerance of multipliers: they are not judged.  Rounding in q and v comes back in them times mass over the
- * step, and Newton's method would not converge by them where steps are short, masses far apart or units large. */
+/* Absolute tolerance of the multipliers: no error test.  Rounding in q and v reaches them times mass over step; with
+ * short steps, masses of different size or large units Newton's method would not converge by them. */
 static const double unjudged = 1e300;
-static const long tired = 20;                /* steps; after so many it is worth while to begin again       */
+static const long worth_restart = 20;                /* steps after which a restart is worth trying */
 
 typedef struct ggl {
     lw_run *run;
     int    q, c;
     double least_mass, *dq, *dv;
     lw_ida *ida;
-    double *dense;                           /* (n of IDA) scratch                                          */
-    double *each;                            /* absolute tolerances                                         */
-    long   since;                            /* steps at the last start                                     */
+    double *dense;                           /* (n of IDA) scratch */
+    double *each;                            /* absolute tolerances */
+    long   since;                            /* number of steps at the last start */
 } ggl;
 
 static double mass_of(const ggl *g, int i) { return fmax(g->run->d->f.mass[i], g->least_mass); }
@@ -38,7 +38,7 @@ static void push(const lw_dynamics *d, const double *l, double *out)
                 out[i] += l[k]*d->jac[d->kept[k]*d->n_q + i];
 }
 
-/* Friction for the multipliers l of the kept rows is one of the forces. */
+/* Friction for the multipliers l of the kept rows counts among the forces. */
 static double add_friction(lw_dynamics *d, const double *q, const double *v, const double *l)
 {
     double power = 0;
@@ -94,7 +94,7 @@ static lw_status residual(void *context, double t, const double *y, const double
 
 /* ---- derivatives of the residual ----------------------------------------------------------------- */
 
-/* Second derivatives of a row, all that are not 0: by coordinates a and b, and by b and a. */
+/* A second derivative of a row that is not 0: by coordinates a and b, and by b and a. */
 typedef struct bend { int a, b; double h; } bend;
 
 static int add_bend(bend *out, int n, int body, int axis, int other, int other_axis, double h)
@@ -104,7 +104,8 @@ static int add_bend(bend *out, int n, int body, int axis, int other, int other_a
     return n;
 }
 
-/* Row r of the system at d->frames, w . d with w fixed or carried by link 0 (mbs/constraints/system_rows.c); turns have none. */
+/* Second derivatives of row r of the system at d->frames, w . d with w fixed or carried by link 0
+ * (mbs/constraints/system_rows.c).  Rows of turns have none. */
 static int bends_of(const lw_dynamics *d, int r, bend out[8])
 {
     const lw_system_joint *j = &d->s.joint[d->s.row[r].joint];
@@ -128,7 +129,7 @@ static int bends_of(const lw_dynamics *d, int r, bend out[8])
     return add_bend(out, n, b0, 2, b0, 1, -dw.y);
 }
 
-/* What kept row k and its multipliers add. */
+/* Add the part of kept row k and its multipliers. */
 static void add_row_derivatives(const ggl *g, int k, const double *y, double *jac)
 {
     const lw_dynamics *d = g->run->d;
@@ -153,7 +154,7 @@ static void add_row_derivatives(const ggl *g, int k, const double *y, double *ja
         }
 }
 
-/* That of the work is left out: nothing depends on it, so Newton's method has it a pass later. */
+/* The row of the work is left out: nothing depends on it, so Newton's method finds the work one pass later. */
 static lw_status jacobian(void *context, double t, double c, const double *y, const double *dy, double *jac)
 {
     ggl *g = context;
@@ -180,7 +181,7 @@ static lw_status jacobian(void *context, double t, double c, const double *y, co
     return LW_OK;
 }
 
-/* Are those above all there are? */
+/* Are the derivatives above complete? */
 static bool has_derivatives(const lw_dynamics *d)
 {
     bool gear = false;
@@ -189,7 +190,7 @@ static bool has_derivatives(const lw_dynamics *d)
     return !gear && d->n_c == d->n_row && !d->n_friction && !d->f.caller.apply;
 }
 
-/* The state as the others of this folder have it: q, v, work. */
+/* The state as other formulations have it: q, v, work. */
 static void unpack(const ggl *g, const double *y, double *out)
 {
     memcpy(out, y, 2*(size_t)g->q*sizeof *out);
@@ -208,7 +209,7 @@ static lw_status state_at(void *context, double t, double *state)
     return lw_run_project(g->run, t, state);
 }
 
-/* y and dy of the state (q, v, work), which satisfies the constraints. */
+/* y and dy for the state (q, v, work), which satisfies the constraints. */
 static lw_status pack(const ggl *g, double t, const double *state, double *y, double *dy)
 {
     lw_dynamics *d = g->run->d;
@@ -233,7 +234,7 @@ static lw_status pack(const ggl *g, double t, const double *state, double *y, do
     return s;
 }
 
-/* Begin again at (t, state), on the rows that are kept now. */
+/* Begin again at (t, state) with the rows that are kept now. */
 static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
 {
     lw_run *run = g->run;
@@ -247,7 +248,7 @@ static lw_status begin_again(ggl *g, lw_ida *w, double t, double *y, double *dy)
     return s == LW_OK ? lw_ida_restart(w, y, dy, run->e) : s;
 }
 
-/* From here again, at first order and with multipliers as the posture has them. */
+/* Begin again at the present state, at first order and with the multipliers of the posture. */
 static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
 {
     g->run->e->text[0] = '\0';
@@ -255,8 +256,8 @@ static lw_status after_failure(ggl *g, lw_ida *w, double *y, double *dy)
     return begin_again(g, w, w->t, y, dy);
 }
 
-/* How far the rows that are kept are from being dependent, squared; 1 where there are no others.  lw_mbs_factor does
- * not say: links without mass make it look at all rows. */
+/* Square of the distance of the kept rows from dependence; 1 where no other rows exist.  lw_mbs_factor does not give
+ * it: with massless links it looks at all rows. */
 static double apart(const lw_dynamics *d)
 {
     lw_rank r;
@@ -269,8 +270,9 @@ static double apart(const lw_dynamics *d)
     return r.rank < d->n_kept ? 0 : r.weakest*r.weakest;
 }
 
-/* Through the singular posture ahead, if there is one; other rows where those kept have become nearly dependent. */
-static lw_status cross(ggl *g, lw_ida *w, double *y, double *dy)
+/* Pass through the singular posture ahead, if there is one.  Choose other rows where the kept ones have become
+ * nearly dependent. */
+static lw_status pass_singular(ggl *g, lw_ida *w, double *y, double *dy)
 {
     lw_run *run = g->run;
     lw_dynamics *d = run->d;
@@ -293,7 +295,7 @@ static lw_status cross(ggl *g, lw_ida *w, double *y, double *dy)
     return s >= 0 && chosen && t < d->o.to ? begin_again(g, w, t, y, dy) : s == LW_NOTHING ? LW_OK : s;
 }
 
-/* From the start of the run; dae, algebraic and g->each must outlive w. */
+/* Start the run.  dae, algebraic and g->each must outlive w. */
 static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *dy)
 {
     lw_run *run = g->run;
@@ -308,7 +310,7 @@ static lw_status begin(ggl *g, lw_ida *w, const lw_dae *dae, double *y, double *
     for (int i = 0; i < dae->n; i++)
         g->each[i] = dae->algebraic[i] ? unjudged : d->o.absolute;
     o.max_step = lw_run_steps_left(run);
-    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular        */
+    o.first = 1e-6*(d->o.to - d->o.from);    /* shorter first steps make Newton's matrix singular */
     return s == LW_OK ? lw_ida_make(w, dae, &o, d->o.from, y, dy, run->e) : s;
 }
 
@@ -327,7 +329,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
     for (long k = 1; s == LW_OK && stop != LW_ODE_END; k++) {
         s = lw_ida_step(w, d->o.to, &stop, run->e);
         run->r->t = w->t;
-        if (s == LW_E_NUMERIC && w->n_step > g->since + tired) {
+        if (s == LW_E_NUMERIC && w->n_step > g->since + worth_restart) {
             s = after_failure(g, w, y, dy);
             stop = LW_ODE_STEP;
             continue;
@@ -340,7 +342,7 @@ static lw_status run_ida(ggl *g, lw_ida *w, double *y, double *dy)
         if (s == LW_OK)
             s = lw_run_limits(run, w->t, k);
         if (s == LW_OK && stop != LW_ODE_END) {
-            s = cross(g, w, y, dy);
+            s = pass_singular(g, w, y, dy);
             stop = w->t >= d->o.to ? LW_ODE_END : stop;
         }
     }

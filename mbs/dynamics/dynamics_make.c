@@ -1,4 +1,4 @@
-/* mbs/dynamics/dynamics_make.c - a model made ready: equations, memory, a start that satisfies the constraints. */
+/* mbs/dynamics/dynamics_make.c - a model made ready: system, memory, a start that satisfies the constraints. */
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 #include "mbs/ode/integrate.h"
 
-static const double nudge = 0.02;        /* scaled: so far from the start rank is looked at again           */
+static const double nudge = 0.02;        /* distance at which the rank is checked again, scaled */
 
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
@@ -69,8 +69,8 @@ void lw_dynamics_free(lw_dynamics *d)
 
 /* ---- start ------------------------------------------------------------------------------------- */
 
-/* Somewhere near on the constraints, to see whether the start is singular: along the velocities, or, at rest,
- * in a direction that is as good as any. */
+/* Is the start singular?  Compare its rank with that of a posture near by: along the velocities or, at rest, along
+ * some motion. */
 static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const double *v)
 {
     double *dir = d->a, size = 0;
@@ -105,15 +105,15 @@ static lw_status rank_nearby(lw_dynamics *d, double t, const double *q, const do
     return LW_OK;
 }
 
-/* The driven inputs from the posture to their motions at the start, in steps short enough to stay on
- * one assembly. */
-static lw_status go_to_start(lw_dynamics *d, double *q)
+/* Move the driven inputs from the posture to where their motions begin, in steps short enough to keep the assembly
+ * mode. */
+static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
 {
-    double *from = d->v_try, way[LW_INPUT_MAX], most = 0;
+    double *from = d->v_try, distance[LW_INPUT_MAX], most = 0;
     lw_status s = lw_mbs_rows(d, d->o.from, q);
     for (int i = 0; s == LW_OK && i < d->n_driven; i++) {
-        way[i] = -d->phi[d->n_row + i];
-        most = fmax(most, fabs(way[i]));
+        distance[i] = -d->phi[d->n_row + i];
+        most = fmax(most, fabs(distance[i]));
     }
     int steps = 1 + (int)(most/0.05);
     for (int k = 1; s == LW_OK && k <= steps && most > 0; k++) {
@@ -122,7 +122,7 @@ static lw_status go_to_start(lw_dynamics *d, double *q)
             s = lw_mbs_rows(d, d->o.from, q);
             for (int r = 0; r < d->n_c; r++) {
                 int driven = r - d->n_row;
-                double left = driven >= 0 && driven < d->n_driven ? way[driven]*(1 - (double)k/steps) : 0;
+                double left = driven >= 0 && driven < d->n_driven ? distance[driven]*(1 - (double)k/steps) : 0;
                 d->rhs[r] = -d->phi[r] - left;
                 off = fmax(off, fabs(d->rhs[r]));
             }
@@ -144,7 +144,7 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     int driven = d->n_driven;
     lw_system_posture(&d->s, q);
     memcpy(d->a, q, (size_t)d->n_q*sizeof *q);
-    /* first without motions: a posture that is not quite closed is closed */
+    /* first without motions: close a posture that is not quite closed */
     d->n_driven = 0;
     lw_status s = lw_mbs_arrange(d, d->o.from, q);
     if (s == LW_OK)
@@ -162,14 +162,14 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
                             "motions out", driven, d->rank - rank);
     if (s == LW_OK && driven)
-        s = go_to_start(d, q);
+        s = move_inputs_to_start(d, q);
     if (s == LW_OPEN)
         return lw_error_set(e, LW_OPEN, "the linkage cannot get from the posture of the file to where its motions "
                             "begin");
     return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
 }
 
-/* What input i has at the start other than it was given. */
+/* Difference between the rate of input i at the start and the speed given. */
 static double speed_off(const lw_dynamics *d, int i)
 {
     double row[LW_SYSTEM_Q_MAX];
@@ -183,7 +183,7 @@ static double speed_off(const lw_dynamics *d, int i)
     return fabs(off);
 }
 
-/* Least velocities that satisfy the constraints and have the speeds the inputs were given. */
+/* The least velocities that satisfy the constraints and give the inputs their speeds. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
     lw_rank r;
@@ -273,7 +273,7 @@ void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, do
     memcpy(jac, d->hold_rows + first*d->n_q, (size_t)(next - first)*(size_t)d->n_q*sizeof *jac);
 }
 
-/* A joint's reactions are its own where the null space of J^T has no part in its rows. */
+/* The reactions of a joint are unique where the null space of J^T has no part in its rows. */
 void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
 {
     lw_dynamics *d = (lw_dynamics *)(uintptr_t)c;

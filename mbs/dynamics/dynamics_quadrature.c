@@ -1,10 +1,11 @@
-/* mbs/dynamics/dynamics_quadrature.c - one freedom and forces that the posture alone decides: time is an integral.
+/* mbs/dynamics/dynamics_quadrature.c - one freedom and forces that depend on the posture alone: time is an integral.
  *
  *     K(s) = K0 + int Q ds,      t(s) = t0 + int sqrt(M/(2 K)) ds
  *
- * K the kinetic energy, M(s) the mass and Q(s) the force of the coordinate.  Both integrals are taken panel by panel
- * (mbs/ode/panel_internal.h), each as long as sixteen values resolve it.  Where K falls to 0, at s*, the linkage stands and
- * turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the way to s* and back. */
+ * with K the kinetic energy, M(s) the mass and Q(s) the force of the coordinate.  Both integrals are taken panel by
+ * panel (mbs/ode/panel_internal.h); a panel is as long as sixteen values resolve.  Where K falls to 0, at s*, the
+ * linkage stands and turns back: with s = s* - a u^2 the second integral is smooth in u, and one panel holds the
+ * motion to s* and back. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -15,38 +16,38 @@
 
 enum { N = LW_PANEL_NODES };
 
-static const double finest = 2e-14;          /* a tail that rounding leaves                                      */
-static const double shortest = 1e-7;         /* of the coordinate's unit                                         */
+static const double finest = 2e-14;          /* unresolved part that rounding leaves */
+static const double shortest = 1e-7;         /* panel, in units of the coordinate */
 
-/* s = from + way length x for 0 <= x <= 1; turning: s = from - way length x, x = u^2, u from `begin` (-1; 0 out of
- * rest) to 1. */
+/* A panel.  s = from + sense length x for 0 <= x <= 1.  A turning panel: s = from - sense length x, x = u^2, with u
+ * from `begin` (-1; 0 out of rest) to 1. */
 typedef struct panel {
     bool   turning;
-    double from, way, length, begin;
-    double t, t_end, kinetic, work;          /* at its beginning                                                 */
-    double mass[N], force[N], other[N];      /* M; Q; the part of Q that no potential holds                       */
-    double rate[N][LW_LINK_MAX];             /* of the links' turns by s                                          */
-    double pace[N];                          /* dt/dx over length, or dt/du                                       */
-    double pace_c[N], time_c[N], force_c[N], other_c[N];      /* coefficients: pace; means of pace, Q, other      */
-    bool   ready;                            /* they are made                                                     */
+    double from, sense, length, begin;
+    double t, t_end, kinetic, work;          /* at its beginning */
+    double mass[N], force[N], other[N];      /* M; Q; the part of Q without potential */
+    double rate[N][LW_LINK_MAX];             /* of the links' turns by s */
+    double pace[N];                          /* dt/dx over length, or dt/du */
+    double pace_c[N], time_c[N], force_c[N], other_c[N];      /* coefficients: pace; means of pace, Q, other */
+    bool   ready;                            /* the coefficients are made */
 } panel;
 
 typedef struct quadrature {
     lw_run        *run;
     lw_reduced    *r;
     const lw_panel_rule *rule;
-    double s, way, t, kinetic, work, length; /* where the next panel begins; its length as it is hoped for        */
-    double least_mass, most, kinetic0, potential0, tolerance;     /* most: K so far                                */
-    double *turns;                           /* of the bodies there (n_body)                                      */
-    int    n_rest;                           /* times at which it stood on the upper side of the coordinate       */
+    double s, sense, t, kinetic, work, length; /* where the next panel begins; its proposed length */
+    double least_mass, most, kinetic0, potential0, tolerance;     /* most: greatest K so far */
+    double *turns;                           /* of the bodies there (n_body) */
+    int    n_rest;                           /* number of rests on the upper side of the coordinate */
     double first_rest;
-    double top[2];                           /* where it turned last, falling and rising; NaN: not yet            */
+    double top[2];                           /* where it turned last, falling and rising; NaN: not yet */
     panel  p;
 } quadrature;
 
 /* ---- one panel ------------------------------------------------------------------------------------ */
 
-static lw_status look(quadrature *z, double s, int i)
+static lw_status evaluate(quadrature *z, double s, int i)
 {
     panel *p = &z->p;
     double ds, dp, power;
@@ -64,18 +65,18 @@ static lw_status look(quadrature *z, double s, int i)
     return p->mass[i] > LW_REDUCED_TURNING_BACK*z->least_mass ? LW_OPEN : LW_OK;
 }
 
-/* The values of a panel that goes `step` from `from`. */
+/* Values of a panel of length `step` from `from`. */
 static lw_status fill(quadrature *z, double from, double step)
 {
     lw_status st = LW_OK;
     for (int i = 0; i < N && st == LW_OK; i++)
-        st = look(z, from + step*z->rule->at[i], i);
+        st = evaluate(z, from + step*z->rule->at[i], i);
     z->p.ready = false;
     return st;
 }
 
-/* How long it should have been for what is not resolved of f to be as much as is allowed. */
-static double hope(const quadrature *z, double tail)
+/* Factor of the length that would make the unresolved part of f as large as allowed. */
+static double length_factor(const quadrature *z, double tail)
 {
     double by = 0.95*pow(z->tolerance/fmax(tail, 1e-3*finest), 1.0/N);
     return by < 0.25 ? 0.25 : by > 2 ? 2 : by;
@@ -83,13 +84,13 @@ static double hope(const quadrature *z, double tail)
 
 /* ---- to where it turns back, and from there ------------------------------------------------------------ */
 
-/* Pace of a turning panel whose values are there; false: K does not rise from s*, or it is not resolved. */
+/* Pace of a turning panel whose values are known; false: K does not rise from s*, or the pace is not resolved. */
 static bool pace_turning(quadrature *z, double *tail)
 {
     panel *p = &z->p;
     double h[N], k[N];
     for (int i = 0; i < N; i++)
-        h[i] = -p->way*p->force[i];
+        h[i] = -p->sense*p->force[i];
     lw_panel_apply(&z->rule->mean, h, k);
     for (int i = 0; i < N; i++) {
         if (!(k[i] > 0))
@@ -108,62 +109,62 @@ static double half_time(const quadrature *z)
     return lw_panel_value(c, 1);
 }
 
-/* The panel between s* = top and `length` from it, met or left with way. */
-static lw_status fill_turning(quadrature *z, double top, double way, double length)
+/* Values of the panel between s* = top and `length` from it, reached or left in the direction sense. */
+static lw_status fill_turning(quadrature *z, double top, double sense, double length)
 {
     panel *p = &z->p;
     p->turning = true;
     p->from = top;
-    p->way = way;
+    p->sense = sense;
     p->length = length;
-    return fill(z, top, -way*length);
+    return fill(z, top, -sense*length);
 }
 
-/* From where it is to s*, which is near `guess`, and back.  LW_NOTHING: not in one panel. */
-static lw_status turn(quadrature *z, double guess)
+/* A panel from the present place to s*, which is near `guess`, and back.  LW_NOTHING: one panel does not hold it. */
+static lw_status turning_panel(quadrature *z, double guess)
 {
     panel *p = &z->p;
-    double top = guess, tail, *last = &z->top[z->way > 0];
+    double top = guess, tail, *last = &z->top[z->sense > 0];
     if (fabs(*last - guess) < 0.5*z->length)
-        top = *last;                             /* the same again, but for rounding                               */
+        top = *last;                             /* the same place again, but for rounding */
     for (int k = 0;; k++) {
-        double length = z->way*(top - z->s);
+        double length = z->sense*(top - z->s);
         if (!(length > 0) || length > 4*z->length || k == 12)
             return LW_NOTHING;
-        lw_status st = fill_turning(z, top, z->way, length);
-        double slope = -z->way*p->force[0], off = z->kinetic + z->way*length*lw_panel_sum(z->rule->whole, p->force);
+        lw_status st = fill_turning(z, top, z->sense, length);
+        double slope = -z->sense*p->force[0], off = z->kinetic + z->sense*length*lw_panel_sum(z->rule->whole, p->force);
         if (st != LW_OK || !(slope > 0))
             return st == LW_OK || st == LW_OPEN ? LW_NOTHING : st;
         if (fabs(off) <= 4e-16*z->kinetic || fabs(off/slope) <= 2e-16*fabs(top))
             break;
-        top += z->way*off/slope;
+        top += z->sense*off/slope;
     }
     if (!pace_turning(z, &tail))
         return LW_NOTHING;
     *last = top;
     p->begin = -1;
     p->t_end = z->t + 2*half_time(z);
-    z->length = p->length*hope(z, tail);
-    z->way = -z->way;
+    z->length = p->length*length_factor(z, tail);
+    z->sense = -z->sense;
     return LW_OK;
 }
 
-/* K at a place x of a turning panel */
+/* K at x of a turning panel */
 static double kinetic_at(const quadrature *z, double x)
 {
     double q[N], c[N];
     lw_panel_apply(&z->rule->mean, z->p.force, q);
     lw_panel_apply(&z->rule->coef, q, c);
-    return -z->p.way*z->p.length*x*lw_panel_value(c, x);
+    return -z->p.sense*z->p.length*x*lw_panel_value(c, x);
 }
 
-/* Out of rest, or nearly so: from s*, a little behind where it is, with the force there. */
-static lw_status set_off(quadrature *z, double force)
+/* A panel out of rest, or nearly so: from s*, a little behind the present place, by the force there. */
+static lw_status panel_from_rest(quadrature *z, double force)
 {
     panel *p = &z->p;
-    double way = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, root[N], c[N];
+    double sense = force > 0 ? 1 : -1, back = z->kinetic/fabs(force), tail = 1, root[N], c[N];
     for (int k = 0; k < 60; k++) {
-        lw_status st = fill_turning(z, z->s - way*back, -way, z->length);
+        lw_status st = fill_turning(z, z->s - sense*back, -sense, z->length);
         if (st == LW_OK && pace_turning(z, &tail)) {
             double off = back > 0 ? z->kinetic - kinetic_at(z, back/z->length) : 0;
             if (fabs(off) <= 1e-15*z->kinetic || k > 50)
@@ -172,7 +173,7 @@ static lw_status set_off(quadrature *z, double force)
         } else if (st != LW_OK && st != LW_OPEN) {
             return st;
         } else {
-            z->length *= st == LW_OK ? hope(z, fmax(tail, z->tolerance)) : 0.5;
+            z->length *= st == LW_OK ? length_factor(z, fmax(tail, z->tolerance)) : 0.5;
         }
         if (z->length < shortest*z->r->scale || k == 59)
             return LW_OPEN;
@@ -181,17 +182,17 @@ static lw_status set_off(quadrature *z, double force)
     lw_panel_apply(&z->rule->root, p->pace, root);
     lw_panel_apply(&z->rule->coef, root, c);
     p->t_end = z->t + lw_panel_value(c, 1) - p->begin*lw_panel_value(c, back/p->length);
-    z->s = p->from + way*p->length;
-    z->way = way;
+    z->s = p->from + sense*p->length;
+    z->sense = sense;
     z->kinetic = kinetic_at(z, 1);
-    z->length = p->length*hope(z, tail);
+    z->length = p->length*length_factor(z, tail);
     return LW_OK;
 }
 
 /* ---- straight on -------------------------------------------------------------------------------------- */
 
-/* Where K comes to 0: between two of its values, or by its slope and curvature behind the end, not farther than the
- * panel is long.  false: not there. */
+/* Where K comes to 0: between two of its values, or by its slope and curvature behind the end, within one length of
+ * the panel.  false: not there. */
 static bool guess_turn(const quadrature *z, const double *kinetic, double end, double *guess)
 {
     const panel *p = &z->p;
@@ -199,28 +200,28 @@ static bool guess_turn(const quadrature *z, const double *kinetic, double end, d
     double before = z->kinetic, from = 0;
     for (int i = 0; i < N; i++) {
         if (kinetic[i] <= 0) {
-            *guess = z->s + z->way*z->length*(from + (x[i] - from)*before/(before - kinetic[i]));
+            *guess = z->s + z->sense*z->length*(from + (x[i] - from)*before/(before - kinetic[i]));
             return true;
         }
         before = kinetic[i];
         from = x[i];
     }
-    double fall = -z->way*p->force[N - 1]*z->length;
-    double bend = z->way*(p->force[N - 1] - p->force[N - 2])/(x[N - 1] - x[N - 2])*z->length;
+    double fall = -z->sense*p->force[N - 1]*z->length;
+    double bend = z->sense*(p->force[N - 1] - p->force[N - 2])/(x[N - 1] - x[N - 2])*z->length;
     double under = fall*fall - 2*bend*end, on = under > 0 ? 2*end/(fall + sqrt(under)) : -1;
-    *guess = z->s + z->way*z->length*(1 + on);
+    *guess = z->s + z->sense*z->length*(1 + on);
     return end <= 0 || (fall > 0 && on >= 0 && on < 1);
 }
 
-/* The panel as its values are; false: not resolved.  *turns: it may turn back, near *guess. */
+/* Pace of a panel whose values are known; false: not resolved.  *turns: it may turn back, near *guess. */
 static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
 {
     panel *p = &z->p;
-    double q[N], kinetic[N], low, end = z->kinetic + z->way*z->length*lw_panel_sum(z->rule->whole, p->force);
+    double q[N], kinetic[N], low, end = z->kinetic + z->sense*z->length*lw_panel_sum(z->rule->whole, p->force);
     lw_panel_apply(&z->rule->mean, p->force, q);
     low = end;
     for (int i = 0; i < N; i++) {
-        kinetic[i] = z->kinetic + z->way*z->length*z->rule->at[i]*q[i];
+        kinetic[i] = z->kinetic + z->sense*z->length*z->rule->at[i]*q[i];
         low = fmin(low, kinetic[i]);
         p->pace[i] = sqrt(p->mass[i]/(2*kinetic[i]));
     }
@@ -231,7 +232,7 @@ static bool pace_on(quadrature *z, double *tail, bool *turns, double *guess)
     return *tail <= z->tolerance;
 }
 
-static lw_status go_on(quadrature *z)
+static lw_status straight_panel(quadrature *z)
 {
     panel *p = &z->p;
     double tail, guess;
@@ -239,26 +240,26 @@ static lw_status go_on(quadrature *z)
     for (int k = 0; k < 100 && z->length > shortest*z->r->scale; k++) {
         p->turning = false;
         p->from = z->s;
-        p->way = z->way;
+        p->sense = z->sense;
         p->length = z->length;
-        lw_status st = fill(z, z->s, z->way*z->length);
+        lw_status st = fill(z, z->s, z->sense*z->length);
         if (st != LW_OK && st != LW_OPEN)
             return st;
         bool resolved = st == LW_OK && pace_on(z, &tail, &turns, &guess);
         if (st == LW_OK && turns && !tried) {
-            st = turn(z, guess);
+            st = turning_panel(z, guess);
             if (st != LW_NOTHING)
                 return st;
             tried = tail < 1;
-            z->length *= resolved ? 1 : tail < 1 ? hope(z, tail) : 0.5;
+            z->length *= resolved ? 1 : tail < 1 ? length_factor(z, tail) : 0.5;
         } else if (resolved) {
             p->begin = 0;
-            z->kinetic += z->way*z->length*lw_panel_sum(z->rule->whole, p->force);
-            z->s += z->way*z->length;
-            z->length *= hope(z, tail);
+            z->kinetic += z->sense*z->length*lw_panel_sum(z->rule->whole, p->force);
+            z->s += z->sense*z->length;
+            z->length *= length_factor(z, tail);
             return LW_OK;
         } else {
-            z->length *= st == LW_OK && tail < 1 ? hope(z, tail) : 0.5;
+            z->length *= st == LW_OK && tail < 1 ? length_factor(z, tail) : 0.5;
         }
     }
     return LW_OPEN;
@@ -280,7 +281,7 @@ static void prepare(quadrature *z)
     p->ready = true;
 }
 
-/* Time of x (turning: of u) since x = 0, and its slope */
+/* Time since x = 0 as a function of x (turning: of u), and its slope */
 static double time_at(const panel *p, double x, double *slope)
 {
     double v = p->turning ? x*x : x, by = p->turning ? 1 : p->length;
@@ -288,11 +289,11 @@ static double time_at(const panel *p, double x, double *slope)
     return by*x*lw_panel_value(p->time_c, v);
 }
 
-/* x (turning: u) at a time: Newton's method within a bracket. */
+/* x (turning: u) at a time, by Newton's method within a bracket */
 static double place_at(const panel *p, double t)
 {
     double slope, low = p->turning ? p->begin : 0, high = 1, zero = time_at(p, low, &slope);
-    double share = (t - p->t)/(p->t_end - p->t), x = low + (high - low)*share;
+    double fraction = (t - p->t)/(p->t_end - p->t), x = low + (high - low)*fraction;
     for (int k = 0; k < 60; k++) {
         double off = time_at(p, x, &slope) - zero - (t - p->t), next;
         *(off > 0 ? &high : &low) = x;
@@ -305,7 +306,7 @@ static double place_at(const panel *p, double t)
     return x;
 }
 
-/* The turn of body b since the beginning of the panel, near enough to tell one turn from the next. */
+/* Turn of body b since the beginning of the panel, accurate enough to tell one revolution from the next. */
 static double turned(const quadrature *z, int b, double v)
 {
     const panel *p = &z->p;
@@ -318,10 +319,10 @@ static double turned(const quadrature *z, int b, double v)
     double sum = z->rule->at[i]*lw_panel_sum(z->rule->mean.row[i], rate) + (v - z->rule->at[i])*rate[i];
     if (p->turning && p->begin < 0)
         from = lw_panel_sum(z->rule->whole, rate);
-    return (p->turning ? -1 : 1)*p->way*p->length*(sum - from);
+    return (p->turning ? -1 : 1)*p->sense*p->length*(sum - from);
 }
 
-/* The state at a time within the panel, as the bodies have it. */
+/* The state of the bodies at a time within the panel. */
 static lw_status state_at(void *context, double t, double *y)
 {
     quadrature *z = context;
@@ -329,9 +330,9 @@ static lw_status state_at(void *context, double t, double *y)
     const lw_dynamics *d = z->run->d;
     if (!p->ready)
         prepare(z);
-    double x = place_at(p, t), v = p->turning ? x*x : x, along = (p->turning ? -p->way : p->way)*p->length, mass;
+    double x = place_at(p, t), v = p->turning ? x*x : x, along = (p->turning ? -p->sense : p->sense)*p->length, mass;
     double kinetic = (p->turning ? 0 : p->kinetic) + along*v*lw_panel_value(p->force_c, v);
-    double speed = (p->turning && x > 0 ? -p->way : p->way)*sqrt(fmax(2*kinetic, 0));
+    double speed = (p->turning && x > 0 ? -p->sense : p->sense)*sqrt(fmax(2*kinetic, 0));
     lw_status st = lw_reduced_mass(z->r, p->from + along*v, &mass);
     if (st != LW_OK)
         return st;
@@ -347,7 +348,7 @@ static lw_status state_at(void *context, double t, double *y)
 
 /* ---- the run ------------------------------------------------------------------------------------------ */
 
-/* Energy at the end of the panel, by the posture there; *force there. */
+/* Check the energy at the end of the panel by the posture there; *force: the force there. */
 static lw_status watch(quadrature *z, double *force)
 {
     double ds, dp, power;
@@ -358,7 +359,7 @@ static lw_status watch(quadrature *z, double *force)
     lw_dynamics_report *r = z->run->r;
     r->energy_error = fmax(r->energy_error, fabs(off));
     r->energy_scale = fmax(r->energy_scale, fmax(z->kinetic, fabs(change)));
-    /* rounding would add up over many panels; where K is small, it is better than what the potential says */
+    /* rounding would add up over many panels; where K is small, this K is better than the one from the potential */
     bool known = z->kinetic < z->most && z->kinetic > 0.1*z->most;
     z->most = fmax(z->most, z->kinetic);
     if (!z->run->has_work && known) {
@@ -370,7 +371,7 @@ static lw_status watch(quadrature *z, double *force)
     return LW_OK;
 }
 
-/* Mean of the other forces over the part of a panel out of rest that lies behind where it began, times its part */
+/* Integral of the other forces over the part of a panel out of rest that lies before its beginning, over the length */
 static double before_begin(quadrature *z)
 {
     double v = z->p.begin*z->p.begin;
@@ -386,16 +387,16 @@ static lw_status next_panel(quadrature *z, double force)
     p->t = z->t;
     p->kinetic = z->kinetic;
     p->work = z->work;
-    bool leaves_rest = z->kinetic <= 0.05*fabs(force)*z->length && z->way*force >= 0;
+    bool leaves_rest = z->kinetic <= 0.05*fabs(force)*z->length && z->sense*force >= 0;
     if (leaves_rest && force == 0)
         return LW_OPEN;
-    lw_status st = leaves_rest ? set_off(z, force) : go_on(z);
+    lw_status st = leaves_rest ? panel_from_rest(z, force) : straight_panel(z);
     if (st != LW_OK)
         return st;
     if (!p->turning)
-        z->work += p->way*p->length*lw_panel_sum(z->rule->whole, p->other);
+        z->work += p->sense*p->length*lw_panel_sum(z->rule->whole, p->other);
     else if (p->begin >= 0)
-        z->work -= p->way*p->length*(lw_panel_sum(z->rule->whole, p->other) - before_begin(z));
+        z->work -= p->sense*p->length*(lw_panel_sum(z->rule->whole, p->other) - before_begin(z));
     z->t = p->t_end;
     return LW_OK;
 }
@@ -406,14 +407,14 @@ static void advance_turns(quadrature *z)
         z->turns[b] += turned(z, b, 1);
 }
 
-/* What came to rest goes back the way it came and repeats itself.  Periods without a moment that is asked for are left
- * out, once so many were measured that rounding does not add up. */
+/* A motion that came to rest goes back the same way and repeats itself.  Leave out whole periods without samples,
+ * once enough periods were measured that rounding does not add up. */
 static void leave_out_periods(quadrature *z)
 {
     enum { MEASURED = 10 };
     const panel *p = &z->p;
     const lw_run *run = z->run;
-    if (!p->turning || p->begin >= 0 || p->way < 0)
+    if (!p->turning || p->begin >= 0 || p->sense < 0)
         return;
     double rest = p->t + 0.5*(p->t_end - p->t), *period = &run->r->period;
     if (z->n_rest++ == 0)
@@ -425,7 +426,7 @@ static void leave_out_periods(quadrature *z)
         z->t += *period*floor((next - z->t)/ *period);
 }
 
-static lw_status go(quadrature *z)
+static lw_status run_panels(quadrature *z)
 {
     lw_run *run = z->run;
     double force, to = run->d->o.to;
@@ -447,7 +448,7 @@ static lw_status go(quadrature *z)
     return st;
 }
 
-/* The bodies where the panels end: to go on from there in their coordinates. */
+/* The state of the bodies where the panels end, to go on from there in their coordinates. */
 static void leave(quadrature *z, double *y)
 {
     const lw_dynamics *d = z->run->d;
@@ -457,7 +458,7 @@ static void leave(quadrature *z, double *y)
         return;
     for (int b = 0; b < d->s.n_body; b++)
         y[3*b + 2] = z->turns[b];
-    lw_reduced_state(z->r, d, z->way*sqrt(2*z->kinetic/mass), y, y + d->n_q);
+    lw_reduced_state(z->r, d, z->sense*sqrt(2*z->kinetic/mass), y, y + d->n_q);
     if (z->run->has_work)
         y[2*d->n_q] = z->work;
 }
@@ -474,7 +475,7 @@ static lw_status start(quadrature *z, double *y)
         return st;
     z->potential0 = lw_reduced_potential(z->r, z->s);
     z->kinetic = z->kinetic0 = 0.5*p*p;
-    z->way = p < 0 ? -1 : p > 0;
+    z->sense = p < 0 ? -1 : p > 0;
     z->t = d->o.from;
     z->length = 0.5*z->r->scale;
     z->top[0] = z->top[1] = NAN;
@@ -500,7 +501,7 @@ static lw_status run_quadrature(lw_run *run)
     run->y = y + n;
     lw_status st = start(z, y);
     if (st == LW_OK)
-        st = go(z);
+        st = run_panels(z);
     if (st == LW_OPEN || st == LW_E_NUMERIC) {
         leave(z, y);
         st = lw_run_go_on(run, y);
@@ -524,7 +525,7 @@ static bool constant(const lw_expression *x)
     return !x || lw_expression_variables(x, &which) == 0;
 }
 
-/* Does the posture alone decide the forces? */
+/* Do the forces depend on the posture alone? */
 static bool by_posture(const lw_dynamics *d)
 {
     const lw_model *m = d->model;
@@ -549,7 +550,8 @@ static lw_status able(lw_dynamics *d, bool asked, lw_dynamics_report *r)
     if (!d->rule || lw_panel_rule_make(d->rule) != LW_OK)
         return lw_formulation_say(r, LW_E_MEMORY, 0, "out of memory");
     return lw_formulation_say(r, LW_OK, 1, asked ? "asked for"
-                              : "one freedom, rigid, forces by the posture alone: time is an integral over one coordinate");
+                              : "one freedom, rigid, forces by the posture alone: time is an integral over one "
+                                "coordinate");
 }
 
 const lw_formulation_row lw_formulation_quadrature = { able, run_quadrature };

@@ -1,5 +1,5 @@
-/* mbs/dynamics/dynamics_reduced.c - a run in one coordinate; where the coordinate turns back (a dead point of the input) it is
- * gone on with in the bodies' coordinates. */
+/* mbs/dynamics/dynamics_reduced.c - a run in one coordinate.  Where the coordinate turns back (a dead point of the
+ * input) the run goes on in the coordinates of all bodies. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -10,16 +10,16 @@
 #include "mbs/ode/integrate.h"
 
 static const int turns_every = 4;
-static const double hold_most = 10;          /* change of p over the error that a step may have             */
-static const double shortest_way = 1e-4;     /* change of s and p, at most                                 */
+static const double hold_most = 10;          /* greatest correction of p over the error allowed in a step */
+static const double most_change = 1e-4;     /* greatest correction of s and p */
 
 typedef struct motion {
     lw_run        *run;
     lw_reduced    *r;
     lw_integrator *w;
-    double kinetic, potential, least_mass;   /* kinetic, potential: at the start                            */
-    double *room;                            /* of the integrator                                          */
-    const double *from;                      /* (n) bodies' coordinates before the last step                */
+    double kinetic, potential, least_mass;   /* kinetic, potential: at the start */
+    double *memory;                            /* of the integrator */
+    const double *from;                      /* (n) bodies' coordinates before the last step */
 } motion;
 
 static lw_status rate(void *context, double t, const double *y, double *dy)
@@ -35,8 +35,8 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     return s;
 }
 
-/* What a step did to the energy H is taken off again: off p alone where that is as little as the step's error may be,
- * which costs nothing; beside turning points by the shortest way, along the gradient (-Q, p). */
+/* Correct the energy H after a step: by p alone where the correction is as small as the error allowed in the step,
+ * which costs nothing; near turning points by the least change, along the gradient (-Q, p). */
 static lw_status hold_energy(void *context, double t, double *y)
 {
     motion *m = context;
@@ -51,8 +51,8 @@ static lw_status hold_energy(void *context, double t, double *y)
     } else if (lw_reduced_rate(m->r, t, y[0]*scale, y[1], &ds, &dp, &power) == LW_OK
                && lw_reduced_mass(m->r, y[0]*scale, &mass) == LW_OK) {
         double push = dp*sqrt(mass)*scale, steep = push*push + y[1]*y[1];
-        if (!(fabs(off) < shortest_way*steep))
-            return LW_OK;                        /* at rest in equilibrium                                  */
+        if (!(fabs(off) < most_change*steep))
+            return LW_OK;                        /* at rest in equilibrium */
         y[0] += push*off/steep;
         y[1] -= y[1]*off/steep;
     }
@@ -60,8 +60,8 @@ static lw_status hold_energy(void *context, double t, double *y)
     return LW_OK;
 }
 
-/* (s, p) as bodies' coordinates; turns near those in y. */
-static lw_status spread(const motion *m, const double *s, double *y)
+/* The coordinates of all bodies for s = (s, p, work); turns are taken near those in y. */
+static lw_status bodies_state(const motion *m, const double *s, double *y)
 {
     const lw_dynamics *d = m->run->d;
     double mass;
@@ -73,8 +73,8 @@ static lw_status spread(const motion *m, const double *s, double *y)
     return st;
 }
 
-/* Turns of the links after h, with the rates of before and those that the registers have. */
-static void foresee(const motion *m, const double *from, double h, double ds, double *to)
+/* Predict the turns of the links after h from the rates before and those in the registers. */
+static void predict_turns(const motion *m, const double *from, double h, double ds, double *to)
 {
     const lw_dynamics *d = m->run->d;
     for (int b = 0; b < d->s.n_body; b++) {
@@ -95,12 +95,12 @@ static lw_status state_at(void *context, double t, double *y)
     if (s != LW_OK)
         return s;
     lw_reduced_mass(m->r, s3[0]*m->r->scale, &mass);
-    foresee(m, m->from, t - w->t_old, s3[1]/sqrt(mass), y);
-    return spread(m, s3, y);
+    predict_turns(m, m->from, t - w->t_old, s3[1]/sqrt(mass), y);
+    return bodies_state(m, s3, y);
 }
 
-/* Energies from the registers, so that a step costs little more than its evaluations; the links' turns are looked at
- * every few steps only, which is often enough to count them. */
+/* Energies come from the registers, so that a step costs little more than its evaluations.  The turns of the links
+ * are found every few steps only, which is often enough to count revolutions. */
 static lw_status watch(motion *m, const lw_integrator *w, double *y)
 {
     lw_run *run = m->run;
@@ -113,13 +113,13 @@ static lw_status watch(motion *m, const lw_integrator *w, double *y)
     if (s != LW_OK)
         return s;
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &mass);
-    foresee(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
-    return w->n_step % turns_every ? LW_OK : spread(m, w->y, y);
+    predict_turns(m, y, w->t - w->t_old, w->y[1]/sqrt(mass), y);
+    return w->n_step % turns_every ? LW_OK : bodies_state(m, w->y, y);
 }
 
-/* Beside a dead point the links move as the square root of what is left of the coordinate's way: rounding and the
- * error allowed there, both of the coordinate, are then too great for them.  The step that came near it is taken back,
- * and y is the state before it.  LW_OPEN: so it was. */
+/* Near a dead point the links move like the square root of the distance to it, which magnifies rounding and the
+ * allowed error of the coordinate.  Take back a step that came near one: y becomes the state before it.  LW_OPEN:
+ * taken back. */
 static lw_status stay_off(motion *m, lw_integrator *w, double *y)
 {
     double mass, s3[3];
@@ -129,22 +129,22 @@ static lw_status stay_off(motion *m, lw_integrator *w, double *y)
         return LW_OK;
     s = lw_integrate_dense(w, w->t_old, s3);
     if (s == LW_OK)
-        s = spread(m, s3, y);
+        s = bodies_state(m, s3, y);
     m->run->r->t = w->t_old;
     return s == LW_OK ? LW_OPEN : s;
 }
 
 /* ---- what repeats itself ------------------------------------------------------------------------- */
 
-/* Without loads that know time and without losses, what comes to rest goes back the way it came and repeats itself for
- * ever.  A period is measured over so many of them, between rests on one side, and rounding and the errors of steps do
- * not add up over those that follow: each moment is reached from the last rest that was measured, within a period. */
+/* Without losses and loads that depend on time, a motion that comes to rest goes back the same way and repeats
+ * itself for ever.  The period is measured over so many periods, between rests on one side.  Each later sample is
+ * reached from the last rest measured, within one period, so rounding and the errors of steps do not add up. */
 enum { MEASURED = 10 };
-static const double much_longer = 10;        /* periods left that make it worth while                           */
+static const double much_longer = 10;        /* periods left from which on this is worth while */
 
 typedef struct rests { int n; double t[2*MEASURED + 1], y[3]; } rests;
 
-/* Note where the last step came to rest: p = 0, by bisection in the dense output. */
+/* Find where the last step came to rest, p = 0, by bisection in the dense output. */
 static lw_status note_rest(rests *r, lw_integrator *w)
 {
     double low = w->t_old, high = w->t;
@@ -164,7 +164,7 @@ static lw_status note_rest(rests *r, lw_integrator *w)
     return LW_OK;
 }
 
-/* The period [s]; 0: not known yet, or the rests do not come evenly. */
+/* The period [s]; 0: not known yet, or the rests are not evenly spaced. */
 static double period_of(const rests *r, double tolerance)
 {
     double length = (r->t[2*MEASURED] - r->t[0])/MEASURED;
@@ -176,42 +176,42 @@ static double period_of(const rests *r, double tolerance)
     return length;
 }
 
-/* To the moment `want` after the last rest, y beside it; from that rest anew when it lies behind. */
-static lw_status reach(motion *m, lw_integrator *w, const rests *r, double want, const double *base, double *y)
+/* Advance to the time phase_time after the last rest, with y near it; begin anew at that rest when it lies behind. */
+static lw_status reach(motion *m, lw_integrator *w, const rests *r, double phase_time, const double *base, double *y)
 {
     lw_run *run = m->run;
     lw_ode_stop stop = LW_ODE_STEP;
     lw_status s = LW_OK;
-    if (want < w->t) {
+    if (phase_time < w->t) {
         lw_ode_options o = w->o;
         run->r->steps += w->n_step, run->r->refused += w->n_refused, run->r->rates += w->n_rate;
         o.max_step = lw_run_steps_left(run);
         memcpy(y, base, (size_t)run->n*sizeof *y);
-        s = lw_integrate_start(w, w->ode, &o, m->room, 0, r->y, run->e);
+        s = lw_integrate_start(w, w->ode, &o, m->memory, 0, r->y, run->e);
     }
-    while (s == LW_OK && stop != LW_ODE_END && want > w->t) {
-        s = lw_integrate_step(w, want, &stop, run->e);
+    while (s == LW_OK && stop != LW_ODE_END && phase_time > w->t) {
+        s = lw_integrate_step(w, phase_time, &stop, run->e);
         if (s == LW_OK)
             s = watch(m, w, y);
     }
     return s;
 }
 
-/* The samples that are left.  y: bodies' coordinates near the last rest; base: room for those there. */
+/* Take the samples that are left.  y: coordinates of the bodies near the last rest; base: scratch for those there. */
 static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double length, double *y, double *base)
 {
     lw_run *run = m->run;
     double start = r->t[2*MEASURED];
     memcpy(base, y, (size_t)run->n*sizeof *y);
-    lw_status s = spread(m, r->y, base);
+    lw_status s = bodies_state(m, r->y, base);
     run->r->period = length;
-    w->t = INFINITY;                         /* no moment of a period lies ahead: begin at the rest         */
+    w->t = INFINITY;                         /* begin at the rest */
     for (long k = 1; s == LW_OK && run->next <= run->d->o.intervals; run->next++, k++) {
         double t = lw_run_time(run->d, run->next), phase = (t - start)/length;
         s = reach(m, w, r, (phase - floor(phase))*length, base, y);
         memcpy(run->y, y, (size_t)run->n*sizeof *y);
         if (s == LW_OK)
-            s = spread(m, w->y, run->y);
+            s = bodies_state(m, w->y, run->y);
         if (s == LW_OK)
             s = lw_run_show(run, t, run->y);
         if (s == LW_OK)
@@ -220,7 +220,7 @@ static lw_status repeat(motion *m, lw_integrator *w, const rests *r, double leng
     return s;
 }
 
-static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
+static lw_status run_steps(motion *m, lw_integrator *w, double *y, double *before)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
@@ -228,8 +228,8 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
     lw_status s = LW_OK;
     bool taken_back = false;
     rests rest = { .n = 0 };
-    double fair[3], t_fair = w->t, longest = 0;      /* the last state before steps became short           */
-    memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
+    double good[3], t_good = w->t, longest = 0;      /* the last state before steps became short */
+    memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
     lw_reduced_mass(m->r, w->y[0]*m->r->scale, &m->least_mass);
     m->kinetic = 0.5*w->y[1]*w->y[1];
     lw_reduced_registers(m->r, w->y[0]*m->r->scale);
@@ -246,8 +246,8 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
         }
         longest = fmax(longest, w->t - w->t_old);
         if (w->t - w->t_old > 0.1*longest) {
-            memcpy(fair, w->y, (size_t)w->ode->n*sizeof *fair);
-            t_fair = w->t;
+            memcpy(good, w->y, (size_t)w->ode->n*sizeof *good);
+            t_good = w->t;
         }
         memcpy(before, y, (size_t)run->n*sizeof *y);
         if (s == LW_OK)
@@ -264,9 +264,9 @@ static lw_status go(motion *m, lw_integrator *w, double *y, double *before)
             break;
         }
     }
-    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back) {    /* to go on from there */
-        spread(m, fair, y);
-        run->r->t = t_fair;
+    if ((s == LW_E_NUMERIC || s == LW_OPEN) && !taken_back) {    /* the run goes on from there */
+        bodies_state(m, good, y);
+        run->r->t = t_good;
     }
     run->r->steps += w->n_step;
     run->r->refused += w->n_refused;
@@ -278,7 +278,7 @@ static lw_status run_one(motion *m, double *y)
 {
     lw_run *run = m->run;
     lw_dynamics *d = run->d;
-    double s[3] = { 0 }, room[512], *before = y + run->n;
+    double s[3] = { 0 }, memory[512], *before = y + run->n;
     lw_ode ode = { .n = 2 + run->has_work, .context = m, .rate = rate,
                    .project = run->has_work ? NULL : hold_energy };
     lw_ode_options o = lw_ode_options_default();
@@ -291,15 +291,15 @@ static lw_status run_one(motion *m, double *y)
     lw_status st = lw_reduced_start(m->r, d, y, &s[0], &s[1]);
     if (st != LW_OK)
         return st;
-    m->room = room;
+    m->memory = memory;
     m->w = &w;
     m->from = before;
     s[0] /= m->r->scale;
     st = lw_run_begin(run, y);
     if (st == LW_OK)
-        st = lw_integrate_work(ode.n, 0) > sizeof room/sizeof *room ? LW_E_ARG
-           : lw_integrate_start(&w, &ode, &o, room, d->o.from, s, run->e);
-    return st == LW_OK ? go(m, &w, y, before) : st;
+        st = lw_integrate_work(ode.n, 0) > sizeof memory/sizeof *memory ? LW_E_ARG
+           : lw_integrate_start(&w, &ode, &o, memory, d->o.from, s, run->e);
+    return st == LW_OK ? run_steps(m, &w, y, before) : st;
 }
 
 static lw_status run_reduced(lw_run *run)

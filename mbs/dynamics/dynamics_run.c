@@ -45,7 +45,7 @@ static double momentum_scale(const lw_dynamics *d, const double *y)
     return sum;
 }
 
-/* Nothing but one free joint ties the linkage to the ground. */
+/* Is one free joint all that ties the linkage to the ground? */
 static bool keeps_momentum(const lw_dynamics *d)
 {
     const lw_model *m = d->model;

@@ -11,17 +11,17 @@ typedef struct lw_run {
     void           *context;
     lw_dynamics_report *r;
     lw_error       *e;
-    int     n;                       /* numbers in y                                                       */
+    int     n;                       /* numbers in y */
     bool    has_work;
-    long    n_busy;                  /* evaluations                                                        */
-    int     next;                    /* the next sample                                                    */
-    double  flight;                  /* duration of a bounce that has just begun [s]; 0: none               */
+    long    n_busy;                  /* evaluations */
+    int     next;                    /* the next sample */
+    double  flight;                  /* duration of a bounce that has just begun [s]; 0: none */
     double  energy0, potential0, momentum0;
-    double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time            */
-    double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere  */
-    double  apart;                   /* residual of the rows on a curve tried there; 0: none tried           */
-    double  chosen;                  /* greatest of the least pivots since the kept rows were chosen         */
-    double *y, *state;               /* (n) scratch; state: ggl only                                       */
+    double  pivot, pivot_t;          /* root of the least pivot after the last step, and its time */
+    double  pivot_tried;             /* root of the least pivot where a crossing was tried last; 1: nowhere */
+    double  apart;                   /* residual of the rows on a curve tried there; 0: none tried */
+    double  chosen;                  /* greatest of the least pivots since the kept rows were chosen */
+    double *y, *state;               /* (n) scratch; state: ggl only */
 } lw_run;
 
 /* ---- dynamics_run.c: what every run does ----------------------------------------------------------- */

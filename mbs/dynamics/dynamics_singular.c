@@ -1,16 +1,17 @@
-/* mbs/dynamics/dynamics_singular_crossing.c - through a singular posture, with one freedom.
+/* mbs/dynamics/dynamics_singular.c - through singular postures.
  *
- * There the rows lose rank, two branches of postures meet, and beside it, at the distance theta, velocities and
- * accelerations from the rows are off by rounding over theta^2 and theta^3.  A method that controls its error takes
- * that for roughness: the tighter its tolerance, the farther off it begins to creep.  But the branch the linkage is on
- * is a smooth curve q(s).  So it is taken through places on both sides, far enough off to be known to the last digits,
- * and between them the motion is that of one coordinate:
+ * There the rows lose rank and two motion curves meet.  At the distance theta from it, velocities and accelerations
+ * from the rows are off by rounding over theta^2 and theta^3.  A method with error control takes that for roughness:
+ * the tighter its tolerance, the sooner its steps become very short.
+ *
+ * With one freedom: the motion curve that the linkage is on is a smooth curve q(s).  It is interpolated from places on
+ * both sides, far enough away to be known to the last digits, and between them the motion is that of one coordinate:
  *
  *     s' = p/sqrt(M),   p' = q'.Q/sqrt(M),   M = q'.M q'
  *
- * with p^2/2 the kinetic energy.  The curve is Newton's polynomial through twelve places, the images under square root
- * of Chebyshev's on [gap^2, 1]: the best ones for an interval with a gap in its middle.  It has to satisfy the rows
- * within the gap: where branches come near each other but do not meet, it does not. */
+ * with p^2/2 the kinetic energy.  The curve is Newton's polynomial through twelve places, the images under square
+ * root of Chebyshev's points on [gap^2, 1]: the best ones for an interval with a gap in its middle.  It has to
+ * satisfy the rows within the gap; where motion curves come near each other but do not meet, it does not. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -20,14 +21,12 @@
 
 /* ---- over it by one step --------------------------------------------------------------------------------- */
 
-/* Beside a singular posture, at the distance theta, the equations are off by rounding over theta.
- * There the rows lose rank, and beside it, at the distance theta, what the equations give is off by rounding over
- * theta.  A method that controls its error takes that for roughness and creeps up to the place.  The motion
- * itself is smooth there, so one step whose stages lie well to both sides of it is as good as any other: from the last
- * state at a fair distance ahead of the place to the same distance behind it, its error not looked at.  The state it
- * ends in must have the energy of before. */
-/* Steps of a fresh integration from (t, y) to end; `fixed`: one step, whatever its error. */
-static lw_status walk(lw_run *run, double t, double end, double *y, bool fixed)
+/* With more freedoms, or where no curve is found: one step whose stages lie well on both sides of the singular
+ * posture, from the last state at some distance before it to the same distance behind it.  The motion itself is
+ * smooth there, so the error of the step, which is not looked at, is small.  The state at the end must have the
+ * energy of the state before. */
+/* Integrate anew from (t, y) to end; `fixed`: by one step, whatever its error. */
+static lw_status integrate_to(lw_run *run, double t, double end, double *y, bool fixed)
 {
     const lw_dynamics_options *o = &run->d->o;
     lw_ode ode = { .n = run->n, .context = run, .rate = lw_run_rate, .project = lw_run_project };
@@ -58,7 +57,7 @@ static double energy(const lw_run *run, const double *y)
     return lw_forces_kinetic(&d->f, y + d->n_q) + lw_forces_potential(&d->f, y) - (run->has_work ? y[2*d->n_q] : 0);
 }
 
-/* Samples on the way, each by a walk of its own: from y at `good`; behind `start` by one step from there. */
+/* Samples on the way, each integrated by itself: from y at `good`; behind `start` by one step from there. */
 typedef struct on_the_way { lw_run *run; double good, start; const double *y, *begun; } on_the_way;
 
 static lw_status state_on_the_way(void *context, double t, double *y)
@@ -66,7 +65,7 @@ static lw_status state_on_the_way(void *context, double t, double *y)
     const on_the_way *w = context;
     bool beyond = t > w->start;
     memcpy(y, beyond ? w->begun : w->y, (size_t)w->run->n*sizeof *y);
-    return t > w->good ? walk(w->run, beyond ? w->start : w->good, t, y, beyond) : LW_OK;
+    return t > w->good ? integrate_to(w->run, beyond ? w->start : w->good, t, y, beyond) : LW_OK;
 }
 
 lw_status lw_run_singular_step(lw_run *run, double half, double good, double weak, double place, double *t, double *y)
@@ -80,12 +79,12 @@ lw_status lw_run_singular_step(lw_run *run, double half, double good, double wea
     run->e->text[0] = '\0';
     if (angle > half) {
         start = place - (place - good)*half/angle;
-        s = walk(run, good, start, y, false);
+        s = integrate_to(run, good, start, y, false);
     }
     memcpy(first + n, y, n*sizeof *first);
     double end = fmin(2*place - start, run->d->o.to);
     if (s == LW_OK)
-        s = walk(run, start, end, y, true);
+        s = integrate_to(run, start, end, y, true);
     if (s == LW_OK && !(fabs(energy(run, y) - before) <= 1e-6*fmax(run->r->energy_scale, 1e-300)))
         s = LW_OPEN;
     if (s == LW_OK)
@@ -93,7 +92,7 @@ lw_status lw_run_singular_step(lw_run *run, double half, double good, double wea
                            &(on_the_way){ run, good, start, first, first + n });
     free(first);
     *t = end;
-    s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near branches: told where the run ends */
+    s = s == LW_E_NUMERIC && run->apart > 0 ? LW_OPEN : s;      /* near another motion curve: lw_dynamics_run says so */
     return s == LW_OK || s == LW_STOPPED ? s
          : lw_error_set(run->e, s, "at t = %.9g s the linkage comes to a singular posture with speed, and no "
                         "motion goes on behind it that keeps the energy: a dead point or the end of its way", place);
@@ -103,30 +102,30 @@ lw_status lw_run_singular_step(lw_run *run, double half, double good, double wea
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE, N_KNOWN = N_NODE + 6 };
 
-static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };     /* of half the length  */
-static const double outside = 0.55;          /* so far from the middle the rows serve again                  */
-static const double longest = 0.3;           /* half of the longest curve, scaled: about radians              */
-static const double beside = 0.45;           /* least pivot, as a root: it looks ahead from there             */
-static const double half_ggl = 0.1;          /* half a leap for ggl, whose multipliers feel the place from afar */
-static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little  */
-static const double on_rows = 1e-12;         /* the curve satisfies the rows to this,                         */
-static const double rounded = 1e-8;          /* or to the tolerance, up to that                               */
+static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };   /* as fractions of half the length */
+static const double outside = 0.55;          /* distance from the middle beyond which the rows serve again */
+static const double longest_half = 0.3;           /* half of the longest curve, scaled: about radians */
+static const double beside = 0.45;           /* root of the least pivot at which to look ahead */
+static const double half_ggl = 0.1;          /* half a step for ggl, whose multipliers lose digits earlier */
+static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little */
+static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
+static const double rounded = 1e-8;          /* or to the tolerance, up to that */
 
-/* A polynomial in Newton's form, a column of divided differences after the other. */
+/* A polynomial in Newton's form: columns of divided differences. */
 typedef struct curve { int n, n_q; double x[N_KNOWN], *c; } curve;
 
 typedef struct crossing {
     lw_run *run;
     lw_dynamics *d;
     lw_integrator *w;
-    int    along;                            /* coordinate that counts                                        */
-    double way, zero;                        /* its direction; value at the start: s = way (q - zero)          */
-    double at, half;                         /* the singular posture; half the length                         */
-    double root;                             /* sqrt(M) at the start                                          */
-    int    n_seen;
-    double seen[N_KNOWN], pivot[N_KNOWN];    /* places walked to, root of the least pivot there               */
-    curve  walked, path;
-    double *q, *v, *trial;                   /* (n_q)                                                         */
+    int    along;                            /* coordinate that measures s */
+    double sense, zero;                        /* its direction; its value at the start: s = sense (q - zero) */
+    double at, half;                         /* the singular posture; half the length */
+    double root;                             /* sqrt(M) at the start */
+    int    n_visited;
+    double visited[N_KNOWN], pivot[N_KNOWN];    /* places known, root of the least pivot there */
+    curve  known, path;
+    double *q, *v, *guess;                   /* (n_q) */
 } crossing;
 
 /* ---- the curve -------------------------------------------------------------------------------------- */
@@ -161,29 +160,29 @@ static void value(const curve *p, double x, double *q, double *dq)
     }
 }
 
-static double place(const crossing *z, const double *q) { return z->way*(q[z->along] - z->zero); }
+static double place(const crossing *z, const double *q) { return z->sense*(q[z->along] - z->zero); }
 
-/* To about x on the curve: foretold by all places so far, put on the rows.  A correction longer than a small part of
- * the distance to the other branch would be a jump. */
-static lw_status walk_to(crossing *z, double x, const double *foretold)
+/* Add a place near x to the curve: predicted from the places known, put on the rows.  A correction longer than a
+ * small part of the distance to the other curve would be a jump to it. */
+static lw_status add_place(crossing *z, double x, const double *foretold)
 {
     lw_dynamics *d = z->d;
     if (foretold)
-        memcpy(z->trial, foretold, (size_t)d->n_q*sizeof *z->trial);
+        memcpy(z->guess, foretold, (size_t)d->n_q*sizeof *z->guess);
     else
-        value(&z->walked, x, z->trial, NULL);
-    memcpy(z->q, z->trial, (size_t)d->n_q*sizeof *z->q);
-    d->by_rank = false;                             /* else the pivot is not looked at                       */
+        value(&z->known, x, z->guess, NULL);
+    memcpy(z->q, z->guess, (size_t)d->n_q*sizeof *z->q);
+    d->by_rank = false;                             /* else the pivot is not found */
     if (lw_mbs_project_q(d, z->run->r->t, z->q, 0.1) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return LW_NOTHING;
     double moved = 0;
     for (int i = 0; i < d->n_q; i++)
-        moved = fmax(moved, fabs(z->q[i] - z->trial[i]));
-    z->seen[z->n_seen] = place(z, z->q);
-    z->pivot[z->n_seen] = sqrt(fmax(d->weak, 0));
-    if (!(moved < 0.1*z->pivot[z->n_seen]))
+        moved = fmax(moved, fabs(z->q[i] - z->guess[i]));
+    z->visited[z->n_visited] = place(z, z->q);
+    z->pivot[z->n_visited] = sqrt(fmax(d->weak, 0));
+    if (!(moved < 0.1*z->pivot[z->n_visited]))
         return LW_NOTHING;
-    add(&z->walked, z->seen[z->n_seen++], z->q);
+    add(&z->known, z->visited[z->n_visited++], z->q);
     return LW_OK;
 }
 
@@ -191,7 +190,7 @@ static lw_status walk_to(crossing *z, double x, const double *foretold)
 static bool find_middle(crossing *z)
 {
     int best[3] = { -1, -1, -1 };
-    for (int k = 0; k < z->n_seen; k++)
+    for (int k = 0; k < z->n_visited; k++)
         for (int j = 0, who = k; j < 3; j++)
             if (best[j] < 0 || z->pivot[who] < z->pivot[best[j]]) {
                 int was = best[j];
@@ -202,65 +201,65 @@ static bool find_middle(crossing *z)
     double w[3], s[3];
     for (int j = 0; j < 3; j++) {
         w[j] = z->pivot[best[j]];
-        s[j] = z->seen[best[j]];
+        s[j] = z->visited[best[j]];
         if (j && !(s[j] < s[j - 1] && w[j] > w[j - 1]))
             return false;
     }
     double a = s[0] - w[0]*(s[1] - s[0])/(w[1] - w[0]), b = s[1] - w[1]*(s[2] - s[1])/(w[2] - w[1]);
     z->at = a - w[0]*(b - a)/(w[2] - w[0]);
-    return z->at > s[0] && z->at < 2*longest;
+    return z->at > s[0] && z->at < 2*longest_half;
 }
 
-/* A few places behind the start, with what velocities foretell at first. */
+/* Add a few places behind the start, the first predicted by the velocities. */
 static lw_status look_back(crossing *z, const double *q, const double *v)
 {
     static const double back[] = { 0.02, 0.045, 0.08, 0.13 };
-    double speed = z->way*v[z->along];
+    double speed = z->sense*v[z->along];
     lw_status s = lw_mbs_rows(z->d, z->run->r->t, q);
     if (s == LW_OK)
         s = lw_mbs_factor(z->d, false);
     if (s != LW_OK)
         return s == LW_OPEN ? LW_NOTHING : s;
-    add(&z->walked, 0, q);
-    z->seen[0] = 0;
+    add(&z->known, 0, q);
+    z->visited[0] = 0;
     z->pivot[0] = sqrt(z->d->weak);
-    z->n_seen = 1;
+    z->n_visited = 1;
     for (int i = 0; i < z->d->n_q; i++)
         z->v[i] = q[i] - back[0]*v[i]/speed;
     for (int k = 0; k < 4; k++)
-        if (walk_to(z, -back[k], k ? NULL : z->v) != LW_OK)
+        if (add_place(z, -back[k], k ? NULL : z->v) != LW_OK)
             return LW_NOTHING;
     return find_middle(z) ? LW_OK : LW_NOTHING;
 }
 
-/* Places on this side, then beyond, each from its nearest neighbours outwards. */
+/* Add places on this side, then beyond, each predicted from its nearest neighbours. */
 static lw_status collect(crossing *z, double q[N_NODE][LW_SYSTEM_Q_MAX], double x[N_NODE])
 {
     int inner = 0;
     while (inner < N_SIDE - 1 && node[inner]*z->half < z->at)
         inner++;
-    z->walked.n = z->n_seen = 5;
+    z->known.n = z->n_visited = 5;
     for (int k = 0; k < N_NODE; k++) {
-        /* before the middle: from the start backwards, then forwards; behind it */
+        /* before the middle: from the start backwards, then forwards; then behind the middle */
         int m = k < N_SIDE - inner ? inner + k : k < N_SIDE ? N_SIDE - 1 - k : k - N_SIDE;
         int to = k < N_SIDE ? m : N_SIDE + m;
-        if (walk_to(z, z->at + (k < N_SIDE ? -1 : 1)*node[m]*z->half, NULL) != LW_OK)
+        if (add_place(z, z->at + (k < N_SIDE ? -1 : 1)*node[m]*z->half, NULL) != LW_OK)
             return LW_NOTHING;
-        x[to] = z->seen[z->n_seen - 1];
+        x[to] = z->visited[z->n_visited - 1];
         memcpy(q[to], z->q, (size_t)z->d->n_q*sizeof(double));
     }
     return LW_OK;
 }
 
-/* Does the polynomial satisfy the rows, in the gap and beside it?  Lengths that differ by less than the tolerance
+/* Does the polynomial satisfy the rows in the gap and beside it?  Lengths that differ by less than the tolerance
  * count as equal: a parallelogram written with ten digits is meant to be one. */
 static bool closes(crossing *z)
 {
     lw_dynamics *d = z->d;
     double off = 0;
     for (int k = -8; k <= 8; k++) {
-        value(&z->path, z->at + z->half*k/8, z->trial, NULL);
-        if (lw_mbs_rows(d, z->run->r->t, z->trial) != LW_OK)
+        value(&z->path, z->at + z->half*k/8, z->guess, NULL);
+        if (lw_mbs_rows(d, z->run->r->t, z->guess) != LW_OK)
             return false;
         for (int r = 0; r < d->n_c; r++)
             off = !(fabs(d->phi[r]) <= off) ? fabs(d->phi[r]) : off;
@@ -269,12 +268,12 @@ static bool closes(crossing *z)
     return off <= fmin(fmax(on_rows, d->o.absolute), rounded);
 }
 
-/* The curve, as long as it may be. */
+/* Find the longest curve that satisfies the rows. */
 static lw_status find_curve(crossing *z)
 {
-    static const int order[N_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less    */
+    static const int order[N_SIDE] = { 5, 0, 3, 1, 4, 2 };       /* far apart first: rounding grows less */
     double q[N_NODE][LW_SYSTEM_Q_MAX], x[N_NODE];
-    for (z->half = longest; z->at < z->half; z->half *= 0.5) {
+    for (z->half = longest_half; z->at < z->half; z->half *= 0.5) {
         if (collect(z, q, x) != LW_OK)
             return LW_NOTHING;
         z->path.n = 0;
@@ -289,7 +288,7 @@ static lw_status find_curve(crossing *z)
 
 /* ---- motion on it -------------------------------------------------------------------------------------- */
 
-/* y = s, p over its root at the start, work */
+/* Equations of motion of y = s, p over the root of M at the start, work. */
 static lw_status rate(void *context, double t, const double *y, double *dy)
 {
     crossing *z = context;
@@ -302,12 +301,12 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
     for (int i = 0; i < d->n_q; i++)
         mass += d->f.mass[i]*z->v[i]*z->v[i];
     double root = sqrt(mass), speed = y[1]*z->root/root;
-    memcpy(z->trial, z->v, (size_t)d->n_q*sizeof *z->trial);
+    memcpy(z->guess, z->v, (size_t)d->n_q*sizeof *z->guess);
     for (int i = 0; i < d->n_q; i++)
         z->v[i] *= speed;
     lw_forces_apply(&d->f, t, z->q, z->v, d->force, NULL, NULL, z->run->has_work ? &power : NULL);
     for (int i = 0; i < d->n_q; i++)
-        push += z->trial[i]*d->force[i];
+        push += z->guess[i]*d->force[i];
     dy[0] = speed;
     dy[1] = push/(root*z->root);
     if (z->run->has_work)
@@ -316,7 +315,7 @@ static lw_status rate(void *context, double t, const double *y, double *dy)
 }
 
 /* The state of the run on the curve. */
-static void spread(const crossing *z, const double *s, double *y)
+static void bodies_state(const crossing *z, const double *s, double *y)
 {
     const lw_dynamics *d = z->d;
     double mass = 0, *v = y + d->n_q;
@@ -337,11 +336,11 @@ static lw_status state_at(void *context, double t, double *y)
     memcpy(s3, z->w->y, (size_t)z->w->ode->n*sizeof *s3);
     lw_status s = t == z->w->t ? LW_OK : lw_integrate_dense(z->w, t, s3);
     if (s == LW_OK)
-        spread(z, s3, y);
+        bodies_state(z, s3, y);
     return s;
 }
 
-/* Until it is well outside and on its way out, on either side. */
+/* Move until the linkage is well outside the middle, on either side, and moves away from it. */
 static lw_status move(crossing *z, double *t, double *y)
 {
     lw_run *run = z->run;
@@ -350,27 +349,27 @@ static lw_status move(crossing *z, double *t, double *y)
     lw_ode_options o = lw_ode_options_default();
     lw_integrator w;
     lw_ode_stop stop = LW_ODE_STEP;
-    double room[128], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
+    double memory[128], s[3] = { 0, 0, run->has_work ? y[2*d->n_q] : 0 }, mass = 0;
     z->w = &w;
     z->root = 1;
     rate(z, *t, (double[]){ 0, 1, 0 }, (double[3]){ 0 });
     for (int i = 0; i < d->n_q; i++)
-        mass += d->f.mass[i]*z->trial[i]*z->trial[i];
+        mass += d->f.mass[i]*z->guess[i]*z->guess[i];
     z->root = sqrt(mass);
-    /* the rate of s in the metric of the masses */
+    /* rate of s, in the metric of the masses */
     for (int i = 0; i < d->n_q; i++)
-        s[1] += d->f.mass[i]*z->trial[i]*y[d->n_q + i]/mass;
+        s[1] += d->f.mass[i]*z->guess[i]*y[d->n_q + i]/mass;
     o.relative = finer*d->o.relative;
     o.absolute = finer*d->o.absolute;
     o.max_step = lw_run_steps_left(run);
     o.greatest = 0.35*z->half/fmax(fabs(s[1]), 1e-300);
-    lw_status st = lw_integrate_start(&w, &ode, &o, room, *t, s, run->e);
+    lw_status st = lw_integrate_start(&w, &ode, &o, memory, *t, s, run->e);
     w.h = st == LW_OK ? fmin(o.greatest, d->o.to - *t) : 0;
     for (long k = 1; st == LW_OK && stop != LW_ODE_END; k++) {
         st = lw_integrate_step(&w, d->o.to, &stop, run->e);
         if (st != LW_OK)
             break;
-        spread(z, w.y, y);
+        bodies_state(z, w.y, y);
         run->r->t = *t = w.t;
         lw_run_watch(run, y);
         st = lw_run_samples(run, w.t, state_at, z);
@@ -389,31 +388,31 @@ static lw_status move(crossing *z, double *t, double *y)
 
 /* ---- when ------------------------------------------------------------------------------------------------- */
 
-static lw_status cross(lw_run *run, double *t, double *y)
+static lw_status cross_on_curve(lw_run *run, double *t, double *y)
 {
     lw_dynamics *d = run->d;
     size_t n = (size_t)d->n_q;
     crossing z = { .run = run, .d = d, .zero = 0 };
-    double *room = calloc(n*(2*N_KNOWN + 3), sizeof *room), most = 0;
-    if (!room)
+    double *memory = calloc(n*(2*N_KNOWN + 3), sizeof *memory), most = 0;
+    if (!memory)
         return LW_E_MEMORY;
-    z.walked = (curve){ .n_q = d->n_q, .c = room };
-    z.path = (curve){ .n_q = d->n_q, .c = room + n*N_KNOWN };
-    z.q = room + 2*n*N_KNOWN;
+    z.known = (curve){ .n_q = d->n_q, .c = memory };
+    z.path = (curve){ .n_q = d->n_q, .c = memory + n*N_KNOWN };
+    z.q = memory + 2*n*N_KNOWN;
     z.v = z.q + n;
-    z.trial = z.v + n;
+    z.guess = z.v + n;
     for (int i = 0; i < d->n_q; i++) {
-        double size = fabs(y[n + (size_t)i])*(i%3 == 2 ? 3 : 1);         /* turns count best                */
+        double size = fabs(y[n + (size_t)i])*(i%3 == 2 ? 3 : 1);         /* turns are preferred */
         z.along = size > most ? i : z.along;
         most = fmax(most, size);
     }
-    z.way = y[d->n_q + z.along] < 0 ? -1 : 1;
+    z.sense = y[d->n_q + z.along] < 0 ? -1 : 1;
     z.zero = y[z.along];
     lw_status s = most > 0 ? look_back(&z, y, y + n) : LW_NOTHING;
     s = s == LW_OK ? find_curve(&z) : s;
     if (s == LW_OK)
         s = move(&z, t, y);
-    free(room);
+    free(memory);
     return s;
 }
 
@@ -433,8 +432,8 @@ lw_status lw_run_rechoose(lw_run *run, double t, const double *y, double *weak)
     return s;
 }
 
-/* With more freedoms there is no curve: over it by one explicit step, for methods that cannot leap themselves. */
-static lw_status leap(lw_run *run, double half, double weak, double place, double *t, double *y)
+/* With more freedoms there is no curve: go over by one explicit step. */
+static lw_status step_over(lw_run *run, double half, double weak, double place, double *t, double *y)
 {
     double end = place;
     lw_status s = lw_run_singular_step(run, half, *t, weak, place, &end, y);
@@ -452,7 +451,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *
     bool one = d->freedom == 1 && !d->n_driven && !d->n_friction;
     bool able = !d->n_stop && (one || run->r->formulation != LW_FORMULATION_INDEX1);
     double half = run->r->formulation == LW_FORMULATION_GGL ? half_ggl : LW_SINGULAR_STEP_HALF;
-    double from = one ? beside : 2*half, reach = one ? longest : 3*half;
+    double from = one ? beside : 2*half, reach = one ? longest_half : 3*half;
     run->pivot = w;
     run->pivot_t = *t;
     if (!able || w > from || w < 1e-3)
@@ -466,7 +465,7 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *
         return LW_NOTHING;
     run->pivot_tried = w;
     lw_error was = *run->e;
-    lw_status s = one ? cross(run, t, y) : leap(run, half, weak, *t + since*w/fall, t, y);
+    lw_status s = one ? cross_on_curve(run, t, y) : step_over(run, half, weak, *t + since*w/fall, t, y);
     if (s == LW_NOTHING)
         *run->e = was;
     else

@@ -48,7 +48,7 @@ static lw_status motion(void *context, int i, double t, const double *y, double 
 
 static lw_status impulse(void *context, double t, const double *y, const double *g, double *change, double *mobility)
 {
-    (void)t, (void)y;                        /* the factors are those of the motion just found                */
+    (void)t, (void)y;                        /* the factors are those of the motion just found */
     *mobility = lw_mbs_impulse(((lw_run *)context)->d, g, change);
     return *mobility > 0 ? LW_OK : LW_NOTHING;
 }
@@ -76,7 +76,7 @@ static lw_status arrange(void *context, int i, double t, double *y)
     int rank = d->rank;
     d->resting[d->n_resting++] = i;
     lw_status s = lw_mbs_arrange(d, t, y);
-    if (s == LW_OK && d->rank == rank) {     /* other rows hold it already                                    */
+    if (s == LW_OK && d->rank == rank) {     /* other rows hold it already */
         d->n_resting--;
         d->stop[i].resting = false;
         s = lw_mbs_arrange(d, t, y);
@@ -98,7 +98,7 @@ static void note(void *context, int i, double t, bool impact, double rate)
 lw_status lw_run_strike(lw_run *run, double t, double *y, bool *changed)
 {
     lw_dynamics *d = run->d;
-    bool implicit = run->r->formulation == LW_FORMULATION_CVODE;      /* its error hides low bounces          */
+    bool implicit = run->r->formulation == LW_FORMULATION_CVODE;      /* its error hides low bounces */
     lw_stops stops = { .context = run, .n_stop = d->n_stop, .n = d->n_q, .stop = d->stop, .model = d->model,
                        .least_bounce = implicit ? fmax(LW_STOP_LEAST_BOUNCE, d->o.absolute) : LW_STOP_LEAST_BOUNCE,
                        .gap = gap, .motion = motion, .impulse = impulse, .pressure = pressure, .arrange = arrange,

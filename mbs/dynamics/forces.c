@@ -15,7 +15,7 @@ static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
     box[1] = lw_v2(fmax(box[1].x, at.x), fmax(box[1].y, at.y));
 }
 
-/* The size of what is drawn, masses and loads included [m]; 1 for a model without extent. */
+/* Size of the model, masses included [m]; 1 for a model without extent. */
 static double size_of_model(const lw_model *m)
 {
     const lw_linkage *k = &m->linkage;
@@ -98,10 +98,10 @@ lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t
 
 /* ---- one load along one measure ---------------------------------------------------------------- */
 
-/* Where forces go. */
+/* The sums that loads add to. */
 typedef struct sum { int n; double *force, *dq, *dv, power; } sum;
 
-/* Force f along m, with the derivatives of f by the measure and by its rate. */
+/* Add force f along m; by_value, by_rate: derivatives of f by the measure and by its rate. */
 static void add(sum *to, const lw_measure *m, const double *v, double f, double by_value, double by_rate)
 {
     for (int i = 0; i < 6; i++) {
@@ -113,7 +113,7 @@ static void add(sum *to, const lw_measure *m, const double *v, double f, double 
             if (m->body[j/3] < 0)
                 continue;
             int column = 3*m->body[j/3] + j%3;
-            double turn = 0;                  /* of the gradient: (H v)_j */
+            double turn = 0;                  /* rate of the gradient: (H v)_j */
             for (int k = 0; by_rate != 0 && k < 6; k++)
                 turn += m->body[k/3] < 0 ? 0 : m->h[j][k]*v[3*m->body[k/3] + k%3];
             to->dq[row*to->n + column] += m->g[i]*(by_value*m->g[j] + by_rate*turn) + f*m->h[i][j];
@@ -122,7 +122,7 @@ static void add(sum *to, const lw_measure *m, const double *v, double f, double 
     }
 }
 
-/* A law of a spring: its pull and derivatives by length and rate. */
+/* Pull of a spring with a law, and its derivatives by length and rate. */
 static double law_at(const lw_expression *law, const lw_measure *m, double t, double by[2])
 {
     const int *which;
@@ -170,11 +170,11 @@ static void apply_springs(const lw_forces *f, double t, const double *q, const d
     }
 }
 
-/* How deep a joint is in its stop, and which way that pushes: +1 up. */
-static double depth(const lw_joint_stop *p, double value, double *way)
+/* Depth of a joint beyond its stop; *sense: direction of the push. */
+static double depth(const lw_joint_stop *p, double value, double *sense)
 {
-    *way = p->has_least && value < p->least ? 1 : -1;
-    if (*way > 0)
+    *sense = p->has_least && value < p->least ? 1 : -1;
+    if (*sense > 0)
         return p->least - value;
     return p->has_greatest ? fmax(value - p->greatest, 0) : 0;
 }
@@ -185,14 +185,14 @@ static void apply_stops(const lw_forces *f, const double *q, const double *v, su
     lw_measure m;
     for (int i = 0; i < f->n_stop; i++) {
         const lw_joint_stop *p = &f->model->stop[f->stop_joint[i]];
-        double way;
+        double sense;
         lw_measure_joint(f->system, f->stop_joint[i], q, v, to->dq != NULL, &m);
-        double in = depth(p, m.value, &way), push = p->stiffness*in - way*p->damping*m.rate;
+        double in = depth(p, m.value, &sense), push = p->stiffness*in - sense*p->damping*m.rate;
         if (!(in > 0))
             continue;
         bool held = push > 0;
-        add(to, &m, v, held ? way*push : 0, held ? -p->stiffness : 0, held ? -p->damping : 0);
-        to->power += held ? -p->damping*m.rate*m.rate : -way*p->stiffness*in*m.rate;
+        add(to, &m, v, held ? sense*push : 0, held ? -p->stiffness : 0, held ? -p->damping : 0);
+        to->power += held ? -p->damping*m.rate*m.rate : -sense*p->stiffness*in*m.rate;
     }
 }
 
@@ -210,7 +210,7 @@ static void apply_motors(const lw_forces *f, const double *q, const double *v, s
 
 /* ---- applied forces ---------------------------------------------------------------------------- */
 
-/* The measure behind a variable, and whether it is its rate that is meant. */
+/* The measure of a variable of an expression; *rate: the variable is the rate of it. */
 static void measure_of(const lw_forces *f, int variable, const double *q, const double *v, bool second, lw_measure *m,
                        bool *rate)
 {
@@ -231,10 +231,10 @@ static void measure_of(const lw_forces *f, int variable, const double *q, const 
     }
 }
 
-/* Value of an expression and, for the derivatives, what it adds: force grows by
- * way (dx/dq dq + dx/dv dv), way (n_way) on the coordinates `at`. */
+/* Value of an expression.  Adds its derivatives: the force along sense (3, on the coordinates `at`) grows by sense
+ * (dx/dq dq + dx/dv dv). */
 static double evaluate(const lw_forces *f, const lw_expression *x, double t, const double *q, const double *v,
-                       const int at[3], const double way[3], sum *to)
+                       const int at[3], const double sense[3], sum *to)
 {
     const int *which;
     double value[LW_EXPRESSION_VARIABLE_MAX], d[LW_EXPRESSION_VARIABLE_MAX];
@@ -266,38 +266,39 @@ static double evaluate(const lw_forces *f, const lw_expression *x, double t, con
                     by_q += m[i].body[k/3] < 0 ? 0 : m[i].h[j][k]*v[3*m[i].body[k/3] + k%3];
             }
             for (int r = 0; r < 3; r++) {
-                to->dq[at[r]*to->n + column] += way[r]*d[i]*by_q;
-                to->dv[at[r]*to->n + column] += way[r]*d[i]*by_v;
+                to->dq[at[r]*to->n + column] += sense[r]*d[i]*by_q;
+                to->dv[at[r]*to->n + column] += sense[r]*d[i]*by_v;
             }
         }
     }
     return result;
 }
 
-/* Component c (0, 1: a force; 2: a torque) of an applied force: Q = value way, and way turns with the link. */
+/* Add component c (0, 1: of the force; 2: the torque) of an applied force.  Q = value sense, and sense turns with
+ * the link. */
 static void apply_component(const lw_forces *f, int i, int c, const lw_expression *x, double t, const double *q,
                             const double *v, sum *to)
 {
     const lw_force *p = &f->model->force[i];
     int body = f->system->body[p->link], turn = 3*body + 2, at[3] = { 3*body, 3*body + 1, turn };
-    double unit = f->system->unit, way[3] = { 0, 0, 1 }, dway[3] = { 0, 0, 0 };
+    double unit = f->system->unit, sense[3] = { 0, 0, 1 }, dway[3] = { 0, 0, 0 };
     if (!x || body < 0)
         return;
     lw_vec2 u = lw_v2_polar(1, q[turn]), w = lw_v2(c == 0, c == 1), r = lw_v2_turn(f->force_arm[i], u);
     if (c < 2) {
         w = p->follows ? lw_v2_turn(w, u) : w;
         lw_vec2 dw = p->follows ? lw_v2_perp(w) : lw_v2(0, 0);
-        way[0] = unit*w.x;
-        way[1] = unit*w.y;
-        way[2] = unit*lw_v2_cross(r, w);
+        sense[0] = unit*w.x;
+        sense[1] = unit*w.y;
+        sense[2] = unit*lw_v2_cross(r, w);
         dway[0] = unit*dw.x;
         dway[1] = unit*dw.y;
         dway[2] = unit*(lw_v2_cross(lw_v2_perp(r), w) + lw_v2_cross(r, dw));
     }
-    double value = evaluate(f, x, t, q, v, at, way, to);
+    double value = evaluate(f, x, t, q, v, at, sense, to);
     for (int r3 = 0; r3 < 3; r3++) {
-        to->force[at[r3]] += value*way[r3];
-        to->power += value*way[r3]*v[at[r3]];
+        to->force[at[r3]] += value*sense[r3];
+        to->power += value*sense[r3]*v[at[r3]];
         if (to->dq)
             to->dq[at[r3]*to->n + turn] += value*dway[r3];
     }
@@ -330,7 +331,7 @@ static void add_caller_derivatives(const lw_forces *f, double t, const double *q
                                    double *out)
 {
     enum { N = LW_SYSTEM_Q_MAX };
-    const double step = 1e-6;                /* the error is about its square                            */
+    const double step = 1e-6;                /* the error is about its square */
     double x[N], side[2][N];
     int n = f->system->n_q;
     memcpy(x, by_rate ? v : q, (size_t)n*sizeof *x);
@@ -394,7 +395,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
     const lw_system *s = f->system;
     const lw_model *m = f->model;
     lw_measure l;
-    double energy = 0, way;
+    double energy = 0, sense;
     for (int b = 0; b < s->n_body; b++)
         energy -= f->weight[3*b]*(q[3*b] - s->reference[b].x) + f->weight[3*b + 1]*(q[3*b + 1] - s->reference[b].y);
     for (int i = 0; i < m->n_spring; i++) {
@@ -415,7 +416,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
     for (int i = 0; i < f->n_stop; i++) {
         const lw_joint_stop *p = &m->stop[f->stop_joint[i]];
         lw_measure_joint(s, f->stop_joint[i], q, still, false, &l);
-        double in = depth(p, l.value, &way);
+        double in = depth(p, l.value, &sense);
         energy += 0.5*p->stiffness*in*in;
     }
     return energy;
@@ -423,7 +424,7 @@ double lw_forces_potential(const lw_forces *f, const double *q)
 
 /* ---- measures ---------------------------------------------------------------------------------- */
 
-/* A point of a body: place and arm in the plane, scaled; rate. */
+/* A point of a body: place, arm from the reference point, rate; scaled. */
 typedef struct point { lw_vec2 p, r, v; } point;
 
 static point point_of(int body, lw_vec2 arm, const double *q, const double *v)
@@ -432,10 +433,11 @@ static point point_of(int body, lw_vec2 arm, const double *q, const double *v)
         return (point){ arm, { 0, 0 }, { 0, 0 } };
     const double *c = q + 3*body, *d = v + 3*body;
     lw_vec2 r = lw_v2_turn(arm, lw_v2_polar(1, c[2]));
-    return (point){ lw_v2_add(lw_v2(c[0], c[1]), r), r, lw_v2_add(lw_v2(d[0], d[1]), lw_v2_scale(lw_v2_perp(r), d[2])) };
+    return (point){ lw_v2_add(lw_v2(c[0], c[1]), r), r,
+                    lw_v2_add(lw_v2(d[0], d[1]), lw_v2_scale(lw_v2_perp(r), d[2])) };
 }
 
-/* Derivative of w . p by the three coordinates of p's body, w fixed. */
+/* Gradient of w . p by the three coordinates of the body of p, w fixed. */
 static void along(lw_vec2 w, const point *p, double sign, double *g)
 {
     g[0] = sign*w.x;
@@ -472,14 +474,14 @@ void lw_measure_length(const lw_system *s, const int body[2], const lw_vec2 arm[
     point a = point_of(body[0], arm[0], q, v), b = point_of(body[1], arm[1], q, v);
     lw_vec2 d = lw_v2_sub(b.p, a.p);
     double l = lw_v2_norm(d);
-    /* ends at one point pull nowhere: no direction is better than another */
+    /* where both ends are at one point no direction is better than another: no force */
     lw_vec2 u = l > 0 ? lw_v2_scale(d, 1/l) : lw_v2(0, 0);
     begin(m, body[0], body[1], second);
     m->value = l;
     along(u, &a, -1, m->g);
     along(u, &b, 1, m->g + 3);
     if (second && l > 0) {
-        double across[6];                    /* of the direction: l du = n (n . d'), n = i u */
+        double across[6];                    /* of the direction u: l du = n (n . dd), n = i u */
         along(lw_v2_perp(u), &a, -1, across);
         along(lw_v2_perp(u), &b, 1, across + 3);
         for (int i = 0; i < 6; i++)
@@ -512,7 +514,7 @@ void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const
     m->value += axis == 0 ? s->origin.x : s->origin.y;
 }
 
-/* u . (p1 - p0), u turning with body 0:  by phi0: n . d - u . i r0 ... (mbs/constraints/system_rows.c) */
+/* Measure u . (p1 - p0), where u turns with body 0; derivatives as in mbs/constraints/system_rows.c. */
 static void measure_slide(const lw_system_joint *j, const double *q, const double *v, bool second, lw_measure *m)
 {
     point a = point_of(j->body[0], j->arm[0], q, v), b = point_of(j->body[1], j->arm[1], q, v);
@@ -524,7 +526,7 @@ static void measure_slide(const lw_system_joint *j, const double *q, const doubl
     m->g[2] += lw_v2_dot(n, d);
     if (!second)
         return;
-    double mixed[6];                         /* of n . d, n fixed */
+    double mixed[6];                         /* gradient of n . d, n fixed */
     along(n, &a, -1, mixed);
     along(n, &b, 1, mixed + 3);
     for (int i = 0; i < 6; i++) {

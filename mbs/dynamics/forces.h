@@ -1,13 +1,12 @@
 /* mbs/dynamics/forces.h - masses and loads of a model in the coordinates of its system (mbs/constraints/system.h).
  *
- * Coordinates are scaled: places in multiples of system->unit, turns in rad, so every generalised force is
- * an energy [J] and every entry of the mass matrix is [kg m^2].  The reference point of a link is its
- * centre of mass, hence the mass matrix is diagonal and constant.
+ * Coordinates are scaled: places in multiples of system->unit, turns in rad.  So every generalised force is an energy
+ * [J] and every entry of the mass matrix is in [kg m^2].  The reference point of a link is its centre of mass, hence
+ * the mass matrix is diagonal and constant.
  *
- * Every load acts along a *measure*: a length between two points, what a joint counts, a coordinate of a
- * tracer, the turn of a link.  A measure l(q) has a gradient g and a second derivative H by the at most
- * six coordinates of its two links, from which forces and their derivatives follow without a case for
- * each load:
+ * Every load acts along a measure l(q): a length between two points, the turn or displacement of a joint, a coordinate
+ * of a tracer, the turn of a link.  It has a gradient g and second derivatives H by the at most six coordinates of its
+ * two links, which give forces and their derivatives for every kind of load:
  *     force f along l:   Q = f g,   dQ/dq = g (df/dq)^T + f H,   d(dl/dt)/dq = H v,   d(dl/dt)/dv = g. */
 #ifndef LW_MBS_DYNAMICS_FORCES_H
 #define LW_MBS_DYNAMICS_FORCES_H
@@ -16,27 +15,27 @@
 #include "mbs/constraints/system.h"
 
 typedef struct lw_forces {
-    const lw_model  *model;                 /* the caller's; must outlive this                        */
+    const lw_model  *model;                 /* the caller's; must outlive this */
     const lw_system *system;
-    double  mass[LW_SYSTEM_Q_MAX];          /* diagonal [kg m^2]                                       */
-    double  weight[LW_SYSTEM_Q_MAX];        /* of gravity [J]                                          */
-    lw_vec2 spring_arm[LW_LOAD_MAX][2];     /* ends of springs, points of forces in their links' frames */
+    double  mass[LW_SYSTEM_Q_MAX];          /* diagonal [kg m^2] */
+    double  weight[LW_SYSTEM_Q_MAX];        /* generalised force of gravity [J] */
+    lw_vec2 spring_arm[LW_LOAD_MAX][2];     /* ends of springs, points of forces, in the frames of their links */
     lw_vec2 force_arm[LW_LOAD_MAX];
-    int     n_stop, stop_joint[LW_JOINT_MAX];   /* compliant ones                                     */
-    bool    conservative;                   /* gravity, springs without damping, compliant stops        */
-    bool    any_state;                      /* loads other than gravity                                */
-    lw_caller_force caller;                 /* apply NULL: none                                        */
+    int     n_stop, stop_joint[LW_JOINT_MAX];   /* compliant stops */
+    bool    conservative;                   /* gravity, springs without damping, compliant stops */
+    bool    any_state;                      /* loads other than gravity */
+    lw_caller_force caller;                 /* apply NULL: none */
 } lw_forces;
 
-/* The system of a model as these forces want it: reference points in the centres of mass. */
+/* The system of a model with reference points in the centres of mass, as lw_forces needs it. */
 lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e);
 
 /* caller: forces of the caller's own; NULL or apply NULL: none. */
 void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force *caller, lw_forces *f);
 
-/* Generalised forces (n_q) of everything but friction [J].  dq, dv (n_q x n_q, entry [i*n_q + j] is
- * dforce_i/dq_j), may be NULL.  *power: of what the potential does not hold (dampers, motors, applied
- * forces, laws) [W], may be NULL. */
+/* Generalised forces (n_q) of all loads but friction [J].  dq, dv (n_q x n_q, entry [i*n_q + j] is dforce_i/dq_j)
+ * may be NULL.  *power: power of the forces without potential (dampers, motors, applied forces, laws, the caller's)
+ * [W]; may be NULL. */
 void lw_forces_apply(const lw_forces *f, double t, const double *q, const double *v, double *force, double *dq,
                      double *dv, double *power);
 
@@ -44,22 +43,22 @@ void lw_forces_apply(const lw_forces *f, double t, const double *q, const double
  * scaled.  The model gives the input a motion.  LW_E_NUMERIC: a number that is not finite. */
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3]);
 
-/* Of gravity (0 in the posture), linear springs, compliant stops [J]. */
+/* Potential of gravity (0 in the posture), linear springs and compliant stops; kinetic energy [J]. */
 double lw_forces_potential(const lw_forces *f, const double *q);
 double lw_forces_kinetic(const lw_forces *f, const double *v);
 
-/* Along one measure. */
+/* A measure at one moment. */
 typedef struct lw_measure {
-    int    body[2];                         /* its links' bodies; -1: ground or none                   */
-    double value, rate;                     /* [m] or [rad], per s                                      */
-    double g[6], h[6][6];                   /* by coordinate i%3 of body[i/3]                           */
-    bool   second;                          /* h is worth looking at                                   */
+    int    body[2];                         /* bodies of its links; -1: ground or none */
+    double value, rate;                     /* [m] or [rad]; per second */
+    double g[6], h[6][6];                   /* by coordinate i%3 of body[i/3] */
+    bool   second;                          /* h is filled */
 } lw_measure;
 
 void lw_measure_joint(const lw_system *s, int joint, const double *q, const double *v, bool second, lw_measure *m);
 void lw_measure_length(const lw_system *s, const int body[2], const lw_vec2 arm[2], const double *q,
                        const double *v, bool second, lw_measure *m);
-/* axis 0: x, 1: y of a point; 2: the turn of its body */
+/* axis 0: x, 1: y of a point; 2: the turn of its body. */
 void lw_measure_point(const lw_system *s, int body, lw_vec2 arm, int axis, const double *q, const double *v,
                       bool second, lw_measure *m);
 

@@ -5,7 +5,7 @@
 #include <string.h>
 #include "base/linalg.h"
 
-static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined   */
+static const double singular = 1e-3;         /* a determinant below this: the reactions are not determined */
 
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
@@ -86,7 +86,8 @@ lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw
     }
     if (lw_friction_sizes(n, rest, change, size) != LW_OK)
         return lw_error_set(e, LW_E_NUMERIC, "friction at joint \"%s\" leaves its reaction undetermined for rigid "
-                            "links (Painleve's paradox) at t = %.9g s; lower the coefficient or give the joint compliance",
+                            "links (Painleve's paradox) at t = %.9g s; lower the coefficient or give the joint "
+                            "compliance",
                             m->linkage.joint[joint[0].joint].name, t);
     for (int k = 0; k < n; k++) {
         const double *from = response + k*stride;

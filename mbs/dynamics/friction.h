@@ -17,7 +17,8 @@ typedef struct lw_friction_joint { int joint; double coefficient, speed, lever_a
 /* The friction that a model gives joint j. */
 lw_friction_joint lw_friction_joint_of(const lw_model *m, int j);
 
-/* Force [N] or torque [N m] along the measure of the joint for a reaction of 1 N; rate of the measure [rad/s], [m/s]. */
+/* Force [N] or torque [N m] along the measure of the joint for a reaction of 1 N, at the rate of the measure [rad/s] or
+ * [m/s]. */
 double lw_friction_push(const lw_friction_joint *f, double rate);
 
 /* Generalised force (n_q) of the friction for a reaction of 1 N; returns its power [W]. */
@@ -32,9 +33,9 @@ lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multip
 lw_status lw_friction_sizes(int n, const lw_vec2 *rest, const lw_vec2 *response, double *size);
 
 /* Changes accelerations a (n_a) and multipliers l (n_l), found without friction, to those with it.
- * row[j]: first multiplier of the reaction of joint j.  response[j]: (n_a + n_l), the a and l that the friction of joint
- * j causes for a reaction of 1 N.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the error
- * names the first joint. */
+ * row[j]: first multiplier of the reaction of joint j.  response: n times (n_a + n_l), the a and l that the friction of
+ * each joint causes for a reaction of 1 N.  size (n): the reactions found.  LW_E_NUMERIC: they are not determined; the
+ * error names the first joint. */
 lw_status lw_friction_add(const lw_model *m, const lw_system *s, int n, const lw_friction_joint *joint, const int *row,
                           const double *response, double t, int n_a, double *a, int n_l, double *l, double *size,
                           lw_error *e);

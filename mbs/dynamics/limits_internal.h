@@ -6,8 +6,8 @@
 #include "base/clock.h"
 #include "base/error.h"
 
-/* LW_STOPPED, with a text, when *stop is not 0 (stop may be NULL) or, where look_at_clock is true, when lw_clock_wall has
- * passed `until` (0: no limit). */
+/* LW_STOPPED, with a text, when *stop is not 0 (stop may be NULL) or, where look_at_clock is true, when lw_clock_wall
+ * has passed `until` (0: no limit). */
 static inline lw_status lw_limits_check(const volatile sig_atomic_t *stop, double until, bool look_at_clock, double t,
                                         lw_error *e)
 {

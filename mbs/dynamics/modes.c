@@ -10,7 +10,8 @@
 
 /* ---- shapes -------------------------------------------------------------------------------------- */
 
-/* Body coordinates of a reduced vector re + i im: amplitudes and phases, the greatest 1 with phase 0 */
+/* Shape of a mode in the coordinates of the bodies, from a reduced vector re + i im (im NULL: real): amplitudes and
+ * phases; the greatest amplitude is 1 with phase 0. */
 static void set_shape(const lw_vibration *v, const double *re, const double *im, lw_mode *mode)
 {
     int n = v->n_q, top = 0;
@@ -50,12 +51,12 @@ static int by_size(const void *a, const void *b)
 
 /* ---- eigenvalues --------------------------------------------------------------------------------- */
 
-/* Undamped: w = s^2 below 0 is a vibration; above, a pair of real values of which the growing one is told */
-static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out)
+/* Undamped: w = s^2.  Below 0 it is a vibration; above, a pair of real values, of which the growing one is reported. */
+static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *out)
 {
     int n = v->n_free;
     size_t square = (size_t)(n*n);
-    double *k = room, *m = k + square, *x = m + square, *w = x + square, most = 0.0;
+    double *k = memory, *m = k + square, *x = m + square, *w = x + square, most = 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             k[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]);
@@ -65,7 +66,7 @@ static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out
         most = fmax(most, fabs(w[i]));
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_mode *mode = &out->mode[out->n_mode++];
-        double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* free motion, to rounding */
+        double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* a free motion, but for rounding */
         set_numbers(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
         set_shape(v, x + i*n, NULL, mode);
     }
@@ -74,17 +75,15 @@ static lw_status conservative(const lw_vibration *v, double *room, lw_modes *out
 
 /* ---- with damping --------------------------------------------------------------------------------- */
 
-/* eigenvalues with damping.
- *
- * In the basis X of the undamped modes of K + a C, X^T M X = I, those motions that neither K nor C couples with others
- * have s^2 + c s + k = 0 each: free motions stay at 0 and double roots stay double, which the general problem,
- * defective there, gives to half the digits only.  The rest goes to the general problem. */
-#define SHARE    0.6180339887498949      /* of C over K in the basis; any number without meaning           */
-#define UNCOUPLED 1e-13                  /* entries below this share of the greatest are rounding          */
+/* In the basis X of the undamped modes of K + a C, X^T M X = I, each motion that neither K nor C couples with others
+ * has its own equation s^2 + c s + k = 0.  So free motions stay at 0 and double roots stay double, which the general
+ * problem, defective there, gives to half the digits only.  The coupled motions go to the general problem. */
+#define DAMPING_WEIGHT    0.6180339887498949      /* of C over K in the basis; an arbitrary number */
+#define UNCOUPLED 1e-13                  /* entries below this part of the greatest are rounding */
 
 typedef struct basis {
     int     n;
-    double *x, *k, *c;                   /* vectors x[i*n + .]; K and C in it (n*n by rows)                */
+    double *x, *k, *c;                   /* vectors x[i*n + .]; K and C in it (n*n by rows) */
     double  k_most, c_most;
     bool    alone[LW_SYSTEM_Q_MAX];
 } basis;
@@ -97,8 +96,8 @@ static double greatest(const double *a, int n)
     return most;
 }
 
-/* out = X A X^T with rows of X the vectors; room (n*n) */
-static void transform(const basis *b, const double *a, double *room, double *out)
+/* out = X A X^T, where the rows of X are the vectors; memory (n*n) */
+static void transform(const basis *b, const double *a, double *memory, double *out)
 {
     int n = b->n;
     for (int i = 0; i < n; i++)
@@ -106,24 +105,24 @@ static void transform(const basis *b, const double *a, double *room, double *out
             double sum = 0.0;
             for (int l = 0; l < n; l++)
                 sum += a[i*n + l]*b->x[j*n + l];
-            room[i*n + j] = sum;
+            memory[i*n + j] = sum;
         }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             double sum = 0.0;
             for (int l = 0; l < n; l++)
-                sum += b->x[i*n + l]*room[l*n + j];
+                sum += b->x[i*n + l]*memory[l*n + j];
             out[i*n + j] = sum;
         }
 }
 
-/* room (4 n^2 + n) */
-static lw_status find_basis(const lw_vibration *v, basis *b, double *room)
+/* memory (4 n^2 + n) */
+static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
 {
     int n = b->n;
     size_t square = (size_t)(n*n);
-    double *sum = room, *mass = sum + square, *w = mass + square, stiff = greatest(v->stiffness, n*n);
-    double most = greatest(v->damping, n*n), a = most > 0.0 ? SHARE*(stiff > 0.0 ? stiff : 1.0)/most : 0.0;
+    double *sum = memory, *mass = sum + square, *w = mass + square, stiff = greatest(v->stiffness, n*n);
+    double most = greatest(v->damping, n*n), a = most > 0.0 ? DAMPING_WEIGHT*(stiff > 0.0 ? stiff : 1.0)/most : 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             sum[i*n + j] = 0.5*(v->stiffness[i*n + j] + v->stiffness[j*n + i]
@@ -132,7 +131,7 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *room)
     lw_status s = lw_eigen_symmetric(n, sum, mass, w, b->x);
     if (s != LW_OK)
         return s;
-    for (int i = 0; i < n; i++) {                            /* GSL's vectors are of length 1: make X M X^T = 1 */
+    for (int i = 0; i < n; i++) {                           /* the vectors of GSL have length 1: scale to X M X^T = 1 */
         double size = 0.0, *x = b->x + i*n;
         for (int j = 0; j < n; j++)
             for (int l = 0; l < n; l++)
@@ -140,8 +139,8 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *room)
         for (int j = 0; j < n; j++)
             x[j] /= sqrt(size);
     }
-    transform(b, v->stiffness, room, b->k);
-    transform(b, v->damping, room, b->c);
+    transform(b, v->stiffness, memory, b->k);
+    transform(b, v->damping, memory, b->c);
     b->k_most = greatest(b->k, n*n);
     b->c_most = greatest(b->c, n*n);
     for (int i = 0; i < n; i++) {
@@ -163,7 +162,7 @@ static lw_mode *add(lw_modes *out, double re, double im)
     return m;
 }
 
-/* s^2 + c s + k = 0, with 0 and double roots where rounding is all that speaks against them */
+/* Solve s^2 + c s + k = 0; the result is 0 or a double root where only rounding speaks against it. */
 static void solve_alone(const lw_vibration *v, const basis *b, int i, lw_modes *out)
 {
     double c = b->c[i*b->n + i], k = b->k[i*b->n + i];
@@ -176,15 +175,15 @@ static void solve_alone(const lw_vibration *v, const basis *b, int i, lw_modes *
         set_shape(v, b->x + i*b->n, NULL, add(out, -0.5*c, 0.5*sqrt(-below)));
         return;
     }
-    double far = -0.5*(c + copysign(sqrt(below), c));
-    set_shape(v, b->x + i*b->n, NULL, add(out, far, 0.0));
-    if (c != 0.0 || k != 0.0)                                /* a free motion is told once */
-        set_shape(v, b->x + i*b->n, NULL, add(out, below == 0.0 ? far : k/far, 0.0));
+    double larger = -0.5*(c + copysign(sqrt(below), c));
+    set_shape(v, b->x + i*b->n, NULL, add(out, larger, 0.0));
+    if (c != 0.0 || k != 0.0)                                /* a free motion is reported once */
+        set_shape(v, b->x + i*b->n, NULL, add(out, below == 0.0 ? larger : k/larger, 0.0));
 }
 
-/* What is coupled: first order in z and z'/tau, with time in units tau of the quickest rate so that both parts are of
- * one size. */
-static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *room, lw_modes *out)
+/* Solve the coupled motions at first order in z and z'/tau, where 1/tau is the greatest rate, so that both parts
+ * have one size. */
+static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *memory, lw_modes *out)
 {
     int n = b->n, m = 0, which[LW_SYSTEM_Q_MAX];
     double rate = fmax(sqrt(b->k_most), b->c_most), shape[2][LW_SYSTEM_Q_MAX];
@@ -195,7 +194,7 @@ static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *ro
         return LW_OK;
     int two = 2*m;
     size_t square = 4*(size_t)(m*m);
-    double *a = room, *re = a + square, *im = re + two, *x_re = im + two, *x_im = x_re + square;
+    double *a = memory, *re = a + square, *im = re + two, *x_re = im + two, *x_im = x_re + square;
     memset(a, 0, square*sizeof *a);
     for (int i = 0; i < m; i++) {
         a[i*two + m + i] = 1.0;
@@ -207,7 +206,7 @@ static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *ro
     lw_status s = lw_eigen_general(two, a, re, im, x_re, x_im);
     for (int i = 0; s == LW_OK && i < two; i++) {
         if (im[i] < 0.0)
-            continue;                                        /* its partner stands for it */
+            continue;                                        /* its conjugate is reported */
         memset(shape, 0, sizeof shape);
         for (int j = 0; j < m; j++)
             for (int l = 0; l < n; l++) {
@@ -219,20 +218,20 @@ static lw_status solve_coupled(const lw_vibration *v, const basis *b, double *ro
     return s;
 }
 
-static lw_status damped(const lw_vibration *v, double *room, lw_modes *out)
+static lw_status damped(const lw_vibration *v, double *memory, lw_modes *out)
 {
     size_t square = (size_t)(v->n_free*v->n_free);
-    basis b = { .n = v->n_free, .x = room, .k = room + square, .c = room + 2*square };
-    lw_status s = find_basis(v, &b, room + 3*square);
+    basis b = { .n = v->n_free, .x = memory, .k = memory + square, .c = memory + 2*square };
+    lw_status s = find_basis(v, &b, memory + 3*square);
     for (int i = 0; s == LW_OK && i < b.n; i++)
         if (b.alone[i])
             solve_alone(v, &b, i, out);
-    return s == LW_OK ? solve_coupled(v, &b, room + 3*square, out) : s;
+    return s == LW_OK ? solve_coupled(v, &b, memory + 3*square, out) : s;
 }
 
 /* ---- all modes -------------------------------------------------------------------------------------- */
 
-/* Is there no damping and does the stiffness come from a potential? */
+/* No damping, and a stiffness that comes from a potential? */
 static bool is_conservative(const lw_vibration *v)
 {
     int n = v->n_free;
@@ -256,7 +255,7 @@ static double unbalanced(const lw_vibration *v)
     return most > 0.0 ? rest/most : 0.0;
 }
 
-/* The link that moves most without mass: the diagonal of the reduced masses that is nearest to 0 */
+/* Name of the link that moves most in the motion with the least mass. */
 static const char *lightest(const lw_vibration *v)
 {
     int n = v->n_free, worst = 0, top = 0;
@@ -270,12 +269,12 @@ static const char *lightest(const lw_vibration *v)
 static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
 {
     size_t n = (size_t)v->n_free;
-    double *room = calloc(17*n*n + 8*n + 1, sizeof *room);
-    if (!room)
+    double *memory = calloc(17*n*n + 8*n + 1, sizeof *memory);
+    if (!memory)
         return lw_error_set(e, LW_E_MEMORY, "no memory for eigenvalues");
     out->conservative = is_conservative(v);
-    lw_status s = out->conservative ? conservative(v, room, out) : damped(v, room, out);
-    free(room);
+    lw_status s = out->conservative ? conservative(v, memory, out) : damped(v, memory, out);
+    free(memory);
     if (s == LW_E_NUMERIC)
         return lw_error_set(e, LW_E_ARG, "some motion has no mass, so it has no frequency: give link \"%s\" mass and "
                             "inertia", lightest(v));
@@ -283,7 +282,7 @@ static lw_status solve(lw_vibration *v, lw_modes *out, lw_error *e)
     return s == LW_OK ? s : lw_error_set(e, s, "the eigenvalues cannot be found: %s", lw_status_text(s));
 }
 
-lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, double *q, lw_error *e)
+lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double value, double *q, lw_error *e)
 {
     const lw_system *s = f->system;
     int joint = s->input_joint[input];
@@ -296,13 +295,13 @@ lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, 
     lw_status status = LW_OK;
     for (int k = 1; status == LW_OK && k <= n; k++) {
         memcpy(next, q, sizeof *q*(size_t)s->n_q);
-        v.want[input] = from + (to - from)*k/n;
+        v.held_value[input] = from + (to - from)*k/n;
         status = lw_vibration_project(&v, next);
         double moved = 0.0;
         for (int i = 0; i < s->n_q; i++)
             moved = fmax(moved, fabs(next[i] - q[i]));
         if (status == LW_OK && moved > 1.0)
-            status = LW_OPEN;                                /* a jump to another branch */
+            status = LW_OPEN;                                /* a jump to another motion curve */
         if (status == LW_OK)
             memcpy(q, next, sizeof *q*(size_t)s->n_q);
     }

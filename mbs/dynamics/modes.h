@@ -1,57 +1,58 @@
 /* mbs/dynamics/modes.h - small vibrations of a model about a posture: eigenfrequencies, damping, shapes.
  *
- * With Z a basis of the motions the constraints J leave, l their multipliers in that posture at rest (M a + J^T l = Q,
- * J a = 0) and H_r the second derivatives of row r:
+ * With Z a basis of the motions that the constraints J allow, l their multipliers in the posture at rest (M a + J^T l =
+ * Q, J a = 0) and H_r the second derivatives of row r:
  *
  *     Z^T M Z x'' + Z^T C Z x' + Z^T (K + sum l_r H_r) Z x = 0,    K = -dQ/dq,  C = -dQ/dv
  *
  * The sum is the geometric stiffness of the constraint forces: without it a pendulum would have no frequency.  Where
- * the posture is no equilibrium, `unbalanced` says by how much, and the numbers are those of the equations
- * frozen there.  Motions that inputs prescribe are held. */
+ * the posture is no equilibrium, `unbalanced` says by how much, and the result is that of the equations frozen
+ * there.  Inputs with a motion are held. */
 #ifndef LW_MBS_DYNAMICS_MODES_H
 #define LW_MBS_DYNAMICS_MODES_H
 
 #include "mbs/dynamics/forces.h"
 
 typedef struct lw_mode {
-    double re, im;               /* eigenvalue s [1/s], im >= 0; one mode for a pair                  */
-    double frequency;            /* im/(2 pi) [Hz]                                                    */
-    double natural;              /* |s|/(2 pi) [Hz]                                                    */
-    double damping;              /* -re/|s|; 0 for s = 0; < 0: grows                                   */
+    double re, im;               /* eigenvalue s [1/s], im >= 0; one mode for a conjugate pair */
+    double frequency;            /* im/(2 pi) [Hz] */
+    double natural;              /* |s|/(2 pi) [Hz] */
+    double damping;              /* -re/|s|; 0 for s = 0; below 0 the motion grows */
     double shape[LW_SYSTEM_Q_MAX], phase[LW_SYSTEM_Q_MAX];
                                  /* coordinate i moves as shape_i cos(im t + phase_i) exp(re t); greatest shape 1;
-                                    coordinates are those of the system, scaled                       */
+                                    coordinates are those of the system, scaled */
 } lw_mode;
 
 typedef struct lw_modes {
-    int     freedom;             /* of the vibration                                                  */
-    int     n_mode;              /* pairs and single real eigenvalues, by |s|                          */
-    int     redundant;           /* rows that say nothing new                                         */
-    double  unbalanced;          /* greatest generalised force no constraint takes, over the greatest of all */
-    bool    conservative;        /* undamped, symmetric: eigenvalues are exactly imaginary, 0 or real   */
+    int     freedom;             /* degree of freedom of the vibration */
+    int     n_mode;              /* conjugate pairs and real eigenvalues, sorted by |s| */
+    int     redundant;           /* rows that depend on others */
+    double  unbalanced;          /* greatest generalised force left without constraint, over the greatest of all */
+    bool    conservative;        /* no damping, symmetric stiffness: eigenvalues are exactly imaginary, 0 or real */
     lw_mode mode[2*LW_SYSTEM_Q_MAX];
 } lw_modes;
 
 typedef struct lw_modes_options {
-    bool hold_inputs;            /* hold every input, not only those with a motion                    */
-    bool rest;                   /* go to the static equilibrium first                                */
+    bool hold_inputs;            /* hold every input, not only those with a motion */
+    bool rest;                   /* move to the static equilibrium first */
 } lw_modes_options;
 
-/* Modes about q (n_q), which is put on the constraints and, with o->rest, at rest; t for loads that know time.
- * LW_NOTHING: no freedom is left.  LW_E_ARG: a motion without any mass or stiffness (the link is named).
- * LW_OPEN: no posture on the constraints near q.  LW_E_NUMERIC: no equilibrium found. */
+/* Modes about q (n_q), which is put on the constraints and, with o->rest, moved to equilibrium.  Loads are those at
+ * time t.  LW_NOTHING: no freedom is left.  LW_E_ARG: a motion has no mass (the link is named).  LW_OPEN: no posture
+ * on the constraints is near q.  LW_E_NUMERIC: no equilibrium was found. */
 lw_status lw_modes_find(const lw_forces *f, const lw_modes_options *o, double t, double *q, lw_modes *modes,
                         lw_error *e);
 
-/* Move q to where input `input` counts `value` [rad] or [m], the others held where they are: in steps of a twentieth
- * of the linkage's size or rad, so that the branch is kept.  LW_OPEN: it does not get there; q is as far as it came. */
-lw_status lw_modes_drive(const lw_forces *f, double t, int input, double value, double *q, lw_error *e);
+/* Move q to where input `input` has the value [rad] or [m] and the other inputs stay, in steps of a twentieth of the
+ * size of the linkage or of a radian, which keeps the assembly mode.  LW_OPEN: q does not get there and is as far as
+ * it came. */
+lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double value, double *q, lw_error *e);
 
-/* Check by ear: let the model go from q, its modes pushed a little, and look where the spectra of its motion have
- * their peaks.  The full equations are integrated, none of the matrices above is used.  peak (n_mode) [Hz]; NAN: the
- * mode does not vibrate, dies out too fast (damping above 0.1) or has no peak of its own near.  Loads are taken at t,
- * and motions of inputs held.  LW_NOTHING: no mode vibrates; LW_E_NUMERIC: the run breaks off. */
-lw_status lw_modes_listen(const lw_forces *f, const lw_modes_options *o, double t, const double *q,
+/* Eigenfrequencies found another way: from the peaks in the spectra of a small free vibration about q in which every
+ * mode takes part.  The full equations are integrated; the matrices above are not used.  peak (n_mode) [Hz]; NAN:
+ * the mode does not vibrate, dies out too fast (damping above 0.1) or has no peak of its own near.  Loads are those
+ * at time t; inputs with a motion are held.  LW_NOTHING: no mode vibrates; LW_E_NUMERIC: the run breaks off. */
+lw_status lw_modes_from_spectra(const lw_forces *f, const lw_modes_options *o, double t, const double *q,
                           const lw_modes *modes, double *peak, lw_error *e);
 
 #endif

@@ -39,7 +39,7 @@ lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_r
     gsl_eigen_nonsymmv_workspace *work = gsl_eigen_nonsymmv_alloc(size);
     lw_status s = values && vectors && work ? LW_OK : LW_E_MEMORY;
     if (s == LW_OK) {
-        gsl_eigen_nonsymmv_params(1, work);              /* balanced: rates and places differ in size */
+        gsl_eigen_nonsymmv_params(1, work);              /* balance: rates and places differ in size */
         s = gsl_eigen_nonsymmv(&m.matrix, values, vectors, work) == GSL_SUCCESS ? LW_OK : LW_E_NUMERIC;
     }
     for (size_t j = 0; s == LW_OK && j < size; j++) {

@@ -4,11 +4,11 @@
 
 #include "base/status.h"
 
-/* K x = w M x for symmetric K (n*n) and symmetric positive definite M, by rows; w (n) rising, x[k*n + i] component i of
- * vector k.  K, M are overwritten.  LW_E_NUMERIC: M is not positive definite. */
+/* K x = w M x for symmetric K (n*n) and symmetric positive definite M, by rows.  w (n) rising; x[k*n + i] is
+ * component i of vector k.  K, M are overwritten.  LW_E_NUMERIC: M is not positive definite. */
 lw_status lw_eigen_symmetric(int n, double *k, double *m, double *w, double *x);
 
-/* A x = s x for any A (n*n), overwritten; re, im (n), x_re, x_im[k*n + i] component i of vector k. */
+/* A x = s x for any A (n*n), overwritten.  re, im (n); x_re, x_im[k*n + i] are component i of vector k. */
 lw_status lw_eigen_general(int n, double *a, double *re, double *im, double *x_re, double *x_im);
 
 #endif

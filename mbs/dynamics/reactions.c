@@ -30,7 +30,7 @@ void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *
         int end = p->body[1] >= 0 ? 1 : 0, body = p->body[end], n = rows_of(p->kind);
         lw_dynamics_joint_rows(d, j, m->q, phi, jac);
         lw_reaction r = on_body(s, jac, m->l + p->row, 0, n, body);
-        /* of what acts on link[0] the opposite acts on link[1] */
+        /* link[1] receives the opposite of what acts on link[0] */
         double sign = end == 1 ? 1 : -1;
         lw_vec2 at = lw_system_point(s, p->kind == LW_JOINT_GEAR ? p->carrier : p->body[1], p->arm[1], m->q);
         lw_vec2 centre = lw_system_point(s, body, lw_v2(0, 0), m->q);
@@ -44,7 +44,7 @@ static double input_unit(const lw_system *s, int input)
     return s->joint[s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1 : s->unit;
 }
 
-void lw_reactions_drives(const lw_dynamics *d, const lw_moment *m, double *out)
+void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)
 {
     const lw_system *s = lw_dynamics_system(d);
     const lw_model *k = lw_dynamics_forces(d)->model;

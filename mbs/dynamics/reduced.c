@@ -1,15 +1,15 @@
-/* mbs/dynamics/reduced.c - the plan's steps with their derivatives by the input, masses and loads on them.
+/* mbs/dynamics/reduced.c - the steps of the plan with derivatives by the input; masses and loads on them.
  *
- * A dyad's velocities are linear in those of what it hangs on.  For RRR, c = a + r1 u1 = b + r2 u2,
- * x = cross(u1, u2):
- *     r1 x w1 = (b' - a').u2,    r2 x w2 = (b' - a').u1.                                                  */
+ * The velocities of a dyad are linear in those of the links it is joined to.  For RRR, c = a + r1 u1 = b + r2 u2, x =
+ * cross(u1, u2):
+ *     r1 x w1 = (b' - a').u2,    r2 x w2 = (b' - a').u1. */
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <math.h>
 #include <string.h>
 #include "mbs/plan/dyad_internal.h"
 
-static const double closed = 1e-12;          /* margins below this: a dead point                          */
+static const double closed = 1e-12;          /* a margin below this: a dead point */
 
 static inline lw_reg1 direction(lw_vec2 u, double w) { return (lw_reg1){ u, { w, 0 } }; }
 
@@ -20,8 +20,8 @@ static inline lw_reg1 arm_end(const lw_reg1 *a, const lw_reg1 *u, double r)
     return (lw_reg1){ lw_v2_add(a->p, lw_v2_scale(u->p, r)), lw_v2(a->d.x - w*u->p.y, a->d.y + w*u->p.x) };
 }
 
-/* One square root, and beside it one division; places wait for nothing else.  With (b - a)^2 = d2 and y = mode sqrt(h) as
- * in mbs/plan/dyad_internal.h, r1 r2 cross(u1, u2) = y/2. */
+/* One square root and beside it one division; the places need nothing else.  With (b - a)^2 = d2 and y = mode
+ * sqrt(h) as in mbs/plan/dyad_internal.h, r1 r2 cross(u1, u2) = y/2. */
 static double rates_rrr(const lw_dyad_step *st, double mode, lw_reg1 *reg)
 {
     const lw_reg1 *a = &reg[st->in[0]], *b = &reg[st->in[1]];
@@ -84,7 +84,8 @@ static lw_reg1 bridged(const double *c, double x, double reach)
     return direction(lw_v2_polar(1, v), d/reach);
 }
 
-static void bridge_step(const lw_dyad_step *st, const lw_change_point *t, const lw_bridge *b, double input, lw_reg1 *reg)
+static void bridge_step(const lw_dyad_step *st, const lw_change_point *t, const lw_bridge *b, double input,
+                        lw_reg1 *reg)
 {
     double x = (input - t->at)/t->reach;
     reg[st->out[0]] = bridged(b->c[0], x, t->reach);
@@ -107,7 +108,7 @@ static const lw_bridge *bridge_of(const lw_change_point *t, const lw_dyad_step *
     return NULL;
 }
 
-static inline double do_step(const lw_dyad_step *st, const double *mode, double input, lw_reg1 *reg)
+static inline double evaluate_step(const lw_dyad_step *st, const double *mode, double input, lw_reg1 *reg)
 {
     double c, s;
     switch (st->kind) {
@@ -145,25 +146,25 @@ void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *
         if (b)
             bridge_step(st, bridge, b, input, reg);
         else
-            m = do_step(st, mode, input, reg);
+            m = evaluate_step(st, mode, input, reg);
         *margin = m < *margin ? m : *margin;
         if (margin_of && st->kind >= LW_STEP_RRR)
             margin_of[st->dyad] = m;
     }
 }
 
-/* The piece an input lies in; *input is moved into the range that was looked through. */
+/* Index of the piece that holds an input; *input is moved into the range scanned. */
 static int find_piece(const lw_reduced *r, double *input, const lw_change_point **near)
 {
     *near = NULL;
     if (r->period > 0)
         *input -= r->period*floor((*input - r->low)/r->period);
     int i = 0;
-    while (i < r->n_touch && *input >= r->touch[i].at)
+    while (i < r->n_change && *input >= r->change[i].at)
         i++;
     for (int k = i - 1; k <= i; k++)
-        if (k >= 0 && k < r->n_touch && fabs(*input - r->touch[k].at) < r->touch[k].reach)
-            *near = &r->touch[k];
+        if (k >= 0 && k < r->n_change && fabs(*input - r->change[k].at) < r->change[k].reach)
+            *near = &r->change[k];
     return i;
 }
 
@@ -174,7 +175,7 @@ lw_status lw_reduced_registers(lw_reduced *r, double input)
     double margin, at = input;
     if (input == r->known)
         return LW_OK;
-    if (r->n_touch) {
+    if (r->n_change) {
         int piece = find_piece(r, &at, &near);
         mode = r->piece_mode[piece];
     }
@@ -226,7 +227,7 @@ static double springs(const lw_reduced *r, double t, double ds, double *power)
 static double at_input(const lw_reduced *r, double t, double s, double ds, double *power)
 {
     const lw_model *m = r->model;
-    double x = r->way*(s - r->start), v = r->way*ds, q = 0;
+    double x = r->sense*(s - r->start), v = r->sense*ds, q = 0;
     for (int i = 0; i < m->n_joint_spring; i++) {
         const lw_joint_spring *p = &m->joint_spring[i];
         double loss = p->law ? spring_law(p->law, x, v, t) : -p->damping*v;
@@ -238,7 +239,7 @@ static double at_input(const lw_reduced *r, double t, double s, double ds, doubl
         q += torque;
         *power += torque*v;
     }
-    return r->way*q;
+    return r->sense*q;
 }
 
 static double forces(const lw_reduced *r, double t, double ds, double *power)
@@ -259,7 +260,7 @@ static double forces(const lw_reduced *r, double t, double ds, double *power)
     return q;
 }
 
-/* Masses at the registers: M, and Q of their weight. */
+/* M of the masses at the registers, and Q of their weight. */
 static inline double masses(const lw_reduced *r, double *weight)
 {
     const lw_reg1 *reg = r->reg;
@@ -311,7 +312,7 @@ lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass)
 
 double lw_reduced_potential(const lw_reduced *r, double s)
 {
-    double energy = 0, x = r->way*(s - r->start);
+    double energy = 0, x = r->sense*(s - r->start);
     for (int i = 0; i < r->n_mass; i++) {
         const lw_mass_point *p = &r->mass[i];
         energy -= lw_v2_dot(p->weight, lw_reduced_point(r->reg, p->origin, p->dir, p->arm).p);
@@ -336,7 +337,8 @@ void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, doub
         const lw_end_point *p = &r->centre[b];
         const lw_reg1 *u = &r->reg[p->dir];
         lw_reg1 c = lw_reduced_point(r->reg, p->origin, p->dir, p->arm);
-        lw_vec2 at = lw_v2_sub(lw_v2_add(r->z0, lw_v2_turn(c.p, r->turn)), d->s.origin), rate = lw_v2_turn(c.d, r->turn);
+        lw_vec2 at = lw_v2_sub(lw_v2_add(r->z0, lw_v2_turn(c.p, r->turn)), d->s.origin);
+        lw_vec2 rate = lw_v2_turn(c.d, r->turn);
         double turn = atan2(u->p.y, u->p.x) - r->dir0[d->s.link[b]];
         q[3*b] = at.x/d->s.unit;
         q[3*b + 1] = at.y/d->s.unit;
@@ -348,7 +350,7 @@ void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, doub
     }
 }
 
-/* In the metric of the masses. */
+/* p by projection of the velocities in the metric of the masses. */
 lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y, double *s, double *p)
 {
     double q[2*LW_SYSTEM_Q_MAX], top = 0, bottom = 0;

@@ -1,15 +1,14 @@
-/* mbs/dynamics/reduced_internal.h - one freedom, one coordinate: the motion of a rigid linkage of dyads along its motion
- * curve; internal to mbs/.
+/* mbs/dynamics/reduced_internal.h - one freedom, one coordinate: the motion of a rigid linkage of dyads along its
+ * motion curve; internal to mbs/.
  *
  *     M(s) s'' + M'(s)/2 s'^2 = Q(s, s'),     M = sum of m |c'|^2 + I phi'^2,   Q = sum of F.c' + T phi'
  *
- * (primes of c and phi: by the input s of the plan).  With p = sqrt(M) s', so that p^2/2 is the kinetic energy, it is
+ * (primes of c and phi: by the input s of the plan).  With p = sqrt(M) s', so that p^2/2 is the kinetic energy, this is
  *     s' = p/sqrt(M),   p' = Q/sqrt(M)
- * and M' is not wanted: p p' = s' (M s'' + M'/2 s'^2).  Everything comes from the plan's closed forms and their first
- * derivatives, nothing is solved.  Where a dyad passes through a position in which its two
- * assemblies meet and part again (change points: parallelograms), the velocities continue, so its mode
- * changes; near such a place, where the closed forms lose digits, M and Q are taken from a polynomial through
- * places beside it. */
+ * and M' is not needed: p p' = s' (M s'' + M'/2 s'^2).  Everything comes from the closed forms of the plan and their
+ * first derivatives; nothing is solved.  At a change point (parallelograms) two assembly modes of a dyad meet and
+ * part again: velocities continue, so the mode changes.  Near such a point, where the closed forms lose digits, the
+ * angles of the dyad are polynomials through values on both sides (bridges). */
 #ifndef LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 #define LW_MBS_DYNAMICS_REDUCED_INTERNAL_H
 
@@ -21,7 +20,7 @@ typedef struct lw_reduced lw_reduced;
 /* A point with its derivative by the input; a direction: u in p, the rate of its angle in d.x. */
 typedef struct lw_reg1 { lw_vec2 p, d; } lw_reg1;
 
-/* A step of the plan with its numbers put in: r1 is the offset of RPR; sum2, dif2 = (r1 +- r2)^2. */
+/* A step of the plan with its dimensions.  r1 is the offset of RPR; sum2, dif2 = (r1 +- r2)^2. */
 typedef struct lw_dyad_step {
     lw_step_kind kind;
     int     in[4], out[4], dyad;
@@ -29,45 +28,45 @@ typedef struct lw_dyad_step {
     lw_vec2 at, line;
 } lw_dyad_step;
 
-#define LW_TOUCH_MAX   32
-#define LW_BRIDGE_SIZE 12             /* coefficients of a polynomial across a change point                */
+#define LW_CHANGE_POINT_MAX   32
+#define LW_BRIDGE_SIZE 12             /* coefficients of a polynomial over a change point */
 
-/* Angles of a dyad's links across a change point: polynomials of (input - at)/reach. */
+/* Angles of the links of a dyad near a change point: polynomials of (input - at)/reach. */
 typedef struct lw_bridge { int dyad; double c[2][LW_BRIDGE_SIZE]; } lw_bridge;
 
-/* A change point: the dyads that pass through it, and modes beyond it. */
+/* A change point and the bridges of the dyads that change there. */
 typedef struct lw_change_point {
     double    at, reach;
     int       n_bridge;
     lw_bridge bridge[LW_DYAD_MAX];
 } lw_change_point;
 
-/* A body with mass; of one on a ground pin, which come first, the inertia is about the pin. */
+/* A body with mass.  Bodies on ground pins come first; their inertia is about the pin. */
 typedef struct lw_mass_point { int origin, dir; lw_vec2 arm; double mass, inertia; lw_vec2 weight; } lw_mass_point;
-typedef struct lw_end_point { int origin, dir; lw_vec2 arm; } lw_end_point;      /* origin -1: of ground   */
+typedef struct lw_end_point { int origin, dir; lw_vec2 arm; } lw_end_point;      /* origin -1: on ground */
 
 struct lw_reduced {
     lw_linkage linkage;
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
-    int        n_step;                        /* steps that move and that something depends on            */
+    int        n_step;                        /* steps that move and that something depends on */
     lw_dyad_step step[LW_STEP_MAX];
-    lw_reg1    reg[LW_REG_MAX];               /* of the last evaluation; those of ground stay              */
-    double     known;                         /* the input whose registers these are; NAN: none            */
+    lw_reg1    reg[LW_REG_MAX];               /* of the last evaluation; those of ground keep their values */
+    double     known;                         /* input of the registers; NAN: none */
     double     first, start, scale;           /* input at the start, in the posture; unit of the coordinate */
-    double     way;                           /* -1: the displacement of the input joint falls with s     */
-    lw_vec2    z0, turn;                      /* ground frame in the plane                               */
+    double     sense;                           /* -1: the measure of the input joint falls with s */
+    lw_vec2    z0, turn;                      /* ground frame in the plane */
     int        n_mass, n_pivot;
     lw_mass_point mass[LW_LINK_MAX];
-    lw_end_point  centre[LW_LINK_MAX];        /* of body b                                               */
+    lw_end_point  centre[LW_LINK_MAX];        /* of body b */
     lw_end_point  end[LW_LOAD_MAX][2], point[LW_LOAD_MAX];
-    double     dir0[LW_LINK_MAX];             /* angle of each body's link in the posture                  */
+    double     dir0[LW_LINK_MAX];             /* angle of each body's link in the posture */
     const lw_model *model;
-    /* change points: touch[i] between piece i and i + 1; pieces from `first` on; period 0: none */
-    int        n_touch;
-    lw_change_point   touch[LW_TOUCH_MAX];
-    double     piece_mode[LW_TOUCH_MAX + 1][LW_DYAD_MAX];
-    double     low, high, period;             /* range that was looked through                            */
+    /* Change points: change[i] lies between pieces i and i + 1, which have their own modes.  period 0: none. */
+    int        n_change;
+    lw_change_point   change[LW_CHANGE_POINT_MAX];
+    double     piece_mode[LW_CHANGE_POINT_MAX + 1][LW_DYAD_MAX];
+    double     low, high, period;             /* range scanned */
 };
 
 /* Makes d->reduced ready, once.  LW_E_KIND: the model is not of this kind, for the reason in d->not_reduced. */
@@ -80,22 +79,22 @@ lw_status lw_reduced_start(lw_reduced *r, const lw_dynamics *d, const double *y,
  * the distance to it, which magnifies rounding and the allowed error of the coordinate too much. */
 #define LW_REDUCED_TURNING_BACK 100
 
-/* All registers at an input; LW_OPEN where the linkage does not close, or nearly not. */
+/* Evaluate all registers at an input.  LW_OPEN: the linkage does not close, or nearly not. */
 lw_status lw_reduced_registers(lw_reduced *r, double input);
 
-/* The same with given modes and bridges; *margin: least of all dyads, each in margin_of (n_dyad) if given. */
+/* The same with given modes and bridges.  *margin: least of all dyads; margin_of (n_dyad): of each, unless NULL. */
 void lw_reduced_plain(lw_reduced *r, const double *mode, const lw_change_point *bridge, double input, double *margin_of,
                       double *margin);
 
-/* Find the change points, looking from an input at which the modes are those of r->mode; false: at one of them the
- * assemblies come so near each other that which of them goes on cannot be told in closed form. */
+/* Find the change points, from an input at which the modes are those of r->mode.  false: at one of them the assembly
+ * modes come so near each other that the closed form cannot tell which of them goes on. */
 bool lw_reduced_change_points(lw_reduced *r, double from);
 
-/* s' and p' at (t, s, p), p = sqrt(M) s', and the power of what the potential does not hold. */
+/* s' and p' at (t, s, p), p = sqrt(M) s', and the power of the forces without potential. */
 lw_status lw_reduced_rate(lw_reduced *r, double t, double s, double p, double *ds, double *dp, double *power);
 lw_status lw_reduced_mass(lw_reduced *r, double s, double *mass);
 
-/* A point of a link, with its derivative; origin -1: of ground. */
+/* A point of a link, with its derivative; origin -1: on ground. */
 static inline lw_reg1 lw_reduced_point(const lw_reg1 *reg, int origin, int dir, lw_vec2 arm)
 {
     if (origin < 0)
@@ -106,10 +105,10 @@ static inline lw_reg1 lw_reduced_point(const lw_reg1 *reg, int origin, int dir, 
     return (lw_reg1){ lw_v2_add(o->p, r), lw_v2(o->d.x - w*r.y, o->d.y + w*r.x) };
 }
 
-/* At the registers [J], but for a constant. */
+/* Potential at the registers [J], up to a constant. */
 double lw_reduced_potential(const lw_reduced *r, double s);
 
-/* System coordinates of every body at the registers and s'; turns are taken near those in q. */
+/* System coordinates and velocities of every body at the registers and s'; turns are taken near those in q. */
 void lw_reduced_state(const lw_reduced *r, const lw_dynamics *d, double ds, double *q, double *v);
 
 #endif

@@ -1,4 +1,4 @@
-/* mbs/dynamics/reduced_make.c - is a model one of one coordinate, and its parts on the plan's registers. */
+/* mbs/dynamics/reduced_make.c - can one coordinate describe a model?  Its parts on the registers of the plan. */
 #include "mbs/dynamics/reduced_internal.h"
 
 #include <math.h>
@@ -41,7 +41,7 @@ static lw_status look_at_loads(const lw_dynamics *d, char *why)
     return LW_OK;
 }
 
-/* The joint that would serve as input, in the order of the file: the input named first. */
+/* Candidate n for the input joint: the input of the file first, then joints at the ground in the order of the file. */
 static int candidate(const lw_linkage *k, int n)
 {
     int input = k->n_input ? k->input[0].joint : -1;
@@ -59,7 +59,7 @@ static int candidate(const lw_linkage *k, int n)
     return -1;
 }
 
-/* Springs and motors at joints must be at the input. */
+/* Springs and motors must act at the input. */
 static bool loads_fit(const lw_model *m, int joint)
 {
     for (int i = 0; i < m->n_joint_spring; i++)
@@ -74,7 +74,7 @@ static bool loads_fit(const lw_model *m, int joint)
 static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
 {
     lw_error e;
-    lw_plan_options want = { .all_joints = true };
+    lw_plan_options plan_options = { .all_joints = true };
     bool fits = false;
     if (d->s.n_tie > 0)
         return no(why, "inputs that are tied to the first");
@@ -87,7 +87,7 @@ static lw_status find_plan(const lw_dynamics *d, lw_reduced *r, char *why)
         r->linkage.n_input = 1;
         r->linkage.input[0] = (lw_input){ .joint = joint };
         r->linkage.input[0].value = lw_linkage_posture_input(&r->linkage, joint);
-        if (lw_plan_make(&r->linkage, want, &r->plan, &e) == LW_OK &&
+        if (lw_plan_make(&r->linkage, plan_options, &r->plan, &e) == LW_OK &&
             lw_plan_read(&r->plan, &r->linkage, r->dim, r->mode, &r->first, &e) == LW_OK)
             return LW_OK;
     }
@@ -107,7 +107,7 @@ static lw_end_point end_on(const lw_reduced *r, int link, lw_vec2 at)
     return (lw_end_point){ o, u, lw_v2_unturn(lw_v2_sub(p, reg[o].p), reg[u].p) };
 }
 
-/* Where a point that the model gives in its posture is at the start. */
+/* Place at the start of a point that the model gives in its posture. */
 static lw_vec2 at_start(const lw_dynamics *d, int link, lw_vec2 at)
 {
     int b = d->s.body[link];
@@ -127,13 +127,14 @@ static lw_status place_parts(const lw_dynamics *d, lw_reduced *r, char *why)
     }
     for (int i = 0; i < m->n_spring; i++)
         for (int end = 0; end < 2; end++)
-            r->end[i][end] = end_on(r, m->spring[i].link[end], at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
+            r->end[i][end] = end_on(r, m->spring[i].link[end],
+                                    at_start(d, m->spring[i].link[end], m->spring[i].at[end]));
     for (int i = 0; i < m->n_force; i++)
         r->point[i] = end_on(r, m->force[i].link, at_start(d, m->force[i].link, m->force[i].at));
     return LW_OK;
 }
 
-/* Bodies on ground pins first: their inertia about the pin does not change. */
+/* Bodies on ground pins come first: their inertia about the pin is constant. */
 static void place_masses(const lw_dynamics *d, lw_reduced *r, const bool *fixed)
 {
     for (int pivots = 1; pivots >= 0; pivots--) {
@@ -143,7 +144,8 @@ static void place_masses(const lw_dynamics *d, lw_reduced *r, const bool *fixed)
             lw_vec2 g = lw_v2_unturn(lw_v2_scale(d->model->gravity, body->mass), r->turn);
             double about = pivots ? body->mass*lw_v2_dot(c->arm, c->arm) : 0;
             if ((body->mass > 0 || body->inertia > 0) && fixed[c->origin] == (pivots == 1))
-                r->mass[r->n_mass++] = (lw_mass_point){ c->origin, c->dir, c->arm, body->mass, body->inertia + about, g };
+                r->mass[r->n_mass++] = (lw_mass_point){ c->origin, c->dir, c->arm, body->mass, body->inertia + about,
+                                                        g };
         }
         r->n_pivot = pivots ? r->n_mass : r->n_pivot;
     }
@@ -174,7 +176,7 @@ static lw_dyad_step fill_step(const lw_reduced *r, const lw_step *from)
     return st;
 }
 
-/* Outputs of a step: registers it fills. */
+/* Number of registers that a step fills. */
 static int outputs(const lw_step *st)
 {
     return st->kind == LW_STEP_RRR ? 3 : st->kind == LW_STEP_RRP || st->kind == LW_STEP_LINE ? 2 : 1;
@@ -182,12 +184,13 @@ static int outputs(const lw_step *st)
 
 static int inputs(const lw_step *st)
 {
-    static const int n[] = { [LW_STEP_INPUT_PIN] = 0, [LW_STEP_INPUT_SLIDE] = 2, [LW_STEP_POINT] = 2, [LW_STEP_LINE] = 2,
-                             [LW_STEP_RRR] = 2, [LW_STEP_RRP] = 3, [LW_STEP_RPR] = 2, [LW_STEP_PRP] = 4, [LW_STEP_PPR] = 4 };
+    static const int n[] = { [LW_STEP_INPUT_PIN] = 0, [LW_STEP_INPUT_SLIDE] = 2, [LW_STEP_POINT] = 2,
+                             [LW_STEP_LINE] = 2, [LW_STEP_RRR] = 2, [LW_STEP_RRP] = 3, [LW_STEP_RPR] = 2,
+                             [LW_STEP_PRP] = 4, [LW_STEP_PPR] = 4 };
     return n[st->kind];
 }
 
-/* All steps in order; registers that never move are filled once, and their steps left out. */
+/* Fill all steps in order.  Registers that never move are evaluated once, and their steps left out. */
 static void fill_steps(lw_reduced *r, bool *fixed)
 {
     double mode[LW_DYAD_MAX] = { 0 }, margin;
@@ -214,51 +217,51 @@ static void fill_steps(lw_reduced *r, bool *fixed)
             r->step[r->n_step++] = fill_step(r, &p->step[i]);
 }
 
-static void want(bool *wanted, const lw_end_point *e)
+static void mark_needed(bool *needed, const lw_end_point *e)
 {
     if (e->origin >= 0)
-        wanted[e->origin] = wanted[e->dir] = true;
+        needed[e->origin] = needed[e->dir] = true;
 }
 
-/* Steps that no body, spring or force depends on. */
+/* Leave out steps that no body, spring or force depends on. */
 static void drop_steps(const lw_dynamics *d, lw_reduced *r)
 {
-    bool wanted[LW_REG_MAX] = { false };
+    bool needed[LW_REG_MAX] = { false };
     int kept = r->n_step;
     for (int b = 0; b < d->s.n_body; b++)
-        want(wanted, &r->centre[b]);
+        mark_needed(needed, &r->centre[b]);
     for (int i = 0; i < d->model->n_spring; i++) {
-        want(wanted, &r->end[i][0]);
-        want(wanted, &r->end[i][1]);
+        mark_needed(needed, &r->end[i][0]);
+        mark_needed(needed, &r->end[i][1]);
     }
     for (int i = 0; i < d->model->n_force; i++)
-        want(wanted, &r->point[i]);
+        mark_needed(needed, &r->point[i]);
     for (int i = r->n_step - 1; i >= 0; i--) {
         const lw_dyad_step *st = &r->step[i];
         const lw_step as = { .kind = st->kind };
         bool live = st->kind >= LW_STEP_RRR;
         for (int k = 0; k < outputs(&as); k++)
-            live = live || (st->out[k] >= 0 && wanted[st->out[k]]);
+            live = live || (st->out[k] >= 0 && needed[st->out[k]]);
         if (!live)
             continue;
         for (int k = 0; k < inputs(&as); k++)
-            wanted[st->in[k]] = true;
+            needed[st->in[k]] = true;
         r->step[--kept] = r->step[i];
     }
     r->n_step -= kept;
     memmove(r->step, r->step + kept, (size_t)r->n_step*sizeof *r->step);
 }
 
-/* The displacement of the input joint against the plan's input. */
-static void find_way(const lw_dynamics *d, lw_reduced *r)
+/* Does the measure of the input joint rise or fall with the input of the plan? */
+static void find_sense(const lw_dynamics *d, lw_reduced *r)
 {
     double q[LW_SYSTEM_Q_MAX], v[LW_SYSTEM_Q_MAX];
     lw_measure m;
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
     lw_reduced_state(r, d, 1, q, v);
     lw_measure_joint(&d->s, r->linkage.input[0].joint, q, v, false, &m);
-    r->way = m.rate < 0 ? -1 : 1;
-    r->start = r->first - r->way*m.value;    /* displacements count from the posture of the file      */
+    r->sense = m.rate < 0 ? -1 : 1;
+    r->start = r->first - r->sense*m.value;    /* measures count from the posture of the file */
 }
 
 static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
@@ -288,7 +291,7 @@ static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
         return s;
     place_masses(d, r, fixed);
     drop_steps(d, r);
-    find_way(d, r);
+    find_sense(d, r);
     return lw_reduced_change_points(r, r->first) ? LW_OK
          : no(why, "two assemblies of a dyad come near each other, but do not meet");
 }

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled            */
-static const double still = 1e-13;           /* a rate below this over the greatest velocity is rounding       */
+static const double passed = 1e-6;           /* a gap below minus this: the stop is passed, scaled */
+static const double still = 1e-13;           /* a rate below this over the greatest velocity is rounding */
 
 int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *stop)
 {

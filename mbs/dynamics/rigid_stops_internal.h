@@ -12,8 +12,8 @@
 #include "grammar/model.h"
 #include "mbs/constraints/system.h"
 
-#define LW_STOP_CLOSED 1e-9              /* a gap below this is closed, scaled                              */
-#define LW_STOP_LEAST_BOUNCE 1e-13       /* a bounce below this height counts as rest, scaled                */
+#define LW_STOP_CLOSED 1e-9              /* a gap below this is closed, scaled */
+#define LW_STOP_LEAST_BOUNCE 1e-13       /* a bounce below this height counts as rest, scaled */
 
 /* gap = sign (measure - limit), scaled; sign is -1 for a greatest value.  resting: a row of the constraints. */
 typedef struct lw_rigid_stop {
@@ -40,8 +40,8 @@ typedef struct lw_stops {
     int     n_stop, n;
     lw_rigid_stop  *stop;
     const lw_model *model;
-    double  least_bounce;                /* a bounce below this height counts as rest, scaled               */
-    bool    passed_is_error;             /* a stop that is passed already: an error, else it is ignored     */
+    double  least_bounce;                /* a bounce below this height counts as rest, scaled */
+    bool    passed_is_error;             /* a stop that is passed already: an error, else it is ignored */
     double    (*gap)(void *context, int i, const double *y);
     /* Gap i with its rate and acceleration; its gradient by the coordinates in g (n). */
     lw_status (*motion)(void *context, int i, double t, const double *y, double *g, lw_gap *gap);

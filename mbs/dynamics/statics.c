@@ -1,7 +1,8 @@
 /* mbs/dynamics/statics.c - equilibrium by Newton's method in the null space of the constraints.
  *
- * The reduced equations are those of small vibrations (mbs/dynamics/modes.h): load = Z^T Q, stiffness Z^T (K + sum l_r H_r) Z.
- * Where the stiffness is not positive, masses shift it until it is, which leads downhill and away from saddles. */
+ * The reduced equations are those of small vibrations (mbs/dynamics/modes.h): load = Z^T Q, stiffness Z^T (K + sum
+ * l_r H_r) Z.  Where the stiffness is not positive definite, a multiple of the masses is added until it is, which
+ * leads downhill and away from saddles. */
 #include "mbs/dynamics/statics.h"
 
 #include <math.h>
@@ -9,12 +10,13 @@
 #include "mbs/dynamics/dynamics_equations_internal.h"
 #include "mbs/dynamics/statics_internal.h"
 
-/* A stiffness that so little shift makes positive holds nothing and drives nothing away */
+/* A stiffness that becomes positive definite by so small a shift neither holds nor drives away: neutral equilibrium. */
 #define NEUTRAL 1e-9
 
 static const double still[LW_SYSTEM_Q_MAX];
 
-/* Cholesky solve of (K + shift W) x = load with W the masses and a little of everything; false: not positive. */
+/* Solve (K + shift W) x = load by Cholesky's method, with W the masses and a small multiple of I.  false: not
+ * positive definite. */
 static bool solve_shifted(const lw_vibration *v, double shift, double little, double *x)
 {
     int n = v->n_free;
@@ -50,8 +52,8 @@ static double length(const double *x, int n)
     return sqrt(sum);
 }
 
-/* Newton's step where the stiffness is positive, else shifted until it is; not longer than half a radian or half the
- * linkage's size.  How far it was shifted, in stiffnesses over masses; below 0: no step was found. */
+/* Newton's step with the stiffness, shifted until it is positive definite; at most half a radian or half the size of
+ * the linkage.  Returns the shift in stiffnesses over masses; below 0: no step was found. */
 static double find_step(const lw_vibration *v, double *x)
 {
     double mass = 0.0, stiff = 0.0;
@@ -73,7 +75,8 @@ static double find_step(const lw_vibration *v, double *x)
     return -1.0;
 }
 
-/* Step along x from q, halved while the force at its end pushes back harder than half as hard as at its start. */
+/* Step along x from q.  Halve the step while the force at its end pushes back with more than half the force at its
+ * start. */
 static lw_status search(lw_vibration *v, double t, double *q, const double *x)
 {
     int n = v->n_q, m = v->n_free;
@@ -85,10 +88,10 @@ static lw_status search(lw_vibration *v, double t, double *q, const double *x)
             null[i] += x[k]*v->null[k*n + i];
     for (int k = 0; k < m; k++)
         slope += v->load[k]*x[k];
-    for (double share = 1.0; share > 1e-12; share *= 0.5) {
+    for (double fraction = 1.0; fraction > 1e-12; fraction *= 0.5) {
         double end = 0.0;
         for (int i = 0; i < n; i++)
-            q[i] = from[i] + share*null[i];
+            q[i] = from[i] + fraction*null[i];
         lw_status s = lw_vibration_project(v, q);
         if (s == LW_OK)
             s = lw_vibration_linearise(v, t, q);
@@ -96,13 +99,13 @@ static lw_status search(lw_vibration *v, double t, double *q, const double *x)
             continue;
         for (int i = 0; i < n; i++)
             end += null[i]*v->force[i];
-        if (end >= -0.5*fabs(slope) || share*length(x, m) < 1e-9)
+        if (end >= -0.5*fabs(slope) || fraction*length(x, m) < 1e-9)
             return LW_OK;
     }
     return LW_E_NUMERIC;
 }
 
-/* Off a saddle: a small step along every motion, all of them different. */
+/* Leave a saddle: a small step along every motion, each of another length. */
 static lw_status leave_saddle(lw_vibration *v, double t, double *q)
 {
     for (int k = 0; k < v->n_free; k++)
@@ -142,7 +145,7 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
                         "(force left %.3g J)", r->residual);
 }
 
-/* Rigid stops are not part of the balance: a rest beyond one is none. */
+/* The balance takes no notice of rigid stops: a rest beyond one is none. */
 static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
 {
     for (int i = 0; i < d->n_stop; i++) {

@@ -1,4 +1,4 @@
-/* mbs/dynamics/statics.h - where a model rests: forces balanced on the constraints. */
+/* mbs/dynamics/statics.h - equilibrium: forces balanced on the constraints. */
 #ifndef LW_MBS_DYNAMICS_STATICS_H
 #define LW_MBS_DYNAMICS_STATICS_H
 
@@ -6,14 +6,13 @@
 
 typedef struct lw_rest {
     int    iterations;
-    double residual;            /* greatest force left along the constraints [J]                          */
-    bool   stable;              /* the stiffness is positive there; else it rests on a saddle, or anywhere along a
-                                   motion that no force minds                                         */
+    double residual;            /* greatest force left along the constraints [J] */
+    bool   stable;              /* the stiffness is positive definite; else a saddle or a neutral equilibrium */
 } lw_rest;
 
-/* Equilibrium nearest downhill from the start of d, inputs with a motion held at t: q (n_q).  Newton's method on
- * the reduced forces; where their matrix is not positive it is shifted until it is.  LW_NOTHING: no rest was found,
- * or it lies beyond a rigid stop (which is named); LW_OPEN: the linkage does not close. */
+/* Equilibrium nearest downhill from the start of d, inputs with a motion held at their values at t: q (n_q).
+ * Newton's method on the reduced forces, with a shifted matrix where it is not positive definite.  LW_NOTHING: no
+ * equilibrium was found, or it lies beyond a rigid stop (which is named); LW_OPEN: the linkage does not close. */
 lw_status lw_statics_rest(lw_dynamics *d, double t, double *q, lw_rest *r, lw_error *e);
 
 /* Hand the moment of rest at (t, q) to a sink: no velocities, reactions to weight and loads. */

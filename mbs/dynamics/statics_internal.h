@@ -5,8 +5,7 @@
 #include "mbs/dynamics/statics.h"
 #include "mbs/dynamics/vibration_internal.h"
 
-/* Move q to where no force is left, downhill: to a stable rest where there is one near (mbs/dynamics/statics.c).  LW_NOTHING: the
- * forces drive it away. */
+/* Move q downhill to equilibrium, a stable one where there is one near.  LW_NOTHING: the forces drive it away. */
 lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw_error *e);
 
 #endif

@@ -1,10 +1,10 @@
-/* mbs/dynamics/modes_reduce.c - masses, damping and stiffness on the motions that constraints leave. */
+/* mbs/dynamics/vibration.c - masses, damping and stiffness on the motions that the constraints allow. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/vibration_internal.h"
 
-#define LEAST_RANK 1e-10             /* rows nearer than this to those before say nothing new           */
+#define LEAST_RANK 1e-10             /* rows nearer than this to those before depend on them */
 
 /* ---- memory -------------------------------------------------------------------------------------- */
 
@@ -31,7 +31,7 @@ lw_status lw_vibration_make(const lw_forces *f, bool hold_inputs, double t, cons
             value = pin ? at[0] + 2.0*LW_PI*round((here - at[0])/(2.0*LW_PI)) : at[0];
         }
         v->held[v->n_held] = s->input_joint[i];
-        v->want[v->n_held++] = value;
+        v->held_value[v->n_held++] = value;
     }
     v->n_row = s->n_row + v->n_held;
     size_t n = (size_t)v->n_q, rows = (size_t)v->n_row, all = n + rows;
@@ -62,17 +62,17 @@ void lw_vibration_free(lw_vibration *v)
 
 /* ---- rows ---------------------------------------------------------------------------------------- */
 
-/* v->phi and v->jac at q */
+/* Fill v->phi and v->jac at q. */
 static void fill_rows(lw_vibration *v, const double *q)
 {
     const lw_system *s = v->f->system;
-    double row[LW_SYSTEM_Q_MAX], *by_rows = v->kkt.a;            /* room that is free here */
+    double row[LW_SYSTEM_Q_MAX], *by_rows = v->kkt.a;            /* scratch that is free here */
     lw_system_rows(s, q, v->phi, by_rows);
     for (int r = 0; r < s->n_row; r++)
         for (int i = 0; i < v->n_q; i++)
             v->jac[r + v->n_row*i] = by_rows[r*v->n_q + i];
     for (int h = 0; h < v->n_held; h++) {
-        v->phi[s->n_row + h] = lw_system_measure(s, v->held[h], q, row) - v->want[h];
+        v->phi[s->n_row + h] = lw_system_measure(s, v->held[h], q, row) - v->held_value[h];
         for (int i = 0; i < v->n_q; i++)
             v->jac[s->n_row + h + v->n_row*i] = row[i];
     }
@@ -108,7 +108,8 @@ lw_status lw_vibration_project(lw_vibration *v, double *q)
     return LW_OK;
 }
 
-/* Orthonormal basis of what the rows leave: unit vectors less their part in the row space, the longest first. */
+/* Orthonormal basis of the motions that the rows allow: unit vectors minus their part in the row space, longest
+ * first. */
 static void find_null(lw_vibration *v)
 {
     int n = v->n_q;
@@ -147,7 +148,7 @@ static void find_null(lw_vibration *v)
 
 /* ---- forces -------------------------------------------------------------------------------------- */
 
-/* Multipliers at rest: M a + J^T l = Q, J a = 0, of least norm. */
+/* Multipliers of least norm at rest: M a + J^T l = Q, J a = 0. */
 static void find_multipliers(lw_vibration *v)
 {
     int n = v->n_q, all = n + v->n_row;
@@ -168,7 +169,8 @@ static void find_multipliers(lw_vibration *v)
         v->l[r] = most*x[n + r];
 }
 
-/* Sum over rows of l times half the second derivative along direction d: the second coefficient of their series. */
+/* Sum over rows of l times half the second derivative along direction d, from the second coefficient of their
+ * series. */
 static double bend(const lw_vibration *v, const double *q, const double *d)
 {
     const lw_system *s = v->f->system;
@@ -186,7 +188,7 @@ static double bend(const lw_vibration *v, const double *q, const double *d)
     return sum;
 }
 
-/* d^T A e for A (n*n) by rows */
+/* d^T A e for A (n*n) by rows. */
 static double between(int n, const double *d, const double *a, const double *e)
 {
     double sum = 0.0;
@@ -214,7 +216,7 @@ static void reduce(lw_vibration *v, const double *q)
                 mass += z[i]*v->f->mass[i]*y[i];
             for (int i = 0; i < n; i++)
                 both[i] = z[i] + y[i];
-            /* own_k is d^T H d/2, so the sum of both directions has z^T H y besides */
+            /* own_k is d^T H d/2, so the value for the sum of both directions contains z^T H y besides */
             double geometric = j == k ? 2.0*own[k] : bend(v, q, both) - own[k] - own[j];
             v->mass[k*m + j] = mass;
             v->damping[k*m + j] = -between(n, z, v->dv, y);

@@ -5,18 +5,18 @@
 #include "base/rank.h"
 #include "mbs/dynamics/forces.h"
 
-/* One posture's equations: rows (system, then held inputs), null space, reduced matrices. */
+/* Equations of one posture: rows (system, then held inputs), null space, reduced matrices. */
 typedef struct lw_vibration {
     const lw_forces *f;
-    int     n_q, n_row, n_free;          /* n_row with held inputs                                     */
+    int     n_q, n_row, n_free;          /* n_row includes held inputs */
     int     n_held, held[LW_INPUT_MAX];
-    double  want[LW_INPUT_MAX];          /* what held inputs count                                      */
+    double  held_value[LW_INPUT_MAX];          /* values of held inputs */
     int     redundant;
-    double *phi, *jac;                   /* (n_row), (n_row*n_q) by columns                             */
-    double *null;                        /* [k*n_q + i], orthonormal (n_free)                           */
-    double *force, *dq, *dv, *l;         /* (n_q) (n_q*n_q) (n_q*n_q) (n_row)                           */
-    double *mass, *damping, *stiffness;  /* reduced (n_free*n_free), by rows                            */
-    double *load;                        /* reduced force (n_free)                                      */
+    double *phi, *jac;                   /* (n_row), (n_row*n_q) by columns */
+    double *null;                        /* [k*n_q + i], orthonormal (n_free) */
+    double *force, *dq, *dv, *l;         /* (n_q) (n_q*n_q) (n_q*n_q) (n_row) */
+    double *mass, *damping, *stiffness;  /* reduced (n_free*n_free), by rows */
+    double *load;                        /* reduced force (n_free) */
     lw_rank rank, kkt;
     double *memory;
     int    *ints;
@@ -25,7 +25,7 @@ typedef struct lw_vibration {
 lw_status lw_vibration_make(const lw_forces *f, bool hold_inputs, double t, const double *q, lw_vibration *v);
 void      lw_vibration_free(lw_vibration *v);
 
-/* Put q on the rows by the least change.  LW_OPEN: not near. */
+/* Put q on the rows by the least change.  LW_OPEN: no posture near q. */
 lw_status lw_vibration_project(lw_vibration *v, double *q);
 
 /* Null space, multipliers and reduced matrices at (t, q). */
