@@ -7,7 +7,7 @@
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/circuits.h"
 #include "mbs/kinematics/motion.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 #define ALIGNMENT 64
 #define LANES     256              /* inputs worked out at once */

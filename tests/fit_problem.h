@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "base/rng.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/problem/family.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/constraint.h"

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "grammar/linkage.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/task/target.h"
 #include "tests/check.h"
 

@@ -4,7 +4,7 @@
 #undef I
 #include "mbs/batch/batch.h"
 #include "mbs/batch/kernels_internal.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

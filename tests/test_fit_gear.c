@@ -3,7 +3,7 @@
 #include "base/rng.h"
 #include "grammar/linkage.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/search/random_linkage.h"
 #include "optimise/problem/work.h"
 #include "optimise/topology/staged_search.h"

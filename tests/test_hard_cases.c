@@ -5,7 +5,7 @@
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/kinematics/motion.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

@@ -5,7 +5,7 @@
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "base/file.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"

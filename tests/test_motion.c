@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

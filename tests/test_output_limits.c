@@ -2,7 +2,7 @@
 #include "mbs/kinematics/output_limits.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/types.h"
 #include "tests/check.h"
 

@@ -1,6 +1,6 @@
 /* The plan: dimensions out of a posture and back, linkages told in any order, what cannot be planned. */
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

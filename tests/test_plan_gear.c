@@ -7,7 +7,7 @@
 #include "base/rng.h"
 #include "mbs/batch/batch.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"
 

@@ -3,7 +3,7 @@
 #include "mbs/batch/batch.h"
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/all_chains.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"

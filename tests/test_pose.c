@@ -1,7 +1,7 @@
 /* One pose in full: bars keep their lengths, derivatives of each order against differences of the one below,
  * limits and dead points. */
 #include "mbs/batch/batch.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/check.h"
 #include "tests/mbs_random.h"
 

@@ -1,6 +1,6 @@
 /* Poses within rounding of a limit of motion: finite, whatever the order asked for. */
 #include "base/file.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "tests/check.h"
 
 static void check_finite(const lw_pose *p, const lw_plan *plan)

@@ -15,7 +15,7 @@
 #include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/mobility.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/dynamics/reactions.h"
 #include "tests/check.h"
 #include "tests/mbs_linkage.h"

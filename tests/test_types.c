@@ -1,6 +1,6 @@
 /* The four-link types: dimensions by name, no type forgotten, postures that say what their plan says. */
 #include "check.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/types.h"
 
 /* What a plan of the type with its tracer on the coupler must call its dimensions. */

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "catalogues/curves/curves_internal.h"
 #include "mbs/batch/batch.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/types.h"
 
 #define FAMILY_MAX 32

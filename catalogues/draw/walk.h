@@ -6,7 +6,7 @@
 
 #include "mbs/kinematics/motion.h"
 #include "mbs/plan/plan.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 /* One arc, walked from `from` to `to` (either may be the greater). */
 typedef struct lw_walk_stage {

@@ -9,6 +9,7 @@
 #include "cli/program/output.h"
 #include "cli/fit/plasma.h"
 #include "grammar/sketch.h"
+#include "mbs/batch/pose.h"
 #include "optimise/report/report.h"
 #include "optimise/search/start.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "catalogues/exchange/export.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 void cli_plasma_matrix(const lw_lam *a, FILE *f)
 {

@@ -5,7 +5,7 @@
 
 #include "cli/motion/trace_rows.h"
 #include "mbs/kinematics/motion.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 #define CLI_PIECE_MAX 1024
 

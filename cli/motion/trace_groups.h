@@ -4,7 +4,7 @@
 #define CLI_MOTION_TRACE_GROUPS_H
 
 #include "cli/motion/trace_rows.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/constraints/system.h"
 
 #define CLI_GROUP_ROWS 16              /* rows from seed to seed                                     */

@@ -390,7 +390,7 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, boo
             q->seat[(size_t)r*q->row + i] = q->seat[(size_t)r*q->row + in->n - 1];
 }
 
-/* One posture for mbs/plan/pose.c. */
+/* One posture for mbs/batch/pose.c. */
 void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                         lw_group_pose *seat)
 {

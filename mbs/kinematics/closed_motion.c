@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "mbs/batch/batch.h"
+#include "mbs/batch/pose.h"
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/plan/plan_internal.h"
 #include "mbs/plan/sincos_internal.h"

@@ -4,6 +4,7 @@
  * with  input = middle - half cos(pi s)  the margin is a smooth function of s in [0, 1] up to both
  * ends, and samples even in s are dense there. */
 #include "mbs/kinematics/motion_internal.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/plan_internal.h"
 
 enum { N_SAMPLE = 256 };

@@ -8,6 +8,7 @@
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/plan/sincos_internal.h"
 #include "base/sum.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/plan/plan_internal.h"
 

@@ -1,7 +1,7 @@
 #include "mbs/kinematics/output_limits.h"
 
 #include <math.h>
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 #define N_SAMPLE 256
 

@@ -1,7 +1,7 @@
 /* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one pose at a time.
  *
  * Straight-line arithmetic without branches, written once and inlined into every loop (mbs/batch/kernel*.c) and
- * into the single pose (mbs/plan/pose.c).  Internal to mbs.
+ * into the single pose (mbs/batch/pose.c).  Internal to mbs.
  *
  * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the
  * direction is kept a unit vector: the pose in which the link points as near as it can.  Where the

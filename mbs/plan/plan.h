@@ -301,19 +301,8 @@ lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *pl
 lw_status lw_plan_read(const lw_plan *plan, const lw_linkage *k, double *dim, double *mode,
                        double *input, lw_error *e);
 
-/* The other way: put the posture at `input` with these dimensions into k, which brings the topology
- * and names.  Needs a plan with all_joints.  LW_OPEN when it cannot close there (k untouched).
- * Tracers without an output, tool angles and the places of slide lines go with their links; the
- * input's value moves by as much as the input. */
-lw_status lw_plan_write(const lw_plan *plan, const double *dim, const double *mode, double input,
-                        lw_linkage *k);
-
 /* The length displacements of a seed are counted in: the mean size of the lengths and coordinates [m]. */
 double lw_plan_size(const lw_plan *plan, const double *dim);
-
-/* Put a new seed into mode: the posture at this input, reached from the old seed.  LW_OPEN, mode untouched,
- * when it cannot be reached.  Nothing to do for plans without higher groups. */
-lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode);
 
 /* What the plan does, as text, a line a group in the order of solution: class and order after Artobolevsky, links,
  * joints, closed form or Newton's method with how many unknowns; then what was left out because no output needs it.

@@ -96,8 +96,11 @@ static inline int lw_joint_other(const lw_joint *j, int link)
     return j->link[0] == link ? j->link[1] : j->link[0];
 }
 
-/* Every register of the plan at one input, in the ground frame; returns the margin (mbs/plan/pose.c). */
-double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                         lw_vec2 reg[LW_REG_MAX]);
+/* The frames of the plan's links in the posture of a linkage, in the plane; the direction of a slide line there; the
+ * plan's input [rad] or [m] (mbs/plan/plan_read.c).  LW_E_ARG when the linkage has another topology. */
+typedef struct lw_frames { lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX]; } lw_frames;
+lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e);
+lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *k, int j);
+double lw_plan_read_input(const lw_plan *p, const lw_linkage *k, const lw_frames *f);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/kinematics/motion.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/report/report.h"
 #include "optimise/task/motion_limits.h"
 

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "mbs/kinematics/motion.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/kinematics/output_limits.h"
 #include "optimise/report/report_internal.h"
 #include "optimise/problem/tracers.h"

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "mbs/constraints/circuits.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/report/report_internal.h"
 
 enum { STEPS = 720 };

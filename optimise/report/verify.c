@@ -7,7 +7,7 @@
 
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/constraints/newton.h"
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/report/report_internal.h"
 
 typedef struct replay {

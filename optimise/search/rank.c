@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/search/fit_internal.h"
 #include "optimise/problem/circuit.h"
 #include "optimise/problem/evaluate.h"

@@ -2,7 +2,7 @@
 #ifndef LW_OPTIMISE_TASK_MOTION_LIMITS_H
 #define LW_OPTIMISE_TASK_MOTION_LIMITS_H
 
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "optimise/task/specification.h"
 
 typedef struct lw_motion_limits {

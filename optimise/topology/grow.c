@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 
 enum { SAMPLES = 48, TRIES = 12, HALVINGS = 30 };
 

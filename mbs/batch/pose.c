@@ -1,7 +1,7 @@
 /* One pose through the steps of the plan, and its derivatives by truncated Taylor arithmetic: every
  * number is replaced by its Taylor coefficients in the input, sums and products by theirs
  * (Griewank & Walther 2008, ch. 13), so that the derivatives are exact to rounding. */
-#include "mbs/plan/pose.h"
+#include "mbs/batch/pose.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/plan/plan_internal.h"
@@ -146,27 +146,6 @@ double lw_pose_registers(const lw_plan *plan, const double *dim, const double *m
     lw_group_pose seat;
     double margin = find_seat(plan, dim, mode, input, &seat);
     return fmin(margin, registers(plan, dim, mode, input, &seat, reg));
-}
-
-lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode)
-{
-    lw_group_pose seat;
-    if (!plan->n_higher)
-        return LW_OK;
-    if (!(find_seat(plan, dim, mode, input, &seat) > 0))
-        return LW_OPEN;
-    double size = lw_plan_size(plan, dim);
-    for (int i = 0; i < plan->n_higher; i++) {
-        const lw_higher *g = &plan->higher[i];
-        const double *row = seat.row + g->first_row;
-        double *to = mode + g->first_mode;
-        for (int a = 0; a < g->n_turn; a++, row += 2)
-            *to++ = atan2(row[1], row[0]);
-        for (int d = 0; d < g->n_disp; d++)
-            *to++ = *row++/size;
-    }
-    mode[plan->n_mode - 1] = input;
-    return LW_OK;
 }
 
 /* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
