@@ -159,7 +159,7 @@ static lw_status hand_over(void *context, const lw_moment *m)
         input[i] = k->input[i].value + count.value;
     }
     lw_reactions_joints(s->d, m, joint);
-    lw_reactions_drives(s->d, m, drive);
+    lw_reactions_driving(s->d, m, drive);
     lw_simulation_sample sample = { .t = m->t, .link = link, .acceleration = acceleration, .joint = joint, .input = input,
                                     .drive = drive, .tracer = tracer, .shaking = lw_reactions_shaking(s->d, m),
                                     .kinetic = m->kinetic, .potential = m->potential, .work = m->work, .residual = m->off };
