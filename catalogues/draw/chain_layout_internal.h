@@ -1,4 +1,5 @@
-/* catalogues/draw/chain_layout_internal.h - the steps of a layout: embedding, web of joints, start, relaxing. */
+/* catalogues/draw/chain_layout_internal.h - the steps of a layout: embedding (chain_embedding.c), map of joints, first
+ * places, relaxing (chain_web.c). */
 #ifndef LW_CATALOGUES_DRAW_CHAIN_LAYOUT_INTERNAL_H
 #define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_INTERNAL_H
 
@@ -21,7 +22,7 @@ typedef struct lw_rings {
  * one walks by going over its joint and leaving the link there by the next dart. */
 int lw_rings_loops(const lw_rings *r, uint8_t *loop_of);
 
-/* One way to draw: an embedding and the dart at which its outer loop is entered.  With a ground, that dart
+/* One embedding to draw: an embedding and the dart at which its outer loop is entered.  With a ground, that dart
  * arrives at the ground, whose joints are then read from the dart behind it. */
 typedef struct lw_embedding {
     lw_rings rings;
@@ -31,9 +32,9 @@ typedef struct lw_embedding {
     double   promise;                /* less is tried earlier */
 } lw_embedding;
 
-/* Ways of the planar chain m, alike ones once, the most promising first; *n_way of at most `room`.
+/* Ways of the planar chain m, alike ones once, the most promising first; *n_embedding of at most `room`.
  * LW_NOTHING: the graph is not planar. */
-lw_status lw_ways_find(const lw_mechanism *m, int room, lw_embedding *way, int *n_way);
+lw_status lw_embeddings_find(const lw_mechanism *m, int room, lw_embedding *embedding, int *n_embedding);
 
 /* The automorphisms of the map that keep its outer loop: to[g][dart]; mirror[g] when they turn it over;
  * the first is the identity.  start[g]: the dart of the outer loop that the first one goes to.
@@ -63,7 +64,7 @@ typedef struct lw_web {
     lw_vec2 turn[LW_WEB_GROUP];
 } lw_web;
 
-void lw_web_make(const lw_mechanism *m, const lw_embedding *way, lw_web *w);
+void lw_web_make(const lw_mechanism *m, const lw_embedding *embedding, lw_web *w);
 
 /* First places p (n_vertex), no crossing.  LW_E_MEMORY. */
 lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
@@ -82,23 +83,5 @@ void      lw_relax_free(lw_relax *r);
 
 /* Descend from p; crossings neither come nor go.  Returns the energy. */
 double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p);
-
-/* One way with its web and places. */
-typedef struct lw_layout_draft {
-    const lw_mechanism *m;
-    const lw_embedding *way;
-    lw_web   web;
-    lw_relax relax;                      /* lw_relax_free it */
-    lw_vec2  p[LW_WEB_VERTEX];
-    double   energy;
-} lw_layout_draft;
-
-/* Web, first places at the right scale, and springs. */
-lw_status lw_layout_draft_begin(const lw_mechanism *m, const lw_embedding *way, lw_layout_draft *t);
-void      lw_layout_draft_stand_up(lw_layout_draft *t);                             /* turn it as it reads best   */
-void      lw_layout_draft_places(const lw_layout_draft *t, lw_chain_layout *l);     /* joints, rings and ends     */
-
-/* A chain whose graph is not planar. */
-lw_status lw_layout_crossing(const lw_mechanism *m, lw_chain_layout *l);
 
 #endif

@@ -1,16 +1,610 @@
-/* catalogues/draw/diagram.c - see diagram.h */
+/* catalogues/draw/diagram.c - a scene as a drawing: links and joints with their labels, then the margins (title, scale,
+ * legend), then views, curves and target. */
 #include "catalogues/draw/diagram.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "catalogues/draw/body_shapes.h"
 #include "base/bytes.h"
-#include "catalogues/draw/diagram_internal.h"
+#include "catalogues/draw/body_shapes.h"
 #include "catalogues/draw/labels.h"
 #include "catalogues/draw/symbols.h"
 #include "catalogues/draw/views.h"
+
+typedef struct sketch {
+    const lw_scene *s;
+    const lw_diagram_options *o;
+    lw_drawing *d;
+    lw_label_map map;
+    double u;                  /* size of things: 1 for a page of 1000 by 750                      */
+} sketch;
+
+static lw_vec2 pixel_of(const sketch *k, int panel, lw_vec2 p);
+
+/* Cut the line a b to a box (Liang and Barsky 1984); false when the line misses the box or is not finite. */
+static bool clip_line(const lw_box *box, lw_vec2 *a, lw_vec2 *b);
+
+static lw_box view_box(const lw_view *v);              /* where labels may stand                  */
+
+/* ==== links and joints ======================================================================================== */
+
+#define LABEL_SIZE 14.5
+#define LENGTH_SIZE 12.5
+
+static const lw_linkage *linkage(const sketch *k)
+{
+    return &k->s->linkage;
+}
+
+/* The link an input drives, seen from the other one. */
+static int driven_link(const lw_linkage *k, const lw_joint *j)
+{
+    return j->link[1] == k->ground ? j->link[0] : j->link[1];
+}
+
+static lw_ink link_ink(const lw_linkage *k, int link)
+{
+    for (int i = 0; i < k->n_input; i++)
+        if (driven_link(k, &k->joint[k->input[i].joint]) == link)
+            return LW_INK_PURPLE;
+    for (int i = 0; i < k->n_tracer; i++)
+        if (k->tracer[i].link == link)
+            return LW_INK_GREEN;
+    return LW_INK_LINK;
+}
+
+static lw_bearer bearer(const lw_linkage *k, int item, int link)
+{
+    return (lw_bearer){ item, link == k->ground ? -1 : link, 0 };
+}
+
+/* A guide, drawn below everything else: hatched on the ground, a bar on a moving link. */
+static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint);
+
+static void draw_guide(sketch *k, int joint)
+{
+    const lw_linkage *l = linkage(k);
+    lw_cylinder c;
+    if (lw_body_shapes_cylinder(k->s, joint, &c)) {
+        draw_cylinder(k, &c, joint);
+        return;
+    }
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
+    double end = 30*k->u/k->d->view[0].scale, u = k->u;
+    lw_vec2 a = pixel_of(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.lo - end)));
+    lw_vec2 b = pixel_of(k, 0, lw_v2_add(w.at, lw_v2_scale(w.along, w.hi + end)));
+    lw_bearer carrier = bearer(l, joint, w.guide);
+    const lw_box page = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
+    if (!clip_line(&page, &a, &b))
+        return;
+    if (l->joint[joint].kind == LW_JOINT_SLOT)
+        lw_symbol_slot(k->d, carrier, a, b, link_ink(l, w.guide), u);
+    else if (w.guide == l->ground) {
+        if (b.x < a.x || (b.x == a.x && b.y < a.y)) {      /* hatching below, or left of, the line */
+            lw_vec2 t = a;
+            a = b;
+            b = t;
+        }
+        lw_vec2 down = lw_v2_sub(b, a);
+        double length = fmax(lw_v2_norm(down), 1e-9);
+        down = lw_v2_scale(lw_v2_perp(down), 10*u/length);             /* under the block's edge */
+        lw_symbol_hatched_line(k->d, carrier, lw_v2_add(a, down), lw_v2_add(b, down), u);
+        for (double depth = 1; depth < 1.8; depth += 0.35)                          /* hatching */
+            lw_label_map_line(&k->map, lw_v2_add(a, lw_v2_scale(down, depth)),
+                              lw_v2_add(b, lw_v2_scale(down, depth)), 1);
+    } else {
+        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_GUIDE, a, b);
+        s->item = joint;
+        s->link = w.guide;
+        s->panel = 0;
+        s->stroke = link_ink(l, w.guide);
+        s->width = 5*u;
+    }
+    lw_label_map_line(&k->map, a, b, 1);
+}
+
+static void draw_block(sketch *k, int joint)
+{
+    lw_cylinder c;
+    if (lw_body_shapes_cylinder(k->s, joint, &c))
+        return;
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
+    lw_vec2 at = pixel_of(k, 0, w.at);
+    lw_symbol_block(k->d, bearer(linkage(k), joint, w.block), at, lw_v2(w.along.x, -w.along.y),
+                    link_ink(linkage(k), w.block), k->u);
+    lw_label_map_disc(&k->map, at, 15*k->u, 2);
+}
+
+/* Rectangle and piston, below everything else. */
+static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint)
+{
+    const lw_linkage *l = linkage(k);
+    double scale = k->d->view[0].scale;
+    lw_vec2 pin[2] = { pixel_of(k, 0, c->pin[0]), pixel_of(k, 0, c->pin[1]) };
+    lw_vec2 along = lw_v2(c->along.x, -c->along.y);
+    lw_symbol_tube(k->d, bearer(l, joint, c->tube), pin[0], along, scale*c->tube_length, link_ink(l, c->tube), k->u);
+    lw_symbol_rod(k->d, bearer(l, c->rod, c->rod), pin[1], along, scale*c->rod_length, link_ink(l, c->rod), k->u);
+    lw_label_map_line(&k->map, pin[0], pin[1], 2);
+}
+
+/* Does an earlier gear joint show this wheel already? */
+static bool is_drawn(const sketch *k, int joint, const lw_wheel *w)
+{
+    for (int i = 0; i < joint; i++) {
+        lw_wheel other[2];
+        if (linkage(k)->joint[i].kind != LW_JOINT_GEAR || !lw_body_shapes_gear(k->s, i, other))
+            continue;
+        for (int side = 0; side < 2; side++)
+            if (other[side].link == w->link && other[side].rack == w->rack
+                && lw_v2_norm(lw_v2_sub(other[side].centre, w->centre)) < 1e-6*w->pitch
+                && fabs(other[side].radius - w->radius) < 1e-6*w->pitch)
+                return true;
+    }
+    return false;
+}
+
+/* `away`: where a rack's teeth point, towards its pinion. */
+static void draw_wheel(sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
+{
+    const lw_linkage *l = linkage(k);
+    double scale = k->d->view[0].scale, u = k->u;
+    lw_vec2 at = pixel_of(k, 0, w->centre), along = lw_v2(w->along.x, -w->along.y);
+    lw_bearer carrier = bearer(l, joint, w->link);
+    lw_ink ink = link_ink(l, w->link);
+    if (w->rack) {
+        double body = 14*u, end = 1.5*w->pitch;
+        if (lw_v2_dot(lw_v2_perp(along), lw_v2(away.x, -away.y)) > 0)
+            body = -body;
+        lw_symbol_rack(k->d, carrier, at, along, scale*(w->lo - end), scale*(w->hi + end), scale*w->pitch, w->gap,
+                       body, ink, u);
+        return;
+    }
+    double size = 4*hypot(k->d->width, k->d->height);
+    if (scale*w->radius < size)                             /* else it is as good as a line far off */
+        lw_symbol_wheel(k->d, carrier, at, scale*w->radius, w->teeth, atan2(along.y, along.x), w->gap, w->ring, ink, u);
+}
+
+static void draw_gear(sketch *k, int joint)
+{
+    lw_wheel w[2];
+    if (!lw_body_shapes_gear(k->s, joint, w))
+        return;
+    for (int side = 0; side < 2; side++)
+        if (!is_drawn(k, joint, &w[side]))
+            draw_wheel(k, joint, &w[side], lw_v2_sub(w[1 - side].centre, w[side].centre));
+}
+
+/* Direction on the page from a point of a link to the middle of its other nodes; (0, 0) when there are none. */
+static lw_vec2 inwards(const sketch *k, int link, lw_vec2 from)
+{
+    lw_shape_node node[LW_NODE_MAX];
+    lw_vec2 sum = { 0, 0 };
+    int n = lw_body_shapes_nodes(k->s, link, node);
+    for (int i = 0; i < n; i++)
+        sum = lw_v2_add(sum, lw_v2_sub(node[i].at, from));
+    double length = lw_v2_norm(sum);
+    return length > 0 ? lw_v2(sum.x/length, -sum.y/length) : lw_v2(0, 0);
+}
+
+static void draw_weld(sketch *k, int joint)
+{
+    const lw_joint *j = &linkage(k)->joint[joint];
+    lw_vec2 at = pixel_of(k, 0, j->at);
+    lw_symbol_weld(k->d, bearer(linkage(k), joint, j->link[1]), at, inwards(k, j->link[0], j->at),
+                   inwards(k, j->link[1], j->at), link_ink(linkage(k), j->link[1]), k->u);
+    lw_label_map_disc(&k->map, at, 8*k->u, 3);
+}
+
+static void draw_link(sketch *k, int link)
+{
+    lw_shape_node node[LW_NODE_MAX];
+    lw_vec2 p[LW_NODE_MAX];
+    int n = lw_body_shapes_nodes(k->s, link, node);
+    for (int i = 0; i < n; i++) {
+        p[i] = pixel_of(k, 0, node[i].at);
+        for (int j = 0; j < i; j++)
+            lw_label_map_line(&k->map, p[j], p[i], 1);
+    }
+    lw_symbol_link(k->d, bearer(linkage(k), link, link), p, n, link_ink(linkage(k), link), k->u);
+}
+
+static bool on_ground(const lw_linkage *k, const lw_joint *j)
+{
+    return j->link[0] == k->ground || j->link[1] == k->ground;
+}
+
+/* The line between the ground pins, to which the frame's length belongs. */
+static void draw_frame_line(sketch *k)
+{
+    const lw_linkage *l = linkage(k);
+    int last = -1;
+    for (int i = 0; i < l->n_joint; i++) {
+        if (l->joint[i].kind != LW_JOINT_REVOLUTE || !on_ground(l, &l->joint[i]))
+            continue;
+        if (last >= 0) {
+            lw_vec2 a = pixel_of(k, 0, l->joint[last].at);
+            lw_vec2 b = pixel_of(k, 0, l->joint[i].at);
+            lw_shape *s = lw_drawing_line(k->d, LW_ROLE_FRAME, a, b);
+            s->stroke = LW_INK_FAINT;
+            s->dashed = true;
+            s->panel = 0;
+            s->width = k->u;
+            lw_label_map_line(&k->map, a, b, 0.5);
+        }
+        last = i;
+    }
+}
+
+static void draw_pivots(sketch *k)
+{
+    const lw_linkage *l = linkage(k);
+    for (int i = 0; i < l->n_joint; i++) {
+        if (l->joint[i].kind != LW_JOINT_REVOLUTE || !on_ground(l, &l->joint[i]))
+            continue;
+        lw_vec2 at = pixel_of(k, 0, l->joint[i].at);
+        lw_symbol_pivot(k->d, (lw_bearer){ i, -1, 0 }, at, k->u);
+        lw_label_map_disc(&k->map, lw_v2(at.x, at.y + 14*k->u), 16*k->u, 2);
+    }
+}
+
+static void draw_pins(sketch *k)
+{
+    const lw_linkage *l = linkage(k);
+    for (int i = 0; i < l->n_joint; i++) {
+        const lw_joint *j = &l->joint[i];
+        if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLOT)
+            continue;
+        lw_vec2 at = pixel_of(k, 0, j->at);
+        lw_symbol_pin(k->d, bearer(l, i, on_ground(l, j) ? l->ground : j->link[1]), at, k->u);
+        lw_label_map_disc(&k->map, at, 6*k->u, 3);
+    }
+    for (int i = 0; i < l->n_tracer; i++) {
+        lw_vec2 at = pixel_of(k, 0, l->tracer[i].at);
+        lw_symbol_tracer(k->d, bearer(l, i, l->tracer[i].link), at, k->u);
+        lw_label_map_disc(&k->map, at, 6*k->u, 3);
+    }
+}
+
+/* Direction from the input pin to the middle of the driven link's other nodes [rad, page upright]. */
+static double driven_direction(const sketch *k, int link, lw_vec2 pin)
+{
+    lw_shape_node node[LW_NODE_MAX];
+    lw_vec2 sum = { 0, 0 };
+    int n = lw_body_shapes_nodes(k->s, link, node);
+    for (int i = 0; i < n; i++)
+        sum = lw_v2_add(sum, lw_v2_sub(node[i].at, pin));
+    return atan2(sum.y, sum.x);
+}
+
+static void draw_input(sketch *k, int input)
+{
+    const lw_linkage *l = linkage(k);
+    int joint = l->input[input].joint;
+    bool back = l->input[input].ratio < 0;               /* tied, against the first */
+    const lw_joint *j = &l->joint[joint];
+    int driven = driven_link(l, j), base = j->link[0] == driven ? j->link[1] : j->link[0];
+    lw_bearer carrier = bearer(l, input, base);
+    if (j->kind == LW_JOINT_REVOLUTE) {
+        lw_vec2 at = pixel_of(k, 0, j->at);
+        double from = driven_direction(k, driven, j->at) + 0.4;
+        lw_symbol_turning(k->d, carrier, at, from, back, k->u);
+        for (int i = 0; i < 12; i++)
+            lw_label_map_disc(&k->map, lw_v2_add(at, lw_v2_polar(27*k->u, -(from + 0.16*i))),
+                              4*k->u, 2);
+        return;
+    }
+    lw_slide w = lw_body_shapes_slide(k->s, joint);
+    double sign = (w.block == driven) != back ? 1 : -1;
+    carrier.link = w.guide == l->ground ? -1 : w.guide;
+    lw_vec2 along = lw_v2(sign*w.along.x, -sign*w.along.y);
+    lw_vec2 at = lw_v2_add(pixel_of(k, 0, w.at), lw_v2_scale(lw_v2_perp(along), -21*k->u));
+    lw_vec2 a = lw_v2_sub(at, lw_v2_scale(along, 20*k->u)), b = lw_v2_add(at, lw_v2_scale(along, 24*k->u));
+    lw_symbol_arrow(k->d, carrier, a, b, k->u);
+    lw_label_map_line(&k->map, a, b, 2);
+}
+
+static void sketch_linkage(sketch *k)
+{
+    const lw_linkage *l = linkage(k);
+    draw_frame_line(k);
+    for (int i = 0; i < l->n_joint; i++)
+        if (l->joint[i].kind == LW_JOINT_SLIDER || l->joint[i].kind == LW_JOINT_SLOT)
+            draw_guide(k, i);
+        else if (l->joint[i].kind == LW_JOINT_GEAR)
+            draw_gear(k, i);
+    draw_pivots(k);
+    for (int i = 0; i < l->n_link; i++)
+        if (i != l->ground)
+            draw_link(k, i);
+    for (int i = 0; i < l->n_joint; i++)
+        if (l->joint[i].kind == LW_JOINT_SLIDER)
+            draw_block(k, i);
+        else if (l->joint[i].kind == LW_JOINT_FIXED)
+            draw_weld(k, i);
+    for (int i = 0; i < l->n_input; i++)
+        draw_input(k, i);
+    draw_pins(k);
+}
+
+/* A label of the line a b, or of the point a = b, that moves with a link. */
+static void label(sketch *k, lw_role role, int item, int link, const char *text, double size,
+                  lw_vec2 a, lw_vec2 b, double gap, lw_ink ink)
+{
+    lw_vec2 at;
+    if (!lw_label_map_place(&k->map, text, size, a, b, gap, view_box(&k->d->view[0]), &at))
+        return;
+    lw_shape *s = lw_drawing_text(k->d, role, text, at, size, 0);
+    s->item = item;
+    s->link = link == linkage(k)->ground ? -1 : link;
+    s->panel = 0;
+    s->upright = true;
+    s->hold = lw_v2_scale(lw_v2_add(a, b), 0.5);
+    s->fill = ink;
+    s->italic = role != LW_ROLE_LENGTH_LABEL;
+}
+
+static void label_points(sketch *k)
+{
+    const lw_linkage *l = linkage(k);
+    double u = k->u;
+    for (int i = 0; i < l->n_tracer; i++) {
+        lw_vec2 at = pixel_of(k, 0, l->tracer[i].at);
+        label(k, LW_ROLE_JOINT_LABEL, l->n_joint + i, l->tracer[i].link, l->tracer[i].name,
+              LABEL_SIZE*u, at, at, 9*u, LW_INK_BLUE);
+    }
+    for (int i = 0; i < l->n_joint; i++) {
+        const lw_joint *j = &l->joint[i];
+        bool slides = j->kind == LW_JOINT_SLIDER;
+        lw_slide w = slides ? lw_body_shapes_slide(k->s, i) : (lw_slide){ .at = j->at };
+        lw_cylinder c;
+        if (slides && lw_body_shapes_cylinder(k->s, i, &c)) {
+            w.at = lw_v2_add(c.pin[0], lw_v2_scale(c.along, 0.5*c.tube_length));
+            w.block = c.tube;
+        }
+        lw_vec2 at = pixel_of(k, 0, w.at);
+        int link = slides ? w.block : on_ground(l, j) ? l->ground : j->link[1];
+        label(k, LW_ROLE_JOINT_LABEL, i, link, j->name, LABEL_SIZE*u, at, at, (slides ? 17 : 10)*u,
+              LW_INK_TEXT);
+    }
+}
+
+/* The two nodes of a link whose distance is `length`: where a dimension "r<k>" stands. */
+static bool find_length(const lw_scene *s, int link, double length, lw_vec2 *a, lw_vec2 *b)
+{
+    lw_shape_node node[LW_NODE_MAX];
+    int n = lw_body_shapes_nodes(s, link, node);
+    for (int i = 0; i < n; i++)
+        for (int j = i + 1; j < n; j++)
+            if (fabs(lw_v2_norm(lw_v2_sub(node[i].at, node[j].at)) - length) <= 1e-6*length) {
+                *a = node[i].at;
+                *b = node[j].at;
+                return true;
+            }
+    return false;
+}
+
+static void label_length(sketch *k, int link, const char *name, double length, lw_vec2 a, lw_vec2 b)
+{
+    char number[32], text[64];
+    lw_number_text(number, length/linkage(k)->units.metre, 4);
+    bool both = name[0] && k->o->length_values;
+    snprintf(text, sizeof text, "%s%s%s", name, both ? " = " : "", both || !name[0] ? number : "");
+    lw_vec2 p = pixel_of(k, 0, a), q = pixel_of(k, 0, b);
+    label(k, LW_ROLE_LENGTH_LABEL, link, link, text, LENGTH_SIZE*k->u, p, q, 6*k->u, LW_INK_FAINT);
+}
+
+static void label_lengths(sketch *k)
+{
+    const lw_scene *s = k->s;
+    lw_vec2 a, b;
+    for (int i = 0; i < s->n_dim; i++)
+        if (s->dim_kind[i] == LW_DIM_LENGTH
+            && find_length(s, s->dim_link[i], s->dim[i], &a, &b))
+            label_length(k, s->dim_link[i], s->dim_name[i], s->dim[i], a, b);
+    for (int link = 0; s->n_dim == 0 && link < s->linkage.n_link; link++) {
+        lw_shape_node node[LW_NODE_MAX];
+        if (link != s->linkage.ground && lw_body_shapes_nodes(s, link, node) == 2)
+            label_length(k, link, "", lw_v2_norm(lw_v2_sub(node[0].at, node[1].at)), node[0].at,
+                         node[1].at);
+    }
+}
+
+static void label_linkage(sketch *k)
+{
+    label_points(k);
+    if (k->o->length_labels)
+        label_lengths(k);
+}
+
+/* ==== margins ================================================================================================= */
+
+static void faint_line(sketch *k, const char *text, double y)
+{
+    lw_drawing_text(k->d, LW_ROLE_NOTE, text, lw_v2(16*k->u, y), 12.5*k->u, 0)->fill = LW_INK_FAINT;
+}
+
+/* "r2 = 1.25" in the units of the file. */
+static void dimension_text(const lw_scene *s, int i, char *text, size_t size)
+{
+    char number[32];
+    lw_number_text(number, lw_scene_dimension(s, i), 5);
+    snprintf(text, size, "%s = %s", s->dim_name[i], number);
+}
+
+/* The dimensions in lines as wide as the page, four at most; returns the base line after them. */
+static double list_dimensions(sketch *k, double y)
+{
+    const lw_scene *s = k->s;
+    char line[512] = "", item[64];
+    double room = k->d->width - 32*k->u;
+    int n_line = 0;
+    for (int i = 0; i <= s->n_dim; i++) {
+        if (i < s->n_dim)
+            dimension_text(s, i, item, sizeof item);
+        else
+            snprintf(item, sizeof item, "[%s, %s]",
+                     s->linkage.units.length[0] ? s->linkage.units.length : "length units",
+                     s->linkage.units.angle[0] ? s->linkage.units.angle : "rad");
+        size_t used = strlen(line);
+        char longer[sizeof line + sizeof item + 4];
+        snprintf(longer, sizeof longer, "%s%s%s", line, used ? "  " : "", item);
+        if (used && (lw_text_width(longer, 12.5*k->u) > room || strlen(longer) >= sizeof line)) {
+            faint_line(k, line, y);
+            y += 17*k->u;
+            snprintf(longer, sizeof longer, "%s", ++n_line == 4 ? "" : item);
+        }
+        memcpy(line, longer, strlen(longer) + 1);
+        if (n_line == 4)
+            return y;
+    }
+    faint_line(k, line, y);
+    return y + 17*k->u;
+}
+
+/* Cut text to a width [px], with three dots. */
+static void shorten(char *text, double size, double width)
+{
+    size_t n = strlen(text);
+    if (lw_text_width(text, size) <= width)
+        return;
+    while (n > 0 && lw_text_width(text, size) + 1.2*size > width) {
+        do
+            n--;
+        while (n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80);
+        text[n] = 0;
+    }
+    memcpy(text + n, "...", 4);
+}
+
+static double sketch_header(sketch *k)
+{
+    lw_drawing *d = k->d;
+    double u = k->u, y = 14*u;
+    lw_vec2 page[4] = { { 0, 0 }, { d->width, 0 }, { d->width, d->height }, { 0, d->height } };
+    lw_drawing_path(d, LW_ROLE_PAPER, page, 4, true)->fill = LW_INK_PAPER;
+    char title[sizeof k->s->title + 4];
+    lw_text_clean(title, sizeof title - 4, k->s->title);
+    if (title[0] && k->o->title) {
+        shorten(title, 19*u, d->width - 32*u);
+        y += 16*u;
+        lw_drawing_text(d, LW_ROLE_TITLE, title, lw_v2(16*u, y), 19*u, 0)->bold = true;
+        y += 21*u;
+    } else if (k->o->dimensions)
+        y += 8*u;
+    if (k->o->dimensions && k->s->n_dim > 0)
+        y = list_dimensions(k, y);
+    return y - 8*u;
+}
+
+/* The greatest of 1, 2, 5 times a power of ten that is no more than v. */
+static double round_down(double v)
+{
+    double power = pow(10, floor(log10(v))), m = v/power;
+    return power*(m >= 5 ? 5 : m >= 2 ? 2 : 1);
+}
+
+static void scale_bar(sketch *k, int panel)
+{
+    const lw_view *v = &k->d->view[panel];
+    const lw_units *units = &k->s->linkage.units;
+    double u = k->u, px = v->scale*units->metre;                     /* [px] a unit of the file */
+    double length = round_down(0.24*v->w/px);
+    if (!isfinite(length) || !(length > 0))
+        return;
+    double x = v->x + 16*u, y = v->y + v->h - 12*u, w = length*px;
+    lw_vec2 bar[4] = { { x, y - 5*u }, { x, y }, { x + w, y }, { x + w, y - 5*u } };
+    lw_shape *s = lw_drawing_path(k->d, LW_ROLE_SCALE, bar, 4, false);
+    s->stroke = LW_INK_TEXT;
+    s->width = 1.5*u;
+    s->item = panel;
+    char number[32], text[48];
+    lw_number_text(number, length, 3);
+    snprintf(text, sizeof text, "%s%s%s", number, units->length[0] ? " " : "", units->length);
+    lw_drawing_text(k->d, LW_ROLE_SCALE, text, lw_v2(x + w + 7*u, y), 12*u, 0);
+    lw_label_map_take(&k->map, (lw_box){ x - 4, y - 16*u, x + w + 12*u + lw_text_width(text, 12*u),
+                                         v->y + v->h });
+}
+
+/* The entries of the legend, from the right: what it shows, its text, room for the sample [px]. */
+typedef enum lw_sample { TARGET, OTHER, TRACED, N_SAMPLE } lw_sample;
+static const struct { const char *text; double room; } samples[N_SAMPLE] = {
+    [TARGET] = { "target", 36 }, [OTHER] = { "also possible", 52 }, [TRACED] = { "traced curve", 52 },
+};
+
+static bool is_shown(const lw_scene *s, lw_sample sample)
+{
+    if (sample == TARGET)
+        return s->n_station > 0;
+    for (int i = 0; i < s->n_curve; i++)
+        if (s->curve[i].shown_branch == (sample == TRACED))
+            return true;
+    return false;
+}
+
+static double legend_width(const sketch *k)
+{
+    double w = 0;
+    for (int i = 0; i < N_SAMPLE; i++)
+        if (is_shown(k->s, (lw_sample)i))
+            w += lw_text_width(samples[i].text, 12*k->u) + samples[i].room*k->u;
+    return w;
+}
+
+static double foot_height(const sketch *k, double width)
+{
+    bool beside = legend_width(k) + 0.24*width + 130*k->u < width;
+    return (beside ? 30 : 48)*k->u;
+}
+
+/* One entry that ends at x; returns where the next may end. */
+static double entry(sketch *k, double x, double y, lw_sample sample)
+{
+    double u = k->u, left = x - lw_text_width(samples[sample].text, 12*u);
+    lw_drawing_text(k->d, LW_ROLE_LEGEND, samples[sample].text, lw_v2(left, y), 12*u, 0);
+    if (sample == TARGET)
+        lw_symbol_station(k->d, LW_ROLE_LEGEND, (lw_bearer){ -1, -1, -1 },
+                          lw_v2(left - 14*u, y - 4*u), u);
+    else {
+        lw_shape *s = lw_drawing_line(k->d, LW_ROLE_LEGEND, lw_v2(left - 34*u, y - 4*u),
+                                      lw_v2(left - 8*u, y - 4*u));
+        s->stroke = LW_INK_BLUE;
+        s->width = (sample == OTHER ? 1.6 : 2.6)*u;
+        s->dashed = sample == OTHER;
+    }
+    return left - samples[sample].room*u;
+}
+
+/* In the last panel, beside its scale bar, or above it where it is narrow. */
+static void legend(sketch *k)
+{
+    const lw_view *v = &k->d->view[k->d->n_view - 1];
+    double u = k->u, end = v->x + v->w - 14*u, x = end;
+    double y = v->y + v->h - foot_height(k, v->w) + 18*u;
+    for (int i = 0; i < N_SAMPLE; i++)
+        if (is_shown(k->s, (lw_sample)i))
+            x = entry(k, x, y, (lw_sample)i);
+    if (x < end)
+        lw_label_map_take(&k->map, (lw_box){ x, y - 16*u, end, v->y + v->h });
+}
+
+static void sketch_feet(sketch *k)
+{
+    for (int i = 0; i < k->d->n_view; i++)
+        scale_bar(k, i);
+    legend(k);
+    const lw_view *v = &k->d->view[0];
+    if (k->s->note[0] == 0)
+        return;
+    char note[sizeof k->s->note + 4];
+    double u = k->u, y = v->y + v->h - 6*u - foot_height(k, v->w);
+    lw_text_clean(note, sizeof note - 4, k->s->note);
+    shorten(note, 12*u, v->w - 32*u);
+    lw_drawing_text(k->d, LW_ROLE_NOTE, note, lw_v2(16*u, y), 12*u, 0)->fill = LW_INK_FAINT;
+    lw_label_map_take(&k->map, (lw_box){ 12*u, y - 14*u, 20*u + lw_text_width(note, 12*u), y + 5*u });
+}
+
+/* ==== the whole =============================================================================================== */
 
 lw_diagram_options lw_diagram_options_default(void)
 {
@@ -28,12 +622,12 @@ lw_page_motion lw_diagram_motion(const lw_scene *s, const lw_view *v, size_t fra
     };
 }
 
-lw_vec2 lw_sketch_pixel(const lw_sketch *k, int panel, lw_vec2 p)
+static lw_vec2 pixel_of(const sketch *k, int panel, lw_vec2 p)
 {
     return lw_view_pixel(&k->d->view[panel], p);
 }
 
-bool lw_sketch_clip(const lw_box *box, lw_vec2 *a, lw_vec2 *b)
+static bool clip_line(const lw_box *box, lw_vec2 *a, lw_vec2 *b)
 {
     if (!isfinite(a->x + a->y + b->x + b->y))
         return false;
@@ -58,7 +652,7 @@ bool lw_sketch_clip(const lw_box *box, lw_vec2 *a, lw_vec2 *b)
     return true;
 }
 
-static void curve_ink(lw_sketch *k, int panel, lw_shape *s, const lw_curve *c)
+static void curve_ink(sketch *k, int panel, lw_shape *s, const lw_curve *c)
 {
     s->item = c->tracer;
     s->panel = panel;
@@ -68,7 +662,7 @@ static void curve_ink(lw_sketch *k, int panel, lw_shape *s, const lw_curve *c)
 }
 
 /* A curve in pieces: whole as a rule, cut where it leaves the surroundings of the page. */
-static void draw_curve(lw_sketch *k, int panel, const lw_curve *c)
+static void draw_curve(sketch *k, int panel, const lw_curve *c)
 {
     enum { PIECE = 2048 };
     /* A few pages around the picture: no writer meets numbers that it cannot hold. */
@@ -77,9 +671,9 @@ static void draw_curve(lw_sketch *k, int panel, const lw_curve *c)
     size_t n = 0, n_side = c->n < 2 ? 0 : c->n - (c->closed ? 0 : 1);
     lw_role role = c->shown_branch ? LW_ROLE_CURVE : LW_ROLE_OTHER_CURVE;
     for (size_t i = 0; i < n_side; i++) {
-        lw_vec2 a = lw_sketch_pixel(k, panel, c->p[i]), a0 = a;
-        lw_vec2 b = lw_sketch_pixel(k, panel, c->p[(i + 1) % c->n]);
-        bool seen = lw_sketch_clip(&near, &a, &b);
+        lw_vec2 a = pixel_of(k, panel, c->p[i]), a0 = a;
+        lw_vec2 b = pixel_of(k, panel, c->p[(i + 1) % c->n]);
+        bool seen = clip_line(&near, &a, &b);
         if (n && (!seen || a.x != a0.x || a.y != a0.y || n == PIECE)) {
             curve_ink(k, panel, lw_drawing_path(k->d, role, piece, n, false), c);
             n = 0;
@@ -95,7 +689,7 @@ static void draw_curve(lw_sketch *k, int panel, const lw_curve *c)
         curve_ink(k, panel, lw_drawing_path(k->d, role, piece, n, false), c);
 }
 
-static void draw_curves(lw_sketch *k, int panel)
+static void draw_curves(sketch *k, int panel)
 {
     for (int shown = 0; shown < 2; shown++)
         for (int i = 0; i < k->s->n_curve; i++)
@@ -115,7 +709,7 @@ static size_t stations_each(const lw_scene *s)
 }
 
 /* Markers, smaller the more there are; a polygon when there are too many to tell apart. */
-static void draw_stations(lw_sketch *k, int panel)
+static void draw_stations(sketch *k, int panel)
 {
     const lw_scene *s = k->s;
     if (s->n_station > 1500) {
@@ -132,7 +726,7 @@ static void draw_stations(lw_sketch *k, int panel)
     }
     double u = k->u*(s->n_station > 400 ? 0.45 : s->n_station > 80 ? 0.7 : 1);
     for (size_t i = 0; i < s->n_station; i++) {
-        lw_vec2 at = lw_sketch_pixel(k, panel, s->station[i]);
+        lw_vec2 at = pixel_of(k, panel, s->station[i]);
         if (!is_near_page(k->d, at))
             continue;
         lw_symbol_station(k->d, LW_ROLE_STATION, (lw_bearer){ (int)i, -1, panel }, at, u);
@@ -141,7 +735,7 @@ static void draw_stations(lw_sketch *k, int panel)
 }
 
 /* Numbers beside the target points: all when few, else evenly chosen ones. */
-static void label_stations(lw_sketch *k, int panel)
+static void label_stations(sketch *k, int panel)
 {
     const lw_scene *s = k->s;
     size_t step = 1 + s->n_station/37;
@@ -149,8 +743,8 @@ static void label_stations(lw_sketch *k, int panel)
     for (size_t i = 0; i < s->n_station; i += step) {
         char text[24];
         snprintf(text, sizeof text, "%zu", i % stations_each(s) + 1);
-        lw_vec2 p = lw_sketch_pixel(k, panel, s->station[i]), at;
-        if (!lw_label_map_place(&k->map, text, 11.5*k->u, p, p, 6*k->u, lw_view_box(v), &at))
+        lw_vec2 p = pixel_of(k, panel, s->station[i]), at;
+        if (!lw_label_map_place(&k->map, text, 11.5*k->u, p, p, 6*k->u, view_box(v), &at))
             continue;
         lw_shape *t = lw_drawing_text(k->d, LW_ROLE_STATION_LABEL, text, at, 11.5*k->u, 0);
         t->item = (int)i;
@@ -159,13 +753,13 @@ static void label_stations(lw_sketch *k, int panel)
     }
 }
 
-lw_box lw_view_box(const lw_view *v)
+static lw_box view_box(const lw_view *v)
 {
     return (lw_box){ v->x + 2, v->y + 2, v->x + v->w - 2, v->y + v->h - 2 };
 }
 
 /* The path alone, enlarged, with the tracers; and its place marked in the first panel. */
-static void draw_path_panel(lw_sketch *k, lw_box path)
+static void draw_path_panel(sketch *k, lw_box path)
 {
     lw_drawing *d = k->d;
     const lw_view *v = &d->view[1];
@@ -177,12 +771,12 @@ static void draw_path_panel(lw_sketch *k, lw_box path)
     draw_curves(k, 1);
     for (int i = 0; i < k->s->linkage.n_tracer; i++) {
         const lw_tracer *t = &k->s->linkage.tracer[i];
-        lw_vec2 at = lw_sketch_pixel(k, 1, t->at);
+        lw_vec2 at = pixel_of(k, 1, t->at);
         lw_symbol_tracer(d, (lw_bearer){ i, t->link, 1 }, at, k->u);
     }
     draw_stations(k, 1);
-    lw_vec2 a = lw_sketch_pixel(k, 0, lw_v2(path.x0, path.y1));
-    lw_vec2 b = lw_sketch_pixel(k, 0, lw_v2(path.x1, path.y0));
+    lw_vec2 a = pixel_of(k, 0, lw_v2(path.x0, path.y1));
+    lw_vec2 b = pixel_of(k, 0, lw_v2(path.x1, path.y0));
     double m = 5*k->u;
     lw_vec2 mark[4] = { { a.x - m, a.y - m }, { b.x + m, a.y - m }, { b.x + m, b.y + m },
                         { a.x - m, b.y + m } };
@@ -200,7 +794,7 @@ static void draw_path_panel(lw_sketch *k, lw_box path)
 }
 
 /* Divide the page below `top`: one panel, or two side by side (below each other on a tall page). */
-static lw_status make_views(lw_sketch *k, double top, lw_box *path, lw_error *e)
+static lw_status make_views(sketch *k, double top, lw_box *path, lw_error *e)
 {
     lw_drawing *d = k->d;
     lw_box all = lw_scene_box(k->s, k->o->whole_motion);
@@ -212,12 +806,12 @@ static lw_status make_views(lw_sketch *k, double top, lw_box *path, lw_error *e)
     bool two = size > 0 && lw_box_size(&all) > LW_SPECK*size, tall = h > w;
     double w0 = two && !tall ? 0.56*w : w, h0 = two && tall ? 0.56*h : h;
     d->n_view = two ? 2 : 1;
-    d->view[0] = lw_view_fit(all, 0, top, w0, h0 - lw_sketch_foot(k, w0), margin);
+    d->view[0] = lw_view_fit(all, 0, top, w0, h0 - foot_height(k, w0), margin);
     d->view[0].h = h0;                                    /* the foot holds scale bar and legend */
     if (two) {
         double x = tall ? 8*k->u : w0, y = tall ? top + h0 : top;
         double w1 = w - x - 8*k->u, h1 = d->height - y - 8*k->u;
-        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - lw_sketch_foot(k, w1) - 18*k->u,
+        d->view[1] = lw_view_fit(*path, x, y + 18*k->u, w1, h1 - foot_height(k, w1) - 18*k->u,
                                  margin*0.8);
         d->view[1].y = y;
         d->view[1].h = h1;
@@ -225,7 +819,7 @@ static lw_status make_views(lw_sketch *k, double top, lw_box *path, lw_error *e)
     return LW_OK;
 }
 
-static void describe(lw_sketch *k)
+static void describe(sketch *k)
 {
     const lw_scene *s = k->s;
     lw_text_clean(k->d->title, sizeof k->d->title, s->title);
@@ -235,17 +829,17 @@ static void describe(lw_sketch *k)
              s->n_station, s->n_station == 1 ? "" : "s");
 }
 
-static void draw_all(lw_sketch *k, lw_box path)
+static void draw_all(sketch *k, lw_box path)
 {
     draw_curves(k, 0);
-    lw_sketch_linkage(k);
+    sketch_linkage(k);
     if (k->d->n_view == 1)
         draw_stations(k, 0);
     else
         draw_path_panel(k, path);
-    lw_sketch_feet(k);
+    sketch_feet(k);
     if (k->o->labels) {
-        lw_sketch_label_linkage(k);
+        label_linkage(k);
         label_stations(k, k->d->n_view - 1);
     }
 }
@@ -260,13 +854,13 @@ lw_status lw_diagram_draw(const lw_scene *s, const lw_diagram_options *o, lw_dra
         || !(o->zoom >= 0.1 && o->zoom <= 10))
         return lw_error_set(e, LW_E_ARG, "a picture of %g by %g px, signs %g times as large: sizes "
                             "are 64 to 8192, zoom 0.1 to 10", o->width, o->height, o->zoom);
-    lw_sketch k = { .s = s, .o = o, .d = d };
+    sketch k = { .s = s, .o = o, .d = d };
     double size = fmin(o->width/1000, o->height/750);
     k.u = o->zoom*(size < 1 ? sqrt(size) : size);   /* letters stay legible in small pictures */
     lw_box path;
     lw_status status = lw_label_map_make(&k.map, o->width, o->height, e);
     if (status == LW_OK) {
-        double top = lw_sketch_header(&k);
+        double top = sketch_header(&k);
         status = make_views(&k, top, &path, e);
     }
     if (status == LW_OK) {

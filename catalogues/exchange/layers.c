@@ -1,11 +1,134 @@
-/* catalogues/exchange/layers.c - which link lies in which layer. */
-#include "catalogues/exchange/layers_internal.h"
+/* catalogues/exchange/layers.c - which link lies in which layer; how near two bodies come to each other in a motion.
+ *
+ * Between two postures a corner goes at least along the chord c and, the path bending, a little further.  With d2 the
+ * second difference of its places at either end, we take  L = c + d2/2:  an arc of a circle is longer than its chord
+ * by about a twelfth of that, and a cusp halfway by half of it.  A body of corners goes no further than its corners
+ * do.  While two bodies make the ways La and Lb between distances d0 and d1, each has at any moment either less than
+ * half of both ways behind it or before it, hence
+ *     distance  >=  (d0 + d1 - La - Lb)/2. */
+#include "catalogues/exchange/layers.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "catalogues/draw/body_shapes.h"
+
+/* A plate or a pin in every posture of a scene. */
+typedef struct plate_body {
+    int      n;
+    lw_vec2 *at;               /* corners in posture after posture                  (n_frame*n) owned  */
+    double  *way;              /* L, the longest, from the posture before f to f    (n_frame)          */
+} plate_body;
+
+/* seen: the least distance in the postures; sure: what it is not less than in between. */
+typedef struct approach { double seen, sure; } approach;
+
+/* ==== distances =============================================================================================== */
+
+/* ---- one posture ------------------------------------------------------------------------------------------- */
+
+static double point_distance(lw_vec2 p, const lw_vec2 *a, int n)
+{
+    double d = INFINITY;
+    bool inside = n > 2;
+    for (int i = 0; i < n; i++) {
+        lw_vec2 u = a[i], v = a[(i + 1) % n];
+        d = fmin(d, lw_v2_segment_distance(p, u, v));
+        inside = inside && lw_v2_cross(lw_v2_sub(v, u), lw_v2_sub(p, u)) >= 0;
+    }
+    return inside ? 0 : d;
+}
+
+static bool edges_cross(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d)
+{
+    lw_vec2 u = lw_v2_sub(b, a), v = lw_v2_sub(d, c);
+    return lw_v2_cross(u, lw_v2_sub(c, a))*lw_v2_cross(u, lw_v2_sub(d, a)) < 0
+        && lw_v2_cross(v, lw_v2_sub(a, c))*lw_v2_cross(v, lw_v2_sub(b, c)) < 0;
+}
+
+double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b)
+{
+    double d = INFINITY;
+    for (int i = 0; i < n_a; i++)
+        d = fmin(d, point_distance(a[i], b, n_b));
+    for (int i = 0; i < n_b && d > 0; i++)
+        d = fmin(d, point_distance(b[i], a, n_a));
+    for (int i = 0; i < n_a && d > 0; i++)
+        for (int j = 0; j < n_b; j++)
+            if (edges_cross(a[i], a[(i + 1) % n_a], b[j], b[(j + 1) % n_b]))
+                return 0;
+    return d;
+}
+
+/* ---- a motion ---------------------------------------------------------------------------------------------- */
+
+static void free_body(plate_body *b)
+{
+    free(b->at);
+    free(b->way);
+    *b = (plate_body){ 0 };
+}
+
+static double norm2(lw_vec2 v) { return lw_v2_dot(v, v); }
+
+/* The largest second difference of a corner around posture f, which in a motion back and forth is an inner one. */
+static double bend_at(const lw_scene *s, const plate_body *b, size_t f)
+{
+    size_t last = s->n_frame - 1, mid = s->loops ? f : f == 0 ? 1 : f == last ? last - 1 : f;
+    size_t from = s->loops ? (mid + last) % s->n_frame : mid - 1, to = (mid + 1) % s->n_frame;
+    double most = 0;
+    for (int c = 0; s->n_frame > 2 && c < b->n; c++) {
+        lw_vec2 p = b->at[from*(size_t)b->n + (size_t)c], q = b->at[mid*(size_t)b->n + (size_t)c];
+        lw_vec2 r = b->at[to*(size_t)b->n + (size_t)c];
+        most = fmax(most, norm2(lw_v2_sub(lw_v2_add(p, r), lw_v2_scale(q, 2))));
+    }
+    return sqrt(most);
+}
+
+/* The posture before f; the first itself when the motion goes back and forth. */
+static size_t before(const lw_scene *s, size_t f) { return f > 0 ? f - 1 : s->loops ? s->n_frame - 1 : 0; }
+
+static lw_status move_body(const lw_scene *s, int link, const lw_vec2 *corner, int n, plate_body *b)
+{
+    size_t m = (size_t)n;
+    b->n = n;
+    b->at = malloc((s->n_frame*m + 1)*sizeof *b->at);
+    b->way = malloc(s->n_frame*sizeof *b->way);
+    if (!b->at || !b->way) {
+        free_body(b);
+        return LW_E_MEMORY;
+    }
+    for (size_t f = 0; f < s->n_frame; f++)
+        for (size_t c = 0; c < m; c++)
+            b->at[f*m + c] = lw_scene_at(s, f, link, corner[c]);
+    for (size_t f = 0; f < s->n_frame; f++) {
+        size_t g = before(s, f);
+        double chord = 0;
+        for (size_t c = 0; c < m; c++)
+            chord = fmax(chord, norm2(lw_v2_sub(b->at[f*m + c], b->at[g*m + c])));
+        b->way[f] = f == g ? 0 : sqrt(chord) + 0.5*fmax(bend_at(s, b, f), bend_at(s, b, g));
+    }
+    return LW_OK;
+}
+
+static approach approach_of(const lw_scene *s, const plate_body *a, const plate_body *b)
+{
+    approach least = { INFINITY, INFINITY };
+    size_t last = s->n_frame - 1;
+    double d0 = lw_hull_distance(a->at + last*(size_t)a->n, a->n, b->at + last*(size_t)b->n, b->n);
+    for (size_t f = 0; f < s->n_frame; f++) {
+        double d1 = lw_hull_distance(a->at + f*(size_t)a->n, a->n, b->at + f*(size_t)b->n, b->n);
+        if (f == 0 && !s->loops)
+            d0 = d1;
+        least.seen = fmin(least.seen, d1);
+        least.sure = fmin(least.sure, 0.5*(d0 + d1 - a->way[f] - b->way[f]));
+        d0 = d1;
+    }
+    return least;
+}
+
+/* ==== layers ================================================================================================== */
 
 #define STEPS_MAX 1000000
 #define LEVELS    3                   /* of postures: as given, 4 and 16 times as many */
@@ -167,26 +290,26 @@ static double usual_radius(const lw_linkage *k)
 /* OPEN: not known yet; ROUGH: they do not meet, but for sure there is less than half of the room that was seen. */
 typedef enum verdict { OPEN, ROUGH, CLEAR, MEET } verdict;
 
-static verdict judge(const lw_approach *d, double limit)
+static verdict judge(const approach *d, double limit)
 {
     double seen = d->seen - limit, sure = d->sure - limit;
     return seen <= 0 ? MEET : sure <= 0 ? OPEN : 2*sure < seen ? ROUGH : CLEAR;
 }
 
 /* Links and pins of one scene as bodies; pins after links. */
-static lw_status move_all(const work *w, const lw_scene *s, lw_plate_body *body)
+static lw_status move_all(const work *w, const lw_scene *s, plate_body *body)
 {
     lw_status st = LW_OK;
     int n = s->linkage.n_link;
     for (int i = 0; i < n && st == LW_OK; i++)
-        st = lw_body_move(s, i, w->l->plate[i].corner, w->l->plate[i].n_corner, &body[i]);
+        st = move_body(s, i, w->l->plate[i].corner, w->l->plate[i].n_corner, &body[i]);
     for (int p = 0; p < w->l->n_pin && st == LW_OK; p++)
-        st = lw_body_move(s, w->l->pin[p].owner, &w->l->pin[p].at, 1, &body[n + p]);
+        st = move_body(s, w->l->pin[p].owner, &w->l->pin[p].at, 1, &body[n + p]);
     return st;
 }
 
 /* Try every pair that wants it in the postures of s.  Returns how many do so still. */
-static int look_at_pairs(work *w, const lw_scene *s, const lw_plate_body *body)
+static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
 {
     int n = s->linkage.n_link, n_open = 0;
     for (int a = 0; a < n + w->l->n_pin; a++)
@@ -194,7 +317,7 @@ static int look_at_pairs(work *w, const lw_scene *s, const lw_plate_body *body)
             double limit = w->l->radius + (a < n ? w->l->radius : w->l->bore);
             if (w->pair[a][b] > ROUGH)
                 continue;
-            lw_approach d = lw_body_approach(s, &body[a], &body[b]);
+            approach d = approach_of(s, &body[a], &body[b]);
             w->pair[a][b] = (uint8_t)judge(&d, limit);
             w->room[a][b] = d.sure - limit;
             n_open += w->pair[a][b] <= ROUGH;
@@ -242,7 +365,7 @@ static lw_status find_conflicts(work *w)
     settle_joints(w);
     for (int level = 0; level < LEVELS && n_open > 0 && st == LW_OK; level++) {
         const lw_scene *s = level ? &fine : w->s;
-        lw_plate_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
+        plate_body body[LW_LINK_MAX + LW_PIN_MAX] = { { 0 } };
         size_t wanted = w->s->n_frame << 2*level;
         if (level)
             st = lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = wanted, .n_curve_point = 8 }, &fine, NULL);
@@ -251,7 +374,7 @@ static lw_status find_conflicts(work *w)
         if (st == LW_OK && s->n_frame >= wanted)
             n_open = look_at_pairs(w, s, body);
         for (int i = 0; i < n + w->l->n_pin; i++)
-            lw_body_free(&body[i]);
+            free_body(&body[i]);
         if (level)
             lw_scene_free(&fine);
     }

@@ -1,7 +1,8 @@
-/* catalogues/pages/atlas_html.c - see atlas_html.h; reads the chains, writes page after page */
+/* catalogues/pages/atlas_html.c - the pages of an atlas: the overview, a page for each chain, pages of its linkages. */
 #include "catalogues/pages/atlas_html.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,10 +10,578 @@
 
 #include "base/file.h"
 #include "base/parallel.h"
-#include "catalogues/pages/atlas_html_internal.h"
+#include "catalogues/draw/chain_drawing.h"
+#include "catalogues/draw/svg.h"
+#include "catalogues/pages/page.h"
 #include "catalogues/pages/page_files.h"             /* made from *.css and *.js by the Makefile */
-#include "catalogues/pages/page_internal.h"
+#include "catalogues/pages/page_head.h"
+#include "grammar/edges.h"
+#include "grammar/linkage.h"
 #include "grammar/notation.h"
+
+/* The texts of a chain, one behind the other in a block of the catalogue's own. */
+typedef enum leaf_text {
+    LEAF_LABEL, LEAF_GRAPH6, LEAF_ASSORTMENT, LEAF_FRANKE, LEAF_SENTENCE, LEAF_MATRIX,
+    LEAF_FORM, LEAF_DERIVATION, LEAF_TEXTS
+} leaf_text;
+
+typedef struct leaf {                       /* of the atlas: a chain */
+    long long       id, symmetry, n_linkage;
+    int             links, dof, joints, loops, grounds, planar;
+    int             number, of;                /* place among those with as many links and freedoms, from 1 */
+    char           *text[LEAF_TEXTS];       /* "" when there is none                                     */
+    lw_mechanism    chain;
+    lw_chain_layout layout;
+    int             n_ground, ground[LW_LINK_MAX], alike[LW_LINK_MAX];   /* links, from 1                   */
+    lw_chain_layout *grounded;                 /* with each of them as the frame (n_ground); while the page is made */
+    lw_status       status;                    /* of the layouts                                            */
+} leaf;
+
+typedef struct atlas {
+    lw_store       *store;
+    const lw_atlas_html_options *options;
+    const char     *dir;
+    size_t          n, room;
+    leaf        *leaf;
+    lw_bytes        style, chain_script, index_script;
+    bool            has_linkages;              /* the catalogue has a table of them                         */
+    long long       n_other;                   /* linkages of chains that are not in the atlas              */
+    size_t          n_page, n_byte;
+} atlas;
+
+#define LEAF_FILE 64
+
+static void page_file(const leaf *l, const char *kind, char file[LEAF_FILE])
+{
+    snprintf(file, LEAF_FILE, "%s-%d-%d-%d.html", kind, l->links, l->dof, l->number);
+}
+
+static void family_name(const leaf *l, char *out, size_t size)
+{
+    snprintf(out, size, "%d links, F = %d", l->links, l->dof);
+}
+
+static const char *text_of_value(const lw_value *v)
+{
+    return v->kind == LW_VALUE_TEXT && v->text ? v->text : "";
+}
+
+static lw_value value_of_text(const char *text)
+{
+    return (lw_value){ .kind = LW_VALUE_TEXT, .text = text, .size = strlen(text) };
+}
+
+static lw_value value_of_integer(long long i)
+{
+    return (lw_value){ .kind = LW_VALUE_INTEGER, .integer = i };
+}
+
+static lw_status ask_one(atlas *a, const char *sql, const lw_value *value,
+                       lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
+                       lw_error *e)
+{
+    lw_store_query q = { .sql = sql, .value = value, .n_value = value ? 1 : 0, .row = row, .context = context };
+    lw_status s = lw_store_ask(a->store, &q, e);
+    return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
+}
+
+/* ==== overview ================================================================================================ */
+
+#define ASSORTMENTS_MAX 64     /* of one number of links and freedoms: 14 links have 42 */
+
+/* ---- overview ----------------------------------------------------------------------------------- */
+
+typedef struct family {
+    size_t first, n;
+    int    n_assortment, n_planar;
+    long long n_ground, n_linkage;
+    const char *assortment[ASSORTMENTS_MAX];
+    int    n_with[ASSORTMENTS_MAX];
+} family;
+
+static void count_assortment(family *f, const char *text)
+{
+    int i = 0;
+    while (i < f->n_assortment && strcmp(f->assortment[i], text) != 0)
+        i++;
+    if (i == ASSORTMENTS_MAX)
+        return;
+    if (i == f->n_assortment) {
+        f->assortment[f->n_assortment++] = text;
+        f->n_with[i] = 0;
+    }
+    f->n_with[i]++;
+}
+
+/* The chains from `first` on with as many links and freedoms. */
+static family family_from(const atlas *a, size_t first)
+{
+    family f = { .first = first };
+    while (first + f.n < a->n && (f.n == 0 || a->leaf[first + f.n].number > 1)) {
+        const leaf *l = &a->leaf[first + f.n++];
+        count_assortment(&f, l->text[LEAF_ASSORTMENT]);
+        f.n_planar += l->planar != 0;
+        f.n_ground += l->grounds;
+        f.n_linkage += l->n_linkage;
+    }
+    return f;
+}
+
+static void cell_number(lw_bytes *b, const char *label, long long n)
+{
+    lw_page_text(b, "<td class=\"number\" data-label=\"", label, "\">");
+    lw_bytes_integer(b, (long)n);
+    lw_bytes_text(b, "</td>");
+}
+
+static void write_family(lw_bytes *b, const atlas *a, const family *f)
+{
+    const leaf *l = &a->leaf[f->first];
+    char text[128], link[160];
+    snprintf(link, sizeof link, "#links=%d&amp;dof=%d", l->links, l->dof);
+    lw_bytes_text(b, "<tr><th scope=\"row\"><a href=\"");
+    lw_bytes_text(b, link);
+    family_name(l, text, sizeof text);
+    lw_page_text(b, "\">", text, "</a></th>");
+    cell_number(b, "Chains", (long long)f->n);
+    cell_number(b, "Planar", f->n_planar);
+    cell_number(b, "Ground links", f->n_ground);
+    if (a->has_linkages)
+        cell_number(b, "Linkages shown", f->n_linkage);
+    lw_bytes_text(b, "<td class=\"assortments\" data-label=\"Assortments\">");
+    for (int i = 0; i < f->n_assortment; i++) {
+        lw_bytes_text(b, "<a href=\"");
+        lw_bytes_text(b, link);
+        lw_page_text(b, "&amp;assortment=", f->assortment[i], "\">");
+        snprintf(text, sizeof text, " <span>(%d)</span></a> ", f->n_with[i]);
+        lw_page_text(b, "", f->assortment[i], text);
+    }
+    lw_bytes_text(b, "</td></tr>\n");
+}
+
+static void overview(lw_bytes *b, const atlas *a)
+{
+    char text[96];
+    lw_bytes_text(b, "<h2>Overview</h2>\n<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>Assortments count links of "
+                     "2, 3, 4, \xe2\x80\xa6 joints.</caption>\n<thead><tr><th scope=\"col\">Family</th>"
+                     "<th scope=\"col\" class=\"number\">Chains</th><th scope=\"col\" class=\"number\">Planar</th>"
+                     "<th scope=\"col\" class=\"number\">Ground links</th>");
+    if (a->has_linkages)
+        lw_bytes_text(b, "<th scope=\"col\" class=\"number\">Linkages shown</th>");
+    lw_bytes_text(b, "<th scope=\"col\">Assortments</th></tr></thead>\n<tbody>\n");
+    for (size_t i = 0; i < a->n;) {
+        family f = family_from(a, i);
+        write_family(b, a, &f);
+        i += f.n;
+    }
+    lw_bytes_text(b, "</tbody></table></div>\n");
+    if (a->n_other > 0) {
+        snprintf(text, sizeof text, a->n_other == 1 ? "%lld linkage of another chain" : "%lld linkages of other chains",
+                 a->n_other);
+        lw_page_text(b, "<p class=\"linkages\"><a href=\"linkages-other.html\">", text, "</a></p>\n");
+    }
+}
+
+/* ---- search ------------------------------------------------------------------------------------- */
+
+static void controls(lw_bytes *b)
+{
+    lw_bytes_text(b,
+        "<h2 id=\"chains\">Chains</h2>\n<div class=\"filter\" role=\"search\" hidden>\n"
+        "<label class=\"wide\">Search <input type=\"search\" id=\"q\" autocomplete=\"off\" spellcheck=\"false\""
+        " placeholder=\"number, graph6, Franke, structure\"></label>\n"
+        "<label>Links <select id=\"links\"><option value=\"\">all</option></select></label>\n"
+        "<label>Freedom <select id=\"dof\"><option value=\"\">all</option></select></label>\n"
+        "<label>Assortment <select id=\"assortment\"><option value=\"\">all</option></select></label>\n"
+        "<label>Graph <select id=\"planar\"><option value=\"\">all</option><option value=\"1\">planar</option>"
+        "<option value=\"0\">not planar</option></select></label>\n"
+        "<label>Order <select id=\"order\"><option value=\"\">by number</option><option value=\"symmetry\">most symmetric "
+        "first</option><option value=\"grounds\">fewest ground links first</option></select></label>\n"
+        "<label class=\"check\"><input type=\"checkbox\" id=\"linkages\"> with linkages</label>\n"
+        "<button type=\"button\" id=\"clear\">Clear</button>\n</div>\n"
+        "<p id=\"count\" class=\"hint\" role=\"status\"></p>\n<ul id=\"cards\" class=\"cards\"></ul>\n"
+        "<button type=\"button\" id=\"more\" hidden>Show more</button>\n"
+        "<p class=\"hint keys\" hidden>Keys: / search, arrows from picture to picture, Enter opens.</p>\n");
+}
+
+static void plain_list(lw_bytes *b, const atlas *a)
+{
+    char file[LEAF_FILE], name[96];
+    lw_bytes_text(b, "<noscript>\n<ul class=\"plain\">\n");
+    for (size_t i = 0; i < a->n; i++) {
+        const leaf *l = &a->leaf[i];
+        page_file(l, "chain", file);
+        snprintf(name, sizeof name, "%d links, F = %d, chain %d", l->links, l->dof, l->number);
+        lw_page_text(b, "<li><a href=\"", file, "\">");
+        lw_page_text(b, "", name, "</a></li>\n");
+    }
+    lw_bytes_text(b, "</ul>\n</noscript>\n");
+}
+
+/* ---- data --------------------------------------------------------------------------------------- */
+
+/* A JSON string that cannot end the element it stands in. */
+static void json_text(lw_bytes *b, const char *text)
+{
+    char code[8];
+    lw_bytes_text(b, "\"");
+    for (const char *c = text; *c; c++) {
+        if ((unsigned char)*c < 0x20 || strchr("\"\\<>&", *c)) {
+            snprintf(code, sizeof code, "\\u%04x", (unsigned char)*c);
+            lw_bytes_text(b, code);
+        } else {
+            lw_bytes_add(b, c, 1);
+        }
+    }
+    lw_bytes_text(b, "\"");
+}
+
+static void json_number(lw_bytes *b, long n)
+{
+    lw_bytes_text(b, ",");
+    lw_bytes_integer(b, n);
+}
+
+/* See atlas_html.js: numbers, texts, places of joints in 1/100 of a bar (y down), joints of each link in order. */
+static void json_leaf(lw_bytes *b, const leaf *l)
+{
+    static const leaf_text texts[] = { LEAF_ASSORTMENT, LEAF_GRAPH6, LEAF_LABEL, LEAF_FRANKE,
+                                          LEAF_FORM };
+    lw_bytes_text(b, "[");
+    lw_bytes_integer(b, l->links);
+    json_number(b, l->dof);
+    json_number(b, l->number);
+    json_number(b, l->planar != 0);
+    json_number(b, (long)l->symmetry);
+    json_number(b, l->grounds);
+    json_number(b, (long)l->n_linkage);
+    for (size_t i = 0; i < sizeof texts/sizeof *texts; i++) {
+        lw_bytes_text(b, ",");
+        json_text(b, l->text[texts[i]]);
+    }
+    for (int j = 0; j < l->layout.n_joint; j++) {
+        lw_bytes_text(b, j ? "," : ",[");
+        lw_bytes_integer(b, lround(100*l->layout.at[j].x));
+        json_number(b, -lround(100*l->layout.at[j].y));
+    }
+    for (int i = 0; i < l->links; i++) {
+        lw_bytes_text(b, i ? "],[" : "],[[");
+        for (int k = l->layout.first[i]; k < l->layout.first[i + 1]; k++) {
+            lw_bytes_text(b, k > l->layout.first[i] ? "," : "");
+            lw_bytes_integer(b, l->layout.ring[k]);
+        }
+    }
+    lw_bytes_text(b, "]]]");
+}
+
+static void index_page(const atlas *a, lw_bytes *b)
+{
+    char about[96];
+    lw_page_head(b, a->options->title, &a->style, &a->index_script);
+    lw_page_text(b, "<header>\n<h1>", a->options->title, "</h1>\n");
+    snprintf(about, sizeof about, a->n == 1 ? "%zu kinematic chain" : "%zu kinematic chains", a->n);
+    lw_page_text(b, "<p class=\"about\">", about, "</p>\n</header>\n<main>\n");
+    overview(b, a);
+    controls(b);
+    plain_list(b, a);
+    lw_bytes_text(b, "</main>\n<script type=\"application/json\" id=\"data\">[\n");
+    for (size_t i = 0; i < a->n; i++) {
+        lw_bytes_text(b, i ? ",\n" : "");
+        json_leaf(b, &a->leaf[i]);
+    }
+    lw_bytes_text(b, "\n]</script>\n<script>");
+    lw_bytes_text(b, a->index_script.data);
+    lw_bytes_text(b, "</script>\n</body>\n</html>\n");
+}
+
+/* ==== pages of a chain ======================================================================================== */
+
+#define ROWS_MAX 60            /* mechanisms listed for a ground link */
+
+/* ---- pictures ----------------------------------------------------------------------------------- */
+
+/* The chain with its n-th ground link (LW_NONE: without) as an <svg>. */
+static lw_status picture(const leaf *l, int n, lw_chain_style style, const char *title, lw_bytes *out, lw_error *e)
+{
+    lw_mechanism m = l->chain;
+    lw_drawing d;
+    m.ground = n == LW_NONE ? LW_NONE : l->ground[n] - 1;
+    lw_status s = lw_chain_draw(&m, n == LW_NONE ? &l->layout : &l->grounded[n], &style, &d, e);
+    if (s != LW_OK)
+        return s;
+    lw_text_clean(d.title, sizeof d.title, title);
+    lw_svg_inline(&d, "", out);
+    lw_drawing_free(&d);
+    return LW_OK;
+}
+
+/* ---- head and properties ------------------------------------------------------------------------ */
+
+static void step_link(lw_bytes *b, const atlas *a, size_t i, bool there, const char *rel, const char *words)
+{
+    char file[LEAF_FILE];
+    if (!there)
+        return;
+    page_file(&a->leaf[i], "chain", file);
+    lw_bytes_text(b, "<li><a rel=\"");
+    lw_bytes_text(b, rel);
+    lw_page_text(b, "\" href=\"", file, "\">");
+    lw_page_text(b, "", words, "</a></li>\n");
+}
+
+static void head(lw_bytes *b, const atlas *a, size_t i)
+{
+    const leaf *l = &a->leaf[i];
+    char title[160], name[48], link[160];
+    family_name(l, name, sizeof name);
+    snprintf(title, sizeof title, "Chain %d of %d: %s", l->number, l->of, name);
+    lw_page_head(b, title, &a->style, &a->chain_script);
+    lw_page_text(b, "<header>\n<nav aria-label=\"Atlas\"><ul>\n<li><a rel=\"up\" href=\"index.html\">",
+                 a->options->title, "</a></li>\n");
+    snprintf(link, sizeof link, "<li><a href=\"index.html#links=%d&amp;dof=%d\">", l->links, l->dof);
+    lw_page_text(b, link, name, "</a></li>\n");
+    lw_page_text(b, "<li><a href=\"index.html#assortment=", l->text[LEAF_ASSORTMENT], "\">");
+    lw_page_text(b, "assortment ", l->text[LEAF_ASSORTMENT], "</a></li>\n");
+    step_link(b, a, i - 1, i > 0, "prev", "Previous");
+    step_link(b, a, i + 1, i + 1 < a->n, "next", "Next");
+    lw_page_text(b, "</ul></nav>\n<h1>", title, "</h1>\n</header>\n");
+}
+
+static void row_text(lw_bytes *b, const char *name, const char *text)
+{
+    if (!text[0])
+        return;
+    lw_page_text(b, "<tr><th scope=\"row\">", name, "</th><td>");
+    lw_page_text(b, "", text, "</td></tr>\n");
+}
+
+static void row_number(lw_bytes *b, const char *name, long long n)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%lld", n);
+    row_text(b, name, text);
+}
+
+static void properties(lw_bytes *b, const leaf *l)
+{
+    char text[96];
+    lw_bytes_text(b, "<table class=\"facts\">\n");
+    row_number(b, "Links", l->links);
+    row_number(b, "Joints", l->joints);
+    row_number(b, "Degree of freedom", l->dof);
+    row_number(b, "Independent loops", l->loops);
+    row_text(b, "Links of 2, 3, \xe2\x80\xa6 joints", l->text[LEAF_ASSORTMENT]);
+    row_text(b, "Structure", l->text[LEAF_FORM]);
+    row_text(b, "Derivation", l->text[LEAF_DERIVATION]);
+    row_number(b, "Symmetries", l->symmetry);
+    row_number(b, "Ground links", l->grounds);
+    snprintf(text, sizeof text, l->layout.n_cross == 1 ? "not planar: drawn with %d crossing"
+                                                       : "not planar: drawn with %d crossings", l->layout.n_cross);
+    row_text(b, "Graph", l->planar ? "planar" : text);
+    lw_bytes_text(b, "</table>\n");
+}
+
+/* ---- notations ---------------------------------------------------------------------------------- */
+
+static void notation(lw_bytes *b, const char *name, const char *text)
+{
+    if (!text[0])
+        return;
+    lw_page_text(b, "<div class=\"notation\"><h3>", name, "</h3><button type=\"button\" class=\"copy\" hidden>Copy"
+                 "<span class=\"unseen\"> ");
+    lw_page_text(b, "", name, "</span></button>\n<pre tabindex=\"0\"><code>");
+    lw_page_text(b, "", text, "</code></pre></div>\n");
+}
+
+static void notations(lw_bytes *b, const leaf *l)
+{
+    char edges[LW_EDGES_SIZE];
+    lw_edges_print(&l->chain, edges, sizeof edges);
+    lw_bytes_text(b, "<h2 id=\"notations\">Notations</h2>\n<p class=\"hint\" role=\"status\" id=\"said\"></p>\n"
+                     "<div class=\"notations\">\n");
+    notation(b, "graph6", l->text[LEAF_GRAPH6]);
+    notation(b, "canonical label", l->text[LEAF_LABEL]);
+    notation(b, "joints", edges);
+    notation(b, "Franke", l->text[LEAF_FRANKE]);
+    notation(b, "sentence", l->text[LEAF_SENTENCE]);
+    notation(b, "link adjacency matrix", l->text[LEAF_MATRIX]);
+    lw_bytes_text(b, "</div>\n");
+}
+
+/* ---- ground links ------------------------------------------------------------------------------- */
+
+typedef struct rows { lw_bytes *out; int n; } rows;
+
+static lw_status write_mechanism(void *context, int n, const char *const *name, const lw_value *v)
+{
+    (void)n, (void)name;
+    rows *r = context;
+    char text[96];
+    bool known = v[3].kind == LW_VALUE_INTEGER && v[3].integer > 0;
+    if (r->n++ == 0)
+        lw_bytes_text(r->out, "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr><th scope=\"col\">Joints</th>"
+                      "<th scope=\"col\">Input</th><th scope=\"col\">Assur groups</th><th scope=\"col\">Modes</th></tr>"
+                      "</thead>\n<tbody>\n");
+    if (r->n > ROWS_MAX)
+        return LW_OK;
+    snprintf(text, sizeof text, "%lld", v[3].integer);
+    lw_page_text(r->out, "<tr><td data-label=\"Joints\">", text_of_value(&v[0]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Input\">", text_of_value(&v[1]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Assur groups\">", text_of_value(&v[2]), "</td>");
+    lw_page_text(r->out, "<td data-label=\"Modes\">", known ? text : "", "</td></tr>\n");
+    return LW_OK;
+}
+
+static lw_status mechanisms(atlas *a, const leaf *l, int link, lw_bytes *b, lw_error *e)
+{
+    char sql[256], text[96];
+    rows r = { .out = b };
+    const lw_value chain = value_of_integer(l->id);
+    snprintf(sql, sizeof sql, "SELECT kinds, inputs, assur, modes FROM mechanism WHERE chain = ?1 AND ground = %d "
+             "ORDER BY sliders, kinds, id", link);
+    lw_status s = ask_one(a, sql, &chain, write_mechanism, &r, e);
+    if (r.n > 0)
+        lw_bytes_text(b, "</tbody></table></div>\n");
+    if (r.n > ROWS_MAX) {
+        snprintf(text, sizeof text, "and %d more in the catalogue", r.n - ROWS_MAX);
+        lw_page_text(b, "<p class=\"hint\">", text, "</p>\n");
+    }
+    return s;
+}
+
+static lw_status inversions(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
+{
+    char text[96];
+    lw_status s = LW_OK;
+    lw_bytes_text(b, "<h2 id=\"inversions\">Ground links</h2>\n<div class=\"inversions\">\n");
+    for (int i = 0; s == LW_OK && i < l->n_ground; i++) {
+        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d", l->ground[i],
+                 l->alike[i]);
+        lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
+        s = picture(l, i, (lw_chain_style){ .width = 240, .height = 180 }, text, b, e);
+        lw_bytes_text(b, "</figure>\n");
+        if (s == LW_OK)
+            s = mechanisms(a, l, l->ground[i], b, e);
+        lw_bytes_text(b, "</article>\n");
+    }
+    lw_bytes_text(b, "</div>\n");
+    return s;
+}
+
+static lw_status chain_page(atlas *a, size_t i, lw_bytes *b, lw_error *e)
+{
+    const leaf *l = &a->leaf[i];
+    char file[LEAF_FILE], text[96];
+    head(b, a, i);
+    lw_bytes_text(b, "<main>\n<div class=\"first\">\n<figure>");
+    const lw_chain_style large = { .width = 480, .height = 360, .numbers = true };
+    lw_status s = picture(l, LW_NONE, large, "The chain, its links numbered", b, e);
+    if (s != LW_OK)
+        return s;
+    lw_bytes_text(b, "</figure>\n");
+    properties(b, l);
+    lw_bytes_text(b, "</div>\n");
+    if (l->n_linkage > 0) {
+        page_file(l, "linkages", file);
+        snprintf(text, sizeof text, l->n_linkage == 1 ? "%lld linkage, moving" : "%lld linkages, moving", l->n_linkage);
+        lw_page_text(b, "<p class=\"linkages\"><a href=\"", file, "\">");
+        lw_page_text(b, "", text, "</a></p>\n");
+    }
+    notations(b, l);
+    s = inversions(a, l, b, e);
+    lw_bytes_text(b, "</main>\n<script>");
+    lw_bytes_text(b, a->chain_script.data);
+    lw_bytes_text(b, "</script>\n</body>\n</html>\n");
+    return s;
+}
+
+/* ---- linkages ----------------------------------------------------------------------------------- */
+
+typedef struct found {
+    int              n, room;
+    lw_scene        *scene;                    /* (room) */
+    lw_page_result  *result;
+    char           (*text)[2][64];             /* type and class */
+    lw_linkage      *linkage;                  /* scratch */
+    lw_error        *e;
+} found;
+
+static lw_status read_linkage(void *context, int n, const char *const *name, const lw_value *v)
+{
+    (void)n, (void)name;
+    found *f = context;
+    if (f->n == f->room)
+        return LW_OK;
+    lw_scene *s = &f->scene[f->n];
+    const char *json = text_of_value(&v[4]);
+    lw_status st = lw_linkage_read(json, strlen(json), "linkage of the catalogue", f->linkage, f->e);
+    if (st == LW_OK)
+        st = lw_scene_make(f->linkage, NULL, NULL, s, f->e);
+    if (st != LW_OK) {
+        lw_scene_free(s);
+        return st;
+    }
+    lw_text_clean(f->text[f->n][0], sizeof f->text[0][0], text_of_value(&v[1]));
+    lw_text_clean(f->text[f->n][1], sizeof f->text[0][1], text_of_value(&v[2]));
+    const char *type = f->text[f->n][0], *class_name = f->text[f->n][1];
+    f->result[f->n] = (lw_page_result){
+        .scene = s, .type = type[0] ? type : s->title, .class_name = class_name[0] ? class_name : NULL,
+        .note = s->note[0] ? s->note : NULL, .objective = NAN, .error_max = NAN, .error_percent = NAN,
+        .error_mean = v[3].kind == LW_VALUE_NULL ? NAN : v[3].real,
+    };
+    f->n++;
+    return LW_OK;
+}
+
+/* Best first; those whose chain is in the atlas stand with it. */
+#define LINKAGE_COLUMNS "SELECT name, type, class, error_mean, json FROM linkage WHERE "
+#define LINKAGE_ORDER   " ORDER BY error_mean IS NULL, error_mean, id"
+
+static lw_status read_linkages(atlas *a, const leaf *l, found *f, lw_error *e)
+{
+    static const char of_chain[] = LINKAGE_COLUMNS "label = ?1" LINKAGE_ORDER;
+    static const char of_others[] = LINKAGE_COLUMNS "label IS NULL OR label NOT IN (SELECT label FROM chain"
+                                    " WHERE ?1 = 0 OR links = ?1)" LINKAGE_ORDER;
+    lw_value value = l ? value_of_text(l->text[LEAF_LABEL]) : value_of_integer(a->options->links);
+    return ask_one(a, l ? of_chain : of_others, &value, read_linkage, f, e);
+}
+
+static lw_status write_linkage_page(const leaf *l, const found *f, lw_bytes *out, lw_error *e)
+{
+    char title[160], name[48], file[LEAF_FILE] = "index.html";
+    if (l) {
+        family_name(l, name, sizeof name);
+        snprintf(title, sizeof title, "Linkages of chain %d with %s", l->number, name);
+        page_file(l, "chain", file);
+    }
+    lw_page_target t = { .name = l ? title : "Linkages of other chains", .n_result = f->n, .result = f->result };
+    lw_page p = { .title = t.name, .home = file, .home_title = l ? "The chain" : "Atlas", .n_target = 1, .target = &t };
+    return lw_page_write(&p, out, e);
+}
+
+static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw_error *e)
+{
+    size_t room = (size_t)(a->options->n_linkage > 0 ? a->options->n_linkage : 0) + 1;
+    found f = { .room = (int)room - 1, .e = e };
+    f.scene = calloc(room, sizeof *f.scene);
+    f.result = calloc(room, sizeof *f.result);
+    f.text = calloc(room, sizeof *f.text);
+    f.linkage = malloc(sizeof *f.linkage);
+    lw_status s = f.scene && f.result && f.text && f.linkage ? read_linkages(a, l, &f, e)
+                : lw_error_set(e, LW_E_MEMORY, "out of memory for %zu linkages", room);
+    if (s == LW_OK && f.n > 0)
+        s = write_linkage_page(l, &f, out, e);
+    *n = s == LW_OK ? f.n : 0;
+    for (int i = 0; f.scene && i < f.n; i++)
+        lw_scene_free(&f.scene[i]);
+    free(f.scene);
+    free(f.result);
+    free(f.text);
+    free(f.linkage);
+    return s;
+}
+
+/* ==== all pages =============================================================================================== */
 
 #define PAGE_BYTES    8000.0   /* of a chain's page ...                              */
 #define PICTURE_BYTES 6600.0   /* ... and of each picture of a ground link, measured */
@@ -21,40 +590,6 @@
 lw_atlas_html_options lw_atlas_html_options_default(void)
 {
     return (lw_atlas_html_options){ .title = "Atlas of mechanisms", .n_linkage = 12 };
-}
-
-void lw_leaf_file(const lw_leaf *l, const char *kind, char file[LW_LEAF_FILE])
-{
-    snprintf(file, LW_LEAF_FILE, "%s-%d-%d-%d.html", kind, l->links, l->dof, l->number);
-}
-
-void lw_leaf_family(const lw_leaf *l, char *out, size_t size)
-{
-    snprintf(out, size, "%d links, F = %d", l->links, l->dof);
-}
-
-const char *lw_value_text(const lw_value *v)
-{
-    return v->kind == LW_VALUE_TEXT && v->text ? v->text : "";
-}
-
-lw_value lw_value_of_text(const char *text)
-{
-    return (lw_value){ .kind = LW_VALUE_TEXT, .text = text, .size = strlen(text) };
-}
-
-lw_value lw_value_of_integer(long long i)
-{
-    return (lw_value){ .kind = LW_VALUE_INTEGER, .integer = i };
-}
-
-lw_status lw_atlas_ask(lw_atlas_html *a, const char *sql, const lw_value *value,
-                       lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
-                       lw_error *e)
-{
-    lw_store_query q = { .sql = sql, .value = value, .n_value = value ? 1 : 0, .row = row, .context = context };
-    lw_status s = lw_store_ask(a->store, &q, e);
-    return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
 }
 
 /* ---- reading ------------------------------------------------------------------------------------ */
@@ -73,7 +608,7 @@ static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, con
                             lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
                             lw_error *e)
 {
-    const lw_value v[] = { lw_value_of_integer(o->links), lw_value_of_integer(o->limit > 0 ? o->limit : -1) };
+    const lw_value v[] = { value_of_integer(o->links), value_of_integer(o->limit > 0 ? o->limit : -1) };
     lw_store_query q = { .sql = sql, .value = v, .n_value = 2, .row = row, .context = context };
     lw_status s = lw_store_ask(store, &q, e);
     return s == LW_E_MEMORY ? lw_error_set(e, s, "out of memory for the pages of the atlas") : s;
@@ -98,15 +633,15 @@ lw_status lw_atlas_html_expect(lw_store *store, const lw_atlas_html_options *o, 
     return s;
 }
 
-static bool copy_texts(lw_leaf *l, const lw_value *v)
+static bool copy_texts(leaf *l, const lw_value *v)
 {
     size_t size = 0;
-    for (int i = 0; i < LW_LEAF_TEXTS; i++)
-        size += strlen(lw_value_text(&v[i])) + 1;
+    for (int i = 0; i < LEAF_TEXTS; i++)
+        size += strlen(text_of_value(&v[i])) + 1;
     char *block = malloc(size);
-    for (int i = 0; block && i < LW_LEAF_TEXTS; i++) {
+    for (int i = 0; block && i < LEAF_TEXTS; i++) {
         l->text[i] = block;
-        block += strlen(strcpy(block, lw_value_text(&v[i]))) + 1;
+        block += strlen(strcpy(block, text_of_value(&v[i]))) + 1;
     }
     return block != NULL;
 }
@@ -114,17 +649,17 @@ static bool copy_texts(lw_leaf *l, const lw_value *v)
 static lw_status add_leaf(void *context, int n, const char *const *name, const lw_value *v)
 {
     (void)n, (void)name;
-    lw_atlas_html *a = context;
+    atlas *a = context;
     if (a->n == a->room) {
         size_t room = 2*a->room + 64;
-        lw_leaf *more = realloc(a->leaf, room*sizeof *more);
+        leaf *more = realloc(a->leaf, room*sizeof *more);
         if (!more)
             return LW_E_MEMORY;
         a->leaf = more;
         a->room = room;
     }
-    lw_leaf *l = &a->leaf[a->n], *before = a->n ? l - 1 : NULL;
-    *l = (lw_leaf){ .id = v[0].integer, .links = (int)v[1].integer, .dof = (int)v[2].integer,
+    leaf *l = &a->leaf[a->n], *before = a->n ? l - 1 : NULL;
+    *l = (leaf){ .id = v[0].integer, .links = (int)v[1].integer, .dof = (int)v[2].integer,
                     .joints = (int)v[3].integer, .loops = (int)v[4].integer, .symmetry = v[5].integer,
                     .grounds = (int)v[6].integer, .planar = (int)v[7].integer };
     l->number = before && before->links == l->links && before->dof == l->dof ? before->number + 1 : 1;
@@ -134,7 +669,7 @@ static lw_status add_leaf(void *context, int n, const char *const *name, const l
     return LW_OK;
 }
 
-static lw_status read_leaves(lw_atlas_html *a, lw_error *e)
+static lw_status read_leaves(atlas *a, lw_error *e)
 {
     const lw_notation *graph6 = lw_notation_find("graph6");
     lw_status s = ask_chains(a->store, a->options, chain_sql, add_leaf, a, e);
@@ -143,7 +678,7 @@ static lw_status read_leaves(lw_atlas_html *a, lw_error *e)
         a->leaf[i].of = last ? a->leaf[i].number : a->leaf[i + 1].of;
     }
     for (size_t i = 0; s == LW_OK && i < a->n; i++) {
-        const char *text = a->leaf[i].text[LW_LEAF_GRAPH6];
+        const char *text = a->leaf[i].text[LEAF_GRAPH6];
         s = graph6->read(text, strlen(text), "graph6 of a chain", &a->leaf[i].chain, e);
     }
     if (s == LW_OK && a->n == 0)
@@ -153,7 +688,7 @@ static lw_status read_leaves(lw_atlas_html *a, lw_error *e)
 }
 
 /* Files of an older program have no table of linkages. */
-static lw_status look_for_linkages(lw_atlas_html *a, lw_error *e)
+static lw_status look_for_linkages(atlas *a, lw_error *e)
 {
     long long n = 0;
     lw_status s = lw_store_number(a->store, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'linkage'",
@@ -164,7 +699,7 @@ static lw_status look_for_linkages(lw_atlas_html *a, lw_error *e)
 
 /* ---- writing ------------------------------------------------------------------------------------ */
 
-static lw_status write_page(lw_atlas_html *a, const char *file, lw_bytes *b, lw_error *e)
+static lw_status write_page(atlas *a, const char *file, lw_bytes *b, lw_error *e)
 {
     char path[4096];
     lw_status s = lw_bytes_end(b, e);
@@ -181,14 +716,14 @@ static lw_status write_page(lw_atlas_html *a, const char *file, lw_bytes *b, lw_
     return s;
 }
 
-static lw_status write_linkages(lw_atlas_html *a, lw_leaf *l, lw_error *e)
+static lw_status write_linkages(atlas *a, leaf *l, lw_error *e)
 {
-    char file[LW_LEAF_FILE] = "linkages-other.html";
+    char file[LEAF_FILE] = "linkages-other.html";
     lw_bytes b = { 0 };
     int n = 0;
     if (l)
-        lw_leaf_file(l, "linkages", file);
-    lw_status s = a->has_linkages ? lw_atlas_linkage_page(a, l, &b, &n, e) : LW_OK;
+        page_file(l, "linkages", file);
+    lw_status s = a->has_linkages ? linkage_page(a, l, &b, &n, e) : LW_OK;
     if (l)
         l->n_linkage = n;
     else
@@ -199,21 +734,21 @@ static lw_status write_linkages(lw_atlas_html *a, lw_leaf *l, lw_error *e)
     return s;
 }
 
-static lw_status write_chain(lw_atlas_html *a, size_t i, lw_error *e)
+static lw_status write_chain(atlas *a, size_t i, lw_error *e)
 {
-    char file[LW_LEAF_FILE];
+    char file[LEAF_FILE];
     lw_bytes b = { 0 };
-    lw_leaf *l = &a->leaf[i];
+    leaf *l = &a->leaf[i];
     if (l->status != LW_OK)
-        return lw_error_set(e, l->status, "chain %s cannot be drawn", l->text[LW_LEAF_GRAPH6]);
+        return lw_error_set(e, l->status, "chain %s cannot be drawn", l->text[LEAF_GRAPH6]);
     lw_status s = write_linkages(a, l, e);
     if (s == LW_OK)
-        s = lw_atlas_chain_page(a, i, &b, e);
+        s = chain_page(a, i, &b, e);
     if (s != LW_OK) {
         lw_bytes_free(&b);
         return s;
     }
-    lw_leaf_file(l, "chain", file);
+    page_file(l, "chain", file);
     return write_page(a, file, &b, e);
 }
 
@@ -222,7 +757,7 @@ static lw_status write_chain(lw_atlas_html *a, size_t i, lw_error *e)
 static lw_status add_ground(void *context, int n, const char *const *name, const lw_value *v)
 {
     (void)n, (void)name;
-    lw_leaf *l = context;
+    leaf *l = context;
     if (l->n_ground < LW_LINK_MAX && v[0].integer >= 1 && v[0].integer <= l->chain.n_link) {
         l->ground[l->n_ground] = (int)v[0].integer;
         l->alike[l->n_ground++] = (int)v[1].integer;
@@ -233,7 +768,7 @@ static lw_status add_ground(void *context, int n, const char *const *name, const
 static void place_joints(void *context, size_t job, int thread)
 {
     (void)thread;
-    lw_leaf *l = (lw_leaf *)context + job;
+    leaf *l = (leaf *)context + job;
     lw_mechanism m = l->chain;
     l->status = lw_chain_layout_make(&m, &l->layout, NULL);
     for (int i = 0; l->status == LW_OK && i < l->n_ground; i++) {
@@ -243,13 +778,13 @@ static void place_joints(void *context, size_t job, int thread)
 }
 
 /* Ground links and places of joints of n chains from `first` on. */
-static lw_status prepare_block(lw_atlas_html *a, size_t first, size_t n, lw_error *e)
+static lw_status prepare_block(atlas *a, size_t first, size_t n, lw_error *e)
 {
     lw_status s = LW_OK;
     for (size_t i = first; s == LW_OK && i < first + n; i++) {
-        lw_leaf *l = &a->leaf[i];
-        const lw_value chain = lw_value_of_integer(l->id);
-        s = lw_atlas_ask(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, add_ground, l, e);
+        leaf *l = &a->leaf[i];
+        const lw_value chain = value_of_integer(l->id);
+        s = ask_one(a, "SELECT link, alike FROM ground WHERE chain = ?1 ORDER BY link", &chain, add_ground, l, e);
         l->grounded = malloc((size_t)(l->n_ground + 1)*sizeof *l->grounded);
         if (s == LW_OK && !l->grounded)
             s = lw_error_set(e, LW_E_MEMORY, "out of memory for pictures");
@@ -257,7 +792,7 @@ static lw_status prepare_block(lw_atlas_html *a, size_t first, size_t n, lw_erro
     return s == LW_OK ? lw_parallel(a->options->jobs, n, place_joints, a->leaf + first) : s;
 }
 
-static lw_status write_block(lw_atlas_html *a, size_t first, size_t n, lw_error *e)
+static lw_status write_block(atlas *a, size_t first, size_t n, lw_error *e)
 {
     const lw_atlas_html_options *o = a->options;
     lw_status s = prepare_block(a, first, n, e);
@@ -273,7 +808,7 @@ static lw_status write_block(lw_atlas_html *a, size_t first, size_t n, lw_error 
     return s;
 }
 
-static lw_status write_all(lw_atlas_html *a, lw_error *e)
+static lw_status write_all(atlas *a, lw_error *e)
 {
     lw_status s = LW_OK;
     lw_bytes b = { 0 };
@@ -285,14 +820,14 @@ static lw_status write_all(lw_atlas_html *a, lw_error *e)
         s = write_linkages(a, NULL, e);
     if (s != LW_OK)
         return s;
-    lw_atlas_index_page(a, &b);
+    index_page(a, &b);
     return write_page(a, "index.html", &b, e);
 }
 
 lw_status lw_atlas_html_write(lw_store *store, const char *dir, const lw_atlas_html_options *o, size_t *n_page,
                               size_t *n_byte, lw_error *e)
 {
-    lw_atlas_html a = { .store = store, .dir = dir, .options = o };
+    atlas a = { .store = store, .dir = dir, .options = o };
     lw_page_style(&a.style, lw_page_css, lw_atlas_html_css);
     lw_page_script(&a.chain_script, lw_atlas_html_chain_js);
     lw_page_script(&a.index_script, lw_atlas_html_js);

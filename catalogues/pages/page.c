@@ -1,4 +1,4 @@
-/* catalogues/pages/page.c - see page.h */
+/* catalogues/pages/page.c - targets, results and moving linkages as one page; see page.h */
 #include "catalogues/pages/page.h"
 
 #include <math.h>
@@ -6,9 +6,220 @@
 #include <string.h>
 
 #include "catalogues/draw/diagram.h"
-#include "catalogues/pages/page_files.h"      /* made from page.css and page.js by the Makefile */
-#include "catalogues/pages/page_internal.h"
 #include "catalogues/draw/svg.h"
+#include "catalogues/pages/page_files.h"      /* made from page.css and page.js by the Makefile */
+#include "catalogues/pages/page_head.h"
+
+/* ==== the table of results ==================================================================================== */
+
+typedef enum column {
+    TYPE, CLASS, MEAN, MAX, PERCENT, OBJECTIVE, DIMENSIONS, N_COLUMN
+} column;
+
+static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
+    [TYPE]       = { "Type", false, false },
+    [CLASS]      = { "Class", false, false },
+    [MEAN]       = { "Mean error", true, true },
+    [MAX]        = { "Largest error", true, true },
+    [PERCENT]    = { "% of path", true, false },
+    [OBJECTIVE]  = { "Objective", true, false },
+    [DIMENSIONS] = { "Dimensions", false, false },
+};
+
+static const lw_units *units_of(const lw_page_result *r)
+{
+    static const lw_units metre = { "m", "rad", 1, 1 };
+    return r->scene ? &r->scene->linkage.units : &metre;
+}
+
+static double number_in(const lw_page_result *r, column c)
+{
+    switch (c) {
+    case MEAN:      return r->error_mean/units_of(r)->metre;
+    case MAX:       return r->error_max/units_of(r)->metre;
+    case PERCENT:   return r->error_percent;
+    case OBJECTIVE: return r->objective;
+    default:        return NAN;
+    }
+}
+
+static const char *text_in(const lw_page_result *r, column c)
+{
+    return c == TYPE ? r->type : c == CLASS ? r->class_name : NULL;
+}
+
+static bool has(const lw_page_result *r, column c)
+{
+    return c == DIMENSIONS ? r->scene && r->scene->n_dim > 0
+                           : text_in(r, c) || !isnan(number_in(r, c));
+}
+
+static bool is_used(const lw_page_target *t, column c)
+{
+    for (int i = 0; i < t->n_result; i++)
+        if (has(&t->result[i], c))
+            return true;
+    return false;
+}
+
+static void dimensions(lw_bytes *b, const lw_page_result *r)
+{
+    const lw_scene *s = r->scene;
+    for (int i = 0; s && i < s->n_dim; i++) {
+        lw_bytes_text(b, "<span>");
+        lw_bytes_xml(b, s->dim_name[i]);
+        lw_bytes_text(b, " = ");
+        lw_bytes_number(b, lw_scene_dimension(s, i), 6);
+        lw_bytes_text(b, "</span> ");
+    }
+}
+
+/* "Mean error [mm]": the unit of the first result, which all of a target share. */
+static void column_title(lw_bytes *b, const lw_page_target *t, column c)
+{
+    const lw_units *u = units_of(&t->result[0]);
+    lw_bytes_text(b, columns[c].title);
+    if ((!columns[c].length && c != DIMENSIONS) || !u->length[0])
+        return;
+    lw_bytes_text(b, " [");
+    lw_bytes_xml(b, u->length);
+    lw_bytes_text(b, c == DIMENSIONS ? ", " : "]");
+    if (c == DIMENSIONS) {
+        lw_bytes_xml(b, u->angle);
+        lw_bytes_text(b, "]");
+    }
+}
+
+static void column_heads(lw_bytes *b, const lw_page_target *t)
+{
+    lw_bytes_text(b, "<thead><tr><th scope=\"col\">Rank</th>");
+    for (int c = 0; c < N_COLUMN; c++) {
+        if (!is_used(t, (column)c))
+            continue;
+        lw_bytes_text(b, columns[c].number ? "<th scope=\"col\" class=\"number\">" : "<th scope=\"col\">");
+        column_title(b, t, (column)c);
+        lw_bytes_text(b, "</th>");
+    }
+    lw_bytes_text(b, "</tr></thead>\n");
+}
+
+/* data-label: what stands before the cell where the page is too narrow for columns. */
+static void cell(lw_bytes *b, const lw_page_target *t, const lw_page_result *r, column c)
+{
+    lw_bytes_text(b, columns[c].number ? "<td class=\"number\" data-label=\""
+                   : c == DIMENSIONS ? "<td class=\"dimensions\" data-label=\""
+                   : "<td class=\"name\" data-label=\"");
+    column_title(b, t, c);
+    lw_bytes_text(b, "\">");
+    if (c == DIMENSIONS)
+        dimensions(b, r);
+    else if (text_in(r, c))
+        lw_bytes_xml(b, text_in(r, c));
+    else if (!isnan(number_in(r, c)))
+        lw_bytes_number(b, number_in(r, c), 4);
+    lw_bytes_text(b, "</td>");
+}
+
+static void results_table(lw_bytes *b, const lw_page_target *t, int target)
+{
+    char text[192];
+    if (t->n_result == 0) {
+        lw_bytes_text(b, "<p>No linkage was found.</p>\n");
+        return;
+    }
+    lw_bytes_text(b, "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Results\">\n"
+                     "<table>\n<caption>Results, best first. Choose one to see it move.</caption>\n");
+    column_heads(b, t);
+    lw_bytes_text(b, "<tbody>\n");
+    for (int i = 0; i < t->n_result; i++) {
+        snprintf(text, sizeof text, "<tr><td class=\"rank\"><label><input type=\"radio\" "
+                 "name=\"shown-%d\"%s> %d</label></td>", target + 1, i ? "" : " checked", i + 1);
+        lw_bytes_text(b, text);
+        for (int c = 0; c < N_COLUMN; c++)
+            if (is_used(t, (column)c))
+                cell(b, t, &t->result[i], (column)c);
+        lw_bytes_text(b, "</tr>\n");
+    }
+    lw_bytes_text(b, "</tbody></table>\n</div>\n");
+}
+
+/* ==== motions ================================================================================================= */
+
+/* Where shapes of a link in a panel are seen from: its reference point; in the enlarged panel its
+ * tracer, so that rounding an angle moves nothing visibly. */
+static lw_vec2 pole(const lw_scene *s, int link, int panel)
+{
+    if (panel > 0)
+        for (int i = 0; i < s->linkage.n_tracer; i++)
+            if (s->linkage.tracer[i].link == link)
+                return s->linkage.tracer[i].at;
+    return s->origin[link];
+}
+
+static bool moves_in(const lw_drawing *d, int link, int panel)
+{
+    for (size_t i = 0; i < d->n_shape; i++)
+        if (d->shape[i].link == link && d->shape[i].panel == panel)
+            return true;
+    return false;
+}
+
+static long tenths(double px)
+{
+    return lround(10*fmin(fmax(px, -1e7), 1e7));
+}
+
+static void item(lw_bytes *b, long v)
+{
+    lw_bytes_text(b, ",");
+    lw_bytes_integer(b, v);
+}
+
+/* [link, panel, from, then per frame x, y, angle as differences]: see page.js. */
+static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link, int panel)
+{
+    lw_vec2 p = pole(s, link, panel), from = lw_view_pixel(v, p);
+    lw_bytes_text(b, "[");
+    lw_bytes_integer(b, link);
+    item(b, panel);
+    item(b, tenths(from.x));
+    item(b, tenths(from.y));
+    long x = 0, y = 0, angle = 0;
+    double whole = 0;                                  /* the angle so far, turns counted [rad] */
+    for (size_t f = 0; f < s->n_frame; f++) {
+        lw_vec2 at = lw_view_pixel(v, lw_scene_at(s, f, link, p));
+        lw_vec2 turn = s->place[f*(size_t)s->linkage.n_link + (size_t)link].turn;
+        whole += remainder(atan2(-turn.y, turn.x) - whole, 2*LW_PI);         /* y down on a page */
+        long now[3] = { tenths(at.x), tenths(at.y), lround(10000*whole) };
+        item(b, now[0] - x);
+        item(b, now[1] - y);
+        item(b, now[2] - angle);
+        x = now[0];
+        y = now[1];
+        angle = now[2];
+    }
+    lw_bytes_text(b, "]");
+}
+
+/* One JSON object, { "loops", "first", "links": [...] }, as page.js reads it: every link that moves on
+ * the drawing, whole numbers only. */
+static void write_motions(lw_bytes *b, const lw_scene *s, const lw_drawing *d)
+{
+    lw_bytes_text(b, s->loops ? "{\"loops\":true,\"first\":" : "{\"loops\":false,\"first\":");
+    lw_bytes_integer(b, (long)s->first_frame);
+    lw_bytes_text(b, ",\"links\":[");
+    const char *comma = "";
+    for (int link = 0; link < s->linkage.n_link; link++)
+        for (int panel = 0; panel < d->n_view; panel++)
+            if (moves_in(d, link, panel)) {
+                lw_bytes_text(b, comma);
+                motion_of(b, s, &d->view[panel], link, panel);
+                comma = ",\n";
+            }
+    lw_bytes_text(b, "]}");
+}
+
+/* ==== the page ================================================================================================ */
 
 static bool same(const char *a, const char *b)
 {
@@ -74,7 +285,7 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     lw_page_text(b, "<figcaption>", titled ? r->scene->title : NULL, titled && r->note ? ": " : "");
     lw_page_text(b, "", r->note, "</figcaption>\n</figure>\n");
     lw_bytes_text(motions, *n_motion ? ",\n" : "");
-    lw_page_motions(motions, r->scene, &d);
+    write_motions(motions, r->scene, &d);
     ++*n_motion;
     lw_drawing_free(&d);
     return LW_OK;
@@ -98,7 +309,7 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
             return st;
     }
     controls(b);
-    lw_page_table(b, t, target);
+    results_table(b, t, target);
     lw_bytes_text(b, "</section>\n");
     return LW_OK;
 }

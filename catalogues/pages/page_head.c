@@ -1,8 +1,9 @@
 /* catalogues/pages/page_head.c - what every page begins with: policy, style sheet, title */
+#include "catalogues/pages/page_head.h"
+
 #include <stdio.h>
 
 #include "catalogues/draw/drawing.h"
-#include "catalogues/pages/page_internal.h"
 #include "catalogues/store/sha256.h"
 
 void lw_page_text(lw_bytes *b, const char *open, const char *text, const char *close)

@@ -14,17 +14,18 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "from-format", 0, CLI_TEXT, offsetof(settings, from), "json|pyslvs|pmks|adams", NULL,
-      "format of what is read: json, pyslvs, pmks, adams; without it the text itself tells", 0, 0, NULL, NULL },
-    { "format", 0, CLI_TEXT, offsetof(settings, to), "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|slvs|svg|poses|motiongen", NULL,
-      "format of what is written; without it the end of the output's name tells (.json, .pyslvs, .txt, .adm, .xml, "
-      "...), and it is json on standard output", 0, 0, NULL, NULL },
+      "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text", 0, 0, NULL, NULL },
+    { "format", 0, CLI_TEXT, offsetof(settings, to),
+      "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|slvs|svg|poses|motiongen", NULL,
+      "format of the output; without this option the end of the output's name decides (.json, .pyslvs, .txt, .adm, "
+      ".xml, ...); standard output gets json", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
-      "length unit: m mm cm km um in ft; of numbers that are read without one (metre), else of what is written", 0, 0,
+      "length unit: m mm cm km um in ft; of input numbers that have no unit (default m), and of the output", 0, 0,
       NULL, NULL },
     { "input-joint", 0, CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
-      "this joint, a pin or a slider, is driven, whatever the file says", 0, 0, NULL, NULL },
+      "drive this joint, a pin or a slider, instead of the input of the file", 0, 0, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
-      "result number N of a file that fit wrote; without it the first", 1, 1e9, NULL, NULL },
+      "take result number N of a file written by fit; default: the first", 1, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -150,28 +151,29 @@ const cli_command cli_convert_command = {
     .words = "[FILE]",
     .title = "linkages from one format to another: JSON, Pyslvs, PMKS, ADAMS, MuJoCo, DXF, ...",
     .examples =
-        "  linkwright convert jansen.json --format pyslvs                 an expression for Pyslvs\n"
-        "  linkwright convert table.txt -u mm -o walker.json          what PMKS wrote, in millimetres\n"
+        "  linkwright convert jansen.json --format pyslvs             an expression for Pyslvs\n"
+        "  linkwright convert table.txt --length-unit mm -o walker.json what PMKS wrote, in millimetres\n"
         "  linkwright convert expression.pyslvs --input-joint P0 | linkwright draw - -o x.svg\n",
     .about =
-        "Reads one linkage from FILE or standard input; the text itself tells its format. Formats:\n"
+        "Reads one linkage from FILE or standard input and recognises its format from the text. Formats:\n"
         "  json     linkages as in docs/notation.md, and the results of fit\n"
         "  pyslvs   the mechanism expression of Pyslvs, M[J[R, P[0, 0], L[ground, crank]], ...]\n"
         "  pmks     the joint table of PMKS: crank,rod,R,0,30,tfff\n"
         "  adams    a dataset of ADAMS/Solver: PART, MARKER, JOINT, MOTION, REQUEST\n"
-        "Written only:\n"
-        "  acf      the commands that run NAME.adm in ADAMS/Solver, NAME being the linkage's\n"
-        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site a tracer\n"
-        "  dxf      plates to cut, with holes and slots, in millimetres; the layer's name L2_ROD says in which layer\n"
-        "           the link passes all others over the whole motion (exit code 1: there are no such layers)\n"
-        "  scad     these plates on pins in OpenSCAD, moving with $t\n"
-        "  slvs     a sketch of SolveSpace, to be dragged\n"
-        "  svg      the tracers' curves as paths in millimetres; fit reads such a file as a target\n"
-        "  poses    CSV: place and turn of each link in 180 postures\n"
+        "Formats that can only be written:\n"
+        "  acf      the commands that run NAME.adm in ADAMS/Solver; NAME is the name of the linkage\n"
+        "  mjcf     a model of MuJoCo: bodies, hinges, loops closed by constraints, a site for each tracer\n"
+        "  dxf      plates to cut, with holes and slots, in millimetres; each link lies in a layer in which it passes\n"
+        "           all other links over the whole motion; the name of a DXF layer, such as L2_ROD, says in which one\n"
+        "           (exit code 1: there are no such layers)\n"
+        "  scad     the same plates with their pins in OpenSCAD, moving with $t\n"
+        "  slvs     a sketch of SolveSpace that can be dragged\n"
+        "  svg      the coupler curves as paths in millimetres; fit reads such a file as a target\n"
+        "  poses    CSV: position and angle of each link in 180 poses\n"
         "  motiongen  JSON: joints, links as lists of joints, actuators, tracers with their curves\n"
-        "Points of one link become tracers and back. Gears, welds that are not at a slider, names of joints,\n"
-        "ranges of inputs and directions of tools have no form in pyslvs and pmks; the first two are refused\n"
-        "(exit code 3).\n",
+        "Points of one link become tracers, and tracers become such points. pyslvs and pmks cannot express gears, welds\n"
+        "away from a slider, names of joints, ranges of inputs and directions of tools. Linkages with gears or such\n"
+        "welds are refused (exit code 3); the rest is left out.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

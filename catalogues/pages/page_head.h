@@ -1,9 +1,8 @@
-/* catalogues/pages/page_internal.h - the parts of a page that are made apart: head, motions and tables. */
-#ifndef LW_CATALOGUES_PAGES_PAGE_INTERNAL_H
-#define LW_CATALOGUES_PAGES_PAGE_INTERNAL_H
+/* catalogues/pages/page_head.h - the beginning of every page: policy, style sheet, title. */
+#ifndef LW_CATALOGUES_PAGES_PAGE_HEAD_H
+#define LW_CATALOGUES_PAGES_PAGE_HEAD_H
 
-#include "catalogues/draw/drawing.h"
-#include "catalogues/pages/page.h"
+#include "base/bytes.h"
 
 /* Text between two pieces of HTML, escaped; NULL is none. */
 void lw_page_text(lw_bytes *b, const char *open, const char *text, const char *close);
@@ -15,12 +14,5 @@ void lw_page_script(lw_bytes *out, const char *const *text);
 /* From <!DOCTYPE> to <body>.  The policy lets nothing be loaded, and only this style sheet and this script act, named by
  * their hashes; the script follows as "<script>" text "</script>" wherever the page wants it. */
 void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script);
-
-/* One JSON object, { "loops", "first", "links": [...] }, as page.js reads it: every link that moves on
- * the drawing, whole numbers only. */
-void lw_page_motions(lw_bytes *b, const lw_scene *s, const lw_drawing *d);
-
-/* The ranked results of a target; columns nobody filled are left out. */
-void lw_page_table(lw_bytes *b, const lw_page_target *t, int target);
 
 #endif

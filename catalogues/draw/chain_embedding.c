@@ -65,7 +65,7 @@ static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *nex
 
 typedef struct start { uint8_t dart; bool mirror; } start;
 
-/* Where the map may be entered so that its outer loop stays: at each of its darts, either way round; with a
+/* Where the map may be entered so that its outer loop stays: at each of its darts, either embedding round; with a
  * ground only beside the one corner. */
 static int starts_of(const lw_mechanism *m, const lw_embedding *w, start *s)
 {
@@ -136,7 +136,7 @@ static double promise_of(const lw_embedding *w, const int *length)
 typedef struct finder {
     const lw_mechanism *m;
     int     room, n;
-    lw_embedding *way;
+    lw_embedding *embedding;
 } finder;
 
 /* Put w in its place among the ways, unless it is there already or promises too little. */
@@ -144,15 +144,15 @@ static void offer(finder *f, const lw_embedding *w)
 {
     int at = f->n;
     for (int i = 0; i < f->n; i++)
-        if (f->way[i].hash == w->hash)
+        if (f->embedding[i].hash == w->hash)
             return;
-    while (at > 0 && f->way[at - 1].promise > w->promise)
+    while (at > 0 && f->embedding[at - 1].promise > w->promise)
         at--;
     if (at == f->room)
         return;
     f->n += f->n < f->room;
-    memmove(f->way + at + 1, f->way + at, (size_t)(f->n - at - 1)*sizeof *w);
-    f->way[at] = *w;
+    memmove(f->embedding + at + 1, f->embedding + at, (size_t)(f->n - at - 1)*sizeof *w);
+    f->embedding[at] = *w;
 }
 
 /* Every loop, or with a ground every corner of it, may be the outer one. */
@@ -278,16 +278,16 @@ static lw_status try_one_order(finder *f, orders *o)
     return s;
 }
 
-lw_status lw_ways_find(const lw_mechanism *m, int room, lw_embedding *way, int *n_way)
+lw_status lw_embeddings_find(const lw_mechanism *m, int room, lw_embedding *embedding, int *n_embedding)
 {
     orders o;
-    finder f = { .m = m, .room = room, .way = way };
+    finder f = { .m = m, .room = room, .embedding = embedding };
     lw_status s = LW_OK;
     first_orders(m, &o);
     if (few_orders(&o))
         try_all_orders(&f, &o);
     else
         s = try_one_order(&f, &o);
-    *n_way = f.n;
+    *n_embedding = f.n;
     return s == LW_OK && f.n == 0 ? LW_NOTHING : s;
 }
