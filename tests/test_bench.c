@@ -1,4 +1,5 @@
-/* linkwright bench: its CSV reads back and means what it says, its plots are there, bad calls are refused. */
+/* test_bench.c - `linkwright bench fit`: its CSV reads back and is consistent, its plots exist, wrong calls are
+ * refused. */
 #include "tests/check.h"
 #include "tests/cli_run.h"
 
@@ -13,7 +14,7 @@ static char *read_file(const char *name)
     return slurp(path);
 }
 
-/* Every line that is no comment and no header must be six fields. */
+/* Every line other than comments and heading has six fields. */
 static int read_curves(const char *name, row *r)
 {
     char *text = read_file(name), *rest = text;
@@ -74,8 +75,8 @@ static void files_say_where_they_come_from(void)
     free(plot);
 }
 
-/* However far a run comes, the way there depends on the seed only; a fit cut off by the end of the time goes
- * its own way from there. */
+/* A run that stops later repeats the improvements of a shorter one with the same seed. The fit that the time limit
+ * cuts off may differ. */
 static void same_seed_same_way(void)
 {
     static row a[ROWS], b[ROWS];

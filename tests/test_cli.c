@@ -1,4 +1,4 @@
-/* The built program from outside: help, exit codes, wrong usage, bad input, output. */
+/* test_cli.c - the built program: help, exit codes, wrong usage, bad input, output. */
 #include "tests/cli_json.h"
 
 /* Every command of `linkwright help`. */
@@ -62,7 +62,7 @@ static void options_are_strict(void)
     expect("$P classify 5 2 4 4 -z", 2, NULL, "there is no option");
     expect("$P classify 5 2 4", 2, NULL, "L1 L2 L3 L4");
     expect("$P classify 5 2 4 4 7", 2, NULL, "one word too many");
-    /* all the ways to give one, and the order does not matter */
+    /* every form of an option, in any order */
     expect("$P classify --angle-unit rad 5 --tolerance=1e-9 2 -qj2 -- 4 4", 0, "crank-rocker", NULL);
     expect("$P trace examples/hoeken.json -n2 -mfile", 0, "arc,mode,input", NULL);
     /* a negative number is a word, not an option */
@@ -117,7 +117,7 @@ static void output_is_whole_or_absent(void)
     expect("ls -A $D | grep tmp", 1, NULL, NULL);
 }
 
-/* What README.md shows after a $ runs. */
+/* Every command that README.md shows after a $ runs. */
 static void readme_runs(void)
 {
     ran r = run("grep '^    \\$ linkwright' README.md | sed 's/^    . //; s/linkwright/$P/g' > $D/readme; "

@@ -1,4 +1,5 @@
-/* test_cli_atlas.c - curves, nearest, add, query and export from outside; kills while curves and linkages come in. */
+/* test_cli_atlas.c - the catalogue commands curves, nearest, add, query and export; programs killed while they add
+ * curves and linkages. */
 #include "tests/catalogue_file.h"
 #include "tests/cli_run.h"
 
@@ -24,7 +25,8 @@ static void nearest(void)
            "holds no closed curves");
 }
 
-/* Six links: drawn, found, told apart, and starts for a fit that may have so many. */
+/* Curves of six links are drawn and found, do not depend on the number of threads, and start a fit of at most six
+ * links. */
 static void six_links(void)
 {
     expect("$P catalogue curves $D/s.db --links 6 --samples 4000 && $P catalogue curves $D/s2.db --links 6 --samples 4000 -j 1 -q && "
@@ -79,7 +81,7 @@ static void query(void)
            "count(*) FROM chain' --sql", 0, "16", "one SELECT");
     expect("$P catalogue query $D/q.db 'WITH RECURSIVE x(a) AS (SELECT 1 UNION ALL SELECT a+1 FROM x) SELECT count(*) "
            "FROM x' --sql --time 1e-9", 5, NULL, NULL);
-    /* a terminal is not told what to do by a row */
+    /* control characters of a row do not reach the terminal */
     expect("sed 's/Jansen leg/J\\\\u001b[31mansen/' examples/jansen.json > $D/esc.json; $P catalogue add $D/l.db "
            "$D/esc.json; $P catalogue query $D/l.db 'name~ansen and name~31' --columns name | tail -1", 0,
            "J?[31mansen", NULL);
@@ -88,7 +90,7 @@ static void query(void)
            "wc -l", 0, "2\n", NULL);
 }
 
-/* The class of a mechanism with more links is that of the four-bar in it that is driven. */
+/* The class of a mechanism of more than four links is that of its driven four-bar. */
 static void a_class_of_six_links(void)
 {
     expect("$P catalogue add $D/six.db tests/data/linkages/six-link-results.json && "
@@ -126,7 +128,7 @@ static void killed_curves(void)
     kill_at_random("y.db", "catalogue curves y.db --links 4 --samples 20000", 10, "sweep|");
 }
 
-/* The target of a curve that is in the file, on a full disk, in a damaged file. */
+/* A full disk, and a damaged file. */
 static void damaged_atlases(void)
 {
     expect("trap '' XFSZ; ulimit -f 300; $P catalogue curves $D/full.db --samples 20000", 3, NULL, "full.db: ");
@@ -150,7 +152,7 @@ static void execute(const char *file, const char *sql)
     sqlite3_close(db);
 }
 
-/* Hundreds of megabytes of pages are not made by mistake. */
+/* Nobody gets hundreds of megabytes of pages by mistake. */
 static void too_many_pages(void)
 {
     expect("cp $D/q.db $D/big.db", 0, NULL, NULL);
@@ -160,7 +162,8 @@ static void too_many_pages(void)
     expect("$P catalogue html $D/big.db -o $D/big --results 3 && ls $D/big | wc -l", 0, "4\n", "4 pages");
 }
 
-/* What is whole for SQLite and yet wrong is found by check; commands that meet it say so. */
+/* `catalogue check` finds content that is wrong although the SQLite file is whole, and other commands that meet it
+ * report it. */
 static void lies(void)
 {
     static const struct { const char *sql, *says; } lie[] = {
@@ -194,7 +197,7 @@ static void lies(void)
     expect("cp $D/q.db $D/lie.db", 0, NULL, NULL);
     execute("lie.db", "UPDATE mechanism SET kinds = 'zzz' WHERE id = 2");
     expect("$P catalogue export $D/lie.db --list mechanisms", 3, NULL, "row 2 has joints");
-    /* a trigger or a view that somebody planted runs no function of its own */
+    /* a trigger or a view planted in the file cannot run a function */
     execute("lie.db", "CREATE TRIGGER planted AFTER INSERT ON run BEGIN SELECT load_extension('/tmp/x'); END");
     expect("$P catalogue build $D/lie.db --links 4", 3, NULL, "lie.db: ");
 }

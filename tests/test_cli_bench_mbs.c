@@ -1,4 +1,5 @@
-/* `linkwright bench mbs` from outside: errors that fall with the tolerance, files that read back, wrong use. */
+/* test_cli_bench_mbs.c - `linkwright bench mbs`: errors that fall with the tolerance, files that read back, wrong
+ * use. */
 #include <math.h>
 #include "tests/cli_run.h"
 
@@ -38,7 +39,7 @@ static void rows(void)
         CHECK(r[i].setup > 0 && r[i].seconds > 0 && r[i].error > 0);
     CHECK(error_of(r, n, "pendulum", "reduced", 1e-13) < 1e-11);
     CHECK(error_of(r, n, "pendulum", "index1", 1e-13) < 1e-12);
-    for (int k = 4; k < 10; k += 3) {                        /* three decades of tolerance give one of error at least */
+    for (int k = 4; k < 10; k += 3) {                        /* a tolerance 1000 times smaller makes the error at least 10 times smaller */
         double loose = error_of(r, n, "pendulum", "ggl", pow(10, -k));
         CHECK(error_of(r, n, "pendulum", "ggl", pow(10, -k - 3)) < 0.1*loose);
     }
@@ -61,7 +62,7 @@ static void squeezer(void)
     CHECK(error_of(r, n, "andrews", "ggl", 1e-11) < 1e-7);
 }
 
-/* By place and branch, through the singular postures. */
+/* The error counts the assembly mode too; the motion passes singular postures. */
 static void branch(void)
 {
     static row r[200];
@@ -86,7 +87,7 @@ static void clearance(void)
                            "chmod +x $D/" name "/p && $P bench mbs --cases pendulum --tolerances 1e-4:1e-4 --time 0.001 -q " \
                            "-o $D/out --peers $D/" name
 
-/* What it is told, and what is made of the exact places. */
+/* The model given to the other program, and the row made of its answer, here the exact positions. */
 static void told_and_measured(void)
 {
     static row r[200];
@@ -110,7 +111,7 @@ static void told_and_measured(void)
     ran_free(&scene);
 }
 
-/* Each has a row that says so, and costs nobody else's. */
+/* A program that fails has a row with the reason, and the rows of the others are not affected. */
 static void bad_peers(void)
 {
     static const char nonsense[] = "| pendulum | p | - | - | - | - | - | - | 0 | 0 | what it says is no row of "

@@ -1,4 +1,5 @@
-/* test_cli_catalogue.c - catalogues from outside: what is built, what survives kills, full disks and foreign files. */
+/* test_cli_catalogue.c - catalogues: their content, and their state after kills, full disks and files of other
+ * programs. */
 #include "tests/catalogue_file.h"
 #include "tests/cli_run.h"
 
@@ -48,7 +49,7 @@ static void mechanisms_as_counted(void)
     }
 }
 
-/* The same content for any number of threads. */
+/* The content does not depend on the number of threads. */
 static void threads(void)
 {
     char path[200];
@@ -58,7 +59,7 @@ static void threads(void)
     char *one = dump_catalogue(path);
     snprintf(path, sizeof path, "%s/three/x.db", getenv("D"));
     char *three = dump_catalogue(path);
-    /* but for the command line itself */
+    /* only the command line itself differs */
     char *a = strstr(one, "--jobs 1"), *b = strstr(three, "--jobs 3");
     CHECK(a && b);
     if (a && b)
@@ -104,7 +105,7 @@ static void files_that_are_none(void)
     expect("echo hello > $D/text.db; $P catalogue build $D/text.db --links 6", 3, NULL, "no SQLite file");
     expect("cat $D/text.db", 0, "hello\n", NULL);
     expect("$P catalogue build '' --links 6", 3, NULL, "empty");
-    /* names that mean something to SQLite or a shell are names of files here */
+    /* names with a meaning for SQLite or a shell are plain names of files here */
     expect("cd $D; Q=$(cd - > /dev/null; realpath $P); $Q catalogue build ':memory:' --links 4 && "
            "$Q catalogue build 'file:x?mode=ro' --links 4 && $Q catalogue build '; DROP TABLE chain --' --links 4 && "
            "ls ':memory:' 'file:x?mode=ro' '; DROP TABLE chain --'", 0, "file:x?mode=ro", NULL);
@@ -120,7 +121,7 @@ static void damaged_files(void)
         snprintf(line, sizeof line, "head -c %s $D/a.db > $D/cut.db; $P catalogue build $D/cut.db --links 10", cut[i]);
         expect(line, i ? 3 : 0, NULL, NULL);
     }
-    /* a wild byte anywhere: found, or harmless; never a crash */
+    /* a changed byte anywhere is reported or harmless; the program never crashes */
     for (int at = 60; at < 70000; at += 4211) {
         char line[300];
         snprintf(line, sizeof line, "cp $D/a.db $D/wild.db; printf '\\377\\001\\377' | dd of=$D/wild.db bs=1 seek=%d "
@@ -130,7 +131,7 @@ static void damaged_files(void)
     }
 }
 
-/* The second says who writes, or waits. */
+/* A second program reports the one that writes, or waits for it. */
 static void two_at_once(void)
 {
     /* the first, which would take minutes, is halted once it holds the file */

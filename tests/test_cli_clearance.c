@@ -1,4 +1,4 @@
-/* `linkwright clearance` from outside: tables, limits, pictures, wrong use. */
+/* test_cli_clearance.c - `linkwright clearance`: tables, limits, pictures, wrong use. */
 #include "tests/cli_run.h"
 
 #define MODEL "examples/clearance-four-bar.json"
@@ -25,7 +25,7 @@ static void table(void)
     expect_row("$P clearance " MODEL, "speed|contact", "92|kept");      /* the speed of the file, 92 r/min */
 }
 
-/* The same bytes whatever the number of threads, the command line apart */
+/* The output does not depend on the number of threads, apart from the command line in it. */
 static void threads(void)
 {
     ran a = run("$P clearance " MODEL " --speeds 90:110:5 --stiffness 1e6,1e7 -j 1 | grep -v '^#'");
@@ -62,9 +62,9 @@ static void pictures(void)
                 "'class=\"marker' $D/map.svg");
     CHECK_INT(r.code, 0);
     CHECK_HAS(r.out, "%PDF");
-    CHECK_HAS(r.out, "204\n");                               /* two comments, head, 201 rows */
+    CHECK_HAS(r.out, "204\n");                               /* two comments, heading, 201 rows */
     ran_free(&r);
-    /* a regular speed passes its start at one place, to a pixel or two, a wild one at many */
+    /* at a regular speed the points of all turns differ by a pixel or two, at an irregular one they scatter */
     r = run("$P clearance " MODEL " --speeds 90,120 --to 6 --settle 4 --passes $D/p.svg > $D/x && "
             "grep 'class=\"marker' $D/p.svg | "
             "sed 's/.*cx=\"//; s/\" cy=\"/ /; s/\".*//' | awk '{if(!($1 in least) || $2<least[$1]) least[$1]=$2; "

@@ -1,4 +1,4 @@
-/* linkwright convert: examples there and back, guesses, units, refusals. */
+/* test_cli_convert.c - `linkwright convert`: examples there and back, formats told by content, units, refusals. */
 #include "tests/cli_run.h"
 
 static void examples_there_and_back(void)
@@ -72,11 +72,11 @@ static void files_for_other_programs(void)
     expect("$P convert examples/hoeken.json --from-format mjcf", 3, NULL, "no format 'mjcf' to read");
 }
 
-/* Every kind of linkage in every format: written, or refused with the joint that has no form there. */
+/* Every kind of linkage is written in every format, or refused with the joint that the format cannot hold. */
 static void every_kind_in_every_format(void)
 {
     static const char *const cannot[][2] = {
-        { "geared-five-bar", "pyslvs pmks dxf scad slvs" }, { "loader", "dxf scad" },      /* no layers pass */
+        { "geared-five-bar", "pyslvs pmks dxf scad slvs" }, { "loader", "dxf scad" },      /* no order of layers without collision */
     };
     for (int i = 0; i < 2; i++) {
         char command[400];
@@ -91,7 +91,7 @@ static void every_kind_in_every_format(void)
            "examples/five-bar; do for t in json pyslvs pmks adams acf mjcf dxf scad slvs svg poses motiongen; do "
            "$P convert $m.json --format $t -o $D/all.$t && test -s $D/all.$t || echo $m $t; rm -f $D/all.$t; done; done "
            "> $D/bad; cat $D/bad; test ! -s $D/bad", 0, NULL, NULL);
-    /* the triad and the slot through the formats that are read: the same text again, and the same curve */
+    /* the triad and the slot through the formats that can be read: the same text again, and the same curve */
     expect("for m in triad-eight-bar scotch-yoke; do for t in pyslvs pmks adams; do "
            "u=mm; test $t != adams || u=m; $P convert tests/data/linkages/$m.json | $P convert --format $t > $D/1; "
            "$P convert $D/1 --from-format $t --length-unit $u -o $D/1.json; $P convert $D/1.json --format $t > $D/2; "

@@ -1,8 +1,9 @@
-/* test_cli_disk.c - disks that are really full: what is there afterwards is whole, or is not there. */
+/* test_cli_disk.c - full disks: each file is complete or not there. */
 #include <stdbool.h>
 #include "tests/cli_run.h"
 
-/* In a file system of one mebibyte that is mounted for this command alone; $T is the tree, "full" fills it up. */
+/* Run the script in a file system of one mebibyte that is mounted for this command only. $T is the source tree; the
+ * function "full" fills the disk. */
 #define ON_SMALL_DISK(script) \
     "T=$PWD P=$(realpath $P); export T P; mkdir -p $D/disk; unshare -rm sh -c 'mount -t tmpfs -o size=1m none " \
     "$D/disk; cd $D/disk; full() { head -c 2M /dev/zero > fill; }; end() { echo code $?; ls; echo end; }; " \
@@ -19,7 +20,7 @@ static bool permitted(void)
     return may;
 }
 
-/* What was committed stays, no journal and no lock; a new file that never held anything goes. */
+/* What was committed stays, without journal and lock; a new file that never held anything is removed. */
 static void catalogues(void)
 {
     expect(ON_SMALL_DISK("$P catalogue curves a.db --samples 100000 -q; end; check"), 0,
@@ -32,7 +33,7 @@ static void catalogues(void)
     expect(ON_SMALL_DISK("full; $P catalogue build a.db --links 6; end"), 0, "code 3\nfill\nend\n", "disk is full");
 }
 
-/* Whole files or none. */
+/* Each file is complete or not there. */
 static void other_files(void)
 {
     expect(ON_SMALL_DISK("$P catalogue build a.db --links 8 -q; full; $P catalogue html a.db -o p; echo code $?; "

@@ -1,4 +1,4 @@
-/* `linkwright draw` from outside, on the models of examples/. */
+/* test_cli_draw.c - `linkwright draw` on the models of examples/. */
 #include "tests/cli_run.h"
 
 static void pictures(void)
@@ -35,7 +35,7 @@ static void results_of_a_fit(void)
     expect("$P draw examples/hoeken.json --result 1", 3, NULL, "leave --result out");
 }
 
-/* Gears, inputs between moving links, several inputs, bars more than needed: all move. */
+/* Gears, inputs between moving links, several inputs, and more bars than needed: all can be drawn in motion. */
 static void any_linkage(void)
 {
     expect("for f in geared-five-bar five-bar loader mobility/focal mobility/parallelogram; do "

@@ -1,4 +1,4 @@
-/* `linkwright draw` on chains and mechanisms, from outside. */
+/* test_cli_draw_chains.c - `linkwright draw` on chains and mechanisms. */
 #include "tests/cli_run.h"
 
 static void pages(void)

@@ -1,4 +1,4 @@
-/* test_cli_enumerate.c - the commands numbers, structures and chains from outside: what they print, refuse and keep. */
+/* test_cli_enumerate.c - the commands numbers, structures and chains: output, refusals, resumed listings. */
 #include "tests/cli_run.h"
 
 static void help_shows_examples_first(void)
@@ -73,7 +73,7 @@ static void chain_lists(void)
            "$P chains --links 10 | sort | cmp - $D/parts && echo same", 0, "same\n", NULL);
 }
 
-/* A listing cut anywhere, even inside a line, ends as if it had not been. */
+/* A listing cut anywhere, even inside a line, is completed as if it had not been cut. */
 static void resume(void)
 {
     expect("$P chains --links 9 --dof 2 --fractionated -o $D/whole && for n in 0 1 12 13 200 399 400 401 500 520; do "
@@ -87,7 +87,7 @@ static void resume(void)
     expect("$P chains --links 8 --resume -o $D/x --format dot", 2, NULL, "one line");
 }
 
-/* What a program had written when it was killed is not lost; a listing of something else is left as it is. */
+/* The lines that a killed program had written are kept; a listing of something else is not changed. */
 static void resume_after_a_kill(void)
 {
     expect("$P chains --links 14 -o $D/all && { $P chains --links 14 -o $D/killed & "
@@ -135,7 +135,7 @@ static void limits_and_faults(void)
     expect("$P chains --links 8 --filter plannar", 2, NULL, "did you mean 'planar'?");
     expect("$P chains --links 8 --planar --non-planar", 2, NULL, "non-planar");
     expect("$P chains --links 14 --dof 5 --time 1e-9", 5, NULL, "stopped");
-    /* whole lines, as far as they are listed */
+    /* stopped in the middle of the listing: whole lines only */
     expect("LW_CLOCK_STEP=0.01 $C chains --links 14 --jobs 1 --time 8 -o $D/part", 5, NULL, NULL);
     expect("test -s $D/part && test -z \"$(tail -c1 $D/part)\"", 0, NULL, NULL);
     expect("$P chains --links 21 --dof 6 --time 1e-9 --count", 5, NULL, "stopped");

@@ -1,10 +1,10 @@
-/* `linkwright fit --exact` from outside: five poses, a function, points, what it says and leaves in a folder. */
+/* test_cli_exact.c - `linkwright fit --exact`: five poses, a function, points, messages, saved files. */
 #include "tests/cli_json.h"
 #include "tests/mbs_linkage.h"
 
 static const double bar[9] = { 3.2, 1.1, 2.9, 2.4, 1.6, 1.1, 0.5, -0.2, 0.3 };
 
-/* Poses or points of the coupler of `bar`, or pairs of its input and output, in a file of $D. */
+/* Write n poses or points of the coupler of `bar`, or pairs of its input and output, to a file of $D. */
 static void write_target(const char *name, const char *header, int n)
 {
     char path[256];

@@ -1,4 +1,4 @@
-/* `fit --dof`: mechanisms of several freedoms whose inputs are tied, through the program. */
+/* test_cli_freedoms.c - `linkwright fit --dof`: mechanisms of several degrees of freedom whose inputs are tied. */
 #include <math.h>
 #include "enumerate/canon.h"
 #include "enumerate/chains.h"
@@ -14,8 +14,8 @@ static const json_t *at(const json_t *root, const char *list, size_t i)
     return json_array_get(json_object_get(root, list), i);
 }
 
-/* A point of a bar of a five-bar by hand: cranks 18 and 14 on pins 60 apart, the second 0.7 ahead of `ratio` times the
- * first; bars 55 and 62. */
+/* A coupler point of a five-bar in closed form: cranks 18 and 14 on pins 60 apart, bars 55 and 62. The second crank
+ * turns `ratio` times as fast as the first and is 0.7 rad ahead. */
 static void five_bar_point(double ratio, double input, double *x, double *y)
 {
     const double c = 55, d = 62;
@@ -47,8 +47,9 @@ static void write_target(const char *name, double ratio, bool timed)
 
 /* ---- coverage ----------------------------------------------------------------------------------------- */
 
-/* Every choice counted the plain way: each pair of joints at the ground either way round, each ratio; a choice is known by
- * the chain with ground, tracer and the sizes of both rates as colours, and by whether the two go the same way. */
+/* The choices counted without symmetry: each ordered pair of joints at the ground, each ratio. Two choices are
+ * equal if the two inputs turn the same way in both and the chains are isomorphic with ground, tracer link and the
+ * sizes of both rates as colours. */
 enum { FORMS = 4096 };
 typedef struct plain {
     int n, n_ratio, sense[FORMS];
@@ -172,7 +173,7 @@ static void every_choice_is_accounted_for(void)
     }
 }
 
-/* Which of the two inputs has the angles of the target matters then. */
+/* With timing it matters which of the two inputs has the angles of the target. */
 static void a_timing_tells_the_inputs_apart(void)
 {
     write_target("timed.csv", 2, true);
@@ -182,9 +183,9 @@ static void a_timing_tells_the_inputs_apart(void)
     json_decref(root);
 }
 
-/* With ratios -1 and 2 three inputs have 12 different rates up to a factor, of which 2 are kept when two inputs change
- * places and none when all three do.  Four sets of inputs are left; two have no symmetry, one that of two inputs, one of
- * all three (Burnside: (12 + 3 2 + 2 0)/6). */
+/* With ratios -1 and 2 three inputs have 12 different rates up to a common factor. Exchanging two inputs keeps 2 of
+ * them, a cyclic exchange of all three keeps none. Four sets of inputs are left: two without symmetry, one with
+ * that of two inputs, one with that of all three (Burnside: (12 + 3 2 + 2 0)/6). */
 static void three_freedoms_too(void)
 {
     json_t *root = json_of("$P fit $D/m1.csv --dof 3 --input-ratios -1,2 --starts 32 --rounds 1 --budget 1000 --json "
@@ -214,7 +215,8 @@ static double from_rows(const char *rows, double x, double y)
     return least;
 }
 
-/* The five-bar that drew the curve, to rounding: ratio and phase; its file moves so by the loop equations as well. */
+/* The fit finds the five-bar that drew the curve again, up to rounding, with its ratio and phase; traced from its
+ * file by the loop equations it draws the same curve. */
 static void found_again(void)
 {
     static const double ratio[] = { -1, 2 };
@@ -252,7 +254,7 @@ static void threads_change_nothing(void)
            "grep -v 'command\\|seconds' | diff - $D/one", 0, "", "");
 }
 
-static void gone_on_from(void)
+static void a_resumed_fit_is_not_worse(void)
 {
     json_t *first = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 -o $D/r.json -q; cat $D/r.json");
     json_t *then = json_of("$P fit $D/m1.csv --dof 2 --budget 3000 --seed 9 --start-from $D/r.json --json -q");
@@ -261,8 +263,8 @@ static void gone_on_from(void)
     json_decref(then);
 }
 
-/* The same said in a task, the ratios beside it; what is said on the line counts more. */
-static void said_in_a_task(void)
+/* Freedoms and links given in a task file, ratios on the command line; the command line has precedence. */
+static void given_in_a_task_file(void)
 {
     expect("printf '{\"linkwright-task\":1,\"target\":\"m1.csv\",\"dof\":2,\"links\":5}' > $D/task.json; "
            "$P fit $D/task.json --input-ratios -1,2 --budget 1000 -q", 0, "; 3 searched", NULL);
@@ -272,7 +274,7 @@ static void said_in_a_task(void)
            "$P fit $D/task.json", 3, "", "two freedoms and pins have 5, 7 or 9 links");
 }
 
-static void what_cannot_be(void)
+static void refusals(void)
 {
     expect("$P fit $D/m1.csv --dof 0", 2, "", "a linkage without freedom is a truss");
     expect("$P fit $D/m1.csv --dof 4", 2, "", "a mechanism has 11 links or more");
@@ -292,8 +294,8 @@ int main(void)
     RUN(three_freedoms_too);
     RUN(found_again);
     RUN(threads_change_nothing);
-    RUN(gone_on_from);
-    RUN(said_in_a_task);
-    RUN(what_cannot_be);
+    RUN(a_resumed_fit_is_not_worse);
+    RUN(given_in_a_task_file);
+    RUN(refusals);
     return check_end();
 }

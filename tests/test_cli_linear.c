@@ -1,4 +1,5 @@
-/* `linkwright simulate --analysis linear` from outside: modes as tables and JSON, rest, along the motion, by ear. */
+/* test_cli_linear.c - `linkwright simulate --analysis linear`: modes as tables and JSON, at rest and along the
+ * motion, and from a free vibration. */
 #include "tests/cli_run.h"
 
 /* A double pendulum of two rods of 0.4 m, drawn hanging and drawn to the side */
@@ -59,7 +60,7 @@ static void rest_and_motion(void)
     int n = 0;
     for (const char *p = r.out; (p = strchr(p, '\n')); p++)
         n++;
-    CHECK_INT(n, 3 + 9);                                         /* comments, head, a mode in each of 9 postures */
+    CHECK_INT(n, 3 + 9);                                         /* comments, heading, a mode in each of 9 postures */
     ran_free(&r);
 }
 

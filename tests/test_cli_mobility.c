@@ -1,7 +1,7 @@
-/* linkwright mobility: what it says about the examples, and how it refuses. */
+/* test_cli_mobility.c - `linkwright mobility`: its verdicts on the examples, and its refusals. */
 #include "tests/cli_run.h"
 
-static void examples_are_told_apart(void)
+static void verdicts_on_the_examples(void)
 {
     expect("$P mobility examples/mobility/focal.json", 0, "moves because its dimensions are special", NULL);
     expect("$P mobility examples/mobility/focal.json", 0, "-1 = 3*7 - 22", NULL);
@@ -12,7 +12,7 @@ static void examples_are_told_apart(void)
     expect("$P mobility examples/jansen.json", 0, "20 of 20 rows", NULL);
 }
 
-static void json_says_the_same(void)
+static void json_has_the_same(void)
 {
     expect("$P mobility examples/mobility/roller.json --json", 0, "\"idle_links\": [\n    \"roller\"\n  ]", NULL);
     expect("$P mobility examples/mobility/parallelogram.json --json", 0, "\"verdict\": \"moves\"", NULL);
@@ -22,7 +22,7 @@ static void json_says_the_same(void)
     expect("$P mobility examples/jansen.json --json | cmp - $D/a", 0, NULL, NULL);
 }
 
-/* Rounded to four digits the focal linkage is rigid, unless the joints may have that much play. */
+/* Rounded to four digits the focal linkage is rigid, unless its joints may have play of that size. */
 static void rounded_files(void)
 {
     expect("sed 's/\\(\\.[0-9]\\{4\\}\\)[0-9]*/\\1/g' examples/mobility/focal.json > $D/r.json", 0, NULL,
@@ -43,8 +43,8 @@ static void refusals(void)
 
 int main(void)
 {
-    RUN(examples_are_told_apart);
-    RUN(json_says_the_same);
+    RUN(verdicts_on_the_examples);
+    RUN(json_has_the_same);
     RUN(rounded_files);
     RUN(refusals);
     return check_end();

@@ -53,7 +53,8 @@ static bool same_value(const option *a, const option *b)
     size_t n = strlen(a->value), m = strlen(b->value);
     bool choices = strchr(a->value, '|') && strchr(b->value, '|'), folder = strcmp(a->name, "output") == 0;
     bool list = (n < m && strcmp(b->value + n, ",...") == 0) || (m < n && strcmp(a->value + m, ",...") == 0);
-    return strcmp(a->value, b->value) == 0 || choices || folder || (list && strncmp(a->value, b->value, n < m ? n : m) == 0);
+    return strcmp(a->value, b->value) == 0 || choices || folder || (list && strncmp(a->value, b->value,
+                                                                                    n < m ? n : m) == 0);
 }
 
 static void told(const option *a, const option *b, const char *why)

@@ -1,4 +1,4 @@
-/* test_cli_overwrite.c - nothing of the user is overwritten, and a place is checked before a long search. */
+/* test_cli_overwrite.c - files of the user are not overwritten, and outputs are checked before a long search. */
 #include "tests/cli_run.h"
 
 #define PREPARE "cd $D; P=$(realpath $OLDPWD/$P); "
@@ -10,7 +10,7 @@ static void prepare(void)
            "echo mine > $D/mine.txt; echo mine > $D/target.svg", 0, NULL, NULL);
 }
 
-/* However its path is spelt, also with --force. */
+/* An input is never overwritten, however its path is written, not even with --force. */
 static void inputs(void)
 {
     static const char *const outputs[] = { "$D/model.json", "$D/link.json", "$D/hard.json", "$D/sub/../model.json" };
@@ -38,7 +38,7 @@ static void others(void)
     expect("$P trace $D/model.json -q -o /dev/null", 0, "", "");
 }
 
-/* Is a change by hand noticed?  Only file systems that keep attributes can tell; then pictures need no --force either. */
+/* A change by hand is noticed on file systems that keep attributes; there pictures need no --force either. */
 static void changed(void)
 {
     ran r = run("$P draw $D/model.json -o $D/p.png && $P draw $D/model.json -o $D/p.png");
@@ -57,7 +57,7 @@ static void two_outputs(void)
     expect("test -e $D/a.csv", 1, "", "");
 }
 
-/* Before the search: an hour would not end in time. */
+/* The outputs are checked before the search, which would not end in hours. */
 static void folders(void)
 {
     expect(PREPARE "$P fit target.csv --links 8 --budget 1e12 --save .", 2, "", "./target.svg exists");

@@ -1,4 +1,5 @@
-/* linkwright plasma: every step is there, tables agree with each other and with what is saved. */
+/* test_cli_plasma.c - `linkwright plasma`: every step is reported, and its tables agree with each other and with
+ * the saved linkage. */
 #include "tests/cli_run.h"
 
 #include "catalogues/exchange/adams.h"
@@ -24,7 +25,7 @@ static void every_step_of_a_four_bar(void)
     ran_free(&r);
 }
 
-/* Rows of the path of the first linkage: place, velocity, acceleration. */
+/* Rows of the path of the first linkage: position, velocity, acceleration. */
 typedef struct row { double t, p[2], v, vx, vy, a, ax, ay; } row;
 
 static int read_rows(const char *from, row *rows, int most)
@@ -41,7 +42,8 @@ static int read_rows(const char *from, row *rows, int most)
     return n;
 }
 
-/* Differences of places are velocities, of velocities accelerations; what the saved linkage says of the places. */
+/* Differences of positions are velocities, differences of velocities accelerations; the saved linkage has the same
+ * positions. */
 static void check_motion(const char *text, const char *model)
 {
     static row rows[401];
@@ -91,7 +93,7 @@ static void motions_agree(void)
     expect("$P trace $D/out/final.json -n 5 && grep -q final.adm $D/out/final.acf", 0, NULL, NULL);
 }
 
-/* A six-bar with its joints numbered as one likes; a slider; other parts fixed. */
+/* A six-bar with any numbering of its joints, a slider, another ground link. */
 static void other_mechanisms(void)
 {
     expect("printf '0 7 0 2 0 3\\n0 0 1 0 0 0\\n0 0 0 4 5 0\\n0 0 0 0 0 0\\n0 0 0 0 0 6\\n0 0 0 0 0 0\\n' > $D/six.txt;"

@@ -1,4 +1,4 @@
-/* The commands grammar, mechanisms and catalogue check from outside. */
+/* test_cli_topology.c - the commands grammar, mechanisms and catalogue check. */
 #include "tests/cli_run.h"
 
 #define FOUR "((1 r 2 r 3 r 4 r) (1 r 2 r 3 r 4 r))"

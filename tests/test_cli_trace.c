@@ -1,4 +1,4 @@
-/* `linkwright trace` from outside, on the models of examples/. */
+/* test_cli_trace.c - `linkwright trace` on the models of examples/. */
 #include "tests/cli_json.h"
 
 /* ---- tables ------------------------------------------------------------------------------------ */
@@ -126,7 +126,7 @@ static void limits_are_found(void)
     CHECK(isfinite(t->v[0][X]) && isfinite(t->v[2][JY]));
     free(t);
     expect("$P trace examples/chebyshev.json -m file", 0, "(limit) to ", NULL);
-    t = trace("examples/jansen.json --steps 2");          /* both modes meet in the posture of the limit */
+    t = trace("examples/jansen.json --steps 2");          /* both assembly modes meet in the posture of the limit */
     for (int end = 0; end < 3; end += 2)
         for (int c = INPUT; c <= ANGLE; c++)
             if (c < VX || c > JY)
@@ -141,7 +141,7 @@ static void limits_are_found(void)
 
 /* Hoeken, crank 20, frame 40, coupler and rocker 50: rocker turns back where crank and coupler are in
  * line, 70 and 30 mm from its pivot on a triangle with 40 and 50. */
-static void dead_points_are_told(void)
+static void dead_points_are_reported(void)
 {
     json_t *j = json_of("$P trace examples/hoeken.json -m file -n 4 --json");
     json_t *d = json_object_get(json_array_get(json_object_get(j, "arcs"), 0), "dead_points");
@@ -163,14 +163,14 @@ static void windows_are_cut(void)
     CHECK_INT(t->n, 44);
     CHECK_NEAR(t->v[0][INPUT], -30, 1e-12, 0);
     CHECK_NEAR(t->v[43][INPUT], 400, 1e-12, 0);
-    CHECK_NEAR(t->v[1][X], t->v[37][X], 1e-10, 0);        /* a turn later */
+    CHECK_NEAR(t->v[1][X], t->v[37][X], 1e-10, 0);        /* one turn later */
     free(t);
     t = trace("examples/chebyshev.json -m file --input-range 0:60 -n 2");
     CHECK_INT(t->n, 3);
     CHECK_NEAR(t->v[2][INPUT], 60, 1e-12, 0);
     CHECK(isnan(t->v[0][VX]) && isfinite(t->v[2][VX]));   /* one limit, one cut */
     free(t);
-    t = trace("examples/scott-russell.json -m file -n 16");     /* first and last stand in the file */
+    t = trace("examples/scott-russell.json -m file -n 16");     /* first and last input are given in the file */
     CHECK_NEAR(t->v[0][INPUT], -80, 1e-12, 0);
     CHECK_NEAR(t->v[16][INPUT], 80, 1e-12, 0);
     for (int i = 0; i < t->n; i++)
@@ -200,13 +200,13 @@ static void several_tracers_and_all_examples(void)
     expect("$P trace - < examples/hoeken.json -n 2", 0, "arc,mode,input,x,y,vx", NULL);
 }
 
-static void json_says_the_same(void)
+static void json_has_the_same(void)
 {
     table *t = trace("examples/hoeken.json -n 7");
     json_t *j = json_of("$P trace examples/hoeken.json -n 7 --json");
     json_t *arcs = json_object_get(j, "arcs"), *columns = json_object_get(j, "columns");
     size_t n = json_array_size(columns);
-    CHECK(n >= 10);                                          /* all that are known but arc and mode */
+    CHECK(n >= 10);                                          /* all known columns but arc and mode */
     int row = 0;
     for (size_t a = 0; a < json_array_size(arcs); a++) {
         json_t *rows = json_object_get(json_array_get(arcs, a), "rows");
@@ -259,11 +259,11 @@ int main(void)
     RUN(speed_scales_by_powers);
     RUN(both_modes);
     RUN(limits_are_found);
-    RUN(dead_points_are_told);
+    RUN(dead_points_are_reported);
     RUN(windows_are_cut);
     RUN(trammel_draws_an_ellipse);
     RUN(several_tracers_and_all_examples);
-    RUN(json_says_the_same);
+    RUN(json_has_the_same);
     RUN(bad_models);
     RUN(time_is_a_limit);
     RUN(ctrl_c_keeps_what_is_there);

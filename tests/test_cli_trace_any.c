@@ -1,7 +1,8 @@
-/* `linkwright trace` where there is no closed form: gears, several inputs, time, whole cycles. */
+/* test_cli_trace_any.c - `linkwright trace` without a closed form: gears, several inputs, motion laws, closed
+ * motions. */
 #include "tests/cli_json.h"
 
-/* Numbers of the last line of CSV text, from the third column on; n: how many lines of numbers there are. */
+/* Read the numbers of the last line of CSV text from the third column on. Returns the number of lines with numbers. */
 static int last_row(const char *text, double v[20])
 {
     int n = 0;
@@ -35,7 +36,7 @@ static int trace(const char *arguments, double v[20])
     return n;
 }
 
-/* Chebyshev's double rocker as one closed curve: the end is the beginning, the coupler has turned once. */
+/* The double rocker of Chebyshev as one closed curve: the end is the beginning, and the coupler has made one turn. */
 static void a_cycle_over_both_limits(void)
 {
     double v[20];
@@ -50,7 +51,8 @@ static void a_cycle_over_both_limits(void)
     expect("$P trace examples/chebyshev.json --cycle -n 4", 0, "circuit 1: closes, the input swings", NULL);
 }
 
-/* Both ways give the same curve: every posture of the plan lies on the cycle, by its input. */
+/* The closed form and the continuation give the same curve: every posture of the plan lies on the closed curve,
+ * found by its input. */
 static void two_ways_agree(void)
 {
     ran r = run("$P trace examples/slider-crank.json --tracer piston --mode file --input-range 37:37.5 -n 1");
@@ -93,7 +95,7 @@ static void inputs_move_in_time(void)
     CHECK_NEAR(v[1], 0.55, 1e-15, 0);
     CHECK_NEAR(v[2], -0.12, 1e-15, 0);
     CHECK(v[5] == 0 && v[6] == 0 && v[7] == 0 && v[14] == 0);
-    trace("examples/loader.json --time-range 0:3:3", w);       /* in one step of output: the same place */
+    trace("examples/loader.json --time-range 0:3:3", w);       /* the same posture with one step of output */
     CHECK_NEAR(w[3], v[3], 1e-12, 0);
     CHECK_NEAR(w[4], v[4], 1e-12, 0);
     CHECK_INT(trace("examples/five-bar.json --time-range 0:1:0.1", v), 11);
@@ -135,7 +137,7 @@ static void json_can_be_read(void)
 #define THREE(more) "\"inputs\":[{\"joint\":\"A\"},{\"joint\":\"E\"},{\"joint\":\"C\"" more "}]"
 #define MOTION(text) "\"input\":{\"joint\":\"A\",\"value\":1.5707963267948966,\"motion\":\"" text "\"}"
 
-static void faults_are_told(void)
+static void faults_are_reported(void)
 {
     expect(MODEL(FIVE_BAR, "\"input\":{\"joint\":\"A\"}"), 3, NULL, "2 freedoms but 1 input; drive 1 more joint");
     expect(MODEL(FIVE_BAR, THREE("")), 3, NULL, "2 freedoms but 3 inputs; leave out 1");
@@ -147,7 +149,7 @@ static void faults_are_told(void)
     expect("$P trace examples/five-bar.json --time-range 0:x:1", 2, NULL, "time-range");
     expect("$P trace examples/geared-five-bar.json --tracer Q", 3, NULL, "no tracer 'Q'");
     expect("$P trace examples/chebyshev.json --cycle --input-range 1:2", 2, NULL, "cycle");
-    /* the rocker's limit is passed at some time: the rows before are kept */
+    /* the motion reaches the limit of the rocker: the rows before it are kept */
     expect(MODEL(FOUR_BAR, MOTION("pi/2 - t")) "--time-range 0:3:0.1", 5, "1,.,0.1,", "beyond a limit of the linkage");
     expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0*sqrt(1 - t)")) "--time-range 0:3:0.5", 4, NULL, "no number there");
     expect(MODEL(FOUR_BAR, MOTION("pi/2 + 0.1*sign(t - 1)")) "--time-range 0:3:0.3", 4, "1,.,0.8999999",
@@ -196,8 +198,9 @@ static int rows_of(const char *line, double (*v)[13], int room)
     return n;
 }
 
-/* Between postures of the curve rows come from the groups: every 16th row is on the curve, and with 16 times fewer
- * rows all are, so that both ways are compared - and each with the differences of its neighbours. */
+/* Between the postures of the curve the rows are solved by Assur groups. Every 16th row of a fine table is on the
+ * curve, and with 16 times fewer rows all are: both are compared, and the rates with differences of neighbouring
+ * rows. */
 static void groups_and_curve_agree(void)
 {
     enum { FINE = 1008, COARSE = 63, ROOM = 4*(FINE + 1) };
@@ -217,7 +220,7 @@ static void groups_and_curve_agree(void)
                     if (!(isnan(a[c]) && isnan(b[c])))
                         CHECK_NEAR(a[c], b[c], 1e-9, 1e-8);
             }
-        for (int r = 1; r + 1 < n; r++) {                       /* velocity and turn against differences */
+        for (int r = 1; r + 1 < n; r++) {                       /* velocity and rotation against differences */
             const double *a = fine[r - 1], *b = fine[r], *c = fine[r + 1];
             int at = r % (FINE + 1);
             if (at < 40 || at > FINE - 40)                       /* steep at limits */
@@ -239,8 +242,8 @@ static void the_way_is_told(void)
            NULL);
 }
 
-/* Two parallelograms are dyads, but a mode of a dyad goes round the corner at a change point: the file's circuit goes
- * straight on, with every crank turning as the first. */
+/* Two parallelograms are dyads, but an assembly mode of a dyad changes direction at a change point; the circuit of
+ * the file goes straight on, with every crank turning like the first. */
 static void change_points_are_passed_straight_on(void)
 {
     static double v[2*61][13];
@@ -262,14 +265,15 @@ static void change_points_are_passed_straight_on(void)
     "{\"name\":\"B\",\"links\":[\"a\",\"b\"],\"at\":[1,0]},{\"name\":\"C\",\"links\":[\"b\",\"c\"],\"at\":[1,0]}," \
     "{\"name\":\"D\",\"links\":[\"c\",\"g\"],\"at\":[2,1]}"
 
-/* The roller of a yoke spins unseen. */
+/* The roller of a Scotch yoke can spin without effect on the tracer. */
 static void idle_freedoms_are_held(void)
 {
     expect("$P trace examples/mobility/roller.json -n 2", 0, "closes after 1 turn", "no tracer is held still at R");
     expect("$P trace examples/mobility/roller.json --explain", 0, "links at once", "held still at R");
 }
 
-/* A bar without length spins while all else stands; a window may hold many turns, but not any number of swings. */
+/* A bar of length zero spins while all other links stand still. A window may hold many turns, but not any number of
+ * swings. */
 static void odd_ranges_of_the_input(void)
 {
     static double v[4][13];
@@ -277,7 +281,7 @@ static void odd_ranges_of_the_input(void)
     CHECK_INT(rows_of("$P trace examples/geared-five-bar.json -n 3 --input-range -1395:765", v, 4), 4);
     for (int c = 1; c < 13; c++)
         if (c != 9)
-            CHECK_NEAR(v[0][c], v[3][c], 1e-8, 1e-9);           /* three times two turns later */
+            CHECK_NEAR(v[0][c], v[3][c], 1e-8, 1e-9);           /* 3 times 2 turns later */
     expect("echo " TRIAD " | $P trace - -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than the 1024");
     expect("$P trace examples/chebyshev.json -n 1 --input-range -1e12:1e12 -o /dev/null", 5, NULL, "more arcs than");
 }
@@ -292,7 +296,7 @@ int main(void)
     RUN(a_geared_five_bar_closes_after_two_turns);
     RUN(inputs_move_in_time);
     RUN(json_can_be_read);
-    RUN(faults_are_told);
+    RUN(faults_are_reported);
     RUN(groups_and_curve_agree);
     RUN(the_way_is_told);
     return check_end();

@@ -1,8 +1,8 @@
 /* test_cli_wait.c - commands that wait for standard input say so on a terminal, and a signal ends them at once. */
 #include "tests/cli_run.h"
 
-/* A pipe that nobody writes is held open for an hour; the command must end before.  The signal is sent until it
- * arrives: the shell lets a background command ignore Ctrl-C until the command says otherwise. */
+/* A pipe into which nobody writes is held open for an hour; the command must end before. The signal is sent until
+ * it arrives, because the shell starts a background command with Ctrl-C ignored. */
 #define WAITING(command, signal) \
     "mkfifo $D/pipe; sleep 3600 > $D/pipe & s=$!; " command " < $D/pipe & p=$!; " \
     "while kill -" signal " $p; do sleep 0.05; done; wait $p; c=$?; " \
