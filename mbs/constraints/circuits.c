@@ -1,4 +1,4 @@
-/* mbs/constraints/circuits.c - circuits by chance. */
+/* mbs/constraints/circuits.c - circuits found from random postures. */
 #include "mbs/constraints/circuits.h"
 
 #include <stdlib.h>
@@ -40,7 +40,7 @@ static void free_closer(closer *c)
     free(c->ints);
 }
 
-/* Rows and resting inputs at q; the greatest in size. */
+/* Residuals of rows and resting inputs at q; returns the largest. */
 static double equations(closer *c, const double *q)
 {
     lw_system_frames f;
@@ -57,7 +57,7 @@ static double equations(closer *c, const double *q)
     return most;
 }
 
-/* Newton's method with steps of least length, none longer than 1. */
+/* Newton's method with least-norm steps, none longer than 1. */
 static bool close_up(closer *c, double *q)
 {
     for (int i = 0; i < 60; i++) {
@@ -91,7 +91,7 @@ static bool known(const lw_circuits *c, const double *q)
     return false;
 }
 
-/* Another curve, unless there is no room. */
+/* Add a curve if there is room. */
 static lw_status add_curve(const lw_system *s, const lw_motion_curve_options *o, const double *q, lw_circuits *c)
 {
     lw_motion_curve *b;
@@ -108,7 +108,7 @@ static lw_status add_curve(const lw_system *s, const lw_motion_curve_options *o,
     return LW_OK;
 }
 
-/* The curves that cross those from `first` on, and so forth. */
+/* Add the curves that cross those from number `first` on, and repeat for the new ones. */
 static lw_status add_crossing(const lw_system *s, const lw_motion_curve_options *o, int first, lw_circuits *c)
 {
     double q[LW_SYSTEM_Q_MAX];

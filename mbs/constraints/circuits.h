@@ -1,9 +1,9 @@
-/* mbs/constraints/circuits.h - every curve of postures of a linkage with one free input: all circuits, in all assembly modes, and
- * at branch points both branches.
+/* mbs/constraints/circuits.h - find the circuits of a linkage with one free input: all assembly modes, and both
+ * curves at a branch point.
  *
- * Postures are drawn by chance and brought to closing by Newton's method with steps of least length; one that is on
- * no curve found yet starts the next. A curve once found is known with every posture on it, so what is counted is
- * circuits, not postures. How many there are in all nobody says: `since` tells how many draws brought nothing new. */
+ * The search draws random postures and closes each by Newton's method with least-norm steps.  A posture that lies on no
+ * known curve starts a new one, which is then followed completely.  The total number of circuits is unknown; `since` is
+ * the number of closed postures since the last new curve. */
 #ifndef LW_MBS_CONSTRAINTS_CIRCUITS_H
 #define LW_MBS_CONSTRAINTS_CIRCUITS_H
 
@@ -15,14 +15,15 @@
 
 typedef struct lw_circuits {
     int        n;
-    lw_motion_curve *curve[LW_CIRCUIT_MAX];        /* the first is that of the drawn posture                  */
-    int        draws, closed;              /* postures drawn, and of these closed                     */
-    int        since;                      /* closed ones since the last new curve                    */
-    bool       full;                       /* there were more than LW_CIRCUIT_MAX                       */
+    lw_motion_curve *curve[LW_CIRCUIT_MAX];        /* the first one contains the drawn posture                */
+    int        draws, closed;              /* postures drawn; number of these that closed             */
+    int        since;                      /* closed postures since the last new curve                */
+    bool       full;                       /* more than LW_CIRCUIT_MAX were found                      */
 } lw_circuits;
 
-/* Ends after `patience` closed postures without a new curve, or 20 times as many draws, or when *stop is set (NULL:
- * never).  Same seed, same curves.  Failures of lw_motion_curve_create for the drawn posture. */
+/* The search ends after `patience` closed postures without a new curve, after 20 times as many draws, or when *stop
+ * is set (stop may be NULL).  The same seed gives the same curves.  Fails as lw_motion_curve_create for the drawn
+ * posture. */
 lw_status lw_circuits_find(const lw_system *s, const lw_motion_curve_options *o, int patience, uint64_t seed,
                          const volatile sig_atomic_t *stop, lw_circuits *c, lw_error *e);
 void      lw_circuits_free(lw_circuits *c);

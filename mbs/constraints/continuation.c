@@ -1,4 +1,4 @@
-/* mbs/constraints/continuation.c - Newton's method, series and reach of a branch for a linkage held to one posture. */
+/* mbs/constraints/continuation.c - Newton's method, Taylor series and the bound of a safe step. */
 #include "mbs/constraints/continuation_internal.h"
 
 #include <float.h>
@@ -11,7 +11,7 @@
 static bool projects(const lw_system_joint *j) { return j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT; }
 static bool is_point(const lw_system_joint *j) { return j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED; }
 
-/* Turns always count; places where a row projects them on a turning line. */
+/* Norms include all rotations, and positions that a row projects on a rotating line. */
 static void choose_norm(lw_continuation *f)
 {
     for (int b = 0; b < f->s->n_body; b++)
@@ -54,7 +54,7 @@ void lw_continuation_free(lw_continuation *f) { free(f->store); }
 
 /* ---- equations --------------------------------------------------------------------------------- */
 
-/* Equations at q into f->rest, and their derivatives; returns the greatest in size. */
+/* Equations at q into f->rest, and their derivatives; returns the largest residual. */
 static double assemble(lw_continuation *f, const double *q, bool derivatives)
 {
     const lw_system *s = f->s;
@@ -118,7 +118,7 @@ bool lw_continuation_tangent(lw_continuation *f)
     return f->has_tangent;
 }
 
-/* What rounding leaves of the equations. */
+/* Residual that rounding alone can cause. */
 static double rounding(const lw_continuation *f, const double *q)
 {
     double most = 1.0;
@@ -139,10 +139,10 @@ bool lw_continuation_correct(lw_continuation *f, double *q)
         for (int i = 0; i < f->n; i++)
             length = fmax(length, fabs(f->rest[i]));
         if (iteration > 0 && !(length < 0.5*last))
-            return left <= rounding(f, q);             /* rounding decides, or it does not converge */
+            return left <= rounding(f, q);             /* limited by rounding, or no convergence */
         for (int i = 0; i < f->n; i++)
             q[i] -= f->rest[i];
-        if (length <= enough)                          /* the next would be below rounding          */
+        if (length <= enough)                          /* the next step would be below rounding     */
             return lw_continuation_residual(f, q) <= rounding(f, q);
         last = length;
     }
@@ -176,7 +176,7 @@ static double dot(const lw_continuation *f, const double *a, const double *b)
     return sum;
 }
 
-/* The arms of body b at its pins, turned by `by`, as right-hand side; false when it has none. */
+/* The arms of body b at its pins, rotated by `by`, as right-hand side; false if it has none. */
 static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int b, lw_vec2 by, double *out)
 {
     bool any = false;
@@ -195,7 +195,7 @@ static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int
     return any;
 }
 
-/* Greatest over the bodies of the length of A^+ (second derivative by the body's turn), however it turns. */
+/* Largest length, over all bodies and rotations, of A^+ (second derivative by the body's rotation). */
 static double pin_bound(lw_continuation *f, const lw_system_frames *at)
 {
     double most = 0.0, *g = f->rest, *h = f->work;
@@ -260,7 +260,7 @@ double lw_continuation_bound(lw_continuation *f, const double *q)
     lw_system_frames at;
     lw_system_place(f->s, q, &at);
     double pins = pin_bound(f, &at), slides = projection_bound(f, &at, 0.0);
-    if (slides > 0.0)                       /* the reach without growth is more than the reach with it */
+    if (slides > 0.0)                       /* the reach without growth is larger than the reach with it */
         slides = projection_bound(f, &at, 1.0/(pins + slides));
     f->kappa = fmax(pins + slides, 1e-3);
     return f->kappa;

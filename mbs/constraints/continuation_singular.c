@@ -1,4 +1,4 @@
-/* mbs/constraints/continuation_singular.c - the rank of the equations, and where on the way they lose it. */
+/* mbs/constraints/continuation_singular.c - the rank of the equations, and where along a motion they lose it. */
 #include "mbs/constraints/continuation_internal.h"
 
 #include <stdlib.h>
@@ -14,8 +14,8 @@ static void solve_for(lw_continuation *f, const double *q, const double *right)
     lw_continuation_solve(f, f->work);
 }
 
-/* Smooth along the motion, and 0 where rank is lost: the solution grows as 1/distance there, of which this is the
- * reciprocal along a fixed direction (bordering: Govaerts 2000, chapter 3). */
+/* A smooth function along the motion that is 0 where rank is lost.  The solution of the bordered system grows like
+ * 1/distance there; this is the reciprocal of its component in a fixed direction (Govaerts 2000, chapter 3). */
 static double singularity(lw_continuation *f, const double *q, const double *right, const double *along)
 {
     double sum = 0.0;
@@ -38,12 +38,12 @@ double lw_continuation_locate(lw_continuation *f, int order, const double *serie
     double *along = right + f->m, *q = along + f->n;
     lw_rng rng;
     lw_rng_seed(&rng, 7, 0);
-    for (int i = 0; i < f->m - f->plane; i++)             /* any that is not special shows the loss */
+    for (int i = 0; i < f->m - f->plane; i++)             /* any general right-hand side shows the loss */
         right[i] = lw_rng_range(&rng, -1.0, 1.0);
     lw_continuation_sum(f, order, series, guess + delta, q);
     set(context, guess + delta);
     lw_continuation_correct(f, q);
-    solve_for(f, q, right);                               /* where the loss shows already */
+    solve_for(f, q, right);                               /* at a point where the loss is already visible */
     memcpy(along, f->work, (size_t)f->n*sizeof *along);
     for (int i = 0; i < 4; i++) {
         x[i] = guess + delta*(i < 2 ? i - 2 : i - 1);
@@ -52,7 +52,7 @@ double lw_continuation_locate(lw_continuation *f, int order, const double *serie
         lw_continuation_correct(f, q);
         g[i] = singularity(f, q, right, along);
     }
-    /* several ranks lost one behind the other: 0 of that order, told by the growth over a double distance */
+    /* a zero of higher order, if several ranks are lost; the order follows from the growth over twice the distance */
     double power = fmax(1.0, round(log2(sqrt(fabs(g[0]/g[1]*g[3]/g[2])))));
     for (int i = 0; i < 4; i++)
         g[i] = copysign(pow(fabs(g[i]), 1.0/power), power == 1.0 ? g[i] : i < 2 ? -1.0 : 1.0);

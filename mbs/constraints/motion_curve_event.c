@@ -1,10 +1,10 @@
-/* mbs/constraints/motion_curve_event.c - where joints turn back on the way, and branch points. */
+/* mbs/constraints/motion_curve_event.c - events on a motion curve: joints that turn back, and branch points. */
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Rate of joint j by arc at a posture and its derivative there, of a curve q + t s + c s^2. */
+/* First and second derivative of the displacement of joint j by arc length, for the curve q + t s + c s^2. */
 static void rate_at(const lw_motion_curve *b, int joint, const double *node, double rate[2])
 {
     double count[3];
@@ -13,7 +13,7 @@ static void rate_at(const lw_motion_curve *b, int joint, const double *node, dou
     rate[1] = 2.0*count[2];
 }
 
-/* Rate alone, at distance h of a segment. */
+/* The first derivative alone, at distance h of a segment. */
 static double rate_on(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h)
 {
     double count[2], *q = b->series;                      /* posture and tangent, one after the other */
@@ -24,7 +24,8 @@ static double rate_on(lw_motion_curve *b, const lw_motion_curve_segment *s, int 
     return count[1];
 }
 
-static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, int joint, const lw_motion_curve_segment *s, double h)
+static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, int joint,
+                           const lw_motion_curve_segment *s, double h)
 {
     if (b->n_event % 32 == 0) {
         lw_motion_curve_event *grown = realloc(b->event, (size_t)(b->n_event + 32)*sizeof *grown);
@@ -39,8 +40,9 @@ static lw_status add_event(lw_motion_curve *b, lw_motion_curve_event_kind kind, 
     return LW_OK;
 }
 
-/* The root of the rate between h0 and h1, where it has values r0, r1 of different sign. */
-static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h0, double r0, double h1, double r1)
+/* The root of the rate between h0 and h1, where the rates r0 and r1 have different signs. */
+static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joint, double h0, double r0, double h1,
+                   double r1)
 {
     int kept = -1;
     for (int i = 0; i < 80 && h1 - h0 > 1e-15*s->length; i++) {
@@ -63,8 +65,8 @@ static double root(lw_motion_curve *b, const lw_motion_curve_segment *s, int joi
     return 0.5*(h0 + h1);
 }
 
-/* Where a cubic with values and slopes at 0 and 1 has its extremum nearest to zero inside, if it is nearer to zero than
- * a fifth of both ends; else -1. */
+/* The inner extremum nearest to zero of a cubic given by values and slopes at 0 and 1; -1 unless its value is below a
+ * fifth of both end values. */
 static double dip(double r0, double r1, double d0, double d1)
 {
     double way = r0 > 0.0 ? 1.0 : -1.0, best = -1.0;
@@ -82,7 +84,7 @@ static double dip(double r0, double r1, double d0, double d1)
     return best;
 }
 
-/* Does the joint stand still on the whole curve, but for rounding next to branch points? */
+/* Does the joint stand still on the whole curve, apart from rounding next to branch points? */
 static bool stands_still(const lw_motion_curve *b, int joint)
 {
     double most = 0.0, rate[2];
@@ -105,7 +107,7 @@ static lw_status watch(lw_motion_curve *b, int joint, lw_motion_curve_event_kind
         if (fabs(r0[0]) < tiny && fabs(r1[0]) < tiny)
             continue;
         if (fabs(r0[0]) < tiny && s->way > 0 && i == 0 && b->end == LW_MOTION_CURVE_CLOSED) {
-            status = add_event(b, kind, joint, s, 0.0);   /* the drawn posture is one */
+            status = add_event(b, kind, joint, s, 0.0);   /* the drawn posture is an event */
         } else if (r0[0]*r1[0] < 0.0) {
             status = add_event(b, kind, joint, s, root(b, s, joint, 0.0, r0[0], s->length, r1[0]));
         } else if (r0[0]*r1[0] > 0.0) {

@@ -1,18 +1,18 @@
-/* mbs/constraints/motion_curve_internal.h - what the files of mbs/branch share. */
+/* mbs/constraints/motion_curve_internal.h - data shared by the files motion_curve*.c. */
 #ifndef LW_MBS_CONSTRAINTS_MOTION_CURVE_INTERNAL_H
 #define LW_MBS_CONSTRAINTS_MOTION_CURVE_INTERNAL_H
 
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/constraints/continuation_internal.h"
 
-#define LW_MOTION_CURVE_ORDER 8                  /* of the series over a branch point                        */
+#define LW_MOTION_CURVE_ORDER 8                  /* order of the series across a branch point                */
 
 typedef struct lw_motion_curve_node {
     double *q;                             /* posture, unit tangent, half the curvature vector: 3 x n */
     double  kappa;
 } lw_motion_curve_node;
 
-/* From node `base` to node `far`: on planes across the tangent of the base, 0 .. length from it. */
+/* From node `base` to node `far`, on planes across the tangent of the base at distances 0 .. length. */
 typedef struct lw_motion_curve_segment {
     int    base, far;
     int    way;                            /* +1: base first; -1: far first                           */
@@ -44,17 +44,17 @@ struct lw_motion_curve {
 static inline double *lw_node_tangent(const lw_motion_curve *b, int node) { return b->node[node].q + b->n; }
 static inline double *lw_node_bend(const lw_motion_curve *b, int node) { return b->node[node].q + 2*b->n; }
 
-/* Go along the curve from the posture of node 0, both ways if it does not close (branch_walk.c). */
+/* Follow the curve from the posture of node 0, in both directions if it does not close (motion_curve_walk.c). */
 lw_status lw_motion_curve_walk(lw_motion_curve *b, lw_error *e);
 
-/* Posture at distance h from the base of a segment; tangent on the side of growing stations. */
+/* Posture at distance h from the base of a segment; the tangent points to growing stations. */
 void lw_motion_curve_at(lw_motion_curve *b, const lw_motion_curve_segment *s, double h, double *q, double *tangent);
 
-/* From q, a simple branch point, a little way along the branch on which the input moves faster: into q, which is
- * left as it was when there is none (branch_cross.c). */
+/* Move q from a simple branch point a short distance along the branch on which the input moves faster.  False, and q
+ * unchanged, if there is none (motion_curve_singular.c). */
 bool lw_motion_curve_leave(lw_motion_curve *b, double *q);
 
-/* Fill b->event, sorted (branch_event.c). */
+/* Fill b->event, sorted by station (motion_curve_event.c). */
 lw_status lw_motion_curve_find_events(lw_motion_curve *b);
 
 static inline double lw_segment_way(const lw_motion_curve_segment *s, double share)

@@ -1,14 +1,14 @@
-/* mbs/constraints/motion_curve_rates.c - derivatives by the inputs along a curve of postures. */
+/* mbs/constraints/motion_curve_rates.c - derivatives with respect to the inputs along a motion curve. */
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <string.h>
 
-/* Next to a branch point derivatives lose a digit for each digit of the distance, the k-th k + 1 of them, though the
- * curve is smooth: there they are those of the polynomial through places on both sides and their tangents. */
-static const double beside = 0.025;                       /* arc from a branch point where it is the better one */
+/* Near a branch point the k-th derivative loses k + 1 digits for each digit of the distance, although the curve is
+ * smooth. There, derivatives come from a polynomial through points on both sides and their tangents. */
+static const double beside = 0.025;                       /* use the polynomial within this arc of a branch point */
 static const double knot[] = { -0.1, -0.06, -0.03, 0.03, 0.06, 0.1 };
 enum { KNOTS = sizeof knot/sizeof *knot, TERMS = 2*KNOTS };
-static const double least_rate = 1e-8;     /* of the input by arc: below it turns back, or rests           */
+static const double least_rate = 1e-8;     /* d input / d arc; below this the input turns back or rests    */
 
 static bool input_turns(const lw_motion_curve *b, int input)
 {
@@ -27,8 +27,8 @@ bool lw_motion_curve_rates(lw_motion_curve *b, int order, const double *motion, 
     return true;
 }
 
-/* Taylor coefficients at 0 of the polynomial through f at x[0], x[2], .. with derivatives df there (f, df: every other
- * one), by divided differences. */
+/* Taylor coefficients at 0 of the Hermite polynomial with values f and derivatives df at x[0], x[2], .., by divided
+ * differences.  Only every other element of f and df is used. */
 static void taylor(int n, const double *x, const double *f, const double *df, int order, double *out)
 {
     double d[TERMS], c[TERMS] = { 0 };
@@ -44,7 +44,8 @@ static void taylor(int n, const double *x, const double *f, const double *df, in
     memcpy(out, c, (size_t)(order + 1)*sizeof *out);
 }
 
-/* Posture and tangent `away` from place `arc` of the curve, over the end of a closed one, whole turns from q. */
+/* Posture and tangent at arc length `arc + away`, past the end of a closed curve if necessary; whole turns relative
+ * to q. */
 static void look_beside(lw_motion_curve *b, double arc, double away, const double *q, double *p, double *tangent)
 {
     double length = lw_motion_curve_length(b), at = arc + fmin(1.0, length)*away;
@@ -55,8 +56,9 @@ static void look_beside(lw_motion_curve *b, double arc, double away, const doubl
         p[i] -= 2.0*LW_PI*round((p[i] - q[i])/(2.0*LW_PI));
 }
 
-/* The curve through posture q, next to the branch point at `arc`, as series in the distance along its direction. */
-static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order, double *out)
+/* The curve through posture q near the branch point at `arc`, as a series in the distance along its direction. */
+static void series_beside(lw_motion_curve *b, double arc, const double *q, const double *direction, int order,
+                          double *out)
 {
     double x[TERMS], f[TERMS*LW_SYSTEM_Q_MAX], df[TERMS*LW_SYSTEM_Q_MAX], one[LW_MOTION_CURVE_ORDER + 1];
     int n = 0;
@@ -84,8 +86,8 @@ static void series_beside(lw_motion_curve *b, double arc, const double *q, const
     }
 }
 
-/* power[j][k]: coefficient k of d(x)^j, where d solves  sum of u_j d^j = sum of w_k x^k,  j, k = 1 .. order: each d_k
- * follows from those before it. */
+/* power[j][k]: coefficient k of d(x)^j, where d solves  sum of u_j d^j = sum of w_k x^k,  j, k = 1 .. order.  Each d_k
+ * follows from the earlier ones. */
 static void invert(int order, const double *u, const double *w, double power[][LW_MOTION_CURVE_ORDER + 1])
 {
     for (int k = 1; k <= order; k++) {
@@ -100,9 +102,10 @@ static void invert(int order, const double *u, const double *w, double power[][L
     }
 }
 
-/* The curve is a series in a distance, and so is its free input: the motion is the one put into the other's
- * inverse. */
-static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w, double *q)
+/* The curve and its free input are series in a distance; inverting the second and substituting it into the first
+ * gives the motion. */
+static bool motion_beside(lw_motion_curve *b, double arc, const double *direction, int order, const double *w,
+                          double *q)
 {
     double curve[(LW_MOTION_CURVE_ORDER + 1)*LW_SYSTEM_Q_MAX], u[LW_MOTION_CURVE_ORDER + 1];
     double power[LW_MOTION_CURVE_ORDER + 1][LW_MOTION_CURVE_ORDER + 1] = { { 0 } };
@@ -120,7 +123,7 @@ static bool motion_beside(lw_motion_curve *b, double arc, const double *directio
     return true;
 }
 
-/* The arc of the branch point next to `arc`; false when there is none. */
+/* The arc of the branch point near `arc`; false if there is none. */
 static bool branch_point_near(const lw_motion_curve *b, double arc, double *at)
 {
     double most = fmin(1.0, lw_motion_curve_length(b))*beside, length = lw_motion_curve_length(b);

@@ -1,9 +1,9 @@
-/* mbs/constraints/motion_curve_singular.c - the branches at a branch point.
+/* mbs/constraints/motion_curve_singular.c - the directions of the branches at a branch point.
  *
- * At a simple one the equations F lose one rank: two directions t, n span what they leave free, and psi F' = 0 for one
- * psi.  Branches leave along v = a t + b n with psi F''[v, v] = 0 (Keller 1977; Allgower & Georg 1990, section
- * 8.1).  As t is a branch itself, the other is v = -(psi F''[n, n]/(2 psi F''[t, n])) t + n.  Where neither is
- * known, t and n are any two and the form is a quadratic one in the angle of v between them. */
+ * At a simple branch point the equations F lose one rank: the directions t, n span their null space, and psi F' = 0
+ * for one psi.  The branches leave along v = a t + b n with psi F''[v, v] = 0 (Keller 1977; Allgower & Georg 1990,
+ * section 8.1).  If t is one branch, the other is v = -(psi F''[n, n]/(2 psi F''[t, n])) t + n.  If neither is known,
+ * t and n are any basis and the condition is a quadratic equation for v. */
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <stdlib.h>
@@ -11,11 +11,12 @@
 #include "base/rank.h"
 #include "base/rng.h"
 
-static const double step_off = 0.02;       /* along the other branch: far from rounding, near for curvature */
-static const double least_rank = 1e-8;     /* what is left of a lost rank, at branch points told to 1e-11   */
-static const double least_bend = 1e-6;     /* of psi F'': below it branches touch, or there are more than two */
+static const double step_off = 0.02;       /* step along the other branch: beyond rounding, short for its curvature */
+static const double least_rank = 1e-8;     /* pivot that counts as lost rank, at branch points known to 1e-11 */
+static const double least_bend = 1e-6;     /* psi F'' below this: branches touch, or more than two meet        */
 
-/* A vector of the null space of the m x n matrix a (by columns); how many dimensions it has, -1: out of memory. */
+/* A vector of the null space of the m x n matrix a (by columns), not parallel to `without`.  Returns the dimension of
+ * the null space, -1: out of memory. */
 static int null_vector(int m, int n, const double *a, const double *without, double *out)
 {
     double *memory = malloc(lw_rank_doubles(m, n)*sizeof *memory), length = 0.0, along = 0.0;
@@ -27,7 +28,7 @@ static int null_vector(int m, int n, const double *a, const double *without, dou
         memcpy(r.a, a, (size_t)m*(size_t)n*sizeof *a);
         lw_rank_factor(&r, least_rank);
         left = n - r.rank;
-        lw_rng_seed(&rng, 3, without != NULL);            /* another than `without` was made from */
+        lw_rng_seed(&rng, 3, without != NULL);            /* a different random start than for `without` */
         for (int i = 0; i < n; i++)
             out[i] = lw_rng_range(&rng, -1.0, 1.0);
         lw_rank_null_part(&r, out);
@@ -74,11 +75,11 @@ static void derivatives(lw_motion_curve *b, const double *q, double *a, double *
             a[r + (long)m*i] = transposed[i + (long)n*r] = b->f.matrix[r + (long)b->f.m*i];
 }
 
-/* What a branch point is made of: two directions, psi, and room for `bent`. */
+/* The data of a branch point: two directions, psi, and scratch memory for `bent`. */
 typedef struct crossing { double *t, *n, *sum, *psi, *series, *phi, *store; } crossing;
 
-/* At q; own: the direction of a branch that is known, NULL: none.  False where it is not simple; free_crossing in
- * any case. */
+/* Fill c at q; own: the direction of a known branch, or NULL.  False if the branch point is not simple.  Call
+ * free_crossing in any case. */
 static bool make_crossing(lw_motion_curve *b, const double *q, const double *own, crossing *c)
 {
     int m = b->f.m - 1, n = b->n;
@@ -102,7 +103,7 @@ static bool make_crossing(lw_motion_curve *b, const double *q, const double *own
 
 static void free_crossing(crossing *c) { free(c->store); }
 
-/* psi F''/2 of t, t; of n, n; and twice that of t, n. */
+/* psi F''/2 of (t, t) and of (n, n), and psi F'' of (t, n). */
 static void form(const lw_motion_curve *b, const double *q, crossing *c, double *tt, double *nn, double *tn)
 {
     for (int i = 0; i < b->n; i++)
@@ -124,7 +125,7 @@ static void combine(const lw_motion_curve *b, const crossing *c, double x, doubl
         out[i] /= sqrt(length);
 }
 
-/* The direction of the other branch at q, whose own is t, into out. */
+/* out: the direction of the other branch at q, given the direction t of the first one. */
 static bool other_direction(lw_motion_curve *b, const double *q, const double *t, double *out)
 {
     crossing c;
@@ -139,7 +140,7 @@ static bool other_direction(lw_motion_curve *b, const double *q, const double *t
     return simple;
 }
 
-/* That of the branch at q on which the free input moves faster. */
+/* out: the direction of the branch at q on which the free input moves faster. */
 static bool faster_direction(lw_motion_curve *b, const double *q, double *out)
 {
     crossing c;
@@ -165,7 +166,7 @@ static bool faster_direction(lw_motion_curve *b, const double *q, double *out)
     return simple;
 }
 
-/* A little way from branch point `at` along v: posture q. */
+/* q: a posture a short distance from branch point `at` along v. */
 static bool step_from(lw_motion_curve *b, const double *at, const double *v, double *q)
 {
     for (int i = 0; i < b->n; i++) {

@@ -1,11 +1,11 @@
-/* mbs/constraints/motion_curve_walk.c - going along the curve of postures. */
+/* mbs/constraints/motion_curve_walk.c - following the curve of postures. */
 #include "mbs/constraints/motion_curve_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const double longest_step = 0.5;    /* so that what lies between is seen by the ends            */
-static const double closing = 1e-8;        /* of the start, which a closed curve comes back to          */
+static const double longest_step = 0.5;    /* so that the end points show what lies between them       */
+static const double closing = 1e-8;        /* largest distance from the start at which a curve is closed */
 
 /* ---- nodes ------------------------------------------------------------------------------------- */
 
@@ -41,8 +41,8 @@ static double dot(const lw_motion_curve *b, const double *x, const double *y)
     return sum;
 }
 
-/* Tangent on the side of f->row, reach and curvature of a node, which f is then ready to step from; the tangent is
- * stored on the side of growing stations. */
+/* Compute tangent (on the side of f->row), reach and curvature of a node, so that f can step from it.  The stored
+ * tangent points to growing stations. */
 static bool look_around(lw_motion_curve *b, int node, int way)
 {
     lw_motion_curve_node *p = &b->node[node];
@@ -98,7 +98,7 @@ static void measure_arc(lw_motion_curve *b, lw_motion_curve_segment *s)
     double h = s->length, end = 1.0/fmax(0.1, dot(b, lw_node_tangent(b, s->base), lw_node_tangent(b, s->far)));
     s->square = 2.0*dot(b, c, c);
     s->cube = (end - 1.0 - s->square*h*h)/(h*h*h);
-    if (fabs(s->cube*h) > s->square + 1.0) {              /* from rounding of a short step */
+    if (fabs(s->cube*h) > s->square + 1.0) {              /* caused by rounding in a short step */
         s->square = (end - 1.0)/(h*h);
         s->cube = 0.0;
     }
@@ -119,7 +119,7 @@ static lw_status add_segment(lw_motion_curve *b, int base, int far, int way, dou
     return LW_OK;
 }
 
-/* From node `here`, which f is ready at, one step that stays on the branch; q is where it leads, *h its length. */
+/* One step from node `here`, for which f is prepared, that stays on the branch.  q: its end; *h: its length. */
 static bool step(lw_motion_curve *b, int here, double *q, double *h)
 {
     double kappa = b->node[here].kappa;
@@ -140,7 +140,7 @@ static void set_distance(void *context, double h)
     b->f.distance = h;
 }
 
-/* q less the start with whole turns taken out, into out; how far that is along the tangent of the start. */
+/* out = q - start with whole turns removed; returns its component along the tangent of the start. */
 static double from_start(const lw_motion_curve *b, const double *q, double *out)
 {
     for (int i = 0; i < b->n; i++) {
@@ -151,7 +151,7 @@ static double from_start(const lw_motion_curve *b, const double *q, double *out)
     return dot(b, out, lw_node_tangent(b, 0));
 }
 
-/* How far ahead of node `base`, along f->row, the start lies, if it does within reach of a leap. */
+/* Distance of the start ahead of node `base` along f->row, if it is within reach of a step across a branch point. */
 static double start_ahead(lw_motion_curve *b, int base, double distance)
 {
     from_start(b, b->node[base].q, b->a);
@@ -159,8 +159,9 @@ static double start_ahead(lw_motion_curve *b, int base, double distance)
     return h > 1.000001*distance && h <= 4.0*distance && size < 2.0*h ? h : HUGE_VAL;
 }
 
-/* No step is short enough at node `here`: leap over the branch point ahead, from a node far enough before it for
- * good derivatives, along the series there.  The far side must agree with it far better than its reach. */
+/* No step is short enough at node `here`: cross the branch point ahead along the Taylor series of an earlier node
+ * that is far enough from it for good derivatives.  The posture on the far side must agree with the series much
+ * better than its reach. */
 static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, double ahead, int *far)
 {
     double away = 0.0;
@@ -185,7 +186,8 @@ static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, 
         lw_continuation_sum(&b->f, LW_MOTION_CURVE_ORDER, b->series, h, p);
         memcpy(q, p, (size_t)b->n*sizeof *q);
         b->f.distance = h;
-        if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) || !lw_continuation_tangent(&b->f))
+        if (!lw_continuation_correct(&b->f, q) || !(lw_continuation_factor(&b->f, q) > 1e-12) ||
+            !lw_continuation_tangent(&b->f))
             continue;
         double gap = lw_continuation_distance(&b->f, p, q), turn = dot(b, b->f.tangent, b->f.row);
         if (!(gap*lw_continuation_bound(&b->f, q) < 0.01) || !(turn > 0.5))
@@ -201,23 +203,23 @@ static lw_status leap(lw_motion_curve *b, int first_segment, int way, int here, 
     return LW_E_NUMERIC;
 }
 
-/* ---- the way ----------------------------------------------------------------------------------- */
+/* ---- the whole curve --------------------------------------------------------------------------- */
 
-/* The last segment went from `before` (along the start's tangent) to node `far`: did it pass the start?  Then it ends
- * there. */
+/* Did the last segment, from `before` (along the tangent of the start) to node `far`, pass the start?  Then end it at
+ * the start. */
 static lw_status close_up(lw_motion_curve *b, double before, int far, bool *closed)
 {
     lw_motion_curve_segment *s = &b->segment[b->n_segment - 1];
     double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
     *closed = false;
-    bool there = size < closing;                          /* as where a leap ended at the start */
+    bool there = size < closing;                          /* for example after a singular step that ended at the start */
     if (!(before < 0.0 && (after >= 0.0 || there)) || (s->singular >= 0.0 && !there) || size > 4.0*s->length
         || dot(b, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
         return LW_OK;
     memcpy(b->c, b->node[far].q, (size_t)b->n*sizeof *b->c);
     for (int i = 0; i < b->n; i++) {
         b->f.row[i] = lw_node_tangent(b, 0)[i];
-        b->f.origin[i] = b->node[far].q[i] - b->a[i];     /* the start, turned on */
+        b->f.origin[i] = b->node[far].q[i] - b->a[i];     /* the start with whole turns added */
     }
     b->f.distance = 0.0;
     for (int i = 0; i < b->n; i++)
@@ -239,7 +241,7 @@ static lw_status close_up(lw_motion_curve *b, double before, int far, bool *clos
     for (int i = 0; i < b->n; i++)
         s->length += lw_node_tangent(b, base)[i]*(b->node[far].q[i] - b->node[base].q[i]);
     measure_arc(b, s);
-    if (s->length < 1e-9) {                               /* a step that led to the start */
+    if (s->length < 1e-9) {                               /* the step ended at the start */
         b->n_segment--;
         b->segment[b->n_segment - 1].far = far;
     }
@@ -254,7 +256,7 @@ static bool too_far(const lw_motion_curve *b, const double *q)
     return false;
 }
 
-/* From node 0, ready in f, one way to the end. */
+/* Follow the curve from node 0, for which f is prepared, in one direction to its end. */
 static lw_status go(lw_motion_curve *b, int way, lw_motion_curve_end *end)
 {
     int here = 0, first = b->n_segment;
@@ -295,7 +297,7 @@ static lw_status go(lw_motion_curve *b, int way, lw_motion_curve_end *end)
         if (way > 0 && from_start(b, b->node[far].q, b->a) >= 0.0 && before < 0.0) {
             for (int i = 0; i < b->n; i++)
                 b->f.row[i] = lw_node_tangent(b, far)[i];
-            look_around(b, far, way);                     /* close_up may have left f elsewhere */
+            look_around(b, far, way);                     /* close_up may have changed f */
         }
         here = far;
         if (too_far(b, b->node[here].q)) {
@@ -314,7 +316,7 @@ static void reverse(lw_motion_curve_segment *s, int n)
     }
 }
 
-/* The segments from `half` on lead backwards from the start: put them first, the last of them foremost. */
+/* The segments from `half` on lead backwards from the start: put them first, in reverse order. */
 static void order_segments(lw_motion_curve *b, int half)
 {
     reverse(b->segment, half);
