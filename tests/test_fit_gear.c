@@ -148,7 +148,7 @@ static void found_again(lw_linkage k, int laps, long budget)
         CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
         CHECK(r->verified && r->error_max < 1e-8);
         CHECK_TEXT(r->fault, "");
-        CHECK_INT(r->laps, laps);
+        CHECK_INT(r->input_turns_per_period, laps);
     }
     free(r);
     lw_staged_search_free(&s);

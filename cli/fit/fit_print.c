@@ -191,13 +191,13 @@ static void json_reversals(const lw_fit_report *r, bool limit, cli_json *j)
 /* As the joint of the linkage turns. */
 static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
-    if (r->laps == 1) {
+    if (r->input_turns_per_period == 1) {
         cli_json_reals(j, "inputs", c->input, s->target.n);
         return;
     }
     cli_json_array(j, "inputs");
     for (size_t i = 0; i < s->target.n; i++)
-        cli_json_real(j, NULL, r->laps*c->input[i]);
+        cli_json_real(j, NULL, r->input_turns_per_period*c->input[i]);
     cli_json_end(j);
 }
 
@@ -220,8 +220,8 @@ static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit
 static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     cli_json_bool(j, "crank", r->turns);
-    if (r->laps > 1)
-        cli_json_int(j, "laps", r->laps);
+    if (r->input_turns_per_period > 1)
+        cli_json_int(j, "laps", r->input_turns_per_period);
     if (r->circuits)
         cli_json_int(j, "circuits", r->circuits);
     cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
@@ -234,7 +234,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
                                                                          : length(s, r->acceleration_max));
     cli_json_int(j, "sense", c->branch.sense);
-    cli_json_real(j, "input0", r->laps*c->input0);
+    cli_json_real(j, "input0", r->input_turns_per_period*c->input0);
     cli_json_real(j, "tool0", c->tool0);
     json_inputs(s, c, r, j);
 }

@@ -36,15 +36,15 @@ static lw_vec2 tangent(const lw_target *t, size_t i)
 
 static bool is_none(lw_vec2 a) { return a.x == 0 && a.y == 0; }
 
-/* The other end's direction of an arc with chord d. */
+/* Direction of an arc with chord d at its other end. */
 static lw_vec2 mirrored(lw_vec2 tangent, lw_vec2 d)
 {
     lw_vec2 along = unit(d);
     return lw_v2_sub(lw_v2_scale(along, 2*lw_v2_dot(along, tangent)), tangent);
 }
 
-/* PIECES points from station i on, the next one not among them: a cubic with the directions of both (Hermite); at a
- * corner and at an end an arc; between two of them straight. */
+/* PIECES points from station i up to the next, without that: on a cubic with the directions at both (Hermite); on an
+ * arc at a corner or an end; on a line between two of these. */
 static void span(const lw_target *t, size_t i, lw_vec2 out[PIECES])
 {
     lw_vec2 p = station(t, i), d = lw_v2_sub(station(t, i + 1), p), u = tangent(t, i), v = tangent(t, (i + 1) % t->n);
@@ -77,7 +77,7 @@ static lw_vec2 *curve_of(const lw_target *t, size_t *n)
 
 /* ---- distances ------------------------------------------------------------------------------------------ */
 
-/* N points at equal steps along a polyline; of an open one both ends, of a closed one no end twice. */
+/* N points at equal steps along a polyline, with both ends of an open one; of a closed one no point twice. */
 static bool resample(const lw_vec2 *p, size_t n, bool closed, lw_vec2 out[N])
 {
     double total = 0, done = 0;
@@ -87,17 +87,17 @@ static bool resample(const lw_vec2 *p, size_t n, bool closed, lw_vec2 out[N])
     if (!(total > 0))
         return false;
     for (int j = 0; j < N; j++) {
-        double want = total*j/(closed ? N : N - 1), step;
+        double along = total*j/(closed ? N : N - 1), step;
         lw_vec2 d;
         for (;; k++) {
             d = lw_v2_sub(p[(k + 1) % n], p[k % n]);
             step = lw_v2_norm(d);
-            if (done + step >= want || k + 1 >= last)
+            if (done + step >= along || k + 1 >= last)
                 break;
             done += step;
         }
-        double share = step > 0 ? fmin(1, (want - done)/step) : 0;
-        out[j] = lw_v2_add(p[k % n], lw_v2_scale(d, share));
+        double part = step > 0 ? fmin(1, (along - done)/step) : 0;
+        out[j] = lw_v2_add(p[k % n], lw_v2_scale(d, part));
     }
     return true;
 }
@@ -126,7 +126,7 @@ static double nearest(const lw_vec2 a[N], const lw_vec2 b[N], bool closed)
     return sum/N;
 }
 
-/* Mean distance of equal ranks, a's rank i beside b's `first` + sense*i. */
+/* Mean distance of points of equal rank: rank i of a and rank `first` + sense*i of b. */
 static double in_order(const lw_vec2 a[N], const lw_vec2 b[N], int first, int sense)
 {
     double sum = 0;
@@ -137,21 +137,21 @@ static double in_order(const lw_vec2 a[N], const lw_vec2 b[N], int first, int se
 
 void lw_likeness_measure(const lw_target *t, const lw_vec2 *curve, size_t n, lw_likeness *out)
 {
-    lw_vec2 want[N], have[N];
+    lw_vec2 target[N], found[N];
     size_t n_drawn;
     lw_vec2 *drawn = curve_of(t, &n_drawn);
     *out = (lw_likeness){ NAN, NAN, NAN, NAN };
-    bool there = drawn && resample(drawn, n_drawn, t->closed, want) && resample(curve, n, t->closed, have);
+    bool there = drawn && resample(drawn, n_drawn, t->closed, target) && resample(curve, n, t->closed, found);
     free(drawn);
     if (!there)
         return;
-    double radius = rms_radius(want), best = INFINITY;
-    out->to_curve = nearest(want, have, t->closed)/radius;
-    out->to_target = nearest(have, want, t->closed)/radius;
+    double radius = rms_radius(target), best = INFINITY;
+    out->to_curve = nearest(target, found, t->closed)/radius;
+    out->to_target = nearest(found, target, t->closed)/radius;
     out->chamfer = 0.5*(out->to_curve + out->to_target);
     for (int first = 0; first < (t->closed ? N : 1); first++) {
-        best = fmin(best, in_order(want, have, first, 1));
-        best = fmin(best, in_order(want, have, t->closed ? first : N - 1, -1));
+        best = fmin(best, in_order(target, found, first, 1));
+        best = fmin(best, in_order(target, found, t->closed ? first : N - 1, -1));
     }
     out->ordered = best/radius;
 }

@@ -1,8 +1,8 @@
-/* optimise/report/likeness.h - how alike two curves are, as tools that learn linkages from curves report it.
+/* optimise/report/likeness.h - distances of two curves, as tools that learn linkages from curves report them.
  *
- * The curve of a target goes through its stations, smoothly but at corners: a polygon of chords would lie beside
- * the curve it was taken from, by more than good linkages do.  Both curves are cut into LW_LIKENESS_POINTS points at
- * equal steps of their length; distances are means, divided by the RMS radius of the target (of its points about
+ * The curve of a target goes through its stations, smooth except at corners: a polygon of chords would deviate from
+ * the curve behind the stations by more than good linkages do.  Both curves are divided into LW_LIKENESS_POINTS
+ * points at equal steps of length.  Distances are means, divided by the RMS radius of the target (of its points about
  * their mean).
  *     chamfer    half of: from each target point to the nearest place of the curve, and the other way
  *     ordered    between points of equal rank, at the best shift (closed curves) and sense

@@ -17,8 +17,8 @@ static lw_status full_plan(const lw_target *t, const lw_fit_spec *s, const lw_ca
 {
     lw_status st = lw_tracers_linkage(c->family, t, s, k, e);
     snprintf(k->name, sizeof k->name, "%s", lw_family_title(c->family));
-    return st == LW_OK ? lw_plan_make(k, (lw_plan_options){ .tracers = lw_tracers_mask(t), .all_joints = true, .kind = LW_PLAN_GEARED }, plan, e)
-                       : st;
+    lw_plan_options options = { .tracers = lw_tracers_mask(t), .all_joints = true, .kind = LW_PLAN_GEARED };
+    return st == LW_OK ? lw_plan_make(k, options, plan, e) : st;
 }
 
 /* Angles of the tracers' tools in the posture of a pose of the candidate. */
@@ -28,7 +28,7 @@ static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose 
         k->tracer[i].angle = pose->angle[k->tracer[i].link][0] + (i > 0 ? c->tool[i - 1] : c->tool0);
 }
 
-/* Assembly of the candidate at a station, modes (LW_MODE_MAX). */
+/* Assembly modes of the candidate at a station, modes (LW_MODE_MAX). */
 static void modes_at(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
 {
     memcpy(modes, c->branch.mode, sizeof c->branch.mode);
@@ -38,7 +38,7 @@ static void modes_at(const lw_candidate *c, const lw_plan *plan, size_t station,
 
 /* ---- errors at the stations ------------------------------------------------------------------- */
 
-/* Sums over the stations of one point, and what is farthest off. */
+/* Sums over the stations of one point, and the greatest errors. */
 typedef struct sums {
     double f, distance, square, angle, distance_max, angle_max;
     size_t worst, worst_angle;
@@ -66,7 +66,7 @@ static void add_angle(double weight, double d, size_t i, sums *sum)
     }
 }
 
-/* One station: eq. 17 and what people want to know of it, for each point. */
+/* Add the errors of each point at one station, and their share of eq. 17. */
 static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_linkage *k, size_t i,
                         const lw_pose *pose, lw_vec2 *at, sums *sum)
 {
@@ -147,19 +147,19 @@ static double distance_to_target(const lw_target *t, lw_vec2 p)
     return least;
 }
 
-enum { LOOKS = 720 };             /* at a motion                                                  */
+enum { SAMPLES = 720 };           /* of a motion                                                  */
 
-/* Over [from, to] in one mode: the farthest the tracer goes from the target. */
-static void stray(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes, double from,
-                  double to, lw_fit_report *r)
+/* Update curve_max by the tracer's greatest distance from the target over [from, to] in one assembly mode. */
+static void measure_distance(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes,
+                             double from, double to, lw_fit_report *r)
 {
     lw_pose pose;
-    for (int k = 0; k <= LOOKS; k++)
-        if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/LOOKS, 0, &pose) == LW_OK)
+    for (int k = 0; k <= SAMPLES; k++)
+        if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/SAMPLES, 0, &pose) == LW_OK)
             r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
 }
 
-/* The arc in which station 0 is; -1: none. */
+/* The arc that holds station 0; -1: none. */
 static int arc_of(const lw_plan *plan, const lw_motion *m, const lw_candidate *c)
 {
     double modes[LW_MODE_MAX];
@@ -177,7 +177,7 @@ void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double inpu
         r->reversal[r->n_reversal++] = (lw_reversal){ limit, joint, j->link[j->link[0] == r->linkage.ground], input };
 }
 
-/* The range of the arc, in the turn of station 0, and where joints turn back in it. */
+/* The range of the arc, in the turn of station 0, and the reversals in it. */
 static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_arc *a, lw_fit_report *r)
 {
     lw_output_limits turn[LW_REVERSAL_MAX];
@@ -195,7 +195,7 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
         lw_fit_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
 }
 
-/* Inputs the stations span: the whole turn for closed targets. */
+/* The range of the inputs at the stations. */
 static void covered(const lw_target *t, const lw_candidate *c, double *from, double *to)
 {
     *from = *to = c->input[0];
@@ -205,30 +205,30 @@ static void covered(const lw_target *t, const lw_candidate *c, double *from, dou
     }
 }
 
-/* From station to station where the input does not turn, of closed targets back to the first; where the assembly
- * changes the way is over a limit, where it is 0 and grows beyond all bounds. */
-static void go_the_way(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
-                       lw_motion_limits *way)
+/* Measure the motion from station to station, of closed targets back to the first.  Where the assembly mode changes,
+ * the motion passes a limit: the transmission angle is 0 there, and the acceleration infinite. */
+static void measure_between_stations(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s,
+                                     const lw_candidate *c, lw_motion_limits *limits)
 {
     size_t spans = t->closed ? t->n : t->n - 1;
-    int looks = spans < LOOKS/8 ? LOOKS/(int)spans : 8;
+    int samples = spans < SAMPLES/8 ? SAMPLES/(int)spans : 8;
     for (size_t i = 0; i < spans; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
         size_t k = (i + 1) % t->n;
         modes_at(c, plan, i, here);
         modes_at(c, plan, k, next);
         bool on = memcmp(here, next, sizeof *here*(size_t)plan->n_dyad) == 0;
-        lw_motion_limits_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], looks, way);
+        lw_motion_limits_run(plan, s, c->dim, here, c->input[i], on ? c->input[k] : c->input[i], samples, limits);
         if (!on) {
-            way->margin_least = fmin(way->margin_least, 0);
-            way->acceleration = INFINITY;
+            limits->margin_least = fmin(limits->margin_least, 0);
+            limits->acceleration = INFINITY;
         }
     }
 }
 
-/* What holds on the circuit of station 0. */
+/* Describe the circuit of station 0. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
-                             const lw_motion *m, lw_motion_limits *way, lw_fit_report *r)
+                             const lw_motion *m, lw_motion_limits *limits, lw_fit_report *r)
 {
     int at = arc_of(plan, m, c);
     r->circuits = m->n_circuit;
@@ -238,38 +238,39 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
     r->turns = a->turns;
     describe_arc(plan, c, a, r);
     if (r->turns)
-        lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, LOOKS, way);
+        lw_motion_limits_run(plan, s, c->dim, a->mode, a->first, a->last, SAMPLES, limits);
     else
-        go_the_way(t, plan, s, c, way);
+        measure_between_stations(t, plan, s, c, limits);
     if (!r->turns)
         return;
-    r->transmission_min = a->transmission_min;           /* in [0, pi], and to the last digit        */
+    r->transmission_min = a->transmission_min;           /* in [0, pi], and to rounding              */
     r->transmission_max = a->transmission_max;
 }
 
 static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }
 
 static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                            const lw_plan *plan, const lw_closed_motion *cycle, lw_motion_limits *way, lw_fit_report *r)
+                            const lw_plan *plan, const lw_closed_motion *cycle, lw_motion_limits *limits,
+                            lw_fit_report *r)
 {
     lw_motion m;
     double from, to;
     covered(t, c, &from, &to);
     if (plan->n_higher)
-        lw_fit_report_curve(plan, s, c, from, to, way, r);
+        lw_fit_report_curve(plan, s, c, from, to, limits, r);
     else if (lw_motion_find(plan, c->dim, &m) == LW_OK)
-        describe_circuit(t, plan, s, c, &m, way, r);
-    r->acceleration_max = way->acceleration;
-    if (isnan(r->transmission_min) && !isnan(way->margin_least)) {
-        r->transmission_min = angle_of(way->margin_least);
-        r->transmission_max = angle_of(way->margin_most);
+        describe_circuit(t, plan, s, c, &m, limits, r);
+    r->acceleration_max = limits->acceleration;
+    if (isnan(r->transmission_min) && !isnan(limits->margin_least)) {
+        r->transmission_min = angle_of(limits->margin_least);
+        r->transmission_max = angle_of(limits->margin_most);
     }
     if (s->task == LW_TASK_FUNCTION) {
         r->curve_max = NAN;
         return;
     }
     for (int j = 0; j < cycle->n; j++)
-        stray(t, plan, c, cycle->leg[j].mode, lw_closed_motion_first(cycle, j), cycle->leg[j].last, r);
+        measure_distance(t, plan, c, cycle->leg[j].mode, lw_closed_motion_first(cycle, j), cycle->leg[j].last, r);
     if (t->closed && r->turns)
         to = from + 2*LW_PI;
     bool used[2] = { false, false };
@@ -277,7 +278,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         double modes[LW_MODE_MAX];
         modes_at(c, plan, i, modes);
         if (!used[modes[0] > 0])
-            stray(t, plan, c, modes, from, to, r);
+            measure_distance(t, plan, c, modes, from, to, r);
         used[modes[0] > 0] = true;
     }
 }
@@ -289,45 +290,47 @@ static double turn_up(double angle)
     return a < 0 ? a + 2*LW_PI : a;
 }
 
-/* Stations without an order: the piece of the motion from the first station to the last that more of the others
- * lie on; all of it for closed targets. */
-static double covered_way(const lw_target *t, const lw_candidate *c, bool turns)
+/* The input's travel over the stations when these have no order: of the two ways from the first station to the last,
+ * the one that passes more of the other stations; a whole turn for closed targets. */
+static double covered_travel(const lw_target *t, const lw_candidate *c, bool turns)
 {
-    double way = c->input[t->n - 1] - c->input[0];
+    double travel = c->input[t->n - 1] - c->input[0];
     size_t inside = 0;
     if (!turns)
-        return way;
+        return travel;
     if (t->closed)
         return 2*LW_PI;
-    way = turn_up(way);
+    travel = turn_up(travel);
     for (size_t i = 1; i + 1 < t->n; i++)
-        inside += turn_up(c->input[i] - c->input[0]) <= way;
-    return 2*inside + 2 >= t->n ? way : way - 2*LW_PI;
+        inside += turn_up(c->input[i] - c->input[0]) <= travel;
+    return 2*inside + 2 >= t->n ? travel : travel - 2*LW_PI;
 }
 
-/* The way from station a to the next. */
-static double way_on(const lw_target *t, const lw_candidate *c, bool turns, size_t a)
+/* The input's travel from station a to the next. */
+static double travel_to_next(const lw_target *t, const lw_candidate *c, bool turns, size_t a)
 {
     size_t b = (a + 1) % t->n;
-    double way = c->input[b] - c->input[a];
-    return b == 0 && turns ? c->branch.sense*turn_up(c->branch.sense*way) : way;
+    double travel = c->input[b] - c->input[a];
+    return b == 0 && turns ? c->branch.sense*turn_up(c->branch.sense*travel) : travel;
 }
 
-/* A stretch of the curve from station a on, steps points at equal inputs. */
-static size_t stretch(const lw_candidate *c, const lw_plan *plan, size_t a, double way, int steps, lw_vec2 *curve)
+/* Points of the curve from station a on, `steps` at equal inputs.  Returns how many closed. */
+static size_t sample_curve(const lw_candidate *c, const lw_plan *plan, size_t a, double travel, int steps,
+                           lw_vec2 *curve)
 {
     double modes[LW_MODE_MAX];
     size_t n = 0;
     modes_at(c, plan, a, modes);
     for (int k = 0; k < steps; k++) {
         lw_pose pose;
-        if (lw_pose_solve(plan, c->dim, modes, c->input[a] + way*k/steps, 0, &pose) == LW_OK)
+        if (lw_pose_solve(plan, c->dim, modes, c->input[a] + travel*k/steps, 0, &pose) == LW_OK)
             curve[n++] = pose.tracer[0][0];
     }
     return n;
 }
 
-/* The curve as it is run through: from station to station where they have an order. */
+/* Compare the target with the curve in the order in which the tracer moves: from station to station if these have an
+ * order. */
 static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, const lw_plan *plan,
                            const lw_closed_motion *cycle, lw_fit_report *r)
 {
@@ -340,15 +343,15 @@ static void compare_curves(const lw_target *t, const lw_fit_spec *s, const lw_ca
     if (circuit)
         n = lw_fit_report_cycle_points(plan, c, cycle, WHOLE, curve);
     else if (piece)
-        n = stretch(c, plan, 0, covered_way(t, c, r->turns), WHOLE, curve);
+        n = sample_curve(c, plan, 0, covered_travel(t, c, r->turns), WHOLE, curve);
     for (size_t i = 0; i < spans && !piece; i++) {
         double here[LW_MODE_MAX], next[LW_MODE_MAX];
         modes_at(c, plan, i, here);
         modes_at(c, plan, (i + 1) % t->n, next);
-        n += stretch(c, plan, i, way_on(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
+        n += sample_curve(c, plan, i, travel_to_next(t, c, r->turns, i), here[0] != next[0] ? 1 : STEPS, curve + n);
     }
     if (!t->closed && !piece)
-        n += stretch(c, plan, t->n - 1, 0, 1, curve + n);
+        n += sample_curve(c, plan, t->n - 1, 0, 1, curve + n);
     if (n >= 2)
         lw_likeness_measure(t, curve, n, &r->likeness);
     free(curve);
@@ -358,19 +361,20 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 {
     if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
         return;
+    double mode = c->mode_of ? c->mode_of[0] : c->branch.mode[0];
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
-    if (s->task != LW_TASK_FUNCTION && t->n_also == 0    /* its tracer is not on the coupler; or one is not all */
-        && lw_fourbar_cognates(c->dim, c->mode_of ? c->mode_of[0] : c->branch.mode[0], r->cognate, r->cognate_mode) == LW_OK)
+    if (s->task != LW_TASK_FUNCTION && t->n_also == 0    /* cognates move one coupler point */
+        && lw_fourbar_cognates(c->dim, mode, r->cognate, r->cognate_mode) == LW_OK)
         r->n_cognate = 2;
 }
 
-/* ---- all of it -------------------------------------------------------------------------------- */
+/* ---- the report ------------------------------------------------------------------------------- */
 
 lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                          lw_fit_report *r, lw_error *e)
 {
     lw_plan plan;
-    lw_motion_limits way = lw_motion_limits_begin();
+    lw_motion_limits limits = lw_motion_limits_begin();
     lw_closed_motion cycle;
     double modes[LW_MODE_MAX];
     memset(r, 0, sizeof *r);
@@ -385,7 +389,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
     lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
-    r->laps = plan.laps;
+    r->input_turns_per_period = plan.laps;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK
@@ -398,12 +402,12 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         r->linkage.units = t->units;
         lw_fit_report_cycle(t, &plan, c, modes, &cycle);
         r->legs = cycle.n;
-        describe_motion(t, s, c, &plan, &cycle, &way, r);
+        describe_motion(t, s, c, &plan, &cycle, &limits, r);
         if (s->task != LW_TASK_FUNCTION)
             compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);
-        r->meets = lw_motion_limits_meets(&way, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
+        r->meets = lw_motion_limits_meets(&limits, s, &r->linkage, t->x ? t->size : 1, r->fault, sizeof r->fault);
         r->verified &= r->meets;
     }
     free(at);

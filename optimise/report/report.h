@@ -1,5 +1,5 @@
-/* optimise/report/report.h - what there is to say of a linkage that was found, worked out afresh from it:
- * its posture, its errors, its motion, and whether an independent simulation agrees. */
+/* optimise/report/report.h - the report of a linkage that was found, computed from its dimensions alone: posture,
+ * errors, motion, and whether an independent simulation agrees. */
 #ifndef LW_OPTIMISE_REPORT_REPORT_H
 #define LW_OPTIMISE_REPORT_REPORT_H
 
@@ -17,10 +17,10 @@ typedef struct lw_also_error {
 
 #define LW_REVERSAL_MAX 32
 
-/* Where a joint turns back: the input at a limit of the motion; another at the ground at the end of its swing, a dead
- * point of the linkage if that joint drove it. */
+/* Where a joint reverses: the input joint at a limit of the motion; another joint at the ground at an end of its
+ * swing, which would be a dead point if that joint drove the linkage. */
 typedef struct lw_reversal {
-    bool   limit;                  /* of the input                                                  */
+    bool   limit;                  /* the input reverses                                            */
     int    joint, link;            /* the joint, and its link that is not the ground                */
     double input;                  /* in the ground frame, as lw_candidate.input [rad] or [m]       */
 } lw_reversal;
@@ -37,41 +37,41 @@ typedef struct lw_fit_report {
     double   angle_mean, angle_max;/* of the tool or output [rad]; NaN when the task has none      */
     int      n_also;
     lw_also_error also[LW_ALSO_MAX];
-    double   curve_max;            /* greatest distance of the curve, as far as it is run through from first to
-                                    * last station, from the target polygon [m]                     */
+    double   curve_max;            /* greatest distance of the curve from the target polygon, between the first and the
+                                    * last station [m]                                              */
     lw_likeness likeness;          /* of the curve between the stations and the target; NaN for functions */
     bool     turns;                /* the input turns fully                                         */
-    int      laps;                 /* turns of it until gears come back, else 1: the candidate's inputs count these as
-                                    * one, inputs here and in files do not                          */
-    int      circuits;             /* of the linkage with these lengths; 0: not counted. With higher groups those that
-                                    * postures drawn by chance were on (mbs/constraints/circuits.h): as many or more     */
-    double   input_first, input_last;  /* how far the input goes from the first station without passing a limit, as
-                                    * lw_candidate.input times laps; turning: until the motion closes; NaN: not known    */
-    int      legs;                 /* of a closed result through limits: ways from limit to limit until its motion
+    int      input_turns_per_period;   /* turns of the input until gears return to their first position, else 1; the
+                                    * candidate's inputs count them as one turn, inputs here and in files do not */
+    int      circuits;             /* of the linkage with these lengths; 0: not counted.  With higher groups: circuits
+                                    * found from random starting poses (mbs/constraints/circuits.h); there may be more */
+    double   input_first, input_last;  /* range of the input around the first station without passing a limit, as
+                                    * lw_candidate.input times input_turns_per_period; of a turning input one period;
+                                    * NaN: not known                                                */
+    int      legs;                 /* of a closed motion across limits: number of strokes from limit to limit until it
                                     * closes; else 0                                                */
     int      n_reversal;
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
-    double   transmission_min, transmission_max;    /* over the whole turn of this branch, or from station to station
-                                    * where the input does not turn [rad]: the angle in [0, pi/2] whose squared sine
-                                    * is the margin of mbs/batch/batch.h; of dyads that turn in [0, pi]             */
-    double   acceleration_max;     /* over the same, by the input: of the tracer [m/rad^2], of a function of the
-                                    * output angle [rad/rad^2]                                     */
+    double   transmission_min, transmission_max;    /* over the whole turn, or from station to station if the input does
+                                    * not turn [rad]: the angle in [0, pi/2] whose squared sine is the margin of
+                                    * mbs/batch/batch.h; for dyads and a turning input, in [0, pi]  */
+    double   acceleration_max;     /* over the same range, by the input: of the tracer [m/rad^2], of a function of the
+                                    * output angle [rad/rad^2]                                      */
     bool     has_class;            /* a four-bar that could be classified                           */
     lw_fourbar_class barker;
     int      n_cognate;            /* 0 or 2                                                        */
     double   cognate[2][9], cognate_mode[2];
-    /* simulated again: the linkage written as a file, read back, moved by Newton's method */
+    /* the second simulation: the linkage written as a file, read back, moved by Newton's method */
     bool     meets;                /* the conditions on its motion and pivots (optimise/task/motion_limits.h)       */
-    bool     verified;             /* and they agree                                                */
+    bool     verified;             /* it meets them, and both simulations agree                     */
     double   verified_objective, verified_mean;
     double   difference;           /* largest distance between the two simulations at a station [m] */
     char     fault[256];           /* why it was not verified; "" when it was                       */
 } lw_fit_report;
 
-/* Work it out.  A result whose simulation disagrees by more than 1e-9 of the path's length (and the
- * rounding of its coordinates), or that does not meet the conditions of s, has verified == false and says why.
- * LW_E_MEMORY. */
-lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
-                         lw_fit_report *r, lw_error *e);
+/* Make the report.  `verified` is false, and `fault` says why, if the second simulation differs by more than 1e-9 of
+ * the path's length (plus the rounding of its coordinates) or the conditions of s are not met.  LW_E_MEMORY. */
+lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, lw_fit_report *r,
+                             lw_error *e);
 
 #endif

@@ -1,5 +1,4 @@
-/* optimise/report/report_circuit.c - the motion of a closed result that runs over limits: leg by leg, all of its
- * circuit. */
+/* optimise/report/report_circuit.c - closed motions across limits, leg by leg over the whole circuit. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,14 +19,14 @@ bool lw_fit_report_cycle(const lw_target *t, const lw_plan *plan, const lw_candi
     return cycle->n > 0;
 }
 
-size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle, size_t most,
-                              lw_vec2 *curve)
+size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
+                                  size_t most, lw_vec2 *curve)
 {
     size_t each = most/(size_t)cycle->n, n = 0;
     for (int j = 0; j < cycle->n; j++) {
         const lw_leg *leg = &cycle->leg[j];
         double first = lw_closed_motion_first(cycle, j), mid = 0.5*(first + leg->last), half = 0.5*(leg->last - first);
-        for (size_t k = 0; k < each; k++) {              /* not at the limits themselves: rounding may open it there */
+        for (size_t k = 0; k < each; k++) {              /* not at the limits: rounding may open it there */
             lw_pose pose;
             double input = mid - half*cos(LW_PI*((double)k + 0.5)/(double)each);
             if (lw_pose_solve(plan, c->dim, leg->mode, input, 0, &pose) == LW_OK)

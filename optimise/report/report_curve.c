@@ -1,5 +1,5 @@
-/* optimise/report/report_curve.c - the motion of a result whose plan has higher groups, for which there are no arcs
- * in closed form: the curve of postures through the first station. */
+/* optimise/report/report_curve.c - the motion of a linkage with higher groups, which has no arcs in closed form: the
+ * curve of postures through the first station. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,9 +17,9 @@ typedef struct work {
     double     q[LW_SYSTEM_Q_MAX], dim[LW_DIM_MAX], mode[LW_MODE_MAX];
 } work;
 
-/* Postures of the whole curve, even in the input; each is the seed of its own pose. */
+/* Measure postures of the whole curve at equal steps of the input.  Each posture is the seed of its own pose. */
 static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_motion_curve *b, work *w,
-                        lw_motion_limits *way)
+                        lw_motion_limits *limits)
 {
     double end = lw_motion_curve_segments(b), input, ends[2];
     for (int i = 0; i < 2; i++) {
@@ -32,13 +32,13 @@ static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_cand
         lw_system_write(&w->s, w->q, &w->k);
         if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
             && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
-            lw_motion_limits_pose(plan, s, &w->pose, way);
+            lw_motion_limits_pose(plan, s, &w->pose, limits);
     }
 }
 
-/* Stations of the stretch from limit to limit that holds the start, limit[end] telling whether it ends at one; on a
- * closed curve `to` may lie beyond the seam. */
-static void find_stretch(const lw_motion_curve *b, double *from, double *to, bool limit[2])
+/* The part of the curve from limit to limit that holds the start, as stations `from` and `to`; limit[end]: it ends at
+ * a limit. On a closed curve the part may reach across the seam. */
+static void find_part(const lw_motion_curve *b, double *from, double *to, bool limit[2])
 {
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
@@ -68,8 +68,8 @@ static void find_stretch(const lw_motion_curve *b, double *from, double *to, boo
         limit[0] = limit[1] = true;
 }
 
-/* A place of the curve seen from the stretch, whose stations may run over the seam; NaN: not on it. */
-static double seen_from(double station, double end, double from, double to)
+/* How many periods of the curve to add to a station so that it lies between `from` and `to`; NaN: it does not. */
+static double periods_to(double station, double end, double from, double to)
 {
     for (int turn = -1; turn <= 1; turn++)
         if (station + turn*end >= from && station + turn*end <= to)
@@ -77,8 +77,8 @@ static double seen_from(double station, double end, double from, double to)
     return NAN;
 }
 
-/* Range of the input and reversals along that stretch; limits come first. */
-static void tell_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_report *r)
+/* Add the range of the input and the reversals on that part, limits first. */
+static void add_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_report *r)
 {
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
@@ -88,12 +88,13 @@ static void tell_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_rep
         lw_motion_curve_pose(b, i*end, w->q, NULL);
         input[i] = lw_motion_curve_input(b, w->q);
     }
-    double round = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED ? input[1] - input[0] : 0;    /* all it takes to close */
-    find_stretch(b, &from, &to, limit);
+    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
+    double period = closed ? input[1] - input[0] : 0;
+    find_part(b, &from, &to, limit);
     double ends[2] = { limit[0] ? NAN : input[0] - shift, limit[1] ? NAN : input[1] - shift };
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < n; i++) {
-            double turn = seen_from(e[i].station, end, from, to), at = e[i].input - shift + turn*round;
+            double turn = periods_to(e[i].station, end, from, to), at = e[i].input - shift + turn*period;
             if (isnan(turn) || e[i].joint < 0 || (e[i].kind == LW_EVENT_LIMIT) != (pass == 0))
                 continue;
             lw_fit_report_reversal(r, pass == 0, e[i].joint, at);
@@ -115,9 +116,9 @@ static bool turns_without_limit(const lw_motion_curve *b)
 }
 
 void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
-                     lw_motion_limits *way, lw_fit_report *r)
+                     lw_motion_limits *limits, lw_fit_report *r)
 {
-    enum { PATIENCE = 100 };                             /* postures without a new circuit            */
+    enum { PATIENCE = 100 };                             /* random postures without a new circuit     */
     const lw_motion_curve_options o = { .input = 0 };
     lw_circuits all = { .n = 0 };
     work *w = malloc(sizeof *w);
@@ -126,12 +127,12 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
         w->k = r->linkage;
         r->circuits = all.n;
         r->turns = turns_without_limit(all.curve[0]);
-        tell_reversals(all.curve[0], r->linkage.input[0].value - plan->laps*c->input[0], w, r);
+        add_reversals(all.curve[0], r->linkage.input[0].value - plan->laps*c->input[0], w, r);
         if (r->turns && plan->laps == 1)
-            whole_curve(plan, s, c, all.curve[0], w, way);
+            whole_curve(plan, s, c, all.curve[0], w, limits);
     }
     lw_circuits_free(&all);
     if (w && !(r->turns && plan->laps == 1))
-        lw_motion_limits_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, way);
+        lw_motion_limits_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, limits);
     free(w);
 }

@@ -1,5 +1,5 @@
-/* optimise/report/verify.c - every result is simulated again from its file by code that shares nothing with
- * the plan. */
+/* optimise/report/verify.c - the second simulation: every result is moved from its file by code that shares nothing
+ * with the plan. */
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ typedef struct replay {
     double              q[LW_SYSTEM_Q_MAX];
 } replay;
 
-/* The first posture through text, as a file would carry it. */
+/* Write the first posture as the text of a file and read it back. */
 static bool open_file(replay *v)
 {
     lw_error why = { .text = "" };
@@ -33,7 +33,8 @@ static bool open_file(replay *v)
     free(text);
     if (ok && v->c->mode_of)
         ok = lw_system_make(&v->k, NULL, 0, &v->system, &why) == LW_OK
-          && lw_motion_curve_create(&v->system, NULL, &(lw_motion_curve_options){ .input = 0 }, &v->curve, &why) == LW_OK;
+          && lw_motion_curve_create(&v->system, NULL, &(lw_motion_curve_options){ .input = 0 }, &v->curve, &why)
+             == LW_OK;
     else if (ok)
         ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
     v->now = v->k;
@@ -43,14 +44,16 @@ static bool open_file(replay *v)
     return ok;
 }
 
-/* What distances of points count against: a function has no path. */
+/* Length that distances are compared with; a function has no path. */
 static double size_of(const replay *v) { return v->s->task == LW_TASK_FUNCTION ? 1 : v->t->length; }
 
-/* ---- from station to station without a limit -------------------------------------------------------- */
+/* ---- from station to station without limits -------------------------------------------------------- */
+
+#define TOLERANCE 1e-9             /* of inputs, angles and positions; relative for lengths                 */
 
 static bool move_to(replay *v, size_t i, double to)
 {
-    double reached, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    double reached, near = v->plan->input_is_slider ? TOLERANCE*v->t->length : TOLERANCE;
     lw_status st = lw_newton_move(v->newton, to, &reached);
     if (st != LW_OK && !(fabs(reached - to) <= near)) {
         snprintf(v->r->fault, sizeof v->r->fault,
@@ -66,9 +69,9 @@ static bool move_to(replay *v, size_t i, double to)
     return true;
 }
 
-/* ---- on the curve of all postures, through limits ---------------------------------------------------- */
+/* ---- on the curve of all postures, across limits ---------------------------------------------------- */
 
-/* The posture at a place of the curve: how far its points are from those stated, at the most. */
+/* Move to a place of the curve.  Returns the greatest distance of its points from the stated ones. */
 static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
 {
     double most = 0;
@@ -80,7 +83,8 @@ static double distance_at(replay *v, double place, const lw_vec2 *at, size_t i)
     return most;
 }
 
-/* Next to a limit the input says little of where a linkage is: the place nearby at which the first point is nearest. */
+/* Near a limit the input does not determine the pose well: find the place nearby at which the first point is
+ * nearest. */
 static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i)
 {
     double end = lw_motion_curve_segments(v->curve), h = 1e-4;
@@ -98,12 +102,12 @@ static double nearest_place(replay *v, double place, const lw_vec2 *at, size_t i
     return place;
 }
 
-/* Between two limits the input goes one way: where it is `input` there, some whole turns off, or as near as an end is.
- * Better than *least becomes *best. */
+/* Between two limits the input is monotonic: find the places where it equals `input` up to whole turns, or the end
+ * nearest to it.  A place whose points are nearer than *least becomes *best. */
 static void search_piece(replay *v, double first, double last, double input, const lw_vec2 *at, size_t i, double *least,
                          double *best)
 {
-    double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? 1e-9*v->t->length : 1e-9;
+    double ends[2], place[2] = { first, last }, near = v->plan->input_is_slider ? TOLERANCE*v->t->length : TOLERANCE;
     for (int e = 0; e < 2; e++) {
         lw_motion_curve_pose(v->curve, place[e], v->q, NULL);
         ends[e] = lw_motion_curve_input(v->curve, v->q);
@@ -113,13 +117,13 @@ static void search_piece(replay *v, double first, double last, double input, con
     int turns = slider ? 0 : (int)((hi - lo)/turn) + 1;
     double from = slider ? input : input + turn*ceil((lo - near - input)/turn);
     for (int k = 0; k <= turns; k++) {
-        double want = from + turn*k, here;
-        if (want < lo - near || want > hi + near || !(first < last))
+        double sought = from + turn*k, here;
+        if (sought < lo - near || sought > hi + near || !(first < last))
             continue;
-        if (want <= lo || want >= hi)
-            here = place[(want <= lo) == (ends[0] < ends[1]) ? 0 : 1];
+        if (sought <= lo || sought >= hi)
+            here = place[(sought <= lo) == (ends[0] < ends[1]) ? 0 : 1];
         else
-            here = lw_motion_curve_find(v->curve, first, last, want);
+            here = lw_motion_curve_find(v->curve, first, last, sought);
         double away = distance_at(v, here, at, i);
         if (away < *least) {
             *least = away;
@@ -156,13 +160,13 @@ static bool go_to(replay *v, size_t i, const lw_vec2 *at)
     return v->curve ? look_up(v, i, to, at) : move_to(v, i, to);
 }
 
-/* What the angle of a tool is off. */
-static double turn_error(const replay *v, int point, double want)
+/* Error of the angle of a tool. */
+static double turn_error(const replay *v, int point, double angle)
 {
-    return remainder(v->now.tracer[point].angle - want, 2*LW_PI);
+    return remainder(v->now.tracer[point].angle - angle, 2*LW_PI);
 }
 
-/* Eq. 17 at a station; distance is that of the first point. */
+/* Eq. 17 at a station; *distance: of the first point. */
 static double square_error(const replay *v, size_t i, double *distance)
 {
     const lw_target *t = v->t;
@@ -185,7 +189,7 @@ static double square_error(const replay *v, size_t i, double *distance)
     return f;
 }
 
-/* What the coordinates' own digits cannot hold is no disagreement. */
+/* Differences up to this are rounding of the coordinates. */
 static double allowed(const replay *v)
 {
     double reach = 0;
@@ -196,11 +200,11 @@ static double allowed(const replay *v)
     for (int k = 0; k < v->t->n_also; k++)
         for (size_t i = 0; v->t->also[k].x && i < v->t->n; i++)
             reach = fmax(reach, fmax(fabs(v->t->also[k].x[i]), fabs(v->t->also[k].y[i])));
-    return 1e-9*size_of(v) + 256*DBL_EPSILON*reach;
+    return TOLERANCE*size_of(v) + 256*DBL_EPSILON*reach;
 }
 
-/* Does what the search said of the candidate agree, when each station is off by `off` at most?  With both
- * ways scored the stations are half of it, or less. */
+/* Does the objective that the search stated agree, if each station differs by `off` at most?  Without timing the
+ * stations are half of the objective, or less. */
 static bool claim_holds(const replay *v, double f, double off)
 {
     double weight = 0, also = 0, claim = v->c->objective;
@@ -210,7 +214,7 @@ static bool claim_holds(const replay *v, double f, double off)
             also += v->t->also[k].weight[i];
     }
     double a = v->s->task == LW_TASK_FUNCTION ? 0 : v->s->a, b = v->s->task == LW_TASK_PATH ? 0 : v->s->b;
-    double slack = off*sqrt(a*(weight + also)) + 1e-9*sqrt(b*weight + v->s->b*also) + 1e-9*sqrt(f);
+    double slack = off*sqrt(a*(weight + also)) + TOLERANCE*sqrt(b*weight + v->s->b*also) + TOLERANCE*sqrt(f);
     if (v->s->timing == LW_TIMING_NONE && v->s->task != LW_TASK_FUNCTION)
         return sqrt(0.5*f) <= sqrt(claim) + slack;
     return fabs(sqrt(f) - sqrt(claim)) <= slack;
