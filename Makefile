@@ -11,7 +11,8 @@ PREFIX  ?= /usr/local
 LIBDIR  ?= $(PREFIX)/lib
 STAGES   = base grammar enumerate mbs optimise catalogues surface     # each includes only those before it
 
-PKGS     = gsl igraph nlopt jansson cairo sqlite3
+PKGS     = gsl nlopt jansson sqlite3
+LATE     = igraph cairo        # loaded when they are first called (base/library.h): 2 ms a start instead of 7
 DEPS     = gcc libc6-dev pkg-config libgsl-dev libigraph-dev libnlopt-dev libjansson-dev libcairo2-dev \
            libgif-dev libplanarity-dev libsundials-dev libsqlite3-dev
 PEERS    = g++ libsimbody-dev libmujoco-dev                         # optional: measured beside by `bench mbs`
@@ -19,9 +20,10 @@ SUNDIALS = -lsundials_cvode -lsundials_ida -lsundials_nvecserial   # Debian 12 h
 WARN     = -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wno-unknown-pragmas
 # contraction off: the same bits on every processor; no errno, no trap flags: sqrt vectorises
 FLOAT    = -ffp-contract=off -fno-math-errno -fno-trapping-math
-INCS    := -I$B $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
-# as needed: igraph and cairo are loaded when they are first called (base/library.h), only a test links one of them
-LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lplanarity -lgif $(SUNDIALS) -lpthread -lm
+INCS    := -I$B $(shell pkg-config --cflags $(PKGS) $(LATE) 2>/dev/null)
+# as needed: only a test links one of those that are loaded late
+PRIVATE  = -lplanarity -lgif $(SUNDIALS) -lpthread -ldl -lm       # those without a .pc file
+LIBS    := -Wl,--as-needed $(shell pkg-config --libs $(PKGS) $(LATE) 2>/dev/null) $(PRIVATE)
 ifdef MPI                       # make MPI=1: linkwright chains --mpi, in build/mpi
 INCS    += -DLW_MPI $(shell mpicc --showme:compile)
 LIBS    += $(shell mpicc --showme:link)
@@ -109,8 +111,10 @@ deps-bench:
 	@.ci/deps $(DEPS) $(PEERS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
-run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $(SAMPLES)   # replay.o named: else a second make misses it
+shared: $B/liblinkwright.so
+samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
+run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) samples   # replay.o named: else a second make misses it
 	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
@@ -135,6 +139,7 @@ check: $B/$(SONAME)
 	@sed -n 's/^LW_API.*[ *]\(lw_[a-z0-9_]*\)(.*/\1/p' linkwright.h | LC_ALL=C sort | diff $B/exported - || \
 	    { echo "the shared library shows other names than linkwright.h"; exit 1; }
 	@! nm -g --defined-only $B/liblinkwright.a | awk 'NF == 3 && $$3 !~ /^lw_/' | grep .
+	@tests/test_install.sh B=$B CC="$(CC)" CFLAGS="$(CFLAGS)"
 sanitize:
 	$(MAKE) B=$B/san CFLAGS="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all" test
 browser-test: $B/tests/test_atlas_html      # the atlas in Chromium; skipped without
@@ -151,24 +156,43 @@ bench: $(BENCHES) $(PEER_BIN) $B/linkwright
 	$B/linkwright bench mbs -o $B/bench
 
 $B/linkwright.1: docs/linkwright.1.in $B/linkwright
-	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
-install: all $B/$(SONAME) $B/linkwright.1
-	install -d $(addprefix $(DESTDIR)$(PREFIX)/,bin lib/pkgconfig share/man/man1 share/linkwright/paths $(patsubst %/,include/linkwright/%,$(sort $(dir $(wildcard $(STAGES:%=%/*.h) $(STAGES:%=%/*/*.h))))))
-	install $B/linkwright $(DESTDIR)$(PREFIX)/bin
-	install -m 644 $B/liblinkwright.a $B/$(SONAME) $(DESTDIR)$(PREFIX)/lib
-	ln -sf $(SONAME) $(DESTDIR)$(PREFIX)/lib/liblinkwright.so
-	install -m 644 $B/linkwright.1 $(DESTDIR)$(PREFIX)/share/man/man1
-	install -m 644 catalogues/data/paths/*.csv $(DESTDIR)$(PREFIX)/share/linkwright/paths
-	install -m 644 catalogues/data/published-counts.csv $(DESTDIR)$(PREFIX)/share/linkwright
-	install -d $(DESTDIR)$(PREFIX)/share/linkwright/mbs
-	install -m 644 catalogues/data/mbs/* $(DESTDIR)$(PREFIX)/share/linkwright/mbs
-	for h in $(filter-out %_internal.h,$(wildcard $(STAGES:%=%/*.h) $(STAGES:%=%/*/*.h))); do \
-	    install -m 644 $$h $(DESTDIR)$(PREFIX)/include/linkwright/$$h || exit 1; done
-	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|' linkwright.pc.in \
-	    > $(DESTDIR)$(PREFIX)/lib/pkgconfig/linkwright.pc
+	$B/linkwright help --roff | sed -e 's/@VERSION@/$(VERSION)/; s|@DOCDIR@|$(DOCDIR)|; s|@DATADIR@|$(DATADIR)|' -e '/@COMMANDS@/{r /dev/stdin' -e 'd}' docs/linkwright.1.in > $@
+$B/linkwright.bash: $B/linkwright
+	$B/linkwright help --completion bash > $@
+$B/linkwright.pc: linkwright.pc.in Makefile linkwright.h
+	@sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|; s|@PKGS@|$(PKGS)|; s|@LIBS@|$(PRIVATE)|' $< > $@
+
+# what is installed: mode, from, to.  Documentation and examples keep the names that texts call them by.
+DATA := $(wildcard catalogues/data/*.csv catalogues/data/paths/*.csv catalogues/data/mbs/*) $(wildcard docs/*.schema.json)
+DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/* docs/plots/* docs/examples/*.c) \
+        $(shell find examples -type f)
+DATADIR = $(PREFIX)/share/linkwright
+DOCDIR  = $(PREFIX)/share/doc/linkwright
+define INSTALLED
+755 $B/linkwright $(PREFIX)/bin/linkwright
+644 linkwright.h $(PREFIX)/include/linkwright.h
+755 $B/$(SONAME) $(LIBDIR)/$(SONAME)
+644 $B/install/liblinkwright.a $(LIBDIR)/liblinkwright.a
+644 $B/linkwright.pc $(LIBDIR)/pkgconfig/linkwright.pc
+644 $B/linkwright.1 $(PREFIX)/share/man/man1/linkwright.1
+644 $B/linkwright.bash $(PREFIX)/share/bash-completion/completions/linkwright
+$(foreach f,$(DATA),644 $f $(DATADIR)/$(patsubst docs/%,%,$(f:catalogues/data/%=%))\n)
+$(foreach f,$(DOCS),644 $f $(DOCDIR)/$f\n)
+endef
+export INSTALLED
+LISTED = printf '%b\n' "$$INSTALLED" | while read -r mode from to; do [ -z "$$to" ] ||
+
+install: all $B/$(SONAME) $B/install/liblinkwright.a $B/linkwright.bash
+	@rm -f $B/linkwright.pc $B/linkwright.1; $(MAKE) --no-print-directory $B/linkwright.pc $B/linkwright.1   # they hold PREFIX
+	@$(LISTED) install -D -m "$$mode" "$$from" "$(DESTDIR)$$to" || exit 1; done
+	@ln -sf $(SONAME) $(DESTDIR)$(LIBDIR)/liblinkwright.so
+	@echo "installed in $(DESTDIR)$(PREFIX)"
+uninstall:
+	@$(LISTED) rm -f "$(DESTDIR)$$to"; done; rm -f $(DESTDIR)$(LIBDIR)/liblinkwright.so
+	@for d in $(DATADIR) $(DOCDIR); do [ ! -d $(DESTDIR)$$d ] || find $(DESTDIR)$$d -depth -type d -empty -delete; done
 
 clean:
 	rm -rf $B
-.PHONY: all deps deps-bench peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install clean
+.PHONY: all shared samples deps deps-bench peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

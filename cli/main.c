@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/suggest.h"
+#include "cli/program/data.h"
 #include "cli/program/output.h"
 
 static const cli_command *const commands[] = { &cli_fit_command, &cli_classify_command, &cli_trace_command,
@@ -27,6 +28,8 @@ static const cli_command *find(const char *name)
 
 static void overview(FILE *f)
 {
+    char documents[1024];
+    cli_document_folder(documents, sizeof documents);
     fputs("linkwright - linkages from the motion they shall make, and the motion from linkages\n\n"
           "Usage:  linkwright COMMAND [words] [options]\n\n", f);
     for (int i = 0; i < N_COMMAND; i++)
@@ -37,6 +40,7 @@ static void overview(FILE *f)
           "An input is never overwritten, and a file that linkwright did not write only with --force.\n"
           "Exit codes: 0 done, 1 nothing found, 2 wrong usage, 3 bad input, 4 numerical failure,\n"
           "5 stopped by a limit with partial results kept, 130 Ctrl-C, 143 SIGTERM.\n", f);
+    fprintf(f, "The files docs/... and examples/... are in %s.\n", documents);
 }
 
 static const cli_action *find_action(const cli_command *c, const char *name)
@@ -164,6 +168,10 @@ static int help(int argc, char **argv)
 {
     if (argc > 0 && strcmp(argv[0], "--roff") == 0)
         return manual();
+    if (argc > 1 && strcmp(argv[0], "--completion") == 0 && strcmp(argv[1], "bash") == 0) {
+        cli_bash_completion(commands, N_COMMAND, stdout);
+        return finish_text(CLI_DONE);
+    }
     const cli_command *c = argc > 0 ? find(argv[0]) : NULL;
     if (argc > 0 && !c)
         return unknown_command(argv[0]);

@@ -52,4 +52,7 @@ void cli_command_help(const cli_command *c, const cli_action *only, FILE *f);
 void cli_command_roff(const cli_command *c, FILE *f);
 void cli_common_roff(FILE *f);
 
+/* The completion script of bash for n commands. */
+void cli_bash_completion(const cli_command *const *commands, int n, FILE *f);
+
 #endif

@@ -4,16 +4,34 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Folder of the running program; "" when unknown. */
+static void program_folder(char *folder, size_t size)
+{
+    ssize_t n = readlink("/proc/self/exe", folder, size - 1);
+    folder[n > 0 ? n : 0] = 0;
+    char *slash = strrchr(folder, '/');
+    if (slash)
+        *slash = 0;
+}
+
 void cli_data_path(const char *name, char *path, size_t size)
 {
     static const char *const beside[] = { "../catalogues/data", "../share/linkwright" };
     char program[512];
-    ssize_t n = readlink("/proc/self/exe", program, sizeof program - 1);
-    program[n > 0 ? n : 0] = 0;
-    char *slash = strrchr(program, '/');
-    if (slash)
-        *slash = 0;
+    program_folder(program, sizeof program);
     snprintf(path, size, "catalogues/data/%s", name);
     for (int i = 0; i < 2 && access(path, F_OK) != 0; i++)
         snprintf(path, size, "%s/%s/%s", program, beside[i], name);
+}
+
+void cli_document_folder(char *path, size_t size)
+{
+    char program[512];
+    program_folder(program, sizeof program);
+    char *slash = strrchr(program, '/');           /* build/ of the sources, bin/ of what is installed */
+    if (slash)
+        *slash = 0;
+    snprintf(path, size, "%s/share/doc/linkwright", program);
+    if (access(path, F_OK) != 0)
+        snprintf(path, size, "%s", program);
 }

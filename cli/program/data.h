@@ -9,4 +9,7 @@
  * finds out by reading it. */
 void cli_data_path(const char *name, char *path, size_t size);
 
+/* The folder in which docs/ and examples/ stand: the sources, or where `make install` put them. */
+void cli_document_folder(char *path, size_t size);
+
 #endif
