@@ -86,4 +86,20 @@ static inline void jansen_linkage(lw_linkage *k)
     add_tracer(k, I, foot);
 }
 
+/* A topology of pins, its input at the first. */
+typedef struct pin_net { const char *name; int n_link, n_joint, tracer, pair[10][2]; } pin_net;
+
+/* The net with its pins and its tracer at random places in the square from -1 to 1. */
+static inline lw_linkage random_net(const pin_net *net, lw_rng *rng)
+{
+    lw_linkage k;
+    blank_linkage(&k, net->n_link);
+    for (int j = 0; j < net->n_joint; j++)
+        add_pin(&k, net->pair[j][0], net->pair[j][1], lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
+    add_input(&k, 0, 0);
+    add_tracer(&k, net->tracer, lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
+    k.input[0].value = lw_linkage_posture_input(&k, 0);
+    return k;
+}
+
 #endif

@@ -8,7 +8,7 @@ static void help(void)
     expect("$P help catalogue", 0, "Examples:", NULL);
     expect("$P catalogue biuld x.db", 2, NULL, "did you mean 'build'?");
     expect("$P catalogue wash x.db", 2, NULL, "there are build");
-    expect("$P catalogue build", 2, NULL, "too few words");
+    expect("$P catalogue build", 2, NULL, "more words are missing");
     expect("$P catalogue build $D/a.db", 2, NULL, "--links P");
     expect("$P catalogue build $D/a.db --links 8 --joints q", 2, NULL, "r, t or r,t");
     expect("$P catalogue build $D/a.db --links 7 && ls $D", 3, NULL, "P = F + 2 L + 1 - n2");

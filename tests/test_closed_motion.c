@@ -9,31 +9,18 @@
 #include "mbs/constraints/motion_curve.h"
 #include "mbs/kinematics/motion.h"
 #include "tests/check.h"
-#include "tests/mbs_linkage.h"
+#include "tests/mbs_random.h"
 
 /* Joints of pins: Stephenson III driven at the four-bar's rocker, Watt's six-bar, an eight-bar; a four-bar. */
-static const struct { int n_link, n_joint, tracer, pair[10][2]; } net[] = {
-    { 4, 4, 2, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 } } },
-    { 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 } } },
-    { 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 3, 4 }, { 4, 5 }, { 5, 0 } } },
-    { 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 3 } } },
-    { 8, 10, 6, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 }, { 4, 6 }, { 6, 7 },
-                  { 7, 1 } } },
+static const pin_net net[] = {
+    { NULL, 4, 4, 2, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 } } },
+    { NULL, 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 } } },
+    { NULL, 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 3, 4 }, { 4, 5 }, { 5, 0 } } },
+    { NULL, 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 3 } } },
+    { NULL, 8, 10, 6, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 }, { 4, 6 }, { 6, 7 },
+                        { 7, 1 } } },
 };
 enum { N_NET = sizeof net/sizeof *net };
-
-static lw_linkage draw(int which, lw_rng *rng)
-{
-    lw_linkage k;
-    blank_linkage(&k, net[which].n_link);
-    for (int j = 0; j < net[which].n_joint; j++)
-        add_pin(&k, net[which].pair[j][0], net[which].pair[j][1],
-                lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
-    add_input(&k, 0, 0);
-    add_tracer(&k, net[which].tracer, lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
-    k.input[0].value = lw_linkage_posture_input(&k, 0);
-    return k;
-}
 
 typedef struct subject {
     lw_linkage k;
@@ -81,7 +68,7 @@ static void legs_are_the_arcs_of_a_circuit(void)
     int cycles = 0, turning = 0, stopped = 0, most = 0, other = 0;
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 250; trial++) {
-        lw_linkage k = draw(trial % N_NET, &rng);
+        lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
         lw_motion *m = malloc(sizeof *m);
         lw_status st = lw_motion_find(&s->plan, s->dim, m);
@@ -121,7 +108,7 @@ static void limits_are_those_of_the_branch(void)
     int compared = 0, other = 0;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 40; trial++) {
-        lw_linkage k = draw(trial % N_NET, &rng);
+        lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
         lw_system y;
         lw_motion_curve *b = NULL;
@@ -171,7 +158,7 @@ static void ends_have_the_derivatives_they_claim(void)
     double *by = malloc(sizeof *by*LW_LEG_MAX*LW_DIM_MAX);
     lw_rng_seed(&rng, check_seed(), 3);
     for (int trial = 0; trial < 60; trial++) {
-        lw_linkage k = draw(trial % N_NET, &rng);
+        lw_linkage k = random_net(&net[trial % N_NET], &rng);
         subject *s = begin(&k);
         int n = s->status == LW_OK ? s->cycle.n : 0;
         if (n > 0)

@@ -2,67 +2,12 @@
  * and every eight-link chain. */
 #include "enumerate/chains.h"
 #include "grammar/linkage.h"
-#include "mbs/constraints/motion_curve.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
 #include "mbs/batch/pose.h"
 #include "base/file.h"
-#include "tests/check.h"
 #include "tests/mbs_random.h"
-
-typedef struct curve { lw_system s; lw_motion_curve *b; } curve;
-
-static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
-
-static curve *follow(const lw_linkage *k, int most)
-{
-    curve *c = calloc(1, sizeof *c);
-    lw_error e = { 0 };
-    CHECK_INT(lw_system_make(k, NULL, 0, &c->s, &e), LW_OK);
-    lw_motion_curve_options o = { .input = 0, .most_segments = most };
-    CHECK_INT(lw_motion_curve_create(&c->s, NULL, &o, &c->b, &e), LW_OK);
-    if (!c->b)
-        fprintf(stderr, "%s\n", e.text);
-    return c;
-}
-
-static void drop(curve *c)
-{
-    lw_motion_curve_free(c->b);
-    free(c);
-}
-
-static lw_vec2 tracer_at(const curve *c, int i, double station)
-{
-    double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(c->b, station, q, NULL);
-    return lw_system_point(&c->s, c->s.tracer_body[i], c->s.tracer_arm[i], q);
-}
-
-static double input_at(const curve *c, double station)
-{
-    double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(c->b, station, q, NULL);
-    return lw_motion_curve_input(c->b, q);
-}
-
-static double residual(const curve *c, const double *q)
-{
-    double phi[LW_SYSTEM_ROW_MAX], most = 0;
-    lw_system_rows(&c->s, q, phi, NULL);
-    for (int i = 0; i < c->s.n_row; i++)
-        most = fmax(most, fabs(phi[i]));
-    return most;
-}
-
-static int count(const curve *c, lw_motion_curve_event_kind kind)
-{
-    int n, found = 0;
-    const lw_motion_curve_event *e = lw_motion_curve_events(c->b, &n);
-    for (int i = 0; i < n; i++)
-        found += e[i].kind == kind;
-    return found;
-}
+#include "tests/motion_curve.h"
 
 /* --- exact straight lines --- */
 
@@ -125,7 +70,7 @@ static void peaucellier_all_around(void)
     }
     for (int i = -20; i <= 20; i++)
         CHECK_NEAR(tracer_at(v, 0, e[1].station + i*1e-4).x, 16/3.0, 5e-12, 0);
-    drop(v);
+    curve_free(v);
     peaucellier_by_plan(&l, t);
 }
 
@@ -155,7 +100,7 @@ static void scott_russell_all_around(void)
         double station = lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), 0.5*LW_PI + i*1e-7*LW_PI/180);
         CHECK_NEAR(tracer_at(v, 0, station).x, 0, 2e-12, 0);
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* --- chains of parallelograms --- */
@@ -188,7 +133,7 @@ static void parallelograms_in_a_row(void)
                 CHECK_NEAR(q[3*body + 2], 0, 1e-11, 0);
             CHECK(residual(v, q) <= 1e-12);
         }
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -218,7 +163,7 @@ static void jansen_by_reference(void)
     }
     CHECK_INT(n, 72);
     free(text);
-    drop(v);
+    curve_free(v);
 }
 
 /* A linkage of examples/ by its plan and along its curve. */
@@ -244,7 +189,7 @@ static void by_plan_and_curve(const char *file)
         lw_vec2 p = tracer_at(v, 0, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), u));
         CHECK_NEAR(distance(p, pose.tracer[0][0]), 0, 1e-13*v->s.unit*20, 0);
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* Klann: US patent 6260862; Chebyshev's walker: his lambda linkage, 1, 2, 2.5, 2.5, tracer 5. */
@@ -321,7 +266,7 @@ static lw_status follow_chain(void *context, const lw_chain_item *item)
             }
             drive_every_joint(&l, q);
         }
-        drop(v);
+        curve_free(v);
     }
     return LW_OK;
 }
@@ -371,8 +316,8 @@ static lw_status relabel_chain(void *context, const lw_chain_item *item)
                 CHECK_NEAR(distance(tracer_at(v, k, a), tracer_at(w, k, b)), 0, 1e-12, 0);
         }
     }
-    drop(v);
-    drop(w);
+    curve_free(v);
+    curve_free(w);
     return LW_OK;
 }
 
@@ -425,7 +370,7 @@ static void stephenson_driven_at_the_floating_link(void)
             CHECK_NEAR(reached, end, 1e-10, 0);
         }
         lw_newton_free(s);
-        drop(v);
+        curve_free(v);
     }
     CHECK(ends > 10 && ends < 50);
 }
@@ -458,7 +403,7 @@ static void six_links_next_to_a_change_point(void)
             of_first += fabs(remainder(e[i].input - c.limit[d], 2*LW_PI)) < 1e-10;
     CHECK(of_first >= 2);
     CHECK(lw_motion_curve_worst(v->b) <= 1e-12);
-    drop(v);
+    curve_free(v);
 }
 
 int main(void)

@@ -1,54 +1,9 @@
 /* tests/test_motion_curve.c - curves of postures against closed forms, against the second opinion, and closing. */
-#include "mbs/constraints/motion_curve.h"
 #include "base/rng.h"
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/constraints/newton.h"
-#include "tests/check.h"
 #include "tests/mbs_linkage.h"
-
-typedef struct curve { lw_system s; lw_motion_curve *b; } curve;
-
-static double distance(lw_vec2 a, lw_vec2 b) { return lw_v2_norm(lw_v2_sub(a, b)); }
-
-static curve *follow(const lw_linkage *k)
-{
-    curve *c = calloc(1, sizeof *c);
-    lw_error e = { 0 };
-    CHECK_INT(lw_system_make(k, NULL, 0, &c->s, &e), LW_OK);
-    CHECK_INT(lw_motion_curve_create(&c->s, NULL, &(lw_motion_curve_options){ .input = 0 }, &c->b, &e), LW_OK);
-    if (!c->b)
-        fprintf(stderr, "%s\n", e.text);
-    return c;
-}
-
-static void drop(curve *c)
-{
-    lw_motion_curve_free(c->b);
-    free(c);
-}
-
-static lw_vec2 tracer(const curve *c, int i, const double *q)
-{
-    return lw_system_point(&c->s, c->s.tracer_body[i], c->s.tracer_arm[i], q);
-}
-
-static double residual(const curve *c, const double *q)
-{
-    double phi[LW_SYSTEM_ROW_MAX], most = 0;
-    lw_system_rows(&c->s, q, phi, NULL);
-    for (int i = 0; i < c->s.n_row; i++)
-        most = fmax(most, fabs(phi[i]));
-    return most;
-}
-
-static int count(const curve *c, lw_motion_curve_event_kind kind)
-{
-    int n, found = 0;
-    const lw_motion_curve_event *e = lw_motion_curve_events(c->b, &n);
-    for (int i = 0; i < n; i++)
-        found += e[i].kind == kind;
-    return found;
-}
+#include "tests/motion_curve.h"
 
 static lw_fourbar_class draw_fourbar(lw_rng *r, double k[9])
 {
@@ -77,7 +32,7 @@ static void four_bars_of_all_classes(void)
         double start = first + (last - first)*lw_rng_range(&r, 0.01, 0.99);
         lw_linkage l;
         fourbar_linkage(&l, k, mode, start);
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         int n;
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
@@ -104,7 +59,7 @@ static void four_bars_of_all_classes(void)
             double off = fmin(distance(tracer(v, 0, q), p.p), distance(tracer(v, 0, q), m.p));
             CHECK(off <= 1e-12 || off <= 1e-7*sqrt(fmin(fabs(angle - first), fabs(angle - last))) || off < 2e-8);
         }
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -114,7 +69,7 @@ static void arcs_and_stations_agree(void)
     double k[9] = { 4, 3, 2, 2.5, 1, 2, 0, 0, 0 }, q[9], p[9];
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     double length = lw_motion_curve_length(v->b), sum = 0;
     lw_motion_curve_pose(v->b, 0, p, NULL);
     for (int i = 0; i <= 400; i++) {
@@ -135,7 +90,7 @@ static void arcs_and_stations_agree(void)
     lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b), p, NULL);
     for (int j = 0; j < 9; j++)
         CHECK_NEAR(remainder(q[j] - p[j], j%3 == 2 ? 2*LW_PI : 100), 0, 1e-14, 0);
-    drop(v);
+    curve_free(v);
 }
 
 /* 1e-3 .. 1e-10 from the parallelogram's change points, where branches pass 1e-5 apart: never the wrong one. */
@@ -147,7 +102,7 @@ static void near_change_points(void)
         lw_linkage l;
         lw_fourbar_classify(k, 0, &c, NULL);
         fourbar_linkage(&l, k, 1, 0.5);
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         int n;
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
@@ -160,7 +115,7 @@ static void near_change_points(void)
                     off = fmin(off, fabs(remainder(e[i].input - c.limit[d], 2*LW_PI)));
                 CHECK_NEAR(off, 0, 1e-10, 0);
             }
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -170,7 +125,7 @@ static void straight_on_through_change_points(void)
     double k[9] = { 4, 1, 4, 1, 1, 2, 0, 0, 0 }, q[9];
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -190,7 +145,7 @@ static void straight_on_through_change_points(void)
         lw_vec2 at = lw_v2_add(lw_v2_sub(p.p, p.a), lw_v2_polar(1, lw_motion_curve_input(v->b, q)));
         CHECK_NEAR(distance(tracer(v, 0, q), at), 0, 4e-12, 0);
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* Derivatives do not mind the change point: the parallelogram's rocker turns as its crank. */
@@ -201,7 +156,7 @@ static void rates_through_change_points(void)
     static const double most[4] = { 0, 1e-11, 1e-9, 1e-6 };
     lw_linkage l;
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     int n;
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     CHECK_INT(n, 2);
@@ -215,7 +170,7 @@ static void rates_through_change_points(void)
             CHECK_NEAR(c[8], order == 1, most[order], 0);
         }
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* Drawn at a change point, one branch is followed, and through the point again. */
@@ -233,7 +188,7 @@ static void drawn_at_change_points(void)
             add_slide(&l, 0, 3, lw_v2(0, 0), 0);
             add_input(&l, 0, 0.5*LW_PI + turn);
         }
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(abs(lw_motion_curve_turns(v->b, -1)), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -244,7 +199,7 @@ static void drawn_at_change_points(void)
         }
         lw_system_posture(&v->s, q);
         CHECK(lw_motion_curve_holds(v->b, q));
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -259,12 +214,12 @@ static void the_input_stands_still(void)
     add_pin(&l, 2, 3, lw_v2(1, 0));
     add_pin(&l, 3, 0, lw_v2(2, 1));
     add_input(&l, 0, 0);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     CHECK(lw_motion_curve_rests(v->b));
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(abs(lw_motion_curve_turns(v->b, 2)), 1);
     CHECK(!lw_motion_curve_motion(v->b, 0.5, 1, (double[]){ 0, 1 }, q));
-    drop(v);
+    curve_free(v);
 }
 
 /* Drawn next to a change point, before or behind it: the last leap ends where the curve began. */
@@ -275,7 +230,7 @@ static void starts_next_to_change_points(void)
         double angle = (i%2 ? -1 : 1)*pow(10, -1 - 0.1*i) + (i%4 < 2 ? 0 : LW_PI);
         lw_linkage l;
         fourbar_linkage(&l, k, sin(angle) > 0 ? 1 : -1, angle);
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(lw_motion_curve_turns(v->b, -1), 1);
         CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
@@ -283,7 +238,7 @@ static void starts_next_to_change_points(void)
             lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*n/40.0, q, NULL);
             CHECK_NEAR(q[5], 0, 1e-9, 0);                  /* the posture itself holds the angle to 1e-16/angle */
         }
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -299,7 +254,7 @@ static void equal_slider_crank(void)
     add_slide(&l, 0, 3, lw_v2(2*cos(0.6), 0), 0);
     add_input(&l, 0, 0.6);
     add_tracer(&l, 3, lw_v2(2*cos(0.6), 0));
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
     CHECK_INT(count(v, LW_EVENT_CROSSING), 2);
     int n;
@@ -310,7 +265,7 @@ static void equal_slider_crank(void)
         lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/1000.0, q, NULL);
         CHECK_NEAR(tracer(v, 0, q).x, 2*cos(lw_motion_curve_input(v->b, q)), 1e-12, 0);
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* Geared five-bars close when both cranks have turned whole turns: -p/q after q turns of the input. */
@@ -328,7 +283,7 @@ static void gears_close_after_several_turns(void)
         add_pin(&l, 4, 2, lw_v2(3.5, 0.8));
         add_gear(&l, 1, 2, lw_v2(2, 0), -1.0*ratio[i][0]/ratio[i][1]);
         add_input(&l, 0, 0);
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         CHECK_INT(lw_motion_curve_turns(v->b, -1), ratio[i][1]);
         CHECK_INT(lw_motion_curve_turns(v->b, 2), -ratio[i][0]);
@@ -337,7 +292,7 @@ static void gears_close_after_several_turns(void)
             CHECK_NEAR(q[5], -q[2]*ratio[i][0]/ratio[i][1], 1e-14, 0);
             CHECK(residual(v, q) <= 1e-14);
         }
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -361,7 +316,7 @@ static void six_bars_agree_with_newton(void)
                     lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
         add_input(&l, 0, 0);
         add_tracer(&l, 4, lw_v2(lw_rng_range(&r, -1, 1), lw_rng_range(&r, -1, 1)));
-        curve *v = follow(&l);
+        curve *v = follow(&l, 0);
         const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
         CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_CLOSED);
         double first = 0, last = lw_motion_curve_segments(v->b);
@@ -385,7 +340,7 @@ static void six_bars_agree_with_newton(void)
         }
         lw_newton_free(s);
         CHECK(lw_motion_curve_worst(v->b) <= 1e-14);
-        drop(v);
+        curve_free(v);
     }
 }
 
@@ -396,7 +351,7 @@ static void sides_change_at_limits(void)
     lw_linkage l;
     int n, side[2] = { 0, 0 };
     fourbar_linkage(&l, k, 1, 0.5);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     const lw_motion_curve_event *e = lw_motion_curve_events(v->b, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_LIMIT) {
@@ -404,7 +359,7 @@ static void sides_change_at_limits(void)
             side[1] = lw_motion_curve_side(v->b, e[i].station + 1e-3);
             CHECK(side[0]*side[1] == -1);
         }
-    drop(v);
+    curve_free(v);
 }
 
 /* Offset slider-crank in closed form, by the crank; and in time. */
@@ -421,7 +376,7 @@ static void rates_by_the_input(void)
     add_slide(&l, 0, 3, pin, 0);
     add_input(&l, 0, 0.7);
     add_tracer(&l, 3, pin);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     for (int i = 0; i < 40; i++) {
         double at = i/40.0*lw_motion_curve_segments(v->b), speed = i%2 ? -3 : 1, motion[4] = { 0, speed, 0, 0 };
         lw_motion_curve_pose(v->b, at, q, NULL);
@@ -436,7 +391,7 @@ static void rates_by_the_input(void)
         CHECK_NEAR(6*p[3].x, speed*speed*speed*(rr*sin(x) + w3), 1e-10, 0);
         CHECK_NEAR(p[0].y, ee, 1e-13, 0);
     }
-    drop(v);
+    curve_free(v);
 }
 
 /* Postures of the same curve are on it, those of the other circuit are not. */
@@ -446,7 +401,7 @@ static void knows_its_postures(void)
     lw_linkage l, other;
     fourbar_linkage(&l, k, 1, 0.5);
     fourbar_linkage(&other, k, -1, 0.5);
-    curve *v = follow(&l), *w = follow(&other);
+    curve *v = follow(&l, 0), *w = follow(&other, 0);
     for (int i = 0; i < 20; i++) {
         lw_motion_curve_pose(v->b, lw_motion_curve_segments(v->b)*i/20.0, q, NULL);
         q[2] += 2*LW_PI;
@@ -454,8 +409,8 @@ static void knows_its_postures(void)
         q[5] += 1e-3;
         CHECK(!lw_motion_curve_holds(v->b, q));
     }
-    drop(v);
-    drop(w);
+    curve_free(v);
+    curve_free(w);
 }
 
 /* A rod in two guides: the curve leaves both ways and is kept as an open one. */
@@ -471,7 +426,7 @@ static void curves_without_end(void)
     add_pin(&l, 0, 1, lw_v2(2, 0));
     l.joint[1].kind = LW_JOINT_SLOT;
     l.joint[1].along = lw_v2_polar(1, 0.3);
-    curve *v = follow(&l);
+    curve *v = follow(&l, 0);
     CHECK_INT(lw_motion_curve_ended(v->b), LW_MOTION_CURVE_FAR);
     double start = lw_motion_curve_start(v->b);
     CHECK(start > 1 && start < lw_motion_curve_segments(v->b) - 1);
@@ -481,7 +436,7 @@ static void curves_without_end(void)
     CHECK(lw_motion_curve_input(v->b, q) < 5 - 20);
     lw_motion_curve_pose(v->b, lw_motion_curve_find(v->b, 0, lw_motion_curve_segments(v->b), -7.25), q, NULL);
     CHECK_NEAR(lw_motion_curve_input(v->b, q), -7.25, 1e-14, 0);
-    drop(v);
+    curve_free(v);
 }
 
 static void refuses_with_reasons(void)

@@ -14,28 +14,15 @@
 #include "optimise/problem/timing.h"
 #include "optimise/report/report.h"
 #include "tests/check.h"
-#include "tests/mbs_linkage.h"
+#include "tests/mbs_random.h"
 
 /* Stephenson III driven at the rocker of its four-bar, and Watt's six-bar at its own. */
-static const struct { const char *name; int tracer, pair[7][2]; } net[] = {
-    { "Stephenson III", 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 } } },
-    { "Watt I", 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 3 } } },
-    { "Watt II", 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 3, 4 }, { 4, 5 }, { 5, 0 } } },
+static const pin_net net[] = {
+    { "Stephenson III", 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 0 } } },
+    { "Watt I", 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 2, 4 }, { 4, 5 }, { 5, 3 } } },
+    { "Watt II", 6, 7, 4, { { 0, 1 }, { 1, 2 }, { 2, 3 }, { 3, 0 }, { 3, 4 }, { 4, 5 }, { 5, 0 } } },
 };
 enum { N_NET = sizeof net/sizeof *net, STATIONS = 40, BUDGET = 100000 };
-
-static lw_linkage draw(int which, lw_rng *rng)
-{
-    lw_linkage k;
-    blank_linkage(&k, 6);
-    for (int j = 0; j < 7; j++)
-        add_pin(&k, net[which].pair[j][0], net[which].pair[j][1],
-                lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
-    add_input(&k, 0, 0);
-    add_tracer(&k, net[which].tracer, lw_v2(lw_rng_range(rng, -1, 1), lw_rng_range(rng, -1, 1)));
-    k.input[0].value = lw_linkage_posture_input(&k, 0);
-    return k;
-}
 
 /* The whole motion, even in arc length: points, inputs beyond that of the posture, limits passed before each. */
 typedef struct journey { int limits, passed[STATIONS]; double x[STATIONS], y[STATIONS], input[STATIONS]; } journey;
@@ -111,7 +98,7 @@ static void the_true_dimensions_have_no_error(void)
     int seen[N_NET] = { 0 }, many = 0, other = 0, settled = 0;
     lw_rng_seed(&rng, check_seed(), 1);
     for (int trial = 0; trial < 90; trial++) {
-        lw_linkage k = draw(trial % N_NET, &rng);
+        lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };
         lw_target t;
         lw_problem p;
@@ -155,7 +142,7 @@ static void derivatives_hold_over_limits(void)
     int checked = 0, rough = 0, idle = 0;
     lw_rng_seed(&rng, check_seed(), 2);
     for (int trial = 0; trial < 24; trial++) {
-        lw_linkage k = draw(trial % N_NET, &rng);
+        lw_linkage k = random_net(&net[trial % N_NET], &rng);
         lw_family f = { .name = net[trial % N_NET].name, .linkage = &k, .posture = true, .links = 6 };
         lw_target t;
         lw_problem p;
@@ -210,7 +197,7 @@ static void a_search_finds_the_curve(void)
         lw_error e = { .text = "" };
         lw_fit_options o = lw_fit_options_default();
         do
-            k = draw(which, &rng);
+            k = random_net(&net[which], &rng);
         while (!travel(&k, 30, &way));
         CHECK_INT(lw_target_make(30, way.x, way.y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
         lw_family f = { .name = net[which].name, .linkage = &k, .links = 6 };
