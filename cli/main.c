@@ -30,7 +30,7 @@ static void overview(FILE *f)
 {
     char documents[1024];
     cli_document_folder(documents, sizeof documents);
-    fputs("linkwright - linkages from the motion they shall make, and the motion from linkages\n\n"
+    fputs("linkwright - design linkages for a wanted motion, and analyse how linkages move\n\n"
           "Usage:  linkwright COMMAND [words] [options]\n\n", f);
     for (int i = 0; i < N_COMMAND; i++)
         fprintf(f, "  %-11s %s\n", commands[i]->name, commands[i]->title);

@@ -77,12 +77,14 @@ static const char flexible[] = "flexible-crank", clearance[] = "clearance", chao
 
 /* At 1e-13 the corrector of BDF is at the rounding. */
 const cli_mbs_problem cli_mbs_problems[] = {
-    { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, 12, pendulum_error },
+    { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, 12,
+      pendulum_error },
     { "two-four-bars", "N-four-bar, N = 2 (A02), 10 s through ten singular postures", "place of B0 [m], any 0.1 s",
       "two-four-bars", 10, 12, four_bars_error },
     { "andrews", "Andrews' squeezer (A03), 0.03 s", "angles [rad], any ms", "andrews", 0.03, 12, andrews_error },
     { flexible, "slider-crank with flexible coupler, 0.1 s", "elastic coordinates at 0.1 s [m]", NULL, 0.1, 13, NULL },
-    { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13, NULL },
+    { clearance, "four-bar with clearance, 80 r/min, seated, 1.25 s", "pin in its bush at 1.25 s [m]", NULL, 1.25, 13,
+      NULL },
     { chaotic, "four-bar with clearance, 250 r/min, 1.25 s (chaotic: no error)", "", NULL, 1.25, 13, NULL },
     { .name = NULL }
 };
@@ -348,7 +350,8 @@ static lw_status clearance_row(cli_mbs *b, const cli_mbs_problem *p, const lw_cl
 }
 
 /* One law: against itself at 1e-13 where the motion is regular. */
-static lw_status clearance_rows(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, const char *solver, lw_error *e)
+static lw_status clearance_rows(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, const char *solver,
+                                lw_error *e)
 {
     lw_clearance_scene *scene;
     lw_clearance_result r;
@@ -371,7 +374,8 @@ static lw_status clearance_rows(cli_mbs *b, const cli_mbs_problem *p, const lw_m
 static lw_status run_clearance(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
     static const struct { lw_clearance_model law; double stiffness; } law[] = {
-        { LW_CLEARANCE_IMPACT, 1e8 }, { LW_CLEARANCE_IMPACT, 1e6 }, { LW_CLEARANCE_MLSD, 1e8 }, { LW_CLEARANCE_LINK, 1e8 } };
+        { LW_CLEARANCE_IMPACT, 1e8 }, { LW_CLEARANCE_IMPACT, 1e6 }, { LW_CLEARANCE_MLSD, 1e8 },
+        { LW_CLEARANCE_LINK, 1e8 } };
     lw_model *m = malloc(sizeof *m);
     lw_status st = m ? read_model("clearance-four-bar", m, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
     bool read = st == LW_OK;
@@ -382,7 +386,8 @@ static lw_status run_clearance(cli_mbs *b, const cli_mbs_problem *p, lw_error *e
                 m->clearance[j].model = law[i].law;
                 m->clearance[j].stiffness = law[i].stiffness;
             }
-        snprintf(solver, sizeof solver, law[i].law == LW_CLEARANCE_LINK ? "%s" : "%s K=%.0e", lw_clearance_name(law[i].law),
+        snprintf(solver, sizeof solver, law[i].law == LW_CLEARANCE_LINK ? "%s" : "%s K=%.0e",
+                 lw_clearance_name(law[i].law),
                  law[i].stiffness);
         st = clearance_rows(b, p, m, solver, e);
     }
@@ -409,8 +414,10 @@ static lw_status choose(const char *list, uint64_t *wanted, lw_error *e)
             i++;
         const char *near = lw_suggest(word, names, n);
         if (i == n)
-            return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word, near ? "did you mean '" : "there are "
-                                "pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250", near ? near : "",
+            return lw_error_set(e, LW_E_ARG, "there is no problem '%s'; %s%s%s", word,
+                                near ? "did you mean '" : "there are "
+                                "pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250",
+                                near ? near : "",
                                 near ? "'?" : "");
         *wanted |= 1ull << i;
     }

@@ -68,7 +68,8 @@ static void number(FILE *f, double v, double times)
 
 static void rows(const cli_mbs *b, FILE *f)
 {
-    fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | |\n"
+    fputs("| problem | solver | tolerance | set up ms | run ms | error | off branch | energy | steps | evaluations | "
+          "|\n"
           "|---|---|---|---|---|---|---|---|---|---|---|\n", f);
     for (int i = 0; i < b->n; i++) {
         const cli_mbs_row *r = &b->row[i];

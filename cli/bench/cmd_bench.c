@@ -22,31 +22,36 @@ static const cli_option options[] = {
     { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
       "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
     { "problems", 0, CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
-      "fit: folder with targets as CSV files; without it the published problems that come with linkwright", 0, 0, NULL, NULL },
+      "fit: folder with targets as CSV files; without it the published problems that come with linkwright", 0, 0, NULL,
+      NULL },
     { "solvers", 0, CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
-      "fit: solvers to compare: 'default' (the complete method of 'linkwright fit'), names from 'linkwright fit --solver "
-      "help', 'all' or 'none'", 0, 0, NULL, NULL },
+      "fit: solvers to compare: 'default' (the complete method of 'linkwright fit'), names from 'linkwright fit "
+      "--solver help\', 'all' or 'none'", 0, 0, NULL, NULL },
     { "time", 0, CLI_REAL, offsetof(settings, time), "SECONDS", "0.3",
       "time limit; fit: of each solver on each problem; mbs: of the repetitions of a row", 1e-3, 1e6, NULL, NULL },
     { "seeds", 0, CLI_INT, offsetof(settings, seeds), "N", "20",
       "fit: number of complete fits of each problem, with the seeds --seed, --seed + 1, ...", 0, 10000, NULL, NULL },
-    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "fit: time limit of each of these fits", 1e-3,
+    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "fit: time limit of each of these fits",
+      1e-3,
       1e6, NULL, NULL },
     { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
-      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links", 0, 0,
+      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links", 0,
+      0,
       NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
       "fit: with --links, number of evaluations for each number of links", 1e3, 1e12, NULL, NULL },
     { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
-      "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target", 0, 0,
+      "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target",
+      0, 0,
       NULL, NULL },
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
-      "mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; without it all", 0, 0, NULL, NULL },
+      "mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; without it all", 0, 0, NULL,
+      NULL },
     { "tolerances", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
       "mbs: tolerances to use, a row for each power of ten", 1e-13, 1e-1, NULL, NULL },
     { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
-      "mbs: compare with the programs in this folder ('make peers' builds those of Simbody and MuJoCo), or 'none'; without "
-      "it 'peers' beside linkwright, if there is such a folder", 0, 0, NULL, NULL },
+      "mbs: compare with the programs in this folder ('make peers' builds those of Simbody and MuJoCo), or \'none\'; "
+      "without it 'peers' beside linkwright, if there is such a folder", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -275,16 +280,18 @@ static int run_fit(const cli_call *call)
 
 static const cli_action actions[] = {
     { "fit", "",
-      "Prints two tables in Markdown. The first tells how often, and after how much time, a complete fit comes within 1 %\n"
-      "of the smallest error known, over many seeds and with all threads. The second tells what each solver reaches on one core\n"
-      "within --time. Local solvers start from the starting points of 'linkwright fit', global solvers search the whole\n"
-      "box of bounds. With -o, curves.csv holds every improvement, reach.csv every fit. Errors and numbers of evaluations depend\n"
-      "on the seed only; times depend on the machine.\n", 0, 0, run_fit },
+      "Prints two tables in Markdown. The first tells how often, and after how much time, a complete fit comes\n"
+      "within 1 % of the smallest error known, over many seeds and with all threads. The second tells what each\n"
+      "solver reaches on one core within --time. Local solvers start from the starting points of 'linkwright\n"
+      "fit', global solvers search the whole box of bounds. With -o, curves.csv holds every improvement,\n"
+      "reach.csv every fit. Errors and numbers of evaluations depend on the seed only; times depend on the\n"
+      "machine.\n", 0, 0, run_fit },
     { "mbs", "",
-      "Solves reference problems of multibody dynamics with every formulation and every tolerance. A row gives the error\n"
-      "against an exact solution, or against a solution with more digits, and the shortest processor time of several runs. A\n"
-      "solver that needs more than a second, or fails twice, is not run with smaller tolerances. Other programs (--peers) get\n"
-      "the same models and are measured in the same way. With -o, the rows go to mbs.csv.\n", 0, 0, run_mbs },
+      "Solves reference problems of multibody dynamics with every formulation and every tolerance. A row gives\n"
+      "the error against an exact solution, or against a solution with more digits, and the shortest processor\n"
+      "time of several runs. A solver that needs more than a second, or fails twice, is not run with smaller\n"
+      "tolerances. Other programs (--peers) get the same models and are measured in the same way. With -o, the\n"
+      "rows go to mbs.csv.\n", 0, 0, run_mbs },
     { .name = NULL }
 };
 

@@ -52,38 +52,43 @@ static const cli_option options[] = {
 
 static const cli_action actions[] = {
     { "build", "FILE --links P",
-      "Adds every chain with P links and F degrees of freedom: its structure and derivation, canonical label, symmetry,\n"
-      "planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and Assur groups. A file can\n"
-      "hold any number of builds. A build that was stopped or killed continues when the same command is given again.\n",
+      "Adds every chain with P links and F degrees of freedom: its structure and derivation, canonical label,\n"
+      "symmetry, planarity and notations, and its mechanisms: ground links up to symmetry, driven joints and\n"
+      "Assur groups. A file can hold any number of builds. A build that was stopped or killed continues when the\n"
+      "same command is given again.\n",
       1, 1, cli_catalogue_build },
     { "add", "FILE RESULTS.json",
-      "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several results may\n"
-      "follow one another; - is standard input. Linkages that the catalogue already holds are skipped.\n",
+      "Adds linkages with their errors from the output of 'linkwright fit --json', or linkage files. Several\n"
+      "results may follow one another; - is standard input. Linkages that the catalogue already holds are\n"
+      "skipped.\n",
       2, 2, cli_catalogue_add },
     { "curves", "FILE --samples N",
-      "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes of the\n"
-      "linkages; with --links 6 curves of the Watt and Stephenson chains whose input turns fully.\n",
+      "Adds coupler curves of four-link mechanisms, closed ones and parts of them, spread evenly over the shapes\n"
+      "of the linkages; with --links 6 curves of the Watt and Stephenson chains whose input turns fully.\n",
       1, 1, cli_catalogue_curves },
     { "nearest", "FILE TARGET.csv",
-      "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction and mirrored,\n"
-      "and prints their linkages, moved and scaled onto the target.\n",
+      "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
+      "and mirrored, and prints their linkages, moved and scaled onto the target.\n",
       2, 2, cli_catalogue_nearest },
     { "query", "FILE ['QUESTION']",
-      "Prints the rows that answer a question. A question compares fields with = != < <= > >= ~ (pattern) and in (a, b), or\n"
-      "with a range 4..8, and joins comparisons by and, or, not and parentheses. 'query FILE --fields' lists the fields.\n",
+      "Prints the rows that answer a question. A question compares fields with = != < <= > >= ~ (pattern) and in\n"
+      "(a, b), or with a range 4..8, and joins comparisons by and, or, not and parentheses. 'query FILE --fields'\n"
+      "lists the fields.\n",
       1, 2, cli_catalogue_query },
     { "export", "FILE ['QUESTION']",
-      "Writes the chains or mechanisms that answer a question, one a line in a notation; linkages in the form that 'add' reads.\n",
+      "Writes the chains or mechanisms that answer a question, one a line in a notation; linkages in the form\n"
+      "that 'add' reads.\n",
       1, 2, cli_catalogue_export },
     { "check", "[FILE or TABLE.csv]",
       "With a catalogue: checks every page and reference of the database, every label, and all published counts.\n"
-      "Otherwise: counts each row of the table of published counts again, as far as --time allows, and prints the published\n"
-      "number, the number counted, whether they agree, what was counted, and the source. A published number that is known to\n"
-      "be wrong is called a known erratum. Any other disagreement makes the exit code 4.\n",
+      "Otherwise: counts each row of the table of published counts again, as far as --time allows, and prints the\n"
+      "published number, the number counted, whether they agree, what was counted, and the source. A published\n"
+      "number that is known to be wrong is called a known erratum. Any other disagreement makes the exit code 4.\n",
       0, 1, cli_catalogue_check },
     { "html", "FILE -o FOLDER",
-      "Writes web pages that need no server: an overview with search, a page for each chain with its picture, its notations\n"
-      "and its ground links, and pages of moving linkages. More than 200 MB of pages are made only with --results.\n",
+      "Writes web pages that need no server: an overview with search, a page for each chain with its picture, its\n"
+      "notations and its ground links, and pages of moving linkages. More than 200 MB of pages are made only with\n"
+      "--results.\n",
       1, 1, cli_catalogue_html },
     { .name = NULL }
 };

@@ -8,7 +8,8 @@
 #include "cli/program/progress.h"
 
 typedef struct settings {
-    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas, *gear_ratios,
+    const char *type, *bounds, *solver, *save, *length_unit, *angle_unit, *joints, *topology, *resume, *atlas,
+    *gear_ratios,
                *input_ratios, *point_links;
     int         task, timing, datum, starts, rounds, results, links, dof;
     double      budget;
@@ -21,87 +22,102 @@ enum { AUTO = 0 };
 
 static const cli_option options[] = {
     { "type", 0, CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
-      "types of linkage: fourbar, slidercrank, inverted, ... or letters such as RRRP; 'all'", 0, 0,
+      "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
+      "as RRRP (R pin, P slider); 'all' tries every type", 0, 0,
       NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
-      "all mechanisms with up to so many links: 4, 6 or 8; with joints p or g from 3, odd ones too; with --dof 2 from 5", 4, 10,
+      "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers from 3 are possible too; "
+      "with --dof 2, numbers from 5", 4, 10,
       NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "their degree of freedom, 1 to 3, and how many pins at the ground are driven: with 2 mechanisms of 5, 7, 9 links, "
-      "with 3 of 8; all inputs but one go with that one, in a ratio of --input-ratios and a phase that is found", 0, 99,
+      "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, "
+      "3 of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
+      "found", 0, 99,
       NULL, NULL },
     { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", LW_DEFAULT_INPUT_RATIOS,
-      "with --dof 2 or 3: turns of one driven link over those of another, each ratio tried either way round; two "
-      "motors, a belt or wheels at the frame", 0, 0, NULL, NULL },
+      "with --dof 2 or 3: ratios of the speeds of two inputs, each tried both ways. Two motors, a belt, or gear "
+      "wheels on the frame give such ratios", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
-      "kinds of joints with more than four links: r; t for sliders too; p for pins in slots, g for gear pairs, with t racks",
-      0, 0, NULL, NULL },
+      "kinds of joints in mechanisms with more than four links: r pins, t sliders, p pins in slots, g gear pairs "
+      "(with t also racks)", 0, 0, NULL, NULL },
     { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", LW_DEFAULT_GEAR_RATIOS,
-      "ratios of gear pairs with --joints g, < 0 for external gears: turns of the later link over those of the earlier, "
-      "seen from the link that carries both", 0, 0, NULL, NULL },
+      "with --joints g: ratios of the gear pairs, < 0 for external gears. A ratio is the turns of the later link "
+      "divided by those of the earlier, seen from the link that carries both", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
-      "of more than four links only these: watt1, watt2, stephenson1 .. 3, watt, stephenson, or a chain by its "
-      "links and number, 8.5; with slots or gears by links, their number, and number, 5.1.3", 0, 0, NULL, NULL },
+      "with more than four links, try only these: watt1, watt2, stephenson1 to stephenson3, watt, stephenson, or a "
+      "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of "
+      "such joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
-      "evaluations for each number of links above four, as many again with sliders, and with slots or gears", 1e3, 1e12, NULL, NULL },
+      "number of evaluations of the objective, for each number of links above four; as many again with sliders, and "
+      "as many again with slots or gears", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
-      "start from the linkages in FILE too: results that an earlier fit wrote with -o or --json, or one drawn by hand", 0, 0, NULL, NULL },
+      "also start from the linkages in this file: results that an earlier fit wrote with -o or --json, or a linkage "
+      "of your own", 0, 0, NULL, NULL },
     { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
-      "start from the nearest curves of a catalogue too ('linkwright catalogue curves')", 0, 0, NULL, NULL },
+      "also start from the coupler curves of a catalogue that are most like the target ('linkwright help catalogue "
+      "curves')", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
-      "what the target's columns ask for; auto: function without x and y, motion with a tool angle",
-      0, 0, NULL, NULL },
+      "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and "
+      "angle of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL,
+      NULL },
     { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto|prescribed|free|none", "auto",
-      "input angles of the target kept (prescribed), only the order kept (free), only the shape, "
-      "scored both ways (none); auto: prescribed when the target has input angles, else free", 0, 0, NULL, NULL },
+      "prescribed: each point belongs to the input angle in the target; free: only the order of the points counts; "
+      "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free", 0, 0,
+      NULL, NULL },
     { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
-      "prescribed angles count from the first one, which is found; from the line of the fixed pivots; "
-      "from the x axis", 0, 0, NULL, NULL },
+      "zero of the prescribed input angles: at the first point, where the angle itself is found; the line through "
+      "the fixed pivots; or the x axis", 0, 0, NULL, NULL },
     { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
-      "links of the target's further points (x2, ...), in their order: input, coupler, output, or any", 0, 0, NULL, NULL },
+      "links that carry the further points of the target (x2, ...), in their order: input, coupler, output, or any", 0,
+      0, NULL, NULL },
     { "weight-path", 0, CLI_REAL, offsetof(settings, weight_path), "A", "1",
-      "weight of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
+      "weight A of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
     { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", "1",
-      "weight of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
+      "weight B of squared angles [1/rad^2]", 0, 1e300, NULL, NULL },
     { "length-range", 0, CLI_RANGE, offsetof(settings, length_range), "MIN:MAX", NULL,
-      "bounds of the link lengths; without it 1/1000 to 10 diagonals of the target", 0, 1e300, NULL, NULL },
+      "limits of the link lengths; without it 1/1000 to 10 times the diagonal of the target", 0, 1e300, NULL, NULL },
     { "position-range", 0, CLI_RANGE, offsetof(settings, position_range), "MIN:MAX", NULL,
-      "bounds of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
+      "limits of coordinates and offsets; without it 10 diagonals around the target", 0, 0, NULL, NULL },
     { "length-ratio", 0, CLI_REAL, offsetof(settings, length_ratio), "R", NULL,
       "the longest length is at most R times the shortest", 1, 1e9, NULL, NULL },
     { "bounds", 0, CLI_TEXT, offsetof(settings, bounds), "NAME=MIN:MAX,...", NULL,
-      "bounds of single dimensions, r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
+      "limits of single dimensions, as r1=5:50,x0=0:0; angles in radians", 0, 0, NULL, NULL },
     { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
-      "the input is a crank: turns fully, and of a four-bar is the shortest link", 0, 0, NULL, NULL },
+      "the input turns fully, and in a four-bar it is the shortest link", 0, 0, NULL, NULL },
     { "full-turn", 0, CLI_FLAG, offsetof(settings, full_turn), NULL, NULL,
-      "the input turns fully; drag-links too", 0, 0, NULL, "crank-only" },
+      "the input turns fully; double cranks (drag links) are allowed too", 0, 0, NULL, "crank-only" },
     { "min-transmission-angle", 0, CLI_REAL, offsetof(settings, min_transmission), "DEG", NULL,
-      "least transmission angle over the motion [degrees]", 0, 89.9, NULL, NULL },
+      "smallest transmission angle allowed during the motion [degrees]", 0, 89.9, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
-      "greatest acceleration of the point by the input [unit/rad^2], of a function of the output angle", 0, 1e300,
+      "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
+      "the output angle", 0, 1e300,
       NULL, NULL },
     { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
-      "linkages through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points; sorted by "
-      "defects (circuit, branch, order)", 0, 0, NULL, "links" },
+      "find linkages that pass through every precision point exactly: 2 to 5 poses, 3 to 5 pairs of a function, or 2 "
+      "to 9 points. Linkages that can run through all points in order, without being taken apart, come first", 0, 0,
+      NULL, "links" },
     { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
-      "local solver behind the starts; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
+      "local solver that improves each start; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
     { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
-      "starts a round, family and mode; 0: by the size of the problem", 0, 3200, NULL, NULL },
+      "number of starting points in each round, for each type and assembly mode; 0 lets the size of the problem "
+      "decide", 0, 3200, NULL, NULL },
     { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
-      "rounds at most; 0: by the size of the problem", 0, 100000, NULL, NULL },
-    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10", "results at most", 1, 64,
+      "greatest number of rounds; 0 lets the size of the problem decide", 0, 100000, NULL, NULL },
+    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10",
+      "greatest number of results", 1, 64,
       NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
-      0, 0, NULL, NULL },
+      "write linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder", 0, 0, NULL,
+      NULL },
     { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
-      "the last point is followed by the first, whatever the file says", 0, 0, NULL, NULL },
-    { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL, "it is not", 0, 0, NULL, "closed" },
+      "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
+    { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
+      "the target is an open curve, whatever its file says", 0, 0, NULL, "closed" },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
-      "unit of the target's lengths: m, mm, cm, in, ...; without it what the file says, else m", 0,
+      "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0,
       0, NULL, NULL },
     { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
-      "unit of its angles: rad, deg, turn; without it what the file says, else rad", 0, 0, NULL, NULL },
+      "unit of the angles in the target; without it as the file says, else rad", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -302,15 +318,18 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
         return lw_error_set(e, LW_E_ARG, "--dof 0: a linkage without freedom is a truss, no point of which moves");
     if (dof > LW_PACKED_INPUT_MAX)
         return lw_error_set(e, LW_E_ARG, "--dof %d: with %d inputs at the ground a mechanism has %d links or more, and "
-                            "--links goes to 10, which is F = %d", dof, dof, lw_mechanism_least_links(dof), LW_PACKED_INPUT_MAX);
+                            "--links goes to 10, which is F = %d", dof, dof, lw_mechanism_least_links(dof),
+                            LW_PACKED_INPUT_MAX);
     if (dof == 1)
         return cli_given(said, "input-ratios") ? lw_error_set(e, LW_E_ARG, "--input-ratios has a meaning with several "
                                                               "inputs: give --dof 2") : LW_OK;
     if (links > 0 && links < lw_mechanism_least_links(dof))
-        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links or more",
+        return lw_error_set(e, LW_E_ARG, "--dof %d --links %d: with %d inputs at the ground a mechanism has %d links "
+                            "or more",
                             dof, links, dof, lw_mechanism_least_links(dof));
     if (cli_given(said, "type") || s->exact)
-        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links and "
+        return lw_error_set(e, LW_E_ARG, "--dof %d goes together with no --%s, which is about linkages of four links "
+                            "and "
                             "F = 1", dof, s->exact ? "exact" : "type");
     return LW_OK;
 }
@@ -331,7 +350,8 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
     if (st == LW_OK && s->resume)
         st = cli_fit_start_read(s->resume, &set->start, e);
     if (st == LW_OK && s->atlas)
-        st = cli_fit_start_nearest(s->atlas, &set->target, o->links > 4 ? o->links : lw_mechanism_least_links(o->freedoms),
+        st = cli_fit_start_nearest(s->atlas, &set->target,
+                                   o->links > 4 ? o->links : lw_mechanism_least_links(o->freedoms),
                                    &set->start, e);
     o->n_start = set->start.n;
     o->start = set->start.linkage;
@@ -576,22 +596,29 @@ static int run(const cli_call *call)
 const cli_command cli_fit_command = {
     .name = "fit",
     .words = "TARGET.csv ...",
-    .title = "linkages whose point follows a target, ranked",
+    .title = "find linkages whose point follows a path, or whose output follows a function",
     .examples =
         "  linkwright fit examples/walking-foot.csv                        the best four-bars\n"
-        "  linkwright fit examples/ellipse.csv --type all -o found.json    all four-link types\n"
+        "  linkwright fit examples/ellipse.csv --type all -o found.json    all types with four links\n"
         "  linkwright fit path.csv --crank-only --length-range 5:50        bounded lengths\n"
-        "  linkwright fit path.csv --links 5 --joints r,p,g                pins in slots and gear pairs too\n"
+        "  linkwright fit path.csv --links 5 --joints r,p,g                also slots and gear pairs\n"
         "  linkwright fit path.csv --min-transmission-angle 35 --save out  with pictures\n",
     .about =
-        "TARGET: columns x,y[,theta][,angle][,weight], or angle,theta for a function; x2,y2[,theta2] of\n"
-        "further points of the same mechanism, or theta2 of an output that goes with the path; - is standard\n"
-        "input; or a task file, TASK.json, with conditions (docs/notation.md, \"Target\", \"Task\").\n"
-        "Minimises, over dimensions,\n"
-        "    sum of  A |P - T|^2 + B (alpha - theta)^2        over the points of the target.\n"
-        "Every result is simulated a second time from its file by independent code. -o FILE gets\n"
-        "the results as JSON while the table goes to standard output; --json prints the JSON.\n"
-        "Same seed, same answer for any number of --jobs.\n",
+        "TARGET is a CSV file. Its columns say what is wanted:\n"
+        "    x,y           a point shall follow this path\n"
+        "    x,y,theta     a body shall move through these positions and angles\n"
+        "    angle,theta   the output shall have angle theta when the input has angle 'angle'\n"
+        "A column 'angle' beside x,y gives the input angle of each point, 'weight' its weight. Columns\n"
+        "x2,y2[,theta2] are further points of the same mechanism; theta2 alone is the angle of an output beside\n"
+        "the path. Instead of a CSV file, TASK.json holds a target with its conditions (docs/notation.md,\n"
+        "\"Target\" and \"Task\"). - is standard input.\n"
+        "\n"
+        "The search looks for dimensions with the smallest sum, over all points, of\n"
+        "    A |P - T|^2 + B (alpha - theta)^2       P, alpha: point and angle of the linkage; T, theta: of the "
+        "target\n"
+        "Every result is simulated a second time by independent code before it is printed. The table of results\n"
+        "goes to standard output; with -o FILE the results go to FILE as JSON too, with --json they replace the\n"
+        "table. The same seed gives the same results for any number of --jobs.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

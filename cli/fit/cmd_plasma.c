@@ -22,26 +22,33 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
-      "the path that the point shall follow: CSV, SVG or DXF, as for fit; needed", 0, 0, NULL, NULL },
-    { "ground", 0, CLI_INT, offsetof(settings, ground), "PART", "1", "the fixed part", 1, LW_LINK_MAX, NULL, NULL },
+      "the path that the point shall follow: CSV, SVG or DXF, as for 'linkwright fit'; required", 0, 0, NULL, NULL },
+    { "ground", 0, CLI_INT, offsetof(settings, ground), "PART", "1",
+      "number of the fixed part", 1, LW_LINK_MAX, NULL, NULL },
     { "input-joint", 0, CLI_INT, offsetof(settings, input), "JOINT", NULL,
-      "the driven joint, a pin or slider; without it the first at the ground from which all parts can be worked out",
-      1, LW_JOINT_MAX, NULL, NULL },
+      "number of the driven joint, a pin or a slider; without it the first joint at the ground from which all parts "
+      "can be computed", 1, LW_JOINT_MAX, NULL, NULL },
     { "tracer-link", 0, CLI_INT, offsetof(settings, tracer), "PART", NULL,
-      "the part that carries the point; without it the first that is not joined to the ground and needs all parts", 1,
+      "number of the part that carries the point; without it the first part that is not joined to the ground and "
+      "whose position depends on all parts", 1,
       LW_LINK_MAX, NULL, NULL },
-    { "first", 0, CLI_INT, offsetof(settings, first), "N", "200", "first dimensions are the best of N that close", 1,
+    { "first", 0, CLI_INT, offsetof(settings, first), "N", "200",
+      "the first dimensions are the best of N random ones that can be assembled", 1,
       1e6, NULL, NULL },
-    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50", "rows of the tables of motion", 2, 10000, NULL,
+    { "points", 0, CLI_INT, offsetof(settings, points), "N", "50",
+      "number of rows in the tables of motion", 2, 10000, NULL,
       NULL },
-    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5", "evaluations of the optimisation", 1e3, 1e12, NULL,
+    { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
+      "number of evaluations of the objective", 1e3, 1e12, NULL,
       NULL },
-    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL, "the input turns fully", 0, 0, NULL,
+    { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
+      "the input turns fully", 0, 0, NULL,
       NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
-      "unit of the target's lengths; without it what the file says, else m", 0, 0, NULL, NULL },
+      "unit of the lengths in the target; without it as the file says, else m", 0, 0, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "first.adm, first.acf, final.adm, final.acf, first.json, final.json into this folder", 0, 0, NULL, NULL },
+      "write first.adm, first.acf, final.adm, final.acf, first.json and final.json into this folder", 0, 0, NULL,
+      NULL },
     { .name = NULL }
 };
 
@@ -179,7 +186,8 @@ static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
     lw_plan *plan = malloc(sizeof *plan);
-    bool ok = plan && lw_plan_make(&b->sketch, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK;
+    bool ok = plan && lw_plan_make(&b->sketch, (lw_plan_options){ .tracers = 1, .all_joints = true,
+                                                                  .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK;
     double scale = plan && ok && plan->input_is_slider ? p->unit : 1, mid = p->branch.turns ? 0 : p->branch.mid*scale;
     bool found = false;
     memcpy(mode, p->branch.mode, sizeof mode);
@@ -370,7 +378,8 @@ static lw_status run_all(job *b, lw_error *e)
     if (st != LW_OK)
         return st;
     if (b->target.n_also > 0)
-        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "one path is wanted; 'linkwright fit' takes several points");
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "one path is wanted; 'linkwright fit' takes several "
+                           "points");
     if (!b->target.x)
         return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "a path is wanted: columns x and y");
     make_spec(b);
@@ -427,17 +436,19 @@ static int run(const cli_call *call)
 const cli_command cli_plasma_command = {
     .name = "plasma",
     .words = "[LAM.txt]",
-    .title = "a link adjacency matrix and a target to dimensions",
+    .title = "find the dimensions of one given mechanism, in the steps of the program PLASMA",
     .examples =
         "  linkwright chains --links 4 --format lam | linkwright plasma --target examples/ellipse.csv\n"
         "  linkwright plasma lam.txt --target examples/walking-foot.csv --crank-only --save out\n",
     .about =
-        "The steps of PLASMA (Makkonen 1999): reads a link adjacency matrix from LAM.txt or standard input (0, or the\n"
-        "number of the joint between two parts, a letter behind it for its kind: 4t), prints the joint data structure\n"
-        "of first dimensions that close, the data set of the analysis program (ADAMS), the coupler path with velocity\n"
-        "and acceleration over a second, accelerations of the joints; optimises; prints final dimensions and path.\n"
-        "Markers are 100 part + count, joint types 11 pin, 12 slider, 13 pin in a slot, F the direction of a slide\n"
-        "[rad]; lengths in the target's unit. Same seed, same answer.\n",
+        "The mechanism is a link adjacency matrix, from LAM.txt or standard input: row and column are parts, an\n"
+        "entry is the number of the joint between them or 0, and a letter behind the number gives its kind, as\n"
+        "4t. As PLASMA did (Makkonen 1999), the command prints\n"
+        "    the joints of first dimensions that can be assembled, and the data set for the analysis program ADAMS\n"
+        "    the coupler curve with velocity and acceleration over one second, and the accelerations of the joints\n"
+        "    the final dimensions after optimisation, with their coupler curve\n"
+        "A marker has the number 100 part + count. Joint types are 11 pin, 12 slider, 13 pin in a slot; F is the\n"
+        "direction of a slide [rad]. Lengths are in the unit of the target. The same seed gives the same answer.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

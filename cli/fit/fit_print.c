@@ -90,7 +90,8 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
         const lw_mechanism_tally *t = &m->tally;
         const char *between = "";
         fprintf(f, "%d links%s: %ld chain%s, %ld ground choice%s, %ld with tracer link, %ld with any input", m->links,
-                m->two_freedoms ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s", t->n_ground,
+                m->two_freedoms ? " and joints of two freedoms" : "", t->n_chain, t->n_chain == 1 ? "" : "s",
+                t->n_ground,
                 t->n_ground == 1 ? "" : "s", t->n_pair, t->n_driven);
         fprintf(f, s->search.freedoms > 1 ? "s (F = %d): " : ": ", s->search.freedoms);
         for (int i = 0; i < LW_PAIR_OUTCOMES; i++)
@@ -126,7 +127,8 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
         cli_fit_exact_summary(s, f);
     else
         fprintf(f, "%d result%s, each simulated twice; %ld starts, %ld local fits, %ld evaluations, "
-                "%.2f s; stopped: %s\n\n", s->search.results.n, s->search.results.n == 1 ? "" : "s", s->search.found.fit.starts,
+                "%.2f s; stopped: %s\n\n", s->search.results.n, s->search.results.n == 1 ? "" : "s",
+                s->search.found.fit.starts,
                 s->search.found.fit.improved, s->search.found.fit.evals, s->search.found.fit.seconds,
                 lw_stop_text(s->search.found.fit.stop));
 }

@@ -42,7 +42,8 @@ static lw_status make(const lw_linkage *k, moved **out, lw_error *e)
     moved *m = calloc(1, sizeof *m);
     if (!m)
         return lw_error_set(e, LW_E_MEMORY, "out of memory for a plan");
-    lw_status s = lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &m->plan, e);
+    lw_status s = lw_plan_make(k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER },
+                               &m->plan, e);
     if (s == LW_OK)
         s = lw_plan_read(&m->plan, k, m->dim, m->mode, &m->input, e);
     if (s != LW_OK)

@@ -13,7 +13,7 @@ static const char *const units[] = { "deg", "rad", "turn" };
 
 static const cli_option options[] = {
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
-      "sums of lengths are called equal within T times the perimeter", 0, 0.1, NULL, NULL },
+      "two sums of lengths are equal if they differ by at most E times the perimeter", 0, 0.1, NULL, NULL },
     { "angle-unit", 0, CLI_CHOICE, offsetof(settings, unit), "deg|rad|turn", "deg",
       "unit of the angles that are printed", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -131,18 +131,17 @@ static int run(const cli_call *call)
 const cli_command cli_classify_command = {
     .name = "classify",
     .words = "L1 L2 L3 L4",
-    .title = "class of a four-bar, with margins, limits and dead points",
+    .title = "type of motion of a four-bar, with limits, dead points and transmission angles",
     .examples =
         "  linkwright classify 4 2 5 3                     a crank-rocker? its limits\n"
         "  linkwright classify 4 2 4 2 --tolerance 1e-9    a parallelogram is a change point\n"
         "  linkwright classify 0.1 0.03 0.08 0.09 --json   the same for programs\n",
     .about =
-        "Lengths in the order frame, input, coupler, output, all in one unit, whatever it is.\n"
-        "Classes are those of Barker (1985), 1 to 14. Angles of the input are counted from the\n"
-        "frame line, counter-clockwise. 'Limits' are input angles at which the motion turns back;\n"
-        "'dead points' are those where input and coupler are in line, so that the output cannot\n"
-        "drive; 'transmission' is the range of the angle between coupler and output. Lengths that\n"
-        "cannot be joined are bad input (exit code 3).\n",
+        "Give the lengths in the order frame, input, coupler, output, all in one unit. Classes are the numbers 1\n"
+        "to 14 of Barker (1985). Input angles count counter-clockwise from the frame line. 'Limits' are input\n"
+        "angles at which the motion must turn back. 'Dead points' are input angles at which input and coupler are\n"
+        "in line, so that the output cannot drive. 'Transmission' is the range of the angle between coupler and\n"
+        "output. Lengths that cannot be assembled give exit code 3.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 4,

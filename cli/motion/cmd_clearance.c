@@ -15,41 +15,45 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "speeds", 0, CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
-      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it that of "
-      "the file", 0, 0, NULL, NULL },
+      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it the speed "
+      "in the file", 0, 0, NULL, NULL },
     { "speed-unit", 0, CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
       "unit of the speeds; m/s for inputs that slide", 0, 0, NULL, NULL },
     { "stiffness", 'K', CLI_TEXT, offsetof(settings, stiffness), "LIST", NULL,
-      "stiffness of the contact [N/m] instead of the file's", 0, 0, NULL, NULL },
+      "stiffness of the contact [N/m], instead of the value in the file", 0, 0, NULL, NULL },
     { "damping", 0, CLI_TEXT, offsetof(settings, damping), "LIST", NULL,
-      "damping of the contact [N s/m] instead of the file's", 0, 0, NULL, NULL },
+      "damping of the contact [N s/m], instead of the value in the file", 0, 0, NULL, NULL },
     { "model", 0, CLI_TEXT, offsetof(settings, model), "LIST", NULL,
-      "zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh, instead of the file's", 0, 0, NULL, NULL },
-    { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25", "length of a run [s]", 1e-9, 1e9, NULL, NULL },
+      "models of the clearance to compare: zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh; instead of "
+      "the one in the file", 0, 0, NULL, NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25",
+      "end time of a run [s]", 1e-9, 1e9, NULL, NULL },
     { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4",
-      "contact counts from here on [s]", 0, 1e9, NULL, NULL },
+      "time after which contact is judged [s]", 0, 1e9, NULL, NULL },
     { "start", 0, CLI_CHOICE, offsetof(settings, start), "closed|seated|crank", "closed",
-      "pin in the middle of its bush and all links at the speeds of the closed linkage; pin pressed in as the reaction "
-      "asks; or only the driven link moving", 0, 0, NULL, NULL },
+      "closed: the pin is in the middle of its bush and all links have the speeds of the linkage without clearance; "
+      "seated: the pin is pressed into the bush by the reaction force; crank: only the driven link moves", 0, 0, NULL,
+      NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-9",
-      "error of a step in sizes of the linkage", 1e-14, 1e-3, NULL, NULL },
+      "error allowed in a step, divided by the size of the linkage", 1e-14, 1e-3, NULL, NULL },
     { "limits", 0, CLI_FLAG, offsetof(settings, limits), NULL, NULL,
-      "print only where contact is lost and kept again as the speed rises", 0, 0, NULL, NULL },
+      "print only the speeds at which contact is lost, and kept again, as the speed rises", 0, 0, NULL, NULL },
     { "refine", 0, CLI_REAL, offsetof(settings, refine), "W", NULL,
-      "halve the limits down to this width", 0, 1e9, NULL, NULL },
+      "narrow down each of these speeds to this width", 0, 1e9, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
-      "picture of speed against stiffness, contact kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
+      "picture of speed and stiffness that shows where contact is kept or lost (.svg, .pdf, .png)", 0, 0, NULL, NULL },
     { "passes", 0, CLI_OUTPUT, offsetof(settings, passes), "FILE", NULL,
-      "picture of the pin's direction in its bush each time the input passes its start, over speed: few points where "
-      "motion is regular, a cloud where it is not; give it time with --to", 0, 0, NULL, NULL },
+      "picture of the pin's direction in its bush each time the input passes its start, over speed. A regular motion "
+      "gives few points, an irregular one a cloud; use long runs (--to)", 0, 0, NULL, NULL },
     { "path", 0, CLI_OUTPUT, offsetof(settings, path), "FILE", NULL,
-      "picture of the way of the pin in its bush; for one speed and one law", 0, 0, NULL, NULL },
+      "picture of the path of the pin in its bush; for one speed and one model", 0, 0, NULL, NULL },
     { "force-plot", 0, CLI_OUTPUT, offsetof(settings, force), "FILE", NULL,
-      "picture of the force over time; for one speed and one law", 0, 0, NULL, NULL },
+      "picture of the force over time; for one speed and one model", 0, 0, NULL, NULL },
     { "history", 0, CLI_OUTPUT, offsetof(settings, history), "FILE", NULL,
-      "the same as a table (CSV)", 0, 0, NULL, NULL },
+      "table of path and force over time (CSV); for one speed and one model", 0, 0, NULL, NULL },
     { "every", 0, CLI_REAL, offsetof(settings, every), "T", NULL,
-      "time between rows and points of these; without it a ten thousandth of the run [s]", 1e-12, 1e9, NULL, NULL },
+      "time between rows and points of these files [s]; without it a ten-thousandth of the run", 1e-12, 1e9, NULL,
+      NULL },
     { .name = NULL }
 };
 
@@ -62,10 +66,12 @@ static lw_status set_unit(const cli_call *call, cli_clearance *c, lw_error *e)
     bool slides = k->n_input > 0 && k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
     int unit = slides && !cli_given(&call->parsed, "speed-unit") ? 2 : s->unit;
     if (s->speed && k->n_input == 0)
-        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speeds is for the input, and the model has none; "
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0,
+                           "--speeds is for the input, and the model has none; "
                            "add \"input\" to the file");
     if (s->speed && c->model->motion[0])
-        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0, "--speeds is for an input that runs freely, but its "
+        return lw_error_at(e, LW_E_ARG, call->parsed.word[0], 0, 0,
+                           "--speeds is for an input that runs freely, but its "
                            "\"motion\" is prescribed; give it a \"speed\" instead");
     if (k->n_input > 0 && (unit == 2) != slides)
         return lw_error_set(e, LW_E_ARG, "--speed-unit %s does not go with an input that %s", name[unit],
@@ -171,7 +177,7 @@ static int run(const cli_call *call)
 const cli_command cli_clearance_command = {
     .name = "clearance",
     .words = "MODEL.json",
-    .title = "does a pin keep contact with its bush: speeds, stiffnesses, models of clearance",
+    .title = "does a pin keep contact with its bush? speeds, stiffnesses and models of joint clearance",
     .examples =
         "  linkwright clearance examples/clearance-four-bar.json --speeds 80:120:2             kept or lost\n"
         "  linkwright clearance model.json --speeds 80:400:2 --stiffness 1e6,1e7,1e8 --limits  between which speeds\n"
@@ -180,12 +186,13 @@ const cli_command cli_clearance_command = {
         "  linkwright clearance model.json --speeds 94 --path path.svg --force-plot force.svg       one run in full\n"
         "  linkwright clearance model.json --speeds 92,94 --model impact,mlsd,link,zero        by four models\n",
     .about =
-        "The joints that have a \"clearance\" in the file (pins only) are opened, and the linkage moves from the\n"
-        "posture and speed of the file, its input free unless it has a \"motion\". A row of the table is one run\n"
-        "and joint: whether contact was kept after the time to settle, when it was lost first, how often, for\n"
-        "which share of the time; greatest force and distance of the centres; for the model without gap the\n"
-        "criterion of Earles and Wu (kept below 1); range of the input's speed. Contact is lost when the distance\n"
-        "falls to the gap; with a massless link when its force changes sign.\n",
+        "Joints with a \"clearance\" in the file (pins only) get their gap, and the linkage moves from the posture\n"
+        "and speed of the file. The input moves freely unless it has a \"motion\". A row of the table is one joint\n"
+        "in one run: whether contact was kept after the time --settle; when it was lost first, how often, and for\n"
+        "which part of the time; the greatest force and the greatest distance of the centres; the criterion of\n"
+        "Earles and Wu for the model without gap (contact is kept below 1); and the range of the input's speed.\n"
+        "Contact is lost when the distance of the centres falls to the gap; in the model with a massless link,\n"
+        "when the force in the link changes its sign.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -14,10 +14,11 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
-      "a posture closes when its joints fit to T times the size of the linkage; more than the default lets "
-      "rounded files of special linkages move", 0, 1e-4, NULL, NULL },
+      "a posture is closed if its joints fit to within E times the size of the linkage; use more than the default "
+      "for files whose numbers are rounded", 0, 1e-4, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
-      "result number N of a file that fit wrote; without it the first", 1, 1e9, NULL, NULL },
+      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best", 1, 1e9, NULL,
+      NULL },
     { .name = NULL }
 };
 
@@ -215,20 +216,20 @@ static int run(const cli_call *call)
 const cli_command cli_mobility_command = {
     .name = "mobility",
     .words = "MODEL.json",
-    .title = "freedoms of a linkage, redundant constraints, idle links; rigid, shaky or movable",
+    .title = "degrees of freedom of a linkage, redundant constraints, idle parts; rigid or movable",
     .examples =
-        "  linkwright mobility examples/jansen.json          one freedom, nothing redundant\n"
+        "  linkwright mobility examples/jansen.json          one degree of freedom\n"
         "  linkwright mobility examples/mobility/focal.json           moves although the count says -1\n"
-        "  linkwright mobility bridge.json --json            the same for programs\n"
-        "  linkwright mobility rounded.json -t 1e-6          coordinates with six digits\n",
+        "  linkwright mobility bridge.json --json            the same as JSON\n"
+        "  linkwright mobility rounded.json --tolerance 1e-6          coordinates with six digits\n",
     .about =
-        "'count' is Gruebler's number. 'freedom' is found by moving: the linkage is pushed along its motions\n"
-        "of first order and brought back to closure; it moves if it then is elsewhere, again and again, with\n"
-        "its joints closed to the tolerance, and is shaky if it falls back every time. Ranks are taken at\n"
-        "postures reached that way, so a special posture and special dimensions are told apart. 'redundant'\n"
-        "names rows of joints that follow from those before them in the file: x and y of a pin, across and\n"
-        "turn of a slider. 'idle' freedoms leave every tracer at rest (without tracers: every other link).\n"
-        "'misfit' of a linkage that cannot move is by how much joints must open to move 1/20 of its size.\n",
+        "'count' is the number of Gruebler's formula. 'freedom' is found by moving the linkage: it is displaced\n"
+        "along its first-order motions, and its joints are closed again. If it is then in another place, again\n"
+        "and again, it moves; if it returns every time, it is shaky. Ranks are computed at postures that were\n"
+        "reached in this way, so that a special posture is distinguished from special dimensions. 'redundant'\n"
+        "names constraints that follow from those before them in the file: x and y of a pin, across and turn of a\n"
+        "slider. 'idle' degrees of freedom do not move any tracer (without tracers: any other link). For a\n"
+        "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

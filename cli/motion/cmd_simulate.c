@@ -23,39 +23,51 @@ typedef struct settings {
 #define CHOICE(id, name, text) "|" #name
 #define HELP(id, name, text)   "  " #name " - " text "\n"
 static const cli_option options[] = {
-    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis), "transient|static|quasistatic|kinematic|dynamic|linear",
-      "transient", "transient is kinematic when every freedom is driven, else dynamic; linear: small vibrations", 0, 0, NULL, NULL },
+    { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis),
+      "transient|static|quasistatic|kinematic|dynamic|linear",
+      "transient", "transient: motion in time, kinematic if every degree of freedom is driven, else dynamic; linear: small "
+      "vibrations", 0, 0,
+      NULL, NULL },
     { "formulation", 0, CLI_CHOICE, offsetof(settings, formulation), "auto" LW_FORMULATION_LIST(CHOICE), "auto",
       "equations and method, listed above; auto takes the first that suits, see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
-      "say which formulation is taken, why, and how many unknowns it has", 0, 0, NULL, NULL },
-    { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0", "time of the start [s]", 0, 0, NULL, NULL },
-    { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1", "time of the end [s]", 0, 0, NULL, NULL },
-    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100", "rows less one, evenly spaced in time", 1, 10000000,
+      "print which formulation is used, why, and its number of unknowns", 0, 0, NULL, NULL },
+    { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0",
+      "start time [s]", 0, 0, NULL, NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1",
+      "end time [s]", 0, 0, NULL, NULL },
+    { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100",
+      "number of time intervals; there is one row more", 1, 10000000,
       NULL, NULL },
     { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
-      "drive the inputs that have no motion at this speed [rad/s] or [m/s]", 0, 0, NULL, NULL },
+      "drive the inputs without a motion at this constant speed [rad/s] or [m/s]", 0, 0, NULL, NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
-      "error allowed in a step, of turns and of lengths over the size of the linkage", 1e-14, 0.1, NULL, NULL },
-    { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000", "steps of the integration, at most", 1,
+      "error allowed in a step: of angles, and of lengths divided by the size of the linkage", 1e-14, 0.1, NULL, NULL },
+    { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
+      "greatest number of steps of the integration", 1,
       2e9, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
-      "counterweights that null the static shaking force, as JSON", 0, 0, NULL, NULL },
-    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL, "plot columns over time as SVG, PDF or PNG", 0, 0,
+      "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
+    { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
+      "plot columns over time as SVG, PDF or PNG", 0, 0,
       NULL, NULL },
     { "columns", 0, CLI_TEXT, offsetof(settings, columns), "NAME,...", NULL,
-      "columns to plot: names, or what stands before the point; without it the drives, or the energies", 0, 0, "plot",
+      "columns to plot: their names, or the part of the name before the point; without it the drives, or the "
+      "energies if there is no drive", 0, 0, "plot",
       NULL },
-    { "gif", 'g', CLI_OUTPUT, offsetof(settings, gif), "FILE", NULL, "the motion as an animation, a frame a row", 0, 0, NULL,
+    { "gif", 'g', CLI_OUTPUT, offsetof(settings, gif), "FILE", NULL,
+      "animation of the motion, one frame for each row", 0, 0, NULL,
       NULL },
     { "rest", 0, CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
-      "linear: about the static equilibrium near the posture", 0, 0, NULL, NULL },
+      "with --analysis linear: vibrations about the static equilibrium near the posture of the file", 0, 0, NULL,
+      NULL },
     { "hold", 0, CLI_FLAG, offsetof(settings, linear.hold), NULL, NULL,
-      "linear: inputs held; those with a motion always are", 0, 0, NULL, NULL },
+      "with --analysis linear: keep the inputs fixed; inputs with a motion always are", 0, 0, NULL, NULL },
     { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
-      "linear: in N + 1 postures from the first to the last value of the input, or over a turn", 1, 1000000, NULL, NULL },
+      "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn", 1,
+      1000000, NULL, NULL },
     { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
-      "linear: compare with the peaks in the spectra of a small free vibration", 0, 0, NULL, NULL },
+      "with --analysis linear: compare with the peaks in the spectrum of a small free vibration", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -110,7 +122,8 @@ static lw_status prepare(const cli_call *call, cli_simulate *c, lw_error *e)
 static void explain(const cli_call *call, const lw_dynamics_report *r)
 {
     cli_note(call, "%s: %s; %d unknown%s, %d freedom%s, %d redundant constraint%s", lw_formulation_name(r->formulation),
-             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant, r->redundant == 1 ? "" : "s");
+             r->why, r->unknowns, r->unknowns == 1 ? "" : "s", r->freedom, r->freedom == 1 ? "" : "s", r->redundant,
+             r->redundant == 1 ? "" : "s");
 }
 
 /* One row: the posture of rest. */
@@ -192,25 +205,29 @@ static int run(const cli_call *call)
 const cli_command cli_simulate_command = {
     .name = "simulate",
     .words = "MODEL.json",
-    .title = "statics, kinetostatics and dynamics of a linkage with masses and loads",
+    .title = "forces and motion of a linkage with masses and loads: statics, dynamics, vibrations",
     .examples =
-        "  linkwright simulate examples/andrews.json --to 0.03 --explain     forward dynamics, as CSV\n"
+        "  linkwright simulate examples/andrews.json --to 0.03 --explain     dynamics, as CSV\n"
         "  linkwright simulate examples/pendulum.json --to 10 -n 1000 --json\n"
         "  linkwright simulate model.json --speed 10 --plot torque.svg      drive its input, plot the torque\n"
-        "  linkwright simulate model.json --analysis static                 where it rests\n"
+        "  linkwright simulate model.json --analysis static                 static equilibrium\n"
         "  linkwright simulate model.json --speed 6.283185307179586 --balance\n"
-        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, and heard\n",
+        "  linkwright simulate model.json --analysis linear --rest --fft     eigenfrequencies, compared with a "
+        "vibration\n",
     .about =
-        "The model is a linkage with masses, gravity, springs, dampers, forces, motors, friction and\n"
-        "stops (docs/notation.md, \"Model\"). Columns: t; for each input its value, rate and what\n"
-        "drives it; tracers; centres of mass and turns of links with velocities and accelerations;\n"
-        "reactions at joints, on the second link, about the joint; shaking force and moment on the\n"
-        "frame; energies; residuals of the constraints over the size of the linkage. Errors of\n"
-        "energy, momentum and constraints are told on standard error. A run that fails (exit 4) or\n"
-        "is stopped by a limit (exit 5) keeps its rows and says where it ended.\n\n"
-        "With --analysis linear a row is one mode of small vibrations: frequency and natural frequency\n"
-        "[Hz], damping ratio, eigenvalue [1/s]; shapes with --json. It is taken about the posture of the\n"
-        "file at time --from, as if at rest; 'unbalanced' says how far from equilibrium that is.\n\n"
+        "The model is a linkage with masses, gravity, springs, dampers, forces, motors, friction and stops\n"
+        "(docs/notation.md, \"Model\"). Columns are the time t; for each input its value, its rate and its driving\n"
+        "force or torque; the tracers; for each link the centre of mass and the angle, with velocities and\n"
+        "accelerations; the joint reactions on the second link, about the joint; the shaking force and moment on\n"
+        "the frame; energies; the residuals of the constraints, divided by the size of the linkage. Standard\n"
+        "error reports the errors of energy, momentum and constraints. A run that fails (exit code 4) or is\n"
+        "stopped by a limit (exit code 5) keeps its rows and says where it ended.\n"
+        "\n"
+        "With --analysis linear a row is one mode of small vibrations: frequency and natural frequency [Hz],\n"
+        "damping ratio and eigenvalue [1/s]; --json adds the mode shapes. The model is linearised about the\n"
+        "posture of the file at time --from, as if it were at rest there; 'unbalanced' tells how far this posture\n"
+        "is from equilibrium.\n"
+        "\n"
         "Formulations; auto takes the first that suits the model (ggl only when asked for):\n"
         LW_FORMULATION_LIST(HELP),
     .options = options,

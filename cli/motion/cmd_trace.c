@@ -31,29 +31,31 @@ typedef struct job {
 
 static const cli_option options[] = {
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "360",
-      "intervals per arc; their ends are exact", 1, 10000000, NULL, NULL },
+      "number of intervals on each arc; the ends of an arc are exact", 1, 10000000, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
-      "which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is", 0, 1000000, NULL,
+      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best, or the one "
+      "linkage in the file", 0, 1000000, NULL,
       NULL },
     { "tracer", 0, CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
-      "only this tracer; without it all of them", 0, 0, NULL, NULL },
+      "only this point (tracer); without it all of them", 0, 0, NULL, NULL },
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
-      "arcs of all assembly modes, or only the arc that holds the posture of the file", 0, 0, NULL, NULL },
+      "both: arcs of all assembly modes; file: only the arc that contains the posture of the file", 0, 0, NULL, NULL },
     { "input-range", 0, CLI_RANGE, offsetof(settings, input_range), "MIN:MAX", NULL,
       "only this part of the input, in the unit of the file", 0, 0, NULL, NULL },
     { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
-      "constant speed of the input [rad/s, or length unit/s for a slider]: derivatives are by time "
-      "instead of by the input", 0, 0, NULL, NULL },
+      "constant speed of the input [rad/s, or length unit/s for a slider]; derivatives are then with respect to time "
+      "instead of the input", 0, 0, NULL, NULL },
     { "cycle", 0, CLI_FLAG, offsetof(settings, cycle), NULL, NULL,
-      "the whole motion as one curve of postures, over limits of the input until it closes; rows evenly along it",
-      0, 0, NULL, "input-range" },
+      "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
+      "distances", 0, 0, NULL, "input-range" },
     { "all-assemblies", 0, CLI_FLAG, offsetof(settings, all), NULL, NULL,
-      "look for every circuit, also where the linkage is not made of dyads (--seed)", 0, 0, NULL, NULL },
+      "search for every circuit, also if the linkage is not made of dyads; the search is random (--seed)", 0, 0, NULL,
+      NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
-      "say how the linkage would be solved for its tracers - group by group, what is left out - and end",
-      0, 0, NULL, NULL },
+      "print how the linkage would be solved, group by group, and which parts are not needed; then end", 0, 0, NULL,
+      NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
-      "move all inputs by their \"motion\" from T0 to T1 [s], a row every DT", 0, 0, NULL, "input-range" },
+      "move all inputs by their \"motion\" from time T0 to T1 [s], with a row every DT", 0, 0, NULL, "input-range" },
     { .name = NULL }
 };
 
@@ -482,26 +484,27 @@ static int run(const cli_call *call)
 const cli_command cli_trace_command = {
     .name = "trace",
     .words = "MODEL.json",
-    .title = "curves, velocities, accelerations and jerks of the tracers of a linkage",
+    .title = "paths, velocities, accelerations and jerks of the points of a linkage",
     .examples =
         "  linkwright trace examples/hoeken.json                    all arcs, as CSV\n"
         "  linkwright trace examples/slider-crank.json --speed 10   per second, at 10 rad/s\n"
         "  linkwright trace model.json --mode file --steps 36       one arc, 37 rows\n"
         "  linkwright trace model.json --input-range -90:90 --json  part of the input, as JSON\n"
-        "  linkwright trace examples/chebyshev.json --cycle         over both limits and back, one closed curve\n"
-        "  linkwright trace model.json --tracer foot --explain      the groups it is solved by\n"
+        "  linkwright trace examples/chebyshev.json --cycle         over both limits and back\n"
+        "  linkwright trace model.json --tracer foot --explain      how it is solved\n"
         "  linkwright trace examples/loader.json --time-range 0:2:0.02   inputs as functions of time\n",
     .about =
-        "Any linkage is traced: one of dyads in closed form, every other - and one that passes change points -\n"
-        "along its curve of postures, in steps that provably stay on their branch, and between these by its\n"
-        "Assur groups where it has any (standard error and --explain tell which). Where there is no closed\n"
-        "form only the circuit of the posture is traced, with --all-assemblies all that are found.\n"
-        "An arc is a range of the input in one assembly mode; its ends, where they are limits of\n"
-        "the motion, are found to 1e-10 and are the first and last row. Lengths and angles are in\n"
-        "the units of the file, derivatives (v, a, j) by the input in rad or in its length unit,\n"
-        "those of the tool's angle in rad. At a limit they do not exist: the fields are empty (null\n"
-        "in JSON). Lines that begin with # tell units, arcs, limits and dead points. MODEL may be\n"
-        "- for standard input.\n",
+        "Prints a row for each position of the input. An arc is a range of the input in one assembly mode. If an\n"
+        "arc ends at a limit of the motion, the limit is found to 1e-10 and is the first or last row. Lengths and\n"
+        "angles are in the units of the file. The derivatives (v, a, j) are with respect to the input in rad, or\n"
+        "in its length unit for a slider; those of the tool angle are in rad. At a limit derivatives do not\n"
+        "exist: their fields are empty (null in JSON). Lines that begin with # give units, arcs, limits and dead\n"
+        "points. MODEL may be - for standard input.\n"
+        "\n"
+        "Linkages made of dyads are solved in closed form. All others, and those that pass a change point, are\n"
+        "followed step by step, with steps small enough never to jump to another assembly mode; standard error\n"
+        "and --explain tell which method is used. In the second case only the circuit of the file's posture is\n"
+        "printed; --all-assemblies searches for the others.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 1,

@@ -12,11 +12,13 @@ static bool wanted(const cli_simulate *s, int c, const char *list)
     const char *name = s->column[c].name, *dot = strrchr(name, '.');
     if (!list) {
         bool driven = s->report.formulation == LW_FORMULATION_DRIVEN;
-        return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name, "potential") == 0;
+        return driven ? dot && strcmp(dot, ".drive") == 0 : strcmp(name, "kinetic") == 0 || strcmp(name,
+                                                                                                   "potential") == 0;
     }
     for (const char *p = list; *p;) {
         size_t n = strcspn(p, ",");
-        if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p, n) == 0))
+        if ((strlen(name) == n && strncmp(name, p, n) == 0) || (dot && (size_t)(dot - name) == n && strncmp(name, p,
+                                                                                                            n) == 0))
             return true;
         p += n + (p[n] == ',');
     }
@@ -50,7 +52,8 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
         st = lw_error_set(e, LW_E_ARG, "no column is called %s%s%s; the first line of the CSV names them",
                           columns ? columns : "drive", near ? ", did you mean " : "", near ? near : "");
     } else {
-        const lw_plot plot = { .title = s->model->linkage.name, .x_label = "t [s]", .n_series = count, .series = series };
+        const lw_plot plot = { .title = s->model->linkage.name, .x_label = "t [s]", .n_series = count,
+                               .series = series };
         st = lw_draw_plot(&plot, path, e);
     }
     free(x);

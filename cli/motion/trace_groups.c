@@ -12,7 +12,8 @@ cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers)
     double input;
     if (g)
         g->k = *k;
-    if (g && lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER }, &g->plan, NULL) == LW_OK
+    if (g && lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
+                          &g->plan, NULL) == LW_OK
         && lw_plan_read(&g->plan, k, g->dim, g->mode, &input, NULL) == LW_OK)
         return g;
     free(g);

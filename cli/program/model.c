@@ -67,7 +67,8 @@ lw_model *cli_read_model(const char *path, int which, lw_error *e)
     char *text = NULL;
     size_t size = 0;
     lw_model *m = calloc(1, sizeof *m);
-    lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = m ? cli_read_file(path, "a linkage (JSON)", &text, &size, e) : lw_error_set(e, LW_E_MEMORY,
+                                                                                              "out of memory");
     if (s == LW_OK)
         s = unwrap(path, which, &text, &size, e);
     if (s == LW_OK)

@@ -14,17 +14,18 @@
 
 const cli_option cli_common_options[] = {
     ROW("output", 'o', CLI_OUTPUT, output, "FILE", NULL,
-        "write there instead of to standard output; complete or not at all", 0, 0),
+        "write to this file, completely or not at all, instead of standard output", 0, 0),
     ROW("force",  0, CLI_FLAG, force, NULL, NULL,
-        "replace existing files that linkwright did not write; an input of the same command never", 0, 0),
+        "also replace existing files that linkwright did not write; an input of the same command is never replaced", 0,
+        0),
     ROW("json",   0, CLI_FLAG, json, NULL, NULL, "print JSON instead of text", 0, 0),
     ROW("seed",   0, CLI_SEED, seed, "N", "1",
-        "seed of everything random; the same seed gives the same answer", 0, 0),
+        "seed of the random numbers; the same seed gives the same answer", 0, 0),
     ROW("jobs",  'j', CLI_INT, jobs, "N", "0",
-        "threads, 0 for one per core; the answer does not depend on it", 0, 1024),
+        "number of threads, 0 for one per core; the answer is the same for any number", 0, 1024),
     ROW("time",   0, CLI_REAL, time, "SECONDS", "0",
-        "stop after this time, keeping what was found; 0 for no limit", 0, 1e9),
-    ROW("quiet", 'q', CLI_FLAG, quiet, NULL, NULL, "no progress and no notes on standard error", 0, 0),
+        "stop after this time and keep what was found; 0 is no limit", 0, 1e9),
+    ROW("quiet", 'q', CLI_FLAG, quiet, NULL, NULL, "print no progress and no notes on standard error", 0, 0),
     ROW("help",  'h', CLI_FLAG, help, NULL, NULL, "show this text", 0, 0),
     { .name = NULL }
 };

@@ -245,7 +245,8 @@ const volatile sig_atomic_t *cli_stop_flag(void)
 void cli_say_waiting(const char *what)
 {
     if (isatty(STDIN_FILENO))
-        fprintf(stderr, "linkwright: waiting for %s on standard input; end it with Ctrl-D, or name a file instead\n", what);
+        fprintf(stderr, "linkwright: waiting for %s on standard input; end it with Ctrl-D, or name a file instead\n",
+                what);
 }
 
 lw_status cli_read_file(const char *path, const char *what, char **text, size_t *size, lw_error *e)

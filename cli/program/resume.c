@@ -55,7 +55,8 @@ static bool take_over(FILE *f, FILE *old, cli_resume *r)
     r->n_line = mine.n;
     r->size = (size_t)(mine.end - mine.last);
     r->last = malloc(r->size + 1);
-    return r->last && fseeko(f, mine.last, SEEK_SET) == 0 && fread(r->last, 1, r->size, f) == r->size && cut(f, mine.end);
+    return r->last && fseeko(f, mine.last, SEEK_SET) == 0 && fread(r->last, 1, r->size, f) == r->size && cut(f,
+                                                                                                             mine.end);
 }
 
 lw_status cli_resume_open(const cli_call *call, bool resume, lw_output *o, cli_resume *r, lw_error *e)
@@ -69,5 +70,6 @@ lw_status cli_resume_open(const cli_call *call, bool resume, lw_output *o, cli_r
     bool good = resume ? take_over(o->f, old, r) : cut(o->f, 0);
     if (old)
         fclose(old);
-    return good ? LW_OK : lw_error_at(e, LW_E_IO, path, 0, 0, "the listing so far cannot be read or copied to %s", o->temp);
+    return good ? LW_OK : lw_error_at(e, LW_E_IO, path, 0, 0, "the listing so far cannot be read or copied to %s",
+                                      o->temp);
 }

@@ -12,7 +12,7 @@
  * lw_notations, in their order. */
 #define CLI_FORMAT_ROW(settings, member, fallback) \
     { "format", 'f', CLI_CHOICE, offsetof(settings, member), \
-      "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, "notation of what is printed", \
+      "graph6|lam|sentence|franke|edges|json|dot|graphml", fallback, "notation of the topologies that are printed", \
       0, 0, NULL, NULL }
 
 /* Ctrl-C, --time and the progress line of a listing. */

@@ -23,29 +23,35 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
+      "number of links", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "degree of freedom; 0 gives Baranov trusses", 0, LW_DOF_MAX, NULL, NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, do not list", 0, 0, NULL, NULL },
+      "degree of freedom; 0 gives rigid chains (Baranov trusses)", 0, LW_DOF_MAX, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
+      "print only the number of chains", 0, 0, NULL, NULL },
     { "by", 0, CLI_CHOICE, offsetof(settings, by), "total|assortment", "total",
-      "count by numbers of binary, ternary, ... links", 0, 0, "count", NULL },
+      "one number, or one for each assortment (numbers of binary, ternary, ... links)", 0, 0, "count", NULL },
     { "format", 'f', CLI_CHOICE, offsetof(settings, format),
       "graph6|lam|sentence|franke|edges|json|dot|graphml", "graph6",
       "how a chain is written", 0, 0, NULL, "count" },
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
-      "also the chains that fall apart at a link or a bridge joint, after the others", 0, 0, NULL, NULL },
-    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only chains with a planar graph", 0, 0, NULL,
+      "also list chains that separate into two at a link or a joint, after the others", 0, 0, NULL, NULL },
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
+      "only chains with a planar graph", 0, 0, NULL,
       "non-planar" },
-    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only chains without one", 0, 0, NULL,
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
+      "only chains with a non-planar graph", 0, 0, NULL,
       "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
-      "only certain chains: planar, non-planar, asymmetric, no-dyad", 0, 0, NULL, "planar" },
+      "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row)", 0, 0, NULL,
+      "planar" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
-      "part R = 1 .. M of the work; the parts are disjoint and together the whole", 0, 0, NULL, NULL },
+      "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete", 0, 0, NULL,
+      NULL },
     { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
-      "go on with the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
+      "continue the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
     { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
-      "work with all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },
+      "share the work among all processes that mpirun started; process 0 writes", 0, 0, NULL, "part" },
     { .name = NULL }
 };
 
@@ -125,7 +131,8 @@ static int read_settings(task *t)
     if (filter && !(t->how.filter = lw_filter_find(filter)))
         return unknown_filter(t->call, filter);
     if (s->mpi && !cli_mpi_available())
-        return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with it");
+        return cli_usage(t->call, "this program was built without MPI; 'make MPI=1' builds build/mpi/linkwright with "
+                         "it");
     if (s->mpi && s->resume)
         return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
@@ -155,7 +162,8 @@ static lw_status say_how_long(task *t, lw_error *error)
                  t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
     double memory = (double)sysconf(_SC_PHYS_PAGES)*(double)sysconf(_SC_PAGESIZE);
     if (e.bytes > memory)
-        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g MB; this machine has %.2g MB",
+        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g MB; this machine has "
+                            "%.2g MB",
                             n.n_loop, e.bytes/1e6, memory/1e6);
     return LW_OK;
 }
@@ -237,7 +245,8 @@ static void write_counts(task *t, const lw_chain_table *table)
     if (t->s->by)
         write_table(t, table);
     if (t->s->fractionated)
-        fprintf(t->out.f, "%llu not fractionated\n%llu fractionated, %llu of them with a bridge joint\n%llu in all\n", n,
+        fprintf(t->out.f, "%llu not fractionated\n%llu fractionated, %llu of them with a bridge joint\n%llu in all\n",
+                n,
                 m, bridged, n + m);
     else
         fprintf(t->out.f, "%llu\n", n);
@@ -425,7 +434,8 @@ static lw_status list_all(task *t, lw_error *e)
         status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
     cli_progress_end(&t->progress);
     if (status == LW_E_KIND || (status == LW_OK && t->before.n_line > 0 && !t->compared))
-        return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1, "another chain comes here, so "
+        return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1,
+                           "another chain comes here, so "
                            "this is a listing of something else; --resume wants the options that it was begun with");
     if (status < 0 && e->status == LW_OK)
         (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
@@ -456,7 +466,8 @@ static int enumerate(task *t, lw_error *e)
     if (status != LW_OK)
         return cli_interrupted() ? CLI_DONE : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
-    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out, e)) != LW_OK)
+    if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out,
+                                                                                             e)) != LW_OK)
         return cli_fail(t->call, e);
     status = t->s->count ? count_all(t) : list_all(t, e);
     if (status < 0 && e->status == LW_OK)
@@ -512,24 +523,24 @@ static int run(const cli_call *call)
 const cli_command cli_chains_command = {
     .name = "chains",
     .words = "--links P",
-    .title = "every kinematic chain with P links and F freedoms, once",
+    .title = "list all kinematic chains with P links and F degrees of freedom",
     .examples =
         "  linkwright chains --links 8                          the 16 eight-link chains as graph6\n"
-        "  linkwright chains --links 12 --count --by assortment how many, by sorts of links\n"
+        "  linkwright chains --links 12 --count --by assortment number for each assortment of links\n"
         "  linkwright chains --links 9 --dof 0 --format edges   Baranov trusses as lists of joints\n"
-        "  linkwright chains --links 9 --dof 2 --fractionated   with those that fall apart at a link\n"
+        "  linkwright chains --links 9 --dof 2 --fractionated   also those that separate at a link\n"
         "  linkwright chains --links 16 --part 3/100 -o 3.g6    one of a hundred jobs of a cluster\n"
-        "  linkwright chains --links 16 -o all.g6 --resume      go on after an interruption\n"
+        "  linkwright chains --links 16 -o all.g6 --resume      continue after an interruption\n"
         "  mpirun -n 64 linkwright chains --links 18 --count --mpi   on many machines\n",
     .about =
-        "Joints have one freedom; no subchain is rigid. The order is fixed: structures by number of\n"
-        "circles and then as they grow, of each structure the distributions of binary links, larger first\n"
-        "(docs/theory.md); it does not depend on --jobs. --part deals out structures like cards: R, R + M,\n"
-        "R + 2M, ... Fractionated chains come last and are counted apart. Chains for which --filter asks\n"
-        "single chains are counted by listing. What takes longer than some seconds says so before it starts.\n"
-        "A listing in -o FILE is written to FILE.partial until it ends; --resume goes on with either, also\n"
-        "after the program was killed, and compares the last line.\n"
-        "Exit code 1: there is no such chain; 5: --time was over, what was found until then is kept.\n",
+        "Every joint has one degree of freedom, and no part of a chain is rigid. Each chain is listed once. The\n"
+        "order is always the same, for any number of --jobs: by structure, and within a structure by the\n"
+        "distribution of binary links (docs/theory.md). --part R/M takes the structures R, R + M, R + 2M, ...\n"
+        "Fractionated chains come last and are counted separately. With a --filter that must look at each chain,\n"
+        "counting takes as long as listing. Before work of more than a few seconds, the expected time is printed.\n"
+        "A listing in -o FILE is written to FILE.partial until it ends. After an interruption, --resume continues\n"
+        "with either file; it compares the last line with the chain that belongs there.\n"
+        "Exit code 1: there is no such chain; 5: --time ended the work, and what was found is kept.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .most_words = 0,

@@ -21,24 +21,29 @@ static const cli_option options[] = {
     { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
       "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
     { "rule", 0, CLI_INT, offsetof(settings, rule), "N", NULL,
-      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at", 1, 4, NULL,
+      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at", 1, 4,
+      NULL,
       "links" },
     { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
       "derive: the two parts between which the new string of links is put", 0, 0, "rule", NULL },
     { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
-      "derive: number of the word that is extended, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX, "at",
+      "derive: number of the word that is extended, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX,
+      "at",
       NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, k), "KINDS", NULL,
-      "derive: with --rule the kinds of the new joints in order (rule 4: three), with --links the kinds allowed: r pin, t "
+      "derive: with --rule the kinds of the new joints in order (rule 4: three), with --links the kinds allowed: r "
+      "pin, t "
       "slider; without it r", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "derive: all topologies with P links that the rules can make; coverage: greatest number of links", 3, LW_LINK_MAX, NULL,
+      "derive: all topologies with P links that the rules can make; coverage: greatest number of links", 3,
+      LW_LINK_MAX, NULL,
       NULL },
     { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
       "derive: with --links, the rules that may be used", 0, 0, NULL, NULL },
     { "anywhere", 0, CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
       "derive: X and Y need not lie at the same region of the drawing", 0, 0, "links", NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive: print only the number", 0, 0, "links", NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive: print only the number", 0, 0, "links",
+      NULL },
     { .name = NULL }
 };
 
@@ -330,19 +335,20 @@ static int run_coverage(const cli_call *call)
 /* ---- the command ------------------------------------------------------------------------------- */
 
 static const cli_action actions[] = {
-    { "parse", "[FILE]", "Reads topologies in any notation and prints them as lists of joints, or as --format says.\n", 0, 1,
+    { "parse", "[FILE]", "Reads topologies in any notation and prints them as lists of joints, or as --format says.\n",
+      0, 1,
       run_parse },
     { "print", "[FILE]", "Reads topologies in any notation and prints them as sentences, or as --format says.\n", 0, 1,
       run_print },
     { "explain", "[FILE]",
-      "Prints a derivation of each chain, sentence by sentence, or the reason why rules 1 to 4 cannot make it. To find a\n"
-      "derivation, strings of links are removed one after the other.\n", 0, 1, run_explain },
+      "Prints a derivation of each chain, sentence by sentence, or the reason why rules 1 to 4 cannot make it. To\n"
+      "find a derivation, strings of links are removed one after the other.\n", 0, 1, run_explain },
     { "derive", "--rule N | --links P",
       "Applies one rule to a sentence, or all rules as often as P links allow; each result is printed once.\n", 0, 0,
       run_derive },
     { "coverage", "--links P",
-      "Counts the chains of pins with one degree of freedom: all, those with a planar graph, and those that the rules can\n"
-      "make, with and without the condition that X and Y lie at the same region.\n", 0, 0, run_coverage },
+      "Counts the chains of pins with one degree of freedom: all, those with a planar graph, and those that the\n"
+      "rules can make, with and without the condition that X and Y lie at the same region.\n", 0, 0, run_coverage },
     { .name = NULL }
 };
 
@@ -358,9 +364,10 @@ const cli_command cli_grammar_command = {
         "  linkwright grammar explain chains.g6                 a derivation of each, or why there is none\n"
         "  linkwright grammar coverage --links 12               how many chains the rules can make\n",
     .about =
-        "A sentence writes a topology as words, one for each loop of links (Makkonen 1999, paper F; docs/notation.md).\n"
-        "Notations that are read: graph6, link adjacency matrix, sentence, Franke, list of joints, JSON. Errors in the input\n"
-        "are printed with line and column. 'linkwright help grammar ACTION' shows one action.\n",
+        "A sentence writes a topology as words, one for each loop of links (Makkonen 1999, paper F;\n"
+        "docs/notation.md). Notations that are read: graph6, link adjacency matrix, sentence, Franke, list of\n"
+        "joints, JSON. Errors in the input are printed with line and column. 'linkwright help grammar ACTION'\n"
+        "shows one action.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .actions = actions,

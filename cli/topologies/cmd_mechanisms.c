@@ -22,30 +22,37 @@ enum { FORMAT_JSON = 5 };                                  /* rows of lw_notatio
 static const cli_option options[] = {
     CLI_FORMAT_ROW(settings, format, "json"),
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
-    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degrees of freedom of these chains", 1, LW_DOF_MAX,
+      "use all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
+      "degree of freedom of these chains", 1, LW_DOF_MAX,
       NULL, NULL },
-    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0", "joints of two freedoms of these chains", 0, LW_LINK_MAX,
+    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
+      "number of joints with two degrees of freedom in these chains", 0, LW_LINK_MAX,
       "links", NULL },
-    { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL, "leave the ground link open", 0, 0, NULL,
+    { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL,
+      "do not choose a ground link", 0, 0, NULL,
       "output-link" },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", NULL,
-      "kinds that joints may have, of r,t (one freedom) and p,g (two): every labelling that is not void", 0, 0, NULL,
+      "kinds of joints: r pin and t slider (one degree of freedom), p pin in a slot and g gear pair (two); all "
+      "combinations that can move as wanted", 0, 0, NULL,
       NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
-      "drive F joints: joints at the ground, or any", 0, 0, NULL, NULL },
-    { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "numbers after each step only", 0, 0, NULL, NULL },
+      "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
+    { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL,
+      "choose an output link", 0, 0, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
+      "print only the number after each step", 0, 0, NULL, NULL },
     { "void", 0, CLI_FLAG, offsetof(settings, void_ones), NULL, NULL,
-      "list the labellings that are left out, with the reason, instead", 0, 0, "joints", "count" },
+      "list the combinations of joint kinds that are left out, with the reason", 0, 0, "joints", "count" },
     { "assur", 0, CLI_FLAG, offsetof(settings, assur), NULL, NULL,
-      "list the Assur groups of each mechanism in order of solution; wants inputs", 0, 0, NULL, "count" },
+      "list the Assur groups of each mechanism in the order in which they are solved; requires --input", 0, 0, NULL,
+      "count" },
     { "assur-groups", 0, CLI_INT, offsetof(settings, assur_groups), "N", NULL,
       "list all Assur groups of N links instead", 2, LW_LINK_MAX - 1, NULL, "links" },
     { "multiple-joints", 0, CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
-      "list the chains with multiple joints instead: the links on each pin", 0, 0, "links", "joints" },
+      "list the chains with multiple joints instead (several links on one pin)", 0, 0, "links", "joints" },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
-      "after a fault of input go on with the next chain", 0, 0, NULL, NULL },
+      "after an error in the input continue with the next chain", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -326,7 +333,7 @@ static int run(const cli_call *call)
 const cli_command cli_mechanisms_command = {
     .name = "mechanisms",
     .words = "[FILE]",
-    .title = "ground, joint kinds, inputs and output of chains, each way once",
+    .title = "mechanisms of chains: ground link, kinds of joints, inputs and output, each way once",
     .examples =
         "  linkwright mechanisms --links 12 --count             75397 ways to choose the ground link\n"
         "  linkwright mechanisms --links 6 --joints r,t --input ground --output-link\n"
@@ -336,14 +343,14 @@ const cli_command cli_mechanisms_command = {
         "  linkwright mechanisms --assur-groups 6               all Assur groups of six links\n"
         "  linkwright mechanisms --links 8 --multiple-joints    several pins on one axis\n",
     .about =
-        "Chains come from FILE or standard input in any notation (docs/notation.md), or are all those of\n"
-        "--links and --dof, not fractionated. Then come the steps ground, joint kinds (--joints), F inputs\n"
-        "(--input), output link (--output-link); each shows one of those that are alike up to symmetry, and is\n"
-        "skipped where the input has made its choice. A labelling is left out when, at general dimensions, F\n"
-        "counts wrongly or a joint never moves: a loop of sliders only, links that only sliders connect with a\n"
-        "pin between them, and so on; --void names each. An output link is not the ground and not a link that\n"
-        "an input ties to it. A chain with a rigid subchain is bad input (exit code 3) and its links are named.\n"
-        "--assur lists class and order after Artobolevsky and the number of assembly modes where known.\n",
+        "Chains come from FILE or standard input in any notation (docs/notation.md), or are all chains of --links\n"
+        "and --dof that do not separate. Then follow the steps ground link, kinds of joints (--joints), F inputs\n"
+        "(--input) and output link (--output-link). A step that the input has already decided is skipped. Of\n"
+        "choices that differ only by a symmetry of the chain, one is listed. A combination of joint kinds is left\n"
+        "out if, for general dimensions, the degree of freedom is not F or a joint never moves: a loop of sliders\n"
+        "only, for example; --void prints each with its reason. The output link is neither the ground nor the\n"
+        "driven link itself. A chain with a rigid part is bad input (exit code 3), and its links are named.\n"
+        "--assur prints class and order after Artobolevsky, and the number of assembly modes if it is known.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

@@ -6,10 +6,13 @@
 typedef struct settings { int dof, loops, n2; } settings;
 
 static const cli_option options[] = {
-    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
-    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops; without it 1 to 4", 1,
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
+      "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
+      "number of independent loops; without it 1 to 4", 1,
       LW_LOOP_MAX, NULL, NULL },
-    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0", "up to K joints of two freedoms", 0, 3*LW_LOOP_MAX, NULL,
+    { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
+      "greatest number of joints with two degrees of freedom", 0, 3*LW_LOOP_MAX, NULL,
       NULL },
     { .name = NULL }
 };
@@ -75,16 +78,16 @@ static int run(const cli_call *call)
 const cli_command cli_numbers_command = {
     .name = "numbers",
     .words = "",
-    .title = "number synthesis: links, joints, loops and the sorts of links",
+    .title = "numbers of links, joints and loops that fit a degree of freedom",
     .examples =
-        "  linkwright numbers --dof 1 --loops 4            ten links: seven sorts\n"
-        "  linkwright numbers --loops 2 --n2 2             with up to two joints of two freedoms\n"
-        "  linkwright numbers --dof 0 --loops 3 --json     Baranov trusses, for programs\n",
+        "  linkwright numbers --dof 1 --loops 4            ten links: seven assortments\n"
+        "  linkwright numbers --loops 2 --n2 2             with up to two joints of two degrees of freedom\n"
+        "  linkwright numbers --dof 0 --loops 3 --json     rigid chains (Baranov trusses), as JSON\n",
     .about =
-        "One row for each solution of  F = 3 (P - 1) - 2 n1 - n2,  L = n1 + n2 - P + 1  and\n"
-        "2 (n1 + n2) = sum of i Pi:  L loops, n1 and n2 joints of one and of two freedoms, P links, of which\n"
-        "P2 are binary, P3 ternary and so on, up to L + 1 joints. Rows that need two joints between\n"
-        "the same two links are marked.\n",
+        "One row for each solution of F = 3 (P - 1) - 2 n1 - n2, L = n1 + n2 - P + 1 and 2 (n1 + n2) = sum of i\n"
+        "Pi. L is the number of independent loops, n1 and n2 are the numbers of joints with one and with two\n"
+        "degrees of freedom, and P is the number of links, of which P2 are binary, P3 ternary and so on, up to L\n"
+        "+ 1 joints. A row is marked if two links must share two joints.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .most_words = 0,

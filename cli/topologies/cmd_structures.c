@@ -16,16 +16,21 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL, "independent loops", 2, LW_LOOP_MAX, NULL, NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "print how many, by number of circles", 0, 0, NULL,
+    { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
+      "number of independent loops", 2, LW_LOOP_MAX, NULL, NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
+      "print only the number of structures, for each number of circles (links with three or more joints)", 0, 0, NULL,
       NULL },
-    { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL, "show how each grows from the seed", 0, 0, NULL,
+    { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL,
+      "print how each structure grows from the first one", 0, 0, NULL,
       "count" },
-    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL, "only those with a planar graph", 0, 0, NULL,
+    { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
+      "only structures with a planar graph", 0, 0, NULL,
       "non-planar" },
-    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL, "only those without one", 0, 0, NULL, NULL },
+    { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
+      "only structures with a non-planar graph", 0, 0, NULL, NULL },
     { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
-      "print the structure that a derivation makes, step by step", 0, 0, NULL, "loops" },
+      "print the structure that this derivation makes, step by step", 0, 0, NULL, "loops" },
     { .name = NULL }
 };
 
@@ -111,7 +116,8 @@ static int replay(const cli_call *call)
     lw_derivation d;
     lw_output o;
     lw_error e = { 0 };
-    if (lw_derivation_read(s->replay, strlen(s->replay), "--replay", &d, &e) != LW_OK || cli_open(call, &o, &e) != LW_OK)
+    if (lw_derivation_read(s->replay, strlen(s->replay), "--replay", &d, &e) != LW_OK || cli_open(call, &o,
+                                                                                                  &e) != LW_OK)
         return cli_fail(call, &e);
     for (int n = 0, n_ear = d.n_ear; n <= n_ear; n++) {
         lw_structure structure;
@@ -149,7 +155,8 @@ static int run(const cli_call *call)
     lw_status status = lw_structures_create_while(s->loops, call->common.jobs, tick, &w, &set);
     cli_progress_end(&w.progress);
     if (status != LW_OK) {
-        (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were complete"
+        (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were "
+                           "complete"
                            : "the structures with %d loops do not fit into memory", s->loops);
         return cli_interrupted() ? CLI_DONE : cli_fail(call, &e);
     }
@@ -165,18 +172,20 @@ static int run(const cli_call *call)
 const cli_command cli_structures_command = {
     .name = "structures",
     .words = "--loops L",
-    .title = "every Franke structure with L loops, with a derivation",
+    .title = "list all Franke structures with L loops, with a derivation of each",
     .examples =
-        "  linkwright structures --loops 3                  the four of eight-link chains\n"
-        "  linkwright structures --loops 6 --count          1198, by number of circles\n"
-        "  linkwright structures --loops 4 --derive         how each grows, ear by ear\n"
+        "  linkwright structures --loops 3                  the four structures of eight-link chains\n"
+        "  linkwright structures --loops 6 --count          1198, for each number of circles\n"
+        "  linkwright structures --loops 4 --derive         how each structure grows\n"
         "  linkwright structures --replay 'theta 3(1,2)'    follow a derivation\n",
     .about =
-        "A structure is printed as (lines at each circle) and its lines: (3 3) 1-2 1-2 1-2 is the seed\n"
-        "theta. Circles are links with three joints or more, lines stand for strings of binary links.\n"
-        "Derivations: 1(a,b) a line between circles a and b; 2(a,b) between circle a and a new circle on\n"
-        "line b; 3(a,b) between new circles on lines a and b; 4(a) between two new circles on line a; numbers\n"
-        "are those of the structure before the step. Fewer circles come first; the order is fixed.\n",
+        "A structure shows the links with three or more joints as circles, and each string of binary links\n"
+        "between them as a line. It is printed as the numbers of lines at each circle, and the lines: (3 3) 1-2\n"
+        "1-2 1-2 is the first structure, theta. A derivation adds one line at each step, with the numbers of the\n"
+        "structure before that step:\n"
+        "    1(a,b) between circles a and b          2(a,b) between circle a and a new circle on line b\n"
+        "    3(a,b) between new circles on lines a and b          4(a) between two new circles on line a\n"
+        "Structures with fewer circles come first; the order is always the same.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .most_words = 0,

@@ -83,7 +83,7 @@ static void whole_program(const char *target)
     const char *program = getenv("LW_PROGRAM");
     char line[400];
     double best = INFINITY;
-    snprintf(line, sizeof line, "%s catalogue nearest %s %s -k 20 > /dev/null 2>&1", program ? program : "build/linkwright",
+    snprintf(line, sizeof line, "%s catalogue nearest %s %s --results 20 > /dev/null 2>&1", program ? program : "build/linkwright",
              path, target);
     for (int trial = 0; trial < 5; trial++) {
         double t = lw_clock_wall();
