@@ -1,4 +1,4 @@
-/* mbs/constraints/mobility.c - what the walks of mobility_drift.c tell about a linkage. */
+/* mbs/constraints/mobility.c - conclusions about a linkage from the walks of mobility_drift.c. */
 #include "mbs/constraints/mobility.h"
 
 #include <math.h>
@@ -6,19 +6,19 @@
 #include <string.h>
 #include "mbs/constraints/mobility_internal.h"
 
-#define WALKS     4           /* different ways from the posture */
-#define ATTEMPTS  8           /* first steps that fall back before the linkage is called shaky */
-#define MISFIT    0.05        /* how far a linkage that cannot is made to move */
-#define STILL     1e-7        /* slower, or less far: not at all */
+#define WALKS     4           /* walks that start at the posture */
+#define ATTEMPTS  8           /* first steps that fall back before the linkage counts as shaky */
+#define MISFIT    0.05        /* forced displacement of a linkage that cannot move */
+#define STILL     1e-7        /* smaller rates or displacements count as 0 */
 
 typedef struct search {
     lw_drift    d;
     lw_system  *s;
     lw_mobility *m;
     double      q0[LW_SYSTEM_Q_MAX];
-    double     *block;        /* of what follows */
-    double     *q;            /* (2 WALKS, n_q): postures on the ways, the middle and the end of each */
-    lw_mobility_pose    best, now;    /* where the most moves; the posture looked at */
+    double     *block;        /* memory of the following arrays */
+    double     *q;            /* (2 WALKS, n_q): the middle and the end of each walk */
+    lw_mobility_pose    best, now;    /* the posture with most motions; the present posture */
     int         n_q, n_stand;
     bool        moved[LW_LINK_MAX], worked[LW_JOINT_MAX];
 } search;
@@ -33,7 +33,7 @@ const char *lw_mobility_kind_text(lw_mobility_kind kind)
     return kind == LW_MOBILITY_RIGID ? "rigid" : kind == LW_MOBILITY_SHAKY ? "shaky" : "moves";
 }
 
-/* ---- what moves ---------------------------------------------------------------------------------- */
+/* ---- moving links and joints --------------------------------------------------------------------- */
 
 /* Velocity of a point when the coordinates move by dq, in units. */
 static lw_vec2 velocity(const lw_system *s, int body, lw_vec2 arm, const double *q, const double *dq)
@@ -54,7 +54,7 @@ static double largest(const double *v, int n)
     return most;
 }
 
-/* Does anything move in joint j?  Gears are left to the joints of their wheels. */
+/* Does joint j move?  Gears move if the joints of their wheels do. */
 static bool works(const lw_system *s, int j, const double *q, const double *dq)
 {
     const lw_system_joint *g = &s->joint[j];
@@ -94,9 +94,9 @@ static void list_still(search *f)
             m->still_joints |= (uint64_t)1 << j;
 }
 
-/* ---- what reaches inputs and tracers --------------------------------------------------------------- */
+/* ---- motions that affect inputs and tracers -------------------------------------------------------- */
 
-/* Rows of what is watched, each by the f->best.freedom motions. */
+/* Rows of watched quantities, one column for each of the f->best.freedom motions. */
 typedef struct watch { int n_row, n; double *a; } watch;
 
 static void watch_value(watch *w, int column, int row, double v)
@@ -133,7 +133,7 @@ static void watch_tracers(const search *f, watch *w)
     w->n_row += 2*s->n_tracer;
 }
 
-/* Everything but body b. */
+/* Watch all bodies except b. */
 static void watch_others(const search *f, int b, watch *w)
 {
     int n = 0;
@@ -147,12 +147,12 @@ static void watch_others(const search *f, int b, watch *w)
     w->n_row += n;
 }
 
-/* Rank of what is watched; *links: those that move while all of it stands still. */
+/* Rank of the watched rows; *links: links that move while all watched quantities rest. */
 static int unseen(search *f, const watch *w, uint32_t *links)
 {
     double *null = f->d.null;
     *links = 0;
-    /* a row of zeros stands for nothing watched */
+    /* nothing watched: one row of zeros */
     memset(w->a + w->n_row*w->n, 0, (size_t)w->n*sizeof *w->a);
     int rank = lw_drift_factor(&f->d, w->n_row + 1, w->n, w->a, LW_RANK_ZERO);
     lw_drift_null(&f->d, null);
@@ -207,7 +207,7 @@ static uint64_t partners(search *f, const double *jac, const int *basis, int n_b
 {
     int n = f->n_q;
     uint64_t joints = 0;
-    double *a = f->now.motion, x[LW_SYSTEM_Q_MAX];         /* free by now: the basis */
+    double *a = f->now.motion, x[LW_SYSTEM_Q_MAX];         /* reused for the basis */
     if (n_basis == 0)
         return 0;
     for (int k = 0; k < n_basis; k++)
@@ -220,7 +220,7 @@ static uint64_t partners(search *f, const double *jac, const int *basis, int n_b
     return joints & ~((uint64_t)1 << f->s->row[row].joint);
 }
 
-/* Rows that follow from those before them, in the order of the file. */
+/* Find the rows that depend on earlier rows, in the order of the file. */
 static void find_redundant(search *f)
 {
     int n = f->n_q, basis[LW_SYSTEM_Q_MAX], n_basis = 0;
@@ -253,7 +253,7 @@ static void find_redundant(search *f)
 
 /* ---- no motion ------------------------------------------------------------------------------------ */
 
-/* The one motion of first order is gone on with, order by order: J q_k = -(terms of what is before). */
+/* Extend the one motion of first order, order by order: J q_k = -(terms of lower order). */
 static void find_order(search *f)
 {
     enum { TOP = LW_SYSTEM_ORDER_MAX };
@@ -282,7 +282,7 @@ static void find_order(search *f)
     }
 }
 
-/* The easiest direction, and by how much the rows fail when it is taken by force. */
+/* The direction of least resistance, and the residual when the linkage is forced along it. */
 static void find_misfit(search *f)
 {
     int n = f->n_q, loose = 0;
@@ -302,7 +302,7 @@ static void find_misfit(search *f)
 
 /* ---- other dimensions ------------------------------------------------------------------------------ */
 
-/* Joints move by chance, those at one place together; slide lines turn, ratios change. */
+/* Move joints at random (joints at one place together), turn slide lines, change ratios. */
 static void disturb(lw_linkage *k, double size, lw_rng *r)
 {
     lw_vec2 old[LW_JOINT_MAX];
@@ -341,7 +341,7 @@ static void find_generic(search *f, const lw_linkage *k, uint64_t seed)
     free(s);
 }
 
-/* ---- all of it ------------------------------------------------------------------------------------ */
+/* ---- the whole analysis --------------------------------------------------------------------------- */
 
 static void keep_best(search *f)
 {
@@ -364,7 +364,7 @@ static void stand_at(search *f, const double *q)
     keep_best(f);
 }
 
-/* From the posture on, each time another way; then from there once more as far. */
+/* Walk from the posture in different directions, and from each end once more as far. */
 static void walk_about(search *f, uint64_t seed)
 {
     double q[LW_SYSTEM_Q_MAX];

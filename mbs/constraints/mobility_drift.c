@@ -1,17 +1,17 @@
-/* mbs/constraints/mobility_drift.c - walking on the set of postures without knowing its dimension: Gauss-Newton
- * steps of least norm (Ben-Israel 1966) find a posture near a guess whatever the rank. */
+/* mbs/constraints/mobility_drift.c - walk on the set of postures without knowing its dimension.  Gauss-Newton steps
+ * of least norm (Ben-Israel 1966) find a posture near a guess for any rank. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/constraints/mobility_internal.h"
 
 #define SETTLE_MAX   150       /* a motion of order p that falls back loses 1/p of its length a step */
-#define PATIENCE     15        /* steps without getting nearer */
-#define STEP_FIRST   0.1       /* sizes and radians */
+#define PATIENCE     15        /* steps without improvement */
+#define STEP_FIRST   0.1       /* relative to the size, or in radians */
 #define STEP_LEAST   1e-3
 #define WALK_STEPS   10
-#define WALK_LEAST   0.05      /* shorter ones may be shaky ones of high order */
-#define PROBE        0.02      /* how far motions are tried at a posture */
+#define WALK_LEAST   0.05      /* a shorter walk may be a shaky motion of high order */
+#define PROBE        0.02      /* length of trial motions at a posture */
 
 lw_status lw_drift_create(const lw_system *s, double tolerance, lw_drift *d)
 {
@@ -90,7 +90,7 @@ int lw_drift_independent(int n, int k, double *v, double zero)
     return k;
 }
 
-/* What unit vectors along the columns that were left over have in the null space spans it. */
+/* The null-space components of unit vectors along the columns without pivot span the null space. */
 void lw_drift_null(const lw_drift *d, double *null)
 {
     int n = d->rank.n, loose = n - d->rank.rank;
@@ -110,8 +110,8 @@ int lw_drift_rank(lw_drift *d, const double *q, double zero)
     return rank;
 }
 
-/* Rows that depend on each other along a motion are independent beside it, by as much as q is off; that
- * share must not be divided by when rounding is all that is left. */
+/* Rows that are dependent along a motion are slightly independent beside it, in proportion to the error of q.  Do not
+ * divide by such a small pivot once only rounding errors are left. */
 static double solve_zero(const lw_drift *d) { return fmax(1e-10, 10*d->tolerance); }
 
 double lw_drift_settle(lw_drift *d, const double *from, const double *along, double length, double *q)
@@ -148,7 +148,7 @@ double lw_drift_settle(lw_drift *d, const double *from, const double *along, dou
     return last;
 }
 
-/* A step of about h from d->start along d->step; true when it closes and has gone somewhere. */
+/* A step of about h from d->start along d->step; true if it closes away from the start. */
 static bool try_step(lw_drift *d, const double *direction, double h, double *q, double *worst)
 {
     int n = d->s->n_q;
@@ -159,7 +159,7 @@ static bool try_step(lw_drift *d, const double *direction, double h, double *q, 
     return *worst <= d->tolerance && way > 0.1*h && way < 3*h;
 }
 
-/* A motion of first order at q: `old` as far as it is one, with a little chance. */
+/* A motion of first order at q: the projection of `old`, slightly randomised. */
 static bool choose_direction(lw_drift *d, lw_rng *r, const double *q, const double *old, double *direction)
 {
     int n = d->s->n_q, loose = n - lw_drift_rank(d, q, fmax(LW_RANK_ZERO, 10*d->tolerance));
@@ -201,11 +201,11 @@ double lw_drift_walk(lw_drift *d, lw_rng *r, double *q, double *residual)
     return way >= WALK_LEAST ? way : 0;
 }
 
-/* Push along every motion of first order and see what stays of it within their space. */
+/* Push along every motion of first order and find the component that remains. */
 static void probe(lw_drift *d, lw_mobility_pose *t)
 {
     int n = d->s->n_q, k = t->first_order;
-    double *basis = t->motion + (size_t)n*(size_t)k;       /* its upper half is free: 2 k columns */
+    double *basis = t->motion + (size_t)n*(size_t)k;       /* its upper half, 2 k columns, is free */
     memcpy(basis, d->null, (size_t)n*(size_t)k*sizeof *basis);
     for (int i = 0; i < k; i++) {
         double q[LW_SYSTEM_Q_MAX], *column = t->motion + i*n, worst, h = 4*PROBE;
@@ -232,7 +232,7 @@ void lw_drift_stand(lw_drift *d, bool moves, lw_mobility_pose *t)
     t->rank = lw_drift_rank(d, t->q, fmax(LW_RANK_ZERO, 10*d->tolerance));
     t->first_order = n - t->rank;
     t->freedom = moves ? t->first_order : 0;
-    /* as many independent rows as there are: the implicit function theorem answers */
+    /* all rows are independent: the implicit function theorem answers */
     if (t->rank < d->s->n_row && t->first_order > 1 && moves)
         probe(d, t);
     else

@@ -1,4 +1,4 @@
-/* mbs/constraints/mobility_idle.c - holding what reaches neither inputs nor tracers. */
+/* mbs/constraints/mobility_idle.c - weld joints that affect neither inputs nor tracers. */
 #include "mbs/constraints/mobility.h"
 
 static bool may_be_held(const lw_linkage *k, int joint, uint32_t idle)
@@ -11,7 +11,7 @@ static bool may_be_held(const lw_linkage *k, int joint, uint32_t idle)
         && ((idle >> j->link[0] & 1) || (idle >> j->link[1] & 1));
 }
 
-/* Weld a joint that takes one idle freedom and nothing else; its number, -1: there is none. */
+/* Weld a joint that removes one idle freedom and nothing else; returns its number, -1: there is none. */
 static int hold_one(lw_linkage *k, lw_mobility *m)
 {
     const lw_mobility_options o = lw_mobility_options_default();

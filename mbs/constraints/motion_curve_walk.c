@@ -212,7 +212,7 @@ static lw_status close_up(lw_motion_curve *b, double before, int far, bool *clos
     lw_motion_curve_segment *s = &b->segment[b->n_segment - 1];
     double after = from_start(b, b->node[far].q, b->a), size = sqrt(dot(b, b->a, b->a));
     *closed = false;
-    bool there = size < closing;                          /* for example after a singular step that ended at the start */
+    bool there = size < closing;      /* also after a singular step that ended at the start */
     if (!(before < 0.0 && (after >= 0.0 || there)) || (s->singular >= 0.0 && !there) || size > 4.0*s->length
         || dot(b, lw_node_tangent(b, far), lw_node_tangent(b, 0)) < 0.5)
         return LW_OK;

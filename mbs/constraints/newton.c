@@ -1,17 +1,16 @@
-/* mbs/constraints/newton.c - following a branch of a linkage's postures: predictor and corrector.
+/* mbs/constraints/newton.c - follow a branch of postures by predictor and corrector.
  *
- * The postures with their input form curves in the space of coordinates and input.  A step goes along
- * the unit tangent t by a length h and comes back by Newton's method on the plane t . (z - z0) = h,
- * so that a limit of motion, where the input turns round, is a point of the curve like any other
- * (Keller 1977, pseudo-arclength; Allgower & Georg 1990, chapters 2, 8).  A step counts only when
- *     the first correction is small against h and the corrections shrink,
+ * The postures and their inputs form curves in the space of coordinates and input.  A step moves by a length h along
+ * the unit tangent t and returns to the curve by Newton's method on the plane t . (z - z0) = h.  So a limit of
+ * motion, where the input turns back, is an ordinary point of the curve (Keller 1977, pseudo-arclength; Allgower &
+ * Georg 1990, chapters 2, 8).  A step is accepted only if
+ *     the first correction is small compared with h and the corrections shrink,
  *     the tangent turns by less than 0.3,
- *     the chord lies along the mean of the tangents at its ends, as that of an arc does,
- *     the input, as a cubic of its values and rates at both ends, does not turn back in between,
+ *     the chord is parallel to the mean of the tangents at its ends, as for an arc,
+ *     the input, as the cubic through its values and rates at both ends, does not turn back in between,
  *     the determinant of the equations with the tangent as last row keeps its sign and most of its size.
- * The determinant changes sign where two branches cross and nowhere else, so a step that leapt to
- * the neighbouring branch of an almost crossing is found out and cut.  Crossings are approached by
- * steps that never come nearer than a part of the last distance. */
+ * The determinant changes sign only where two branches cross.  So a step that jumped to the other branch near an almost
+ * crossing is detected and shortened.  Near a crossing, each step covers only a part of the remaining distance. */
 #include "mbs/constraints/newton.h"
 #include <float.h>
 #include <stdlib.h>
@@ -21,18 +20,18 @@
 
 static const double first_step   = 0.2;
 static const double largest_step = 0.5;
-static const double least_step   = 1e-6;   /* below this, rounding of the posture decides at a crossing */
-static const double back_step    = 1e-4;   /* steps of this length or more leave a place to go back to */
+static const double least_step   = 1e-6;   /* below this, rounding decides at a crossing                */
+static const double back_step    = 1e-4;   /* after a step of this length, store a posture to return to */
 static const double least_cosine = 0.955;  /* cos 0.3 */
-static const double det_share    = 0.2;    /* of the determinant, which a step must leave            */
-static const double near_share   = 0.2;    /* of the step, which the first correction may have       */
-static const double chord_sine   = 0.02;   /* of the angle between chord and mean tangent            */
+static const double det_share    = 0.2;    /* fraction of the determinant that must remain           */
+static const double near_share   = 0.2;    /* largest first correction, relative to the step         */
+static const double chord_sine   = 0.02;   /* largest sine of the angle between chord and mean tangent */
 
 typedef struct place {
     double *z, *t;                         /* posture and input; unit tangent                (w)   */
     double  det;                           /* determinant; 0 for overconstrained linkages          */
-    int     turns[LW_LINK_MAX];            /* whole turns taken out of the bodies' coordinates     */
-    int     input_turns;                   /* and out of a pin's input                             */
+    int     turns[LW_LINK_MAX];            /* whole turns removed from the coordinates of bodies   */
+    int     input_turns;                   /* whole turns removed from the input of a pin          */
 } place;
 
 struct lw_newton {
@@ -43,16 +42,16 @@ struct lw_newton {
     double  value;                         /* input in the posture                                 */
     double  unit;                          /* input per unit of z[n]: 1 [rad] or the size [m]      */
     place   start, here, next;
-    place   back;                          /* a step or more before here                           */
+    place   back;                          /* a posture at least one step back                     */
     bool    has_back;
     double  step;
-    int     way;                           /* +1, -1: the tangent is that of a growing, falling input */
-    bool    limit;                         /* the input can go no further that way                 */
+    int     way;                           /* +1, -1: the tangent points to a growing, falling input */
+    bool    limit;                         /* the input cannot move further in that direction      */
     int     crossings;
     bool    input_is_pin;
     double *store;                         /* all arrays                                           */
     double *matrix, *diag, *rest, *border;
-    double *turned;                        /* what the turns taken out of s->here count in each equation */
+    double *turned;                        /* contribution of the removed turns to each equation */
 };
 
 static double dot(const lw_newton *s, const double *a, const double *b)
@@ -78,7 +77,7 @@ static void predict(const lw_newton *s, const place *from, double h, place *to)
         to->z[i] = from->z[i] + h*from->t[i];
 }
 
-/* Equations at z in s->rest, the first m; returns the greatest in size. */
+/* Residuals of the first m equations at z into s->rest; returns the largest. */
 static double evaluate(const lw_newton *s, const double *z, double *rest, double *matrix)
 {
     const lw_system *p = &s->system;
@@ -98,7 +97,7 @@ static double evaluate(const lw_newton *s, const double *z, double *rest, double
     return most;
 }
 
-/* Equations at z with `row` as last row of the matrix; returns the greatest of the equations. */
+/* The matrix at z with `row` as its last row; returns the largest residual. */
 static double assemble(lw_newton *s, const double *z, const double *row)
 {
     memset(s->matrix, 0, (size_t)s->rows*(size_t)s->w*sizeof *s->matrix);
@@ -108,7 +107,7 @@ static double assemble(lw_newton *s, const double *z, const double *row)
     return most;
 }
 
-/* What rounding leaves of the equations: a few units in the last place of the places. */
+/* Residual that rounding alone can cause: a few units in the last place of the positions. */
 static double rounding(const lw_newton *s, const double *z)
 {
     double most = 1.0;
@@ -118,9 +117,8 @@ static double rounding(const lw_newton *s, const double *z)
     return 4.0*DBL_EPSILON*most;
 }
 
-/* Newton's method from z onto the curve, on the plane across `row`, h along it from s->here.  The
- * first correction must not exceed a share of h.  False when it does, or when corrections do not
- * shrink. */
+/* Newton's method from z to the curve, on the plane across `row` at distance h from s->here.  False if the first
+ * correction exceeds its share of h, or if corrections do not shrink. */
 static bool correct(lw_newton *s, double *z, const double *row, double h)
 {
     double last = 0.0, reach = near_share*fabs(h) + rounding(s, z);
@@ -148,7 +146,7 @@ static bool correct(lw_newton *s, double *z, const double *row, double h)
     return false;
 }
 
-/* Unit tangent at p->z, on the side of `row`; false where it is not determined. */
+/* Unit tangent at p->z, on the side of `row`; false if it is not determined. */
 static bool find_tangent(lw_newton *s, place *p, const double *row)
 {
     assemble(s, p->z, row);
@@ -167,7 +165,7 @@ static bool find_tangent(lw_newton *s, place *p, const double *row)
 
 /* --- steps --- */
 
-/* Is s->next on the same smooth curve as s->here, as far as both ends of a step can tell? */
+/* Is s->next on the same smooth curve as s->here, judged from both ends of the step? */
 static bool smooth(const lw_newton *s)
 {
     double length2 = 0.0, along = 0.0, mean2 = 0.0, cosine = dot(s, s->next.t, s->here.t);
@@ -179,18 +177,18 @@ static bool smooth(const lw_newton *s)
         along += chord*mean;
         mean2 += mean*mean;
     }
-    bool too_short = length2 < 1e-12;       /* to tell directions from rounding */
+    bool too_short = length2 < 1e-12;       /* its direction is dominated by rounding */
     return too_short || along*along >= (1.0 - chord_sine*chord_sine)*length2*mean2;
 }
 
-/* Nothing crosses the curve between s->here and s->next, nor next to s->next. */
+/* Does no other branch cross the curve between s->here and s->next, or next to s->next? */
 static bool uncrossed(const lw_newton *s)
 {
     double before = s->here.det, after = s->next.det;
     return (before > 0.0) == (after > 0.0) && fabs(after) >= det_share*fabs(before);
 }
 
-/* s->next: the curve h along from s->here, on the plane across the tangent. */
+/* s->next: the point of the curve at distance h from s->here, on the plane across the tangent. */
 static bool go(lw_newton *s, double h)
 {
     predict(s, &s->here, h, &s->next);
@@ -199,9 +197,9 @@ static bool go(lw_newton *s, double h)
         && smooth(s);
 }
 
-/* Does the input turn back and forth again between s->here and s->next, h along, where it still goes
- * its way?  The derivative of the cubic through both is the parabola q with q(0) = p0, q(1) = p1 and
- * the mean slope m.  Where h is small, what it can hide is smaller than the limits are told to. */
+/* Does the input turn back and forth within the step although it moves in the same direction at both ends?  The
+ * derivative of the cubic through both ends is the parabola q with q(0) = p0, q(1) = p1 and mean slope m.  In a short
+ * step, such a detour is smaller than the accuracy of the limits. */
 static bool dips(const lw_newton *s, double h)
 {
     int n = s->n;
@@ -214,7 +212,7 @@ static bool dips(const lw_newton *s, double h)
     return least < 0.1*fmax(0.0, fmin(p0, p1)) - 1e-12;
 }
 
-/* s->next: the curve where the input is `target`, about h along. */
+/* s->next: the point of the curve where the input is `target`, at a distance of about h. */
 static bool go_to(lw_newton *s, double target, double h)
 {
     memset(s->border, 0, (size_t)s->w*sizeof *s->border);
@@ -228,7 +226,7 @@ static bool go_to(lw_newton *s, double target, double h)
         && !dips(s, h);
 }
 
-/* To be called where s->here gets other turns. */
+/* Call this whenever the turns of s->here change. */
 static void count_turns(lw_newton *s)
 {
     lw_system_turns(&s->system, s->here.turns, s->turned, s->turned + s->system.n_row);
@@ -237,7 +235,7 @@ static void count_turns(lw_newton *s)
         s->turned[i] *= 2.0*LW_PI;
 }
 
-/* s->here <-> another place */
+/* exchange s->here with another place */
 static void swap(lw_newton *s, place *other)
 {
     place old = *other;
@@ -247,7 +245,7 @@ static void swap(lw_newton *s, place *other)
         count_turns(s);
 }
 
-/* Take a whole turn out of an angle beyond half a turn. */
+/* Remove whole turns from an angle; the result is within half a turn. */
 static int wrap(double *angle)
 {
     int whole = *angle > LW_PI ? 1 : *angle < -LW_PI ? -1 : 0;
@@ -255,7 +253,7 @@ static int wrap(double *angle)
     return whole;
 }
 
-/* Turns in [-pi, pi], so that sines keep their digits however often a link goes round. */
+/* Keep rotations in [-pi, pi], so that sines keep their digits after many turns. */
 static void arrive(lw_newton *s)
 {
     place *p = &s->next;
@@ -268,8 +266,8 @@ static void arrive(lw_newton *s)
     swap(s, &s->next);
 }
 
-/* On the curve between s->here and h along, find where the input is *target, or (NULL) where it turns
- * round: regula falsi after Dowell & Jarratt 1971 (Illinois).  s->next is the place. */
+/* Find the point between s->here and distance h at which the input is *target, or, if target is NULL, at which it
+ * turns back: regula falsi after Dowell & Jarratt 1971 (Illinois).  The point is s->next. */
 static bool locate(lw_newton *s, double h, const double *target)
 {
     int n = s->n;
@@ -305,8 +303,8 @@ static double reach_of(const lw_newton *s, const place *p)
     return sqrt(sum);
 }
 
-/* Two branches cross within least_step: leap over the place and go straight on, from a place far
- * enough before it for a good tangent. */
+/* Two branches cross within least_step: step across the crossing and go straight on, starting from a point far enough
+ * before it for an accurate tangent. */
 static bool cross(lw_newton *s)
 {
     int n = s->n;
@@ -327,8 +325,8 @@ static bool cross(lw_newton *s)
     return false;
 }
 
-/* A limit where branches cross as well (Peaucellier's rhombus closing) cannot be stepped onto.  With
- * the rates here and a way back the input is a parabola of the way: is its top within rounding? */
+/* A limit at which branches also cross (the closing rhombus of Peaucellier) cannot be reached by a step.  The rates
+ * here and at an earlier point make the input a parabola of the distance: is its top within rounding? */
 static bool at_double_limit(const lw_newton *s)
 {
     int n = s->n;
@@ -340,14 +338,13 @@ static bool passed(double x, double target, double way) { return (x - target)*wa
 
 typedef enum outcome { MOVED, ARRIVED, ENDED, LOST } outcome;
 
-/* The step of length h led to s->next, and the input has turned round or passed its target on the
- * way: find the first of the two. */
+/* In the step of length h to s->next the input turned back or passed its target: find the first of the two. */
 static outcome settle(lw_newton *s, double h, double target)
 {
     int n = s->n;
     double end = h, way = s->way;
     if (s->next.t[n]*way <= 0.0) {
-        bool from_limit = s->here.t[n]*way < 1e-9;         /* two limits: a shorter step parts them */
+        bool from_limit = s->here.t[n]*way < 1e-9;         /* two limits: separate them by a shorter step */
         if (from_limit || !locate(s, h, NULL))
             return LOST;
         end = 0.0;
@@ -368,7 +365,7 @@ static outcome settle(lw_newton *s, double h, double target)
     return ARRIVED;
 }
 
-/* One step towards the target, of the length that the curve allows. */
+/* One step towards the target, as long as the curve allows. */
 static outcome advance(lw_newton *s, double target)
 {
     int n = s->n;
@@ -404,19 +401,19 @@ static outcome advance(lw_newton *s, double target)
     return s->limit ? ENDED : LOST;
 }
 
-/* Turn round when the input shall go the other way.  At a limit this leads back the way it came. */
+/* Reverse the direction if the input is to move the other way.  At a limit, the motion returns the way it came. */
 static void face(lw_newton *s, int way)
 {
     if (way == s->way)
         return;
     for (int i = 0; i < s->w; i++)
         s->here.t[i] = -s->here.t[i];
-    s->here.det = -s->here.det;              /* it is linear in its last row */
+    s->here.det = -s->here.det;              /* the determinant is linear in its last row */
     s->way = way;
     s->limit = s->has_back = false;
 }
 
-/* z[n] of an input */
+/* z[n] for a value of the input */
 static double wanted(const lw_newton *s, double input)
 {
     return (input - s->value)/s->unit - 2.0*LW_PI*s->here.input_turns;
@@ -485,7 +482,7 @@ static lw_status count_equations(const lw_linkage *k, lw_newton *s, lw_error *e)
     return LW_OK;
 }
 
-/* The tangent of the posture, with the input growing. */
+/* The tangent at the posture, in the direction of a growing input. */
 static lw_status begin(lw_newton *s, lw_error *e)
 {
     lw_system_posture(&s->system, s->start.z);

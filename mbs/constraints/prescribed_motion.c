@@ -1,4 +1,4 @@
-/* mbs/constraints/prescribed_motion.c - following inputs that are functions of time. */
+/* mbs/constraints/prescribed_motion.c - follow inputs that are functions of time. */
 #include "mbs/constraints/prescribed_motion.h"
 
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 #include "grammar/model.h"
 #include "mbs/constraints/continuation_internal.h"
 
-#define TRACK 64                            /* places kept, to leap over branch points from            */
+#define TRACK 64                            /* stored postures, from which branch points are crossed   */
 #define ORDER LW_SYSTEM_ORDER_MAX
 
 struct lw_prescribed_motion {
@@ -18,18 +18,18 @@ struct lw_prescribed_motion {
     double           t, step;
     double          *q, *next, *series, *track;      /* track: TRACK x (1 + n), time and posture       */
     int              n_track;
-    double           share;                 /* of the way to the start, while going there               */
+    double           share;                 /* fraction of the path to the start of the motion          */
     double           target[LW_INPUT_MAX];
-    bool             stuck;                 /* near a limit, where no step is short enough             */
-    double           limit;                 /* the time of it                                          */
-    double           weight[2][2];          /* of the last two steps: time, 1/kappa^2                  */
+    bool             stuck;                 /* near a limit: no step is short enough                   */
+    double           limit;                 /* time of that limit                                      */
+    double           weight[2][2];          /* last two steps: time, 1/kappa^2                         */
     int              crossings;
     double           crossing;
-    bool             leapt;                 /* the last leap: its series about time `from` holds up to `to` */
+    bool             leapt;                 /* the last singular step: its series about `from` holds up to `to` */
     double           from, to;
     double          *over;                  /* (ORDER + 1) x n                                         */
-    double           asked;                 /* time and posture that are told; within a leap not those */
-    double          *pose;                  /* the next step starts from                               */
+    double           asked;                 /* reported time and posture; inside a singular step they  */
+    double          *pose;                  /* differ from those where the next step starts            */
 };
 
 static double unit_of(const lw_prescribed_motion *d, int input)
@@ -37,7 +37,7 @@ static double unit_of(const lw_prescribed_motion *d, int input)
     return d->s->joint[d->s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s->unit;
 }
 
-/* What the inputs count at t, from the posture, in coefficients; false where a motion is no number. */
+/* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
 static bool counts(const lw_prescribed_motion *d, double t, int order, double *u)
 {
     d->motion(d->context, t, order, u);
@@ -57,7 +57,7 @@ static bool hold(lw_prescribed_motion *d, double t)
     return counts(d, t, 0, d->f.value);
 }
 
-/* How far the inputs are at t from where they are now, as a first step of the corrector measures it. */
+/* Change of the inputs from now to t, measured by the first corrector step. */
 static double change(lw_prescribed_motion *d, double t)
 {
     double u[LW_INPUT_MAX];
@@ -73,7 +73,7 @@ static double change(lw_prescribed_motion *d, double t)
     return sqrt(sum);
 }
 
-/* The factors are those here: may the inputs go to t in one step? */
+/* With the factors of the present posture: may the inputs move to t in one step? */
 static bool within_reach(lw_prescribed_motion *d, double t)
 {
     static const double part[] = { 1.0, 0.618, 0.382, 0.236, 0.854, 0.09, 0.472, 0.708, 0.944, 0.146, 0.764, 0.326 };
@@ -84,7 +84,7 @@ static bool within_reach(lw_prescribed_motion *d, double t)
     return true;
 }
 
-/* Steps become short towards a branch point: places are kept that are well apart. */
+/* Store this posture if it is far enough from the last stored one (steps become short near a branch point). */
 static void remember(lw_prescribed_motion *d)
 {
     const double *last = d->track + (long)((d->n_track + TRACK - 1) % TRACK)*(1 + d->n);
@@ -112,7 +112,7 @@ static void hold_at(void *context, double x)
     hold(p->d, p->t + x);
 }
 
-/* Series by time at q, t; the factors are those there. */
+/* Series in time at q, t, with the factors at q. */
 static bool make_series(lw_prescribed_motion *d, double t, const double *q, int order)
 {
     double u[LW_INPUT_MAX*(ORDER + 1)];
@@ -123,7 +123,7 @@ static bool make_series(lw_prescribed_motion *d, double t, const double *q, int 
     return true;
 }
 
-/* The last place kept that is farther from here than `away`, else the first of all. */
+/* The last stored posture that is farther from here than `away`, otherwise the first one. */
 static const double *look_back(const lw_prescribed_motion *d, double away)
 {
     const double *at = NULL;
@@ -135,8 +135,8 @@ static const double *look_back(const lw_prescribed_motion *d, double away)
     return at;
 }
 
-/* Does the series of d->series about from lead to the posture at time t, behind the branch point?  It is d->next
- * then. */
+/* Does the series about `from` in d->series lead to the posture at time t, after the branch point?  If so, it is
+ * d->next. */
 static bool leads_to(lw_prescribed_motion *d, double from, double t)
 {
     double *q = d->next, *kept = d->series + (ORDER + 1)*d->n;
@@ -146,9 +146,9 @@ static bool leads_to(lw_prescribed_motion *d, double from, double t)
            && lw_continuation_distance(&d->f, kept, q)*lw_continuation_bound(&d->f, q) < 0.01;
 }
 
-/* Ahead the equations lose rank at about `ahead`.  Where branches cross, the motion is smooth there, and its series
- * from a place before agrees with a posture beyond, whether or not one is asked for there; at a limit of the inputs
- * there is none. */
+/* The equations lose rank at about time `ahead`.  At a crossing of branches the motion is smooth, and its series from
+ * an earlier posture agrees with a posture beyond the crossing.  At a limit of the inputs there is no posture beyond.
+ * */
 static bool leap(lw_prescribed_motion *d, double ahead, double last)
 {
     const double *from = look_back(d, LW_CONTINUATION_BACK);
@@ -161,7 +161,7 @@ static bool leap(lw_prescribed_motion *d, double ahead, double last)
         found = leads_to(d, from[0], t);
     }
     if (!found && (last - ahead)*distance > 0.0 && fabs(last - from[0]) < 4.0*fabs(distance)) {
-        t = last;                                         /* behind it the motion may be another one */
+        t = last;                                         /* after it the motion may be a different function */
         found = leads_to(d, from[0], t);
     }
     if (!found)
@@ -180,14 +180,14 @@ static bool leap(lw_prescribed_motion *d, double ahead, double last)
     return true;
 }
 
-/* ---- what is told ------------------------------------------------------------------------------ */
+/* ---- reported postures ------------------------------------------------------------------------- */
 
 static bool leapt_over(const lw_prescribed_motion *d, double t)
 {
     return d->leapt && (t - d->from)*(d->to - t) >= 0.0;
 }
 
-/* As a share of the way from where the leap began. */
+/* Distance from the crossing as a fraction of the singular step. */
 static double from_crossing(const lw_prescribed_motion *d, double t)
 {
     return fabs((t - d->crossing)/(d->crossing - d->from));
@@ -199,7 +199,7 @@ static void tell(lw_prescribed_motion *d, double t, const double *q)
     d->asked = t;
 }
 
-/* The posture at time t within the leap: by Newton's method, next to the branch point by the series alone. */
+/* The posture at time t inside the singular step: by Newton's method, and near the branch point by the series alone. */
 static void tell_leapt(lw_prescribed_motion *d, double t)
 {
     lw_continuation_sum(&d->f, ORDER, d->over, t - d->from, d->next);
@@ -232,7 +232,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
         if (speed < LW_CONTINUATION_LEAST && 1.0 < d->f.kappa*2.0*LW_CONTINUATION_LEAST)
             return leap(d, d->t + h, last) ? MOVED : LIMIT;
         if (!(fabs(h) > 1e-15*fmax(fabs(d->t), fabs(last))))
-            return LOST;                                  /* an input jumps here, or is no number        */
+            return LOST;                                  /* an input jumps here, or is not a number     */
     }
     double kappa = d->f.kappa;
     make_series(d, d->t, d->q, 4);
@@ -250,7 +250,7 @@ static outcome advance(lw_prescribed_motion *d, double last)
     return LOST;
 }
 
-/* From a limit the way leads back by a place kept before it. */
+/* Return from a limit to a stored posture before it. */
 static void come_free(lw_prescribed_motion *d)
 {
     const double *from = look_back(d, 0.05*LW_CONTINUATION_BACK);
@@ -263,7 +263,7 @@ static void come_free(lw_prescribed_motion *d)
     d->stuck = false;
 }
 
-/* At a limit the distance on the curve, and with it 1/kappa, goes to 0 as the root of the time left. */
+/* Towards a limit, the distance along the curve and 1/kappa fall to 0 like the square root of the remaining time. */
 static void find_limit(lw_prescribed_motion *d, double last)
 {
     const double *w0 = d->weight[0], *w1 = d->weight[1];
@@ -300,7 +300,7 @@ lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t)
 
 /* ---- making ------------------------------------------------------------------------------------ */
 
-/* The way to where the motion begins: a straight one, in time 0 .. 1. */
+/* The straight path of the inputs to the start of the motion, in time 0 .. 1. */
 static void straight(void *context, double t, int order, double *u)
 {
     const lw_prescribed_motion *d = context;
@@ -311,7 +311,7 @@ static void straight(void *context, double t, int order, double *u)
     }
 }
 
-/* More inputs than the rows leave freedoms cannot all move as they like. */
+/* There cannot be more inputs than the rows leave degrees of freedom. */
 static lw_status check_inputs(lw_prescribed_motion *d, lw_error *e)
 {
     lw_continuation rows = d->f;
@@ -359,8 +359,8 @@ static lw_status begin(lw_prescribed_motion *d, double t, lw_error *e)
     return LW_OK;
 }
 
-lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t, lw_prescribed_motion **out,
-                          lw_error *e)
+lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t,
+                                      lw_prescribed_motion **out, lw_error *e)
 {
     int all[LW_INPUT_MAX], missing = s->n_q - s->n_row - s->n_input;
     *out = NULL;
@@ -432,7 +432,7 @@ bool lw_prescribed_motion_rates(lw_prescribed_motion *d, int order, double *q)
 {
     memcpy(q, d->pose, (size_t)d->n*sizeof *q);
     if (leapt_over(d, d->asked) && from_crossing(d, d->asked) < 0.25) {
-        for (int k = 1; k <= order; k++) {                /* the series over the leap, about this time */
+        for (int k = 1; k <= order; k++) {                /* the series of the singular step, about this time */
             double choose = 1.0;
             memset(q + k*d->n, 0, (size_t)d->n*sizeof *q);
             for (int m = k; m <= ORDER; choose *= (m + 1.0)/(m + 1.0 - k), m++)

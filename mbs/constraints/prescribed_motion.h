@@ -20,8 +20,8 @@ typedef struct lw_prescribed_motion lw_prescribed_motion;
 /* Move the inputs straight from the drawn posture to their values at time t.  s must outlive the object.  LW_E_ARG:
  * fewer or more inputs than degrees of freedom; LW_E_NUMERIC: the posture is a dead point of the inputs, or a motion
  * is not a number; LW_OPEN: the linkage cannot reach the start of the motion. */
-lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t, lw_prescribed_motion **out,
-                          lw_error *e);
+lw_status lw_prescribed_motion_create(const lw_system *s, lw_input_function *motion, void *context, double t,
+                                      lw_prescribed_motion **out, lw_error *e);
 void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 
 /* Move to time t, later or earlier.  LW_OPEN: the inputs lead beyond a limit (a dead point of the inputs); then
@@ -30,7 +30,7 @@ void      lw_prescribed_motion_free(lw_prescribed_motion *d);
 lw_status lw_prescribed_motion_to(lw_prescribed_motion *d, double t);
 
 double        lw_prescribed_motion_time(const lw_prescribed_motion *d);
-const double *lw_prescribed_motion_pose(const lw_prescribed_motion *d);           /* coordinates (n_q)                        */
+const double *lw_prescribed_motion_pose(const lw_prescribed_motion *d);      /* coordinates (n_q) */
 
 /* Coefficients q[k*n_q + i], k = 0 .. order, of the motion with respect to time; false at a dead point.  At a branch
  * point they are those of the motion straight on, the third accurate to 1e-6.  Just before a branch point digits are

@@ -1,16 +1,16 @@
-/* mbs/constraints/system.c - a linkage as bodies, joints and rows. */
+/* mbs/constraints/system.c - make the equations of a linkage: bodies, joints and rows. */
 #include "mbs/constraints/system.h"
 
 #include <string.h>
 
 /* ---- scale ------------------------------------------------------------------------------------- */
 
-/* Gears have no place of their own, and welds may be drawn anywhere. */
+/* A gear has no position of its own, and a weld may be drawn anywhere. */
 static bool has_place(const lw_joint *j) { return j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED; }
 
-/* Middle and size of what is drawn.  Differences are taken before sums, so that a posture far from
- * the origin keeps its digits.  With all joints at one point the tracers tell the size, and without them any will do:
- * links turn about it, whatever their length. */
+/* Middle and size of the posture.  Differences are taken before sums, so that a posture far from the origin keeps its
+ * digits. If all joints are at one point, the tracers define the size; without tracers any size will do, because
+ * links only turn about that point. */
 static void measure_posture(const lw_linkage *k, lw_system *s)
 {
     lw_vec2 first = { 0.0, 0.0 }, sum = { 0.0, 0.0 };

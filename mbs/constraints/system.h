@@ -2,8 +2,8 @@
  *
  *     q      3 numbers for each moving link: position x, y of its reference point, rotation phi since the drawn
  *            posture [rad].  Lengths are relative to `origin` and in multiples of `unit` [m].
- *     Phi(q) = 0    constraint rows: two for a pin or slider, one for a pin in a slot or a gear, three for a fixed joint,
- *                   and one for a tied input, which is a condition here: h_tied = ratio h_first
+ *     Phi(q) = 0    constraint rows: two for a pin or slider, one for a pin in a slot or a gear, three for a fixed
+ *                   joint, and one for a tied input, which is a condition here: h_tied = ratio h_first
  *     h_i(q)        value of input i: rotation of a pin, displacement of a slider, 0 in the posture
  *
  * Series.  Along a curve q(s) = sum of q_k s^k the rows have a series too.  Its coefficient k is

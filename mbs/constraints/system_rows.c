@@ -1,16 +1,16 @@
 /* mbs/constraints/system_rows.c - the rows of a system and their derivatives.
  *
- * With the turned arms r_i and the joint's points p_i = x_i + r_i on its two links, d = p_1 - p_0 and u the slide
+ * With the rotated arms r_i and the joint's points p_i = x_i + r_i on its two links, d = p_1 - p_0 and u the slide
  * line's direction on link 0:
  *
  *     pin       d = 0
  *     slider    i u . d = 0,   phi_1 - phi_0 = 0
  *     slot      i u . d = 0
  *     fixed     d = 0,         phi_1 - phi_0 = 0
- *     gear      (m_1 - ratio m_0)/(1 + |ratio|) = 0,   m_i = phi_i - phi_c, or what the slider of a rack counts
- *     tie       (h_1 - ratio h_0)/(1 + |ratio|) = 0,   h_i what the tied and the first input count
+ *     gear      (m_1 - ratio m_0)/(1 + |ratio|) = 0,   m_i = phi_i - phi_c, or the displacement of a rack
+ *     tie       (h_1 - ratio h_0)/(1 + |ratio|) = 0,   h_i the values of the tied and the first input
  *
- * What a slider counts is u . d.  The derivatives of v . d for a v that is carried by link 0 or fixed are
+ * The displacement of a slider is u . d.  The derivatives of v . d, for a v fixed to link 0 or to the plane, are
  *     by x_1: v,  by phi_1: v . i r_1,  by x_0: -v,  by phi_0: dv . d - v . i r_0.                       */
 #include "mbs/constraints/system_internal.h"
 
@@ -28,7 +28,7 @@ void lw_system_place(const lw_system *s, const double *q, lw_system_frames *f)
     }
 }
 
-/* Where derivatives of one row go: entry of coordinate i at to[i*step]. */
+/* Destination of the derivatives of one row: that by coordinate i goes to to[i*step]. */
 typedef struct target { double *to; long step; } target;
 
 static inline void add(target t, int body, double x, double y, double turn)
@@ -41,7 +41,7 @@ static inline void add(target t, int body, double x, double y, double turn)
     p[2*t.step] += turn;
 }
 
-/* A joint at its two links. */
+/* The points of a joint on its two links. */
 typedef struct contact { lw_vec2 r[2], d, u; } contact;
 
 static inline contact touch(const lw_system_joint *j, const lw_system_frames *f)
@@ -55,7 +55,7 @@ static inline contact touch(const lw_system_joint *j, const lw_system_frames *f)
     return c;
 }
 
-/* v . d times `factor`; dv: derivative of v by the turn of link 0. */
+/* Add factor times the derivatives of v . d; dv: derivative of v by the rotation of link 0. */
 static inline void add_projection(const lw_system_joint *j, const contact *c, lw_vec2 v, lw_vec2 dv, double factor,
                                   target t)
 {
@@ -75,7 +75,7 @@ static inline void add_turn(const lw_system_joint *j, double factor, target t)
     add(t, j->body[0], 0.0, 0.0, -factor);
 }
 
-/* What a joint counts, times `factor`. */
+/* The displacement of a joint times `factor`. */
 static double count(const lw_system_joint *j, const lw_system_frames *f, double factor, target t)
 {
     if (j->kind == LW_JOINT_REVOLUTE) {
@@ -184,7 +184,7 @@ double lw_system_measure(const lw_system *s, int j, const double *q, double *row
     return lw_system_count(s, &f, j, row, 1);
 }
 
-/* What an input counts of whole turns. */
+/* The whole turns contained in an input value. */
 static double whole_count(const lw_system_joint *j, const lw_system_frames *f)
 {
     return j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, f) : 0.0;

@@ -1,15 +1,15 @@
-/* mbs/constraints/system_series.c - the rows along a curve, coefficient by coefficient.
+/* mbs/constraints/system_series.c - Taylor series of the rows along a curve.
  *
  * The direction of a link, u = exp(i phi), has the series  k u_k = i (sum over m = 1 .. k of m phi_m u_{k-m})
- * (Griewank & Walther 2008, section 13.2); all rows are sums and products of such directions, places and
- * turns. */
+ * (Griewank & Walther 2008, section 13.2); all rows are sums and products of such directions, positions and
+ * rotations. */
 #include "mbs/constraints/system.h"
 
 #include <string.h>
 
 #define N (LW_SYSTEM_ORDER_MAX + 1)
 
-/* Series of one body: place and direction. */
+/* Series of one body: position and direction. */
 typedef struct body_series { lw_vec2 at[N], dir[N]; double turn[N]; } body_series;
 
 static void read_body(const lw_system *s, int body, int order, const double *q, body_series *out)

@@ -14,7 +14,7 @@ struct lw_cvode_own {
     lw_ode_options o;
     void          *solver;
     N_Vector       v[N_VECTOR];
-    long           before[4];            /* counts up to the last restart: steps, refused, rates, Jacobians */
+    long           before[4];            /* counts before the last restart: steps, refused, rates, Jacobians */
 };
 
 static double *array(N_Vector v)
@@ -44,7 +44,7 @@ static int roots(realtype t, N_Vector y, realtype *g, void *user)
     return lw_sun_code(&w->sun, w->ode->event(w->ode->context, t, array(y), g)) ? -1 : 0;
 }
 
-/* CVODE wants the correction, and the error vector projected, which we leave as it is */
+/* CVODE asks for the correction and for the projected error vector; the error vector stays unchanged */
 static int project(realtype t, N_Vector y, N_Vector correction, realtype tolerance, N_Vector error, void *user)
 {
     (void)tolerance, (void)error;
@@ -88,7 +88,8 @@ lw_status lw_cvode_make(lw_cvode *w, const lw_ode *ode, const lw_ode_options *o,
                         double t, const double *y, lw_error *e)
 {
     if (ode->n < 1 || ode->n_event < 0 || ode->n_event > LW_EVENT_MAX || o->fixed > 0.0)
-        return lw_error_set(e, LW_E_ARG, "CVODE wants 1 or more numbers, 0 to %d events and no fixed step", LW_EVENT_MAX);
+        return lw_error_set(e, LW_E_ARG, "CVODE needs at least one variable, 0 to %d events and no fixed step",
+                            LW_EVENT_MAX);
     *w = (lw_cvode){ .t = t, .t_old = t, .own = calloc(1, sizeof *w->own) };
     if (!w->own)
         return lw_error_set(e, LW_E_MEMORY, "no memory for CVODE");
@@ -114,7 +115,7 @@ void lw_cvode_free(lw_cvode *w)
     w->own = NULL;
 }
 
-/* CVODE counts from 0 after a restart. */
+/* CVODE restarts its counters at 0. */
 static void count(lw_cvode *w)
 {
     long now[4] = { 0 };
@@ -150,7 +151,7 @@ lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_e
 
 /* ---- stepping ------------------------------------------------------------------------------------ */
 
-/* Note which events happened; true when one of them ends the step. */
+/* Record the events that happened; true if one of them ends the step. */
 static bool take_roots(lw_cvode *w)
 {
     const lw_ode *ode = w->own->ode;
@@ -182,7 +183,7 @@ lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *
     for (;;) {
         if (own->o.max_step > 0 && w->n_step >= own->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t, own->o.max_step);
-        /* after an event CVODE itself is already further on */
+        /* after an event, CVODE itself is already at a later time */
         bool beyond = CVodeGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > own->before[0];
         int code = beyond ? 0 : CVodeSetStopTime(own->solver, t_end);
         if (code == 0)

@@ -1,8 +1,8 @@
-/* mbs/ode/cvode.h - y' = f(t, y) where it is stiff: CVODE's BDF methods (Hindmarsh et al. 2005), driven like
- * mbs/ode/integrate.h.
+/* mbs/ode/cvode.h - stiff ordinary differential equations y' = f(t, y) by CVODE's BDF methods (Hindmarsh et al.
+ * 2005); used like mbs/ode/integrate.h.
  *
- * One solver belongs to one thread.  Events are located on the solver's own continuous solution, to rounding;
- * how well that solution knows them is the tolerance. */
+ * One solver belongs to one thread.  Events are located to rounding on the solver's continuous solution, whose own
+ * error is the tolerance. */
 #ifndef LW_MBS_ODE_CVODE_H
 #define LW_MBS_ODE_CVODE_H
 
@@ -18,7 +18,7 @@ typedef struct lw_cvode {
 
 typedef enum lw_cvode_method { LW_CVODE_BDF, LW_CVODE_ADAMS } lw_cvode_method;
 
-/* Begin at (t, y); ode must outlive w.  ode->project is used by BDF only.  o->fixed is not known here: LW_E_ARG.
+/* Begin at (t, y); ode must outlive w.  ode->project is used by BDF only.  o->fixed is not supported: LW_E_ARG.
  * After a failure w needs no _free. */
 lw_status lw_cvode_make(lw_cvode *w, const lw_ode *ode, const lw_ode_options *o, lw_cvode_method method,
                         double t, const double *y, lw_error *e);
@@ -26,7 +26,7 @@ void      lw_cvode_free(lw_cvode *w);
 
 /* As lw_integrate_restart, _step, _dense.  t_end must not lie before t. */
 lw_status lw_cvode_restart(lw_cvode *w, const double *y, lw_error *e);
-/* The same with the length of the first step; 0: as at the start. */
+/* The same with a given length of the first step; 0: chosen as at the start. */
 lw_status lw_cvode_restart_with(lw_cvode *w, const double *y, double first, lw_error *e);
 lw_status lw_cvode_step(lw_cvode *w, double t_end, lw_ode_stop *stop, lw_error *e);
 lw_status lw_cvode_dense(lw_cvode *w, double t, double *y);

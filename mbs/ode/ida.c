@@ -13,7 +13,7 @@ struct lw_ida_own {
     lw_ode_options o;
     void          *solver;
     N_Vector       v[N_VECTOR];
-    long           before[4];            /* counts up to the last restart: steps, refused, residuals, Jacobians */
+    long           before[4];            /* counts before the last restart: steps, refused, residuals, Jacobians */
 };
 
 static double *array(N_Vector v)
@@ -45,7 +45,7 @@ static int roots(realtype t, N_Vector y, N_Vector dy, realtype *g, void *user)
     return lw_sun_code(&w->sun, w->dae->event(w->dae->context, t, array(y), g)) ? -1 : 0;
 }
 
-/* IDASVtolerances may not be called again once it runs; this looks at what stands in EACH before every step */
+/* IDASVtolerances cannot be called again during a run; this function reads the current tolerances before every step */
 static int weights(N_Vector y, N_Vector weight, void *user)
 {
     const struct lw_ida_own *w = user;
@@ -61,8 +61,8 @@ static int weights(N_Vector y, N_Vector weight, void *user)
 
 /* ---- making -------------------------------------------------------------------------------------- */
 
-/* Where algebraic numbers are out of the error test, Newton's method goes to a hundredth of the error allowed in a step:
- * IDA's own third is felt in the test of the others, and steps are half as long. */
+/* If algebraic variables are excluded from the error test, Newton's method converges to a hundredth of the allowed
+ * error of a step.  IDA's own limit, a third, disturbs the error test of the other variables and halves the steps. */
 static const double newton = 0.01;
 
 static bool set_kinds(struct lw_ida_own *own)
@@ -147,7 +147,7 @@ lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e)
     return LW_OK;
 }
 
-/* IDA counts from 0 after a restart. */
+/* IDA restarts its counters at 0. */
 static void count(lw_ida *w)
 {
     long now[4] = { 0 };
@@ -180,7 +180,7 @@ lw_status lw_ida_restart(lw_ida *w, const double *y, const double *dy, lw_error 
 
 /* ---- stepping ------------------------------------------------------------------------------------ */
 
-/* Note which events happened; true when one of them ends the step. */
+/* Record the events that happened; true if one of them ends the step. */
 static bool take_roots(lw_ida *w)
 {
     const lw_dae *dae = w->own->dae;
@@ -212,7 +212,7 @@ lw_status lw_ida_step(lw_ida *w, double t_end, lw_ode_stop *stop, lw_error *e)
     for (;;) {
         if (own->o.max_step > 0 && w->n_step >= own->o.max_step)
             return lw_error_set(e, LW_STOPPED, "stopped at t = %.9g s after %ld steps", w->t, own->o.max_step);
-        /* after an event IDA itself is already further on */
+        /* after an event, IDA itself is already at a later time */
         bool beyond = IDAGetCurrentTime(own->solver, &ahead) == 0 && ahead >= t_end && w->n_step > own->before[0];
         int code = beyond ? 0 : IDASetStopTime(own->solver, t_end);
         if (code == 0)

@@ -1,8 +1,8 @@
-/* mbs/ode/ida.h - F(t, y, y') = 0: IDA's BDF methods (Hindmarsh et al. 2005) for constrained motion, driven like
- * mbs/ode/integrate.h.
+/* mbs/ode/ida.h - differential-algebraic equations F(t, y, y') = 0 of constrained motion by IDA's BDF methods
+ * (Hindmarsh et al. 2005); used like mbs/ode/integrate.h.
  *
- * Multipliers and other numbers without derivative are named in `algebraic`; they stay out of the error test, without
- * which index-2 equations (Gear, Gupta & Leimkuhler 1985) fail at the start for tight tolerances. */
+ * `algebraic` marks multipliers and other variables without derivative.  They are excluded from the error test;
+ * otherwise index-2 equations (Gear, Gupta & Leimkuhler 1985) fail at the start for tight tolerances. */
 #ifndef LW_MBS_ODE_IDA_H
 #define LW_MBS_ODE_IDA_H
 
@@ -14,8 +14,8 @@ typedef struct lw_dae {
     lw_status (*residual)(void *context, double t, const double *y, const double *dy, double *r);   /* r (n) */
     /* jac[i + n*j] = dr_i/dy_j + c dr_i/dy'_j, zeroed before; NULL: by differences */
     lw_status (*jacobian)(void *context, double t, double c, const double *y, const double *dy, double *jac);
-    const unsigned char *algebraic;  /* (n), 1: no derivative of it occurs; NULL: none                */
-    int   n_event;                   /* these as in lw_ode                                          */
+    const unsigned char *algebraic;  /* (n), 1: its derivative does not occur; NULL: none             */
+    int   n_event;                   /* this and the following as in lw_ode                         */
     lw_status (*event)(void *context, double t, const double *y, double *g);
     signed char direction[LW_EVENT_MAX];
     bool  passing[LW_EVENT_MAX];
@@ -36,8 +36,8 @@ lw_status lw_ida_make(lw_ida *w, const lw_dae *dae, const lw_ode_options *o, dou
                       const double *dy, lw_error *e);
 void      lw_ida_free(lw_ida *w);
 
-/* For equations of index 1: find the algebraic numbers and the derivatives that fit the rest of y at the start.
- * t_first: any later time of interest.  LW_E_NUMERIC when there are none near. */
+/* For equations of index 1: compute the algebraic variables and the derivatives that are consistent with the other
+ * variables at the start.  t_first: any later time of interest.  LW_E_NUMERIC if there are none nearby. */
 lw_status lw_ida_consistent(lw_ida *w, double t_first, lw_error *e);
 
 /* As lw_cvode_restart, _step, _dense. */

@@ -1,4 +1,4 @@
-/* mbs/ode/integrate.c - steps of DOP853 with control of their error. */
+/* mbs/ode/integrate.c - steps of DOP853 with error control. */
 #include "mbs/ode/integrate_internal.h"
 
 #include <float.h>
@@ -66,7 +66,7 @@ static inline __attribute__((always_inline)) void combine(lw_integrator *w, int 
             return st_;                                                                    \
     } while (0)
 
-/* y_old + low + h sum of weights, the sum kept to twice the digits (Kahan; low holds what is missing) */
+/* y_old + low + h sum of weights in twice the precision (Kahan; low holds the lost digits) */
 static void add_weighted(lw_integrator *w, double h)
 {
     const double *k = w->k[0];
@@ -92,8 +92,8 @@ lw_status lw_rk_advance(lw_integrator *w, double h)
     return LW_OK;
 }
 
-/* The estimate of order 5 tamed by that of order 3 (Hairer, Norsett & Wanner 1993, eq. II.10.17); 1 is
- * what is allowed. */
+/* Error estimate of order 5, stabilised by that of order 3 (Hairer, Norsett & Wanner 1993, eq. II.10.17); 1 is the
+ * allowed error. */
 static double step_error(const lw_integrator *w, double h)
 {
     const double *k = w->k[0];
@@ -118,14 +118,14 @@ static double step_error(const lw_integrator *w, double h)
 
 lw_status lw_rk_arrive(lw_integrator *w)
 {
-    double add = w->h_done + w->t_step;                  /* the sum of steps is compensated too */
+    double add = w->h_done + w->t_step;                  /* time is summed with compensation too */
     w->t = w->t_old + add;
     w->t_low = add - (w->t - w->t_old);
     if (w->ode->project) {
         lw_status s = w->ode->project(w->ode->context, w->t, w->y);
         if (s != LW_OK)
             return s;
-        memset(w->low, 0, sizeof(double)*(size_t)w->ode->n);     /* the lost bits belong to another y */
+        memset(w->low, 0, sizeof(double)*(size_t)w->ode->n);     /* the lost digits belong to the old y */
     }
     lw_status s = rate_at(w, w->t, w->y, w->k[12]);
     memcpy(w->dy, w->k[12], sizeof(double)*(size_t)w->ode->n);
@@ -179,7 +179,7 @@ lw_status lw_integrate_dense(lw_integrator *w, double t, double *y)
 /* ---- begin --------------------------------------------------------------------------------------- */
 
 /* Length of the first step from the sizes of y, f and a difference of f (Hairer, Norsett & Wanner 1993,
- * section II.4); sign is that of the direction. */
+ * section II.4); its sign is that of the direction. */
 static lw_status first_step(lw_integrator *w, double sign)
 {
     int n = w->ode->n;
@@ -235,9 +235,9 @@ static lw_status look_at_events(lw_integrator *w, lw_error *e)
     return LW_OK;
 }
 
-/* Events that have just happened: g is what its location left over, its sign rounding.  Which side they are on is
- * where they will be shortly after: past 0, or back again after an impact; further on while g does not outgrow what
- * was left over. */
+/* For an event that has just happened, g is only the error of its location and the sign of g is rounding.  The side
+ * of such an event is the one shortly afterwards: past 0, or back again after an impact.  Look further ahead until g
+ * exceeds that error. */
 static lw_status look_ahead(lw_integrator *w, double sign)
 {
     double left[LW_EVENT_MAX];
@@ -296,7 +296,7 @@ lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e)
     return s;
 }
 
-/* ---- the step the caller sees -------------------------------------------------------------------- */
+/* ---- the public step ----------------------------------------------------------------------------- */
 
 static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
 {
@@ -306,15 +306,16 @@ static lw_status too_short(const lw_integrator *w, double h, lw_error *e)
                         "singular there, or the tolerance is below rounding", w->t_old, fabs(h));
 }
 
-/* Of the next step, by a proportional and an integral part: at the limit of stability steps settle instead of hunting.
- * With the larger proportional part of Gustafsson 1991 next to none are refused, but where rounding in f makes the
- * estimate, which then falls with the step only, steps would become twenty times shorter than they need be. */
+/* Length of the next step by proportional-integral control, so that steps at the stability limit settle instead of
+ * oscillating.  The larger proportional part of Gustafsson 1991 refuses almost no steps.  But if rounding errors of f
+ * dominate the estimate, which then falls only in proportion to the step, it would make steps twenty times shorter
+ * than needed. */
 static double growth(const lw_integrator *w, double err)
 {
     return w->o.smooth ? 0.85*pow(err, -0.7/8)*pow(w->err_old, 0.4/8) : 0.9*pow(err, -0.117)*pow(w->err_old, 0.04);
 }
 
-/* Try steps from t_old until one is accepted; `last` says that it reached t_end. */
+/* Try steps from t_old until one is accepted; *last is set if it reached t_end. */
 static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_error *e)
 {
     double sign = t_end < w->t_old ? -1.0 : 1.0, factor_max = 6.0;
@@ -324,7 +325,7 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
         double left = fabs(t_end - w->t_old - w->t_step), h = w->o.fixed > 0.0 ? w->o.fixed : w->h;
         if (w->o.greatest > 0.0)
             h = fmin(h, w->o.greatest);
-        *last = h*(1.0 + 1e-10) >= left;                 /* no crumb of a step at the end */
+        *last = h*(1.0 + 1e-10) >= left;                 /* avoid a tiny last step */
         h = sign*(*last ? left : !w->o.fixed && 2.0*h > left ? 0.5*left : h);
         lw_status s = too_short(w, h, e);
         if (s != LW_OK)
@@ -341,7 +342,7 @@ static lw_status accept_step(lw_integrator *w, double t_end, bool *last, lw_erro
             w->n_step++;
             return LW_OK;
         }
-        if (s == LW_STOPPED)                             /* in the callback's own words */
+        if (s == LW_STOPPED)                             /* the callback has set the text */
             return s;
         if (s != LW_OK && s != LW_OPEN)
             return lw_error_set(e, s, "the equations of motion fail near t = %.9g s: %s", w->t_old, lw_status_text(s));
@@ -377,7 +378,7 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
     lw_status s = accept_step(w, t_end, &last, e);
     for (; s == LW_OK; s = accept_step(w, t_end, &last, e)) {
         if (last)
-            w->t = t_end, w->t_low = 0.0;                /* not t_old + h, which may miss it by a bit */
+            w->t = t_end, w->t_low = 0.0;                /* exactly t_end; t_old + h may differ by rounding */
         lw_status look = w->ode->n_event > 0 ? lw_rk_events(w, &found) : LW_OK;
         if (look == LW_OK)
             break;
@@ -385,7 +386,7 @@ lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, l
             s = lw_error_set(e, look, "an event near t = %.9g s cannot be located: %s", w->t, lw_status_text(look));
             break;
         }
-        /* the step ran into where f has no meaning, though its end has: again, shorter */
+        /* f is undefined inside the step although its end is valid: try a shorter step */
         memcpy(w->side, side, sizeof side);
         w->h = 0.25*fabs(w->h_done);
         w->n_refused++;

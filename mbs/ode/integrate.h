@@ -1,12 +1,13 @@
-/* mbs/ode/integrate.h - y' = f(t, y): what is integrated, how well, and an explicit method of order 8.
+/* mbs/ode/integrate.h - ordinary differential equations y' = f(t, y): problem, options, and an explicit method of
+ * order 8.
  *
- * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations a step, an
- * estimate of the error from embedded methods of orders 5 and 3, a continuous solution of order 7
- * for three more.  The state is summed with compensation, so that 1e7 steps do not lose digits.
- * Not for stiff problems: steps stay below about 6 over the fastest rate (mbs/ode/cvode.h has no such limit).
+ * DOP853 (Hairer, Norsett & Wanner 1993, section II.10; Dormand & Prince): twelve evaluations per step, an error
+ * estimate from embedded methods of orders 5 and 3, and a continuous solution of order 7 for three more evaluations.
+ * The state is summed with compensation, so that 1e7 steps do not lose digits.  Not for stiff problems: steps are
+ * limited to about 6 divided by the fastest rate (mbs/ode/cvode.h has no such limit).
  *
- * The caller drives: one call is one step, which ends at an event, at t_end, or where the error asks.
- * All memory is the caller's; nothing is allocated. */
+ * One call makes one step, which ends at an event, at t_end, or where the allowed error requires.  The caller
+ * provides all memory; nothing is allocated. */
 #ifndef LW_MBS_ODE_INTEGRATE_H
 #define LW_MBS_ODE_INTEGRATE_H
 
@@ -16,20 +17,20 @@
 
 #define LW_EVENT_MAX 64
 
-/* Every callback: LW_OK; LW_OPEN where the state has no meaning (the step is tried shorter); a failure
- * ends the run with that status; LW_STOPPED, whose words the callback has set, too. */
+/* Every callback returns LW_OK; LW_OPEN if the state is meaningless (the step is repeated shorter); a failure, which
+ * ends the run with that status; or LW_STOPPED, which also ends the run, after setting the error text. */
 typedef struct lw_ode {
-    int   n;                         /* numbers in y                                               */
-    void *context;                   /* handed to every callback                                   */
+    int   n;                         /* length of y                                                */
+    void *context;                   /* passed to every callback                                   */
     lw_status (*rate)(void *context, double t, const double *y, double *dy);             /* dy (n)    */
-    /* jac[i + n*j] = d dy_i / d y_j, zeroed before; only implicit methods ask; NULL: by differences  */
+    /* jac[i + n*j] = d dy_i / d y_j, zeroed before; for implicit methods only; NULL: by differences  */
     lw_status (*jacobian)(void *context, double t, const double *y, const double *dy, double *jac);
-    /* put y back where it belongs (constraints, turns); after every accepted step; NULL: none        */
+    /* correct y after every accepted step (constraints, whole turns); NULL: none                     */
     lw_status (*project)(void *context, double t, double *y);
-    int   n_event;                   /* functions that mean something where they cross 0            */
+    int   n_event;                   /* event functions, watched for zero crossings                 */
     lw_status (*event)(void *context, double t, const double *y, double *g);             /* g (n_event) */
     signed char direction[LW_EVENT_MAX];   /* +1 rising, -1 falling, 0 both                           */
-    bool  passing[LW_EVENT_MAX];     /* true: told to `seen`, the run goes on; false: the step ends there */
+    bool  passing[LW_EVENT_MAX];     /* true: `seen` is called and the step goes on; false: the step ends there */
     void (*seen)(void *context, int event, double t, const double *y);                    /* may be NULL */
 } lw_ode;
 
@@ -37,9 +38,9 @@ typedef struct lw_ode {
 typedef struct lw_ode_options {
     double relative, absolute;       /* > 0 one of them; default 1e-9, 1e-9                         */
     const double *absolute_each;     /* (n), NULL: `absolute` for all                               */
-    double first, greatest;          /* step at the start, longest step; 0: found, no limit         */
-    double fixed;                    /* > 0: all steps this long, error not looked at (tests)       */
-    bool   smooth;                   /* f is known to all digits: control of the step that refuses fewer */
+    double first, greatest;          /* first step, longest step; 0: chosen automatically, no limit */
+    double fixed;                    /* > 0: all steps have this length, without error control (tests) */
+    bool   smooth;                   /* f is accurate to rounding: use a step control that refuses fewer steps */
     long   max_step;                 /* accepted and refused; default 10000000; 0: no limit         */
 } lw_ode_options;
 
@@ -55,12 +56,12 @@ typedef struct lw_integrator {
     const lw_ode  *ode;
     lw_ode_options o;
     double  t, t_old;                /* end and beginning of the last step                          */
-    double  h;                       /* length proposed for the next                                */
+    double  h;                       /* proposed length of the next step                            */
     double *y, *y_old;               /* (n) there                                                   */
     double *dy;                      /* (n) f(t, y)                                                 */
     unsigned long long events;       /* bit i: event i happened at t                                */
     long    n_step, n_refused, n_rate;
-    /* the rest is the integrator's own */
+    /* private to the integrator */
     double *k[16], *stage, *c[8], *low, *y_step, *g_try;
     double  t_low, t_step, h_done, err_old;
     signed char side[LW_EVENT_MAX];
@@ -70,18 +71,18 @@ typedef struct lw_integrator {
 /* Doubles of workspace. */
 size_t lw_integrate_work(int n, int n_event);
 
-/* Begin at (t, y).  ode stays the caller's and must outlive w, as must work.
- * LW_E_ARG: no tolerance, more than LW_EVENT_MAX events; failures of f. */
+/* Begin at (t, y).  ode and work belong to the caller and must outlive w.  LW_E_ARG: no tolerance, or more than
+ * LW_EVENT_MAX events; also the failures of f. */
 lw_status lw_integrate_start(lw_integrator *w, const lw_ode *ode, const lw_ode_options *o, double *work,
                              double t, const double *y, lw_error *e);
 
-/* After the caller changed the state (an impact) or f itself (contact made or lost) at w->t: take over y
- * (NULL: as it is) and look again at which side of 0 each event is; for one that has just happened, where
- * it will be shortly after.  The step length is kept; set w->h for another. */
+/* After the caller changed the state (an impact) or f itself (contact made or lost) at w->t: take the new y (NULL:
+ * unchanged) and determine again on which side of 0 each event function is; for an event that has just happened, on
+ * which side it will be shortly afterwards.  The step length is kept; set w->h to change it. */
 lw_status lw_integrate_restart(lw_integrator *w, const double *y, lw_error *e);
 
-/* One step towards t_end (which may lie before t).  Within a step, events are looked for at its end and
- * at three places between; two crossings of one event closer than that are not seen.
+/* One step towards t_end (which may lie before t).  Events are checked at the end of a step and at three
+ * points inside; two crossings of one event that are closer together are not seen.
  * LW_STOPPED: max_step used up; LW_E_NUMERIC: steps too short to move t, or numbers not finite. */
 lw_status lw_integrate_step(lw_integrator *w, double t_end, lw_ode_stop *stop, lw_error *e);
 

@@ -1,17 +1,17 @@
-/* mbs/ode/integrate_event.c - where functions of the state cross 0 within a step. */
+/* mbs/ode/integrate_event.c - location of events within a step. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
 #include "mbs/ode/integrate_internal.h"
 
-#define SAMPLES 4                    /* places a step is looked at: three between, and its end            */
+#define SAMPLES 4                    /* points checked in a step: three inside, and its end               */
 
 typedef struct crossing {
     int    event;
     double t, slope;                 /* of g there                                                 */
 } crossing;
 
-/* y at x of the step by the cubic through both ends: good enough to see signs, and costs nothing */
+/* y at fraction x of the step by the cubic through both ends: accurate enough for signs, and cheap */
 static void cubic(const lw_integrator *w, double x, double *y)
 {
     double h = w->h_done, z = 1.0 - x;
@@ -35,8 +35,7 @@ static lw_status g_at(lw_integrator *w, int event, double t, double *g, double *
     return s == LW_OK && isnan(*g) ? LW_E_NUMERIC : s;
 }
 
-/* A place after a where the event is on the side it was last seen on: right after an impact g is 0, give or take
- * rounding. */
+/* A time after a at which the event function is on its last known side: right after an impact g is 0 up to rounding. */
 static lw_status step_off(lw_integrator *w, int event, double b, double *a, double *ga)
 {
     double start = *a;
@@ -48,8 +47,8 @@ static lw_status step_off(lw_integrator *w, int event, double b, double *a, doub
     return s;
 }
 
-/* The root between a and b by false position with halved ends (Illinois), bisection when that is slow.  LW_NOTHING:
- * the continuous solution does not leave its side. */
+/* The root between a and b by the Illinois method, with bisection if it is slow.  LW_NOTHING: the
+ * continuous solution does not change sign. */
 static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
 {
     double *y = w->stage, from = a, ga, gb, tight = 2.0*DBL_EPSILON*fmax(fabs(a), fabs(b));
@@ -63,7 +62,7 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
     if (side_of(ga) == side_of(gb)) {
         if (side_of(gb) == w->side[c->event])
             return LW_NOTHING;                           /* the cubic was wrong */
-        /* it crossed where the cubic saw nothing, or the side was taken too near 0 for rounding to tell */
+        /* the crossing was invisible to the cubic, or the side was determined too near 0 */
         if (from != w->t_old)
             return locate(w, w->t_old, b, c);
         c->t = b, c->slope = 0.0;
@@ -78,7 +77,7 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
             return s;
         bool near_b = side_of(g) == side_of(gb);
         double other = near_b ? b : a;
-        if (fabs(t - other) > wide)                      /* nearer points give rounding, no slope */
+        if (fabs(t - other) > wide)                      /* a smaller difference gives only rounding errors */
             slope = (g - (near_b ? gb : ga))/(t - other);
         if (near_b) {
             b = t, gb = fb = g;
@@ -93,8 +92,8 @@ static lw_status locate(lw_integrator *w, double a, double b, crossing *c)
     return LW_OK;
 }
 
-/* The crossings that count between xa and xb of the step, in the order of time; sides that change without
- * counting are noted at once. */
+/* Collect the crossings between fractions xa and xb of the step in order of time.  Crossings in a direction that does
+ * not count only update the side. */
 static lw_status collect(lw_integrator *w, const double *g, double ta, double tb, crossing *found, int *n_found)
 {
     int n = 0;
@@ -123,8 +122,8 @@ static lw_status collect(lw_integrator *w, const double *g, double ta, double tb
     return LW_OK;
 }
 
-/* End the step at c by real steps of the method from t_old, so that the state there is as good as at the end of
- * any step; the secant rule in t, at first with the slope seen before, not beyond the step whose error is known. */
+/* End the step at c by steps of the method itself from t_old, so that the state is as accurate as at the end of any
+ * step. The secant rule finds t, at first with the known slope, and never beyond the accepted step. */
 static lw_status land(lw_integrator *w, const crossing *c)
 {
     double t = c->t, slope = c->slope, t_before = 0.0, g_before = 0.0, whole = w->h_done;
@@ -165,7 +164,7 @@ static lw_status end_at(lw_integrator *w, const crossing *found, int n, int k)
     return LW_OK;
 }
 
-/* Tell or end at what was found in one interval */
+/* Report the events found in one interval, or end the step at one. */
 static lw_status act(lw_integrator *w, const crossing *found, int n, bool *ended)
 {
     for (int k = 0; k < n; k++) {

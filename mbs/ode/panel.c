@@ -8,7 +8,7 @@
 
 enum { N = LW_PANEL_NODES };
 
-/* T_0 .. T_(N-1) at 2 x - 1; in double the recurrence loses digits beside the ends. */
+/* T_0 .. T_(N-1) at 2 x - 1.  In double precision the recurrence would lose digits near the ends. */
 static void chebyshev(double x, double *t)
 {
     long double z = 2*(long double)x - 1, before = 1, now = z;

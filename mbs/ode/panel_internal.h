@@ -1,9 +1,9 @@
-/* mbs/ode/panel_internal.h - integrals over a short way of one coordinate by sixteen values; internal to mbs/.
+/* mbs/ode/panel_internal.h - integrals over a short interval from sixteen values of the integrand.
  *
- * A function f on 0 <= x <= 1 is known at the zeros of a Chebyshev polynomial.  Every integral that is wanted is a
- * mean over the way behind: of f from 0 to x, which is a polynomial again and loses no digits as x falls,
+ * A function f on 0 <= x <= 1 is known at the zeros of a Chebyshev polynomial.  Every integral needed is a mean
+ * over the interval from 0 to x, which is a polynomial again and keeps its digits as x falls,
  *     mean(x) = 1/x int_0^x f = int_0^1 f(x y) dy,
- * and, for what turns back at x = 0 and goes with the square of u there,
+ * and, for a motion that turns back at x = 0 and varies like u^2 there,
  *     root(x) = int_0^1 f(x y^2) dy,     so that    int_0^u f(u'^2) du' = u root(u^2). */
 #ifndef LW_MBS_ODE_PANEL_INTERNAL_H
 #define LW_MBS_ODE_PANEL_INTERNAL_H
@@ -18,7 +18,7 @@ typedef struct lw_panel_rule {
     double at[LW_PANEL_NODES];                            /* the nodes, rising                                    */
     double whole[LW_PANEL_NODES];                         /* weights of the integral from 0 to 1                   */
     lw_panel_matrix coef;                                 /* Chebyshev coefficients of the values                  */
-    lw_panel_matrix mean, root;                           /* means at the nodes of the values                      */
+    lw_panel_matrix mean, root;                           /* map values at the nodes to the means                  */
 } lw_panel_rule;
 
 /* LW_E_MEMORY */
@@ -33,7 +33,7 @@ double lw_panel_sum(const double *weight, const double *f);
 /* Value at x of the polynomial with Chebyshev coefficients c. */
 double lw_panel_value(const double *c, double x);
 
-/* How much of f its last two coefficients are, against its greatest value: what is not resolved. */
+/* The last two coefficients relative to the largest value of f: an estimate of the unresolved part. */
 double lw_panel_tail(const lw_panel_rule *r, const double *f);
 
 #endif

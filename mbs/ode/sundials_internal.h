@@ -1,5 +1,5 @@
-/* mbs/ode/sundials_internal.h - what the bridges to SUNDIALS share: one context a solver, its messages and the codes of
- * our callbacks kept instead of printed, matrices as plain columns. */
+/* mbs/ode/sundials_internal.h - shared by the bridges to SUNDIALS: one context per solver; its messages and the
+ * status of callbacks are stored instead of printed; matrices are plain columns. */
 #ifndef LW_MBS_ODE_SUNDIALS_INTERNAL_H
 #define LW_MBS_ODE_SUNDIALS_INTERNAL_H
 
@@ -18,12 +18,12 @@ typedef struct lw_sun {
     SUNContext      context;
     SUNMatrix       matrix;
     SUNLinearSolver linear;
-    lw_status       failed;              /* what a callback returned when it ended the run             */
-    char            message[256];        /* the solver's own words                                     */
+    lw_status       failed;              /* the status with which a callback ended the run             */
+    char            message[256];        /* message of the solver                                      */
     int             still;               /* steps in a row that did not move t                         */
 } lw_sun;
 
-/* ---- linear systems: theirs are dense, ours skip the zeros of jointed bodies ----------------------- */
+/* ---- linear systems: SUNDIALS has dense ones; ours skip the zeros of connected bodies -------------- */
 
 typedef struct lw_sun_linear { lw_sparse f; bool prepared; } lw_sun_linear;
 
@@ -105,7 +105,7 @@ static inline void lw_sun_free(lw_sun *s, N_Vector *v, int n_vector)
         SUNContext_Free(&s->context);
 }
 
-/* What a callback answered, for SUNDIALS: 0 fine, > 0 try shorter, < 0 give up. */
+/* The status of a callback for SUNDIALS: 0 success, > 0 try a shorter step, < 0 give up. */
 static inline int lw_sun_code(lw_sun *s, lw_status status)
 {
     if (status == LW_OK)
@@ -119,7 +119,7 @@ static inline int lw_sun_code(lw_sun *s, lw_status status)
 static inline void lw_sun_message(int code, const char *module, const char *function, char *message, void *user)
 {
     (void)module, (void)function;
-    if (code < 0)                        /* warnings are no answers */
+    if (code < 0)                        /* ignore warnings */
         snprintf(((lw_sun *)user)->message, sizeof ((lw_sun *)user)->message, "%s", message);
 }
 
@@ -130,7 +130,7 @@ static inline void lw_sun_tolerances(const lw_ode_options *o, N_Vector each)
         v[i] = o->absolute_each ? o->absolute_each[i] : o->absolute;
 }
 
-/* Both solvers only warn of steps that vanish beside t, and go on for ever. */
+/* Both solvers only warn if steps become too small to change t, and never end. */
 #define LW_SUN_STILL_MAX 100
 
 static inline bool lw_sun_stands_still(lw_sun *s, double before, double now)
@@ -149,7 +149,8 @@ static inline lw_status lw_sun_error(const lw_sun *s, const char *solver, double
     if (status == LW_STOPPED && e && e->text[0])
         return status;                   /* in the callback's own words                                */
     return lw_error_set(e, status, "%s gave up at t = %.9g s: %s", solver, t,
-                        s->failed != LW_OK ? lw_status_text(s->failed) : s->message[0] ? s->message : "no reason given");
+                        s->failed != LW_OK ? lw_status_text(s->failed)
+                        : s->message[0] ? s->message : "no reason given");
 }
 
 #endif
