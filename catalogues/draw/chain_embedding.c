@@ -1,4 +1,4 @@
-/* catalogues/draw/chain_layout_ways.c - embeddings of a chain and the loops to put outside */
+/* catalogues/draw/chain_embedding.c - embeddings of a chain in the plane, and the loop that goes outside. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -135,7 +135,7 @@ static double promise_of(const lw_embedding *w, const int *length)
 
 typedef struct finder {
     const lw_mechanism *m;
-    int     room, n;
+    int     capacity, n;
     lw_embedding *embedding;
 } finder;
 
@@ -148,9 +148,9 @@ static void offer(finder *f, const lw_embedding *w)
             return;
     while (at > 0 && f->embedding[at - 1].promise > w->promise)
         at--;
-    if (at == f->room)
+    if (at == f->capacity)
         return;
-    f->n += f->n < f->room;
+    f->n += f->n < f->capacity;
     memmove(f->embedding + at + 1, f->embedding + at, (size_t)(f->n - at - 1)*sizeof *w);
     f->embedding[at] = *w;
 }
@@ -278,10 +278,10 @@ static lw_status try_one_order(finder *f, orders *o)
     return s;
 }
 
-lw_status lw_embeddings_find(const lw_mechanism *m, int room, lw_embedding *embedding, int *n_embedding)
+lw_status lw_embeddings_find(const lw_mechanism *m, int capacity, lw_embedding *embedding, int *n_embedding)
 {
     orders o;
-    finder f = { .m = m, .room = room, .embedding = embedding };
+    finder f = { .m = m, .capacity = capacity, .embedding = embedding };
     lw_status s = LW_OK;
     first_orders(m, &o);
     if (few_orders(&o))

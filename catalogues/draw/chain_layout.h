@@ -1,20 +1,20 @@
-/* catalogues/draw/chain_layout.h - where the joints of a chain go on the page: a picture as in textbooks, with
- * joints as points, binary links as straight bars, links of more joints as polygons over their joints.
+/* catalogues/draw/chain_layout.h - places of the joints of a chain on a page: a picture as in textbooks, with joints as
+ * points, binary links as straight bars, links of more joints as polygons over their joints.
  *
- * A chain with a planar graph (links as vertices) has a picture in which no two links cross or overlap:
- * around every link its joints stand in the order of an embedding in the plane; the map whose vertices are the joints
- * and whose faces are links and loops is planar too.  It is drawn first by barycentres (Tutte 1963, "How
- * to draw a graph"), with a point more in every loop so that nothing collapses; then it is relaxed: links
- * towards regular shapes, joints apart by their distance in the chain (Kamada & Kawai 1989), joints away
- * from links they do not belong to, by a barrier that no step jumps over, so that the map stays.  Among
- * embeddings and outer loops those of most symmetry and evenness are tried; symmetry is kept exactly.
+ * A chain with a planar graph (links as vertices) has a picture in which no two links cross or overlap.  The joints stand
+ * around each link in the order of an embedding in the plane; then the map is planar too whose vertices are the joints
+ * and whose faces are the links and loops.  First, joints are placed by barycentres (Tutte 1963, "How to draw a graph"),
+ * with an extra point in every loop so that no loop collapses.  Then the picture is relaxed: links towards regular shapes,
+ * joints towards distances like those in the chain (Kamada & Kawai 1989), joints away from links of others.  A barrier
+ * that no step jumps over keeps the map.  Several embeddings and outer loops are tried; the most even and symmetric
+ * picture is kept, and its symmetry is exact.
  *
- * With a ground link its joints stand on one horizontal line and everything else above it, so that signs
- * of the frame below the line hit nothing.  A binary link of a pin and a slider (t) is drawn as the
- * block alone: its two joints are one point.
+ * With a ground link, the joints of the ground stand on one horizontal line and everything else above it, so that the
+ * signs of the frame below the line touch nothing.  A binary link with a pin and a slider (t) is drawn as a block: its
+ * two joints are one point.
  *
- * A chain whose graph is not planar is cut at one binary link or more until it is, drawn, and the bars
- * are put back straight where they cross fewest links.  Same chain, same picture. */
+ * A chain whose graph is not planar is cut at binary links until it is planar.  The rest is drawn, and the cut bars are
+ * put back straight where they cross the fewest links.  The same chain gives the same picture. */
 #ifndef LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 #define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 
@@ -29,16 +29,16 @@ typedef struct lw_chain_layout {
     lw_vec2 end[LW_LINK_MAX];            /* free end of a link with a single joint                      */
     bool    planar;                      /* the graph is planar                                         */
     int     n_cross;                     /* pairs of links that cross or overlap; 0 when planar         */
-    int     symmetry;                    /* order of the symmetry of the picture that was kept, 1: none */
+    int     symmetry;                    /* order of the symmetry group of the picture; 1: no symmetry */
     double  least_angle;                 /* between two links at a joint, and inside links [rad]        */
-    double  least_gap;                   /* joint to joint, joint to a link it is not of; a mean bar: 1 */
+    double  least_gap;                   /* joint to joint, joint to another link; a mean bar is 1 long */
 } lw_chain_layout;
 
-/* m: any topology; its ground, when chosen, stands on a line.  LW_E_ARG with a text: not connected, fewer
+/* m: any topology; the joints of its ground, if any, stand on a line.  LW_E_ARG with a text: not connected, fewer
  * than two links. */
 lw_status lw_chain_layout_make(const lw_mechanism *m, lw_chain_layout *l, lw_error *e);
 
-/* Work out n_cross, least_angle and least_gap of the places in l. */
+/* Compute n_cross, least_angle and least_gap of the places in l. */
 void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l);
 
 #endif

@@ -18,27 +18,26 @@ typedef struct lw_rings {
     uint8_t after[LW_DART_MAX];
 } lw_rings;
 
-/* Number of loops (faces) of an embedding; loop_of (n_dart) may be NULL.  A dart belongs to the loop that
- * one walks by going over its joint and leaving the link there by the next dart. */
+/* Number of loops (faces) of an embedding; loop_of (n_dart) may be NULL.  To follow the loop of a dart, go over its joint
+ * and leave the link there by the next dart. */
 int lw_rings_loops(const lw_rings *r, uint8_t *loop_of);
 
-/* One embedding to draw: an embedding and the dart at which its outer loop is entered.  With a ground, that dart
- * arrives at the ground, whose joints are then read from the dart behind it. */
+/* A picture to draw: the order of joints around each link, and the dart at which the outer loop is entered.  With a
+ * ground, that dart arrives at the ground, whose joints are then read from the dart after it. */
 typedef struct lw_embedding {
     lw_rings rings;
     uint8_t  outer;
     int      n_loop, n_outer, symmetry;
     uint64_t hash;
-    double   promise;                /* less is tried earlier */
+    double   promise;                /* smaller values are tried first */
 } lw_embedding;
 
-/* Ways of the planar chain m, alike ones once, the most promising first; *n_embedding of at most `room`.
- * LW_NOTHING: the graph is not planar. */
-lw_status lw_embeddings_find(const lw_mechanism *m, int room, lw_embedding *embedding, int *n_embedding);
+/* Find the embeddings of the planar chain m with their outer loops, each once up to symmetry, the most promising first;
+ * *n_embedding of them, at most `capacity`.  LW_NOTHING: the graph is not planar. */
+lw_status lw_embeddings_find(const lw_mechanism *m, int capacity, lw_embedding *embedding, int *n_embedding);
 
 /* The automorphisms of the map that keep its outer loop: to[g][dart]; mirror[g] when they turn it over;
- * the first is the identity.  start[g]: the dart of the outer loop that the first one goes to.
- * Returns their number, at most LW_WEB_GROUP. */
+ * the first is the identity; n of them, at most LW_WEB_GROUP. */
 typedef struct lw_layout_symmetry {
     int     n;
     uint8_t to[LW_WEB_GROUP][LW_DART_MAX];
@@ -69,19 +68,19 @@ void lw_web_make(const lw_mechanism *m, const lw_embedding *embedding, lw_web *w
 /* First places p (n_vertex), no crossing.  LW_E_MEMORY. */
 lw_status lw_web_start(const lw_web *w, lw_vec2 *p);
 
-/* Shape of the web, worked out once: wanted distances. */
-typedef struct lw_layout_spring { uint8_t a, b; double length, scale, weight; } lw_layout_spring;      /* scale = 1/length^2 */
+/* Wanted distances in the map, computed once; scale = 1/length^2. */
+typedef struct lw_layout_spring { uint8_t a, b; double length, scale, weight; } lw_layout_spring;
 typedef struct lw_relax {
     int        n_spring, n_corner;
-    uint32_t   ghost;                    /* links whose sides push nothing away  */
+    uint32_t   ghost;                    /* bits of links whose sides repel nothing */
     lw_layout_spring *spring;
     uint8_t  (*corner)[3];               /* joint, and the other ends of two sides that meet in it */
-    double    *number;                   /* room for the descent                 */
+    double    *number;                   /* scratch of the descent               */
 } lw_relax;
 lw_status lw_relax_make(const lw_web *w, lw_relax *r);
 void      lw_relax_free(lw_relax *r);
 
-/* Descend from p; crossings neither come nor go.  Returns the energy. */
+/* Descend in energy from the places p; no crossing appears or disappears.  Returns the energy. */
 double lw_relax_run(const lw_web *w, const lw_relax *r, int steps, lw_vec2 *p);
 
 #endif

@@ -1,12 +1,12 @@
-/* catalogues/draw/motion_path.c - see course.h */
+/* catalogues/draw/motion_path.c - see motion_path.h */
 #include "catalogues/draw/motion_path.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define REACH 8.0                     /* a curve that leaves is followed this many sizes of the linkage */
-#define PATIENCE 60                   /* postures without a new curve after which no more are looked for */
+#define REACH 8.0                     /* a curve that does not close is followed this far, sizes of the linkage */
+#define PATIENCE 60                   /* random poses without a new curve after which the search ends */
 
 static double input_at(lw_motion_curve *b, double station)
 {
@@ -15,8 +15,8 @@ static double input_at(lw_motion_curve *b, double station)
     return lw_motion_curve_input(b, q);
 }
 
-/* The limits next to the posture on curve 0, before and behind it, as stations; where there is none the ends of the
- * curve.  Returns how many limits the curve has. */
+/* Stations of the nearest limits of the input before and after station `at`; the ends of the curve where there is none.
+ * Returns the number of limits of the curve. */
 static int limits_around(const lw_motion_curve *b, double at, double around[2])
 {
     int n, found = 0;
@@ -49,11 +49,11 @@ void lw_motion_path_choose(lw_motion_path *c, int curve)
     c->start = c->loops ? 0 : acos(1 - 2*fmin(fmax(lw_motion_curve_arc(b, start)/length, 0), 1))/LW_PI;
 }
 
-lw_status lw_motion_path_along(const lw_linkage *k, bool all, lw_motion_path *c, lw_error *e)
+lw_status lw_motion_path_along(const lw_linkage *linkage, bool all, lw_motion_path *c, lw_error *e)
 {
     const lw_motion_curve_options o = { .input = 0, .reach = REACH };
     *c = (lw_motion_path){ .turns = 0 };
-    lw_status st = lw_system_make(k, NULL, 0, &c->s, e);
+    lw_status st = lw_system_make(linkage, NULL, 0, &c->s, e);
     if (st == LW_OK && all)
         st = lw_circuits_find(&c->s, &o, PATIENCE, 1, NULL, &c->curves, e);
     else if (st == LW_OK) {
@@ -65,12 +65,12 @@ lw_status lw_motion_path_along(const lw_linkage *k, bool all, lw_motion_path *c,
     return st;
 }
 
-lw_status lw_motion_path_in_time(const lw_linkage *k, lw_input_function *motion, void *context, double from, double to,
-                            lw_motion_path *c, lw_error *e)
+lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *motion, void *context, double from,
+                                 double to, lw_motion_path *c, lw_error *e)
 {
     double q[LW_SYSTEM_Q_MAX], apart = 0;
     *c = (lw_motion_path){ .pace = LW_PACE_TIME, .from = from, .to = to };
-    lw_status st = lw_system_make(k, NULL, 0, &c->s, e);
+    lw_status st = lw_system_make(linkage, NULL, 0, &c->s, e);
     if (st == LW_OK)
         st = lw_prescribed_motion_create(&c->s, motion, context, from, &c->drive, e);
     if (st != LW_OK)
@@ -96,13 +96,13 @@ void lw_motion_path_free(lw_motion_path *c)
     c->drive = NULL;
 }
 
-/* Station of curve 0 where the input is u, which lies between the limits next to the posture.  On a closed curve the
- * posture is station 0 and its surroundings lie at both ends of the stations. */
+/* Station of curve 0 where the input is u.  u lies between the limits next to the pose.  On a closed curve the pose is at
+ * station 0, so that its neighbourhood is at both ends of the stations. */
 static double station_of(const lw_motion_path *c, double u)
 {
     lw_motion_curve *b = c->curves.curve[0];
-    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b), total = c->turns ? input_at(b, end)
-                                                                                            - input_at(b, 0) : 0;
+    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b);
+    double total = c->turns ? input_at(b, end) - input_at(b, 0) : 0;
     int limits = limits_around(b, at, around);
     if (lw_motion_curve_ended(b) != LW_MOTION_CURVE_CLOSED)
         return lw_motion_curve_find(b, around[0], around[1], u);
@@ -115,7 +115,7 @@ static double station_of(const lw_motion_path *c, double u)
     return lw_motion_curve_find(b, around[0], end, u + input_at(b, end) - first);
 }
 
-/* The inputs at the limits next to the posture of curve 0, the lesser first. */
+/* The inputs at the limits next to the pose of curve 0, the smaller first. */
 static void input_limits(const lw_motion_path *c, double limit[2])
 {
     lw_motion_curve *b = c->curves.curve[0];
@@ -158,7 +158,7 @@ static double first_input(const lw_system *s, const double *q)
     return s->input_value[0] + unit*lw_system_measure(s, joint, q, NULL);
 }
 
-/* Station on the shown curve; *input, when it is chosen, where. */
+/* Station on the shown curve at t.  *input is set only where the pace prescribes it. */
 static double station_at(const lw_motion_path *c, double t, double *input)
 {
     lw_motion_curve *b = c->curves.curve[c->shown];
