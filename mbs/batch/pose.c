@@ -98,12 +98,16 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
         return 1;
     case LW_STEP_RACK:
         return solve_rack(s, dim, reg);
-    default: {
+    case LW_STEP_PRP:
+    case LW_STEP_PPR: {
         lw_prp z = lw_prp_solve(reg[in[0]], reg[in[1]], reg[in[2]], reg[in[3]]);
         reg[out[0]] = z.c;
         return lw_prp_margin(&z);
     }
+    case LW_STEP_HIGHER:
+        break;                                             /* see registers */
     }
+    return 1;
 }
 
 /* Directions and displacements of a higher group from its seat. */
@@ -346,9 +350,11 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
         break;
     case LW_STEP_ROLL:  reg[out[0]] = jet_roll(s, dim, reg); break;
     case LW_STEP_RACK:  reg[out[0]] = jet_rack(s, dim, reg); break;
-    case LW_STEP_RRP: jet_rrp(s, dim, mode[s->dyad], reg); break;
-    case LW_STEP_RPR: jet_rpr(s, dim, mode[s->dyad], reg); break;
-    default:          jet_prp(s, reg);
+    case LW_STEP_RRP:   jet_rrp(s, dim, mode[s->dyad], reg); break;
+    case LW_STEP_RPR:   jet_rpr(s, dim, mode[s->dyad], reg); break;
+    case LW_STEP_PRP:
+    case LW_STEP_PPR:   jet_prp(s, reg); break;
+    case LW_STEP_HIGHER: break;                            /* see jet_steps */
     }
 }
 

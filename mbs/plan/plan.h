@@ -122,6 +122,8 @@ typedef struct lw_dyad {
     int joint[3];
 } lw_dyad;
 
+/* A new kind of step.  Every switch over the kinds that works steps out has no default, and a case that is missing does
+ * not compile (-Werror=switch); docs/contributing.md lists the files. */
 typedef enum lw_step_kind {
     LW_STEP_INPUT_PIN,        /* direction of the input link from the input                      */
     LW_STEP_INPUT_SLIDE,      /* origin of the input link from the input                         */

@@ -26,7 +26,26 @@ typedef struct graph {
     bool reach[NODE_MAX][NODE_MAX];
 } graph;
 
-static bool is_pin(const lw_topology *t, int j) { return t->k->joint[j].kind == LW_JOINT_REVOLUTE; }
+int lw_known_link(const lw_topology *t, int joint)
+{
+    uint32_t on = lw_plan_is_pin(t, joint) ? t->on_pin[t->pin[joint]]
+                                   : 1u << t->k->joint[joint].link[0] | 1u << t->k->joint[joint].link[1];
+    int best = -1;
+    for (int i = 0; i < t->k->n_link; i++)
+        if (on >> i & 1 && t->rank[i] >= 0 && (best < 0 || t->rank[i] < t->rank[best]))
+            best = i;
+    return best;
+}
+
+void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
+{
+    list[0] = 0;
+    for (int i = 0; i < t->k->n_link; i++)
+        if (t->rank[i] < 0) {
+            size_t n = strlen(list);
+            snprintf(list + n, size - n, "%s\"%s\"", n ? ", " : "", t->k->link_name[i]);
+        }
+}
 
 static void add_end(unit *u, int node)
 {
@@ -140,13 +159,13 @@ static void build(graph *g)
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
         bool driven = j == t->input_joint && t->driven < 0;
-        if (is_pin(t, j) && t->pin[j] == j)
+        if (lw_plan_is_pin(t, j) && t->pin[j] == j)
             add_pin(g, j);
         if (q->kind == LW_JOINT_SLIDER) {
             add_parallel(g, q);
             add_way(g, q);
         }
-        if (driven && is_pin(t, j))
+        if (driven && lw_plan_is_pin(t, j))
             add_parallel(g, q);
         else if (driven)
             add_way(g, q);
@@ -264,7 +283,7 @@ static bool is_input(const lw_topology *t, const lw_tie *q)
 /* What keeps loops short first: slides, which must be in the tree; the input; pins to known links; the rest. */
 static int urgency(const tree *r, const lw_tie *q)
 {
-    if (!is_pin(r->t, q->joint))
+    if (!lw_plan_is_pin(r->t, q->joint))
         return 0;
     if (is_input(r->t, q))
         return 1;
@@ -276,7 +295,7 @@ static void tie_pin(tree *r, int pin)
 {
     const lw_topology *t = r->t;
     const lw_joint *in = &t->k->joint[t->input_joint];
-    bool driven = t->driven < 0 && is_pin(t, t->input_joint) && t->pin[t->input_joint] == pin && inside(r, in->link[0]) &&
+    bool driven = t->driven < 0 && lw_plan_is_pin(t, t->input_joint) && t->pin[t->input_joint] == pin && inside(r, in->link[0]) &&
                   inside(r, in->link[1]);
     int centre = lw_known_link(t, pin);
     if (centre < 0 && driven)
@@ -300,7 +319,7 @@ static void collect_ties(tree *r)
         const lw_joint *q = &t->k->joint[j];
         if (q->kind == LW_JOINT_GEAR)                    /* no way from link to link */
             continue;
-        if (!is_pin(t, j)) {
+        if (!lw_plan_is_pin(t, j)) {
             if (on_links(r, q->link[0], q->link[1]))
                 add_tie(r, q->link[0], q->link[1], j);
             continue;
@@ -366,7 +385,7 @@ static lw_status cannot_own(const lw_topology *t, lw_error *e)
     bool turns = false;
     lw_plan_list_unknown(t, list, sizeof list);
     for (int j = 0; j < t->k->n_joint; j++)
-        turns = turns || !is_pin(t, j);
+        turns = turns || !lw_plan_is_pin(t, j);
     return lw_error_set(e, LW_E_KIND, "some of the links %s are held more than once and others not at all%s, so that the input "
                         "does not say where they are", list, turns ? " (rings of slides, or gears, may hold turns alone)" : "");
 }

@@ -195,44 +195,9 @@ lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e)
 
 /* ---- frames ----------------------------------------------------------------------------------------------- */
 
-/* The first joint of a link beside the one it turns on, as lw_linkage_posture_input has it. */
-static int next_joint(const lw_topology *t, int link, int pin)
-{
-    const lw_linkage *k = t->k;
-    lw_vec2 at = k->joint[pin].at;
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *q = &k->joint[j];
-        if (t->slot[j] >= 0 && lw_joint_has(&k->joint[t->slot[j]], link))
-            return t->slot[j];
-        if (j != pin && q->kind != LW_JOINT_GEAR && lw_joint_has(q, link) &&
-            (q->kind == LW_JOINT_SLIDER || q->at.x != at.x || q->at.y != at.y))
-            return j;
-    }
-    return -1;
-}
-
-static int first_tracer(const lw_topology *t, int link)
-{
-    for (int i = 0; i < t->k->n_tracer; i++)
-        if (t->k->tracer[i].link == link)
-            return i;
-    return -1;
-}
-
-/* Of a link that turns on a pin: the driven one, a wheel. */
-lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin)
-{
-    const lw_topology *t = b->t;
-    int j = next_joint(t, link, pin);
-    return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || lw_build_is_slider(b, j) ? j : t->pin[j], first_tracer(t, link) };
-}
-
 void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g)
 {
-    if (g->kind == LW_STEP_RACK)
-        lw_build_rack_frame(b, g);
-    else
-        b->p->frame[g->link[0]] = lw_build_turning_frame(b, g->link[0], g->joint[0]);
+    b->p->frame[g->link[0]] = lw_build_turning_frame(b, g->link[0], g->joint[0]);
 }
 
 /* ---- steps ------------------------------------------------------------------------------------------------ */

@@ -13,14 +13,13 @@ static bool carries_pin(const lw_topology *t, int link, int j)
     return t->k->joint[j].kind == LW_JOINT_REVOLUTE && t->pin[j] == j && t->on_pin[j] >> link & 1;
 }
 
-static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
 
 /* A pin of the link other than `not`, of those that tie the group if there is one, -1 when there is none. */
 static int other_pin(const lw_topology *t, const lw_cluster *c, int link, int not)
 {
     int any = -1;
     for (int j = 0; j < t->k->n_joint; j++) {
-        if (!carries_pin(t, link, j) || j == not || (not >= 0 && same_place(t->k->joint[j].at, t->k->joint[not].at)))
+        if (!carries_pin(t, link, j) || j == not || (not >= 0 && lw_same_place(t->k->joint[j].at, t->k->joint[not].at)))
             continue;
         if (t->on_pin[j] & (c->links | c->bases) & ~(1u << link))
             return j;
@@ -283,18 +282,6 @@ static int disp_of(const group_builder *q, int joint)
         if (q->g->disp_joint[i] == joint)
             return q->g->disp_reg[i];
     return q->b->input_reg;
-}
-
-void lw_build_ride(builder *b, int link, int q, int w, int along)
-{
-    int pin = b->p->frame[link].origin;
-    lw_step *s = lw_build_step(b, LW_STEP_SLIDE);
-    s->in[0] = q;
-    s->in[1] = w;
-    s->in[2] = along;
-    lw_build_link(b, link, s->out[0] = lw_build_reg(b), w);
-    if (pin >= 0 && b->pin_reg[pin] < 0)
-        b->pin_reg[pin] = s->out[0];
 }
 
 /* Frames of the links, one after the other, from those by which they are reached. */

@@ -86,7 +86,9 @@ lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *p
 /* Is output o of the plan one of the commonest kind (mbs/plan/fast_dyad.c)? */
 lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);
 
-/* Does link i carry a joint of this kind in the topology's linkage? */
+static inline bool lw_same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
+static inline bool lw_plan_is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
+
 static inline bool lw_joint_has(const lw_joint *j, int link)
 {
     return j->link[0] == link || j->link[1] == link;

@@ -11,8 +11,6 @@
 
 /* ---- pins ------------------------------------------------------------------------------------- */
 
-static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
-
 /* Joints i and j are one pin when a chain of shared links and bit-same places ties them. */
 static void join_pins(lw_topology *t)
 {
@@ -27,7 +25,7 @@ static void join_pins(lw_topology *t)
             for (int j = 0; j < i; j++) {
                 int a = t->pin[i], b = t->pin[j];
                 if (a == b || k->joint[i].kind != LW_JOINT_REVOLUTE || k->joint[j].kind != LW_JOINT_REVOLUTE ||
-                    !(t->on_pin[a] & t->on_pin[b]) || !same_place(k->joint[i].at, k->joint[j].at))
+                    !(t->on_pin[a] & t->on_pin[b]) || !lw_same_place(k->joint[i].at, k->joint[j].at))
                     continue;
                 int keep = a < b ? a : b, drop = a < b ? b : a;
                 for (int h = 0; h < k->n_joint; h++)
@@ -41,25 +39,13 @@ static void join_pins(lw_topology *t)
 
 /* ---- dyads ------------------------------------------------------------------------------------ */
 
-static bool is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
 static bool is_gear(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_GEAR; }
-
-int lw_known_link(const lw_topology *t, int joint)
-{
-    uint32_t on = is_pin(t, joint) ? t->on_pin[t->pin[joint]]
-                                   : 1u << t->k->joint[joint].link[0] | 1u << t->k->joint[joint].link[1];
-    int best = -1;
-    for (int i = 0; i < t->k->n_link; i++)
-        if (on >> i & 1 && t->rank[i] >= 0 && (best < 0 || t->rank[i] < t->rank[best]))
-            best = i;
-    return best;
-}
 
 /* First joint of an unknown link whose other side is known, -1 when there is none. */
 static int outer_joint(const lw_topology *t, int link)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
-        bool carries = is_pin(t, j) ? t->on_pin[t->pin[j]] >> link & 1 : lw_joint_has(&t->k->joint[j], link);
+        bool carries = lw_plan_is_pin(t, j) ? t->on_pin[t->pin[j]] >> link & 1 : lw_joint_has(&t->k->joint[j], link);
         if (carries && !is_gear(t, j) && lw_known_link(t, j) >= 0)
             return j;
     }
@@ -72,7 +58,7 @@ static int inner_joint(const lw_topology *t, int a, int b)
         const lw_joint *q = &t->k->joint[j];
         if (is_gear(t, j) || lw_known_link(t, j) >= 0)
             continue;
-        if (is_pin(t, j) ? (t->on_pin[t->pin[j]] >> a & 1 && t->on_pin[t->pin[j]] >> b & 1)
+        if (lw_plan_is_pin(t, j) ? (t->on_pin[t->pin[j]] >> a & 1 && t->on_pin[t->pin[j]] >> b & 1)
                          : lw_joint_has(q, a) && lw_joint_has(q, b))
             return j;
     }
@@ -86,7 +72,7 @@ static bool dyad_kind(const lw_topology *t, lw_plan_group *g)
     static const lw_step_kind kind[8] = {                /* bit set: pin; bits outer, inner, outer */
         LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
     };
-    g->kind = kind[is_pin(t, g->joint[0])*4 + is_pin(t, g->joint[1])*2 + is_pin(t, g->joint[2])];
+    g->kind = kind[lw_plan_is_pin(t, g->joint[0])*4 + lw_plan_is_pin(t, g->joint[1])*2 + lw_plan_is_pin(t, g->joint[2])];
     return g->kind != LW_STEP_POINT;
 }
 
@@ -122,7 +108,7 @@ static int mobility(const lw_topology *t)
 {
     int f = 3*(t->k->n_link - 1) - (t->k->n_input - 1);
     for (int j = 0; j < t->k->n_joint; j++)
-        if (!is_pin(t, j))
+        if (!lw_plan_is_pin(t, j))
             f -= is_gear(t, j) ? 1 : 2;
         else if (t->pin[j] == j)
             f -= 2*(__builtin_popcount(t->on_pin[j]) - 1);
@@ -197,16 +183,6 @@ static lw_status left_over(const lw_topology *t, lw_error *e)
     lw_plan_list_unknown(t, list, sizeof list);
     return lw_error_set(e, LW_E_KIND, "not a chain of dyads (pairs of links joined to what is known already): %s left "
                         "over", list);
-}
-
-void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
-{
-    list[0] = 0;
-    for (int i = 0; i < t->k->n_link; i++)
-        if (t->rank[i] < 0) {
-            size_t n = strlen(list);
-            snprintf(list + n, size - n, "%s\"%s\"", n ? ", " : "", t->k->link_name[i]);
-        }
 }
 
 /* Dyads as long as there are any; then the smallest group that is left. */

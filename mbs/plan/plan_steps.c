@@ -8,83 +8,6 @@ typedef lw_builder builder;
 
 static bool is_slider(const builder *b, int j) { return lw_build_is_slider(b, j); }
 
-/* ---- growing the plan -------------------------------------------------------------------------- */
-
-int lw_build_reg(builder *b)
-{
-    if (b->p->n_reg == LW_REG_MAX) {
-        b->full = true;
-        return 0;
-    }
-    return b->p->n_reg++;
-}
-
-lw_step *lw_build_step(builder *b, lw_step_kind kind)
-{
-    if (b->p->n_step == LW_STEP_MAX) {
-        b->full = true;
-        b->p->n_step--;
-    }
-    lw_step *s = &b->p->step[b->p->n_step++];
-    *s = (lw_step){ kind, { -1, -1, -1, -1 }, { -1, -1, -1, -1 }, { -1, -1, -1 }, -1, { 0, 0 } };
-    return s;
-}
-
-/* The names of mbs/plan/plan.h. */
-static void name_dim(const builder *b, lw_dim_info *d, int number, int count)
-{
-    static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "rho", "s", "mu", "cx", "cy", "x0", "y0", "theta0" };
-    const char *s = stem[d->role];
-    switch (d->role) {
-    case LW_ROLE_X: case LW_ROLE_Y: snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number); break;
-    case LW_ROLE_R: case LW_ROLE_E: case LW_ROLE_BETA:
-    case LW_ROLE_PHASE: case LW_ROLE_PITCH: case LW_ROLE_SHIFT: case LW_ROLE_MIDDLE:
-        if (count == 0)
-            snprintf(d->name, sizeof d->name, "%s%d", s, b->number[d->link]);
-        else
-            snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number);
-        break;
-    case LW_ROLE_CX: case LW_ROLE_CY:
-        if (count == 0)
-            snprintf(d->name, sizeof d->name, "%s", s);
-        else
-            snprintf(d->name, sizeof d->name, "%s%d", s, count + 1);
-        break;
-    default: snprintf(d->name, sizeof d->name, "%s", s);
-    }
-}
-
-/* Ground slides come after the links, tracers after them, the frame last. */
-static int place_of(const builder *b, const lw_dim_info *d)
-{
-    bool line = d->role == LW_ROLE_E || d->role == LW_ROLE_BETA;
-    int group = d->role >= LW_ROLE_X0 ? 3 : d->role >= LW_ROLE_CX ? 2 : line && d->link == b->t->k->ground ? 1 : 0;
-    return (group*64 + (group == 0 ? b->number[d->link] : 0))*LW_DIM_MAX;
-}
-
-int lw_build_dim(builder *b, lw_dim_role role, int link, int joint, int count)
-{
-    static const lw_dim_kind kind[] = {
-        LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_ANGLE,
-        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE
-    };
-    lw_plan *p = b->p;
-    for (int d = 0; d < p->n_dim; d++)
-        if (p->dim[d].role == role && p->dim[d].link == link && p->dim[d].joint == joint)
-            return d;
-    if (p->n_dim == LW_DIM_MAX) {
-        b->full = true;
-        return 0;
-    }
-    lw_dim_info *d = &p->dim[p->n_dim];
-    *d = (lw_dim_info){ .kind = kind[role], .link = link, .role = role, .joint = joint };
-    if (role >= LW_ROLE_E && role <= LW_ROLE_MIDDLE)
-        count = b->n_named[link][role - LW_ROLE_E]++;
-    name_dim(b, d, joint + 1, count);
-    b->place[p->n_dim] = place_of(b, d) + p->n_dim;
-    return p->n_dim++;
-}
-
 /* ---- frames ------------------------------------------------------------------------------------ */
 
 static bool across(const builder *b, int i, int j)
@@ -162,14 +85,6 @@ static lw_frame dyad_frame(const builder *b, int outer, int inner, int other_out
     return (lw_frame){ -1, { outer, inner }, outer, -1 };
 }
 
-void lw_build_slider(builder *b, int j, int base, int ref)
-{
-    if (!is_slider(b, j))
-        return;
-    b->p->slider_base[j] = base;
-    b->p->slider_ref[j] = ref;
-}
-
 static void set_frames(builder *b)
 {
     const lw_topology *t = b->t;
@@ -186,7 +101,10 @@ static void set_frames(builder *b)
             continue;
         }
         if (lw_plan_group_is_gear(g)) {
-            lw_build_gear_frame(b, g);
+            if (g->kind == LW_STEP_RACK)
+                lw_build_rack_frame(b, g);
+            else
+                lw_build_gear_frame(b, g);
             continue;
         }
         const int *j = g->joint;
@@ -201,77 +119,7 @@ static void set_frames(builder *b)
     }
 }
 
-/* ---- points and lines of known links ------------------------------------------------------------ */
-
-int lw_build_point(builder *b, int link, int dim_x, int dim_y)
-{
-    lw_step *s = lw_build_step(b, LW_STEP_POINT);
-    s->in[0] = b->p->link_origin[link];
-    s->in[1] = b->p->link_dir[link];
-    s->dim[0] = dim_x;
-    s->dim[1] = dim_y;
-    return s->out[0] = lw_build_reg(b);
-}
-
-void lw_build_pin_dims(builder *b, int link, int pin, int *x, int *y)
-{
-    const lw_frame *f = &b->p->frame[link];
-    *x = *y = -1;
-    if (f->origin == pin)
-        return;
-    bool axis = f->axis == pin;
-    *x = lw_build_dim(b, axis ? LW_ROLE_R : LW_ROLE_X, link, pin, 0);
-    if (!axis)
-        *y = lw_build_dim(b, LW_ROLE_Y, link, pin, 0);
-}
-
-/* The register of a pin that sits on a known link. */
-int lw_build_pin(builder *b, int joint, int base)
-{
-    int pin = b->t->pin[joint], x, y;
-    if (b->pin_reg[pin] >= 0)
-        return b->pin_reg[pin];
-    lw_build_pin_dims(b, base, pin, &x, &y);
-    return b->pin_reg[pin] = x < 0 ? b->p->link_origin[base] : lw_build_point(b, base, x, y);
-}
-
-/* No offset for a line through the origin: one that helped to define it, or whose rider has no pin to be
- * measured from.  No angle for the line that is the axis. */
-void lw_build_line_dims(builder *b, int j, int base, int *e, int *beta)
-{
-    const lw_frame *f = &b->p->frame[base];
-    bool defines = f->origin < 0 && (f->meet[0] == j || f->meet[1] == j);
-    *e = defines || b->p->slider_ref[j] < 0 ? -1 : lw_build_dim(b, LW_ROLE_E, base, j, 0);
-    *beta = f->axis == j ? -1 : lw_build_dim(b, LW_ROLE_BETA, base, j, 0);
-}
-
-/* Point and direction of the line of slider j on link `base`. */
-void lw_build_line(builder *b, int j, int base, int *q, int *w)
-{
-    int e, beta;
-    lw_build_line_dims(b, j, base, &e, &beta);
-    *q = b->p->link_origin[base];
-    *w = b->p->link_dir[base];
-    if (beta >= 0) {
-        lw_step *s = lw_build_step(b, LW_STEP_LINE);
-        s->in[0] = *q;
-        s->in[1] = *w;
-        s->dim[0] = e;
-        s->dim[1] = beta;
-        *q = s->out[0] = lw_build_reg(b);
-        *w = s->out[1] = lw_build_reg(b);
-    } else if (e >= 0)
-        *q = lw_build_point(b, base, -1, e);
-    b->p->slider_dir[j] = *w;
-}
-
 /* ---- steps ------------------------------------------------------------------------------------- */
-
-void lw_build_link(builder *b, int link, int origin, int dir)
-{
-    b->p->link_origin[link] = origin;
-    b->p->link_dir[link] = dir;
-}
 
 static void emit_input(builder *b)
 {
@@ -407,7 +255,11 @@ static void emit_groups(builder *b)
         case LW_STEP_RPR: emit_rpr(b, g); break;
         case LW_STEP_PRP: emit_prp(b, g); break;
         case LW_STEP_PPR: emit_ppr(b, g); break;
-        default:          lw_build_gear(b, g);
+        case LW_STEP_GEAR:
+        case LW_STEP_ROLL:
+        case LW_STEP_RACK: lw_build_gear(b, g); break;
+        case LW_STEP_HIGHER: case LW_STEP_INPUT_PIN: case LW_STEP_INPUT_SLIDE: case LW_STEP_POINT: case LW_STEP_LINE:
+        case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_ALONG: break;          /* no groups, or built already */
         }
         if (b->p->n_step > before && b->p->step[b->p->n_step - 1].dyad == b->p->n_dyad)
             b->p->dyad[b->p->n_dyad++] = (lw_dyad){ { g->link[0], g->link[1] },

@@ -285,8 +285,10 @@ static bool take_step(drawing *d, const lw_step *s)
     case LW_STEP_ALONG: step_along(d, s); return true;
     case LW_STEP_ROLL:  step_roll(d, s); return true;
     case LW_STEP_RACK:  return step_rack(d, s);
-    default:            return false;
+    case LW_STEP_HIGHER:
+    case LW_STEP_TURN:  break;                             /* not in plans of dyads and gears */
     }
+    return false;
 }
 
 /* Take the steps that the tracers depend on.  The places of the tracers on their links are not drawn but solved for. */
