@@ -1,4 +1,5 @@
-/* optimise/precision/exact.c - what a target asks for, how many free choices it leaves, and the search over these. */
+/* optimise/precision/exact.c - which method suits a target, and the search over the dimensions that its stations
+ * leave free. */
 #include "optimise/precision/exact_internal.h"
 
 #include <stdio.h>
@@ -10,6 +11,7 @@
 
 enum { JOBS = 16, LINES = 24, ANGLES = 32, GUIDES = 8, GUIDE_MAX = 256 };
 #define REACH 2.0              /* free pins are drawn within this many sizes of the target                */
+#define SAME  1e-12            /* stations nearer than this are the same                                  */
 #define TURN  1.5              /* free tool angles: the greatest step from point to point [rad]           */
 
 typedef struct exact_run {
@@ -23,7 +25,7 @@ typedef struct exact_run {
     long        *drawn;
 } exact_run;
 
-/* ---- what is asked for --------------------------------------------------------------------------------- */
+/* ---- checks of the target --------------------------------------------------------------------------------- */
 
 static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, lw_error *e)
 {
@@ -56,7 +58,7 @@ static lw_status check_distinct(const lw_target *t, lw_task task, lw_error *e)
         for (size_t k = 0; k < i; k++) {
             double d = hypot(t->x[i] - t->x[k], t->y[i] - t->y[k]);
             double turn = task == LW_TASK_MOTION ? fabs(remainder(t->theta[i] - t->theta[k], 2*LW_PI)) : 0;
-            if (d <= 1e-12*t->size && turn < 1e-12)
+            if (d <= SAME*t->size && turn < SAME)
                 return lw_error_set(e, LW_E_ARG, "stations %zu and %zu are the same; leave one of them out", k + 1,
                                     i + 1);
         }
@@ -72,7 +74,7 @@ static void offer_pairs(lw_ranking *r, const lw_guide *g, int n, const double *a
             lw_ranking_offer(r, &g[i], &g[k], angle);
 }
 
-/* Two to four poses: guides by free pins or lines, all pairs of a job. */
+/* Two to four poses: draw free pins or lines of guides, and offer all pairs of the guides of a job. */
 static void draw_poses(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
 {
     double u[LINES*LW_GUIDE_DRAW];
@@ -88,7 +90,7 @@ static void draw_poses(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     offer_pairs(r, g, n, x->t->theta);
 }
 
-/* Tool angles at the points of a path: steps of either sense. */
+/* Tool angles at the points of a path: steps of either sign. */
 static void draw_angles(const double *u, size_t n, double *angle)
 {
     angle[0] = 0;
@@ -96,7 +98,7 @@ static void draw_angles(const double *u, size_t n, double *angle)
         angle[j] = angle[j - 1] + TURN*(2*u[j - 1] - 1);
 }
 
-/* Two to five points: tool angles are drawn, the rest is a motion. */
+/* Two to five points: draw tool angles and solve the motion. */
 static void draw_path(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
 {
     enum { D = 8 };
@@ -116,7 +118,8 @@ static void draw_path(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     *drawn += ANGLES;
 }
 
-/* Six to eight points: angles are drawn at five of them, which gives linkages; these are brought to the others. */
+/* Six to eight points: draw angles at five of them, which gives linkages; then move these linkages through the
+ * others. */
 typedef struct five { size_t at[5]; double angle[5], all[9]; lw_vec2 p[5], step[8]; } five;
 
 static void settle_pair(exact_run *x, const five *v, const lw_guide *g, const lw_guide *h, lw_ranking *r)
@@ -155,7 +158,7 @@ static void draw_many(exact_run *x, lw_rng *rng, lw_ranking *r, long *drawn)
     for (int i = 0; i < ANGLES; i++) {
         lw_guide_rows rows;
         draw_angles(&u[i*4], 5, v.angle);
-        for (size_t k = 0, j = 0; j < n; j++) {                /* in between they are interpolated        */
+        for (size_t k = 0, j = 0; j < n; j++) {                /* between these five angles are interpolated */
             k += k < 3 && j > v.at[k + 1];
             double part = (double)(j - v.at[k])/(double)(v.at[k + 1] - v.at[k]);
             v.all[j] = v.angle[k] + part*(v.angle[k + 1] - v.angle[k]);
@@ -191,7 +194,7 @@ static void run_job(void *context, size_t job, int thread)
         draw_path(x, &rng, x->of[job], &x->drawn[job]);
 }
 
-/* Rounds of jobs, each with a list of its own; the lists are put together in the order of the jobs. */
+/* Run rounds of jobs, each with a list of its own; the lists are joined in the order of the jobs. */
 static lw_status draw_rounds(exact_run *x, lw_ranking *r, long *drawn, lw_error *e)
 {
     lw_ranking *of[JOBS];
@@ -279,7 +282,7 @@ static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *
     return st;
 }
 
-/* Are there infinitely many? */
+/* Are there infinitely many linkages? */
 static bool is_family(const lw_target *t, lw_task task)
 {
     return (task == LW_TASK_MOTION && t->n < 5) || (task == LW_TASK_PATH && t->n < 9);

@@ -1,10 +1,10 @@
 /* optimise/precision/exact.h - precision points: linkages that pass through a few given positions exactly.
  *
- * A linkage of four links holds its coupler by two guides; each keeps a point of the coupler on a
- * circle (RR), a point on a line (PR), or a line of it on a fixed pin (RP).  Poses of the coupler ask for
- * the guides that suit all of them, and any two guides are a linkage (Burmester 1888; Bottema & Roth
- * 1979, ch. 8).  A function is a motion of the output seen from the input (Freudenstein 1955); a path has
- * poses whose angles are free (Wampler, Morgan & Sommese 1992). */
+ * A linkage of four links guides its coupler twice.  Each guide keeps a point of the coupler on a circle (RR), a
+ * point on a line (PR), or a line of the coupler on a fixed pin (RP).  Given poses of the coupler, the guides that
+ * suit all poses are computed; any two of them are a linkage (Burmester 1888; Bottema & Roth 1979, ch. 8).  A
+ * function is a motion of the output link seen from the input link (Freudenstein 1955).  A path has poses whose
+ * angles are free (Wampler, Morgan & Sommese 1992). */
 #ifndef LW_OPTIMISE_PRECISION_EXACT_H
 #define LW_OPTIMISE_PRECISION_EXACT_H
 
@@ -26,18 +26,18 @@ typedef struct lw_guide {
 /* Bodies at p[j], turned to angle[j] [m, rad]. */
 typedef struct lw_poses { size_t n; const lw_vec2 *p; const double *angle; } lw_poses;
 
-/* The real guides through five poses, four at most: the zeros of a quartic, polished to rounding.  A pin
- * farther than 1e9 sizes of the poses is at infinity and makes the guide a PR or RP.
- * LW_E_ARG: not five poses.  LW_E_NUMERIC: the poses are not independent (two are the same, all are
- * translations, ...), so that infinitely many guides suit them; *n is 0. */
+/* The real guides through five poses, at most four: the zeros of a quartic, polished to rounding.  A pin farther away
+ * than 1e9 sizes of the poses counts as at infinity and makes the guide a PR or RP. LW_E_ARG: not five poses.
+ * LW_E_NUMERIC: the poses are not independent (two are the same, all are translations, ...), so infinitely many
+ * guides suit them; *n is 0. */
 lw_status lw_guides_five(const lw_poses *at, lw_guide out[4], int *n, lw_error *e);
 
-/* The greatest deviation from what the guide should keep the same over the poses [m]. */
+/* The greatest deviation over the poses from the distance that the guide keeps [m]. */
 double lw_guide_error(const lw_guide *g, const lw_poses *at);
 
-/* Four-bars of frame 1 whose output turns by theta[j] - theta[0] where the input turns by
- * angle[j] - angle[0]: three (angles count from the frame), four (one offset is free, first `input_free`
- * then the output's), or five (both are free) pairs.  At most LW_FREUDENSTEIN_MAX. */
+/* Four-bars with frame 1 whose output turns by theta[j] - theta[0] when the input turns by angle[j] - angle[0], for
+ * three to five pairs.  Three: angles count from the frame.  Four: one offset is free, once the input's and once the
+ * output's.  Five: both are free.  At most LW_FREUDENSTEIN_MAX. */
 #define LW_FREUDENSTEIN_MAX 6
 typedef struct lw_function_bar {
     double  length[4];             /* frame 1, input, coupler, output [1]                          */
@@ -48,31 +48,30 @@ typedef struct lw_function_bar {
 lw_status lw_freudenstein(size_t n, const double *angle, const double *theta,
                           lw_function_bar out[LW_FREUDENSTEIN_MAX], int *n_out, lw_error *e);
 
-/* ---- everything a target asks for --------------------------------------------------------------- */
+/* ---- linkages for a target --------------------------------------------------------------- */
 
 typedef struct lw_exact {
     lw_fit    fit;                 /* candidates sorted by defects, then by quality                   */
     unsigned *defect;              /* bits of each                                            (fit.n) */
-    double   *quality;             /* least sine of the transmission angle on the way from the first
-                                    * to the last position, lessened for links much longer than the
-                                    * target [1]                                              (fit.n) */
-    long      n_real;              /* linkages of real dimensions found; listed are n_result at most  */
-    long      n_clean, n_order, n_branch, n_circuit;      /* of these: without and with defect (worst) */
+    double   *quality;             /* least sine of the transmission angle from the first to the last position, reduced
+                                    * for links much longer than the target [1]               (fit.n) */
+    long      n_real;              /* linkages with real dimensions; at most n_result are listed      */
+    long      n_clean, n_order, n_branch, n_circuit;      /* of these: without defect, and by the worst defect */
     int       n_guide;             /* five poses: the guides found                                    */
     lw_guide  guide[4];
-    long      n_general;           /* nine points: Roberts triples found at general complex points, where
-                                    * 1442 are all there are ...                                    */
+    long      n_general;           /* nine points: Roberts triples found at general complex points, of which there are
+                                    * 1442 ...                                                      */
     long      n_triple, n_real_triple;     /* ... and at those of the target, complex and real       */
-    bool      complete;            /* all that exist were found, as far as theory knows their number   */
+    bool      complete;            /* all linkages were found, as far as theory knows their number    */
     char      choice[256];         /* which dimensions were free and how they were chosen; "" none     */
 } lw_exact;
 
-/* Find linkages that pass through all stations of t: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9
- * points of a path; o->spec.task says which; spec's bounds and conditions leave out what does not meet
- * them; max_rounds limits the effort; types NULL: all for five poses, four-bars else.  Input angles of a path
- * or motion and weights are passed over.  The same for any number of threads; max_seconds and interrupt end
- * it earlier and keep what was found.
- * LW_OK, LW_NOTHING (no real solution), LW_STOPPED, failures < 0: LW_E_ARG too few or too many stations. */
+/* Find linkages that pass through all stations of t, by o->spec.task: 2 to 5 poses, 3 to 5 pairs of a function, 2 to
+ * 9 points of a path.  Linkages that do not meet the bounds and conditions of the specification are left out.
+ * max_rounds limits the effort.  types NULL: all types for five poses, else four-bars.  Input angles of a path or
+ * motion, and weights, are ignored. The result is the same for any number of threads; max_seconds and interrupt end
+ * the search earlier and keep what was found. LW_OK, LW_NOTHING (no real solution), LW_STOPPED, failures < 0:
+ * LW_E_ARG too few or too many stations. */
 lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *out, lw_error *e);
 void      lw_exact_free(lw_exact *x);
 

@@ -5,9 +5,9 @@
  *
  *     |p|^2/2 + p.(e^{ia} k) - p.g + (1 - cos a) k.g - sin a (k x g) = 0
  *
- * which is linear in (1, k, g, u, v) with u = k.g, v = k x g: four poses besides the first leave a plane of
- * these seven (projective) numbers, and the two quadrics  w u = k.g,  w v = k x g  cut it in four points.  All of
- * them are guides: where w = 0 either k or g is at infinity and the other follows from u + iv = conj(k) g. */
+ * which is linear in (1, k, g, u, v) with u = k.g, v = k x g.  Four poses besides the first leave a plane of these
+ * seven (projective) numbers, and the two quadrics  w u = k.g,  w v = k x g  cut the plane in four points.  All four
+ * are guides: where w = 0, k or g is at infinity and the other follows from u + iv = conj(k) g. */
 #include "optimise/precision/exact_internal.h"
 
 #include <complex.h>
@@ -29,7 +29,7 @@ static double dot(const double *a, const double *b)
     return s;
 }
 
-/* Take what lies along the n orthonormal vectors out of v; its length afterwards. */
+/* Subtract from v its components along n orthonormal vectors.  Returns the length that is left. */
 static double take_out(int n, const double (*by)[Z], double *v)
 {
     for (int pass = 0; pass < 2; pass++)
@@ -62,7 +62,7 @@ bool lw_guide_rows_add(lw_guide_rows *r, const double row[LW_GUIDE_Z])
     return true;
 }
 
-/* The condition of a pose, in the frame of the first. */
+/* The row of a pose, in the frame of the first pose. */
 static void pose_row(const lw_guide_rows *r, lw_vec2 at, double angle, double *row)
 {
     lw_vec2 p = lw_v2_scale(lw_v2_sub(at, r->origin), 1/r->unit);
@@ -90,7 +90,7 @@ void lw_guide_rows_make(const lw_poses *at, double size, lw_guide_rows *r)
     }
 }
 
-/* ---- two conics in the plane that is left ----------------------------------------------------------- */
+/* ---- two conics in the remaining plane ----------------------------------------------------------- */
 
 typedef struct conics { double n[3][Z]; double q[2][3][3]; } conics;
 
@@ -102,7 +102,7 @@ static double form(int which, const double *a, const double *b)
     return 0.5*(a[W]*b[V] + a[V]*b[W] - a[KX]*b[GY] - a[GY]*b[KX] + a[KY]*b[GX] + a[GX]*b[KY]);
 }
 
-/* An orthonormal basis of what is left, turned by a fixed amount so that nothing stands on an axis. */
+/* An orthonormal basis of the remaining space, turned by a fixed amount so that no solution lies on an axis. */
 static void make_conics(const lw_guide_rows *r, conics *c)
 {
     static const double turn[3][3] = {          /* orthogonal: a Householder reflector at (3, 5, 7) */
@@ -167,7 +167,7 @@ static void resultant(const conics *c, double ac[3], double ab[2], double out[5]
     multiply(ab, 1, bc, 3, -1, out);
 }
 
-/* All roots of a quartic at once (Aberth 1973).  false when it vanishes or has lost its degree. */
+/* All roots of a quartic at once (Aberth 1973).  false: it vanishes, or its degree is lower. */
 static bool quartic_roots(const double c[5], double complex z[4])
 {
     double most = 0;
@@ -218,7 +218,7 @@ static void normalise(double *s)
         s[i] /= l;
 }
 
-/* Newton's method on both conics, across the ray of s: the step is orthogonal to s.  What is left over. */
+/* Newton's method on both conics with steps orthogonal to s.  Returns the residual. */
 static double polish(const conics *c, double *s)
 {
     double f[2], g[2][3];
@@ -244,8 +244,8 @@ static double polish(const conics *c, double *s)
     return fmax(fabs(value(c->q[0], s, g[0])), fabs(value(c->q[1], s, g[1])));
 }
 
-/* Finite pins by Newton's method on the four rows as they were given: orthogonal rows have lost digits where the
- * poses are nearly dependent. */
+/* Polish finite pins by Newton's method on the four rows as given: the orthogonal rows lose digits if the poses are
+ * nearly dependent. */
 static void polish_pins(const lw_guide_rows *r, double *z)
 {
     double q[4] = { z[KX]/z[W], z[KY]/z[W], z[GX]/z[W], z[GY]/z[W] }, least = INFINITY;
@@ -380,7 +380,7 @@ double lw_guide_error(const lw_guide *g, const lw_poses *at)
 
 /* ---- free choices ------------------------------------------------------------------------------------ */
 
-/* One pin is given (w, a): the rows are linear in the other, q.  `moving`: the given one is k. */
+/* The rows for a given pin (w, a), which are linear in the other pin q.  `moving`: the given pin is k. */
 static void linear_in_other(const double *row, double w, lw_vec2 a, bool moving, double out[3])
 {
     double s = moving ? 1 : -1;
@@ -389,15 +389,15 @@ static void linear_in_other(const double *row, double w, lw_vec2 a, bool moving,
     out[2] = w*(moving ? row[GY] : row[KY]) + row[U]*a.y + s*row[V]*a.x;
 }
 
-/* The other pin from two rows, or the one nearest to `wish` that meets one row.  */
-static bool other_pin(const lw_guide_rows *r, double w, lw_vec2 a, bool moving, lw_vec2 wish, lw_vec2 *q)
+/* The other pin from two rows, or from one row the pin nearest to `near`. */
+static bool other_pin(const lw_guide_rows *r, double w, lw_vec2 a, bool moving, lw_vec2 near, lw_vec2 *q)
 {
     double l[2][3] = { { 0 } };
     for (int i = 0; i < r->n && i < 2; i++)
         linear_in_other(r->row[i], w, a, moving, l[i]);
     if (r->n == 1) {
-        double d2 = l[0][1]*l[0][1] + l[0][2]*l[0][2], off = l[0][0] + l[0][1]*wish.x + l[0][2]*wish.y;
-        *q = lw_v2(wish.x - off*l[0][1]/d2, wish.y - off*l[0][2]/d2);
+        double d2 = l[0][1]*l[0][1] + l[0][2]*l[0][2], off = l[0][0] + l[0][1]*near.x + l[0][2]*near.y;
+        *q = lw_v2(near.x - off*l[0][1]/d2, near.y - off*l[0][2]/d2);
         return d2 > 0;
     }
     double det = l[0][1]*l[1][2] - l[0][2]*l[1][1];
@@ -405,14 +405,14 @@ static bool other_pin(const lw_guide_rows *r, double w, lw_vec2 a, bool moving, 
     return fabs(det) > 1e-9;
 }
 
-static int draw_given_pin(const lw_guide_rows *r, const double *u, lw_vec2 a, lw_vec2 wish, bool slides,
+static int draw_given_pin(const lw_guide_rows *r, const double *u, lw_vec2 a, lw_vec2 near, bool slides,
                           lw_guide *out)
 {
-    /* the fixed pin is given; a quarter of the slides asked for have it, or the moving one, at infinity */
+    /* the fixed pin is given; with slides a quarter of the guides have it, or the moving pin, at infinity */
     bool moving = slides && u[4] < 0.125, far = slides && u[4] < 0.25;
     lw_vec2 q, given = far ? lw_v2_polar(1, LW_PI*u[0]) : a;
     double w = far ? 0 : 1;
-    if (!other_pin(r, w, given, moving, wish, &q))
+    if (!other_pin(r, w, given, moving, near, &q))
         return 0;
     lw_vec2 k = moving ? given : q, g = moving ? q : given;
     double z[Z] = { w, w*k.x, w*k.y, w*g.x, w*g.y, lw_v2_dot(k, g), lw_v2_cross(k, g) };

@@ -5,10 +5,10 @@
  *     K1 cos psi - K2 cos phi + K3 = cos(phi - psi),   K1 = 1/r2,  K2 = 1/r4,
  *     K3 = (1 + r2^2 + r4^2 - r3^2) / (2 r2 r4)
  *
- * is linear in K1, K2, K3.  Offsets of the angles make it nonlinear, but seen from the input link the output
- * link is a body that goes through poses, and the coupler is a guide of it: five pairs are five poses, four
- * of whose guides are the ground link, which is known, and up to three couplers.  Four pairs and an
- * offset that is given are four poses and a line on which the guide's fixed (or moving) pin lies. */
+ * is linear in K1, K2, K3.  Offsets of the angles make it nonlinear.  But seen from the input link, the output link
+ * is a body that moves through poses, and the coupler is one of its guides.  Five pairs are five poses with up to
+ * four guides: the known ground link and up to three couplers.  Four pairs and a given offset are four poses and a
+ * line on which the guide's fixed (or moving) pin lies. */
 #include "optimise/precision/exact_internal.h"
 
 #include <string.h>
@@ -73,7 +73,7 @@ static lw_status three(const double *angle, const double *theta, lw_function_bar
     return LW_OK;
 }
 
-/* Four pairs: the offset of the input is free and the output's is 0, or the other way. */
+/* Four pairs: the offset of the input is free and the output's is 0, or vice versa. */
 static void four(const lw_guide_rows *poses, bool input_free, const double *angle, const double *theta,
                  lw_function_bar *out, int *n)
 {

@@ -1,13 +1,12 @@
-/* optimise/precision/exact_nine.c - all four-bars whose curve passes through nine points (Wampler, Morgan & Sommese 1992: 1442
- * Roberts triples over the complex numbers), by monodromy (Duff et al. 2019).
+/* optimise/precision/exact_nine.c - all four-bars whose curve passes through nine points (Wampler, Morgan & Sommese
+ * 1992: 1442 Roberts triples over the complex numbers), by monodromy (Duff et al. 2019).
  *
- * The linkage is chosen first, at random in complex numbers, and nine points of its curve after it: one solution at
- * the points p.  Between p and other points q there are many ways: the equations keep their form when all plane
- * numbers are multiplied by s and their conjugates by s^, so each (s, s^) is a way from p to (s q, s^ q^) and with it
- * to q.
- * Following all known solutions to and fro on four ways connects them, until all 1442 at p are known; from
- * there they are followed to the points that are asked for.  Of each triple (six solutions: three
- * cognates, each with its two guides in either order) one is followed. */
+ * A linkage is chosen first, at random in complex numbers, and then nine points p of its curve; so one solution at p
+ * is known. Many paths lead from p to other points q: the equations keep their form when all plane numbers are
+ * multiplied by s and their conjugates by s^, so each pair (s, s^) is a path from p to (s q, s^ q^), and by that to
+ * q.  All known solutions are followed back and forth on four paths until all 1442 at p are known.  From there they
+ * are followed to the target's points.  Of each triple (six solutions: three cognates, each with its two guides in
+ * either order) one is followed. */
 #include "optimise/precision/exact_internal.h"
 
 #include <stdlib.h>
@@ -17,19 +16,19 @@
 #include "base/rng.h"
 #include "optimise/precision/exact_track_internal.h"
 
-enum { TRIPLES = 1442, ROOM = 1600, WAYS = 4, WAYS_MOST = 10, ROUND = 96, AIMED = 48, TRIES = 3 };
+enum { TRIPLES = 1442, CAPACITY = 1600, PATHS = 4, PATHS_MAX = 10, ROUND = 96, AIMED = 48, TRIES = 3 };
 #define SAME 1e-6               /* of the sum of the fixed pins: one triple                              */
 #define REAL 1e-7               /* a number and the conjugate of its partner                             */
 
 typedef struct triple {
     lw_cx    v[8], key[2];
-    unsigned used;              /* ways followed from here                                               */
-    int      tries;             /* to the points asked for; TRIES: given up, or arrived                  */
+    unsigned used;              /* bits: paths followed from here                                        */
+    int      tries;             /* to follow it to the target's points; TRIES: given up, or arrived       */
     int      arrived;           /* number of the solution there; -1                                      */
 } triple;
 
 typedef struct task {
-    int   set, i, way;          /* way -1: to the points asked for                                      */
+    int   set, i, path;          /* path -1: to the target's points                                      */
     lw_cx v[8];
     bool  ok;
 } task;
@@ -39,9 +38,9 @@ typedef struct nine {
     double  started, unit;
     lw_vec2 origin, step[8];
     lw_nine at[2], wanted;
-    lw_cx   by[WAYS_MOST][2];
-    int     n[3], ways, n_task;
-    triple *of[3];              /* at p, at q, at the points asked for                           (ROOM) */
+    lw_cx   by[PATHS_MAX][2];
+    int     n[3], n_path, n_task;
+    triple *of[3];              /* at p, at q, at the target's points                     (CAPACITY) */
     task    job[ROUND];
 } nine;
 
@@ -57,7 +56,7 @@ static void make_key(const lw_cx *v, lw_cx key[2])
     }
 }
 
-/* Its number in a set; added when it is new; -1: no room, or no number. */
+/* Number of the triple in a set; a new one is added.  -1: the set is full, or the key is not finite. */
 static int number_of(nine *s, int set, const lw_cx *v)
 {
     triple now = { .used = 0, .arrived = -1 };
@@ -70,18 +69,18 @@ static int number_of(nine *s, int set, const lw_cx *v)
         if (cx_norm1(cx_sub(k[0], now.key[0])) + cx_norm1(cx_sub(k[1], now.key[1])) < SAME*size)
             return i;
     }
-    if (s->n[set] == ROOM)
+    if (s->n[set] == CAPACITY)
         return -1;
     memcpy(now.v, v, sizeof now.v);
     s->of[set][s->n[set]] = now;
     return s->n[set]++;
 }
 
-/* ---- the points to begin with --------------------------------------------------------------------------- */
+/* ---- the first points --------------------------------------------------------------------------- */
 
 static lw_cx draw(lw_rng *rng) { return (lw_cx){ lw_rng_normal(rng), lw_rng_normal(rng) }; }
 
-/* A displacement of a point of the curve of v: d is drawn, d^ solved for. */
+/* A displacement to a point of the curve of v: draw d and solve for d^. */
 static bool draw_point(lw_rng *rng, const lw_cx *v, lw_cx *d, lw_cx *dh)
 {
     lw_cx f, by[8], by_d, by_dh;
@@ -111,12 +110,12 @@ static void begin(nine *s)
         s->at[1].d[j] = draw(&rng);
         s->at[1].dh[j] = draw(&rng);
     }
-    for (int e = 0; e < WAYS_MOST; e++)
+    for (int e = 0; e < PATHS_MAX; e++)
         for (int h = 0; h < 2; h++) {
             double turn = 2*LW_PI*lw_rng_uniform(&rng);
             s->by[e][h] = (lw_cx){ cos(turn), sin(turn) };
         }
-    s->ways = WAYS;
+    s->n_path = PATHS;
     number_of(s, 0, v);
 }
 
@@ -155,11 +154,11 @@ static void follow(void *context, size_t job, int thread)
     if (stopped(s))
         return;
     memcpy(k->v, from->v, sizeof k->v);
-    if (k->way < 0) {
+    if (k->path < 0) {
         k->ok = lw_nine_track(&s->at[0], &s->wanted, care[from->tries], k->v, &steps);
         return;
     }
-    const lw_cx *by = s->by[k->way];
+    const lw_cx *by = s->by[k->path];
     lw_nine q = s->at[1];
     for (int j = 0; j < 8; j++) {
         q.d[j] = cx_mul(q.d[j], by[0]);
@@ -172,12 +171,12 @@ static void follow(void *context, size_t job, int thread)
         k->v[i] = cx_mul(k->v[i], cx_inverse(by[i & 1]));
 }
 
-static void give(nine *s, int set, int i, int way)
+static void give(nine *s, int set, int i, int path)
 {
-    s->job[s->n_task++] = (task){ .set = set, .i = i, .way = way };
+    s->job[s->n_task++] = (task){ .set = set, .i = i, .path = path };
 }
 
-/* What to follow next: solutions at p to the points asked for, and everything on ways not used yet. */
+/* List what to follow next: solutions at p to the target's points, and all solutions on paths not used yet. */
 static void choose(nine *s)
 {
     s->n_task = 0;
@@ -187,17 +186,17 @@ static void choose(nine *s)
             give(s, 0, i, -1);
     for (int set = 0; set < 2 && s->n[0] < TRIPLES; set++)
         for (int i = 0; i < s->n[set]; i++)
-            for (int e = 0; e < s->ways && s->n_task < ROUND; e++)
+            for (int e = 0; e < s->n_path && s->n_task < ROUND; e++)
                 if (!(s->of[set][i].used >> e & 1))
                     give(s, set, i, e);
-    if (s->n_task == 0 && s->n[0] < TRIPLES && s->ways < WAYS_MOST) {
-        s->ways++;
+    if (s->n_task == 0 && s->n[0] < TRIPLES && s->n_path < PATHS_MAX) {
+        s->n_path++;
         choose(s);
     }
 }
 
-/* A solution came to the points asked for.  Two that come to one took a wrong turn somewhere: once more,
- * with care. */
+/* A solution arrived at the target's points.  If two arrive at the same one, a tracker jumped: follow both again with
+ * smaller steps. */
 static int arrive(nine *s, const task *k)
 {
     triple *from = &s->of[0][k->i];
@@ -216,7 +215,7 @@ static int arrive(nine *s, const task *k)
     return at == before ? at : -1;
 }
 
-/* ---- real ones --------------------------------------------------------------------------------------------- */
+/* ---- real solutions --------------------------------------------------------------------------------------------- */
 
 static bool is_real(const lw_cx *v)
 {
@@ -270,8 +269,8 @@ static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
     return lw_v2_scale(lw_v2_unturn(a, b), 1/lw_v2_dot(b, b));
 }
 
-/* The three linkages of a triple.  The cognates (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins a and
- * a + c (b - a) has a coupler that turns as the link at a, and moving pins a - x and a + c (y - a). */
+/* The three linkages of a triple.  The cognates (mbs/kinematics/cognate.c): with c = -x/(y - x), the one on the pins
+ * a and a + c (b - a) has a coupler that turns as the link at a, and moving pins a - x and a + c (y - a). */
 static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
 {
     double coupler[9], link[9];
@@ -294,13 +293,13 @@ static void offer_triple(const nine *s, lw_ranking *r, const lw_cx *v)
     }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------------------------ */
+/* ---- all rounds ------------------------------------------------------------------------------------------------ */
 
 static void take_in(nine *s, lw_ranking *r, lw_exact *out)
 {
     for (int k = 0; k < s->n_task; k++) {
         const task *t = &s->job[k];
-        if (t->way < 0) {
+        if (t->path < 0) {
             int at = arrive(s, t);
             if (at >= 0 && is_real(s->of[2][at].v)) {
                 out->n_real_triple++;
@@ -308,10 +307,10 @@ static void take_in(nine *s, lw_ranking *r, lw_exact *out)
             }
             continue;
         }
-        s->of[t->set][t->i].used |= 1u << t->way;
+        s->of[t->set][t->i].used |= 1u << t->path;
         int at = t->ok ? number_of(s, 1 - t->set, t->v) : -1;
         if (at >= 0)
-            s->of[1 - t->set][at].used |= 1u << t->way;
+            s->of[1 - t->set][at].used |= 1u << t->path;
     }
 }
 
@@ -326,13 +325,13 @@ static double share_done(const nine *s)
 lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking *r, lw_exact *out)
 {
     nine *s = calloc(1, sizeof *s);
-    triple *room = calloc(3*ROOM, sizeof *room);
-    lw_status st = s && room ? LW_OK : LW_E_MEMORY;
+    triple *memory = calloc(3*CAPACITY, sizeof *memory);
+    lw_status st = s && memory ? LW_OK : LW_E_MEMORY;
     if (st == LW_OK) {
         s->o = o;
         s->started = lw_clock_wall();
         for (int k = 0; k < 3; k++)
-            s->of[k] = room + k*ROOM;
+            s->of[k] = memory + k*CAPACITY;
         set_wanted(s, p);
         begin(s);
         for (int round = 0; st == LW_OK && (o->max_rounds < 1 || round < o->max_rounds); round++) {
@@ -351,7 +350,7 @@ lw_status lw_nine_solve(const lw_vec2 p[9], const lw_fit_options *o, lw_ranking 
         out->complete = s->n[2] == TRIPLES;
         out->fit.starts = s->n[0];
     }
-    free(room);
+    free(memory);
     free(s);
     return st;
 }

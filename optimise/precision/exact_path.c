@@ -1,8 +1,9 @@
 /* optimise/precision/exact_path.c - a four-bar through six to nine points of a path, from one near it.
  *
- * Unknown are the pins and the coupler's angles at the points; each guide keeps its length at each of them:
- * 2 (n - 1) equations for 8 + n - 1 unknowns, square for nine points.  With fewer Newton's method takes the shortest
- * step that meets them (Ben-Israel 1966), so that what is free stays where it was put. */
+ * The unknowns are the pins and the coupler's angles at the points; each guide keeps its length at each point.  These
+ * are 2 (n - 1) equations for 8 + n - 1 unknowns, a square system for nine points.  With fewer points Newton's method
+ * takes the shortest step that meets the equations (Ben-Israel 1966), so free dimensions stay near their first
+ * values. */
 #include "optimise/precision/exact_internal.h"
 
 #include <string.h>
@@ -11,7 +12,7 @@
 enum { EQUATIONS = 16, PASSES = 40 };
 #define LEAST_LINK 1e-5      /* of the coupler and the frame, sizes of the path                            */
 
-/* A guide's rows: how far its pins are from keeping their distance at the points, over that distance. */
+/* Rows of a guide: the error of the distance of its pins at the points, over that distance. */
 static void guide_rows(size_t n, const lw_vec2 *step, const lw_vec2 *pin, const double *turn, int first, int column,
                        double *f, double (*m)[EQUATIONS])
 {
@@ -76,7 +77,7 @@ bool lw_path_settle(size_t n, const lw_vec2 *step, lw_vec2 pin[4], double *angle
             angle[j + 1] -= part*z[8 + j];
         before = size;
     }
-    /* two guides that have become one let the coupler turn: no linkage */
+    /* two guides that became one let the coupler turn: no linkage */
     lw_vec2 coupler = lw_v2_sub(pin[0], pin[2]), frame = lw_v2_sub(pin[1], pin[3]);
     return before < 1e-9 && lw_v2_norm(coupler) > LEAST_LINK && lw_v2_norm(frame) > LEAST_LINK;
 }

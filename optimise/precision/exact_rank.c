@@ -1,5 +1,5 @@
-/* optimise/precision/exact_rank.c - linkages of two guides, what keeps them from running through the positions, and
- * their order: without defect, then wrong order, then a dead point between, then another circuit. */
+/* optimise/precision/exact_rank.c - linkages of two guides and their defects; the list, sorted: without defect,
+ * another order, a dead point between two positions, two circuits. */
 #include "optimise/precision/exact_internal.h"
 
 #include <stdio.h>
@@ -11,10 +11,10 @@
 #include "optimise/task/motion_limits.h"
 
 enum { KIND_MAX = 16, WAY = 24 };
-#define LONG_LINK 10.0         /* sizes of the target: from here on the length of links begins to count */
+#define LONG_LINK 10.0         /* sizes of the target: longer links reduce the quality */
 #define SAME_LINKAGE 1e-7
-#define OFF          1e-9      /* sizes of the target, or rad, that a linkage may be off its stations      */
-#define ALIKE        0.1       /* members of a family nearer than this are listed once                   */
+#define OFF          1e-9      /* allowed error at the stations, in sizes of the target or rad              */
+#define ALIKE        0.1       /* linkages of a family nearer than this are listed once                    */
 
 /* A type of linkage with its plan, made once. */
 typedef struct kind {
@@ -33,9 +33,9 @@ struct lw_ranking {
     const lw_target      *t;
     const lw_fit_options *o;
     double   size, alike;
-    int      n_kind, n, room, keep;
+    int      n_kind, n, capacity, keep;
     kind    *of[KIND_MAX];
-    entry   *item;                          /* (room) sorted                                 */
+    entry   *item;                          /* (capacity) sorted                                 */
     long     n_by[4], n_real;               /* clean, order, branch, circuit                 */
     double  *input, *mode;                  /* of the linkage at hand                    (n) */
 };
@@ -50,7 +50,7 @@ static const lw_family *family_of(const char *letters)
     return f->name ? f : NULL;
 }
 
-/* Is this type among those of o->types? */
+/* Is this type one of o->types? */
 static bool asked(const lw_fit_options *o, const char *letters)
 {
     const lw_type *type = lw_type_find(letters);
@@ -91,7 +91,7 @@ static void set_joint(lw_joint *j, lw_vec2 at, lw_vec2 along)
         j->along = along;
 }
 
-/* The joints of a guide in a pose of the tool: `ground` and the one at the coupler. */
+/* Place the joints of a guide in a pose of the tool: at the ground, and at the coupler. */
 static void place_guide(const lw_guide *g, lw_vec2 p, double angle, lw_joint *ground, lw_joint *moving)
 {
     lw_vec2 u = lw_v2_polar(1, angle), at = lw_v2_add(p, lw_v2_turn(g->point, u));
@@ -114,8 +114,8 @@ static void letters_of(const lw_guide *a, const lw_guide *b, char letters[5])
     snprintf(letters, 5, "%c%c%c%c", x[0], x[1], y[1], y[0]);
 }
 
-/* Postures of k at all stations, read by the plan: dimensions of the first, inputs and modes of all.
- * false when a posture says otherwise, which rounding at a singular one does. */
+/* Read the posture of k at a station: the dimensions at the first, input and mode at all.  false: the dimensions
+ * differ, which rounding at a singular posture causes. */
 static bool read_station(lw_ranking *r, kind *w, size_t i, lw_candidate *c)
 {
     double dim[LW_DIM_MAX], mode[LW_DYAD_MAX];
@@ -133,13 +133,13 @@ static bool read_station(lw_ranking *r, kind *w, size_t i, lw_candidate *c)
 /* Is s[0], s[1], ... in cyclic order with this period, rising (sense 1) or falling, within one period? */
 static bool cyclic(const double *s, size_t n, double period, int sense)
 {
-    double way = 0;
+    double travel = 0;
     for (size_t i = 1; i < n; i++) {
         double d = fmod(sense*(s[i] - s[i - 1]), period);
         d += d < 0 ? period : 0;
-        way += d;
+        travel += d;
     }
-    return way < period*(1 + 1e-12);
+    return travel < period*(1 + 1e-12);
 }
 
 static bool monotone(const double *s, size_t n, int sense)
@@ -150,7 +150,7 @@ static bool monotone(const double *s, size_t n, int sense)
     return true;
 }
 
-/* Inputs counted on from the first, without jumps of a turn. */
+/* Make the inputs continuous, without jumps of a turn. */
 static void count_on(lw_ranking *r, bool turns, const lw_range *arc, bool slider, int sense)
 {
     for (size_t i = 0; i < r->t->n && !slider; i++)
@@ -163,7 +163,7 @@ static void count_on(lw_ranking *r, bool turns, const lw_range *arc, bool slider
         }
 }
 
-/* Way along a circuit of two modes, 0 .. 2: up in the mode of the first station, down in the other. */
+/* Position along a circuit of two modes, 0 .. 2: rising in the mode of the first station, falling in the other. */
 static bool circuit_order(lw_ranking *r, const lw_range *arc, double *s, int *sense)
 {
     double whole = arc->last - arc->first;
@@ -175,8 +175,8 @@ static bool circuit_order(lw_ranking *r, const lw_range *arc, double *s, int *se
     return cyclic(s, r->t->n, 2, *sense);
 }
 
-/* The circuit in which a posture lies, as a number, and the range of its input.  A full turn is a circuit for each
- * mode; a range between limits is one circuit of both modes; -1: it cannot be there. */
+/* Number of the circuit that holds a posture, and the range of its input; -1: none does.  A full turn is one circuit
+ * for each mode; a range between limits is one circuit of both modes. */
 static int circuit_of(const kind *w, const double *dim, double mode, double input, lw_range *r)
 {
     double away = INFINITY;
@@ -226,7 +226,7 @@ static unsigned find_defects(lw_ranking *r, const kind *w, lw_candidate *c, doub
 
 /* ---- quality, conditions ----------------------------------------------------------------------------- */
 
-/* The least margin (squared sine of the transmission angle) on the way from station to station. */
+/* The least margin (squared sine of the transmission angle) from station to station. */
 static double least_margin(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     double least = INFINITY;
@@ -243,13 +243,13 @@ static double least_margin(const lw_ranking *r, const kind *w, const lw_candidat
     return least;
 }
 
-/* The farthest that anything of the linkage is from anything else, about. */
+/* Rough size of the linkage. */
 static double extent(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_plan *p = &w->plan;
     const double *l = c->dim;
     double most = 0;
-    if (!r->t->x)                              /* of a function, where sizes do not matter: a ratio */
+    if (!r->t->x)                              /* of a function, whose size is free: a ratio */
         return fmax(fmax(l[0], l[1]), fmax(l[2], l[3]))/fmin(fmin(l[0], l[1]), fmin(l[2], l[3]));
     for (int d = 0; d < p->n_dim; d++)
         if (p->dim[d].kind != LW_DIM_ANGLE && d != p->i_x0 && d != p->i_y0)
@@ -259,31 +259,31 @@ static double extent(const lw_ranking *r, const kind *w, const lw_candidate *c)
     return most;
 }
 
-/* Conditions on the motion: over the turn where the input turns, else from station to station. */
+/* Does the motion meet the conditions: over a turn if the input turns, else from station to station? */
 static bool moves_as_asked(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     enum { ROUND = 180 };
     const lw_fit_spec *s = &r->o->spec;
     lw_range range;
-    lw_motion_limits way = lw_motion_limits_begin();
+    lw_motion_limits limits = lw_motion_limits_begin();
     if (!(s->min_transmission > 0 || s->max_acceleration > 0 || s->n_zone > 0))
         return true;
     bool turns = !w->plan.input_is_slider && lw_motion_range(&w->plan, c->dim, r->mode[0], &range) == LW_OK
               && range.turns;
     for (size_t i = 0; i + 1 < r->t->n && !turns; i++) {
         double mode[LW_DYAD_MAX] = { r->mode[i] };
-        lw_motion_limits_run(&w->plan, s, c->dim, mode, r->input[i], r->input[i + 1], WAY, &way);
-        if (r->mode[i] != r->mode[i + 1]) {                  /* over a dead point                      */
-            way.margin_least = 0;
-            way.acceleration = INFINITY;
+        lw_motion_limits_run(&w->plan, s, c->dim, mode, r->input[i], r->input[i + 1], WAY, &limits);
+        if (r->mode[i] != r->mode[i + 1]) {                  /* across a dead point                    */
+            limits.margin_least = 0;
+            limits.acceleration = INFINITY;
         }
     }
     if (turns)
-        lw_motion_limits_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &way);
-    return lw_motion_limits_meets(&way, s, &w->k, r->size, NULL, 0);
+        lw_motion_limits_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &limits);
+    return lw_motion_limits_meets(&limits, s, &w->k, r->size, NULL, 0);
 }
 
-/* Does it meet the bounds that were asked for? */
+/* Does it meet the requested bounds? */
 static bool within_bounds(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_fit_spec *s = &r->o->spec;
@@ -313,7 +313,7 @@ static bool within_bounds(const lw_ranking *r, const kind *w, const lw_candidate
     return !(s->length_ratio > 0 && most > s->length_ratio*least);
 }
 
-/* With --crank-only and the like: does the input turn, and is it the shortest link? */
+/* Does it meet crank_only and exclude_drag_link: the input turns fully, and is the shortest link? */
 static bool turns_as_asked(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_fit_spec *s = &r->o->spec;
@@ -346,7 +346,7 @@ static bool same(const lw_ranking *r, const entry *a, const entry *b)
     return true;
 }
 
-/* One of the three four-bars of one curve is enough for a path. */
+/* Are two four-bars cognates?  For a path one of the three is enough. */
 static bool same_curve(const lw_ranking *r, const entry *a, const entry *b)
 {
     double other[2][9], mode[2];
@@ -374,7 +374,7 @@ static void entry_free(entry *e)
     free(e->c.mode_of);
 }
 
-/* Put it in its place; the worst goes when the list is full. */
+/* Insert it in order; a full list drops its worst. */
 static void insert(lw_ranking *r, entry *now)
 {
     int at = r->n;
@@ -391,11 +391,11 @@ static void insert(lw_ranking *r, entry *now)
         }
     while (at > 0 && better(now, &r->item[at - 1]))
         at--;
-    if (at >= r->room) {
+    if (at >= r->capacity) {
         entry_free(now);
         return;
     }
-    if (r->n == r->room)
+    if (r->n == r->capacity)
         entry_free(&r->item[--r->n]);
     memmove(&r->item[at + 1], &r->item[at], (size_t)(r->n - at)*sizeof *r->item);
     r->item[at] = *now;
@@ -407,7 +407,7 @@ static int worst_defect(unsigned defect)
     return defect & LW_DEFECT_CIRCUIT ? 3 : defect & LW_DEFECT_BRANCH ? 2 : defect & LW_DEFECT_ORDER ? 1 : 0;
 }
 
-/* Judge the linkage whose inputs and modes are in r; false: outside what was asked for. */
+/* Find defects and quality of the linkage whose inputs and modes are in r; false: it does not meet the request. */
 static bool judge(lw_ranking *r, const kind *w, entry *now)
 {
     double s[9];
@@ -421,10 +421,10 @@ static bool judge(lw_ranking *r, const kind *w, entry *now)
     return within_bounds(r, w, &now->c) && turns_as_asked(r, w, &now->c) && moves_as_asked(r, w, &now->c);
 }
 
-/* Is there any use for it in the list? */
+/* Would it be listed? */
 static bool wanted(const lw_ranking *r, const entry *now)
 {
-    return r->n < r->room || better(now, &r->item[r->n - 1]);
+    return r->n < r->capacity || better(now, &r->item[r->n - 1]);
 }
 
 static bool own_arrays(lw_ranking *r, entry *now)
@@ -443,7 +443,7 @@ static bool own_arrays(lw_ranking *r, entry *now)
     return true;
 }
 
-/* Eq. 17 where the plan puts the linkage at the stations. */
+/* Eq. 17 at the poses that the plan computes for the stations. */
 static double objective(const lw_ranking *r, const kind *w, const lw_candidate *c)
 {
     const lw_target *t = r->t;
@@ -466,7 +466,7 @@ static double objective(const lw_ranking *r, const kind *w, const lw_candidate *
     return f;
 }
 
-/* Does the plan put it where it belongs?  At a singular posture rounding decides on the mode. */
+/* Does the plan compute poses at the stations?  At a singular posture rounding decides the mode. */
 static bool reaches(lw_ranking *r, const kind *w, entry *now)
 {
     const lw_fit_spec *s = &r->o->spec;
@@ -480,7 +480,19 @@ static bool reaches(lw_ranking *r, const kind *w, entry *now)
     return false;
 }
 
-/* The linkage with `a` at the input; fills *now, with arrays of its own. */
+/* Finish a linkage whose stations were read; its tool has this angle at the first station, and is on this link. */
+static bool complete(lw_ranking *r, const kind *w, int link, double angle, entry *now)
+{
+    double mode[LW_DYAD_MAX] = { r->mode[0] };
+    lw_pose pose;
+    if (!judge(r, w, now))
+        return false;
+    if (r->o->spec.task != LW_TASK_PATH && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
+        now->c.tool0 = remainder(angle - pose.angle[link][0], 2*LW_PI);
+    return own_arrays(r, now) && reaches(r, w, now);
+}
+
+/* Make the linkage with guide `a` at the input; *now gets arrays of its own. */
 static bool build(lw_ranking *r, const lw_guide *a, const lw_guide *b, const double *angle, entry *now)
 {
     char letters[5];
@@ -496,13 +508,7 @@ static bool build(lw_ranking *r, const lw_guide *a, const lw_guide *b, const dou
         if (!read_station(r, w, i, &now->c))
             return false;
     }
-    if (!judge(r, w, now))
-        return false;
-    double mode[LW_DYAD_MAX] = { r->mode[0] };
-    lw_pose pose;
-    if (r->o->spec.task == LW_TASK_MOTION && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
-        now->c.tool0 = remainder(angle[0] - pose.angle[2][0], 2*LW_PI);
-    return own_arrays(r, now) && reaches(r, w, now);
+    return complete(r, w, 2, angle[0], now);
 }
 
 static void count(lw_ranking *r, entry *now)
@@ -527,7 +533,7 @@ void lw_ranking_offer(lw_ranking *r, const lw_guide *a, const lw_guide *b, const
         count(r, first ? &one : &two);
 }
 
-/* Postures of a function generator: frame along x, of length one. */
+/* Make a function generator: frame along x with length one. */
 static bool build_function(lw_ranking *r, const lw_function_bar *bar, entry *now)
 {
     kind *w = kind_of(r, "RRRR");
@@ -544,13 +550,7 @@ static bool build_function(lw_ranking *r, const lw_function_bar *bar, entry *now
         if (!read_station(r, w, i, &now->c))
             return false;
     }
-    if (!judge(r, w, now))
-        return false;
-    double mode[LW_DYAD_MAX] = { r->mode[0] };
-    lw_pose pose;
-    if (lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
-        now->c.tool0 = remainder(r->t->theta[0] - pose.angle[3][0], 2*LW_PI);
-    return own_arrays(r, now) && reaches(r, w, now);
+    return complete(r, w, 3, r->t->theta[0], now);
 }
 
 void lw_ranking_offer_function(lw_ranking *r, const lw_function_bar *bar)
@@ -572,8 +572,8 @@ lw_status lw_ranking_open(const lw_target *t, const lw_fit_options *o, bool fami
     r->o = o;
     r->size = t->x && t->size > 0 ? t->size : 1;
     r->alike = family ? ALIKE : SAME_LINKAGE;
-    r->room = o->n_result > 0 ? o->n_result : 1;
-    r->item = calloc((size_t)r->room + 1, sizeof *r->item);
+    r->capacity = o->n_result > 0 ? o->n_result : 1;
+    r->item = calloc((size_t)r->capacity + 1, sizeof *r->item);
     r->input = malloc(2*t->n*sizeof *r->input);
     r->mode = r->input + t->n;
     if (r->item && r->input)
@@ -638,6 +638,6 @@ lw_status lw_ranking_finish(lw_ranking *r, lw_exact *out)
         out->quality[i] = r->item[i].quality;
     }
     out->fit.n = r->n;
-    r->n = 0;                                    /* the arrays of the candidates went with them */
+    r->n = 0;                                    /* the candidates own their arrays now         */
     return n > 0 ? LW_OK : LW_NOTHING;
 }

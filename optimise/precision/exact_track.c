@@ -1,5 +1,5 @@
-/* optimise/precision/exact_track.c - nine points of a path: the equations of Wampler, Morgan & Sommese (1992) and a tracker
- * that follows one solution while the points move, in complex numbers.
+/* optimise/precision/exact_track.c - nine points of a path: the equations of Wampler, Morgan & Sommese (1992) and a
+ * tracker that follows one solution while the points move, in complex numbers.
  *
  * With the first point as origin, d_j the others, a fixed pin a and its moving pin x from the tracer, and e_j the
  * turn of the coupler, |d_j + x e_j - a| = |x - a| reads, for g = e_j - 1 and a hat for the conjugate,
@@ -8,7 +8,7 @@
  *
  * for both pairs of pins.  Cramer's rule in  g + g^ + g g^ = 0  leaves, per point, one equation in the eight numbers
  * x x^ a a^ y y^ b b^:   N N^ + E (N + N^) = 0  with  E = A1 B2 - A2 B1,  N = B1 D2 - B2 D1,  N^ = A2 D1 - A1 D2.
- * Over the complex numbers hats are variables of their own. */
+ * Over the complex numbers the hats are independent variables. */
 #include "optimise/precision/exact_track_internal.h"
 
 #include <math.h>
@@ -117,7 +117,7 @@ static bool solve(system8 *s, lw_cx z[8], lw_cx w[8])
     return true;
 }
 
-/* ---- the way ----------------------------------------------------------------------------------------------- */
+/* ---- tracking ---------------------------------------------------------------------------------------------- */
 
 #define AIM      1e-3          /* what the predictor may be off, of the numbers' own size         */
 #define NEAR     1e-7          /* corrections end below this ...                                   */
@@ -135,7 +135,8 @@ static double relative(const lw_cx *step, const lw_cx *v)
     return most;
 }
 
-/* Newton's method at t from v; tangent along.  The first correction, INFINITY when it does not settle. */
+/* Newton's method at t from v, with the tangent there.  Returns the first correction, or INFINITY if it does not
+ * converge. */
 static double correct(const lw_nine *from, const lw_nine *to, double t, int most, double near, lw_cx *v, lw_cx *tangent)
 {
     double first = 0, before = INFINITY;
@@ -163,7 +164,7 @@ static double correct(const lw_nine *from, const lw_nine *to, double t, int most
     return first;
 }
 
-/* Newton's method as far as it goes: solutions that are nearly singular keep some rounding. */
+/* Newton's method until it stops improving: nearly singular solutions keep some rounding. */
 static bool settle(const lw_nine *from, const lw_nine *to, lw_cx *v)
 {
     double before = INFINITY;
@@ -183,7 +184,7 @@ static bool settle(const lw_nine *from, const lw_nine *to, lw_cx *v)
     return before < SETTLED;
 }
 
-/* Cubic through two places with their tangents, carried on by h (Hermite). */
+/* Extrapolate by h the cubic through two points with their tangents (Hermite). */
 static void predict(const lw_cx *v0, const lw_cx *d0, const lw_cx *v1, const lw_cx *d1, double before, double h,
                     lw_cx *v)
 {

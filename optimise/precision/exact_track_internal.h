@@ -1,11 +1,11 @@
-/* optimise/precision/exact_track_internal.h - the nine-point equations and the tracker, for exact_ninepoint.c and tests. */
+/* optimise/precision/exact_track_internal.h - the nine-point equations and the tracker, for exact_nine.c and tests. */
 #ifndef LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 #define LW_OPTIMISE_PRECISION_EXACT_TRACK_INTERNAL_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* Complex numbers whose product is four multiplications: C's own has to care for infinities. */
+/* Complex numbers whose product is four multiplications; C's own product also handles infinities. */
 typedef struct lw_cx { double re, im; } lw_cx;
 
 static inline lw_cx cx_add(lw_cx a, lw_cx b)      { return (lw_cx){ a.re + b.re, a.im + b.im }; }
@@ -24,14 +24,14 @@ static inline lw_cx cx_inverse(lw_cx a)
     return (lw_cx){ a.re*d, -a.im*d };
 }
 
-/* Eight displacements from the first of nine points, and their conjugates, which are free of them here. */
+/* Eight displacements from the first of nine points, and their conjugates, which are independent variables here. */
 typedef struct lw_nine { lw_cx d[8], dh[8]; } lw_nine;
 
 /* The equation of one point at v = (x x^ a a^ y y^ b b^), its derivatives by v, d and d^. */
 void lw_nine_equation(const lw_cx *v, lw_cx d, lw_cx dh, lw_cx *f, lw_cx by[8], lw_cx *by_d, lw_cx *by_dh);
 
-/* Follow v from the points of `from` to those of `to` on the straight line.  care: 1, less for smaller steps.  false:
- * it went to infinity or came to a singular solution. *steps counts on. */
+/* Follow the solution v while the points move on straight lines from `from` to `to`.  care: 1, or less for smaller
+ * steps. false: v goes to infinity or to a singular solution.  The steps are added to *steps. */
 bool lw_nine_track(const lw_nine *from, const lw_nine *to, double care, lw_cx v[8], long *steps);
 
 #endif
