@@ -52,7 +52,7 @@ static inline void give_masses(lw_rng *r, const lw_linkage *k, int joint, lw_mod
                                               .restitution = 1, .friction_speed = 1e-3 };
 }
 
-/* A pin of the linkage by chance; -1: it has none */
+/* A random pin of the linkage; -1: it has none */
 static inline int random_pin(lw_rng *r, const lw_linkage *k)
 {
     int start = (int)(lw_rng_bits(r)%(uint64_t)k->n_joint);

@@ -49,7 +49,7 @@ static inline void drun_read_text(drun *d, const char *text)
     d->o = lw_dynamics_options_default();
 }
 
-/* A format whose quotes are single ones. */
+/* A format with single quotes instead of double ones. */
 static inline void drun_read_format(drun *d, const char *format, double a, double b)
 {
     char text[6000];
@@ -70,7 +70,7 @@ static inline void drun_read(drun *d, const char *file)
     free(text);
 }
 
-/* Make and run with d->o; the model stays. */
+/* Make and run with d->o; the model is kept. */
 static inline lw_status drun_go(drun *d)
 {
     lw_dynamics *m;
@@ -95,7 +95,7 @@ static inline lw_status drun_to(drun *d, lw_formulation f, double tolerance, dou
     return drun_go(d);
 }
 
-/* y at `to`, of equations in as few coordinates as a textbook takes: for comparison, to 1e-14 a step. */
+/* y at `to` by equations in as few coordinates as a textbook takes, for comparison: 1e-14 a step. */
 static inline void drun_exact(const lw_ode *ode, double from, double *y, double to)
 {
     lw_ode_options o = lw_ode_options_default();

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "catalogues/draw/scene.h"
 
-/* Fontconfig keeps its settings until the process ends; leak checkers are told. */
+/* Fontconfig keeps its settings until the process ends; leak checkers are told to ignore them. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) { return "leak:libfontconfig"; }
 

@@ -52,7 +52,7 @@ static void threshold_of_paper_c(void)
     }
 }
 
-/* Further limits of what the models say here (docs/clearance.md): kept below, lost above */
+/* Further limits that the models have here (docs/clearance.md): kept below, lost above */
 static void limits_of_the_models(void)
 {
     static const struct { lw_clearance_model model; double stiffness, below, above; } row[] = {
@@ -172,8 +172,8 @@ static void damping_takes_energy(void)
     lw_model_free(&m);
 }
 
-/* Whatever tolerance is asked for, a run ends, and the pin stays near its bush: errors coarser than the play would
- * throw it out, and grazes leave contact unnoticed for some steps. */
+/* Whatever the tolerance, a run ends and the pin stays near its bush: errors greater than the gap would throw it
+ * out, and grazing leaves contact unnoticed for some steps. */
 static void every_tolerance(void)
 {
     static const double speed[] = { 94, 250, -333 };
@@ -267,7 +267,7 @@ static void reaction_without_clearance(void)
     lw_model_free(&m);
 }
 
-/* A crank that is driven: the input follows its motion, the rest as before */
+/* The input of a driven crank follows its motion, the other links as before */
 static void driven_crank(void)
 {
     lw_model m;
@@ -300,7 +300,7 @@ static void driven_crank(void)
     lw_model_free(&m);
 }
 
-/* Restitution: a disc dropped on its bush comes back with about s v (the laws aim at it; Lankarani & Nikravesh's
+/* Restitution: a disc dropped on its bush returns with about s v (the laws aim at it; that of Lankarani & Nikravesh
  * only for s near 1) */
 static void restitution(void)
 {
@@ -315,7 +315,7 @@ static void restitution(void)
         o.settle = 0.0, o.time = fall*2, o.every = 0.0005;
         lw_clearance_result before = run(&m, &o, LW_OK);
         double e0 = before.energy_first, e1 = before.energy_last, drop = 2*9.81*0.01;
-        double back = sqrt((e1 - e0 + drop)/drop);       /* speed after over speed before */
+        double back = sqrt((e1 - e0 + drop)/drop);       /* speed after, over speed before */
         CHECK_NEAR(back, 0.9, 0.02, 0);
         lw_model_free(&m);
     }
@@ -354,7 +354,7 @@ static void bad_input(void)
     m.body[2].given = true;
     m.clearance[2].model = LW_CLEARANCE_LINK;
     m.friction[2].coefficient = 0.1;
-    refused(&m, LW_E_KIND, "a massless link touches nothing");
+    refused(&m, LW_E_KIND, "a massless link has no surface");
     m.clearance[2] = good, m.friction[2].coefficient = 0;
     lw_clearance_options o = lw_clearance_options_default();
     o.max_step = 100;

@@ -48,7 +48,7 @@ static lw_status keep_twin(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* The same model by mbs/dynamics/dynamics.h, its joints without clearance; how often stops were struck */
+/* The same model by mbs/dynamics/dynamics.h, without clearance; number of impacts on stops */
 static long same_motion(const lw_model *m, double time, int samples, double tight)
 {
     twin t = { 0 };
@@ -132,7 +132,7 @@ static void friction_of_a_slider(void)
     lw_model_free(&m);
 }
 
-/* Stops that bounce, and one on which it comes to rest and leaves it again */
+/* Stops that it bounces on, and one on which it comes to rest and which it leaves again */
 static void stops_without_gap(void)
 {
     lw_model m;
@@ -186,7 +186,8 @@ static void set_law(lw_model *m, lw_clearance_model law, double gap, double stif
         }
 }
 
-/* Two loops, two journals: every law ends; with small gaps and stiff contacts all move the crank alike, as without */
+/* Two loops, two journals: a run of every law ends; with small gaps and stiff contacts the crank moves as without
+ * gaps */
 static void laws_agree(void)
 {
     lw_model m;
@@ -284,7 +285,7 @@ static void passes(void)
     lw_model_free(&m);
 }
 
-/* Random linkages with journals, rough joints and stops, whatever closes their loops: energy does not grow */
+/* Random linkages with journals, friction and stops, whatever closes their loops: energy does not grow */
 static void random_scenes(void)
 {
     lw_rng rng;

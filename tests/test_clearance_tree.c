@@ -64,7 +64,7 @@ static void bodies(scene *s, const double *u, const double *du, double *q, doubl
     lw_tree_write(&s->c->tree, &s->w.state, du, q, v);
 }
 
-/* v and bias are the first and second differences of q along u + du h; read gives back what was written */
+/* v and bias are the first and second differences of q along u + du h; reading gives back the values written */
 static void rates_by_differences(void)
 {
     lw_rng rng;
@@ -119,7 +119,7 @@ static void joints_hold(void)
     }
 }
 
-/* Forces on all bodies: weight, contact with friction, written with points of the plane [m, N] */
+/* Forces on all bodies: weight, contact with friction, from points of the plane [m, N] */
 static void push_bodies(scene *s, const double *q, const double *v, double *force)
 {
     const lw_system *y = &s->c->s;
@@ -143,7 +143,7 @@ static void push_bodies(scene *s, const double *q, const double *v, double *forc
     double drag = c->friction*fabs(press)*tanh(slip/c->friction_speed);
     lw_vec2 f = lw_v2_sub(lw_v2_scale(n, -press), lw_v2_scale(along, drag));
     /* the force acts where the surfaces meet, 0.2 m out from the pin's centre, on both links */
-    lw_vec2 touch = lw_v2_add(at[1], lw_v2_scale(n, 0.2));
+    lw_vec2 contact = lw_v2_add(at[1], lw_v2_scale(n, 0.2));
     for (int end = 0; end < 2; end++) {
         int b = y->joint[s->pin].body[end];
         if (b < 0)
@@ -151,7 +151,7 @@ static void push_bodies(scene *s, const double *q, const double *v, double *forc
         lw_vec2 on = end ? f : lw_v2_scale(f, -1), centre = lw_v2_scale(lw_v2(q[3*b], q[3*b + 1]), unit);
         force[3*b] += on.x*unit;
         force[3*b + 1] += on.y*unit;
-        force[3*b + 2] += lw_v2_cross(lw_v2_sub(touch, centre), on);
+        force[3*b + 2] += lw_v2_cross(lw_v2_sub(contact, centre), on);
     }
 }
 

@@ -44,7 +44,8 @@ static void pieces_meet(void)
         }
         CHECK_INT(lw_contact_phase_at(&c, 1e-9), first);
         CHECK_INT(lw_contact_phase_at(&c, 2e-6), LW_CONTACT_FULL);
-        CHECK_NEAR(lw_contact_force(&c, first, c.depth, 0.1, 0.3), lw_contact_force(&c, LW_CONTACT_FULL, c.depth, 0.1, 0.3),
+        CHECK_NEAR(lw_contact_force(&c, first, c.depth, 0.1, 0.3),
+                   lw_contact_force(&c, LW_CONTACT_FULL, c.depth, 0.1, 0.3),
                    0, 1e-14);
         CHECK(isfinite(lw_contact_force(&c, LW_CONTACT_FULL, -1e-7, 0.1, 0.3)));
     }

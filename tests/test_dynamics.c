@@ -21,8 +21,8 @@ static void simple_pendulum(void)
     lw_model_free(&d.model);
 }
 
-/* Andrews' squeezer at 0.03 s, quad precision: angles of crank, of link K3 (gamma), K5 (delta), K7 (epsilon), with rates;
- * multipliers by their virtual power are in test_reactions. */
+/* Andrews' squeezer at 0.03 s, in quad precision: angles of the crank, of link K3 (gamma), K5 (delta), K7 (epsilon),
+ * with rates. */
 static void andrews(void)
 {
     static const double allowed[] = { 1e-10, 1e-10, 2e-5, 2e-4 };
@@ -52,7 +52,7 @@ static void andrews(void)
     lw_model_free(&d.model);
 }
 
-/* N-four-bar, N = 2 (A02): through five singular positions, by position and branch, for every tolerance. */
+/* N-four-bar, N = 2 (A02): through five singular postures, by place and motion curve, for every tolerance. */
 static void two_four_bars(void)
 {
     drun_read(&d, "examples/two-four-bars.json");
@@ -71,8 +71,8 @@ static void two_four_bars(void)
     lw_model_free(&d.model);
 }
 
-/* Newton's equations at every sample: M a + J^T l = Q, summed joint by joint from rows that know nothing of the order in
- * which the solver eliminates; greatest residual over the greatest term. */
+/* Newton's equations at every sample: M a + J^T l = Q, summed joint by joint from rows that are independent of the
+ * order of elimination in the solver; greatest residual over the greatest term. */
 typedef struct balance { const lw_dynamics *d; double off; int n; } balance;
 
 static lw_status look_at_balance(void *context, const lw_moment *m)
@@ -104,7 +104,8 @@ static lw_status look_at_balance(void *context, const lw_moment *m)
 
 static void forces_balance(void)
 {
-    static const char *const models[] = { "examples/andrews.json", "examples/pendulum.json", "examples/two-four-bars.json" };
+    static const char *const models[] = { "examples/andrews.json", "examples/pendulum.json",
+                                          "examples/two-four-bars.json" };
     for (size_t i = 0; i < sizeof models/sizeof *models; i++) {
         lw_dynamics *made = NULL;
         drun_read(&d, models[i]);
@@ -134,7 +135,8 @@ static void weight_and_damper(void *context, double t, const lw_link_motion *lin
     }
 }
 
-/* It does what the same force in the model does, in every formulation that takes it, and at rest. */
+/* A force of the caller acts like the same force in the model, in every formulation that takes it, and in
+ * equilibrium. */
 static void callers_force(void)
 {
     static drun same;

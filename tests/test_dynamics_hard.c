@@ -31,7 +31,8 @@ static double bounced(double e, double g, double t)
     return 0;
 }
 
-/* Dropped from 1: falls for sqrt(2/g), each flight is e times as long, all end after (1 + e)/(1 - e) falls. */
+/* Dropped from 1: it falls for sqrt(2/g); each flight is e times as long as the one before; all end after (1 + e)/(1
+ * - e) falls. */
 static void bouncing(void)
 {
     static const double restitution[] = { 0, 0.3, 0.5, 0.9, 1 };
@@ -64,7 +65,7 @@ static void bouncing(void)
         }
 }
 
-/* Resting on its stop a mass of 1 is lifted by 5 t: leaves when that is its weight, then 5 s^3/6. */
+/* A mass of 1 resting on its stop is lifted by 5 t: it leaves when that is its weight, then rises by 5 s^3/6. */
 static void leaves_a_stop(void)
 {
     const double g = 9.81, off = g/5;
@@ -84,7 +85,7 @@ static void leaves_a_stop(void)
     lw_model_free(&d.model);
 }
 
-/* A pendulum let go level strikes a stop straight below: its speed is sqrt(2 g r), its next height e^2 of the
+/* A pendulum released level strikes a stop straight below: its speed is sqrt(2 g r), its next height e^2 of the
  * first; a compliant stop of high stiffness gives the energy back. */
 static void pendulum_and_stop(void)
 {
@@ -121,8 +122,8 @@ static const char incline[] = "{'linkwright': 1, 'links': ['ground', {'name': 'b
     "'friction': {'coefficient': 0.25}}], 'input': {'joint': 'S', 'speed': %.17g}, 'gravity': [%.17g, -8],"
     "'tracers': [{'name': 'P', 'link': 'block', 'at': [0, 0]}]}";
 
-/* Down a slope: 5 - 0.25*8 = 3.  On the level: stops after (v^2/2 + pi^2 s^2/12)/(mu g), s the speed of regularisation.
- * Up a slope too flat to slide: creeps back at s artanh(load/friction). */
+/* Down a slope: 5 - 0.25*8 = 3.  On the level it stops after (v^2/2 + pi^2 s^2/12)/(mu g), with s the speed of
+ * regularisation.  On a slope too flat to slide it creeps at s artanh(load/friction). */
 static void sliding(void)
 {
     static const double slack[] = { 0, 1e-9, 1e-6, 1e-5 };
@@ -157,8 +158,8 @@ static void wheel_on_pin(void)
     lw_model_free(&d.model);
 }
 
-/* A block pushed by a rod at 45 degrees: presses as much as it is pushed.  With the coefficient above 1 the rod's
- * push cannot overcome the friction it causes: refused with the joint's name, below it runs. */
+/* A block pushed by a rod at 45 degrees presses as much as it is pushed.  With a coefficient above 1 the rod cannot
+ * overcome the friction it causes: refused with the name of the joint; below 1 it runs. */
 static void painleve(void)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'crank', 'mass': 1,"
@@ -216,7 +217,7 @@ static void names_of_redundant(drun *r, char *text, size_t size)
     lw_dynamics_free(m);
 }
 
-/* A third crank: a row too many.  A massless one changes nothing; with mass, the equation of the angle is
+/* A third crank makes one row redundant.  A massless one changes nothing; with mass, the equation of the angle is
  * (3/4 + 2) phi'' = -(3/2 + 2) g cos phi, that of a pendulum of length 5.5/7. */
 static void parallelogram(void)
 {
@@ -229,7 +230,7 @@ static void parallelogram(void)
     drun_read_format(&d, parallel_three, 0, 0);
     names_of_redundant(&d, names, sizeof names);
     CHECK_TEXT(names, " A0 B0 A1 B1 A2 B2");
-    /* at 0.5 s it lies flat, a singular posture that implicit methods pass by luck only */
+    /* at 0.5 s it lies flat, a singular posture that implicit methods do not always pass */
     for (int f = 1; f < 4; f++) {
         CHECK_INT(drun_to(&d, f == 1 ? LW_FORMULATION_AUTO : all[f], f == 1 ? 1e-12 : 1e-9, f == 1 ? 1 : 0.4,
                           f == 1 ? 100 : 40), LW_OK);
@@ -250,7 +251,7 @@ static void parallelogram(void)
     CHECK_INT(drun_to(&other, LW_FORMULATION_REDUCED, 1e-12, 0.7, 100), LW_OK);
     for (int i = 0; i <= 100; i++)
         CHECK_NEAR(d.tracer[i].y, other.tracer[i].y, 1e-9, 0);
-    /* of least norm: across the cranks' stress 1, -2, 1, that which balances itself */
+    /* reactions of least norm: orthogonal to the self-stress 1, -2, 1 of the cranks */
     lw_vec2 u = d.tracer[100];
     double stress = 0, size = 0;
     static const double part[] = { 1, -2, 1 };

@@ -25,8 +25,8 @@ static double pendulum_angle(double pace, double angle, double rate, double to)
 
 /* ---- masses -------------------------------------------------------------------------------------- */
 
-/* 1 kg half way to 1e8 kg: the string is taut, the light one has hardly room to vibrate (at 7e4 rad/s), and the heavy
- * one is a pendulum of 2 m, as far as 1e-8 of it goes. */
+/* 1 kg half way to 1e8 kg: the string is taut, the light mass hardly vibrates (at 7e4 rad/s), and the heavy one is a
+ * pendulum of 2 m to within 1e-8. */
 static void heavy_last(void)
 {
     double angle = pendulum_angle(9.81/2, 0, 0, 0.5);
@@ -41,7 +41,7 @@ static void heavy_last(void)
     lw_model_free(&d.model);
 }
 
-/* A planet's mass on a rod of a thousand miles: only the units are unusual. */
+/* The mass of a planet on a rod of a thousand miles: only the units are unusual. */
 static void large_units(void)
 {
     double angle = pendulum_angle(9.81/1.6e6, 0, 0, 2000);
@@ -64,8 +64,8 @@ static const char between[] = "{'linkwright': 1, 'links': ['ground', {'name': 'm
     "{'links': ['mid', 'cart'], 'at': [[1.2, 0], [2, 0]], 'stiffness': 600, 'free': 0.7}],"
     "'tracers': [{'name': 'P', 'link': 'cart', 'at': [2, 0]}]}";
 
-/* Nothing says where a link without mass is that hangs between springs: refused by name.  With a milligram, which would
- * vibrate at 3e4 rad/s, the springs are in series, 200 N/m: 1.7 + 0.3 cos 10 t. */
+/* The place of a massless link that hangs between springs is undetermined: refused by name.  With a milligram, which
+ * would vibrate at 3e4 rad/s, the springs are in series, 200 N/m: 1.7 + 0.3 cos 10 t. */
 static void massless_between_springs(void)
 {
     drun_read_format(&d, between, 0, 0);
@@ -81,8 +81,8 @@ static void massless_between_springs(void)
     lw_model_free(&d.model);
 }
 
-/* A four-bar all without mass: refused; with a wheel welded to its crank it goes with the wheel, which moves as the
- * pendulum that it is: pace m g s/(I + m s^2). */
+/* A four-bar without any mass: refused.  With a wheel welded to its crank it moves as that pendulum: g/length is m g
+ * s/(I + m s^2). */
 static void massless_loop(void)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'wheel', 'mass': %g, 'centre': [-1, 0],"
@@ -108,8 +108,8 @@ static void massless_loop(void)
 
 /* ---- long runs -------------------------------------------------------------------------------------- */
 
-/* A slider on a spring, 1 Hz, and a pendulum let go level, period 4 K(1/sqrt 2) sqrt(l/g): a million periods and a
- * quarter later they are in the middle, and off it by the error of the phase. */
+/* A slider on a spring, 1 Hz, and a pendulum released level, period 4 K(1/sqrt 2) sqrt(l/g): a million periods and a
+ * quarter later they pass the middle, but for the error of the phase. */
 static void a_million_periods(void)
 {
     const double quarter = 1.8540746773013719184*sqrt(1/9.81);            /* K(1/sqrt 2)                   */
@@ -132,7 +132,8 @@ static void a_million_periods(void)
     lw_model_free(&d.model);
 }
 
-/* A four-bar that rocks under its weight, between moments too: as in bodies' coordinates, which know no period. */
+/* A four-bar that rocks under its weight, also between samples: the same as in the coordinates of all bodies, which
+ * use no period. */
 static void periods_of_a_four_bar(void)
 {
     static lw_vec2 want[1100];
@@ -164,8 +165,8 @@ static void periods_of_a_four_bar(void)
 
 /* ---- dead points ----------------------------------------------------------------------------------- */
 
-/* A ladder between floor and wall, driven by nothing: its middle runs on a circle, pace 3 g/(2 L).  The coordinate,
- * that of its foot, turns back when it lies level, and the error falls with the tolerance all the same. */
+/* A free ladder between floor and wall: its middle moves on a circle, g/length = 3 g/(2 L).  The coordinate, that of
+ * its foot, turns back when the ladder lies level, and the error falls with the tolerance all the same. */
 static void dead_point(void)
 {
     double before = 1, angle = pendulum_angle(3*9.81/4, 1.2, 0, 3);
@@ -182,8 +183,8 @@ static void dead_point(void)
     lw_model_free(&d.model);
 }
 
-/* Crank and rod of one length: the slider goes through the crank's pin, where the rod could as well turn with the
- * crank.  Free of gravity the crank keeps I(q) w^2, I = a + b sin^2 q. */
+/* Crank and rod of one length: the slider passes the crank's pin, where the rod could also turn with the crank.
+ * Without gravity the crank keeps I(q) w^2, I = a + b sin^2 q. */
 typedef struct share { double a, b, energy; } share;
 
 static lw_status share_rate(void *context, double t, const double *y, double *dy)
@@ -223,8 +224,8 @@ static void equal_crank_and_rod(void)
     lw_model_free(&d.model);
 }
 
-/* Peaucellier's inversor comes with speed to where its arms lie on its rhombus, and cannot go on: told in all
- * formulations, after no more than some thousand steps. */
+/* Peaucellier's inversor comes with speed to where its arms lie on its rhombus and cannot go on: all formulations
+ * say so, after no more than some thousand steps. */
 static void end_of_the_way(void)
 {
     drun_read(&d, "examples/dynamics/inversor.json");
@@ -233,7 +234,7 @@ static void end_of_the_way(void)
         CHECK(f == 3 || strstr(d.e.text, "singular") != NULL);
         CHECK_NEAR(d.report.t, 0.8903, f == 3 ? 0.05 : 1e-4, 0);
         CHECK(d.report.steps < 30000);
-        CHECK_INT(d.n_moment, 9);                             /* those up to there are kept                 */
+        CHECK_INT(d.n_moment, 9);                             /* samples up to there are kept */
     }
     lw_model_free(&d.model);
 }

@@ -34,7 +34,8 @@ static double elliptic(double complement)
 
 static double period(double angle) { return 4/sqrt(9.81)*elliptic(cos(angle/2)); }
 
-/* After whole periods of the elliptic integral a pendulum let go is where it was, at a half on the other side. */
+/* After whole periods of the elliptic integral a pendulum is where it was released; after half a period, on the
+ * other side. */
 static void swings(void)
 {
     static const double angle[] = { 1e-3, 0.3, 1.5, 3, 3.14 };
@@ -67,7 +68,7 @@ static void turns_over(void)
     }
 }
 
-/* Many periods: the phase is lost by rounding alone. */
+/* Many periods: only rounding changes the phase. */
 static void ten_thousand_periods(void)
 {
     hang(2, 0);
@@ -125,7 +126,7 @@ static void linkages(void)
     against_the_equation("examples/andrews.json", 0.03, 1e-9);          /* its torque is constant               */
 }
 
-/* What depends on time or speed is refused, and is not chosen. */
+/* Loads that depend on time or speed are refused, and the formulation is not chosen. */
 static void refusals(void)
 {
     static const char *const more[] = { "'springs': [{'joint': 'A', 'stiffness': 1, 'damping': 1}]",
@@ -145,7 +146,7 @@ static void refusals(void)
     }
 }
 
-/* Out of rest with a constant torque, whose work no potential holds: phi = T t^2/(2 J). */
+/* From rest with a constant torque, whose work has no potential: phi = T t^2/(2 J). */
 static void out_of_rest(void)
 {
     for (int way = -1; way <= 1; way += 2) {

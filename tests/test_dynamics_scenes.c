@@ -1,5 +1,5 @@
-/* Scenes of every kind of joint and load: all formulations that take them agree, energies balance, and what has
- * a closed solution has it. */
+/* Scenes with every kind of joint and load: all formulations that take them agree, energies balance, and closed
+ * solutions are met. */
 #include "tests/dynamics_run.h"
 
 static drun d, first;
@@ -38,7 +38,7 @@ static lw_vec2 double_place(double *mass, double to)
     return lw_v2_add(lw_v2_polar(1, y[0]), lw_v2_polar(1, y[1]));
 }
 
-/* With the heavy one last the light one is a bead on a taut string: slow, and no different. */
+/* With the heavy mass last, the light one is a bead on a taut string: slow, but the same. */
 static void masses_far_apart(void)
 {
     static const double mass[][2] = { { 1, 1 }, { 1e8, 1 }, { 1, 1e4 } }, slack[] = { 0, 1e-8, 1e-4, 1e-4 };
@@ -57,7 +57,7 @@ static void masses_far_apart(void)
     }
 }
 
-/* A four-bar whose coupler has no mass moves as with next to none; a pendulum without mass is refused by name. */
+/* A four-bar whose coupler has no mass moves as with nearly none; a pendulum without mass is refused by name. */
 static void without_mass(void)
 {
     static const char text[] =
@@ -151,8 +151,8 @@ static void motor_and_law(void)
 
 /* ---- starts ------------------------------------------------------------------------------------ */
 
-/* Upright a pendulum stays; 1e-6 beside, it leaves as cosh.  Speeds that exclude each other are put on the constraints,
- * and that is told. */
+/* Upright a pendulum stays; 1e-6 beside, it leaves as cosh.  Speeds that exclude each other are put on the
+ * constraints, and the report says so. */
 static void starts(void)
 {
     static const char up[] =
@@ -248,8 +248,8 @@ static void agree(const char *text, double a, double b)
     lw_model_free(&d.model);
 }
 
-/* A rack and the arm it slides on, each welded of two halves, move as those in one piece: the gear knows four bodies
- * and the pinion. */
+/* A rack and the arm it slides on, each welded of two halves, move as those in one piece: the row of the gear has
+ * four bodies and the pinion. */
 static void welded_rack(void)
 {
     static const char halves[] =
@@ -295,8 +295,9 @@ static void kinds_of_joints(void)
     agree(open_chain, -4, 300);
 }
 
-/* A body tied to the ground by two massless sliders and a pin flies freely: its centre on a parabola, its turn even.  A
- * link welded of two halves swings as the link in one piece.  A frame that cannot move carries its weight. */
+/* A body tied to the ground by two massless sliders and a pin flies freely: its centre on a parabola, its turn at a
+ * constant rate.  A link welded of two halves swings as the link in one piece.  A frame that cannot move carries its
+ * weight. */
 static void free_and_fixed(void)
 {
     static const char flies[] =
@@ -337,7 +338,7 @@ static void free_and_fixed(void)
         drun_read_format(&d, text, 0, 0);
         CHECK_INT(drun_to(&d, f ? all[f] : LW_FORMULATION_AUTO, 1e-10, 2, 10), LW_OK);
         lw_model_free(&d.model);
-        /* together: 2 kg at 1, inertia 0.1 + 0.15 + 2 (0.5)^2 = 0.75; that of the text above is added to */
+        /* together: 2 kg at 1, inertia 0.1 + 0.15 + 2 (0.5)^2 = 0.75; it is added to that of the text above */
         snprintf(text, sizeof text, swings, 2.0, 1.0, "", "");
         char *inertia = strstr(text, "0.1}");
         memmove(inertia + 4, inertia + 3, strlen(inertia + 3) + 1);
@@ -363,10 +364,10 @@ static void free_and_fixed(void)
 
 /* ---- long runs and order ------------------------------------------------------------------------- */
 
-/* Energy over 100 s, at the tolerance that is taken when none is given and at a hundredth of it: kept to rounding at
- * the ends of steps; what was put back is no more than the steps' errors.  Moments lie between the ends, on a
- * polynomial through each step that leaves the motion by the eighth power of the step (integrate.h), as does the
- * estimate that makes the steps so long that it is the tolerance.  So energy is off by a few tolerances, 4.5 here. */
+/* Energy over 100 s, at the default tolerance and at a hundredth of it: kept to rounding at the ends of steps, with
+ * corrections no larger than the errors of steps.  Samples lie between the ends, on a polynomial through each step
+ * whose error falls with the eighth power of the step (integrate.h), as does the estimate that makes the steps so
+ * long that it is the tolerance.  So energy is off by a few tolerances, 4.5 here. */
 static void drift(lw_formulation f)
 {
     double usual = lw_dynamics_options_default().relative;
@@ -415,7 +416,7 @@ static void long_runs(void)
     lw_model_free(&d.model);
 }
 
-/* That energy is kept does not hide errors: those of place are a small multiple of the tolerance.  A01 at 10 s. */
+/* Keeping the energy does not hide errors: those of place are a small multiple of the tolerance.  A01 at 10 s. */
 static void kept_energy_is_no_mask(void)
 {
     drun_read(&d, "examples/pendulum.json");
@@ -442,10 +443,11 @@ static double slope(int n, const double *x, const double *y)
 }
 
 /* How errors of place fall with the tolerance and with the number of steps, as powers, from 1e-8 to 1e-12.  The error
- * is the greatest of 30 moments: at one moment it may pass 0.
- * Explicit: an estimate that falls as h^8 is held at the tolerance, so does the error: steps as its -1/8 power, errors
- * with the tolerance and with the 8th power of the steps.
- * Implicit: the error of a step, h^6 at order 5, is held there; what they add up to, h^5, falls with its 5/6 power. */
+ * is the greatest of 30 samples: at a single one it may pass 0.
+ * Explicit: an estimate that falls as h^8 is held at the tolerance, and so is the error: steps as its -1/8 power,
+ * errors with the tolerance and with the 8th power of the steps.
+ * Implicit: the error of a step, h^6 at order 5, is held there; their sum, h^5, falls with the 5/6 power of the
+ * tolerance. */
 static void order(void)
 {
     enum { MOMENTS = 30, RUNS = 9 };

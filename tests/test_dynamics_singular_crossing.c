@@ -1,4 +1,4 @@
-/* Through singular postures by every formulation, by position and by branch; near misses; runs that are stopped
+/* Through singular postures by every formulation, by place and motion curve; near misses; runs that are stopped
  * within a step. */
 #include "mbs/ode/integrate.h"
 #include "tests/dynamics_run.h"
@@ -8,7 +8,7 @@ static drun d, other;
 static const lw_formulation all[] = { LW_FORMULATION_REDUCED, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
                                       LW_FORMULATION_GGL };
 
-/* Greatest turn of bodies that should keep theirs, over all samples; and where the first crank's end is at last. */
+/* Greatest turn over all samples of bodies that should not turn; end of the first crank at last. */
 typedef struct watch { int first, n; const lw_system *s; double turned, q[LW_SYSTEM_Q_MAX]; } watch;
 
 static lw_status look(void *context, const lw_moment *m)
@@ -40,8 +40,8 @@ static lw_vec2 crank_end(lw_formulation f, double tolerance, double to, watch *w
     return at;
 }
 
-/* N-four-bar, N = 2 (A02), through ten singular postures: 20 digits by elliptic functions.  The error is a multiple of
- * the tolerance, for all of them. */
+/* N-four-bar, N = 2 (A02), through ten singular postures: 20 digits by elliptic functions.  For all formulations the
+ * error is a multiple of the tolerance. */
 static void two_four_bars(void)
 {
     static const struct { int least, most; double times; } with[] = { { 6, 13, 3000 }, { 6, 13, 3000 }, { 7, 11, 3e4 },
@@ -58,8 +58,8 @@ static void two_four_bars(void)
     lw_model_free(&d.model);
 }
 
-/* A third crank, a row too many: those kept become dependent in postures that are not singular.  It moves as the
- * pendulum that test_dynamics_hard.c has up to the first singular posture. */
+/* A third crank makes one row redundant: the kept rows become dependent in postures that are not singular.  Up to
+ * the first singular posture it moves as the pendulum in test_dynamics_hard.c. */
 #define CRANK(n, x) "{'name': 'A" n "', 'links': ['ground', 'c" n "'], 'at': [" x ", 0]}," \
                     "{'name': 'B" n "', 'links': ['c" n "', 'coupler'], 'at': [" x ".6, 0.8]}"
 static const char three_cranks[] = "{'linkwright': 1, 'links': ['ground',"
@@ -90,8 +90,8 @@ static void redundant_rows(void)
     lw_model_free(&other.model);
 }
 
-/* A parallelogram that swings about its singular posture on a spring and never leaves its neighbourhood, from rest at
- * 0.2 rad: 0.2 cos(w t), w^2 = k/(2 I + m) with the coupler's mass at the radius 1. */
+/* A parallelogram that swings near its singular posture on a spring, from rest at 0.2 rad: 0.2 cos(w t), w^2 = k/(2
+ * I + m) with the mass of the coupler at the radius 1. */
 static void swings_about_it(void)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0],"
@@ -118,8 +118,8 @@ static void swings_about_it(void)
     lw_model_free(&d.model);
 }
 
-/* A pendulum on the bar of a parallelogram, which passes singular postures at any place of it: no curve there, but a
- * leap that every method takes; the tracer is the bob. */
+/* A pendulum on the bar of a parallelogram, which passes singular postures at any place of the pendulum: there is no
+ * curve, so every method goes over by one step.  The tracer is the bob. */
 static void two_freedoms(void)
 {
     static const char text[] = "{'linkwright': 1, 'links': ['ground', {'name': 'a', 'mass': 1, 'centre': [0, 0.5],"
@@ -196,8 +196,8 @@ static void change_points(void)
     }
 }
 
-/* Ten parallelograms in a row, whose change points all have to be seen as one; the motion is that of one crank,
- * s'' = -g 15.5/(11/3 + 10) cos s. */
+/* Ten parallelograms in a row, whose change points all have to be found as one; the motion is that of one crank, s''
+ * = -g 15.5/(11/3 + 10) cos s. */
 static lw_status rate_of_ten(void *context, double t, const double *y, double *dy)
 {
     (void)context, (void)t;
@@ -268,8 +268,8 @@ static void read_rhombus(double eps)
     drun_read_format(&d, text, 0, 0);
 }
 
-/* Where branches come near each other but do not meet, nobody goes straight on: the input turns back before its dead
- * point, and all agree; what is nearer than the tolerance meets. */
+/* Where motion curves come near each other but do not meet, no formulation goes straight on: the input turns back
+ * before its dead point, and all agree.  Curves nearer than the tolerance meet. */
 static void near_misses(void)
 {
     static const double eps[] = { 1e-2, -1e-2, 1e-3, 1e-4, -1e-4 };
@@ -291,8 +291,8 @@ static void near_misses(void)
     }
     read_rhombus(1e-9);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-12, 1.5, 10), LW_E_NUMERIC);
-    CHECK_HAS(d.e.text, "come as near");
-    CHECK_HAS(d.e.text, "tolerance above");
+    CHECK_HAS(d.e.text, "two motion curves come within");
+    CHECK_HAS(d.e.text, "greater tolerance");
     CHECK_INT(d.report.formulation, LW_FORMULATION_INDEX1);
     CHECK_INT(drun_to(&d, LW_FORMULATION_AUTO, 1e-8, 1.5, 10), LW_OK);
     other.tracer[0] = d.tracer[10];
@@ -319,7 +319,7 @@ static void count(void *context, double t, const lw_link_motion *link, lw_link_l
     c->after += halt && c->calls > c->at;
 }
 
-/* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be tried. */
+/* Ctrl-C in the middle of a step ends the run at the next evaluation, however long the step would be repeated. */
 static void stopped_within_a_step(void)
 {
     drun_read(&d, "examples/two-four-bars.json");
@@ -337,7 +337,7 @@ static void stopped_within_a_step(void)
     lw_model_free(&d.model);
 }
 
-/* As many steps as were allowed, and no more, over all restarts behind singular postures. */
+/* A run makes as many steps as were allowed and no more, over all restarts behind singular postures. */
 static void steps_allowed(void)
 {
     drun_read(&d, "examples/two-four-bars.json");

@@ -1,5 +1,5 @@
-/* Mechanisms of the textbooks, examples/dynamics: every formulation that takes them against the equations that the
- * textbooks give, in as few coordinates as there are freedoms. */
+/* Mechanisms of textbooks, examples/dynamics: every formulation that takes them against the equations of the
+ * textbooks, in as few coordinates as there are freedoms. */
 #include "base/rank.h"
 #include "mbs/dynamics/modes.h"
 #include "tests/dynamics_run.h"
@@ -138,7 +138,7 @@ static lw_vec2 shaken(const double *y, double t)
 /* Inversion OP OQ = 16, OP = 3 cos(q/2), so that Q goes along x = 16/3 at 16/3 tan(q/2); damped by 0.5 q'. */
 static lw_status inversor_rate(void *context, double t, const double *y, double *dy)
 {
-    double c = cos(0.5*y[0]), slope = 8/(3*c*c), bend = slope*tan(0.5*y[0]);      /* y' and y'' by q of Q        */
+    double c = cos(0.5*y[0]), slope = 8/(3*c*c), bend = slope*tan(0.5*y[0]);      /* derivatives of y of Q by q */
     (void)context, (void)t;
     dy[0] = y[1];
     dy[1] = -(0.5*y[1] + slope*bend*y[1]*y[1])/(0.05 + slope*slope);
@@ -223,7 +223,7 @@ static double lowest(int n, int mode)
     return modes.mode[mode].im;
 }
 
-/* (b L)^2 sqrt(E I/m), cos b cosh b = -1; short of it by a part that falls with the square of the links' length. */
+/* (b L)^2 sqrt(E I/m), cos b cosh b = -1; lower by a part that falls with the square of the length of a link. */
 static void cantilever(void)
 {
     static const double b[] = { 1.8751040687119611, 4.6940911329741746, 7.8547574382376126 };

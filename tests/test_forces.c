@@ -7,7 +7,7 @@ static lw_model model;
 static lw_system sys;
 static lw_forces forces;
 
-/* A slider, a crank on it, a link on a pin, a slot: every load between them, numbers by chance. */
+/* A slider, a crank on it, a link on a pin, a slot: every load between them, random numbers. */
 static const char format[] =
     "{'linkwright': 1, 'units': {'length': 'm', 'angle': 'rad'}, 'links': ['ground',"
     "{'name': 'cart', 'mass': %g, 'centre': [0.2, 0.1],"
@@ -41,7 +41,7 @@ static const char more[] =
 
 static double one(lw_rng *r) { return lw_rng_range(r, -1, 1); }
 
-/* The model, with loads that have no potential or without. */
+/* The model, without or with loads that have no potential. */
 static void make(lw_rng *r, bool all)
 {
     static const char soft[] = ", 'stop': {'least': -0.2, 'greatest': 0.3, 'stiffness': 400%s}";
@@ -117,7 +117,7 @@ static void derivatives(void)
     CHECK(n_seen > 20*n_left);
 }
 
-/* Forces of what has a potential are its slope; the rest does work at the power that is told. */
+/* Forces with a potential are its slope; the others do work at the power reported. */
 static void potential_and_power(void)
 {
     lw_rng r;

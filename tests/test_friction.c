@@ -4,7 +4,7 @@
 #include "base/rng.h"
 #include "tests/check.h"
 
-/* Random weak couplings: what comes out is what was asked, |R_j| = N_j */
+/* Random weak couplings: the result satisfies |R_j| = N_j */
 static void fixed_points(void)
 {
     lw_rng rng;
@@ -28,7 +28,7 @@ static void fixed_points(void)
     }
 }
 
-/* N = |1 + 2 N| has no answer; N = |1 + N/2| has 2 */
+/* N = |1 + 2 N| has no solution; N = |1 + N/2| has 2 */
 static void painleve(void)
 {
     lw_vec2 rest = { 1, 0 }, response = { 2, 0 };

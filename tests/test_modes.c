@@ -180,8 +180,8 @@ static int by_size_of(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Dampers as the springs are: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its root is double,
- * to all digits, as is the 0 of a free row. */
+/* Dampers in proportion to the springs: s^2 + (c/m) l s + (K/m) l = 0, l = 4 sin^2.  c makes one mode critical: its
+ * root is double, to all digits, as is the 0 of a free row. */
 static void damped_chains(void)
 {
     for (int n = 2; n <= 30; n += n < 6 ? 1 : 8)
@@ -413,7 +413,7 @@ static void four_bar_at_rest(void)
     memcpy(s->q, rest, sizeof rest);
     CHECK_INT(find(s, false, false), LW_OK);
     CHECK_NEAR(pow(s->modes.mode[0].im, 2), (v[2] - 2*v[1] + v[0])/(h*h)/mass, 0, 1e-5);
-    CHECK_NEAR((v[2] - v[0])/(2*h), 0, 1e-5, 0);                 /* a rest indeed */
+    CHECK_NEAR((v[2] - v[0])/(2*h), 0, 1e-5, 0);                 /* it is at rest */
     drop(s);
 }
 
@@ -438,14 +438,14 @@ static void finds_rest(void)
                     "{\"name\": \"A\", \"kind\": \"t\", \"links\": [\"ground\", \"m\"], \"at\": [0, 0], "
                     "\"along\": [1, 0]}], \"forces\": ["
                     "{\"link\": \"m\", \"at\": [0, 0], \"fx\": 5}]}");
-    CHECK_INT(find(s, false, true), LW_E_NUMERIC);               /* pushed away for ever */
+    CHECK_INT(find(s, false, true), LW_E_NUMERIC);               /* driven away for ever */
     drop(s);
 }
 
 /* ---- by ear -------------------------------------------------------------------------------------- */
 
 /* Peaks of a free vibration of the full equations agree with the eigenfrequencies to 0.5 % (and much better) */
-static void heard(void)
+static void frequencies_from_spectra(void)
 {
     static const char *const model[] = {
         HEAD "{\"name\": \"a\", \"mass\": 3, \"centre\": [0, -0.4]}, {\"name\": \"b\", \"mass\": 3, \"centre\": "
@@ -531,7 +531,7 @@ int main(void)
     RUN(geared_wheels);
     RUN(four_bar_at_rest);
     RUN(finds_rest);
-    RUN(heard);
+    RUN(frequencies_from_spectra);
     RUN(refused);
     return check_end();
 }

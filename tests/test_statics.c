@@ -1,5 +1,5 @@
-/* tests/test_statics.c - where models rest: one equilibrium of several, none, saddles, neutral ones; trusses, redundant
- * supports; and powers of machines in motion. */
+/* tests/test_statics.c - equilibrium: one of several, none, saddles, neutral ones; trusses, redundant supports;
+ * power of machines in motion. */
 #include "mbs/dynamics/statics.h"
 
 #include "mbs/dynamics/reactions.h"
@@ -18,7 +18,7 @@ static lw_status keep_reactions(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* The rest of a model written with single quotes, its reactions */
+/* Equilibrium of a model written with single quotes, and its reactions */
 static lw_status rest_of(const char *format, double a, double b, bool *unique)
 {
     lw_rest none = { 0 };
@@ -46,8 +46,8 @@ static const char pendulum[] = "{'linkwright': 1, 'links': ['ground', {'name': '
     "%.17g], "
     "'inertia': 0.1}], 'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}], 'gravity': [0, -9.81]}";
 
-/* Exactly on the upper rest, just beside it, from the side: it goes down.  With its centre in the pin it rests
- * anywhere. */
+/* From the upper rest, from just beside it and from the side the pendulum goes down.  With its centre in the pin it
+ * rests anywhere. */
 static void saddles(void)
 {
     static const double start[][2] = { { 0, 1 }, { 1e-9, 1 }, { 1, 0 }, { -0.6, 0.8 } };
@@ -66,8 +66,8 @@ static void saddles(void)
     drop();
 }
 
-/* A rod of length 1 at (0, 0), its tip at angle a, a spring of free length 2 from there to (0, 2): the spring is as long
- * as |tip - (0, 2)|^2 = 5 - 4 sin a = 4 says at two angles, and the nearer one is found. */
+/* A rod of length 1 at (0, 0), its tip at angle a, a spring of free length 2 from there to (0, 2): the spring has its
+ * free length where |tip - (0, 2)|^2 = 5 - 4 sin a = 4, which is so at two angles, and the nearer one is found. */
 static const char two_rests[] = "{'linkwright': 1, 'links': ['ground', {'name': 'rod', 'mass': 1, 'centre': [0, 0], "
     "'inertia': 1}],"
     "'joints': [{'name': 'O', 'links': ['ground', 'rod'], 'at': [0, 0]}],"
@@ -140,8 +140,8 @@ static void truss(void)
     drop();
 }
 
-/* A beam welded to nothing on three upright legs: reactions are not unique, and those of least norm are told; by
- * symmetry the outer ones are equal, and all three add up to the load. */
+/* A beam on three upright legs: reactions are not unique, and those of least norm are reported; by symmetry the
+ * outer ones are equal, and all three add up to the load. */
 static void redundant_legs(void)
 {
     static const char legs[] = "{'linkwright': 1, 'links': ['ground', 'a', 'b', 'c', {'name': 'beam', 'mass': %g, "
@@ -168,7 +168,7 @@ static void redundant_legs(void)
 
 typedef struct power { double worst, most, off, most_force; int n; } power;
 
-/* Every link cut free: what its joints, its loads and the drive do is its mass times its acceleration. */
+/* For every link cut free: the forces of its joints, loads and driving torque equal its mass times its acceleration. */
 static void cut_free(const lw_moment *m, double drive, const double *load, power *p)
 {
     const lw_system *s = lw_dynamics_system(made);
@@ -200,7 +200,7 @@ static void cut_free(const lw_moment *m, double drive, const double *load, power
     }
 }
 
-/* What the drive gives is what masses and weights take. */
+/* The power of the driving torques equals that of masses and weights. */
 static lw_status look_at_power(void *context, const lw_moment *m)
 {
     power *p = context;

@@ -5,12 +5,14 @@
  * with modes that change at every such point; where a margin falls below 0 the motion ends. */
 #include "mbs/dynamics/reduced_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 #include "base/linalg.h"
 
 static const int    per_turn = 360;          /* inputs looked at in a turn */
 static const double is_zero = 1e-13;         /* a margin below this is 0: rounding of lengths */
+static const double near_zero = 0.05;         /* only margins below this are looked at */
 static const double vague = 1e-7;            /* a margin below this is neither 0 nor clearly a gap */
 static const double on_lengths = 1e-11;      /* residual allowed on a bridge, over the links' lengths */
 static const double reach_most = 0.05;       /* greatest half width of a bridge [rad], or over the size */
@@ -124,7 +126,7 @@ static bool fit_bridge(lw_reduced *r, const double *before, const double *after,
 static bool is_change_point(const scan *c, int d, double middle)
 {
     double where;
-    return c->margin[1][d] <= c->margin[0][d] && c->margin[1][d] <= c->margin[2][d] && c->margin[1][d] <= 0.05
+    return c->margin[1][d] <= c->margin[0][d] && c->margin[1][d] <= c->margin[2][d] && c->margin[1][d] <= near_zero
            && fabs(least_margin(c, d, middle - c->width, middle + c->width, &where)) <= is_zero;
 }
 
@@ -142,7 +144,7 @@ static bool meet(scan *c, double middle, lw_change_point *t)
         double where;
         const double *m[3] = { c->margin[0], c->margin[1], c->margin[2] };
         /* if one dyad changes, look at all; else only at margins that are vague */
-        if (!any && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > 0.05))
+        if (!any && (!(m[1][d] <= m[0][d] && m[1][d] <= m[2][d]) || m[1][d] > near_zero))
             continue;
         double least = least_margin(c, d, middle - c->width, middle + c->width, &where);
         c->vague = c->vague || (fabs(least) > is_zero && fabs(least) < vague);
@@ -286,6 +288,7 @@ bool lw_reduced_change_points(lw_reduced *r, double from)
     if (n == LW_CHANGE_POINT_MAX/2)
         r->high = found[n - 1].at - 1e-3*c.width;
     r->n_change = m + n;
+    assert(r->n_change <= LW_CHANGE_POINT_MAX);
     for (int i = 0; i < m; i++) {
         r->change[i] = back[m - 1 - i];
         memcpy(r->piece_mode[i], back_mode[m - 1 - i], sizeof *back_mode);

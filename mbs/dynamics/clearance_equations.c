@@ -1,5 +1,6 @@
 /* mbs/dynamics/clearance_equations.c - accelerations in tree coordinates, with rows for loops, links, stops and
  * inputs. */
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -302,6 +303,7 @@ static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, do
 {
     int n = 0;
     w->n_c = lw_clearance_count_rows(w->c, choice);
+    assert(w->n_u + w->n_c <= ROW_MAX);
     memset(w->a, 0, sizeof(double)*(size_t)(w->n_c*w->n_u));
     bool inputs = false;
     for (int i = 0; i < w->c->s.n_input; i++)
@@ -313,7 +315,9 @@ static lw_status fill_rows(lw_clearance_work *w, const lw_row_choice *choice, do
     journal_rows(w, choice, du, series, &n);
     loop_rows(w, series, &n);
     stop_rows(w, choice, series, &n);
-    return input_rows(w, choice, t, series, &n);
+    lw_status s = input_rows(w, choice, t, series, &n);
+    assert(s != LW_OK || n == w->n_c);
+    return s;
 }
 
 lw_vec2 lw_clearance_reaction(const lw_clearance_work *w, int i)

@@ -1,6 +1,7 @@
 /* mbs/dynamics/clearance_scene.c - a scene: which joints are opened, which are kept. */
 #include "mbs/dynamics/clearance.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,13 +24,12 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
     if (!(c->gap > 0.0) || !isfinite(c->gap))
         return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
     if (c->model == LW_CLEARANCE_LINK && (c->friction > 0.0 || m->friction[j].coefficient > 0.0))
-        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, but a massless link touches nothing it could "
-                            "rub on; leave the friction out, or take a model with contact", name);
+        return lw_error_set(e, LW_E_KIND, "joint \"%s\" has friction, but a massless link has no surface for it; leave "
+                            "the friction out, or take a model with contact", name);
     bool stiff = c->model >= LW_CLEARANCE_MLSD;
     if (stiff && (!(c->stiffness > 0.0) || !(c->exponent >= 1.0) || !(c->damping >= 0.0)))
-        return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance wants a stiffness above 0, an "
-                            "exponent of "
-                            "1 or more and a damping of 0 or more", name);
+        return lw_error_set(e, LW_E_ARG, "joint \"%s\": the model of clearance needs a stiffness above 0, an "
+                            "exponent of 1 or more and a damping of 0 or more", name);
     return LW_OK;
 }
 
@@ -38,8 +38,7 @@ static lw_status check_masses(const lw_model *m, lw_error *e)
     for (int l = 0; l < m->linkage.n_link; l++)
         if (l != m->linkage.ground && !m->body[l].given)
             return lw_error_set(e, LW_E_ARG, "link \"%s\" has no mass: motion with clearance needs mass, centre "
-                                "and inertia of "
-                                "every moving link", m->linkage.link_name[l]);
+                                "and inertia of every moving link", m->linkage.link_name[l]);
     return LW_OK;
 }
 
@@ -116,8 +115,8 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
     if (s == LW_OK)
         s = lw_forces_system(m, &c->s, e);
     if (s == LW_OK && c->s.n_tie > 0)
-        s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which runs with clearance do not "
-                         "know; give each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
+        s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which is not possible with "
+                         "clearance; give each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
     if (s != LW_OK) {
         free(c);
         return s;
@@ -134,6 +133,7 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
         }
     }
     find_friction(c, opened, apart);
+    assert(c->n_friction <= LW_JOINT_MAX);
     c->n_stop = lw_rigid_stops_find(m, &c->s, c->stop);
     if (c->n_stop > LW_CLEARANCE_STOP_MAX) {
         free(c);

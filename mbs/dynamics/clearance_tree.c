@@ -1,4 +1,5 @@
 /* mbs/dynamics/clearance_tree.c - tree coordinates of a linkage with some joints opened. */
+#include <assert.h>
 #include <string.h>
 #include "mbs/dynamics/clearance_tree_internal.h"
 
@@ -82,6 +83,7 @@ void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_
         hangs[body] = true;
         let_float(t, body);
     }
+    assert(t->n_u <= LW_SYSTEM_Q_MAX);
     for (int j = 0; j < s->n_joint; j++)
         if (!opened[j] && !used[j]) {
             t->close[t->n_close++] = j;

@@ -1,6 +1,7 @@
 /* mbs/dynamics/dynamics_equations.c - rows, factors, accelerations and reactions at one moment. */
 #include "mbs/dynamics/dynamics_equations_internal.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -561,6 +562,7 @@ static void find_pairs(lw_dynamics *d)
         for (int j = 0; j <= i; j++)
             for (int k = 0; k < SHARED; k++) {
                 int b = shared_body(d, d->kept[i], d->kept[j], k);
+                assert(b < 0 || d->n_pair < d->most_pair*LW_SYSTEM_ROW_BODIES);
                 if (b >= 0)
                     d->pair[d->n_pair++] = (lw_row_pair){ d->kept[i], d->kept[j], b, j*n + i };
             }
@@ -570,6 +572,7 @@ static void find_pairs(lw_dynamics *d)
 static void keep_basis(lw_dynamics *d)
 {
     d->n_kept = d->rank_of.rank;
+    assert(d->n_kept <= d->n_c);
     for (int r = 0; r < d->n_c; r++)
         d->place[r] = -1;
     memcpy(d->kept, d->rank_of.column, (size_t)d->n_kept*sizeof *d->kept);
@@ -587,6 +590,7 @@ static void set_rank(lw_dynamics *d, int rank)
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 {
     d->n_c = d->n_row + d->n_driven + d->n_resting;
+    assert(d->n_c <= LW_MBS_ROW_MAX);
     find_row_bodies(d);
     memset(d->jac, 0, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
     lw_rank_place(&d->rank_of, d->n_q, d->n_c, d->rank_work, d->rank_ints);

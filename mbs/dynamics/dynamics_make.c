@@ -291,8 +291,8 @@ void lw_dynamics_redundant(const lw_dynamics *c, char *text, size_t size)
         for (int i = 0; i < d->n_c; i++)
             left = fmax(left, fabs(x[i]));
         int j = d->s.row[r].joint;
-        if (left > 1e-9 && !seen[j] && used < size)
+        if (left > LW_RANK_TOLERANCE && !seen[j] && used < size)
             used += (size_t)snprintf(text + used, size - used, " %s", d->model->linkage.joint[j].name);
-        seen[j] = seen[j] || left > 1e-9;
+        seen[j] = seen[j] || left > LW_RANK_TOLERANCE;
     }
 }

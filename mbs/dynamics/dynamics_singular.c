@@ -14,6 +14,7 @@
  * satisfy the rows within the gap; where motion curves come near each other but do not meet, it does not. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,6 +107,7 @@ static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
 static const double outside = 0.55;          /* distance from the middle beyond which the rows serve again */
 static const double longest_half = 0.3;           /* half of the longest curve, scaled: about radians */
 static const double beside = 0.45;           /* root of the least pivot at which to look ahead */
+static const double too_near = 1e-3;         /* root of the least pivot too small to begin at */
 static const double half_ggl = 0.1;          /* half a step for ggl, whose multipliers lose digits earlier */
 static const double finer = 0.01;            /* tolerance on the curve over that of the run: it costs little */
 static const double on_rows = 1e-12;         /* residual of the rows allowed on the curve: this, */
@@ -133,6 +135,7 @@ typedef struct crossing {
 static void add(curve *p, double x, const double *q)
 {
     double *row = p->c + p->n*p->n_q;
+    assert(p->n < N_KNOWN);
     memcpy(row, q, (size_t)p->n_q*sizeof *row);
     for (int k = 0; k < p->n; k++) {
         double by = 1/(x - p->x[k]);
@@ -454,10 +457,10 @@ lw_status lw_run_singular_crossing(lw_run *run, double weak, double *t, double *
     double from = one ? beside : 2*half, reach = one ? longest_half : 3*half;
     run->pivot = w;
     run->pivot_t = *t;
-    if (!able || w > from || w < 1e-3)
+    if (!able || w > from || w < too_near)
         run->pivot_tried = 1;
     run->apart = w > beside ? 0 : run->apart;
-    if (!able || w > from || w < 1e-3 || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
+    if (!able || w > from || w < too_near || !(fall > 0) || w > 0.7*run->pivot_tried || *t >= d->o.to)
         return LW_NOTHING;
     for (int i = 0; i < d->n_q; i++)
         fastest = fmax(fastest, fabs(y[d->n_q + i]));

@@ -1,14 +1,16 @@
 /* mbs/dynamics/dynamics_stops.c - rigid stops in the bodies' coordinates (mbs/dynamics/rigid_stops_internal.h). */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <assert.h>
 #include <math.h>
 
 /* Place of stop i among those that rest. */
 static int place_of(const lw_dynamics *d, int i)
 {
     int place = 0;
-    while (d->resting[place] != i)
+    while (place < d->n_resting && d->resting[place] != i)
         place++;
+    assert(place < d->n_resting);
     return place;
 }
 
@@ -66,8 +68,9 @@ static lw_status arrange(void *context, int i, double t, double *y)
     lw_run *run = context;
     lw_dynamics *d = run->d;
     if (!d->stop[i].resting) {
+        int place = place_of(d, i);
         d->n_resting--;
-        for (int k = place_of(d, i); k < d->n_resting; k++)
+        for (int k = place; k < d->n_resting; k++)
             d->resting[k] = d->resting[k + 1];
         return lw_mbs_arrange(d, t, y);
     }

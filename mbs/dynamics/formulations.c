@@ -108,10 +108,10 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     run.pivot_tried = 1;
     lw_status s = table[r->formulation]->run(&run);
     if (s == LW_OPEN && run.apart > 0 && run.apart < 1e-5)
-        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two branches of postures come as near each other as %.1e "
-                         "of the size and which of them goes on cannot be told%s", r->t, run.apart, run.apart > 1e-8
-                         ? "" : ": if they should meet, write the posture with more digits or give a tolerance above "
-                         "that");
+        s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s two motion curves come within %.1e of the size of the "
+                         "linkage, and it is undecided which of them goes on%s", r->t, run.apart, run.apart > 1e-8
+                         ? "" : ": if they should meet, write the posture with more digits or give a greater "
+                         "tolerance");
     if (s == LW_OPEN)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);

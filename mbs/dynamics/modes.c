@@ -1,12 +1,15 @@
 /* mbs/dynamics/modes.c - eigenvalues of the reduced equations, as modes. */
 #include "mbs/dynamics/modes.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "mbs/dynamics/modes_eigen_internal.h"
 #include "mbs/dynamics/statics_internal.h"
+
+#define NEGLIGIBLE 1e-13                 /* numbers below this part of the greatest are rounding */
 
 /* ---- shapes -------------------------------------------------------------------------------------- */
 
@@ -28,8 +31,8 @@ static void set_shape(const lw_vibration *v, const double *re, const double *im,
     double greatest = mode->shape[top], phase = atan2(b[top], a[top]);
     for (int i = 0; i < n && greatest > 0.0; i++) {
         mode->shape[i] /= greatest;
-        mode->phase[i] = mode->shape[i] > 1e-13 ? remainder(atan2(b[i], a[i]) - phase, 2.0*LW_PI) : 0.0;
-        mode->shape[i] = mode->shape[i] > 1e-13 ? mode->shape[i] : 0.0;
+        mode->phase[i] = mode->shape[i] > NEGLIGIBLE ? remainder(atan2(b[i], a[i]) - phase, 2.0*LW_PI) : 0.0;
+        mode->shape[i] = mode->shape[i] > NEGLIGIBLE ? mode->shape[i] : 0.0;
     }
 }
 
@@ -66,7 +69,7 @@ static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *o
         most = fmax(most, fabs(w[i]));
     for (int i = 0; s == LW_OK && i < n; i++) {
         lw_mode *mode = &out->mode[out->n_mode++];
-        double square_rate = fabs(w[i]) <= 1e-13*most ? 0.0 : w[i];     /* a free motion, but for rounding */
+        double square_rate = fabs(w[i]) <= NEGLIGIBLE*most ? 0.0 : w[i];     /* a free motion, but for rounding */
         set_numbers(mode, square_rate < 0.0 ? sqrt(-square_rate) : 0.0, square_rate > 0.0 ? sqrt(square_rate) : 0.0);
         set_shape(v, x + i*n, NULL, mode);
     }
@@ -79,7 +82,6 @@ static lw_status conservative(const lw_vibration *v, double *memory, lw_modes *o
  * has its own equation s^2 + c s + k = 0.  So free motions stay at 0 and double roots stay double, which the general
  * problem, defective there, gives to half the digits only.  The coupled motions go to the general problem. */
 #define DAMPING_WEIGHT    0.6180339887498949      /* of C over K in the basis; an arbitrary number */
-#define UNCOUPLED 1e-13                  /* entries below this part of the greatest are rounding */
 
 typedef struct basis {
     int     n;
@@ -150,13 +152,14 @@ static lw_status find_basis(const lw_vibration *v, basis *b, double *memory)
                 k = fmax(k, fmax(fabs(b->k[i*n + j]), fabs(b->k[j*n + i])));
                 c = fmax(c, fmax(fabs(b->c[i*n + j]), fabs(b->c[j*n + i])));
             }
-        b->alone[i] = k <= UNCOUPLED*b->k_most && c <= UNCOUPLED*b->c_most;
+        b->alone[i] = k <= NEGLIGIBLE*b->k_most && c <= NEGLIGIBLE*b->c_most;
     }
     return LW_OK;
 }
 
 static lw_mode *add(lw_modes *out, double re, double im)
 {
+    assert(out->n_mode < 2*LW_SYSTEM_Q_MAX);
     lw_mode *m = &out->mode[out->n_mode++];
     set_numbers(m, re, im);
     return m;
@@ -166,8 +169,8 @@ static lw_mode *add(lw_modes *out, double re, double im)
 static void solve_alone(const lw_vibration *v, const basis *b, int i, lw_modes *out)
 {
     double c = b->c[i*b->n + i], k = b->k[i*b->n + i];
-    c = fabs(c) <= UNCOUPLED*b->c_most ? 0.0 : c;
-    k = fabs(k) <= UNCOUPLED*b->k_most ? 0.0 : k;
+    c = fabs(c) <= NEGLIGIBLE*b->c_most ? 0.0 : c;
+    k = fabs(k) <= NEGLIGIBLE*b->k_most ? 0.0 : k;
     double below = c*c - 4.0*k, doubt = 16.0*DBL_EPSILON*(2.0*fabs(c)*b->c_most + 4.0*b->k_most);
     if (fabs(below) <= doubt)
         below = 0.0;
@@ -291,7 +294,7 @@ lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double va
     int n = (int)fmin(1e6, ceil(fabs(to - from)/0.05));
     lw_vibration v;
     if (lw_vibration_make(f, true, t, q, &v) != LW_OK)
-        return lw_error_set(e, LW_E_MEMORY, "no memory to drive the linkage");
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_status status = LW_OK;
     for (int k = 1; status == LW_OK && k <= n; k++) {
         memcpy(next, q, sizeof *q*(size_t)s->n_q);

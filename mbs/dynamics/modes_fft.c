@@ -71,7 +71,7 @@ static lw_status choose(recorder *l, const lw_modes *modes, lw_error *e)
             l->coordinate[l->n_track++] = top;
     }
     if (l->n_track == 0)
-        return lw_error_set(e, LW_NOTHING, "no mode vibrates long enough to be heard");
+        return lw_error_set(e, LW_NOTHING, "no mode vibrates long enough for its spectrum");
     l->step = 1.0/(PER_PERIOD*quick);
     for (l->n = 1024; l->n < LONGEST && l->n*l->step*slow < PERIODS; l->n *= 2)
         continue;
@@ -195,10 +195,10 @@ lw_status lw_modes_from_spectra(const lw_forces *f, const lw_modes_options *o, d
     for (int k = 0; k < modes->n_mode; k++)
         peak[k] = NAN;
     if (f->system->n_tie > 0)
-        return lw_error_set(e, LW_E_KIND, "linkages with tied inputs are not listened to (--fft)");
+        return lw_error_set(e, LW_E_KIND, "frequencies from spectra (--fft) are not available with tied inputs");
     recorder *l = calloc(1, sizeof *l);
     if (!l)
-        return lw_error_set(e, LW_E_MEMORY, "no memory to listen");
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_clearance_plain(f, &l->scene);
     lw_clearance_options none = lw_clearance_options_default();
     lw_status s = lw_clearance_work_make(&l->scene, &none, &l->work);
@@ -214,7 +214,7 @@ lw_status lw_modes_from_spectra(const lw_forces *f, const lw_modes_options *o, d
             s = find_peaks(l, modes, q, peak, e);
         lw_clearance_work_free(&l->work);
     } else
-        lw_error_set(e, s, "no memory to listen");
+        lw_error_set(e, s, "out of memory");
     free(l->track);
     free(l);
     return s;

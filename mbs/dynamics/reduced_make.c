@@ -1,6 +1,7 @@
 /* mbs/dynamics/reduced_make.c - can one coordinate describe a model?  Its parts on the registers of the plan. */
 #include "mbs/dynamics/reduced_internal.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -290,6 +291,7 @@ static lw_status make(const lw_dynamics *d, lw_reduced *r, char *why)
     if ((s = place_parts(d, r, why)) != LW_OK)
         return s;
     place_masses(d, r, fixed);
+    assert(r->n_mass <= LW_LINK_MAX && r->n_step <= LW_STEP_MAX);
     drop_steps(d, r);
     find_sense(d, r);
     return lw_reduced_change_points(r, r->first) ? LW_OK

@@ -13,6 +13,8 @@
 /* A stiffness that becomes positive definite by so small a shift neither holds nor drives away: neutral equilibrium. */
 #define NEUTRAL 1e-9
 
+#define CONVERGED 1e-11                  /* two steps below this in a row: rounding stops Newton's method */
+
 static const double still[LW_SYSTEM_Q_MAX];
 
 /* Solve (K + shift W) x = load by Cholesky's method, with W the masses and a small multiple of I.  false: not
@@ -134,7 +136,7 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
             break;
         r->residual = greatest(v->load, v->n_free);
         r->stable = shift == 0.0;
-        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q) || (last < 1e-11 && size < 1e-11);
+        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q) || (last < CONVERGED && size < CONVERGED);
         if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
             return LW_OK;
         last = done ? INFINITY : size;
