@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "mbs/kinematics/motion.h"
-#include "optimise/problem/family.h"
 
 /* ---- strokes and phases ----------------------------------------------------------------------------- */
 

@@ -153,7 +153,7 @@ static void accelerations(const lw_problem *p, const double *x, lw_work *w, doub
     for (size_t k = 0; k < POSES; k++) {
         double ax = (w->pose_x[k] - w->pose_u[k])/(2*h), ay = (w->pose_y[k] - w->pose_v[k])/(2*h);
         double vx = 0.5*(w->pose_x[k] + w->pose_u[k]), vy = 0.5*(w->pose_y[k] + w->pose_v[k]);
-        double turn2 = p->task == LW_TASK_FUNCTION ? pow(vx*vx + vy*vy, 2) : 0;
+        double turn2 = !lw_task_has_place(p->task) ? pow(vx*vx + vy*vy, 2) : 0;
         g[k] = 1 - (ax*ax + ay*ay - turn2)/limit2;
     }
     for (size_t k = 0; k < POSES; k++)                        /* over a dead point there is no end to it */

@@ -10,7 +10,8 @@
 #ifndef LW_OPTIMISE_PROBLEM_FAMILY_H
 #define LW_OPTIMISE_PROBLEM_FAMILY_H
 
-#include "optimise/problem/problem.h"
+#include "mbs/plan/types.h"
+#include "optimise/task/specification.h"
 
 #define LW_SHAPE_MAX 4
 #define LW_DRAW_MAX  4

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "optimise/problem/family.h"
-
 const char *lw_problem_variable(const lw_problem *p, int i)
 {
     if (i < p->n_dim)
@@ -61,7 +59,7 @@ bool lw_problem_has_modes(const lw_problem *p)
 
 int lw_problem_component_count(const lw_problem *p)
 {
-    int n = p->task == LW_TASK_PATH ? 2 : p->task == LW_TASK_MOTION ? 3 : 1;
+    int n = (lw_task_has_place(p->task) ? 2 : 0) + (lw_task_has_angle(p->task) ? 1 : 0);
     for (int i = 0; i < p->n_also; i++)
         n += (p->also[i].x ? 2 : 0) + (p->also[i].theta ? 1 : 0);
     return n;

@@ -20,8 +20,7 @@
 #define LW_OPTIMISE_PROBLEM_PROBLEM_H
 
 #include <stdint.h>
-#include "mbs/plan/types.h"
-#include "optimise/task/specification.h"
+#include "optimise/problem/family.h"
 
 #define LW_VAR_MAX    (LW_DIM_MAX + 2 + LW_ALSO_MAX)
 #define LW_LINEAR_MAX 128
@@ -32,10 +31,6 @@
 /* Linear conditions keep this distance (scaled) from their limit: at the change point itself two
  * branches cross and nobody can say which one a linkage follows. */
 #define LW_LINEAR_LEAST 1e-6
-
-/* A family: a type of linkage, and linear conditions on its lengths that make its input turn fully,
- * or none.  Rows of a table in optimise/problem/family.c. */
-struct lw_family;
 
 /* Which of its motions a linkage is meant to make. */
 typedef struct lw_intended_motion {
@@ -56,7 +51,7 @@ typedef struct lw_aim {
 } lw_aim;
 
 typedef struct lw_problem {
-    const struct lw_family *family;
+    const lw_family *family;
     lw_plan      plan;
     lw_intended_motion    branch;                 /* of this run                                            */
     bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
@@ -90,7 +85,7 @@ typedef struct lw_problem {
 /* What point k has to do; 0: the first. */
 static inline lw_aim lw_problem_aim(const lw_problem *p, int k)
 {
-    bool path = p->task != LW_TASK_FUNCTION;
+    bool path = lw_task_has_place(p->task);
     return k > 0 ? p->also[k - 1]
                  : (lw_aim){ path ? p->x : NULL, path ? p->y : NULL, p->theta, p->wa, p->wb, p->i_tool0 };
 }
@@ -124,7 +119,7 @@ size_t lw_problem_constraint_most(const lw_problem *p);
 /* Make the problem of fitting one family, in one assembly mode and sense, to a target.
  * LW_E_ARG with a text: bounds that exclude everything, a task the target has no columns for, ...
  * LW_E_KIND: this family cannot do this task (a slider input has no crank angle to prescribe). */
-lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const struct lw_family *family,
+lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_family *family,
                           double mode, int sense, lw_problem *p, lw_error *e);
 void      lw_problem_free(lw_problem *p);
 

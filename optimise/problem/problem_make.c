@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optimise/problem/family.h"
+#include "optimise/problem/problem.h"
 #include "optimise/problem/tracers.h"
 
 /* "+r3+r4-r1-r2" into coefficients by variable. */
@@ -218,7 +218,7 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
             fix(p, p->plan.i_cx[i + 1], 0);
             fix(p, p->plan.i_cy[i + 1], 0);
         }
-    if (p->task == LW_TASK_FUNCTION) {                       /* place, size, tracer do not matter     */
+    if (!lw_task_has_place(p->task)) {                       /* place, size, tracer do not matter     */
         static const char *const idle[] = { "x0", "y0", "theta0", "cy" };
         for (int k = 0; k < 4; k++)
             fix(p, lw_problem_index(p, idle[k]), 0);
@@ -233,27 +233,27 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
 {
     if (t->n < 2)
         return lw_error_set(e, LW_E_ARG, "one point only: a linkage is found for two points or more");
-    if (s->task != LW_TASK_FUNCTION && t->x && !(t->size > 0))
+    if (lw_task_has_place(s->task) && t->x && !(t->size > 0))
         return lw_error_set(e, LW_E_ARG, "all points are at one place: a path needs some extent");
-    if (s->timing == LW_TIMING_NONE && s->task != LW_TASK_FUNCTION && t->n_also > 0)
+    if (s->timing == LW_TIMING_NONE && lw_task_has_place(s->task) && t->n_also > 0)
         return lw_error_set(e, LW_E_ARG, "several points are where the target says at the same time, so their stations "
                             "have an order; timing none, which scores one curve both ways, knows none: use free "
                             "timing");
-    for (int i = 0; i < t->n_also && s->task == LW_TASK_FUNCTION; i++)
+    for (int i = 0; i < t->n_also && !lw_task_has_place(s->task); i++)
         if (t->also[i].x)
             return lw_error_set(e, LW_E_ARG, "a function has no place in the plane, so point %d cannot have x and y; "
                                 "use the path task, with the output angle as a further point", i + 2);
-    if (s->task == LW_TASK_FUNCTION && s->n_zone > 0)
+    if (!lw_task_has_place(s->task) && s->n_zone > 0)
         return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
                             "mean nothing to it; leave them out, or use the path task");
-    if (s->task != LW_TASK_FUNCTION && !t->x)
+    if (lw_task_has_place(s->task) && !t->x)
         return lw_error_set(e, LW_E_ARG, "the target has no columns x and y, which a path needs; "
                             "for input and output angles use the function task");
-    if (s->task != LW_TASK_PATH && !t->theta)
+    if (lw_task_has_angle(s->task) && !t->theta)
         return lw_error_set(e, LW_E_ARG, "the target has no column theta (tool or output angle), "
                             "which the %s task needs",
-                            s->task == LW_TASK_MOTION ? "motion" : "function");
-    bool timed = s->timing == LW_TIMING_PRESCRIBED || s->task == LW_TASK_FUNCTION;
+                            lw_task_table[s->task].name);
+    bool timed = s->timing == LW_TIMING_PRESCRIBED || lw_task_table[s->task].prescribed;
     if (timed && !t->angle)
         return lw_error_set(e, LW_E_ARG, "prescribed timing needs a column angle (input angle) in the "
                             "target; without one use free timing");
@@ -266,7 +266,7 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
         return lw_error_set(e, LW_E_KIND, "its input is a slider, which has no crank angle to "
                             "prescribe");
-    if (p->task == LW_TASK_FUNCTION && p->family->type && p->family->type[3] == 'P')
+    if (!lw_task_has_place(p->task) && p->family->type && p->family->type[3] == 'P')
         return lw_error_set(e, LW_E_KIND, "its output slides and has no angle");
     return LW_OK;
 }
@@ -302,11 +302,11 @@ static void scale_zones(const lw_fit_spec *s, lw_problem *p)
 /* f counts in units of the scaled target; the user's objective is scale * f. */
 static void weigh(const lw_target *t, const lw_fit_spec *s, lw_problem *p)
 {
-    bool function = p->task == LW_TASK_FUNCTION;
+    bool function = !lw_task_has_place(p->task);
     double angle = function ? s->b : s->b/(s->a*p->unit*p->unit);
     p->scale = function ? 1 : s->a*p->unit*p->unit;
     p->a = function ? 0 : 1;
-    p->b = p->task == LW_TASK_PATH ? 0 : angle;
+    p->b = !lw_task_has_angle(p->task) ? 0 : angle;
     for (size_t i = 0; i < p->n; i++) {
         p->wa[i] = sqrt(p->a*p->w[i]);
         p->wb[i] = sqrt(p->b*p->w[i]);
@@ -328,7 +328,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         return st;
     p->family = family;
     p->task = s->task;
-    p->timing = s->task == LW_TASK_FUNCTION ? LW_TIMING_PRESCRIBED : s->timing;
+    p->timing = lw_task_table[s->task].prescribed ? LW_TIMING_PRESCRIBED : s->timing;
     p->datum = s->datum;
     p->branch.turns = family->turns;
     p->must_turn = s->crank_only;
@@ -338,7 +338,7 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
         p->branch.mode[d] = mode;
     if ((st = make_stations(t, p, e)) != LW_OK)
         return st;
-    if (p->task == LW_TASK_PATH)
+    if (!lw_task_has_angle(p->task))
         p->theta = NULL;
     if ((st = make_plan(t, s, p, e)) != LW_OK || (st = check_family(p, e)) != LW_OK
         || (st = make_bounds(t, s, p, e)) != LW_OK) {

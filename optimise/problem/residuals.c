@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "optimise/problem/circuit.h"
-#include "optimise/problem/family.h"
 #include "optimise/problem/variable_projection.h"
 
 void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, double *margin)

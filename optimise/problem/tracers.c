@@ -67,7 +67,7 @@ lw_status lw_tracers_linkage(const lw_family *f, const lw_target *t, const lw_fi
         bool angle = !t->also[i].x;
         lw_carrier c = s->carrier[i];
         if (c == LW_CARRIER_ANY)
-            c = angle && s->task != LW_TASK_FUNCTION ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
+            c = angle && lw_task_has_place(s->task) ? LW_CARRIER_OUTPUT : LW_CARRIER_COUPLER;
         int link = k->n_tracer > i + 1 ? k->tracer[i + 1].link : -1;
         for (int l = 0; l < k->n_link && link < 0; l++)
             if (l != k->ground && lw_tracers_carrier(k, l) == c)

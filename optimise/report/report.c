@@ -72,9 +72,9 @@ static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candi
 {
     lw_vec2 p = at[i] = pose->tracer[0][0];
     double weight = t->weight[i];
-    if (s->task != LW_TASK_FUNCTION)
+    if (lw_task_has_place(s->task))
         add_distance(s->a*weight, hypot(p.x - t->x[i], p.y - t->y[i]), i, &sum[0]);
-    if (s->task != LW_TASK_PATH)
+    if (lw_task_has_angle(s->task))
         add_angle(s->b*weight, pose->angle[k->tracer[0].link][0] + c->tool0 - t->theta[i], i, &sum[0]);
     for (int q = 0; q < t->n_also; q++) {
         const lw_also *a = &t->also[q];
@@ -90,7 +90,7 @@ static void add_station(const lw_target *t, const lw_fit_spec *s, const lw_candi
 static void errors_of_first(const lw_target *t, const lw_fit_spec *s, const sums *sum, lw_fit_report *r)
 {
     double n = (double)t->n;
-    bool path = s->task != LW_TASK_FUNCTION, angle = s->task != LW_TASK_PATH;
+    bool path = lw_task_has_place(s->task), angle = lw_task_has_angle(s->task);
     r->error_mean = path ? sum->distance/n : NAN;
     r->error_rms = path ? sqrt(sum->square/n) : NAN;
     r->error_max = path ? sum->distance_max : NAN;
@@ -265,7 +265,7 @@ static void describe_motion(const lw_target *t, const lw_fit_spec *s, const lw_c
         r->transmission_min = angle_of(limits->margin_least);
         r->transmission_max = angle_of(limits->margin_most);
     }
-    if (s->task == LW_TASK_FUNCTION) {
+    if (!lw_task_has_place(s->task)) {
         r->curve_max = NAN;
         return;
     }
@@ -363,7 +363,7 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
         return;
     double mode = c->mode_of ? c->mode_of[0] : c->branch.mode[0];
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
-    if (s->task != LW_TASK_FUNCTION && t->n_also == 0    /* cognates move one coupler point */
+    if (lw_task_has_place(s->task) && t->n_also == 0    /* cognates move one coupler point */
         && lw_fourbar_cognates(c->dim, mode, r->cognate, r->cognate_mode) == LW_OK)
         r->n_cognate = 2;
 }
@@ -403,7 +403,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         lw_fit_report_cycle(t, &plan, c, modes, &cycle);
         r->legs = cycle.n;
         describe_motion(t, s, c, &plan, &cycle, &limits, r);
-        if (s->task != LW_TASK_FUNCTION)
+        if (lw_task_has_place(s->task))
             compare_curves(t, s, c, &plan, &cycle, r);
         classify(t, s, c, r);
         lw_verify(t, s, c, &plan, at, r);

@@ -45,7 +45,7 @@ static bool open_file(replay *v)
 }
 
 /* Length that distances are compared with; a function has no path. */
-static double size_of(const replay *v) { return v->s->task == LW_TASK_FUNCTION ? 1 : v->t->length; }
+static double size_of(const replay *v) { return !lw_task_has_place(v->s->task) ? 1 : v->t->length; }
 
 /* ---- from station to station without limits -------------------------------------------------------- */
 
@@ -172,11 +172,11 @@ static double square_error(const replay *v, size_t i, double *distance)
     const lw_target *t = v->t;
     lw_vec2 p = v->now.tracer[0].at;
     double f = 0, a = v->s->a, b = v->s->b;
-    if (v->s->task != LW_TASK_FUNCTION) {
+    if (lw_task_has_place(v->s->task)) {
         *distance = hypot(p.x - t->x[i], p.y - t->y[i]);
         f += a*t->weight[i]**distance**distance;
     }
-    if (v->s->task != LW_TASK_PATH)
+    if (lw_task_has_angle(v->s->task))
         f += b*t->weight[i]*pow(turn_error(v, 0, t->theta[i]), 2);
     for (int k = 0; k < t->n_also; k++) {
         const lw_also *also = &t->also[k];
@@ -213,9 +213,9 @@ static bool claim_holds(const replay *v, double f, double off)
         for (int k = 0; k < v->t->n_also; k++)
             also += v->t->also[k].weight[i];
     }
-    double a = v->s->task == LW_TASK_FUNCTION ? 0 : v->s->a, b = v->s->task == LW_TASK_PATH ? 0 : v->s->b;
+    double a = !lw_task_has_place(v->s->task) ? 0 : v->s->a, b = !lw_task_has_angle(v->s->task) ? 0 : v->s->b;
     double slack = off*sqrt(a*(weight + also)) + TOLERANCE*sqrt(b*weight + v->s->b*also) + TOLERANCE*sqrt(f);
-    if (v->s->timing == LW_TIMING_NONE && v->s->task != LW_TASK_FUNCTION)
+    if (v->s->timing == LW_TIMING_NONE && lw_task_has_place(v->s->task))
         return sqrt(0.5*f) <= sqrt(claim) + slack;
     return fabs(sqrt(f) - sqrt(claim)) <= slack;
 }

@@ -231,7 +231,7 @@ static void thin_weights(const lw_target *t, const double *from, double to[THIN]
 static lw_status make_thin_target(lw_search *s, lw_error *e)
 {
     const lw_target *t = s->t;
-    if (t->n <= LONG || s->o->spec.task == LW_TASK_FUNCTION)
+    if (t->n <= LONG || !lw_task_has_place(s->o->spec.task))
         return LW_OK;
     double v[4][THIN], weight[THIN], more[LW_ALSO_MAX][4][THIN];
     lw_also also[LW_ALSO_MAX];

@@ -171,7 +171,7 @@ lw_status lw_search_rank(lw_search *s, lw_fit *out)
         t->py = t->px + n;
         bool fresh = trace(s, c, t);
         for (int k = 0; fresh && k < out->n; k++)
-            fresh = s->o->spec.task == LW_TASK_FUNCTION ? !same_proportions(s, t->of, seen[k].of)
+            fresh = !lw_task_has_place(s->o->spec.task) ? !same_proportions(s, t->of, seen[k].of)
                                                         : !same_curves(t, &seen[k], n);
         if (fresh && fill_candidate(s, c, &out->candidate[out->n]))
             out->n++;

@@ -256,7 +256,7 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
     }
     if (!frames(p, shape, w))
         return INFINITY;
-    if (p->task == LW_TASK_FUNCTION) {
+    if (!lw_task_has_place(p->task)) {
         double size = function_size(p, shape);
         for (int i = 0; i < p->n_dim; i++)
             x[i] = p->plan.dim[i].kind == LW_DIM_ANGLE ? shape[i] : shape[i]*size;

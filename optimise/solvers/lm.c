@@ -4,11 +4,11 @@
 #include <string.h>
 
 #include "base/clock.h"
-#include "optimise/problem/family.h"
 #include "optimise/problem/constraint.h"
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
 #include "optimise/problem/timing.h"
+#include "optimise/solvers/method_internal.h"
 #include "optimise/solvers/qp.h"
 
 enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
@@ -293,7 +293,7 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
     so.max_evals = p->family->linkage || p->n_zone > 0 ? fmin(o->max_steps, 200) : 4L*o->max_steps;
     so.interrupt = o->interrupt;
     so.max_seconds = o->until > 0 ? fmax(1e-3, o->until - lw_clock_wall()) : 0;
-    lw_status st = lw_solver_find("slsqp")->run(p, &so, x, &r);
+    lw_status st = lw_method_solve(lw_method_find("slsqp"), p, &so, x, &r);
     *evals += r.evals;
     *stop = r.stop;
     return st >= 0 && st != LW_NOTHING ? r.f : INFINITY;

@@ -43,6 +43,10 @@ typedef struct lw_method {
 lw_status lw_method_run(const lw_method *m, const lw_function *fn, const lw_solver_options *o,
                         double *x, lw_solver_result *result);
 
+/* Improve x of a fitting problem by a method; allocates its scratch.  Returns as lw_solver.run does. */
+lw_status lw_method_solve(const lw_method *m, const lw_problem *p, const lw_solver_options *o, double *x,
+                          lw_solver_result *result);
+
 /* The method of a row of the table that is built on one; NULL for other names. */
 const lw_method *lw_method_find(const char *name);
 

@@ -23,7 +23,7 @@ static double depth(const lw_zone *z, const lw_plan *plan, const lw_pose *pose)
 
 void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_motion_limits *w)
 {
-    double a = s->task == LW_TASK_FUNCTION ? fabs(pose->angle[plan->output_link[0]][2])
+    double a = !lw_task_has_place(s->task) ? fabs(pose->angle[plan->output_link[0]][2])
                                            : lw_v2_norm(pose->tracer[0][2]);
     w->margin_least = fmin(w->margin_least, pose->margin);              /* NaN gives way            */
     w->margin_most = fmax(w->margin_most, pose->margin);

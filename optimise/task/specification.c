@@ -2,6 +2,12 @@
 
 #include <math.h>
 
+const lw_task_row lw_task_table[LW_TASKS] = {
+    [LW_TASK_PATH]     = { "path",     .place = true },
+    [LW_TASK_FUNCTION] = { "function", .angle = true, .prescribed = true },
+    [LW_TASK_MOTION]   = { "motion",   .place = true, .angle = true }
+};
+
 lw_fit_spec lw_fit_spec_default(void)
 {
     return (lw_fit_spec){ .task = LW_TASK_PATH, .timing = LW_TIMING_FREE, .datum = LW_DATUM_FREE,

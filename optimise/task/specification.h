@@ -9,7 +9,21 @@
 
 #define LW_ZONE_MAX 8
 
-typedef enum lw_task   { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION } lw_task;
+/* The objective: path, function or motion generation.  Each has a row of lw_task_table. */
+typedef enum lw_task { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION, LW_TASKS } lw_task;
+
+typedef struct lw_task_row {
+    const char *name;                  /* as task files and options write it                     */
+    bool        place, angle;          /* compares places of the first point; angles of its link */
+    bool        prescribed;            /* the timing is always prescribed                        */
+} lw_task_row;
+
+extern const lw_task_row lw_task_table[LW_TASKS];
+
+static inline bool lw_task_has_place(lw_task task) { return lw_task_table[task].place; }
+static inline bool lw_task_has_angle(lw_task task) { return lw_task_table[task].angle; }
+
+/* How inputs belong to stations: as the target says; in the order of the stations; nearest points both ways. */
 typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
 
 /* From where the angles of a prescribed timing count. */

@@ -390,10 +390,12 @@ static lw_status read_sources(const lw_json_node *root, lw_task_file *b, lw_erro
 
 static lw_status read_wanted(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
-    static const char *const tasks[] = { "path", "function", "motion" };
+    const char *tasks[LW_TASKS];
     static const char *const timings[] = { "prescribed", "free", "none" };
     int task = 0, timing = 0;
-    lw_status s = read_word(root, "task", tasks, 3, &task, &b->has_task, e);
+    for (int i = 0; i < LW_TASKS; i++)
+        tasks[i] = lw_task_table[i].name;
+    lw_status s = read_word(root, "task", tasks, LW_TASKS, &task, &b->has_task, e);
     if (s == LW_OK)
         s = read_word(root, "timing", timings, 3, &timing, &b->has_timing, e);
     if (b->has_task)

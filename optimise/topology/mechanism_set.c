@@ -233,7 +233,7 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
 static lw_status add_pair(chain_job *job, const lw_mechanism *m, lw_pair_outcome *outcome)
 {
     *outcome = LW_PAIR_CIRCLE;
-    if (joined_to_ground(m) && job->request->task != LW_TASK_FUNCTION)
+    if (joined_to_ground(m) && lw_task_has_place(job->request->task))
         return LW_OK;
     if (job->request->dof == 1)
         return add_driven(job, m, outcome);

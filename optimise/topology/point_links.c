@@ -30,8 +30,8 @@ static bool suits(const choice *c, int i, int link)
     const lw_linkage *k = c->linkage;
     const lw_also *a = i > 0 ? &c->t->also[i - 1] : NULL;
     lw_carrier is = lw_tracers_carrier(k, link), carrier = i > 0 ? c->s->carrier[i - 1] : LW_CARRIER_ANY;
-    bool place = a ? a->x != NULL : c->s->task != LW_TASK_FUNCTION;
-    bool angle = a ? a->theta != NULL : c->s->task != LW_TASK_PATH;
+    bool place = a ? a->x != NULL : lw_task_has_place(c->s->task);
+    bool angle = a ? a->theta != NULL : lw_task_has_angle(c->s->task);
     if (link == k->ground || (angle && lw_tracers_only_slides(k, link)))
         return false;
     if (i == 0 && link != k->tracer[0].link && !c->partial[link])

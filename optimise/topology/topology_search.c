@@ -146,7 +146,7 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
         else if (*at != ',' && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
     lw_mechanism_request r = { .links = links, .dof = o->freedoms, .kinds = kinds, .only = o->topologies, .task = s->task,
-                               .timed = s->task == LW_TASK_FUNCTION || s->timing == LW_TIMING_PRESCRIBED,
+                               .timed = !lw_task_has_place(s->task) || s->timing == LW_TIMING_PRESCRIBED,
                                .jobs = o->fit.jobs, .interrupt = o->fit.interrupt };
     lw_status st = lw_ratio_list_read("gear_ratios", o->gear_ratios, &r.ratio.gear, e);
     if (st == LW_OK)
