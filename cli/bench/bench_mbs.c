@@ -27,8 +27,8 @@ static double pendulum_error(const cli_mbs_motion *m, const cli_mbs_reference *r
 {
     double worst = 0;
     for (int k = 0; k < m->n_moment; k++) {
-        const double *at = place(m, k, 0), *want = r->value + k*r->n_column;
-        worst = fmax(worst, hypot(at[0] - want[1], at[1] - want[2]));
+        const double *at = place(m, k, 0), *expected = r->value + k*r->n_column;
+        worst = fmax(worst, hypot(at[0] - expected[1], at[1] - expected[2]));
     }
     *off = NAN;
     return worst;
@@ -47,9 +47,9 @@ static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *
     double worst = 0;
     *off = 0;
     for (int k = 0; k < m->n_moment; k++) {
-        const double *want = r->value + k*r->n_column;
+        const double *expected = r->value + k*r->n_column;
         lw_vec2 b0 = crank_end(m, k, 0), before = b0;
-        worst = fmax(worst, hypot(b0.x - want[1], b0.y - want[2]));
+        worst = fmax(worst, hypot(b0.x - expected[1], b0.y - expected[2]));
         for (int i = 1; i < 3; i++) {
             lw_vec2 b = crank_end(m, k, i);
             *off = fmax(*off, hypot(b.x - before.x - 1, b.y - before.y));
@@ -66,8 +66,8 @@ static double andrews_error(const cli_mbs_motion *m, const cli_mbs_reference *r,
     double worst = 0;
     for (int k = 0; k < m->n_moment; k++)
         for (int i = 0; i < 4; i++) {
-            double want = r->value[k*r->n_column + angle[i].column] - r->value[angle[i].column];
-            worst = fmax(worst, fabs(place(m, k, angle[i].body)[2] - want));
+            double expected = r->value[k*r->n_column + angle[i].column] - r->value[angle[i].column];
+            worst = fmax(worst, fabs(place(m, k, angle[i].body)[2] - expected));
         }
     *off = NAN;
     return worst;

@@ -183,7 +183,7 @@ static lw_timing timing_of(const settings *s, const lw_target *t)
 /* Was this said on the command line, or is there nobody else to say it? */
 static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
 {
-    return !set->has_brief || cli_given(&call->parsed, option);
+    return !set->has_task_file || cli_given(&call->parsed, option);
 }
 
 /* Weights and ranges are in the user's unit, everything behind in SI. */
@@ -203,7 +203,7 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
     if (mine(call, set, "max-acceleration"))
         spec->max_acceleration = s->max_acceleration*m;
     if (spec->task == LW_TASK_FUNCTION)                              /* an angle's: it has no unit of length */
-        spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->brief.units.metre;
+        spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->task_file.units.metre;
     if (mine(call, set, "length-range")) {
         spec->length_lo = s->length_range[0]*m;
         spec->length_hi = s->length_range[1]*m;
@@ -220,10 +220,10 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
 {
     const settings *s = call->settings;
     const lw_target *t = &set->target;
-    *spec = set->has_brief ? set->brief.spec : lw_fit_spec_default();
-    if (mine(call, set, "task") || !set->brief.has_task)
+    *spec = set->has_task_file ? set->task_file.spec : lw_fit_spec_default();
+    if (mine(call, set, "task") || !set->task_file.has_task)
         spec->task = task_of(s, t);
-    if (mine(call, set, "timing") || !set->brief.has_timing)
+    if (mine(call, set, "timing") || !set->task_file.has_timing)
         spec->timing = timing_of(s, t);
     spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
     conditions(call, set, spec);
@@ -338,7 +338,7 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
 static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_search_options *o, lw_error *e)
 {
     const settings *s = call->settings;
-    const lw_task_file *b = &set->brief;
+    const lw_task_file *b = &set->task_file;
     bool counted = b->links > 0 || cli_given(&call->parsed, "links");
     o->links = counted ? said(call, "links", s->links, b->links) : 0;
     o->freedoms = said(call, "dof", s->dof, b->dof);
@@ -426,11 +426,11 @@ static void warn(const cli_call *call, const cli_fit_set *set)
 }
 
 /* A target, or a task file that brings or names one. */
-static lw_status read_wish(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
+static lw_status read_input(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
 {
     size_t n = strlen(path);
-    set->has_brief = n > 5 && strcmp(path + n - 5, ".json") == 0;
-    return set->has_brief ? cli_read_task_file(path, o, &set->brief, &set->target, e)
+    set->has_task_file = n > 5 && strcmp(path + n - 5, ".json") == 0;
+    return set->has_task_file ? cli_read_task_file(path, o, &set->task_file, &set->target, e)
                           : cli_read_target(path, o, &set->target, e);
 }
 
@@ -440,7 +440,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
     lw_target_options o = { s->closed ? 1 : s->open ? 0 : -1, s->length_unit, s->angle_unit };
     set->path = path;
     cli_fit_name(path, set->name, sizeof set->name);
-    lw_status st = read_wish(path, &o, set, e), why;
+    lw_status st = read_input(path, &o, set, e), why;
     if (st == LW_OK)
         st = make_spec(call, set, &set->spec, e);
     if (st != LW_OK)
@@ -466,7 +466,7 @@ static lw_status fit_one(const cli_call *call, const char *path, cli_fit_set *se
 static void set_free(cli_fit_set *set)
 {
     lw_target_free(&set->target);
-    lw_task_file_free(&set->brief);
+    lw_task_file_free(&set->task_file);
     lw_topology_search_free(&set->search);
     free(set->start.linkage);
     lw_exact_free(&set->exact);

@@ -20,8 +20,8 @@ typedef struct cli_fit_set {
     char        name[64];         /* its last part without ".csv"                                  */
     lw_target   target;
     lw_fit_spec spec;
-    bool        has_brief;        /* the target is a task file                                     */
-    lw_task_file    brief;
+    bool        has_task_file;        /* the target is a task file                                     */
+    lw_task_file    task_file;
     cli_fit_start start;
     lw_topology_search search;    /* with --exact only its candidates and results, which are those of ... */
     bool        is_exact;
@@ -55,7 +55,7 @@ void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
 void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
 void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
-/* Further points of the target (fit_points.c): "coupler,any" to the links that they lie on; lines below a row of the
+/* Further points of the target (fit_print.c): "coupler,any" to the links that they lie on; lines below a row of the
  * table; a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f);

@@ -156,10 +156,10 @@ static lw_status along(linear *l, lw_error *e)
 {
     const lw_input *in = &l->m->linkage.input[0];
     if (l->s.n_input == 0)
-        return lw_error_set(e, LW_E_ARG, "modes along the motion want an input, and the model has none");
+        return lw_error_set(e, LW_E_ARG, "modes along the motion need an input, and the model has none");
     bool pin = l->s.joint[l->s.input_joint[0]].kind == LW_JOINT_REVOLUTE, whole = in->first == in->last;
     if (whole && !pin)
-        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider want its range: give the input a "
+        return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a "
                             "\"from\" and a "
                             "\"to\"");
     double first = whole ? in->value : in->first, last = whole ? in->value + 2*LW_PI : in->last;

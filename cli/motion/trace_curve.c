@@ -146,7 +146,7 @@ void cli_curve_stretches(cli_curve_trace *t)
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 /* How often a closed curve has been gone round where the input of a stretch is u. */
-static double laps_at(lw_motion_curve *b, const cli_stretch *s, double u)
+static double rounds_at(lw_motion_curve *b, const cli_stretch *s, double u)
 {
     if (s->lap != 0)
         return floor((u - s->zero)/s->lap);
@@ -154,17 +154,17 @@ static double laps_at(lw_motion_curve *b, const cli_stretch *s, double u)
 }
 
 /* Station of the curve where the input is u, on a stretch that holds it. */
-static double station_at(lw_motion_curve *b, const cli_stretch *s, double u, double laps)
+static double station_at(lw_motion_curve *b, const cli_stretch *s, double u, double rounds)
 {
-    int part = s->lap == 0 && laps > 0;
-    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - laps*s->lap);
+    int part = s->lap == 0 && rounds > 0;
+    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - rounds*s->lap);
 }
 
 /* In every lap of a closed curve links turn as often as they do until it closes. */
-static void count_turns(const cli_curve_trace *t, const lw_motion_curve *b, double laps, double *q)
+static void count_turns(const cli_curve_trace *t, const lw_motion_curve *b, double rounds, double *q)
 {
     for (int body = 0; body < t->s.n_body; body++)
-        q[3*body + 2] += 2*LW_PI*laps*lw_motion_curve_turns(b, t->s.link[body]);
+        q[3*body + 2] += 2*LW_PI*rounds*lw_motion_curve_turns(b, t->s.link[body]);
 }
 
 /* What derivatives are by: the free input in its own unit, or time. */
@@ -189,9 +189,9 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
     lw_motion_curve *b = t->curves.curve[s->curve];
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
     bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
-    double laps = laps_at(b, s, u);
-    row->rates = fill_series(t, b, station_at(b, s, u, laps), series) && !limit;
-    count_turns(t, b, laps, series);
+    double rounds = rounds_at(b, s, u);
+    row->rates = fill_series(t, b, station_at(b, s, u, rounds), series) && !limit;
+    count_turns(t, b, rounds, series);
     cli_curve_values(t, series, i == 0, row);
     if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
         t->groups->seeded = false;                            /* both sides of a limit are near it */
@@ -215,7 +215,7 @@ static void stretch_rows(cli_curve_trace *t, int index)
     const cli_stretch *s = &t->stretch[index];
     lw_motion_curve *b = t->curves.curve[s->curve];
     double middle = 0.5*(s->first + s->last);
-    int side = lw_motion_curve_side(b, station_at(b, s, middle, laps_at(b, s, middle)));
+    int side = lw_motion_curve_side(b, station_at(b, s, middle, rounds_at(b, s, middle)));
     bool groups = t->groups && !crosses(b);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
@@ -425,4 +425,148 @@ void cli_curve_print(cli_curve_trace *t, bool cycle)
         print_json(t, cycle);
     else
         print_csv(t, cycle);
+}
+
+/* ---- in time ------------------------------------------------------------------------------------- */
+
+static void lead_text(const cli_curve_trace *t, bool units, char *text, size_t size)
+{
+    size_t n = (size_t)snprintf(text, size, units ? "time s" : "time");
+    for (int i = 0; i < t->k->n_input && n < size; i++) {
+        char number[16] = "";
+        if (i > 0)
+            snprintf(number, sizeof number, "_%d", i + 1);
+        n += (size_t)snprintf(text + n, size - n, units ? "; input%s %s" : ",input%s", number,
+                              cli_curve_unit_name(t, i));
+    }
+}
+
+static void begin(cli_curve_trace *t)
+{
+    char text[512];
+    if (!t->rows.json) {
+        fprintf(t->rows.f, "# %s\n", t->line);
+        lead_text(t, true, text, sizeof text);
+        cli_rows_units(&t->rows, text, "s");
+        for (int i = 0; i < t->k->n_input; i++) {
+            const lw_expression *x = t->model->motion[i];
+            fprintf(t->rows.f, "# input %d, %s: %s\n", i + 1, t->k->joint[t->k->input[i].joint].name,
+                    x ? lw_expression_text(x) : t->k->input[i].ratio != 0 ? "goes with input 1" : "rests");
+        }
+    }
+    lead_text(t, false, text, sizeof text);
+    cli_rows_head(&t->rows, text);
+    if (t->rows.json) {
+        cli_json_array(t->rows.json, "arcs");
+        cli_json_object(t->rows.json, NULL);
+        cli_json_int(t->rows.json, "arc", 1);
+        cli_json_array(t->rows.json, "rows");
+    }
+}
+
+static void put_posture(cli_curve_trace *t, lw_prescribed_motion *d, bool first)
+{
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX] = { 0 }, u[LW_INPUT_MAX];
+    cli_row row = { .arc = 1, .mode = ".", .n_lead = 1 + t->k->n_input };
+    row.rates = lw_prescribed_motion_rates(d, CLI_ROW_ORDER, series);
+    memcpy(series, lw_prescribed_motion_pose(d), (size_t)t->s.n_q*sizeof *series);
+    row.lead[0] = lw_prescribed_motion_time(d);
+    lw_prescribed_motion_of_model((void *)t->model, lw_prescribed_motion_time(d), 0, u);
+    for (int i = 0; i < t->k->n_input; i++)
+        row.lead[1 + i] = u[i]/cli_curve_unit(t, i);
+    cli_curve_values(t, series, first, &row);
+    cli_rows_put(&t->rows, &row);
+}
+
+lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
+{
+    lw_prescribed_motion *d;
+    lw_status s = lw_prescribed_motion_create(&t->s, lw_prescribed_motion_of_model, (void *)t->model, range[0], &d, e);
+    if (s != LW_OK)
+        return s;
+    double n = floor((range[1] - range[0])/range[2]*(1 + 1e-12));
+    t->rows.total = n + 1;
+    begin(t);
+    for (double i = 0; i <= n && s == LW_OK && !cli_rows_stopped(&t->rows); i++) {
+        s = lw_prescribed_motion_to(d, range[0] + i*range[2]);
+        if (s == LW_OK)
+            put_posture(t, d, i == 0);
+    }
+    if (s == LW_OPEN)
+        lw_error_set(e, s, "the motions lead beyond a limit of the linkage (a dead point of its inputs) at t = %.12g s;"
+                     " the rows end before it", lw_prescribed_motion_time(d));
+    else if (s != LW_OK)
+        lw_error_set(e, s, "the motion is lost at t = %.12g s: an input jumps or is no number there, or no step is "
+                     "short enough to stay on the branch; the rows end before it", lw_prescribed_motion_time(d));
+    double last;
+    int crossings = lw_prescribed_motion_crossings(d, &last);
+    if (crossings > 0 && !t->rows.json)
+        fprintf(t->rows.f, "# branch points passed straight on: %d, the last at time %.12g\n", crossings, last);
+    if (t->rows.json) {
+        cli_json_end(t->rows.json);
+        cli_json_int(t->rows.json, "branch_points", crossings);
+        cli_json_end(t->rows.json);
+        cli_json_end(t->rows.json);
+    }
+    lw_prescribed_motion_free(d);
+    return s;
+}
+
+/* ---- rows between two postures by the groups ----------------------------------------------------- */
+
+#define LEAST_MARGIN 1e-5              /* nearer to a dead point of a group the curve is asked       */
+
+cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers)
+{
+    cli_groups *g = calloc(1, sizeof *g);
+    double input;
+    if (g)
+        g->k = *k;
+    if (g && lw_plan_make(k, (lw_plan_options){ .tracers = tracers, .all_joints = true, .kind = LW_PLAN_HIGHER },
+                          &g->plan, NULL) == LW_OK
+        && lw_plan_read(&g->plan, k, g->dim, g->mode, &input, NULL) == LW_OK)
+        return g;
+    free(g);
+    return NULL;
+}
+
+static bool solve(cli_groups *g, double u)
+{
+    return lw_pose_solve(&g->plan, g->dim, g->mode, u + g->more, CLI_ROW_ORDER, &g->pose) == LW_OK
+           && g->pose.margin > LEAST_MARGIN;
+}
+
+void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
+                     const cli_row *row)
+{
+    double dim[LW_DIM_MAX], input;
+    lw_system_write(s, q, &g->k);
+    g->seeded = lw_plan_read(&g->plan, &g->k, dim, g->mode, &input, NULL) == LW_OK;
+    g->more = input - u;
+    g->seeded = g->seeded && solve(g, u);
+    for (int i = 0; i < g->k.n_tracer && g->seeded; i++) {
+        g->angle[i] = row->value[i][8]*rows->k->units.radian;
+        g->tool[i] = g->angle[i] - g->pose.angle[g->k.tracer[i].link][0];
+    }
+}
+
+bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row)
+{
+    if (!g->seeded || !solve(g, u))
+        return false;
+    for (int i = 0; i < g->k.n_tracer; i++) {
+        lw_vec2 p[CLI_ROW_ORDER + 1];
+        double a[CLI_ROW_ORDER + 1], scale = 1;
+        if (!(rows->tracers >> i & 1))
+            continue;
+        const double *turn = g->pose.angle[g->k.tracer[i].link];
+        for (int order = 0; order <= CLI_ROW_ORDER; order++, scale *= by) {
+            p[order] = lw_v2_scale(g->pose.tracer[i][order], scale);
+            a[order] = turn[order]*scale;
+        }
+        g->angle[i] += remainder(turn[0] + g->tool[i] - g->angle[i], 2*LW_PI);
+        cli_row_values(rows, p, a, g->angle[i], row->value[i]);
+    }
+    row->rates = true;
+    return true;
 }

@@ -142,11 +142,11 @@ static lw_status size_value(const cli_option *r, const char *name, const char *t
 static lw_status choice_value(const cli_option *r, const char *name, const char *text, int *v,
                               lw_error *e)
 {
-    size_t want = strlen(text);
+    size_t length = strlen(text);
     const char *c = r->argument;
     for (int i = 0; c; i++) {
         size_t size = strcspn(c, "|");
-        if (size == want && strncmp(c, text, size) == 0) {
+        if (size == length && strncmp(c, text, size) == 0) {
             *v = i;
             return LW_OK;
         }
