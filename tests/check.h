@@ -1,8 +1,8 @@
-/* tests/check.h - checks that print what they saw, count, and go on.
+/* tests/check.h - checks that print the values of a failure, count it, and go on.
  *
  *     int main(void) { RUN(closes_everywhere); RUN(reads_back); return check_end(); }
  *
- * LW_SEED=... repeats a randomised run; check_seed() gives it (printed when a check fails). */
+ * LW_SEED=... repeats a run with random numbers; check_seed() returns it, and a check that fails prints it. */
 #ifndef LW_TESTS_CHECK_H
 #define LW_TESTS_CHECK_H
 
@@ -49,7 +49,7 @@ static inline int check_fail(const char *file, int line)
          if ((!g_ || strcmp(g_, w_) != 0) && check_fail(__FILE__, __LINE__)) \
              fprintf(stderr, "%s = \"%s\", want \"%s\"\n", #got, g_ ? g_ : "(null)", w_); } while (0)
 
-/* text holds part */
+/* The text contains the part. */
 #define CHECK_HAS(text, part) \
     do { const char *g_ = (text), *w_ = (part); \
          if ((!g_ || !strstr(g_, w_)) && check_fail(__FILE__, __LINE__)) \
