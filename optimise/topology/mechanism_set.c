@@ -518,8 +518,8 @@ static lw_status check_names(const lw_mechanism_request *request, const bool met
         size_t n = strcspn(at, ",");
         if (k < NAMES_MAX && !met[k])
             return lw_error_set(e, LW_E_ARG, "topology: nothing up to %d links is called '%.*s'; there are watt1, "
-                                "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and by "
-                                "links, number of slots and gears, and number as 5.1.2", request->links, (int)n, at);
+                                "watt2, stephenson1, stephenson2, stephenson3, chains by links and number as 8.5, and "
+                                "by links, number of slots and gears, and number as 5.1.2", request->links, (int)n, at);
         at += n + (at[n] == ',');
     }
     return LW_OK;

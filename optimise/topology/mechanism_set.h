@@ -64,7 +64,7 @@ typedef struct lw_mechanism_request {
     const char *only;          /* names with commas between: "watt1,stephenson3", "watt" (both), chains by links and
                                 * number "8.5", by links, joints of two freedoms and number "5.1.2"; or "all" */
     lw_task     task;
-    bool        timed;         /* fit every input at the ground by itself: it matters which one has the target's angles */
+    bool        timed;         /* it matters which input has the target's angles: fit each at the ground by itself */
     int         jobs;          /* threads; < 1: one per core                                        */
     const volatile int *interrupt;   /* stops when it becomes nonzero; NULL: nothing stops it       */
 } lw_mechanism_request;

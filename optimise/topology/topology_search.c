@@ -36,10 +36,11 @@ lw_topology_search_options lw_topology_search_options_default(void)
 lw_status lw_start_check(const lw_linkage *k, lw_error *e)
 {
     int own = lw_linkage_free_inputs(k);
+    const char *tied = own > 1 ? ", beside those tied to it by a ratio," : "";
     if (own == 1 && k->n_tracer > 0)
         return LW_OK;
     return lw_error_set(e, LW_E_ARG, "a linkage to start from has one input%s and a tracer; \"%.40s\" has %d inputs "
-                        "and %d tracers", own > 1 ? ", beside those tied to it by a ratio," : "", k->name, own, k->n_tracer);
+                        "and %d tracers", tied, k->name, own, k->n_tracer);
 }
 
 static int by_links(const void *a, const void *b)
@@ -145,7 +146,8 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
             return lw_error_set(e, LW_E_ARG, "joints are r, t, p and g, with or without commas, not '%s'", o->joints);
         else if (*at != ',' && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
-    lw_mechanism_request r = { .links = links, .dof = o->freedoms, .kinds = kinds, .only = o->topologies, .task = s->task,
+    lw_mechanism_request r = { .links = links, .dof = o->freedoms, .kinds = kinds, .only = o->topologies,
+                               .task = s->task,
                                .timed = !lw_task_has_place(s->task) || s->timing == LW_TIMING_PRESCRIBED,
                                .jobs = o->fit.jobs, .interrupt = o->fit.interrupt };
     lw_status st = lw_ratio_list_read("gear_ratios", o->gear_ratios, &r.ratio.gear, e);
@@ -168,8 +170,8 @@ static lw_status make_plan(const lw_target *t, const lw_topology_search_options 
                             o->freedoms);
     int least = lw_mechanism_least_links(o->freedoms), links = o->links > 0 ? o->links : least;
     if (links < least || links > LINKS_MAX)
-        return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d", o->freedoms,
-                            least, LINKS_MAX, links);
+        return lw_error_set(e, LW_E_ARG, "with %d degrees of freedom mechanisms have %d to %d links, not %d",
+                            o->freedoms, least, LINKS_MAX, links);
     lw_status st = make_set(o, links, p, e);
     if (st == LW_OK)
         st = make_starts(o, p, e);
