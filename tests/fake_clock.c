@@ -1,5 +1,5 @@
-/* tests/fake_clock.c - replaces base/clock.c in the test build of the program and in a few tests, so that a time limit is
- * a number of readings of the clock, the same on every machine.
+/* tests/fake_clock.c - replaces base/clock.c in the test build of the program, so that a time limit is a number of
+ * readings of the clock, the same on every machine.
  *
  *     LW_CLOCK_STEP=0.01     each reading is 0.01 s later than the one before; without it the clock is the real one
  *     LW_SIGNAL=2 LW_SIGNAL_AT=100    the hundredth reading sends signal 2 to the program itself */

@@ -1,5 +1,5 @@
-/* tests/kill_at_write.c - in the test build of the program: end it by SIGKILL right before SQLite changes a file for the
- * n-th time.  A program killed at any moment leaves what one of these leaves, since only system calls change a file.
+/* tests/kill_at_write.c - ends the test build of the program by SIGKILL right before SQLite changes a file for the n-th
+ * time.  Only system calls change a file: a program killed at any moment leaves the files as one of these kills does.
  *
  *     LW_KILL_AT_WRITE=n       1: before the first change
  *     LW_WRITES_FILE=path      a program that ends writes the number of changes to this file */
