@@ -114,7 +114,7 @@ static void refusals(void)
 {
     expect("$P plasma $D/lam.txt", 2, NULL, "--target is missing");
     expect("$P plasma $D/lam.txt --target nowhere.csv", 3, NULL, "nowhere.csv");
-    expect("$P plasma $D/lam.txt --target examples/function-log.csv", 3, NULL, "a path is wanted");
+    expect("$P plasma $D/lam.txt --target examples/function-log.csv", 3, NULL, "must be a path");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --ground 5", 3, NULL, "there is no part 5");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --input-joint 5", 3, NULL, "there is no joint 5");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --tracer-link 1", 3, NULL, "which is the ground");

@@ -268,8 +268,8 @@ static void change_points_are_passed_straight_on(void)
 /* The roller of a Scotch yoke can spin without effect on the tracer. */
 static void idle_freedoms_are_held(void)
 {
-    expect("$P trace examples/mobility/roller.json -n 2", 0, "closes after 1 turn", "no tracer is held still at R");
-    expect("$P trace examples/mobility/roller.json --explain", 0, "links at once", "held still at R");
+    expect("$P trace examples/mobility/roller.json -n 2", 0, "closes after 1 turn", "R is held still");
+    expect("$P trace examples/mobility/roller.json --explain", 0, "links at once", "R is held still");
 }
 
 /* A bar of length zero spins while all other links stand still. A window may hold many turns, but not any number of

@@ -166,7 +166,7 @@ static lw_status read_matrix(job *b, lw_error *e)
     for (int j = 0; j < b->m.n_joint; j++)
         freedom -= 3 - lw_kind_freedom(b->m.kind[j]);
     return freedom == 1 ? LW_OK
-         : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d freedoms; one is wanted", freedom);
+         : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d degrees of freedom; it must have one", freedom);
 }
 
 /* ---- first dimensions --------------------------------------------------------------------------------------- */
@@ -378,10 +378,10 @@ static lw_status run_all(job *b, lw_error *e)
     if (st != LW_OK)
         return st;
     if (b->target.n_also > 0)
-        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "one path is wanted; 'linkwright fit' takes several "
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be one path; 'linkwright fit' takes several "
                            "points");
     if (!b->target.x)
-        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "a path is wanted: columns x and y");
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be a path, with columns x and y");
     make_spec(b);
     b->family = (lw_family){ .name = "mechanism", .linkage = &b->sketch, .links = b->m.n_link };
     cli_plasma_matrix(&b->lam, b->out.f);

@@ -14,7 +14,7 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
     lw_fit_options here = *o;
     s->is_exact = true;
     if (s->spec.task != LW_TASK_FUNCTION && s->target.angle)
-        cli_note(call, "%s: its input angles are passed over; linkages through precision points find their own",
+        cli_note(call, "%s: its input angles are ignored; linkages through precision points find their own",
                  s->path);
     if (s->spec.task != LW_TASK_FUNCTION)
         s->spec.timing = LW_TIMING_FREE;

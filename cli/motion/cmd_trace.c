@@ -125,7 +125,7 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
     if (st < 0)
         return lw_error_at(e, st, file, 0, 0, "its motion cannot be found: %s", lw_status_text(st));
     if (st == LW_STOPPED)
-        cli_note(call, "the linkage has more arcs than the %d that are traced", LW_ARC_MAX);
+        cli_note(call, "the linkage has more arcs than the %d that are printed", LW_ARC_MAX);
     set_tools(t);
     set_window(s, call, t);
     t->speed = cli_given(&call->parsed, "speed") ? s->speed : 0;
@@ -411,7 +411,7 @@ static int by_plan(const job *j, cli_trace *t)
     } else {
         cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
         if (t->motion.change_point)
-            cli_note(j->call, "it passes change points, where it is not followed straight on: %s", e.text);
+            cli_note(j->call, "it passes change points, and the rows do not continue through them: %s", e.text);
         code = print_plan(j->call, t);
     }
     free_curves(c);
@@ -459,7 +459,7 @@ static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
     lw_status st = lw_mobility_hold_idle(k, &held, e);
     for (int j = 0; j < k->n_joint; j++)
         if (held >> j & 1)
-            cli_note(call, "a freedom that reaches no tracer is held still at %s", k->joint[j].name);
+            cli_note(call, "%s is held still: its motion moves no tracer", k->joint[j].name);
     return st;
 }
 

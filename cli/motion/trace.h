@@ -1,5 +1,4 @@
-/* cli/motion/trace.h - the rows of `linkwright trace`: which ranges of the input, and the two ways to print
- * them. */
+/* cli/motion/trace.h - the rows of `linkwright trace`: ranges of the input, printed as CSV or JSON. */
 #ifndef CLI_MOTION_TRACE_H
 #define CLI_MOTION_TRACE_H
 
@@ -9,8 +8,7 @@
 
 #define CLI_PIECE_MAX 1024
 
-/* What is left of an arc after cutting it to the wanted range of the input; the ends are limits of
- * motion when they are the arc's own. */
+/* Part of an arc within the chosen range of the input.  limit[i]: this end is a limit of the motion. */
 typedef struct cli_piece {
     int    arc;                         /* index in motion.arc                                     */
     double first, last;                 /* [rad] or [m], as in the plan                            */
@@ -24,18 +22,18 @@ typedef struct cli_trace {
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the posture of the file        */
     double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
     bool       whole;                   /* all of the input, else from .. to                       */
-    double     from, to;                /* as a person counts the input [rad] or [m]               */
+    double     from, to;                /* in the angle convention of the file [rad] or [m]        */
     bool       timed;                   /* derivatives by time, input speed                        */
     double     speed;                   /* [rad/s] or [m/s]                                        */
     int        steps;
-    bool       dropped;                 /* there are more pieces than CLI_PIECE_MAX                */
+    bool       dropped;                 /* more pieces than CLI_PIECE_MAX                          */
     int        n_piece;
     cli_piece  piece[CLI_PIECE_MAX];
     cli_rows   rows;
     const char *line;                   /* the command                                             */
 } cli_trace;
 
-/* Cut the arcs; only_file: only the arc that holds the posture of the file. */
+/* Cut the arcs; only_file: only the arc that contains the posture of the file. */
 void cli_trace_pieces(cli_trace *t, bool only_file);
 
 /* Print every piece; stops after a row when t->rows says so. */

@@ -1,4 +1,4 @@
-/* cli/motion/trace_curve.h - `linkwright trace` for any linkage: along its curves of postures, or in time. */
+/* cli/motion/trace_curve.h - `linkwright trace` for any linkage: along its motion curves, or in time. */
 #ifndef CLI_MOTION_TRACE_CURVE_H
 #define CLI_MOTION_TRACE_CURVE_H
 
@@ -17,35 +17,35 @@ typedef struct cli_groups {
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX];
     bool       seeded;
-    double     more;                   /* what the plan's input counts more than the linkage's       */
-    double     tool[LW_TRACER_MAX];    /* angles told less the plan's [rad]                          */
-    double     angle[LW_TRACER_MAX];   /* of the row before [rad]                                    */
+    double     more;                   /* the plan's input minus the linkage's                        */
+    double     tool[LW_TRACER_MAX];    /* printed angles minus the plan's [rad]                      */
+    double     angle[LW_TRACER_MAX];   /* in the previous row [rad]                                  */
     lw_linkage k;
     lw_pose    pose;
 } cli_groups;
 
-/* NULL when the linkage has no plan, or memory ran out: then there is the curve alone.  Free with free(). */
+/* NULL if the linkage has no plan, or memory ran out; the curve alone then gives the rows.  Free with free(). */
 cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers);
 
-/* Posture q of s, where the input is u and which has been told as `row`, is the seed of the next rows. */
+/* Start the next rows from posture q of s, which was printed as `row` at input u. */
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
                      const cli_row *row);
 
-/* Values of the row at input u, derivatives by `by` times the input.  False, when the plan does not vouch for it. */
+/* Values of the row at input u; by: input rate that scales the derivatives.  False if the plan is too near a dead point. */
 bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row);
 
 #define CLI_STRETCH_MAX 1024
 
-/* A stretch of a curve on which the free input goes one way: from limit to limit, or all of it.  On a closed curve
- * it may go over the end of the stations: then in two parts.  Where the input turns on and on the stretch goes round
- * the curve as often as it likes. */
+/* A part of a motion curve on which the free input moves in one direction: from limit to limit, or the whole curve.  On a
+ * closed curve it may contain the end of the stations; it then has two parts.  If the input can turn without end, the
+ * stretch repeats the curve. */
 typedef struct cli_stretch {
     int    curve;
     double first, last;               /* input [rad] or [m]                                        */
     bool   limit[2], turns;
-    double zero, lap;                 /* turns: input at station 0, and what it gains in a lap; else 0 */
+    double zero, lap;                 /* if turns: input at station 0, and its change once round; else 0 */
     int    n_part;
-    struct { double from, to, more; } part[2];    /* stations; what the input counts more than there  */
+    struct { double from, to, more; } part[2];    /* stations; offset of the input from the curve's    */
 } cli_stretch;
 
 typedef struct cli_curve_trace {
@@ -61,20 +61,20 @@ typedef struct cli_curve_trace {
     bool        timed;                /* derivatives by time                                       */
     double      speed;                /* of the input [rad/s] or [m/s]                             */
     int         steps;
-    bool        dropped;              /* there are more stretches than CLI_STRETCH_MAX               */
+    bool        dropped;              /* more stretches than CLI_STRETCH_MAX                         */
     int         n_stretch;
     cli_stretch stretch[CLI_STRETCH_MAX];
-    double      shift[LW_TRACER_MAX]; /* whole turns that angles are told less                     */
+    double      shift[LW_TRACER_MAX]; /* whole turns subtracted from printed angles                */
 } cli_curve_trace;
 
-/* Cut the curves into stretches, these to the wanted range of the input. */
+/* Cut the curves into stretches, within the chosen range of the input. */
 void cli_curve_stretches(cli_curve_trace *t);
 
-/* All stretches; or with `cycle` every curve as a whole, evenly by its arc. */
+/* Print all stretches; with `cycle` each curve as a whole, at equal distances along it. */
 void cli_curve_print(cli_curve_trace *t, bool cycle);
 
-/* Inputs as functions of time from range[0] in steps of range[2] to range[1].  LW_OPEN, LW_E_NUMERIC: the rows end
- * before, e says why. */
+/* Print rows in time from range[0] to range[1] in steps of range[2], inputs moving by their motions.  LW_OPEN and
+ * LW_E_NUMERIC: the rows end early; e has the reason. */
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
 
 /* Shared: values of all tracers from a series of postures (4 x n_q), into row. */

@@ -1,4 +1,4 @@
-/* cli/motion/trace_rows.h - the rows of `linkwright trace`, however their postures were found: as CSV or JSON. */
+/* cli/motion/trace_rows.h - print the rows of `linkwright trace` as CSV or JSON. */
 #ifndef CLI_MOTION_TRACE_ROWS_H
 #define CLI_MOTION_TRACE_ROWS_H
 
@@ -16,10 +16,10 @@ typedef struct cli_rows {
     FILE             *f;
     cli_json         *json;       /* NULL: CSV                                                     */
     const lw_linkage *k;
-    unsigned          tracers;    /* bit i: tracer i is wanted                                     */
+    unsigned          tracers;    /* bit i: tracer i is printed                                    */
     const volatile sig_atomic_t *stop;
     double            until;      /* clock [s] at which to stop; 0: never                          */
-    bool              cut_short;  /* it did, after `done`                                          */
+    bool              cut_short;  /* stopped early, after `done` rows                              */
     double            done, total;
     cli_progress     *progress;
 } cli_rows;
@@ -28,8 +28,8 @@ typedef struct cli_row {
     int         arc;
     const char *mode;
     int         n_lead;
-    double      lead[CLI_ROW_LEAD];                           /* input, or what else is in front    */
-    bool        rates;                                        /* the derivatives exist              */
+    double      lead[CLI_ROW_LEAD];                           /* input, or other leading columns    */
+    bool        rates;                                        /* derivatives exist                  */
     double      value[LW_TRACER_MAX][CLI_ROW_VALUES];
 } cli_row;
 
@@ -37,18 +37,18 @@ typedef struct cli_row {
  * angle: of the tool [rad]. */
 void cli_row_values(const cli_rows *r, const lw_vec2 *p, const double *a, double angle, double *value);
 
-/* "# units: ..." with the texts of the input's unit and what derivatives are by. */
+/* Print "# units: ...".  lead: unit of the input; by: unit that derivatives are taken by. */
 void cli_rows_units(const cli_rows *r, const char *lead, const char *by);
 
-/* The heads of the columns; lead: those in front, separated by commas. */
+/* Print the column names; lead: the leading ones, separated by commas. */
 void cli_rows_head(const cli_rows *r, const char *lead);
 
 void cli_rows_put(cli_rows *r, const cli_row *row);
 
-/* Asked before every row: shows how far it is, and tells whether to end here. */
+/* Called before each row: show the progress; true if printing must end here. */
 bool cli_rows_stopped(cli_rows *r);
 
-/* A number as a comment holds it. */
+/* Print a number as in comments. */
 void cli_row_number(FILE *f, double v);
 
 #endif

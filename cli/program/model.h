@@ -1,4 +1,4 @@
-/* cli/program/model.h - reading what the commands are given: linkages, also out of the results of fit. */
+/* cli/program/model.h - read linkages, models, targets and task files of the user. */
 #ifndef CLI_PROGRAM_MODEL_H
 #define CLI_PROGRAM_MODEL_H
 
@@ -15,7 +15,7 @@ struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
-/* The same from text that is there already (malloc), which may be replaced by that of the result. */
+/* The same from text that is already in memory (malloc); *text is replaced if it holds results. */
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
 
 /* CSV, or the curve of a drawing when the name ends in .svg or .dxf. */

@@ -1,8 +1,8 @@
-/* cli/program/mpi_jobs.h - tasks spread over the processes that mpirun started (bridge to MPI; `make MPI=1`).
+/* cli/program/mpi_jobs.h - tasks shared among the processes that mpirun started (bridge to MPI; `make MPI=1`).
  *
- * Process 0 hands tasks out one by one, to whoever is free, and takes the answers in the order of the tasks;
- * the others work.  A lone process works itself.  Answers that come early are kept, at most 64 for each
- * process, so that memory stays bounded. */
+ * Process 0 gives each free process one task at a time and takes the answers in the order of the tasks.  A single
+ * process does the tasks itself.  Answers that arrive early are stored, at most 64 for each process, which bounds the
+ * memory. */
 #ifndef CLI_PROGRAM_MPI_JOBS_H
 #define CLI_PROGRAM_MPI_JOBS_H
 
@@ -24,8 +24,8 @@ bool cli_mpi_available(void);
 int  cli_mpi_begin(void);
 void cli_mpi_end(void);
 
-/* Run all tasks.  Every process calls this exactly once; process 0 decides how many tasks there are (0 when it
- * cannot go on), the others need not know.  The first status of work or take that is not LW_OK ends the handing out; process 0 returns it. */
+/* Run all tasks.  Every process calls this exactly once.  n_task is read in process 0 only; 0 if it cannot continue.  The first
+ * status of work or take that is not LW_OK ends the run; process 0 returns it. */
 lw_status cli_mpi_run(const cli_mpi_work *w);
 
 #endif

@@ -1,6 +1,6 @@
-/* cli/program/progress.h - one line on standard error that is written over: how far, how fast, how long yet.
+/* cli/program/progress.h - one line on standard error that is overwritten: progress, rate, time left.
  *
- * Silent with --quiet, when standard error is no terminal, and during the first second. */
+ * Nothing is shown with --quiet, if standard error is not a terminal, and during the first second. */
 #ifndef CLI_PROGRAM_PROGRESS_H
 #define CLI_PROGRAM_PROGRESS_H
 
@@ -15,8 +15,8 @@ typedef struct cli_progress {
 
 cli_progress cli_progress_begin(const cli_call *call, const char *what, const char *unit);
 
-/* done of total (total 0: unknown); `note` is put at the end, may be NULL.  Cheap to call often;
- * call it from one thread only. */
+/* done of total (total 0: unknown); `note` (or NULL) is printed at the end of the line.  It may be
+ * called often, but from one thread only. */
 void cli_progress_show(cli_progress *p, double done, double total, const char *note);
 
 void cli_progress_end(cli_progress *p);       /* wipes the line */

@@ -138,6 +138,6 @@ int cli_watch_end(cli_watch *w, int code)
 {
     cli_progress_end(&w->progress);
     if (w->over)
-        cli_note(w->call, "stopped by --time; what is there is kept");
+        cli_note(w->call, "stopped by --time; the results so far are kept");
     return w->over && (code == CLI_DONE || code == CLI_NOTHING) ? CLI_LIMIT : code;
 }

@@ -24,7 +24,7 @@ typedef struct cli_watch {
 } cli_watch;
 
 cli_watch cli_watch_begin(const cli_call *call, const char *what, const char *unit);
-/* False when the listing is to stop; `done` so far. */
+/* Show `done` items; false when the listing must stop. */
 bool cli_watch_goes_on(cli_watch *w, double done);
 /* The exit code: CLI_LIMIT in place of CLI_DONE and CLI_NOTHING when --time ended it. */
 int cli_watch_end(cli_watch *w, int code);
@@ -32,8 +32,8 @@ int cli_watch_end(cli_watch *w, int code);
 /* Called for each topology; LW_STOPPED ends the reading without a fault. */
 typedef lw_status cli_topology_visit(void *context, const lw_mechanism *m, lw_error *e);
 
-/* Read what `file` holds, "-" or NULL is standard input.  The first fault of input, or fault that visit
- * reports, is printed with its place and ends the reading, unless keep_going.  Returns the exit code. */
+/* Read what `file` holds, "-" or NULL is standard input.  The first error of the input, or of visit, is
+ * printed with its place and ends the reading, unless keep_going.  Returns the exit code. */
 int cli_topologies_each(const cli_call *call, const char *file, bool keep_going, cli_topology_visit *visit,
                         void *context);
 

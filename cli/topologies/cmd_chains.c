@@ -136,7 +136,7 @@ static int read_settings(task *t)
     if (s->mpi && s->resume)
         return cli_usage(t->call, "--resume does not go with --mpi; use --part for work that may be interrupted");
     if (s->resume && (!t->call->common.output || strcmp(t->call->common.output, "-") == 0))
-        return cli_usage(t->call, "--resume needs -o FILE, the listing to go on with");
+        return cli_usage(t->call, "--resume needs -o FILE, the listing to continue");
     if (s->resume && t->notation->lines)
         return cli_usage(t->call, "--resume works with notations of one line a chain, not with %s", t->notation->name);
     return CLI_DONE;
@@ -309,7 +309,7 @@ static lw_status count_all(task *t)
     cli_progress_end(&t->progress);
     if (status == LW_OK || status == LW_STOPPED) {
         if (status == LW_STOPPED)
-            cli_note(t->call, "stopped: the counts are those of the chains found until then");
+            cli_note(t->call, "stopped: the numbers count the chains found so far");
         write_counts(t, &t->table);
     }
     return status;
@@ -436,7 +436,7 @@ static lw_status list_all(task *t, lw_error *e)
     if (status == LW_E_KIND || (status == LW_OK && t->before.n_line > 0 && !t->compared))
         return lw_error_at(e, LW_E_KIND, t->call->common.output, (long)t->before.n_line, 1,
                            "another chain comes here, so "
-                           "this is a listing of something else; --resume wants the options that it was begun with");
+                           "this is a listing of something else; --resume needs the same options as before");
     if (status < 0 && e->status == LW_OK)
         (void)lw_error_set(e, status, status == LW_E_IO ? "cannot write the chains" : "%s", lw_status_text(status));
     return status;

@@ -224,11 +224,11 @@ static int derive_by_hand(const cli_call *call)
         memcpy(p.kind, s->k, strlen(s->k));
     if (s->rule <= 2) {
         if (s->from || s->at)
-            return cli_usage(call, "rule %d plants a seed and takes neither --sentence nor --at", s->rule);
+            return cli_usage(call, "rule %d makes a first sentence and takes neither --sentence nor --at", s->rule);
         return lw_rule_plant(&p, &sentence, &j.e) == LW_OK ? write_sentence(&j, &sentence) : cli_fail(call, &j.e);
     }
     if (!s->from || !s->at)
-        return cli_usage(call, "rule %d grows a sentence: give --sentence SENTENCE and --at X,Y", s->rule);
+        return cli_usage(call, "rule %d extends a sentence: give --sentence SENTENCE and --at X,Y", s->rule);
     if (!read_place(s->at, &p))
         return cli_usage(call, "--at takes two part numbers, such as 3,4, not '%s'", s->at);
     p.word = s->word > 0 ? s->word - 1 : LW_NONE;
@@ -279,7 +279,7 @@ static int run_derive(const cli_call *call)
         return derive_by_hand(call);
     if (s->links > 0)
         return derive_all(call);
-    return cli_usage(call, "derive takes --rule N (one step by hand) or --links N (everything reached)");
+    return cli_usage(call, "derive takes --rule N (one step by hand) or --links N (all that the rules can make)");
 }
 
 /* ---- coverage ---------------------------------------------------------------------------------- */
