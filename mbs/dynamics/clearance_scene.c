@@ -116,7 +116,8 @@ lw_status lw_clearance_make(const lw_model *m, lw_clearance_scene **scene, lw_er
         s = lw_forces_system(m, &c->s, e);
     if (s == LW_OK && c->s.n_tie > 0)
         s = lw_error_set(e, LW_E_KIND, "input \"%s\" is tied to the first one, which is not possible with "
-                         "clearance; give each input its \"motion\"", m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
+                         "clearance; give each input its \"motion\"",
+                         m->linkage.joint[c->s.input_joint[c->s.n_input]].name);
     if (s != LW_OK) {
         free(c);
         return s;

@@ -21,12 +21,12 @@ typedef struct balance {
 /* Distance of a counterweight from its pin: that of the farthest other joint of the link. */
 static double radius_of(const balance *b, int l)
 {
-    const lw_linkage *k = &b->m->linkage;
+    const lw_linkage *linkage = &b->m->linkage;
     int link = b->s->link[b->body[l]];
     double farthest = 0;
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].link[0] == link || k->joint[j].link[1] == link)
-            farthest = fmax(farthest, lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[b->joint[l]].at)));
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (linkage->joint[j].link[0] == link || linkage->joint[j].link[1] == link)
+            farthest = fmax(farthest, lw_v2_norm(lw_v2_sub(linkage->joint[j].at, linkage->joint[b->joint[l]].at)));
     return farthest > 0 ? farthest : b->s->unit;
 }
 

@@ -645,23 +645,23 @@ static double mobility(lw_dynamics *d, const lw_measure *m)
 /* The fastest decay that dampers cause at the start [1/s]. */
 static double fastest_decay(lw_dynamics *d)
 {
-    const lw_model *k = d->model;
+    const lw_model *model = d->model;
     double most = 0;
     lw_measure m;
     if (lw_mbs_rows(d, d->o.from, d->start_q) != LW_OK || lw_mbs_factor(d, false) != LW_OK)
         return 0;
-    for (int i = 0; i < k->n_spring; i++) {
-        int body[2] = { d->s.body[k->spring[i].link[0]], d->s.body[k->spring[i].link[1]] };
+    for (int i = 0; i < model->n_spring; i++) {
+        int body[2] = { d->s.body[model->spring[i].link[0]], d->s.body[model->spring[i].link[1]] };
         lw_measure_length(&d->s, body, d->f.spring_arm[i], d->start_q, d->start_v, false, &m);
-        most = fmax(most, k->spring[i].damping*mobility(d, &m));
+        most = fmax(most, model->spring[i].damping*mobility(d, &m));
     }
-    for (int i = 0; i < k->n_joint_spring; i++) {
-        lw_measure_joint(&d->s, k->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
-        most = fmax(most, k->joint_spring[i].damping*mobility(d, &m));
+    for (int i = 0; i < model->n_joint_spring; i++) {
+        lw_measure_joint(&d->s, model->joint_spring[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, model->joint_spring[i].damping*mobility(d, &m));
     }
-    for (int i = 0; i < k->n_motor; i++) {
-        lw_measure_joint(&d->s, k->motor[i].joint, d->start_q, d->start_v, false, &m);
-        most = fmax(most, k->motor[i].stall/k->motor[i].free_speed*mobility(d, &m));
+    for (int i = 0; i < model->n_motor; i++) {
+        lw_measure_joint(&d->s, model->motor[i].joint, d->start_q, d->start_v, false, &m);
+        most = fmax(most, model->motor[i].stall/model->motor[i].free_speed*mobility(d, &m));
     }
     return most;
 }

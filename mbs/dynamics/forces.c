@@ -18,14 +18,14 @@ static void reach(lw_vec2 at, lw_vec2 box[2], bool *any)
 /* Size of the model, masses included [m]; 1 for a model without extent. */
 static double size_of_model(const lw_model *m)
 {
-    const lw_linkage *k = &m->linkage;
+    const lw_linkage *linkage = &m->linkage;
     lw_vec2 box[2];
     bool any = false;
-    for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind != LW_JOINT_GEAR && k->joint[j].kind != LW_JOINT_FIXED)
-            reach(k->joint[j].at, box, &any);
-    for (int l = 0; l < k->n_link; l++)
-        if (l != k->ground && m->body[l].mass > 0)
+    for (int j = 0; j < linkage->n_joint; j++)
+        if (linkage->joint[j].kind != LW_JOINT_GEAR && linkage->joint[j].kind != LW_JOINT_FIXED)
+            reach(linkage->joint[j].at, box, &any);
+    for (int l = 0; l < linkage->n_link; l++)
+        if (l != linkage->ground && m->body[l].mass > 0)
             reach(m->body[l].centre, box, &any);
     double size = any ? 0.5*lw_v2_norm(lw_v2_sub(box[1], box[0])) : 0;
     return size > 0 ? size : 1;
@@ -33,17 +33,17 @@ static double size_of_model(const lw_model *m)
 
 lw_status lw_forces_system(const lw_model *m, lw_system *s, lw_error *e)
 {
-    const lw_linkage *k = &m->linkage;
+    const lw_linkage *linkage = &m->linkage;
     lw_vec2 centre[LW_LINK_MAX] = { { 0, 0 } };
-    for (int l = 0; l < k->n_link; l++) {
+    for (int l = 0; l < linkage->n_link; l++) {
         centre[l] = m->body[l].centre;
-        for (int j = 0; !(m->body[l].mass > 0) && j < k->n_joint; j++)
-            if (k->joint[j].link[0] == l || k->joint[j].link[1] == l) {
-                centre[l] = k->joint[j].at;
+        for (int j = 0; !(m->body[l].mass > 0) && j < linkage->n_joint; j++)
+            if (linkage->joint[j].link[0] == l || linkage->joint[j].link[1] == l) {
+                centre[l] = linkage->joint[j].at;
                 break;
             }
     }
-    return lw_system_make(k, centre, size_of_model(m), s, e);
+    return lw_system_make(linkage, centre, size_of_model(m), s, e);
 }
 
 static void make_stops(lw_forces *f)

@@ -47,10 +47,10 @@ static double input_unit(const lw_system *s, int input)
 void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)
 {
     const lw_system *s = lw_dynamics_system(d);
-    const lw_model *k = lw_dynamics_forces(d)->model;
+    const lw_model *model = lw_dynamics_forces(d)->model;
     int row = s->n_row;
     for (int i = 0; i < s->n_input; i++) {
-        out[i] = k->motion[i] ? -m->l[row++]/input_unit(s, i) : 0;
+        out[i] = model->motion[i] ? -m->l[row++]/input_unit(s, i) : 0;
     }
     for (int i = 0; i < s->n_tie; i++) {                     /* (h_tied - ratio h_first)/(1 + |ratio|) = 0 */
         double pull = -m->l[s->tie_row + i]/(1 + fabs(s->tie[i]));

@@ -131,7 +131,8 @@ static inline double evaluate_step(const lw_dyad_step *st, const double *mode, d
     case LW_STEP_RPR: return rates_rpr(st, mode[st->dyad], reg);
     case LW_STEP_PRP:
     case LW_STEP_PPR: return rates_prp(st, reg);
-    case LW_STEP_HIGHER: case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_GEAR: case LW_STEP_ALONG: case LW_STEP_ROLL:
+    case LW_STEP_HIGHER: case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_GEAR: case LW_STEP_ALONG:
+    case LW_STEP_ROLL:
     case LW_STEP_RACK: break;                              /* not in plans of dyads alone */
     }
     return 1;

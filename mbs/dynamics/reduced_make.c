@@ -43,15 +43,15 @@ static lw_status look_at_loads(const lw_dynamics *d, char *why)
 }
 
 /* Candidate n for the input joint: the input of the file first, then joints at the ground in the order of the file. */
-static int candidate(const lw_linkage *k, int n)
+static int candidate(const lw_linkage *linkage, int n)
 {
-    int input = k->n_input ? k->input[0].joint : -1;
+    int input = linkage->n_input ? linkage->input[0].joint : -1;
     if (n == 0 && input >= 0)
         return input;
     n -= input >= 0;
-    for (int j = 0; j < k->n_joint; j++) {
-        const lw_joint *p = &k->joint[j];
-        bool ground = p->link[0] == k->ground || p->link[1] == k->ground;
+    for (int j = 0; j < linkage->n_joint; j++) {
+        const lw_joint *p = &linkage->joint[j];
+        bool ground = p->link[0] == linkage->ground || p->link[1] == linkage->ground;
         if (j == input || !ground || (p->kind != LW_JOINT_REVOLUTE && p->kind != LW_JOINT_SLIDER))
             continue;
         if (n-- == 0)

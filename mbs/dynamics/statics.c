@@ -136,7 +136,8 @@ lw_status lw_vibration_rest(lw_vibration *v, double t, double *q, lw_rest *r, lw
             break;
         r->residual = greatest(v->load, v->n_free);
         r->stable = shift == 0.0;
-        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q) || (last < CONVERGED && size < CONVERGED);
+        bool done = size < 1e-14 || r->residual <= 1e-15*greatest(v->force, v->n_q)
+                 || (last < CONVERGED && size < CONVERGED);
         if (done && (shift <= 2.0*NEUTRAL || saddles == 5))
             return LW_OK;
         last = done ? INFINITY : size;
