@@ -61,7 +61,8 @@ static void draw_lanes(lw_rng *r, const subject *q, lanes *l)
     }
 }
 
-typedef struct outputs { double x[MAX], y[MAX], u[MAX], v[MAX], m[MAX], o[4][MAX], jac[3*LW_DIM_MAX*MAX], t[3][MAX], grad[LW_DIM_MAX], f, least; } outputs;
+typedef struct outputs { double x[MAX], y[MAX], u[MAX], v[MAX], m[MAX], o[4][MAX], jac[3*LW_DIM_MAX*MAX], t[3][MAX],
+                         grad[LW_DIM_MAX], f, least; } outputs;
 
 static void run_lanes(const subject *q, const lanes *l, size_t n, int per_lane, outputs *out)
 {
@@ -442,7 +443,8 @@ static void change_points_give_numbers(void)
         for (int sign = -1; sign <= 1; sign += 2)
             for (int e = -16; e <= -3; e++) {
                 double eps = e == -16 ? 0 : pow(10, e);
-                double dim[9] = { lengths[i][0], lengths[i][1], lengths[i][2]*(1 + eps), lengths[i][3], 0.5, 0.25, 0, 0, 0 };
+                double dim[9] = { lengths[i][0], lengths[i][1], lengths[i][2]*(1 + eps), lengths[i][3], 0.5, 0.25, 0, 0,
+                                  0 };
                 named(&q, "fourbar", dim, sign);
                 check_everywhere_finite(&q);
             }
@@ -512,7 +514,8 @@ static void lengths_of_zero(void)
 static void lengths_a_million_apart(void)
 {
     static subject q;
-    static const double lengths[][4] = { { 1e6, 1, 1e6, 1 }, { 1e6, 1, 1e6, 2 }, { 1, 1e6, 1e6, 1.5 }, { 1e6, 1.5, 1, 1e6 },
+    static const double lengths[][4] = { { 1e6, 1, 1e6, 1 }, { 1e6, 1, 1e6, 2 }, { 1, 1e6, 1e6, 1.5 },
+                                         { 1e6, 1.5, 1, 1e6 },
                                          { 3, 1, 1e6, 1e6 }, { 1e6, 1e6, 1, 1.25 } };
     lw_rng r;
     lw_rng_seed(&r, check_seed(), 8);

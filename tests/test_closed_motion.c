@@ -1,5 +1,5 @@
-/* tests/test_closed_motion.c - legs of closed curves of postures: against every arc of every assembly, against the curve
- * followed by arc length, which knows no dyads; their ends' derivatives against differences. */
+/* tests/test_closed_motion.c - legs of closed curves of postures: against every arc of every assembly, against the
+ * curve followed by arc length, which knows no dyads; their ends' derivatives against differences. */
 #include "mbs/kinematics/closed_motion.h"
 
 #include <stdlib.h>
@@ -144,7 +144,8 @@ static double differenced(subject *s, int j, int d, double h)
     for (int side = 0; side < 2; side++) {
         lw_closed_motion c;
         s->dim[d] = side ? at + h : at - h;
-        bool same = lw_closed_motion_find(&s->plan, s->dim, s->mode, s->input, s->batch, &c) == LW_OK && c.n == s->cycle.n;
+        bool same = lw_closed_motion_find(&s->plan, s->dim, s->mode, s->input, s->batch, &c) == LW_OK
+            && c.n == s->cycle.n;
         end[side] = same && c.leg[j].dyad == s->cycle.leg[j].dyad ? c.leg[j].last : NAN;
     }
     s->dim[d] = at;

@@ -9,7 +9,8 @@ typedef struct planned { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[L
 static bool plan_all(planned *q)
 {
     lw_error e = { .text = "" };
-    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p, &e), LW_OK);
+    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p,
+                           &e), LW_OK);
     CHECK_TEXT(e.text, "");
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, &e) == LW_OK;
 }

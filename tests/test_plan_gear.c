@@ -445,7 +445,8 @@ static void what_cannot_be_planned_says_why(void)
     lw_plan plan;
     lw_error e;
     five_bar(&k, -0.5);
-    CHECK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &plan, &e) == LW_E_KIND);
+    CHECK(lw_plan_make(&k, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_HIGHER }, &plan,
+                       &e) == LW_E_KIND);
     CHECK_HAS(e.text, "of kind 'g'");
     five_bar(&k, -sqrt(2));
     CHECK(lw_plan_make(&k, all, &plan, &e) == LW_E_KIND);

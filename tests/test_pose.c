@@ -9,7 +9,8 @@ typedef struct subject { lw_linkage k; lw_plan p; double dim[LW_DIM_MAX], mode[L
 
 static bool plan_of(subject *q)
 {
-    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p, NULL), LW_OK);
+    CHECK_INT(lw_plan_make(&q->k, (lw_plan_options){ .tracers = (1u << q->k.n_tracer) - 1, .all_joints = true }, &q->p,
+                           NULL), LW_OK);
     return lw_plan_read(&q->p, &q->k, q->dim, q->mode, &q->input, NULL) == LW_OK;
 }
 
@@ -59,7 +60,8 @@ static void check_slides(const lw_linkage *old, const lw_linkage *now, double to
             lw_vec2 from[3], to[3];
             int n = 0;
             for (int i = 0; i < old->n_joint && n < 2; i++)
-                if (old->joint[i].kind == LW_JOINT_REVOLUTE && (old->joint[i].link[0] == link || old->joint[i].link[1] == link)) {
+                if (old->joint[i].kind == LW_JOINT_REVOLUTE
+                    && (old->joint[i].link[0] == link || old->joint[i].link[1] == link)) {
                     from[n] = old->joint[i].at;
                     to[n++] = now->joint[i].at;
                 }

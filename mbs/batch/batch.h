@@ -56,7 +56,8 @@ void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void 
 
 /* f = sum over lanes of w |P - T|^2 (w NULL: 1) and its gradient by every dimension in one pass; one set
  * of dimensions.  Returns f; *margin the least margin, may be NULL.  The fits use the Jacobian instead; this function
- * carries the figure "3 ns a point with sum of squares and gradient by nine dimensions" (tests/bench/bench_kernel.c). */
+ * carries the figure "3 ns a point with sum of squares and gradient by nine dimensions"
+ * (tests/bench/bench_kernel.c). */
 double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     const double *tx, const double *ty, const double *w, double *grad, double *margin);
 

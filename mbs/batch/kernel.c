@@ -226,7 +226,8 @@ static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, voi
 static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, double *row, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
-    double *px = bar_x(k, p->output_point[which]), *py = bar_y(k, p->output_point[which]), *d = bar_x(k, p->output_dir[which]);
+    double *px = bar_x(k, p->output_point[which]), *py = bar_y(k, p->output_point[which]),
+        *d = bar_x(k, p->output_dir[which]);
     k->row = row;
     k->row_row = ld;
     memset(k->bar, 0, 2*(size_t)p->n_reg*k->nb*sizeof(double));
@@ -300,7 +301,8 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     size_t n_dim = (size_t)k->plan->n_dim;
     rows t = tail_places(k);
     lw_jacobian to = { t.x, t.y, t.u, t.v, t.margin, tail_row(k, 8), tail_row(k, 8 + n_dim),
-                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7), LW_GROUP };
+                       out->jt ? tail_row(k, 8 + 2*n_dim) : NULL, tail_row(k, 5), tail_row(k, 6), tail_row(k, 7),
+                       LW_GROUP };
     block_jacobian(k, &lanes, which, 0, LW_GROUP, &to);
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
@@ -369,11 +371,13 @@ static double total(const double *acc)
 LW_INLINE void seed_sum(const run *k, int which, size_t n, const target *t, double *restrict f, const int weighted)
 {
     const lw_plan *p = k->plan;
-    const double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), x0 = k->dim[p->i_x0], y0 = k->dim[p->i_y0];
+    const double c = *cos_of(k, p->n_angle - 1), s = *sin_of(k, p->n_angle - 1), x0 = k->dim[p->i_x0],
+        y0 = k->dim[p->i_y0];
     const double *px = reg_x(k, p->output_point[which]), *py = reg_y(k, p->output_point[which]);
     const double *tx = t->x, *ty = t->y, *w = t->w;
     double *restrict bx = bar_x(k, p->output_point[which]), *restrict by = bar_y(k, p->output_point[which]);
-    double *restrict gx = dim_bar(k, p->i_x0), *restrict gy = dim_bar(k, p->i_y0), *restrict gt = dim_bar(k, p->i_theta0);
+    double *restrict gx = dim_bar(k, p->i_x0), *restrict gy = dim_bar(k, p->i_y0),
+        *restrict gt = dim_bar(k, p->i_theta0);
     LW_LANES(n) {
         lw_vec2 q = lw_v2_turn(lw_v2(px[i], py[i]), lw_v2(c, s));
         double ex = q.x + x0 - tx[i], ey = q.y + y0 - ty[i], hx = weighted ? w[i]*ex : ex, hy = weighted ? w[i]*ey : ey;
@@ -417,7 +421,8 @@ static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
 {
     const lw_fast_dyad *f = &p->output_short[which];
     const struct { int dim; const double *acc; } to[] = {
-        { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e }, { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
+        { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e },
+            { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
         { f->d1, a->d1 }, { f->d2, a->d2 }, { p->i_cx[which], a->cx }, { p->i_cy[which], a->cy },
         { p->i_x0, a->x0 }, { p->i_y0, a->y0 }, { p->i_theta0, a->turn }
     };

@@ -1,11 +1,10 @@
-/* mbs/batch/kernel_certified_step_internal.h - one step in following the higher groups of a plan along the input: eight postures
- * tried, and which of them are sure to be on the way.  Included by
- * mbs/batch/kernel_continuation.c alone.
+/* mbs/batch/kernel_certified_step_internal.h - one certified step of the continuation of higher groups: eight
+ * postures are tried, and it is proved which of them lie on the motion curve.  Included by kernel_continuation.c alone.
  *
- * Eight inputs further and further along the way are tried at once, each from a polynomial through the postures
- * behind. The way between two neighbouring postures is sure when Newton's method arrived at both and no posture near
- * the curve through them is singular at any input in between: that of the first half as seen from the one, of the
- * second from the other.  With J the Jacobian at one end, K a quarter turn of every loop's two rows and B = J^-1 K
+ * Eight inputs, each further along than the one before, are tried at once; each starts from a polynomial through the
+ * postures behind.  The step between two neighbouring postures is certified when Newton's method has converged at both
+ * and no posture near the curve between them is singular.  One end proves it for its half of the step, the other end
+ * for the other half.  With J the Jacobian at one end, K a quarter turn of every loop's two rows and B = J^-1 K
  * J, a column of the Jacobian that is turned by t changes J^-1 J' by  sin t B_j - (1 - cos t) e_j  and no more; so
  * in a box |x' - x| <= r, with z second order in r,
  *     |J^-1 (J' - J)| r <= |B| z(r) + r t^2/2 <= CONTRACTION r < r
@@ -356,7 +355,8 @@ LW_INLINE void pushes_of(const int n, const eight *w, pack *push)
 LW_BY_SIZE(pushes, (const eight *w, pack *push), w, push)
 
 /* Are the Jacobians in the box, or in a wider one, regular?  The room that it takes over what there is, <= 1. */
-LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *box,
+LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by,
+                          const pack *box,
                           pack *need)
 {
     pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];

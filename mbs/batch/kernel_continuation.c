@@ -1,8 +1,8 @@
-/* Following the higher groups of a plan from their seed along the input, lane by lane.
+/* Continuation: the higher groups of a plan are followed from their seed along the input, lane by lane.
  *
- * Those of eight postures tried that are sure one after the other are taken (kernel_certified_step_internal.h).  Lanes that lie
- * closer than a step are put between.  At a limit of motion the steps shrink until they are too short to matter: there
- * the way ends. */
+ * Eight postures are tried at once (kernel_certified_step_internal.h) and accepted up to the first that is not
+ * certified.  Lanes closer together than a step are interpolated.  At a limit of motion the steps shrink; the
+ * continuation ends when they are shorter than END. */
 #include "mbs/batch/kernel_certified_step_internal.h"
 
 #define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
@@ -94,7 +94,8 @@ static void lay_route(const follower *f, const way *y, size_t i, route *r)
 typedef struct chunk chunk;
 static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count);
 
-/* Is a group, or a dyad that the groups hang on, near its limit, where postures move as a square root does, or beyond? */
+/* Is a group, or a dyad that carries a group, near or past a limit, where the posture varies like the square root of
+ * the input? */
 static bool near_limit(const follower *f, int n)
 {
     for (int j = 0; j < n; j++)
@@ -103,7 +104,7 @@ static bool near_limit(const follower *f, int n)
     return false;
 }
 
-/* Along the way, what is passed put into the chunk (q NULL: nothing); how many of its inputs are reached. */
+/* Follow the path and store each pose reached in q, unless q is NULL.  Returns the number of inputs reached. */
 static size_t go_way(follower *f, const way *y, const chunk *q)
 {
     double unit = unit_of(f);

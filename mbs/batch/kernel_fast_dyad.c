@@ -1,5 +1,5 @@
-/* mbs/batch/kernel_fast_dyad_internal.h - one loop for all steps of the commonest plans (lw_fast_dyad in mbs/plan/plan.h), from the
- * same dyad formulas as the loops of single steps.  Included by mbs/batch/kernel.c alone.
+/* One loop for all steps of the commonest plans (lw_fast_dyad in mbs/plan/plan.h), from the same dyad formulas as the
+ * loops of single steps.
  *
  * `pin` (crank or slider input) and `dyad` are constants wherever these functions are inlined. */
 #include "mbs/batch/kernel_run_internal.h"
@@ -43,7 +43,8 @@ static number_rows short_rows(const run *k, int which)
 
 LW_INLINE numbers numbers_at(const number_rows *r, size_t i)
 {
-    return (numbers){ r->r2[i], r->e_in[i], r->b[i], r->e[i], r->wc[i], r->ws[i], r->d1[i], r->d2[i], r->cx[i], r->cy[i],
+    return (numbers){ r->r2[i], r->e_in[i], r->b[i], r->e[i], r->wc[i], r->ws[i], r->d1[i], r->d2[i], r->cx[i],
+                      r->cy[i],
                       r->x0[i], r->y0[i], r->ct[i], r->st[i], r->mode[i] };
 }
 
@@ -251,7 +252,8 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
             lw_vec2 q = lw_v2_turn(lw_v2_add(z.a, z.arm), lw_v2(g.ct, g.st));
             double ex = q.x + g.x0 - tx[i + j], ey = q.y + g.y0 - ty[i + j];
             double hx = weighted ? w[i + j]*ex : ex, hy = weighted ? w[i + j]*ey : ey;
-            bars o = short_back(ci, si, &g, &z, short_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx), 0,
+            bars o = short_back(ci, si, &g, &z, short_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx),
+                                0,
                                 pin, dyad);
             add_bars(&a, &o, j, pin, dyad);
             a.x0[j] += hx;
@@ -337,7 +339,8 @@ void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
                 out->margin ? out->margin : k->margin };
     if (p->n_output > 1 || p->n_link > 4)                  /* else there are none */
         clear_others(p, which, n, out);
-    bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx), short_bars(k, which, out->jy, out->ld, out->ty) };
+    bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx),
+                        short_bars(k, which, out->jy, out->ld, out->ty) };
     if (out->jt) {
         bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);
         fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);

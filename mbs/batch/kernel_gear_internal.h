@@ -1,5 +1,4 @@
-/* mbs/batch/kernel_gear_internal.h - gears among the equations of a higher group, eight lanes at a time.  Included by
- * mbs/batch/kernel.c alone.
+/* mbs/batch/kernel_gear_internal.h - gears among the equations of a higher group, eight lanes at a time.
  *
  * A row is an angle that has to be 0, linear in the turns and displacements, of which only the direction is known: the
  * product of the unit vectors to their powers.  So its sine is what is left, and its derivatives are those of the angle

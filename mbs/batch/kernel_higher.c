@@ -1,5 +1,5 @@
-/* Higher groups as steps of a plan, eight lanes at a time: from where the continuation has put them to rounding, and their
- * derivatives. */
+/* Higher groups as steps of a plan, eight lanes at a time.  The continuation gives a nearby posture; Newton's method
+ * takes it to rounding; then its derivatives are worked out. */
 #include "mbs/batch/kernel_newton_internal.h"
 
 /* ---- as a step of the plan ---------------------------------------------------------------------------- */
@@ -39,7 +39,8 @@ LW_INLINE mask hold_astray(const int n, eight *w, mask within)
 }
 
 /* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
- * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach too. */
+ * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach
+ * too. */
 LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int want)
 {
     const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */

@@ -1,6 +1,6 @@
-/* mbs/batch/kernel_pack_internal.h - a number of each of eight lanes as one value: where arrays would go through memory from
- * loop to loop, these stay in registers.  One instruction with AVX-512, two with AVX2, four with SSE2, the same bits.
- *  */
+/* mbs/batch/kernel_pack_internal.h - a number of each of eight lanes as one value: where arrays would go through memory
+ * from loop to loop, these stay in registers.  One instruction with AVX-512, two with AVX2, four with SSE2, the same
+ * bits. */
 #ifndef LW_MBS_BATCH_KERNEL_PACK_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_PACK_INTERNAL_H
 

@@ -191,8 +191,9 @@ void lw_backward(const run *k, int which, size_t n, double *input_bar);
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int want);
 void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
-/* For plans with higher groups: follow these over the lanes of `in`, chunk by chunk, and call `work_on` with each chunk:
- * its lanes, the number of its first lane, scratch for its own rows, and where its groups are.  kernel_continuation.c */
+/* For plans with higher groups: follow these over the lanes of `in`, chunk by chunk, and call `work_on` with each
+ * chunk: its lanes, the number of its first lane, scratch for its own rows, and where its groups are.
+ * kernel_continuation.c */
 typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats);
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
 void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,

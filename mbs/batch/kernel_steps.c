@@ -229,8 +229,11 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, 
     }
 }
 
-#define FORWARD(name, per_lane, want) \
-    static void name(const run *k, const lw_step *s, int keep, size_t n) { step_forward(k, s, keep, n, per_lane, want); }
+#define FORWARD(name, per_lane, want)                                      \
+    static void name(const run *k, const lw_step *s, int keep, size_t n)   \
+    {                                                                      \
+        step_forward(k, s, keep, n, per_lane, want);                       \
+    }
 FORWARD(forward_shared_pose, 0, POSE_ONLY)
 FORWARD(forward_shared_margin, 0, WITH_MARGIN)
 FORWARD(forward_shared_roots, 0, WITH_ROOTS)
@@ -258,7 +261,7 @@ void lw_forward(const run *k, int which, size_t n, int per_lane, int want)
     }
 }
 
-/* ---- steps backwards: see mbs/plan/dyad_internal.h -------------------------------------------------------------------
+/* ---- steps backwards: see mbs/plan/dyad_internal.h --------------------------------------------------
  * Several adjoints may be one register, which is read again after it is written. */
 
 static void back_input_pin(const run *k, const lw_step *s, size_t n, double *input_bar)
@@ -322,7 +325,8 @@ LW_INLINE void share_pull(out_rows a_bar, out_rows b_bar, size_t i, lw_vec2 tip,
 
 static void back_rrr(const run *k, const lw_step *s, size_t n)
 {
-    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]), u = in_reg(k, s->out[0]), c_bar = in_bar(k, s->out[2]);
+    const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]), u = in_reg(k, s->out[0]),
+        c_bar = in_bar(k, s->out[2]);
     const out_rows a_bar = out_bar(k, s->in[0]), b_bar = out_bar(k, s->in[1]);
     const double r1 = *dim_of(k, s->dim[0]), r2 = *dim_of(k, s->dim[1]), by_r2 = 1/lw_away_from_zero(r2);
     const double *inv = aux_row(k, s->dyad), *u_bar = bar_x(k, s->out[0]);

@@ -1,5 +1,5 @@
-/* The other way of lw_plan_read: a linkage put into the posture of a plan, and the seeds of a plan's higher groups put to
- * another posture. */
+/* The other way of lw_plan_read: a linkage put into the posture of a plan, and the seeds of a plan's higher groups put
+ * to another posture. */
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/batch/pose.h"
 #include "mbs/plan/dyad_internal.h"
@@ -97,7 +97,8 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     if (s != LW_OK)
         return s;
     for (int j = 0; j < k->n_joint; j++)
-        if ((p->joint_point[j] < 0 && k->joint[j].kind != LW_JOINT_GEAR) || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
+        if ((p->joint_point[j] < 0 && k->joint[j].kind != LW_JOINT_GEAR)
+            || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
             return LW_E_ARG;
     if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)
         return LW_OPEN;

@@ -128,7 +128,8 @@ static double find_seat(const lw_plan *plan, const double *dim, const double *mo
 }
 
 /* seat: where the higher groups are, for plans that have some. */
-static double registers(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_group_pose *seat,
+static double registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                        const lw_group_pose *seat,
                         lw_vec2 *reg)
 {
     double margin = 1;
@@ -220,7 +221,7 @@ static jet dot2(jet2 a, jet2 b) { return add(mul(a.x, b.x), mul(a.y, b.y)); }
 static jet2 constant2(double x, double y) { return (jet2){ constant(x), constant(y) }; }
 static jet2 point2(jet2 o, jet2 d, double x, double y) { return add2(o, turn2(constant2(x, y), d)); }
 
-/* ---- steps in Taylor arithmetic: the formulas of mbs/plan/dyad_internal.h, where they close ------------------------- */
+/* ---- steps in Taylor arithmetic: the formulas of mbs/plan/dyad_internal.h, where they close --------------- */
 
 static jet2 input_direction(double input)
 {
@@ -462,7 +463,8 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
 }
 
 /* All steps, from a pose without derivatives. */
-static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input, const lw_group_pose *seat, jet2 *reg)
+static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input,
+                      const lw_group_pose *seat, jet2 *reg)
 {
     const double *inverse = seat->inverse;
     for (int i = 0; i < plan->n_step; i++) {
@@ -556,7 +558,8 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
     lw_group_pose seat;
     double least = plan->n_higher ? find_seat(plan, dim, mode, input, &seat) : 1;
     pose->margin = fmin(least, registers(plan, dim, mode, input, &seat, flat));
-    sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]), dim[plan->i_theta0] };
+    sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]),
+               dim[plan->i_theta0] };
     if (order == 0) {
         put_places(plan, &k, flat, pose);
         return pose->margin < 0 ? LW_OPEN : LW_OK;

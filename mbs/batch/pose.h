@@ -22,7 +22,8 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
                         int order, lw_pose *pose);
 
 /* Every register of the plan at this input, in the ground frame; returns the margin.  reg: plan->n_reg. */
-double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input, lw_vec2 reg[LW_REG_MAX]);
+double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
+                         lw_vec2 reg[LW_REG_MAX]);
 
 /* The opposite of lw_plan_read: put the posture at `input` with these dimensions into k, which brings the topology
  * and names.  Needs a plan with all_joints.  LW_OPEN when it cannot close there (k untouched).

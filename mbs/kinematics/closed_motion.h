@@ -1,11 +1,11 @@
-/* mbs/kinematics/closed_motion.h - the closed curve of postures through one posture of a linkage made of dyads, over the limits of its
- * input, as legs.
+/* mbs/kinematics/closed_motion.h - the closed curve of postures through one posture of a linkage made of dyads, over
+ * the limits of its input, as legs.
  *
  * At a limit of the input the margin of one dyad is 0: the dyad passes into its other mode and the input turns
  * back.  From limit to limit is a leg, all of it in one assembly; legs go up and down in turn until place and
  * assembly are those of the start.  A four-bar whose input swings has two legs, its two modes; linkages of
- * several dyads may have more.  mbs/kinematics/motion.h lists every arc of every assembly and is the slower; mbs/constraints/motion_curve.h follows
- * any linkage. */
+ * several dyads may have more.  mbs/kinematics/motion.h lists every arc of every assembly and is the slower;
+ * mbs/constraints/motion_curve.h follows any linkage. */
 #ifndef LW_MBS_KINEMATICS_CLOSED_MOTION_H
 #define LW_MBS_KINEMATICS_CLOSED_MOTION_H
 
@@ -41,12 +41,14 @@ static inline double lw_closed_motion_first(const lw_closed_motion *c, int leg)
  * batch: scratch of mbs/batch/batch.h.
  *
  * LW_OPEN: it closes nowhere in this assembly.  LW_STOPPED: its legs end where slides become parallel, do not end,
- * come nearer to a change point than LW_CLOSED_MOTION_TOUCH, or are too many or too short.  LW_E_KIND: there are higher groups, or no outputs. */
+ * come nearer to a change point than LW_CLOSED_MOTION_TOUCH, or are too many or too short.  LW_E_KIND: there are higher
+ * groups, or no outputs. */
 lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
                         lw_closed_motion *c);
 
 /* Derivatives of the legs' ends by the dimensions, by[leg*LW_DIM_MAX + d]: the limiting dyad's margin stays 0.  Its
  * derivatives are central differences (1e-9 of the largest; next to a limit of another dyad 1e-4). */
-void lw_closed_motion_slopes(const lw_plan *plan, const double *dim, const lw_closed_motion *c, void *batch, double *by);
+void lw_closed_motion_slopes(const lw_plan *plan, const double *dim, const lw_closed_motion *c, void *batch,
+                             double *by);
 
 #endif

@@ -5,9 +5,9 @@
  * points; only what the wanted outputs depend on is in it.  Dyads (RRR, RRP, RPR, PRP, PPR) are steps in
  * closed form; higher groups (triads, tetrads, ..., and groups the input itself is a joint of) are solved by
  * Newton's method on the loops of the group alone, followed from a seed posture.  A pin in a slot counts as
- * a pin and a slider with a die between them; a gear pair turns a wheel, a rack its pinion or a pinion its rack, of which
- * carrier and partner are known (mbs/plan/plan_gear.c), else it is an equation of a group.  The plan knows no numbers but the
- * ratios of wheels.  The numbers are
+ * a pin and a slider with a die between them; a gear pair turns a wheel, a rack its pinion or a pinion its rack, of
+ * which carrier and partner are known (mbs/plan/plan_gear.c), else it is an equation of a group.  The plan knows no
+ * numbers but the ratios of wheels.  The numbers are
  *     dim[n_dim]    dimensions, read off a posture by lw_plan_read or chosen by an optimiser,
  *     mode[n_mode]  for each of the n_dyad dyads +1 or -1, which of its two assemblies (ignored for PRP and
  *                   PPR); then, when there are higher groups, a seed for each: a posture near which the
@@ -157,7 +157,8 @@ typedef enum lw_step_kind {
  *     ALONG         q, w, p                 (d, 0)                    d = (p - q) . w
  *     ROLL          u, (d, 0)               u e^{i (d - s)/rho}  rho, s        u of the carrier
  *     RACK          v, u                    (s + rho (mu + a), 0)  rho, s, mu
- *                                                                     mu + a the angle from u (carrier) to v (pinion), |a| <= pi
+ *                                                                     mu + a the angle from u (carrier) to v (pinion),
+ *                                                                     |a| <= pi
  *     HIGHER        see lw_higher                                     dim[0]: number in plan.higher
  * out u2 of RRR is -1 when nobody needs it.  PPR is handed the line of its inner slider as second. */
 typedef struct lw_step {
@@ -212,12 +213,12 @@ typedef struct lw_higher {
     lw_higher_entry  entry[LW_HIGHER_TERM_MAX];
     lw_higher_gear   gear[LW_HIGHER_GEAR_MAX];
     int              first_mode;                      /* of its seed in mode[]                    */
-    int              first_row;                       /* of its unknowns among those of the plan: x, y a turn, d a disp */
+    int              first_row;                       /* of its unknowns among the plan's: x, y a turn, d a disp */
 } lw_higher;
 
 /* A gear between a pinion and a rack. */
 #define LW_RACK_MAX 8
-#define LW_RACK_REACH (0.9*LW_PI)  /* a rack that its pinion moves ends where the pinion has turned by this from the middle  */
+#define LW_RACK_REACH (0.9*LW_PI)  /* a pinion turns its rack by at most this from the middle [rad]  */
 typedef struct lw_rack {
     int joint, slider;        /* the gear; the slide of the rack on the carrier                   */
     int link, pinion, carrier;
@@ -279,7 +280,7 @@ typedef struct lw_plan {
 typedef enum lw_plan_kind {
     LW_PLAN_DYADS,            /* pins and sliders, the input at the ground, dyads only: closed forms throughout */
     LW_PLAN_HIGHER,           /* pins in slots, inputs between moving links and higher groups too */
-    LW_PLAN_GEARED            /* gear pairs and racks too; F > 1 with all inputs but one tied, all turning on the ground */
+    LW_PLAN_GEARED            /* gear pairs, racks, and F > 1 with all inputs but one tied, on the ground */
 } lw_plan_kind;
 
 /* What is wanted of a plan.  Outputs are numbered 0, 1, ... in the order of the tracers. */
@@ -291,10 +292,10 @@ typedef struct lw_plan_options {
 
 /* Make the plan.  Pins of a link at the bit-same place are one pin.  Geared plans: mind plan->laps.  Errors:
  *     LW_E_ARG   no tracer and no joint is asked for, or a tracer that the linkage does not have
- *     LW_E_KIND  with a text: not one input that drives one freedom; joints or groups beyond options.kind (the text names
- *                the links that are left over); sliders that form a closed chain; parts that hold each other twice and
- *                others not at all; groups beyond the limits above; ratios of wheels that are not of small whole numbers
- *                or need more than LW_LAP_MAX turns; racks on racks; gears without a carrier
+ *     LW_E_KIND  with a text: not one input that drives one freedom; joints or groups beyond options.kind (the
+ *                text names the links that are left over); sliders that form a closed chain; parts that hold each other
+ *                twice and others not at all; groups beyond the limits above; ratios of wheels that are not of small
+ *                whole numbers or need more than LW_LAP_MAX turns; racks on racks; gears without a carrier
  *     others     as lw_linkage_check */
 lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e);
 

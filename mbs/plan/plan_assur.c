@@ -1,10 +1,10 @@
 /* Which links are determined together by those known so far, when no two of them are.
  *
- * A link has two freedoms of place and one of turning.  Every condition of a joint (two a pin or slider, one a gear, one
- * more at the input) is given to one of the places and turns it is about so that each owns as many conditions as it has
- * freedoms; the strong components of "owns a condition about", both parts of a link in one, are the Assur groups,
- * whatever assignment was found (Servatius, Shai & Whiteley 2010).  Gears are about turns alone, so that two gears cannot
- * hold a place, nor two slides.  Pins of three or more unknown links are bodies of two freedoms. */
+ * A link has two freedoms of place and one of turning.  Every condition of a joint (two a pin or slider, one a gear,
+ * one more at the input) is given to one of the places and turns it is about so that each owns as many conditions as it
+ * has freedoms; the strong components of "owns a condition about", both parts of a link in one, are the Assur groups,
+ * whatever assignment was found (Servatius, Shai & Whiteley 2010).  Gears are about turns alone, so that two gears
+ * cannot hold a place, nor two slides.  Pins of three or more unknown links are bodies of two freedoms. */
 #include "mbs/plan/plan_internal.h"
 
 #include <stdio.h>
@@ -277,7 +277,8 @@ static bool on_links(const tree *r, int a, int b)
 static bool is_input(const lw_topology *t, const lw_tie *q)
 {
     const lw_joint *in = &t->k->joint[t->input_joint];
-    return t->driven < 0 && t->pin[q->joint] == t->pin[t->input_joint] && lw_joint_has(in, q->a) && lw_joint_has(in, q->b);
+    return t->driven < 0 && t->pin[q->joint] == t->pin[t->input_joint] && lw_joint_has(in, q->a)
+        && lw_joint_has(in, q->b);
 }
 
 /* What keeps loops short first: slides, which must be in the tree; the input; pins to known links; the rest. */
@@ -295,7 +296,8 @@ static void tie_pin(tree *r, int pin)
 {
     const lw_topology *t = r->t;
     const lw_joint *in = &t->k->joint[t->input_joint];
-    bool driven = t->driven < 0 && lw_plan_is_pin(t, t->input_joint) && t->pin[t->input_joint] == pin && inside(r, in->link[0]) &&
+    bool driven = t->driven < 0 && lw_plan_is_pin(t, t->input_joint) && t->pin[t->input_joint] == pin
+        && inside(r, in->link[0]) &&
                   inside(r, in->link[1]);
     int centre = lw_known_link(t, pin);
     if (centre < 0 && driven)
@@ -341,7 +343,8 @@ static lw_status grow(tree *r, lw_error *e)
             if (urgency(r, &r->tie[i]) != rank)
                 continue;
             if (a == b && rank < 2)
-                return lw_error_set(e, LW_E_KIND, "the slide or input \"%s\" closes a chain of slides, which hold each other "
+                return lw_error_set(e, LW_E_KIND,
+                                    "the slide or input \"%s\" closes a chain of slides, which hold each other "
                                     "from turning more than once", r->t->k->joint[r->tie[i].joint].name);
             r->in_tree[i] = a != b;
             int keep = a < b ? a : b, drop = a < b ? b : a;
@@ -386,8 +389,10 @@ static lw_status cannot_own(const lw_topology *t, lw_error *e)
     lw_plan_list_unknown(t, list, sizeof list);
     for (int j = 0; j < t->k->n_joint; j++)
         turns = turns || !lw_plan_is_pin(t, j);
-    return lw_error_set(e, LW_E_KIND, "some of the links %s are held more than once and others not at all%s, so that the input "
-                        "does not say where they are", list, turns ? " (rings of slides, or gears, may hold turns alone)" : "");
+    return lw_error_set(e, LW_E_KIND,
+                        "some of the links %s are held more than once and others not at all%s, so that the input "
+                        "does not say where they are", list,
+                            turns ? " (rings of slides, or gears, may hold turns alone)" : "");
 }
 
 /* The gears that hold a link of the group. */
@@ -425,7 +430,8 @@ lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e)
     walk(&r, c);
     collect_gears(t, c);
     if (2*c->n_loop + c->n_gear > LW_UNKNOWN_MAX)
-        return lw_error_set(e, LW_E_KIND, "a group of %d links with %d loops and %d gears has to be solved at once; plans go up "
+        return lw_error_set(e, LW_E_KIND,
+                            "a group of %d links with %d loops and %d gears has to be solved at once; plans go up "
                             "to %d equations", c->n_link, c->n_loop, c->n_gear, LW_UNKNOWN_MAX);
     return LW_OK;
 }

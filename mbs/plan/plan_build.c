@@ -1,5 +1,5 @@
-/* A plan while it is being made: registers, steps and dimensions are added one by one, points and lines of known links are
- * found or made. */
+/* A plan while it is being made: registers, steps and dimensions are added one by one, points and lines of known links
+ * are found or made. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <stdio.h>
@@ -29,7 +29,8 @@ lw_step *lw_build_step(lw_builder *b, lw_step_kind kind)
 /* The names of mbs/plan/plan.h. */
 static void name_dim(const lw_builder *b, lw_dim_info *d, int number, int count)
 {
-    static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "rho", "s", "mu", "cx", "cy", "x0", "y0", "theta0" };
+    static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "rho", "s", "mu", "cx", "cy", "x0", "y0",
+                                        "theta0" };
     const char *s = stem[d->role];
     switch (d->role) {
     case LW_ROLE_X: case LW_ROLE_Y: snprintf(d->name, sizeof d->name, "%s%d_%d", s, b->number[d->link], number); break;
@@ -62,7 +63,8 @@ int lw_build_dim(lw_builder *b, lw_dim_role role, int link, int joint, int count
 {
     static const lw_dim_kind kind[] = {
         LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_ANGLE,
-        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE
+        LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_ANGLE, LW_DIM_COORDINATE, LW_DIM_COORDINATE, LW_DIM_COORDINATE,
+        LW_DIM_COORDINATE, LW_DIM_ANGLE
     };
     lw_plan *p = b->p;
     for (int d = 0; d < p->n_dim; d++)
@@ -118,7 +120,8 @@ lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin)
 {
     const lw_topology *t = b->t;
     int j = next_joint(t, link, pin);
-    return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || lw_build_is_slider(b, j) ? j : t->pin[j], first_tracer(t, link) };
+    return (lw_frame){ t->pin[pin], { -1, -1 }, j < 0 || lw_build_is_slider(b, j) ? j : t->pin[j],
+                       first_tracer(t, link) };
 }
 
 /* ---- points and lines of known links ------------------------------------------------------------ */

@@ -1,5 +1,5 @@
-/* mbs/plan/plan_build_internal.h - a plan while it is being made (mbs/plan/plan_steps.c, mbs/plan/plan_higher.c).  Not for users of
- * the library. */
+/* mbs/plan/plan_build_internal.h - a plan while it is being made (mbs/plan/plan_steps.c, mbs/plan/plan_higher.c).  Not
+ * for users of the library. */
 #ifndef LW_MBS_PLAN_PLAN_BUILD_INTERNAL_H
 #define LW_MBS_PLAN_PLAN_BUILD_INTERNAL_H
 
@@ -42,8 +42,9 @@ void lw_build_slider(lw_builder *b, int j, int base, int ref);
 /* The frame of a link that turns on this pin. */
 lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin);
 
-/* The direction of a driven link from the input's; a wheel, pinion or rack; a row of a higher group, from the numbers of
- * the directions of the gear's links and its carrier (-1: they do not turn) and of a rack's displacement (-1: wheels). */
+/* The direction of a driven link from the input's; a wheel, pinion or rack; a row of a higher group, from the numbers
+ * of the directions of the gear's links and its carrier (-1: they do not turn) and of a rack's displacement (-1:
+ * wheels). */
 int  lw_build_turns_per_period(lw_builder *b, int input);
 void lw_build_gear(lw_builder *b, const lw_plan_group *g);
 void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g);

@@ -78,7 +78,8 @@ static void add_dyad(lw_text *out, const lw_step *s)
 static void add_higher(lw_text *out, const lw_higher *g)
 {
     lw_text_add(out, "; Newton's method with %d unknown%s (%d turn%s, %d displacement%s) on %d loop%s", g->n_unknown,
-                g->n_unknown == 1 ? "" : "s", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp, g->n_disp == 1 ? "" : "s",
+                g->n_unknown == 1 ? "" : "s", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp,
+                g->n_disp == 1 ? "" : "s",
                 g->n_loop, g->n_loop == 1 ? "" : "s");
     if (g->n_gear)
         lw_text_add(out, " and %d gear%s", g->n_gear, g->n_gear == 1 ? "" : "s");

@@ -50,10 +50,12 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
         if (s != LW_OK)
             return s;
         if (g->slider[0] >= 0 && g->slider[1] >= 0)
-            return lw_error_set(e, LW_E_KIND, "gear \"%s\": both its links slide on \"%s\"; plans take a rack with a pinion",
+            return lw_error_set(e, LW_E_KIND,
+                                "gear \"%s\": both its links slide on \"%s\"; plans take a rack with a pinion",
                                 k->joint[j].name, k->link_name[g->carrier]);
         if (g->slider[0] < 0 && g->slider[1] < 0 && !lw_plan_fraction(k->joint[j].ratio, &p, &q))
-            return lw_error_set(e, LW_E_KIND, "gear \"%s\": plans take ratios of whole numbers up to %d over up to %d, not %g",
+            return lw_error_set(e, LW_E_KIND,
+                                "gear \"%s\": plans take ratios of whole numbers up to %d over up to %d, not %g",
                                 k->joint[j].name, LW_POWER_MAX, LW_LAP_MAX, k->joint[j].ratio);
     }
     return LW_OK;
@@ -96,7 +98,8 @@ static double rate_of(const lw_topology *t, const lw_plan_group *g)
 static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
 {
     const lw_joint *j = &t->k->joint[joint];
-    return lw_error_set(e, LW_E_KIND, "%s \"%s\": plans take ratios of whole numbers; with this one all comes back after more "
+    return lw_error_set(e, LW_E_KIND,
+                        "%s \"%s\": plans take ratios of whole numbers; with this one all comes back after more "
                         "than %d turns of the input, or wheels turn more than %d times in these",
                         j->kind == LW_JOINT_GEAR ? "gear" : "tied input", j->name, LW_LAP_MAX, LW_POWER_MAX);
 }
@@ -251,7 +254,7 @@ static void build_rack(lw_builder *b, int joint, int *rho, int *shift)
 static void build_pinion(lw_builder *b, const lw_plan_group *g)
 {
     lw_plan *p = b->p;
-    int slider = b->t->gear[g->joint[1]].slider[0] >= 0 ? b->t->gear[g->joint[1]].slider[0] : b->t->gear[g->joint[1]].slider[1];
+    const int *sliders = b->t->gear[g->joint[1]].slider, slider = sliders[0] >= 0 ? sliders[0] : sliders[1];
     int base = p->slider_base[slider], rider = lw_joint_other(&b->t->k->joint[slider], base), rho, shift;
     build_rack(b, g->joint[1], &rho, &shift);
     lw_step *s = lw_build_step(b, LW_STEP_ALONG);
@@ -312,7 +315,8 @@ lw_higher_gear lw_build_gear_row(lw_builder *b, int joint, const int *dir, int d
 {
     const lw_joint *j = &b->t->k->joint[joint];
     const lw_gear *gear = &b->t->gear[joint];
-    lw_higher_gear g = { .count = 1, .phase = -1, .angle = -1, .disp = (short)disp, .rho = -1, .shift = -1, .middle = -1 };
+    lw_higher_gear g = { .count = 1, .phase = -1, .angle = -1, .disp = (short)disp, .rho = -1, .shift = -1,
+                         .middle = -1 };
     int p = 1, q = 1, rho, shift, pinion = gear->slider[0] >= 0 ? 1 : 0;
     if (disp != -1) {
         add_term(&g, dir[pinion], j->link[pinion], 1);

@@ -86,7 +86,8 @@ static void add_term(group_builder *q, path *p, term t)
 {
     for (int i = 0; i < p->n; i++) {
         const term *o = &p->term[i];
-        if (o->sign == -t.sign && o->dir == t.dir && o->x == t.x && o->y == t.y && o->disp == t.disp && o->point == t.point) {
+        if (o->sign == -t.sign && o->dir == t.dir && o->x == t.x && o->y == t.y && o->disp == t.disp
+            && o->point == t.point) {
             p->term[i] = p->term[--p->n];
             return;
         }
@@ -167,7 +168,8 @@ static void reach_by_pin(group_builder *q, const lw_tie *r)
     const lw_topology *t = q->b->t;
     const lw_joint *in = &t->k->joint[t->input_joint];
     path_to(q, r->a, t->pin[r->joint], 1, &q->at[r->b]);
-    if (t->driven < 0 && t->pin[r->joint] == t->pin[t->input_joint] && lw_joint_has(in, r->a) && lw_joint_has(in, r->b)) {
+    if (t->driven < 0 && t->pin[r->joint] == t->pin[t->input_joint] && lw_joint_has(in, r->a)
+        && lw_joint_has(in, r->b)) {
         int from = q->dir[r->a];
         q->dir[r->b] = add_dir(q, (lw_higher_dir){ g->dir[from].root, (short)from, (short)q->b->input_reg, -1, -1,
                                                    r->b == in->link[1] ? 1 : -1 });

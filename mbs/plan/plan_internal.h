@@ -8,9 +8,9 @@
 #define LW_AXIS_REG   1          /* its x axis                 */
 
 /* A group as found in the topology.  Of a dyad: base[]: the known links its outer joints hang on.  Of a
- * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (see lw_plan_group_is_gear): link[0] the wheel,
- * pinion or rack, joint[0] its pin or slide on base[0], the carrier, joint[1] the gear, base[1] the known partner; of two
- * wheels the ratio of their speeds on the carrier. */
+ * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (see lw_plan_group_is_gear): link[0] the
+ * wheel, pinion or rack, joint[0] its pin or slide on base[0], the carrier, joint[1] the gear, base[1] the known
+ * partner; of two wheels the ratio of their speeds on the carrier. */
 typedef struct lw_plan_group {
     lw_step_kind kind;
     int  link[2], joint[3], base[2];
@@ -87,7 +87,10 @@ lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *p
 lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);
 
 static inline bool lw_same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
-static inline bool lw_plan_is_pin(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_REVOLUTE; }
+static inline bool lw_plan_is_pin(const lw_topology *t, int joint)
+{
+    return t->k->joint[joint].kind == LW_JOINT_REVOLUTE;
+}
 
 static inline bool lw_joint_has(const lw_joint *j, int link)
 {

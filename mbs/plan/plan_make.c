@@ -72,7 +72,8 @@ static bool dyad_kind(const lw_topology *t, lw_plan_group *g)
     static const lw_step_kind kind[8] = {                /* bit set: pin; bits outer, inner, outer */
         LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
     };
-    g->kind = kind[lw_plan_is_pin(t, g->joint[0])*4 + lw_plan_is_pin(t, g->joint[1])*2 + lw_plan_is_pin(t, g->joint[2])];
+    g->kind = kind[4*lw_plan_is_pin(t, g->joint[0]) + 2*lw_plan_is_pin(t, g->joint[1])
+                   + lw_plan_is_pin(t, g->joint[2])];
     return g->kind != LW_STEP_POINT;
 }
 
@@ -245,7 +246,8 @@ lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_er
         if (k->joint[j].kind != LW_JOINT_SLOT)
             continue;
         if (wide->n_link == LW_LINK_MAX || wide->n_joint == LW_JOINT_MAX)
-            return lw_error_set(e, LW_E_KIND, "pins in slots count as links and joints of their own; with them there are more "
+            return lw_error_set(e, LW_E_KIND,
+                                "pins in slots count as links and joints of their own; with them there are more "
                                 "than %d links or %d joints", LW_LINK_MAX, LW_JOINT_MAX);
         int die = wide->n_link++;
         lw_joint *pin = &wide->joint[j], *slide = &wide->joint[wide->n_joint++];

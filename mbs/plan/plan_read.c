@@ -57,7 +57,8 @@ static lw_status frame_axis(const lw_plan *p, const lw_linkage *k, int link, lw_
     else if (r->axis >= 0) {
         d = lw_v2_sub(k->joint[r->axis].at, f->o[link]);
         if (!(lw_v2_norm(d) > 0))
-            return lw_error_set(e, LW_E_ARG, "pins \"%s\" and \"%s\" of link \"%s\" lie at one place, so that their distance "
+            return lw_error_set(e, LW_E_ARG,
+                                "pins \"%s\" and \"%s\" of link \"%s\" lie at one place, so that their distance "
                                 "gives no direction", k->joint[r->origin < 0 ? r->axis : r->origin].name,
                                 k->joint[r->axis].name, k->link_name[link]);
         d = unit(d);
@@ -75,7 +76,8 @@ static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
         if (p->joint_pin[j] < 0 || (k->joint[j].kind == LW_JOINT_SLIDER) != (p->slider_base[j] >= 0))
             return lw_error_set(e, LW_E_ARG, "joint \"%s\" is not of the topology of the plan", k->joint[j].name);
         if (lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[p->joint_pin[j]].at)) > 1e-12*size)
-            return lw_error_set(e, LW_E_ARG, "joints \"%s\" and \"%s\" are one pin in the plan, but not in this posture",
+            return lw_error_set(e, LW_E_ARG,
+                                "joints \"%s\" and \"%s\" are one pin in the plan, but not in this posture",
                                 k->joint[j].name, k->joint[p->joint_pin[j]].name);
     }
     return LW_OK;
@@ -208,7 +210,8 @@ double lw_plan_size(const lw_plan *p, const double *dim)
 }
 
 /* The seeds of the higher groups: where their links are in this posture. */
-static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input, double *mode)
+static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input,
+                       double *mode)
 {
     double size = lw_plan_size(p, dim);
     for (int i = 0; i < p->n_higher; i++) {
@@ -234,7 +237,8 @@ static lw_status read_wide(const lw_plan *p, const lw_linkage *k, double *dim, d
     for (int i = 0; i < p->n_dim; i++) {
         dim[i] = read_dim(p, k, &f, &p->dim[i]);
         if (!isfinite(dim[i]))
-            return lw_error_set(e, LW_E_ARG, "dimension %s of link \"%s\" is not finite in this posture: two slides are parallel",
+            return lw_error_set(e, LW_E_ARG,
+                                "dimension %s of link \"%s\" is not finite in this posture: two slides are parallel",
                                 p->dim[i].name, k->link_name[p->dim[i].link]);
     }
     for (int i = 0; i < p->n_step; i++)

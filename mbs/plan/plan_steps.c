@@ -460,7 +460,8 @@ lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *p
     emit_outputs(&b, options);
     set_modes(&b);
     if (b.full)
-        return lw_error_set(e, LW_E_KIND, "the plan needs more than %d dimensions, %d steps, %d registers or %d numbers of "
+        return lw_error_set(e, LW_E_KIND,
+                            "the plan needs more than %d dimensions, %d steps, %d registers or %d numbers of "
                             "assembly", LW_DIM_MAX, LW_STEP_MAX, LW_REG_MAX, LW_MODE_MAX);
     set_joint_points(&b);
     sort_dims(&b);

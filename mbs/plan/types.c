@@ -34,7 +34,8 @@ const lw_type *lw_type_find(const char *name)
  * direction of slides.  A slide point that is the place of a neighbouring pin is the pin that slides. */
 typedef struct posture { const char *letters; lw_vec2 at[4]; double slide[4]; } posture;
 
-static const posture posture_table[] = {           /* joint: crank-ground, crank-coupler, coupler-rocker, rocker-ground */
+/* Joints: crank-ground, crank-coupler, coupler-rocker, rocker-ground. */
+static const posture posture_table[] = {
     { "RRRR", { { 0, 0 }, { 0.5, 1 }, { 3, 2.5 }, { 3, 0 } },   { 0 } },
     { "RRRP", { { 0, 0 }, { 0.5, 1 }, { 3, 0.5 }, { 3, 0.5 } }, { 0, 0, 0, 0 } },
     { "RRPR", { { 0, 0 }, { 0.5, 1 }, { 3, 0 }, { 3, 0 } },     { 0, 0, -0.25, 0 } },

@@ -127,7 +127,10 @@ static void ours_jacobian_angle(bench *b) { jacobian(b, 1); }
 
 static const char *isa_of(const bench *b) { return lw_batch_isa(&b->plan); }
 static void hand_fourbar(bench *b) { BY_HAND(isa_of(b), fourbar_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
-static void hand_slidercrank(bench *b) { BY_HAND(isa_of(b), slidercrank_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
+static void hand_slidercrank(bench *b)
+{
+    BY_HAND(isa_of(b), slidercrank_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y);
+}
 static void hand_inverted(bench *b) { BY_HAND(isa_of(b), inverted_angles, b->n, b->c, b->s, b->one, 1, b->x, b->y); }
 static void hand_jansen(bench *b) { BY_HAND(isa_of(b), jansen_angles, b->n, b->c, b->s, b->bar, b->x, b->y); }
 static void hand_stephenson(bench *b) { BY_HAND(isa_of(b), sixbar_angles, b->n, b->u, b->v, b->bar, 0, b->x, b->y); }
@@ -243,7 +246,10 @@ static void set_jansen(bench *b)
     }
 }
 
-static double side(lw_vec2 a, lw_vec2 b, lw_vec2 c) { return lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a)) > 0 ? 1 : -1; }
+static double side(lw_vec2 a, lw_vec2 b, lw_vec2 c)
+{
+    return lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a)) > 0 ? 1 : -1;
+}
 
 /* p on the link from a to b, as its x and y along and across it */
 static lw_vec2 on(lw_vec2 a, lw_vec2 b, lw_vec2 p)
@@ -288,8 +294,9 @@ static void set_sixbar(bench *b, bool watt)
         b->u[i] = cos(world);
         b->v[i] = sin(world);
     }
-    const double bar[15] = { apart(a, at_b), apart(at_b, c), apart(c, d), d.x, d.y, on_bc.x, on_bc.y, apart(e, f), apart(f, g),
-                             on_ef.x, on_ef.y, watt ? on_dc.x : g.x, watt ? on_dc.y : g.y, side(at_b, d, c), side(e, g, f) };
+    const double bar[15] = { apart(a, at_b), apart(at_b, c), apart(c, d), d.x, d.y, on_bc.x, on_bc.y, apart(e, f),
+                             apart(f, g), on_ef.x, on_ef.y, watt ? on_dc.x : g.x, watt ? on_dc.y : g.y, side(at_b, d, c),
+                             side(e, g, f) };
     memcpy(b->bar, bar, sizeof bar);
     compare(b, watt ? hand_watt : hand_stephenson);
 }
