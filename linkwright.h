@@ -1,30 +1,31 @@
 /* linkwright.h - the whole public interface of linkwright, a library for planar mechanisms: which exist, how they
- * move, what they carry, and which one does a job.  C17 and C++.  Compile with `pkg-config --cflags --libs linkwright`.
+ * move, what they carry, and which one does a job.  C17 and C++.  Compile with `pkg-config --cflags --libs
+ * linkwright`.
  *
- * Units.  SI everywhere: lengths [m], angles [rad] counter-clockwise, time [s], mass [kg], force [N].  A file may use
- * other units; they are converted when it is read.
+ * Units.  SI everywhere: lengths [m], angles [rad] counter-clockwise, time [s], mass [kg], force [N].  A file may
+ * use other units; they are converted when it is read.
  *
  * Numbers.  Links, joints, tracers (points to watch) and inputs count from 0 here, and from 1 in every text.
  * Letters of joints: r pin, t slider, p pin in a slot, g gear pair, f weld (linkages only).
  *
- * Handles.  Structs that are only declared here are made by lw_X_create, _load, _read or a function that fills `out`, and
- * belong to the caller, who frees each with its lw_X_destroy; NULL is allowed there.  `out` is set to NULL when the
- * call fails, and may not be NULL.  Handles and texts inside a callback's arguments are valid during that call only.
- * Texts and bytes that a function returns through `char **` are freed with lw_free.  A `const char *` that is returned
- * belongs to the handle, or lives for ever.
+ * Handles.  Structs that are only declared here are made by lw_X_create, _load, _read or a function that fills
+ * `out`, and belong to the caller, who frees each with its lw_X_destroy; NULL is allowed there.  `out` is set to
+ * NULL when the call fails, and may not be NULL.  Handles and texts inside a callback's arguments are valid during
+ * that call only.  Texts and bytes that a function returns through `char **` are freed with lw_free.  A `const
+ * char *` that is returned belongs to the handle, or lives for ever.
  *
- * Errors.  lw_status tells how a call ended: 0 done, > 0 another answer, < 0 failed.  The last argument `error` may be
- * NULL; a call that fails fills it with a text that says what is wrong and what to do.  A function without status
- * takes an index as given; one outside its range gives 0, -1 or NULL.  Nothing here prints, exits or aborts, and
- * error handlers of other libraries (GSL, igraph) are left as the caller set them.
+ * Errors.  lw_status tells how a call ended: 0 done, > 0 another answer, < 0 failed.  The last argument `error` may
+ * be NULL; a call that fails fills it with a text that says what is wrong and what to do.  A function without
+ * status takes an index as given; one outside its range gives 0, -1 or NULL.  Nothing here prints, exits or aborts,
+ * and error handlers of other libraries (GSL, igraph) are left as the caller set them.
  *
  * Callbacks.  LW_OK goes on; any other status ends the call, which returns it.
  *
- * Threads.  Different handles are independent of each other.  One handle may be read by several threads at once through
- * functions that take it as `const`; all others need it alone.  There is no global state that a result depends on.
- * Functions with `jobs` start that many threads (below 1: one for each core), give the same result for any number, and
- * make all calls of a callback one at a time, from any of these threads where `progress` is concerned, else from the
- * calling thread. */
+ * Threads.  Different handles are independent of each other.  One handle may be read by several threads at once
+ * through functions that take it as `const`; all others need it alone.  There is no global state that a result
+ * depends on.  Functions with `jobs` start that many threads (below 1: one for each core), give the same result for
+ * any number, and make all calls of a callback one at a time, from any of these threads where `progress` is
+ * concerned, else from the calling thread. */
 #ifndef LINKWRIGHT_H
 #define LINKWRIGHT_H
 
@@ -89,8 +90,8 @@ LW_API void lw_error_print(const lw_error *error, char *buffer, int size);
 /* Free a text or bytes that a function of this header returned. */
 LW_API void lw_free(void *text);
 
-/* Called during long work: share done, 0 to 1, seconds since the start, and the best objective so far (NaN where there is
- * none).  false: stop; the call then returns LW_STOPPED and keeps what it has. */
+/* Called during long work: share done, 0 to 1, seconds since the start, and the best objective so far (NaN where
+ * there is none).  false: stop; the call then returns LW_STOPPED and keeps what it has. */
 typedef bool lw_progress(void *context, double done, double seconds, double best);
 
 /* ---- topologies: chains and mechanisms ----------------------------------------------------------------------- */
@@ -104,7 +105,8 @@ LW_API lw_status lw_chain_create(int n_link, lw_chain **out);
 LW_API lw_status lw_chain_copy(const lw_chain *chain, lw_chain **out);
 LW_API void      lw_chain_destroy(lw_chain *chain);
 
-/* Join links i and k by a joint of 1 or 2 freedoms.  LW_E_ARG: i is k, no such link, or they are joined by the other sort. */
+/* Join links i and k by a joint of 1 or 2 freedoms.  LW_E_ARG: i is k, no such link, or they are joined by the
+ * other sort. */
 LW_API lw_status lw_chain_join(lw_chain *chain, int i, int k, int freedom);
 LW_API void      lw_chain_unjoin(lw_chain *chain, int i, int k);
 
@@ -127,8 +129,8 @@ LW_API lw_status lw_chain_is_isomorphic(const lw_chain *a, const lw_chain *b, bo
 /* Put the canonical form of `chain` into `form`, an existing chain; isomorphic chains have equal forms. */
 LW_API lw_status lw_chain_canonical(const lw_chain *chain, lw_chain *form);
 
-/* lowest (n_link): the lowest link that symmetry makes alike to each link.  *n_class, may be NULL: how many classes, which is
- * the number of different choices of ground. */
+/* lowest (n_link): the lowest link that symmetry makes alike to each link.  *n_class, may be NULL: how many
+ * classes, which is the number of different choices of ground. */
 LW_API lw_status lw_chain_orbits(const lw_chain *chain, uint8_t *lowest, int *n_class);
 
 /* Order of the symmetry group. */
@@ -145,8 +147,8 @@ LW_API lw_status lw_mechanism_of_chain(const lw_chain *chain, lw_mechanism **out
 /* The chain of a mechanism into an existing one: kinds and choices are forgotten. */
 LW_API void      lw_mechanism_chain(const lw_mechanism *mechanism, lw_chain *chain);
 
-/* Joints get numbers in the order of the link adjacency matrix, so join all links before anything is chosen.  LW_E_ARG: i is
- * k, no such link or kind, joined already, inputs are chosen. */
+/* Joints get numbers in the order of the link adjacency matrix, so join all links before anything is chosen. 
+ * LW_E_ARG: i is k, no such link or kind, joined already, inputs are chosen. */
 LW_API lw_status lw_mechanism_join(lw_mechanism *mechanism, int i, int k, char kind);
 LW_API int       lw_mechanism_joint(const lw_mechanism *mechanism, int i, int k);   /* its number; -1: not joined */
 
@@ -178,7 +180,8 @@ typedef struct lw_group_info {
 typedef lw_status lw_group_visit(void *context, const lw_group_info *group);
 
 /* The groups in the order of solution.  LW_E_ARG: no ground, not F inputs, inputs that do not drive everything. */
-LW_API lw_status lw_mechanism_groups(const lw_mechanism *mechanism, lw_group_visit *visit, void *context, lw_error *error);
+LW_API lw_status lw_mechanism_groups(const lw_mechanism *mechanism, lw_group_visit *visit, void *context,
+                                     lw_error *error);
 
 /* How the four rules of the published grammar derive it, step by step, or why they cannot, as text. */
 LW_API lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **out, lw_error *error);
@@ -186,8 +189,10 @@ LW_API lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **o
 /* Notations: "graph6", "lam", "sentence", "franke", "edges", "json"; for writing also "dot", "graphml". */
 
 /* One topology from text.  notation NULL: found from how the text begins.  LW_E_NOTATION with line and column. */
-LW_API lw_status lw_chain_from_text(const char *text, size_t size, const char *notation, lw_chain **out, lw_error *error);
-LW_API lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out, lw_error *error);
+LW_API lw_status lw_chain_from_text(const char *text, size_t size, const char *notation, lw_chain **out,
+                                    lw_error *error);
+LW_API lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out,
+                                        lw_error *error);
 
 /* LW_E_ARG: no such notation; LW_E_KIND: it cannot say this. */
 LW_API lw_status lw_chain_to_text(const lw_chain *chain, const char *notation, char **out, lw_error *error);
@@ -213,8 +218,8 @@ LW_API lw_status lw_link_numbers_of_links(int links, int dof, int joints2, lw_li
 typedef lw_status lw_assortment_visit(void *context, const int *n_with, int n);
 LW_API lw_status lw_enumerate_assortments(const lw_link_numbers *numbers, lw_assortment_visit *visit, void *context);
 
-/* Franke structures with 2 to 9 loops: 1, 4, 17, 118, 1198, 17133, 311757, ...  Text: "(3 3 4) 1-2 1-3 ..."; derivation:
- * "theta 1(1,2) 3(2,5)". */
+/* Franke structures with 2 to 9 loops: 1, 4, 17, 118, 1198, 17133, 311757, ...  Text: "(3 3 4) 1-2 1-3 ...";
+ * derivation: "theta 1(1,2) 3(2,5)". */
 typedef lw_status lw_structure_visit(void *context, const char *structure, const char *derivation);
 LW_API lw_status lw_enumerate_structures(int loops, int jobs, lw_structure_visit *visit, void *context);
 
@@ -233,9 +238,11 @@ LW_API lw_enumeration lw_enumeration_default(int links, int dof);
 
 /* Every chain once, in an order that does not depend on jobs.  LW_E_ARG with the equation when links and dof do not go
  * together, for filter, part and skip beside fractionated or joints2; LW_E_MEMORY. */
-LW_API lw_status lw_enumerate_chains(const lw_enumeration *what, lw_chain_callback *visit, void *context, lw_error *error);
+LW_API lw_status lw_enumerate_chains(const lw_enumeration *what, lw_chain_callback *visit, void *context,
+                                     lw_error *error);
 
-/* How many chains, and how many choices of a ground link up to symmetry; quicker than visiting.  grounds may be NULL. */
+/* How many chains, and how many choices of a ground link up to symmetry; quicker than visiting.  grounds may be
+ * NULL. */
 LW_API lw_status lw_enumerate_count(const lw_enumeration *what, uint64_t *chains, uint64_t *grounds, lw_error *error);
 
 /* Expected number of chains, processor time to count and to list them [s], and memory [byte]. */
@@ -244,7 +251,8 @@ LW_API lw_status lw_enumerate_estimate(int links, int dof, lw_enumeration_cost *
 
 /* Chains with multiple joints, several pins on one axis: links on each pin as text, "1-2-5 1-3 2-4". */
 typedef lw_status lw_text_visit(void *context, const char *text);
-LW_API lw_status lw_enumerate_multiple(int links, int dof, int jobs, lw_text_visit *visit, void *context, lw_error *error);
+LW_API lw_status lw_enumerate_multiple(int links, int dof, int jobs, lw_text_visit *visit, void *context,
+                                       lw_error *error);
 
 /* From a chain or mechanism to mechanisms, each step up to symmetry. */
 typedef struct lw_choices {
@@ -256,15 +264,15 @@ typedef struct lw_choices {
 LW_API lw_choices lw_choices_default(void);
 
 /* visit NULL: count only.  *n, may be NULL: how many there are.  LW_E_ARG: choices that do not go together. */
-LW_API lw_status lw_enumerate_mechanisms(const lw_mechanism *of, const lw_choices *choices, lw_mechanism_callback *visit,
-                                         void *context, uint64_t *n, lw_error *error);
+LW_API lw_status lw_enumerate_mechanisms(const lw_mechanism *of, const lw_choices *choices,
+                                         lw_mechanism_callback *visit, void *context, uint64_t *n, lw_error *error);
 
 /* Every Assur group of pins with so many links (even): its Baranov truss, the link taken away, and the group. */
 typedef lw_status lw_assur_group_visit(void *context, const lw_chain *truss, int lost, const lw_group_info *group);
 LW_API lw_status lw_enumerate_groups(int links, int jobs, lw_assur_group_visit *visit, void *context, lw_error *error);
 
-/* Everything that the rules of the published grammar reach with so many links; rules: "1234" or fewer; kinds: "r", "t", "rt";
- * regions: only planar graphs, as the source demands. */
+/* Everything that the rules of the published grammar reach with so many links; rules: "1234" or fewer; kinds: "r",
+ * "t", "rt"; regions: only planar graphs, as the source demands. */
 LW_API lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, bool regions,
                                       lw_mechanism_callback *visit, void *context, lw_error *error);
 
@@ -293,23 +301,25 @@ typedef struct lw_tracer_info {
     double      angle;                 /* direction of a tool on the link [rad]                                   */
 } lw_tracer_info;
 
-/* From arrays: joints in one assembled posture.  `ground`: the fixed link.  LW_E_ARG with a text that names the joint. */
+/* From arrays: joints in one assembled posture.  `ground`: the fixed link.  LW_E_ARG with a text that names the
+ * joint. */
 LW_API lw_status lw_linkage_create(int n_link, int ground, int n_joint, const lw_joint_info *joint, int n_input,
                                    const lw_input_info *input, int n_tracer, const lw_tracer_info *tracer,
                                    lw_linkage **out, lw_error *error);
 
-/* From text.  format: "json", "pyslvs", "adams", "pmks"; NULL: found from how it begins.  `file` is for messages, may be
- * NULL.  LW_E_NOTATION with line and column. */
+/* From text.  format: "json", "pyslvs", "adams", "pmks"; NULL: found from how it begins.  `file` is for messages,
+ * may be NULL.  LW_E_NOTATION with line and column. */
 LW_API lw_status lw_linkage_parse(const char *text, size_t size, const char *file, const char *format, lw_linkage **out,
                                   lw_error *error);
 LW_API lw_status lw_linkage_load(const char *path, lw_linkage **out, lw_error *error);
 LW_API lw_status lw_linkage_copy(const lw_linkage *linkage, lw_linkage **out);
 LW_API void      lw_linkage_destroy(lw_linkage *linkage);
 
-/* As text or bytes of another program: "json", "pyslvs", "pmks", "adams", "acf", "mjcf", "dxf", "scad", "slvs", "svg" (the
- * curves of tracers), "poses" (CSV), "motiongen".  *size, may be NULL: without the terminator.  LW_E_ARG: no such format;
- * LW_E_KIND: the format cannot say this. */
-LW_API lw_status lw_linkage_export(const lw_linkage *linkage, const char *format, char **out, size_t *size, lw_error *error);
+/* As text or bytes of another program: "json", "pyslvs", "pmks", "adams", "acf", "mjcf", "dxf", "scad", "slvs",
+ * "svg" (the curves of tracers), "poses" (CSV), "motiongen".  *size, may be NULL: without the terminator. 
+ * LW_E_ARG: no such format; LW_E_KIND: the format cannot say this. */
+LW_API lw_status lw_linkage_export(const lw_linkage *linkage, const char *format, char **out, size_t *size,
+                                   lw_error *error);
 
 /* The same into a file; format NULL: by the end of the name. */
 LW_API lw_status lw_linkage_save(const lw_linkage *linkage, const char *format, const char *path, lw_error *error);
@@ -327,13 +337,15 @@ LW_API const char *lw_linkage_link_name(const lw_linkage *linkage, int link);
 LW_API lw_status lw_linkage_joint(const lw_linkage *linkage, int joint, lw_joint_info *out);
 LW_API lw_status lw_linkage_input(const lw_linkage *linkage, int input, lw_input_info *out);
 LW_API lw_status lw_linkage_tracer(const lw_linkage *linkage, int tracer, lw_tracer_info *out);
-LW_API lw_status lw_linkage_set_tracer(lw_linkage *linkage, int tracer, const lw_tracer_info *tracer_info, lw_error *error);
+LW_API lw_status lw_linkage_set_tracer(lw_linkage *linkage, int tracer, const lw_tracer_info *tracer_info,
+                                       lw_error *error);
 
 LW_API int       lw_linkage_mobility(const lw_linkage *linkage);                   /* Gruebler's count          */
 LW_API lw_status lw_linkage_mechanism(const lw_linkage *linkage, lw_mechanism **out, lw_error *error);
 
 /* A linkage of this topology with dimensions drawn by `seed`.  LW_E_ARG: no ground or no output. */
-LW_API lw_status lw_linkage_of_mechanism(const lw_mechanism *mechanism, uint64_t seed, lw_linkage **out, lw_error *error);
+LW_API lw_status lw_linkage_of_mechanism(const lw_mechanism *mechanism, uint64_t seed, lw_linkage **out,
+                                         lw_error *error);
 
 /* Mirror in the x axis if so, then turn, scale and move: p becomes shift + size e^{i turn} p. */
 LW_API void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift);
@@ -360,13 +372,13 @@ typedef struct lw_fourbar_class {
     double      range[2][2];           /* first, last [rad]; 2 pi apart: a full turn                              */
 } lw_fourbar_class;
 
-/* lengths: frame, input, coupler, output, in any unit.  Sums count as equal within tolerance * perimeter; 1e-12 is usual.
- * LW_E_ARG: a length that is not positive, or the linkage cannot be assembled. */
+/* lengths: frame, input, coupler, output, in any unit.  Sums count as equal within tolerance * perimeter; 1e-12 is
+ * usual. LW_E_ARG: a length that is not positive, or the linkage cannot be assembled. */
 LW_API lw_status lw_fourbar_classify(const double lengths[4], double tolerance, lw_fourbar_class *out, lw_error *error);
 
-/* The other two four-bars that trace the same coupler curve (Roberts).  in, out: r1 r2 r3 r4 cx cy x0 y0 theta0; mode +1 or
- * -1: side of the line from the crank pin to the rocker's ground pin on which the coupler's other pin lies.
- * LW_E_ARG: no four-bar; LW_E_NUMERIC: the point lies on a pin of the coupler. */
+/* The other two four-bars that trace the same coupler curve (Roberts).  in, out: r1 r2 r3 r4 cx cy x0 y0 theta0;
+ * mode +1 or -1: side of the line from the crank pin to the rocker's ground pin on which the coupler's other pin
+ * lies. LW_E_ARG: no four-bar; LW_E_NUMERIC: the point lies on a pin of the coupler. */
 LW_API lw_status lw_fourbar_cognates(const double in[9], double mode, double out[2][9], double out_mode[2]);
 
 /* Input angle and mode of both cognates where `in` has its input at `angle`.  LW_OPEN: it cannot close there. */
@@ -380,8 +392,8 @@ typedef struct lw_kinematics lw_kinematics;
 LW_API lw_status lw_kinematics_create(const lw_linkage *linkage, lw_kinematics **out, lw_error *error);
 LW_API void      lw_kinematics_destroy(lw_kinematics *kinematics);
 
-/* Input of the posture [rad] or [m].  Pins count here from the x axis of the ground frame (from the first ground pin to the
- * second, else along the first ground slide). */
+/* Input of the posture [rad] or [m].  Pins count here from the x axis of the ground frame (from the first ground
+ * pin to the second, else along the first ground slide). */
 LW_API double    lw_kinematics_input(const lw_kinematics *kinematics);
 
 /* Turns of the linkage's input in one turn here: more than 1 with gears of fractional ratio. */
@@ -393,9 +405,10 @@ LW_API const char *lw_kinematics_dimension_name(const lw_kinematics *kinematics,
 LW_API double      lw_kinematics_dimension(const lw_kinematics *kinematics, int i);
 LW_API lw_status   lw_kinematics_set_dimension(lw_kinematics *kinematics, int i, double value);
 
-/* One posture with derivatives by the input: [k*(order + 1) + d], derivative d = 0 .. order (at most 3).  Arrays may be NULL:
- * joint (n_joint), link_angle (n_link), tracer (n_tracer).  *margin, may be NULL: squared sine of the least transmission
- * angle, negative where it cannot close.  LW_OPEN: positions are those of the nearest posture, derivatives 0. */
+/* One posture with derivatives by the input: [k*(order + 1) + d], derivative d = 0 .. order (at most 3).  Arrays
+ * may be NULL: joint (n_joint), link_angle (n_link), tracer (n_tracer).  *margin, may be NULL: squared sine of the
+ * least transmission angle, negative where it cannot close.  LW_OPEN: positions are those of the nearest posture,
+ * derivatives 0. */
 LW_API lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
                                     double *link_angle, lw_vec2 *tracer, double *margin);
 
@@ -405,7 +418,8 @@ LW_API lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size
                                      double *y, double *angle, double *margin);
 
 /* A linkage in the posture at this input.  LW_OPEN: it cannot close there. */
-LW_API lw_status lw_kinematics_linkage(const lw_kinematics *kinematics, double input, lw_linkage **out, lw_error *error);
+LW_API lw_status lw_kinematics_linkage(const lw_kinematics *kinematics, double input, lw_linkage **out,
+                                       lw_error *error);
 
 /* Where the input can stand, in every assembly mode. */
 typedef struct lw_input_range {
@@ -444,8 +458,8 @@ typedef struct lw_motion_curve_info {
 LW_API lw_status lw_motion_curves_info(const lw_motion_curves *curves, int curve, lw_motion_curve_info *out);
 
 /* n points evenly by arc over a whole curve.  input, x, y (n): of the input and of a tracer; each may be NULL. */
-LW_API lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer, size_t n, double *input, double *x,
-                                        double *y);
+LW_API lw_status lw_motion_curves_trace(lw_motion_curves *curves, int curve, int tracer, size_t n, double *input,
+                                        double *x, double *y);
 
 /* How freely a linkage moves, found by moving it: lengths count, unlike in Gruebler's count. */
 typedef struct lw_mobility_info {
@@ -460,8 +474,8 @@ typedef struct lw_mobility_info {
 } lw_mobility_info;
 
 /* tolerance: of closing, over the size of the linkage; 1e-12 is usual, 1e-4 the greatest. */
-LW_API lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed, lw_mobility_info *out,
-                                             lw_error *error);
+LW_API lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed,
+                                             lw_mobility_info *out, lw_error *error);
 
 /* Weld joints until no freedom is idle; *joints: those joints as bits. */
 LW_API lw_status lw_mobility_hold_idle(lw_linkage *linkage, uint64_t *joints, lw_error *error);
@@ -550,8 +564,8 @@ LW_API lw_status lw_simulation_create(const lw_model *model, const lw_simulation
                                       lw_error *error);
 LW_API void      lw_simulation_destroy(lw_simulation *simulation);
 
-/* Run from start to end, once; analysis "static": one sample, where it rests.  visit, report may be NULL.  What was sampled
- * before a failure is valid.  LW_STOPPED: a limit of steps or seconds. */
+/* Run from start to end, once; analysis "static": one sample, where it rests.  visit, report may be NULL.  What was
+ * sampled before a failure is valid.  LW_STOPPED: a limit of steps or seconds. */
 LW_API lw_status lw_simulation_run(lw_simulation *simulation, lw_simulation_callback *visit, void *context,
                                    lw_simulation_report *report, lw_error *error);
 
@@ -562,10 +576,10 @@ typedef struct lw_vibration_info {
 } lw_vibration_info;
 typedef lw_status lw_vibration_callback(void *context, const lw_vibration_info *vibration);
 
-/* Small vibrations about the drawn posture, or with `rest` about the equilibrium near it; inputs with a motion are held, with
- * `hold` all inputs.  LW_NOTHING: no freedom is left. */
-LW_API lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit, void *context,
-                                     lw_error *error);
+/* Small vibrations about the drawn posture, or with `rest` about the equilibrium near it; inputs with a motion are
+ * held, with `hold` all inputs.  LW_NOTHING: no freedom is left. */
+LW_API lw_status lw_model_vibrations(const lw_model *model, bool rest, bool hold, lw_vibration_callback *visit,
+                                     void *context, lw_error *error);
 
 /* Pins with clearance, as the model file gives them ("clearance" of a joint). */
 typedef struct lw_clearance_settings {
@@ -606,16 +620,16 @@ typedef struct lw_clearance_outcome {
                                         Wu 1977: contact is kept below 1 */
 } lw_clearance_outcome;
 
-/* outcome (room): of each joint with clearance; *n: how many there are.  LW_E_ARG with a text: no joint with clearance, a
- * missing mass; LW_STOPPED: a limit. */
+/* outcome (room): of each joint with clearance; *n: how many there are.  LW_E_ARG with a text: no joint with
+ * clearance, a missing mass; LW_STOPPED: a limit. */
 LW_API lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings,
-                                       lw_clearance_callback *visit, void *context, lw_clearance_outcome *outcome, int room,
-                                       int *n, lw_error *error);
+                                       lw_clearance_callback *visit, void *context, lw_clearance_outcome *outcome,
+                                           int room, int *n, lw_error *error);
 
 /* The same over speeds of input 0 and laws of contact, each law at each speed, on several threads. */
 typedef struct lw_sweep_request {
     int           n_model, n_stiffness, n_damping, n_speed;
-    const char *const *model;          /* zero link mlsd impact hunt-crossley lankarani-nikravesh; n_model 0: the model's */
+    const char *const *model;          /* zero link mlsd impact ...; n_model 0: the model's own */
     const double *stiffness, *damping; /* [N/m], [N s/m]; none: the model's                                      */
     const double *speed;               /* [rad/s] or [m/s], 1 or more, rising                                    */
     double        refine;              /* > 0: halve the limits of contact to this width [rad/s] or [m/s]         */
@@ -655,9 +669,9 @@ typedef struct lw_counterweight {
 } lw_counterweight;
 typedef lw_status lw_counterweight_callback(void *context, const lw_counterweight *weight);
 
-/* Run the simulation and find counterweights that hold the common centre of mass still, which nulls the shaking force.
- * *before, *after: RMS deviation of total mass times that centre from its mean [kg m].  LW_E_KIND: no link turns about a
- * ground pin; LW_E_ARG: too few samples. */
+/* Run the simulation and find counterweights that hold the common centre of mass still, which nulls the shaking
+ * force. *before, *after: RMS deviation of total mass times that centre from its mean [kg m].  LW_E_KIND: no link
+ * turns about a ground pin; LW_E_ARG: too few samples. */
 LW_API lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context,
                                        double *before, double *after, lw_error *error);
 
@@ -683,8 +697,9 @@ LW_API lw_status lw_target_parse(const char *text, size_t size, const char *file
 /* From a file: CSV, or by the end of its name a path of an SVG or a curve of a DXF drawing. */
 LW_API lw_status lw_target_load(const char *path, const lw_target_options *options, lw_target **out, lw_error *error);
 
-/* From arrays (n): x and y of a path [m], with theta, the angle of a tool, for a motion [rad]; or, for a function, angle of
- * the input and theta of the output.  Others NULL.  angle: prescribed input angles.  closed as in the options. */
+/* From arrays (n): x and y of a path [m], with theta, the angle of a tool, for a motion [rad]; or, for a function,
+ * angle of the input and theta of the output.  Others NULL.  angle: prescribed input angles.  closed as in the
+ * options. */
 LW_API lw_status lw_target_create(size_t n, const double *x, const double *y, const double *theta, const double *angle,
                                   const double *weight, int closed, lw_target **out, lw_error *error);
 LW_API void      lw_target_destroy(lw_target *target);
@@ -717,7 +732,7 @@ typedef struct lw_zone {
 
 typedef struct lw_fit_request {
     /* where to look */
-    const char *types;                 /* four links: "fourbar", "slidercrank", ..., with commas, or "all" ("fourbar") */
+    const char *types;                 /* four links: "fourbar,slidercrank", "all"       ("fourbar") */
     int         links;                 /* all mechanisms with up to so many links                         (4)     */
     int         dof;                   /* 1 to 3; inputs but the first go with it in ratios               (1)     */
     const char *joints;                /* kinds of joints with more than four links, of "rtpg"            ("r")   */
@@ -730,7 +745,7 @@ typedef struct lw_fit_request {
     const char *task;                  /* auto path function motion                                       ("auto") */
     const char *timing;                /* auto prescribed free none                                       ("auto") */
     const char *angle_from;            /* prescribed angles count from: first frame plane                 ("first") */
-    int         point_link[3];         /* links of the target's further points: 0 any, 1 input, 2 coupler, 3 output (0) */
+    int         point_link[3];         /* of further points: 0 any, 1 input, 2 coupler, 3 output link (0) */
     double      weight_path, weight_angle;        /* of squared distances [1/m^2] and angles [1/rad^2]    (1, 1)  */
     bool        crank_only;            /* the input turns fully and is the shortest link of a four-bar    (false) */
     bool        full_turn;             /* the input turns fully                                           (false) */
@@ -756,17 +771,18 @@ typedef struct lw_fit_request {
 } lw_fit_request;
 LW_API lw_fit_request lw_fit_request_default(void);
 
-/* A task file (docs/notation.md, "Task") with the targets it names.  _request: what it asks for, the rest as by default;
- * it points into the task, which must outlive its use. */
+/* A task file (docs/notation.md, "Task") with the targets it names.  _request: what it asks for, the rest as by
+ * default; it points into the task, which must outlive its use. */
 LW_API lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **target, lw_error *error);
 LW_API void      lw_task_file_destroy(lw_task_file *task);
 LW_API lw_fit_request lw_task_file_request(const lw_task_file *task);
 
 typedef struct lw_results lw_results;          /* ranked linkages, best first, each simulated a second time        */
 
-/* LW_OK; LW_NOTHING: no linkage meets the conditions; LW_STOPPED: time, `stop` or progress ended it, with what was found
- * until then; LW_E_ARG with a text: conditions that exclude everything, or do not suit the target. */
-LW_API lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, lw_results **out, lw_error *error);
+/* LW_OK; LW_NOTHING: no linkage meets the conditions; LW_STOPPED: time, `stop` or progress ended it, with what was
+ * found until then; LW_E_ARG with a text: conditions that exclude everything, or do not suit the target. */
+LW_API lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, lw_results **out,
+                               lw_error *error);
 
 /* Linkages that pass through every station exactly: 2 to 5 poses, 3 to 5 pairs of a function, 2 to 9 points. */
 LW_API lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
@@ -804,7 +820,8 @@ LW_API const char *lw_results_dimension(const lw_results *results, int i, int di
 LW_API lw_status lw_results_inputs(const lw_results *results, int i, double *input);
 
 /* All results with moving pictures as one HTML page. */
-LW_API lw_status lw_results_page(const lw_results *results, const char *title, char **out, size_t *size, lw_error *error);
+LW_API lw_status lw_results_page(const lw_results *results, const char *title, char **out, size_t *size,
+                                 lw_error *error);
 
 /* ---- pictures --------------------------------------------------------------------------------------------------- */
 
@@ -815,11 +832,12 @@ LW_API lw_status lw_picture_of_linkage(const lw_linkage *linkage, const lw_targe
                                        lw_picture **out, lw_error *error);
 
 /* Mechanisms (n) on one page in so many columns.  caption (n): may be NULL, as may each. */
-LW_API lw_status lw_picture_of_mechanisms(int n, const lw_mechanism *const *mechanism, const char *const *caption, int columns,
-                                          const char *title, lw_picture **out, lw_error *error);
+LW_API lw_status lw_picture_of_mechanisms(int n, const lw_mechanism *const *mechanism, const char *const *caption,
+                                          int columns, const char *title, lw_picture **out, lw_error *error);
 LW_API void      lw_picture_destroy(lw_picture *picture);
 
-/* Bytes of kind "svg", "pdf", "png"; of linkages also "gif" and "html", which move.  width, height [px]; 0: as usual. */
+/* Bytes of kind "svg", "pdf", "png"; of linkages also "gif" and "html", which move.  width, height [px]; 0: as
+ * usual. */
 LW_API lw_status lw_picture_write(const lw_picture *picture, const char *kind, int width, int height, char **out,
                                   size_t *size, lw_error *error);
 
@@ -838,8 +856,8 @@ LW_API lw_status lw_plot_save(const char *path, const char *title, const char *x
  * writes at a time, any number may read.  Work that was stopped or killed is continued by the same call. */
 typedef struct lw_catalogue lw_catalogue;
 
-/* write: the file is made when there is none.  wait: for another program that writes [s].  LW_E_IO, LW_E_NOTATION: it is no
- * catalogue, or one of a newer version. */
+/* write: the file is made when there is none.  wait: for another program that writes [s].  LW_E_IO, LW_E_NOTATION:
+ * it is no catalogue, or one of a newer version. */
 LW_API lw_status lw_catalogue_open(const char *path, bool write, double wait, lw_catalogue **out, lw_error *error);
 LW_API void      lw_catalogue_close(lw_catalogue *catalogue);
 
@@ -851,8 +869,8 @@ typedef struct lw_catalogue_work {
     void        *context;              /* of progress                                                            */
 } lw_catalogue_work;
 
-/* Every chain with so many links and freedoms, with ground links, inputs, Assur groups and a picture.  kinds: "r", "rt", "t".
- * *n, may be NULL: chains in the catalogue now.  LW_STOPPED: progress said so, what is done is kept. */
+/* Every chain with so many links and freedoms, with ground links, inputs, Assur groups and a picture.  kinds: "r",
+ * "rt", "t". *n, may be NULL: chains in the catalogue now.  LW_STOPPED: progress said so, what is done is kept. */
 LW_API lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, const char *kinds,
                                          const lw_catalogue_work *work, uint64_t *n, lw_error *error);
 
@@ -880,10 +898,11 @@ typedef struct lw_value {
 typedef lw_status lw_catalogue_row(void *context, int n_column, const char *const *name, const lw_value *value);
 
 /* A question such as "links=6 and sliders>=1" (docs/catalogue.md); NULL: everything.  list: "chains", "mechanisms",
- * "linkages", "structures"; NULL: the first with all fields.  columns, sort: fields with commas, may be NULL.  limit 0: all
- * rows.  LW_E_NOTATION with the column of the fault. */
-LW_API lw_status lw_catalogue_query(lw_catalogue *catalogue, const char *question, const char *list, const char *columns,
-                                    const char *sort, long limit, lw_catalogue_row *row, void *context, lw_error *error);
+ * "linkages", "structures"; NULL: the first with all fields.  columns, sort: fields with commas, may be NULL. 
+ * limit 0: all rows.  LW_E_NOTATION with the column of the fault. */
+LW_API lw_status lw_catalogue_query(lw_catalogue *catalogue, const char *question, const char *list,
+                                    const char *columns, const char *sort, long limit, lw_catalogue_row *row,
+                                        void *context, lw_error *error);
 
 /* One SELECT of SQL; it may only read. */
 LW_API lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context,

@@ -66,8 +66,8 @@ lw_status lw_model_set_speed(lw_model *model, int input, double speed)
 
 lw_status lw_model_set_mass(lw_model *model, int link, double mass, lw_vec2 centre, double inertia)
 {
-    bool good = link >= 0 && link < model->linkage.n_link && mass >= 0 && inertia >= 0 && isfinite(mass) && isfinite(inertia)
-                && isfinite(centre.x) && isfinite(centre.y);
+    bool good = link >= 0 && link < model->linkage.n_link && mass >= 0 && inertia >= 0 && isfinite(mass)
+                && isfinite(inertia) && isfinite(centre.x) && isfinite(centre.y);
     if (good)
         model->body[link] = (lw_body){ .given = true, .mass = mass, .centre = centre, .inertia = inertia };
     return good ? LW_OK : LW_E_ARG;
@@ -160,9 +160,10 @@ static lw_status hand_over(void *context, const lw_moment *m)
     }
     lw_reactions_joints(s->d, m, joint);
     lw_reactions_driving(s->d, m, drive);
-    lw_simulation_sample sample = { .t = m->t, .link = link, .acceleration = acceleration, .joint = joint, .input = input,
-                                    .drive = drive, .tracer = tracer, .shaking = lw_reactions_shaking(s->d, m),
-                                    .kinetic = m->kinetic, .potential = m->potential, .work = m->work, .residual = m->off };
+    lw_simulation_sample sample = { .t = m->t, .link = link, .acceleration = acceleration, .joint = joint,
+                                    .input = input, .drive = drive, .tracer = tracer,
+                                    .shaking = lw_reactions_shaking(s->d, m), .kinetic = m->kinetic,
+                                    .potential = m->potential, .work = m->work, .residual = m->off };
     return s->visit ? s->visit(s->context, &sample) : LW_OK;
 }
 
@@ -210,15 +211,16 @@ static lw_status keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context, double *before,
-                                double *after, lw_error *error)
+lw_status lw_simulation_balance(lw_simulation *simulation, lw_counterweight_callback *visit, void *context,
+                                double *before, double *after, lw_error *error)
 {
     const lw_system *sys = lw_dynamics_system(simulation->d);
     postures p = { .simulation = simulation, .most = (size_t)simulation->o.intervals + 1 };
     lw_dynamics_report r;
     lw_counterweights found;
     p.q = calloc(p.most*(size_t)sys->n_q + 1, sizeof *p.q);
-    lw_status s = p.q ? lw_dynamics_run(simulation->d, keep, &p, &r, error) : lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_status s = p.q ? lw_dynamics_run(simulation->d, keep, &p, &r, error)
+                      : lw_error_set(error, LW_E_MEMORY, "out of memory");
     if (s == LW_OK)
         s = lw_counterweights_find(simulation->model, sys, p.n, p.q, &found, error);
     free(p.q);
@@ -296,8 +298,9 @@ static lw_status contact_options(const lw_clearance_settings *settings, lw_clear
     return LW_OK;
 }
 
-lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings, lw_clearance_callback *visit,
-                                void *context, lw_clearance_outcome *outcome, int room, int *n, lw_error *error)
+lw_status lw_simulate_clearance(const lw_model *model, const lw_clearance_settings *settings,
+                                lw_clearance_callback *visit, void *context, lw_clearance_outcome *outcome, int room,
+                                int *n, lw_error *error)
 {
     contact_run run = { visit, context };
     lw_clearance_options o;
@@ -327,31 +330,33 @@ static lw_status hand_sweep(const lw_sweep *w, lw_sweep_callback *visit, lw_cont
     for (int i = 0; i < w->n_row && visit && s == LW_OK; i++) {
         const lw_sweep_row *row = &w->row[i];
         const lw_sweep_law *law = &w->law[row->law];
-        lw_sweep_result r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness, .damping = law->damping,
-                              .speed = row->speed, .status = row->done ? row->status : LW_STOPPED, .why = row->why,
+        lw_sweep_result r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness,
+                              .damping = law->damping, .speed = row->speed,
+                              .status = row->done ? row->status : LW_STOPPED, .why = row->why,
                               .n_outcome = row->r.n_joint, .outcome = row->r.joint };
         s = visit(context, &r);
     }
     for (int i = 0; i < w->n_limit && see_limits && s == LW_OK; i++) {
         const lw_sweep_limit *l = &w->limit[i];
         const lw_sweep_law *law = &w->law[l->law];
-        lw_contact_limits r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness, .damping = law->damping,
-                                .joint = l->joint, .kept = l->kept, .lost = l->lost, .lost_again = l->lost_again,
-                                .kept_again = l->kept_again };
+        lw_contact_limits r = { .model = lw_clearance_name(law->model), .stiffness = law->stiffness,
+                                .damping = law->damping, .joint = l->joint, .kept = l->kept, .lost = l->lost,
+                                .lost_again = l->lost_again, .kept_again = l->kept_again };
         s = see_limits(context, &r);
     }
     return s;
 }
 
-lw_status lw_sweep_clearance(const lw_model *model, const lw_clearance_settings *settings, const lw_sweep_request *request,
-                             lw_sweep_callback *visit, lw_contact_limits_callback *see_limits, void *context,
-                             lw_error *error)
+lw_status lw_sweep_clearance(const lw_model *model, const lw_clearance_settings *settings,
+                             const lw_sweep_request *request, lw_sweep_callback *visit,
+                             lw_contact_limits_callback *see_limits, void *context, lw_error *error)
 {
     enum { LAWS = LW_CLEARANCE_LANKARANI + 1 };
     lw_clearance_model law[LAWS];
-    lw_sweep_options o = { .stiffness = request->stiffness, .damping = request->damping, .speed = request->speed, .model = law,
-                           .n_model = request->n_model, .n_stiffness = request->n_stiffness, .n_damping = request->n_damping,
-                           .n_speed = request->n_speed, .unit = 1, .refine = request->refine, .jobs = request->jobs };
+    lw_sweep_options o = { .stiffness = request->stiffness, .damping = request->damping, .speed = request->speed,
+                           .model = law, .n_model = request->n_model, .n_stiffness = request->n_stiffness,
+                           .n_damping = request->n_damping, .n_speed = request->n_speed, .unit = 1,
+                           .refine = request->refine, .jobs = request->jobs };
     lw_sweep w;
     if (request->n_speed < 1 || request->n_model < 0 || request->n_model > LAWS)
         return lw_error_set(error, LW_E_ARG, "a sweep has a speed or more, and at most %d models", LAWS);

@@ -78,8 +78,8 @@ lw_fit_request lw_fit_request_default(void)
 {
     lw_fit_options o = lw_fit_options_default();
     return (lw_fit_request){ .types = "fourbar", .links = 4, .dof = 1, .joints = "r", .topology = "all", .task = "auto",
-                             .timing = "auto", .angle_from = "first", .weight_path = 1, .weight_angle = 1, .seed = o.seed,
-                             .budget = 1e6, .results = o.n_result };
+                             .timing = "auto", .angle_from = "first", .weight_path = 1, .weight_angle = 1,
+                             .seed = o.seed, .budget = 1e6, .results = o.n_result };
 }
 
 lw_status lw_task_file_load(const char *path, lw_task_file **out, lw_target **target, lw_error *error)
@@ -151,9 +151,10 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
     *spec = lw_fit_spec_default();
     if (datum < 0)
         return LW_E_ARG;
-    if (r->n_bound < 0 || r->n_bound > (int)(sizeof spec->bound/sizeof *spec->bound) || r->n_zone < 0 || r->n_zone > LW_ZONE_MAX)
-        return lw_error_set(e, LW_E_ARG, "at most %d bounds and %d zones", (int)(sizeof spec->bound/sizeof *spec->bound),
-                            LW_ZONE_MAX);
+    if (r->n_bound < 0 || r->n_bound > (int)(sizeof spec->bound/sizeof *spec->bound) || r->n_zone < 0
+        || r->n_zone > LW_ZONE_MAX)
+        return lw_error_set(e, LW_E_ARG, "at most %d bounds and %d zones",
+                            (int)(sizeof spec->bound/sizeof *spec->bound), LW_ZONE_MAX);
     spec->task = task > 0 ? (lw_task)(task - 1) : !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
     spec->timing = timing > 0 ? (lw_timing)(timing - 1) : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     spec->datum = (lw_datum)datum;
@@ -221,7 +222,7 @@ static lw_status make_options(const lw_target *t, const lw_fit_request *r, contr
     return s;
 }
 
-/* ---- results ------------------------------------------------------------------------------------------------------- */
+/* ---- results --------------------------------------------------------------------------------------------------- */
 
 struct lw_results {
     lw_topology_search search;
@@ -270,7 +271,8 @@ lw_status lw_fit_target(const lw_target *target, const lw_fit_request *request, 
     return s;
 }
 
-lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out, lw_error *error)
+lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request *request, lw_results **out,
+                                  lw_error *error)
 {
     lw_fit_options o;
     control c;
@@ -287,8 +289,8 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
     r->is_exact = true;
     s = lw_exact_run(target, &o, &r->exact, error);
     if (s >= 0 && s != LW_NOTHING) {
-        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect, &r->verified,
-                                             error);
+        lw_status made = lw_fit_results_make(target, &o.spec, &r->exact.fit, request->results, r->exact.defect,
+                                             &r->verified, error);
         s = made == LW_OK ? s : made;
         if (made != LW_OK)
             lw_exact_free(&r->exact);
@@ -332,7 +334,8 @@ lw_status lw_results_info(const lw_results *results, int i, lw_result_info *out)
     *out = (lw_result_info){
         .title = lw_family_title(c->family), .fourbar_class = r->has_class ? r->barker.symbol : "",
         .links = r->linkage.n_link, .objective = c->objective,
-        .error_mean = r->error_mean, .error_rms = r->error_rms, .error_max = r->error_max, .error_percent = r->error_percent,
+        .error_mean = r->error_mean, .error_rms = r->error_rms, .error_max = r->error_max,
+        .error_percent = r->error_percent,
         .angle_mean = r->angle_mean, .angle_max = r->angle_max,
         .transmission = { r->transmission_min, r->transmission_max }, .acceleration_max = r->acceleration_max,
         .turns = r->turns, .circuits = r->circuits, .verified = r->verified,
@@ -364,7 +367,7 @@ lw_status lw_results_inputs(const lw_results *results, int i, double *input)
     return LW_OK;
 }
 
-/* ---- the page ------------------------------------------------------------------------------------------------------- */
+/* ---- the page -------------------------------------------------------------------------------------------------- */
 
 static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_result *row, int *n, lw_error *e)
 {
@@ -376,7 +379,8 @@ static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_resul
         o.title = lw_family_title(c->family);
         s = lw_scene_make(&report->linkage, NULL, &o, &scene[*n], e);
         row[*n] = (lw_page_result){ .scene = &scene[*n], .type = o.title,
-                                    .class_name = report->has_class ? report->barker.name : NULL, .objective = c->objective,
+                                    .class_name = report->has_class ? report->barker.name : NULL,
+                                    .objective = c->objective,
                                     .error_mean = report->error_mean, .error_max = report->error_max,
                                     .error_percent = report->error_percent };
     }

@@ -22,8 +22,8 @@ static void put_name(char *to, size_t size, const char *name, char letter, int i
 static lw_status fill(lw_linkage *k, int n_link, int ground, int n_joint, const lw_joint_info *joint, int n_input,
                       const lw_input_info *input, int n_tracer, const lw_tracer_info *tracer, lw_error *e)
 {
-    if (n_link < 1 || n_link > LW_LINK_MAX || n_joint < 0 || n_joint > LW_JOINT_MAX || n_input < 0 || n_input > LW_INPUT_MAX
-        || n_tracer < 0 || n_tracer > LW_TRACER_MAX)
+    if (n_link < 1 || n_link > LW_LINK_MAX || n_joint < 0 || n_joint > LW_JOINT_MAX || n_input < 0
+        || n_input > LW_INPUT_MAX || n_tracer < 0 || n_tracer > LW_TRACER_MAX)
         return lw_error_set(e, LW_E_ARG, "a linkage has 1 to %d links and up to %d joints, %d inputs and %d tracers",
                             LW_LINK_MAX, LW_JOINT_MAX, LW_INPUT_MAX, LW_TRACER_MAX);
     k->n_link = n_link;
@@ -163,7 +163,12 @@ lw_status lw_linkage_save(const lw_linkage *linkage, const char *format, const c
 }
 
 const char *lw_linkage_name(const lw_linkage *linkage) { return linkage->name; }
-void lw_linkage_set_name(lw_linkage *linkage, const char *name) { lw_text_clean(linkage->name, sizeof linkage->name, name); }
+
+void lw_linkage_set_name(lw_linkage *linkage, const char *name)
+{
+    lw_text_clean(linkage->name, sizeof linkage->name, name);
+}
+
 int lw_linkage_n_link(const lw_linkage *linkage) { return linkage->n_link; }
 int lw_linkage_n_joint(const lw_linkage *linkage) { return linkage->n_joint; }
 int lw_linkage_n_input(const lw_linkage *linkage) { return linkage->n_input; }
@@ -190,7 +195,8 @@ lw_status lw_linkage_input(const lw_linkage *linkage, int input, lw_input_info *
     if (input < 0 || input >= linkage->n_input)
         return LW_E_ARG;
     const lw_input *i = &linkage->input[input];
-    *out = (lw_input_info){ .joint = i->joint, .value = i->value, .first = i->first, .last = i->last, .ratio = i->ratio };
+    *out = (lw_input_info){ .joint = i->joint, .value = i->value, .first = i->first, .last = i->last,
+                            .ratio = i->ratio };
     return LW_OK;
 }
 
@@ -230,7 +236,8 @@ lw_status lw_linkage_mechanism(const lw_linkage *linkage, lw_mechanism **out, lw
     *out = NULL;
     lw_mechanism_clear(&m, linkage->n_link);
     for (int j = 0; j < linkage->n_joint; j++)
-        if (lw_mechanism_join(&m, linkage->joint[j].link[0], linkage->joint[j].link[1], (char)linkage->joint[j].kind) != LW_OK)
+        if (lw_mechanism_join(&m, linkage->joint[j].link[0], linkage->joint[j].link[1],
+                              (char)linkage->joint[j].kind) != LW_OK)
             return lw_error_set(error, LW_E_KIND, "joint %s: links of a chain share one joint at most, and no weld",
                                 linkage->joint[j].name);
     m.ground = linkage->ground;
@@ -258,7 +265,7 @@ lw_status lw_linkage_of_mechanism(const lw_mechanism *mechanism, uint64_t seed, 
         *out = k;
     else
         free(k);
-    return s == LW_OK ? s : lw_error_set(error, s, "a linkage needs a ground link and an output link, which carries its tracer");
+    return s == LW_OK ? s : lw_error_set(error, s, "a linkage needs a ground link, and an output link for its tracer");
 }
 
 lw_status lw_linkage_analyse_mobility(const lw_linkage *linkage, double tolerance, uint64_t seed, lw_mobility_info *out,

@@ -73,8 +73,8 @@ lw_status lw_kinematics_set_dimension(lw_kinematics *kinematics, int i, double v
     return LW_OK;
 }
 
-lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint, double *link_angle,
-                             lw_vec2 *tracer, double *margin)
+lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int order, lw_vec2 *joint,
+                             double *link_angle, lw_vec2 *tracer, double *margin)
 {
     const lw_linkage *k = &kinematics->linkage;
     lw_pose pose;
@@ -93,8 +93,8 @@ lw_status lw_kinematics_pose(const lw_kinematics *kinematics, double input, int 
     return s;
 }
 
-lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x, double *y,
-                              double *angle, double *margin)
+lw_status lw_kinematics_trace(lw_kinematics *kinematics, int tracer, size_t n, const double *input, double *x,
+                              double *y, double *angle, double *margin)
 {
     double c[LANES], s[LANES], u[LANES], v[LANES];
     if (tracer < 0 || tracer >= kinematics->linkage.n_tracer)
@@ -139,8 +139,8 @@ lw_status lw_kinematics_ranges(const lw_kinematics *kinematics, lw_range_visit *
     lw_status end = LW_OK;
     for (int i = 0; s != LW_OPEN && s >= 0 && i < m->n_arc && end == LW_OK; i++) {
         const lw_arc *a = &m->arc[i];
-        lw_input_range range = { .first = a->first, .last = a->last, .turns = a->turns, .limit = { a->limit[0], a->limit[1] },
-                                 .circuit = a->circuit, .own = i == own,
+        lw_input_range range = { .first = a->first, .last = a->last, .turns = a->turns,
+                                 .limit = { a->limit[0], a->limit[1] }, .circuit = a->circuit, .own = i == own,
                                  .transmission = { a->transmission_min, a->transmission_max } };
         end = visit(context, &range);
     }

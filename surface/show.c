@@ -101,8 +101,8 @@ lw_status lw_picture_save(const lw_picture *picture, const char *path, int width
     return s;
 }
 
-lw_status lw_plot_save(const char *path, const char *title, const char *x_label, const char *y_label, bool log_x, bool log_y,
-                       int n_series, const lw_plot_series *series, lw_error *error)
+lw_status lw_plot_save(const char *path, const char *title, const char *x_label, const char *y_label, bool log_x,
+                       bool log_y, int n_series, const lw_plot_series *series, lw_error *error)
 {
     lw_series line[LW_SERIES_MAX];
     if (n_series < 1 || n_series > LW_SERIES_MAX)
@@ -172,8 +172,8 @@ lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int dof, c
     return s;
 }
 
-lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file, uint64_t *n,
-                                    lw_error *error)
+lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file,
+                                    uint64_t *n, lw_error *error)
 {
     watch w;
     lw_build_control control = control_of(NULL, &w);
@@ -229,14 +229,15 @@ lw_status lw_catalogue_query(lw_catalogue *catalogue, const char *question, cons
     return s;
 }
 
-lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context, lw_error *error)
+lw_status lw_catalogue_sql(lw_catalogue *catalogue, const char *sql, lw_catalogue_row *row, void *context,
+                           lw_error *error)
 {
     lw_store_query q = { .sql = sql, .foreign = true };
     return ask(catalogue->store, &q, row, context, error);
 }
 
-lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, int count, lw_catalogue_hit_visit *visit,
-                               void *context, lw_error *error)
+lw_status lw_catalogue_nearest(lw_catalogue *catalogue, const lw_target *target, int count,
+                               lw_catalogue_hit_visit *visit, void *context, lw_error *error)
 {
     if (count < 1 || !target->x)
         return lw_error_set(error, LW_E_ARG, "a search needs a target with points, and a curve or more to find");
@@ -264,8 +265,8 @@ lw_status lw_catalogue_check(lw_catalogue *catalogue, lw_error *error)
     return lw_build_check(catalogue->store, NULL, &n_chain, &n_open, error);
 }
 
-lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int links, int limit, const lw_catalogue_work *work,
-                             lw_error *error)
+lw_status lw_catalogue_pages(lw_catalogue *catalogue, const char *folder, int links, int limit,
+                             const lw_catalogue_work *work, lw_error *error)
 {
     watch w;
     lw_build_control control = control_of(work, &w);

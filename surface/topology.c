@@ -98,7 +98,7 @@ lw_status lw_mechanism_create(int n_link, lw_mechanism **out)
     return s == LW_OK ? LW_SURFACE_COPY(&m, out) : s;
 }
 
-lw_status lw_mechanism_copy(const lw_mechanism *mechanism, lw_mechanism **out) { return LW_SURFACE_COPY(mechanism, out); }
+lw_status lw_mechanism_copy(const lw_mechanism *from, lw_mechanism **out) { return LW_SURFACE_COPY(from, out); }
 void      lw_mechanism_destroy(lw_mechanism *mechanism) { free(mechanism); }
 
 lw_status lw_mechanism_of_chain(const lw_chain *chain, lw_mechanism **out)
@@ -247,7 +247,8 @@ static lw_status read_mechanism(const char *text, size_t size, const char *name,
                    : lw_error_set(e, LW_E_ARG, "the notation %s is for writing only", n->name);
 }
 
-lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out, lw_error *error)
+lw_status lw_mechanism_from_text(const char *text, size_t size, const char *notation, lw_mechanism **out,
+                                 lw_error *error)
 {
     lw_mechanism m;
     *out = NULL;
@@ -297,8 +298,8 @@ lw_status lw_chain_to_text(const lw_chain *chain, const char *notation, char **o
     return lw_mechanism_to_text(&m, notation, out, error);
 }
 
-lw_status lw_mechanism_read_all(const char *text, size_t size, const char *file, lw_mechanism_callback *visit, void *context,
-                                lw_error *error)
+lw_status lw_mechanism_read_all(const char *text, size_t size, const char *file, lw_mechanism_callback *visit,
+                                void *context, lw_error *error)
 {
     lw_topologies t = lw_topologies_open(text, size, file);
     lw_mechanism m;
@@ -313,7 +314,8 @@ lw_status lw_mechanism_read_all(const char *text, size_t size, const char *file,
 
 static void put_numbers(const lw_numbers *n, lw_link_numbers *out)
 {
-    *out = (lw_link_numbers){ .links = n->n_link, .dof = n->dof, .loops = n->n_loop, .joints1 = n->n1, .joints2 = n->n2 };
+    *out = (lw_link_numbers){ .links = n->n_link, .dof = n->dof, .loops = n->n_loop, .joints1 = n->n1,
+                              .joints2 = n->n2 };
 }
 
 lw_status lw_link_numbers_of_loops(int dof, int loops, int joints2, lw_link_numbers *numbers, lw_error *error)
@@ -518,10 +520,11 @@ lw_status lw_enumerate_mechanisms(const lw_mechanism *of, const lw_choices *choi
 {
     found f = { .visit = visit, .context = context };
     lw_mechanism_counts counts = { 0 };
+    static const lw_input_choice input[] = { LW_INPUT_LEFT, LW_INPUT_GROUND, LW_INPUT_ANY };
     if (choices->inputs < 0 || choices->inputs > 2)
         return lw_error_set(error, LW_E_ARG, "inputs is 0, 1 or 2, not %d", choices->inputs);
     lw_mechanism_steps steps = { .ground = choices->ground, .kinds = choices->kinds, .output = choices->output,
-                                 .input = (lw_input_choice[]){ LW_INPUT_LEFT, LW_INPUT_GROUND, LW_INPUT_ANY }[choices->inputs] };
+                                 .input = input[choices->inputs] };
     lw_status s = lw_mechanisms_each(of, &steps, &counts, visit_mechanism, NULL, &f);
     if (n)
         *n = f.n;
@@ -545,8 +548,8 @@ lw_status lw_enumerate_groups(int links, int jobs, lw_assur_group_visit *visit, 
     return lw_assur_each(links, jobs, visit_group, &g, error);
 }
 
-lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, bool regions, lw_mechanism_callback *visit,
-                               void *context, lw_error *error)
+lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, bool regions,
+                               lw_mechanism_callback *visit, void *context, lw_error *error)
 {
     lw_derive how = lw_derive_default(links);
     how.regions = regions;
@@ -554,5 +557,6 @@ lw_status lw_enumerate_grammar(int links, const char *rules, const char *kinds, 
     for (int r = 1; r <= 4; r++)
         how.rule[r] = strchr(rules, '0' + r) != NULL;
     lw_status s = lw_derive_each(&how, visit, context);
-    return s == LW_E_ARG ? lw_error_set(error, s, "rules are of 1234, kinds r, t or rt, links 3 to %d", LW_LINK_MAX) : s;
+    return s == LW_E_ARG ? lw_error_set(error, s, "rules are of 1234, kinds r, t or rt, links 3 to %d",
+                                        LW_LINK_MAX) : s;
 }

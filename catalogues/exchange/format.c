@@ -24,7 +24,8 @@ static lw_status add(lw_bytes *out, char *text, lw_error *e)
 
 static bool begins_json(const char *text) { return begins_with(text, "{"); }
 
-static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e)
+static lw_status read_json(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+                           lw_error *e)
 {
     (void)units;
     return lw_linkage_read(text, size, file, k, e);
@@ -57,7 +58,8 @@ static lw_status write_pmks(const lw_linkage *k, lw_bytes *out, lw_error *e)
     return add(out, lw_pmks_write(k, e ? e : &own), e ? e : &own);
 }
 
-static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e)
+static lw_status read_adams(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+                            lw_error *e)
 {
     (void)units;
     return lw_adams_read(text, size, file, k, e);

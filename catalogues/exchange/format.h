@@ -1,4 +1,5 @@
-/* catalogues/exchange/format.h - all formats of linkages in one table: to add one, write its reader or writer and its row. */
+/* catalogues/exchange/format.h - all formats of linkages in one table: to add one, write its reader or writer and
+ * its row. */
 #ifndef LW_CATALOGUES_EXCHANGE_FORMAT_H
 #define LW_CATALOGUES_EXCHANGE_FORMAT_H
 
@@ -10,7 +11,8 @@ typedef struct lw_format {
     const char *end;                   /* of a file's name, ".json"; "": none                            */
     bool      (*begins)(const char *text);                       /* does a terminated text look like it?    */
     /* Numbers without a unit of their own count in `units`.  NULL: written only. */
-    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k, lw_error *e);
+    lw_status (*read)(const char *text, size_t size, const char *file, const lw_units *units, lw_linkage *k,
+                      lw_error *e);
     /* Adds to out, freed after a failure.  LW_E_KIND: the format cannot say this.  NULL: read only. */
     lw_status (*write)(const lw_linkage *k, lw_bytes *out, lw_error *e);
 } lw_format;

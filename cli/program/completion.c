@@ -56,5 +56,6 @@ void cli_bash_completion(const cli_command *const *commands, int n, FILE *f)
         fprintf(f, "%s ", commands[i]->name);
     fputs("\" ;;\n    esac\n"
           "    if [ -n \"$words\" ]; then COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-          "    else COMPREPLY=($(compgen -f -- \"$word\")); fi\n}\ncomplete -o filenames -F _linkwright linkwright\n", f);
+          "    else COMPREPLY=($(compgen -f -- \"$word\")); fi\n}\n"
+          "complete -o filenames -F _linkwright linkwright\n", f);
 }

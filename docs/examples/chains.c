@@ -31,7 +31,8 @@ int main(void)
     count n = { 0 };
     uint64_t chains, grounds;
     lw_error error;
-    if (lw_enumerate_chains(&eight, see, &n, &error) != LW_OK || lw_enumerate_count(&eight, &chains, &grounds, &error) != LW_OK) {
+    if (lw_enumerate_chains(&eight, see, &n, &error) != LW_OK
+        || lw_enumerate_count(&eight, &chains, &grounds, &error) != LW_OK) {
         fprintf(stderr, "%s\n", error.text);
         return 1;
     }

@@ -61,13 +61,13 @@ typedef struct lw_workbench {
 } lw_workbench;
 
 /* The state of successive halving. */
-typedef struct lw_sweep {
+typedef struct lw_family_sweep {
     int *order, next;                  /* all candidates in the order of their turns; the next one  (n_candidate) */
     int *candidate, n, rung;           /* candidates of this sweep; how often it was halved    (n)  */
     int  go_on, n_sweep;               /* how many go on after the first look; sweeps begun         */
     bool apart;                        /* candidates with groups beyond dyads are swept by themselves */
     long mean_job;                     /* if not: mean cost of a job                                */
-} lw_sweep;
+} lw_family_sweep;
 
 typedef struct lw_search {
     const lw_target      *t;
@@ -76,7 +76,7 @@ typedef struct lw_search {
     int                  n_candidate, n_thread, n_job, round;
     lw_search_candidate *candidate;
     lw_search_job        job[LW_JOB_MAX];
-    lw_sweep             sweep;
+    lw_family_sweep             sweep;
     lw_workbench        *bench;        /* of each thread                                (n_thread)  */
     lw_pool              pool, raw;    /* polished finds; finds of this round before that           */
     lw_found            *found;        /* LW_KEEP of each job                                       */

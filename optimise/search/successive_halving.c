@@ -87,7 +87,7 @@ static void weigh_groups(lw_search *s)
 
 lw_status lw_search_halving_begin(lw_search *s)
 {
-    lw_sweep *w = &s->sweep;
+    lw_family_sweep *w = &s->sweep;
     if (!s->o->families)
         return LW_OK;
     w->order = malloc(sizeof *w->order*((size_t)s->n_candidate + 1));
@@ -116,7 +116,7 @@ static long job_cost(const lw_search *s, int candidate)
  * again.  Set how many go on after the first look, by what the halvings may cost. */
 static void begin_sweep(lw_search *s)
 {
-    lw_sweep *w = &s->sweep;
+    lw_family_sweep *w = &s->sweep;
     int doublings = w->n_sweep < DOUBLINGS_MAX ? w->n_sweep : DOUBLINGS_MAX;
     long most = (s->o->sweep > 0 ? s->o->sweep : SWEEP_COST) << doublings, job = 1;
     w->n_sweep++;
@@ -135,7 +135,7 @@ static void begin_sweep(lw_search *s)
 }
 
 /* Sort by best f; take out candidates that cannot do the task. */
-static bool sort_sweep(const lw_search *s, lw_sweep *w)
+static bool sort_sweep(const lw_search *s, lw_family_sweep *w)
 {
     standing *list = malloc(sizeof *list*((size_t)w->n + 1));
     int n = 0;
@@ -155,7 +155,7 @@ static bool sort_sweep(const lw_search *s, lw_sweep *w)
 }
 
 /* How many candidates of a sweep are left after its halvings so far. */
-static int left_of(const lw_sweep *w)
+static int left_of(const lw_family_sweep *w)
 {
     int n = w->rung == 0 ? w->n : w->go_on < w->n ? w->go_on : w->n;
     for (int r = 0; r < w->rung; r++)
@@ -165,7 +165,7 @@ static int left_of(const lw_sweep *w)
 
 static void jobs_of_families(lw_search *s)
 {
-    lw_sweep *w = &s->sweep;
+    lw_family_sweep *w = &s->sweep;
     s->n_job = 0;
     if (!sort_sweep(s, w))
         return;                                          /* no memory: without jobs the search ends with what it has */

@@ -41,7 +41,8 @@ static lw_status read_source(const char *path, const char *name, const lw_target
     return lw_target_read_file(file, o, read, e);
 }
 
-static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t, lw_error *e)
+static lw_status read_target(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
+                             lw_error *e)
 {
     lw_target read[1 + LW_ALSO_MAX], joined;
     const lw_target *part[1 + LW_ALSO_MAX];
@@ -61,7 +62,8 @@ static lw_status read_target(const char *path, const lw_target_options *o, lw_ta
     return s;
 }
 
-lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t, lw_error *e)
+lw_status lw_task_file_read_file(const char *path, const lw_target_options *o, lw_task_file *task, lw_target *t,
+                                 lw_error *e)
 {
     char *text = NULL;
     size_t size = 0;
