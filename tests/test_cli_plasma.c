@@ -118,7 +118,7 @@ static void refusals(void)
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --ground 5", 3, NULL, "there is no part 5");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --input-joint 5", 3, NULL, "there is no joint 5");
     expect("$P plasma $D/lam.txt --target examples/ellipse.csv --tracer-link 1", 3, NULL, "which is the ground");
-    expect("echo '0 1 3;0 0 2;0 0 0' | $P plasma --target examples/ellipse.csv", 3, NULL, "has 0 freedoms");
+    expect("echo '0 1 3;0 0 2;0 0 0' | $P plasma --target examples/ellipse.csv", 3, NULL, "has 0 degrees of freedom");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv", 3, NULL, ":1:5:");
     expect("echo '0 1 x' | $P plasma --target examples/ellipse.csv -o $D/never; test ! -e $D/never", 0, NULL, NULL);
 }

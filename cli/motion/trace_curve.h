@@ -9,8 +9,8 @@
 #include "mbs/constraints/circuits.h"
 #include "mbs/constraints/prescribed_motion.h"
 
-/* Rows of a trace between two postures of its curve, from the plan of its groups (mbs/plan/plan.h).  The plan starts from
- * a posture on the curve, and gives the next rows in a fraction of the time, to the same rounding. */
+/* Rows of a trace between two postures of its curve, from the plan of its groups (mbs/plan/plan.h).  The plan starts
+ * from a posture on the curve, and gives the next rows in a fraction of the time, to the same rounding. */
 #define CLI_GROUP_ROWS 16              /* rows from seed to seed                                     */
 
 typedef struct cli_groups {
@@ -31,14 +31,15 @@ cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers);
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
                      const cli_row *row);
 
-/* Values of the row at input u; by: input rate that scales the derivatives.  False if the plan is too near a dead point. */
+/* Values of the row at input u; by: input rate that scales the derivatives.  False if the plan is
+ * too near a dead point. */
 bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row);
 
 #define CLI_STRETCH_MAX 1024
 
-/* A part of a motion curve on which the free input moves in one direction: from limit to limit, or the whole curve.  On a
- * closed curve it may contain the end of the stations; it then has two parts.  If the input can turn without end, the
- * stretch repeats the curve. */
+/* A part of a motion curve on which the free input moves in one direction: from limit to limit, or the whole curve.
+ * On a closed curve it may contain the end of the stations; it then has two parts.  If the input can turn without
+ * end, the stretch repeats the curve. */
 typedef struct cli_stretch {
     int    curve;
     double first, last;               /* input [rad] or [m]                                        */
