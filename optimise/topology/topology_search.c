@@ -227,7 +227,7 @@ static void sum_links(const plan *p, lw_topology_search *out)
 static void count_states(const plan *p, const lw_topology_search *out, int stage, int n, long state[LW_FIT_STATES])
 {
     const lw_stage_result *r = stage >= 0 && stage < out->found.n_stage ? &out->found.stage[stage] : NULL;
-    n = stage >= 0 && p->points[stage].n > 0 ? p->points[stage].n : n;
+    n = stage >= 0 && p->points[stage].n_point > 0 ? p->points[stage].n : n;
     for (int i = 0; i < n; i++)
         state[r && i < r->n_state ? r->state[i] : LW_FIT_UNREACHED]++;
 }
