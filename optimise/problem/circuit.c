@@ -1,6 +1,4 @@
-/* optimise/problem/circuit.c - the way of the input: round and round, or stroke by stroke from limit to limit, the assembly
- * changing at each, by one phase that runs smoothly through the limits.  Where the ends of the range are no limits
- * (slides become parallel, or nobody looked for them) it goes to and fro in one mode.
+/* optimise/problem/circuit.c - see circuit.h.
  *
  * At a limit a linkage moves as the square root of the input's distance to it.  With  input = mid - half cos(psi)
  * that root is proportional to  sqrt(half) psi; each stroke gets a share of the phase in proportion to sqrt(half),

@@ -9,7 +9,7 @@
 #include "optimise/problem/residuals.h"
 
 /* Conditions on the motion are looked at in LW_CURVE_SAMPLES poses: over the turn when the input turns, else over
- * the way from the first station to the last. The samples of a turn hold every multiple of 90 degrees of the
+ * the motion from the first station to the last. The samples of a turn hold every multiple of 90 degrees of the
  * ground frame, where transmission angles of four-link chains have their extremes; other extremes are found
  * between the samples by a parabola. */
 enum {
@@ -26,13 +26,13 @@ static void linear(const lw_problem *p, const double *x, double *g)
     }
 }
 
-double lw_problem_input_at(const lw_problem *p, const lw_work *w, double share, double *mode, int *leg)
+double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg)
 {
     double lo = w->input[0], hi = lo;
     *leg = 0;
     if (lw_problem_has_modes(p)) {
-        double way = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
-        lw_cycle_point at = lw_circuit_point(p, w, w->phase[0] + way*share);
+        double length = p->closed || p->timing == LW_TIMING_NONE ? 2*LW_PI : w->phase[p->n - 1] - w->phase[0];
+        lw_cycle_point at = lw_circuit_point(p, w, w->phase[0] + length*part);
         lw_circuit_put_mode(p, w, at.leg, mode, 1);
         *leg = at.leg;
         return at.input;
@@ -42,20 +42,20 @@ double lw_problem_input_at(const lw_problem *p, const lw_work *w, double share, 
         lo = fmin(lo, w->input[k]);
         hi = fmax(hi, w->input[k]);
     }
-    return lo + (p->branch.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*share;
+    return lo + (p->branch.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*part;
 }
 
-static void sample_way(const lw_problem *p, lw_work *w)
+static void sample_motion(const lw_problem *p, lw_work *w)
 {
     for (size_t i = 0; i < POSES; i++) {
         double mode[LW_MODE_MAX];
         int leg;
         double at = lw_problem_input_at(p, w, (double)i/(POSES - 1), mode, &leg);
-        w->way_c[i] = p->plan.input_is_slider ? at : cos(at);
-        w->way_s[i] = p->plan.input_is_slider ? 0 : sin(at);
-        w->way_leg[i] = (short)leg;
+        w->check_c[i] = p->plan.input_is_slider ? at : cos(at);
+        w->check_s[i] = p->plan.input_is_slider ? 0 : sin(at);
+        w->check_leg[i] = (short)leg;
         if (lw_problem_has_modes(p))
-            lw_circuit_put_mode(p, w, leg, w->way_mode + i, POSES);
+            lw_circuit_put_mode(p, w, leg, w->check_mode + i, POSES);
     }
 }
 
@@ -63,28 +63,29 @@ static void sample_way(const lw_problem *p, lw_work *w)
 static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
 {
     if (p->branch.turns) {
-        memcpy(w->way_c, w->turn_c, sizeof *w->way_c*POSES);
-        memcpy(w->way_s, w->turn_s, sizeof *w->way_s*POSES);
+        memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSES);
+        memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSES);
         return true;
     }
     if (p->timing == LW_TIMING_PRESCRIBED)
         lw_problem_prescribe(p, x, w);
     else if (!lw_problem_settle(p, x, w))
         return false;
-    sample_way(p, w);
+    sample_motion(p, w);
     return true;
 }
 
 /* Does it go over a limit to the next sample? */
 static bool changes(const lw_problem *p, const lw_work *w, size_t k)
 {
-    return lw_problem_has_modes(p) && k + 1 < POSES && w->way_leg[k] != w->way_leg[k + 1];
+    return lw_problem_has_modes(p) && k + 1 < POSES && w->check_leg[k] != w->check_leg[k + 1];
 }
 
 static void margins(const lw_problem *p, const double *x, lw_work *w, double *margin)
 {
     bool modes = lw_problem_has_modes(p);
-    lw_lanes in = { .n = POSES, .c = w->way_c, .s = w->way_s, .dim = x, .mode = modes ? w->way_mode : p->branch.mode,
+    lw_lanes in = { .n = POSES, .c = w->check_c, .s = w->check_s, .dim = x,
+                    .mode = modes ? w->check_mode : p->branch.mode,
                     .mode_stride = modes ? POSES : 0 };
     lw_problem_margin(p, &in, w, margin);
     for (size_t k = 0; k < POSES; k++)
@@ -128,7 +129,7 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
 {
     double cb = cos(by), sb = sin(by);
     for (size_t k = 0; k < POSES; k++) {
-        double c = w->way_c[k], s = w->way_s[k];
+        double c = w->check_c[k], s = w->check_s[k];
         w->pose_c[k] = p->plan.input_is_slider ? c + by : cb*c - sb*s;
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
     }
@@ -137,8 +138,8 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
         return;
     }
     for (size_t first = 0, k = 1; k <= POSES; k++)
-        if (k == POSES || w->way_leg[k] != w->way_leg[first]) {
-            tangents_of_mode(p, x, w, first, k, w->swing.stroke[w->way_leg[first]].mode, tx, ty);
+        if (k == POSES || w->check_leg[k] != w->check_leg[first]) {
+            tangents_of_mode(p, x, w, first, k, w->swing.stroke[w->check_leg[first]].mode, tx, ty);
             first = k;
         }
 }
@@ -183,20 +184,20 @@ static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, doub
 /* Scaled lengths have no need of hypot's care, which is a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
-/* The least distance from it on the way from a to b, taken as straight: it is convex along a line, and falls no faster
- * than the way is long. */
+/* The least distance from a zone along the straight line from a to b.  The distance is convex along a line, and changes
+ * by no more than the length of the line. */
 static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough)
 {
-    lw_vec2 way = lw_v2_sub(b, a);
+    lw_vec2 line = lw_v2_sub(b, a);
     double from = lw_zone_outside(z, a), to = lw_zone_outside(z, b), lo = 0, hi = 1, least = fmin(from, to);
-    double length = length_of(way);
+    double length = length_of(line);
     if (length == 0 || !(0.5*(from + to - length) < enough))
         return least;
     if (z->kind == LW_ZONE_NO_CIRCLE)
         return lw_v2_segment_distance(z->at, a, b) - z->reach;
     for (int i = 0; i < HALVINGS; i++) {
-        double third = (hi - lo)/3, p = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(way, lo + third)));
-        double q = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(way, hi - third)));
+        double third = (hi - lo)/3, p = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(line, lo + third)));
+        double q = lw_zone_outside(z, lw_v2_add(a, lw_v2_scale(line, hi - third)));
         least = fmin(least, fmin(p, q));
         if (p < q)
             hi -= third;
@@ -222,7 +223,7 @@ static void find_places(const lw_problem *p, const double *x, const double *mode
         out->at[out->n++] = pose.tracer[i][0];
 }
 
-/* How far a way may bulge out from between its poses b and c, by how it bends at b. */
+/* How far a path may bulge out between its poses b and c, by its bend at b. */
 static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
 {
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));

@@ -7,8 +7,8 @@
 /* Are all conditions met at x, g >= -tolerance? */
 bool lw_problem_admissible(const lw_problem *p, const double *x, double tolerance, lw_work *w);
 
-/* The input at `part` (0 .. 1) of the motion from the first station to the last, or of all the turn; the assembly mode there
- * (mode[dyad]) and the stroke. */
+/* The input at `part` (0 .. 1) of the motion from the first station to the last, or of the whole turn.  Also its
+ * assembly mode (mode[dyad]) and its stroke. */
 double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg);
 
 #endif

@@ -89,7 +89,8 @@ size_t lw_problem_zone_count(const lw_problem *p)
     lw_vec2 at[LW_DIM_MAX + 1];
     size_t n = 0, pivots = p->n_zone > 0 ? (size_t)lw_problem_fixed_pivots(p, x, at) : 0;
     for (int i = 0; i < p->n_zone; i++)
-        n += lw_zone_forbids(&p->zone[i]) ? LW_ZONE_SAMPLES : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
+        n += lw_zone_forbids(&p->zone[i]) ? LW_ZONE_SAMPLES
+           : p->zone[i].kind == LW_ZONE_PIVOTS_BOX ? 4*pivots : 2*pivots;
     return n;
 }
 
@@ -106,7 +107,8 @@ bool lw_problem_is_nonlinear(const lw_problem *p)
 size_t lw_problem_constraint_count(const lw_problem *p)
 {
     return (size_t)p->n_linear + (lw_problem_must_close(p) ? p->n : 0)
-         + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0) + lw_problem_zone_count(p);
+         + (p->min_transmission > 0 ? LW_CURVE_SAMPLES : 0) + (p->max_acceleration > 0 ? LW_CURVE_SAMPLES : 0)
+         + lw_problem_zone_count(p);
 }
 
 size_t lw_problem_constraint_most(const lw_problem *p)

@@ -105,10 +105,11 @@ int lw_problem_component_count(const lw_problem *p);
 /* Lanes, the inputs at which poses are found at once: stations, and curve samples where both ways count. */
 size_t lw_problem_lane_count(const lw_problem *p);
 
-/* Fixed pivots: their places in the ground frame, whose origin is the first.  Returns how many, LW_DIM_MAX + 1 at most. */
+/* Fixed pivots: their places in the ground frame, whose origin is the first.  Returns their number, at most
+ * LW_DIM_MAX + 1. */
 int lw_problem_fixed_pivots(const lw_problem *p, const double *x, lw_vec2 *at);
 
-/* Are there constraints besides bounds and linear ones?  Must the linkage close at every station, so that closing is one? */
+/* Are there constraints besides bounds and linear ones?  Is closing at every station one of them? */
 bool lw_problem_is_nonlinear(const lw_problem *p);
 bool lw_problem_must_close(const lw_problem *p);
 

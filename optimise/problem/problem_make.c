@@ -118,7 +118,8 @@ static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem 
     lw_linkage k;
     lw_status st = lw_tracers_linkage(p->family, t, s, &k, e);
     if (st == LW_OK)
-        st = lw_plan_make(&k, (lw_plan_options){ .tracers = lw_tracers_mask(t), .all_joints = true, .kind = LW_PLAN_GEARED }, &p->plan, e);
+        st = lw_plan_make(&k, (lw_plan_options){ .tracers = lw_tracers_mask(t), .all_joints = true,
+                                               .kind = LW_PLAN_GEARED }, &p->plan, e);
     if (st != LW_OK)
         return st;
     p->n_dim = p->n_var = p->plan.n_dim;

@@ -282,8 +282,9 @@ static double shorten(const lw_problem *p, lw_work *w)
 
 bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
-    const double rounding = 1e-9;      /* f so little above the least is as good: f is flat there, and going back to its */
-                                       /* least would keep only half the digits of the inputs                           */
+    /* f so little above the least is as good: f is flat there, and going back to its least would keep only half the
+     * digits of the inputs */
+    const double rounding = 1e-9;
     double least = INFINITY, *kept = w->keep_theta;
     bool back = false;
     for (int i = 0;; i++) {

@@ -14,7 +14,7 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w);
 bool lw_timing_assign(const lw_problem *p, const double *x, lw_work *w);
 
 /* Improve the inputs by Newton steps that keep the order, until the inputs rest or `steps` are used up.  The best
- * inputs are kept, and the lanes (work.h) are at these inputs afterwards.  false when the linkage cannot close there. */
+ * inputs are kept, and the lanes (work.h) are at these inputs afterwards.  false: the linkage cannot close there. */
 bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
 
 /* Move the phases theta (n) to the nearest ones in order, one turn at most from first to last: least weighted squares

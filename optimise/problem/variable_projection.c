@@ -1,6 +1,3 @@
-/* optimise/problem/variable_projection.c - the inputs of free stations taken out of the derivatives: of the rows is kept what
- * no change of the stations' own inputs can make up for (variable projection, Kaufman 1975).  Stations
- * that the order holds at one input have one input to give, and are taken together. */
 #include "optimise/problem/variable_projection.h"
 
 #include <string.h>

@@ -53,11 +53,11 @@ static size_t lay_out(const lw_problem *p, lw_work *w, char *base)
     w->res = piece(base, &at, ld*v*(size_t)w->n_row);
     double **curve[] = { &w->turn_c, &w->turn_s, &w->curve_x, &w->curve_y, &w->curve_m,
                          &w->curve_u, &w->curve_v,
-                         &w->foot_x, &w->foot_y, &w->turn, &w->way_c, &w->way_s };
+                         &w->foot_x, &w->foot_y, &w->turn, &w->check_c, &w->check_s };
     for (size_t i = 0; i < sizeof curve/sizeof *curve; i++)
         *curve[i] = piece(base, &at, m*v);
-    w->way_mode = piece(base, &at, m*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
-    w->way_leg = piece(base, &at, m*sizeof(short));
+    w->check_mode = piece(base, &at, m*v*(size_t)(p->plan.n_dyad > 0 ? p->plan.n_dyad : 1));
+    w->check_leg = piece(base, &at, m*sizeof(short));
     size_t poses = ld > m ? ld : m, g = lw_problem_constraint_most(p) + 1;
     double **pose[] = { &w->pose_c, &w->pose_s, &w->pose_x, &w->pose_y, &w->pose_u, &w->pose_v, &w->pose_m,
                         &w->pose.x, &w->pose.y, &w->pose.u, &w->pose.v, &w->pose.margin };

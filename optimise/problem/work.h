@@ -9,11 +9,11 @@
 /* Of a further point: its lanes, and its curve at the samples. */
 typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
 
-/* The circuit of a linkage whose input does not turn fully, stroke by stroke.  Over stroke j, of odd number on the way
- * down, from phase `from` on:  input = mid - half cos(psi),  psi = rate phase + shift  in [j pi, (j + 1) pi]. */
+/* The circuit of a linkage whose input does not turn fully, stroke by stroke.  Odd strokes go down.  On stroke j, from
+ * phase `from` on:  input = mid - half cos(psi),  psi = rate phase + shift  in [j pi, (j + 1) pi]. */
 typedef struct lw_stroke { double from, mid, half, rate, shift, mode[LW_DYAD_MAX]; } lw_stroke;
 typedef struct lw_swing {
-    bool      known, closes, has_slopes;   /* of the dimensions `of`: worked out; closes somewhere; by the dimensions */
+    bool      known, closes, has_slopes;   /* for the dimensions `of`: worked out; closes somewhere; slopes too   */
     double    of[LW_DIM_MAX];
     bool      turning;                     /* the phase is the input, in the mode of stroke 0          */
     int       n;
@@ -23,8 +23,8 @@ typedef struct lw_swing {
     double    rate_by[LW_LEG_MAX][LW_DIM_MAX], shift_by[LW_LEG_MAX][LW_DIM_MAX];
 } lw_swing;
 
-/* A place on it: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the phase,
- * the stroke, the phase within the first turn of it, cos and sin of psi. */
+/* A place on the circuit: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the
+ * phase, the stroke, the phase within the first turn of it, cos and sin of psi. */
 typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_cycle_point;
 
 typedef struct lw_work {
@@ -52,9 +52,9 @@ typedef struct lw_work {
     double *foot_x, *foot_y;     /* nearest points of the target polygon                           */
     double *normal_x, *normal_y, *by_input;      /* of the samples' distances from them (lanes)     */
     double  sample_weight;
-    /* poses in which conditions on the motion are looked at: samples of the turn, or of the way between the stations */
-    double *way_c, *way_s, *way_mode;        /* way_mode[dyad*LW_CURVE_SAMPLES + pose]               */
-    short  *way_leg;             /* their strokes                                                  */
+    /* poses in which conditions on the motion are checked: of the turn, or of the motion between the stations */
+    double *check_c, *check_s, *check_mode;        /* check_mode[dyad*LW_CURVE_SAMPLES + pose]               */
+    short  *check_leg;             /* their strokes                                                  */
     double *pose_c, *pose_s, *pose_x, *pose_y, *pose_u, *pose_v, *pose_m;
     lw_jacobian pose;
     double *g_now, *g_up, *g_down;

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define OFF 1e-3
+#define TOLERANCE 1e-3            /* conditions are met to this part */
 
 lw_motion_limits lw_motion_limits_begin(void)
 {
@@ -25,7 +25,7 @@ void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_p
 {
     double a = !lw_task_has_place(s->task) ? fabs(pose->angle[plan->output_link[0]][2])
                                            : lw_v2_norm(pose->tracer[0][2]);
-    w->margin_least = fmin(w->margin_least, pose->margin);              /* NaN gives way            */
+    w->margin_least = fmin(w->margin_least, pose->margin);              /* fmin prefers a number to NaN */
     w->margin_most = fmax(w->margin_most, pose->margin);
     w->acceleration = fmax(w->acceleration, a/plan->laps/plan->laps);
     for (int i = 0; i < s->n_zone; i++)
@@ -33,12 +33,12 @@ void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_p
             w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, pose));
 }
 
-void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes, double from,
-                double to, int looks, lw_motion_limits *w)
+void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes,
+                          double from, double to, int steps, lw_motion_limits *w)
 {
     lw_pose pose;
-    for (int k = 0; k <= looks; k++)
-        if (lw_pose_solve(plan, dim, modes, from + (to - from)*k/looks, 2, &pose) == LW_OK)
+    for (int k = 0; k <= steps; k++)
+        if (lw_pose_solve(plan, dim, modes, from + (to - from)*k/steps, 2, &pose) == LW_OK)
             lw_motion_limits_pose(plan, s, &pose, w);
 }
 
@@ -50,32 +50,33 @@ static double astray(const lw_zone *z, lw_vec2 at)
     return fabs(lw_v2_cross(z->to, lw_v2_sub(at, z->at))) - z->reach;
 }
 
-static double pivots_astray(const lw_fit_spec *s, const lw_linkage *k)
+static double pivots_astray(const lw_fit_spec *s, const lw_linkage *linkage)
 {
     double most = 0;
     for (int i = 0; i < s->n_zone; i++)
-        for (int j = 0; j < k->n_joint; j++)
-            if (!lw_zone_forbids(&s->zone[i]) && k->joint[j].kind == LW_JOINT_REVOLUTE
-                && (k->joint[j].link[0] == k->ground || k->joint[j].link[1] == k->ground))
-                most = fmax(most, astray(&s->zone[i], k->joint[j].at));
+        for (int j = 0; j < linkage->n_joint; j++)
+            if (!lw_zone_forbids(&s->zone[i]) && linkage->joint[j].kind == LW_JOINT_REVOLUTE
+                && (linkage->joint[j].link[0] == linkage->ground || linkage->joint[j].link[1] == linkage->ground))
+                most = fmax(most, astray(&s->zone[i], linkage->joint[j].at));
     return most;
 }
 
-bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *k, double size, char *why, size_t room)
+bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *linkage,
+                            double size, char *why, size_t why_size)
 {
-    double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, k);
+    double sine = sqrt(fmax(0, w->margin_least)), m = size > 0 ? size : 1, pivots = pivots_astray(s, linkage);
     char text[160] = "";
-    if (s->min_transmission > 0 && !(sine >= sin(s->min_transmission) - OFF))
+    if (s->min_transmission > 0 && !(sine >= sin(s->min_transmission) - TOLERANCE))
         snprintf(text, sizeof text, "its transmission angle falls to %.4g deg, and %.4g were asked for",
                  asin(sine)*180/LW_PI, s->min_transmission*180/LW_PI);
-    else if (s->max_acceleration > 0 && !(w->acceleration <= (1 + OFF)*s->max_acceleration))
+    else if (s->max_acceleration > 0 && !(w->acceleration <= (1 + TOLERANCE)*s->max_acceleration))
         snprintf(text, sizeof text, "its acceleration rises to %.4g times what was allowed",
                  w->acceleration/s->max_acceleration);
-    else if (w->intrusion > OFF*m)
+    else if (w->intrusion > TOLERANCE*m)
         snprintf(text, sizeof text, "it enters a forbidden zone as deep as %.3g of the target's size", w->intrusion/m);
-    else if (pivots > OFF*m)
+    else if (pivots > TOLERANCE*m)
         snprintf(text, sizeof text, "a fixed pivot is %.3g of the target's size from where it has to be", pivots/m);
     if (why && text[0])
-        snprintf(why, room, "%s", text);
+        snprintf(why, why_size, "%s", text);
     return !text[0];
 }

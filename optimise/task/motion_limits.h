@@ -5,24 +5,28 @@
 #include "mbs/batch/pose.h"
 #include "optimise/task/specification.h"
 
+/* What a motion was found to reach, as far as it was looked at. */
 typedef struct lw_motion_limits {
-    double margin_least, margin_most;   /* mbs/batch/batch.h [1]; NaN: no pose yet                        */
-    double acceleration;                /* greatest, by the input: of the point [m/rad^2], of a function of the
-                                         * output angle [rad/rad^2]                                 */
-    double intrusion;                   /* the deepest that a pin or a point was in a forbidden zone [m]  */
+    double margin_least, margin_most;   /* of mbs/batch/batch.h [1]; NaN: no pose was added yet            */
+    double acceleration;                /* greatest, by the input: of the point [m/rad^2]; for a function that
+                                         * of the output angle [rad/rad^2]                          */
+    double intrusion;                   /* greatest depth of a pin or point in a forbidden zone [m]        */
 } lw_motion_limits;
 
 lw_motion_limits lw_motion_limits_begin(void);
 
-/* One pose more, solved to order 2. */
+/* Add one pose, solved to order 2. */
 void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_pose *pose, lw_motion_limits *w);
 
-/* `looks` steps more from one input to another in one assembly; poses that do not close are passed over. */
-void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes, double from,
-                double to, int looks, lw_motion_limits *w);
+/* Add the poses at `steps` + 1 equal steps from one input to another in one assembly mode.  Poses that do not close are
+ * skipped. */
+void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const double *dim, const double *modes,
+                          double from, double to, int steps, lw_motion_limits *w);
 
-/* Does it meet the conditions on the motion, and do the fixed pivots of k lie where they have to?  To a thousandth: of
- * the target's size, of the acceleration, of the sine of the transmission angle.  why: what is not met, may be NULL. */
-bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *k, double size, char *why, size_t room);
+/* Does the motion meet the conditions, and do the fixed pivots of the linkage lie where they have to?  Tolerances are a
+ * thousandth: of the target's size, of the acceleration, of the sine of the transmission angle.  why (may be NULL)
+ * tells which condition is not met. */
+bool lw_motion_limits_meets(const lw_motion_limits *w, const lw_fit_spec *s, const lw_linkage *linkage,
+                            double size, char *why, size_t why_size);
 
 #endif
