@@ -81,7 +81,7 @@ static void stopped_builds(void)
     const char *build = "LW_CLOCK_STEP=0.01 $C catalogue build $D/t.db --links 12 --no-pictures --time 0.2 --commit 0";
     expect(build, 5, NULL, "the same command goes on");
     expect("$P catalogue check $D/t.db", 0, NULL, "1 build is not finished");
-    expect(build, 5, NULL, "goes on behind");
+    expect(build, 5, NULL, "continued after");
 }
 
 static void full_disk(void)

@@ -1,4 +1,4 @@
-/* catalogues/build/build.h - fill a catalogue and check it: enumerated chains, linkages that were found, coupler curves.
+/* catalogues/build/build.h - fill a catalogue with chains, linkages and coupler curves, and check it.
  *
  *     lw_store *store;
  *     lw_chains *chains;
@@ -6,7 +6,8 @@
  *     lw_build_counts counts;
  *     lw_chains_create(8, 1, 4, &chains, &error);
  *     lw_store_open("atlas.db", &(lw_store_options){ .write = true, .create = true }, &store, &error);
- *     lw_build_chains(store, chains, &(lw_build_topologies){ .kinds = "r", .pictures = true }, &control, &counts, &error);
+ *     lw_build_topologies what = { .kinds = "r", .pictures = true };
+ *     lw_build_chains(store, chains, &what, &control, &counts, &error);
  *
  * Work is committed from time to time.  A call that was stopped, or a program that was killed, is continued by the same
  * call; nothing is lost or stored twice. */

@@ -41,8 +41,9 @@ static lw_status check_chains(lw_store *s, check *c, lw_error *e)
     lw_store_query q = { .sql = "SELECT label, graph6, dof, links FROM chain", .row = check_chain, .context = c };
     lw_status status = lw_store_ask(s, &q, e);
     if (status == LW_OK && c->n_wrong > 0)
-        status = lw_error_at(e, LW_E_NOTATION, lw_store_path(s), 0, 0, "%llu of %llu chains are not what their label says, the "
-                             "first is %s", (unsigned long long)c->n_wrong, (unsigned long long)c->n_chain, c->wrong);
+        status = lw_error_at(e, LW_E_NOTATION, lw_store_path(s), 0, 0, "%llu of %llu chains are not what their label "
+                             "says, the first is %s", (unsigned long long)c->n_wrong, (unsigned long long)c->n_chain,
+                             c->wrong);
     return status;
 }
 
@@ -107,8 +108,9 @@ lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t 
 #define COMPLETE " FROM chain c WHERE c.links = ?1 AND c.dof = ?2"
 #define GROUNDS  "SELECT count(*) FROM ground g JOIN chain c ON c.id = g.chain WHERE c.links = ?1 AND c.dof = ?2"
 
-/* What is counted for a published text: the first row here whose `begin` starts the text.  ?3 is the assortment.  A
- * catalogue has no fractionated chains.  With F = 1 there are none, so texts about all chains are compared there only. */
+/* What is counted for a published text: the first row here whose `begin` starts the text. ?3 is the assortment. A
+ * catalogue has no fractionated chains; with F = 1 there are none, so counts of all chains are compared for F = 1
+ * only. */
 static const struct { const char *begin; const char *sql; bool only_dof_1; } wordings[] = {
     { "all chains with nonplanar", "SELECT count(*)" COMPLETE " AND NOT c.planar", true },
     { "all chains; assortment", "SELECT count(*)" COMPLETE " AND c.assortment = ?3", true },

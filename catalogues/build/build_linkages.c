@@ -316,8 +316,8 @@ static lw_status add_value(job *j, const json_t *v)
     if (json_is_object(v) && json_object_get(v, "joints"))
         return add_one(j, v, NULL, NULL);
     if (!json_is_array(results))
-        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is neither a linkage nor a result of a fit: give an "
-                           "object with 'results', 'linkage' or 'joints'");
+        return lw_error_at(&j->e, LW_E_NOTATION, j->file, j->line, 0, "this is neither a linkage nor a result of a "
+                           "fit: give an object with 'results', 'linkage' or 'joints'");
     for (size_t i = 0; i < json_array_size(results) && s == LW_OK; i++) {
         const json_t *r = json_array_get(results, i);
         linkage = json_object_get(r, "linkage");

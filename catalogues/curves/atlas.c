@@ -10,8 +10,8 @@
 #define CHUNK 512                      /* samples of one job */
 
 /* As they lie in the file, docs/catalogue.md. */
-_Static_assert(sizeof(lw_packed) == 64 && sizeof(lw_curve_row) == 36 && sizeof(lw_curve_box) == 68, "layout of the file");
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little-endian; swap bytes in store_curves.c");
+_Static_assert(sizeof(lw_packed) == 64 && sizeof(lw_curve_row) == 36 && sizeof(lw_curve_box) == 68, "file layout");
+_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little-endian; swap bytes in store_rows.c");
 
 typedef struct job {
     const lw_curve_maker *maker;

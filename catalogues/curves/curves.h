@@ -69,7 +69,7 @@ lw_status lw_curve_points(const lw_curve_maker *maker, const lw_curve_row *row, 
 /* The linkage, in the middle of its range; its tracer is named P. */
 lw_status lw_curve_linkage(const lw_curve_maker *maker, const lw_curve_row *row, lw_linkage *linkage);
 
-/* Move the linkage: mirror it in the x axis if `mirrored`, then turn, scale and shift it, p -> shift + size e^{i turn} p. */
+/* Lay the linkage elsewhere: mirror it in the x axis if `mirrored`, then  p -> shift + size e^{i turn} p. */
 void lw_linkage_lay(lw_linkage *linkage, bool mirrored, double turn, double size, lw_vec2 shift);
 
 #endif

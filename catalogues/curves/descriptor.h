@@ -1,20 +1,20 @@
-/* catalogues/curves/descriptor.h - the shape of a curve as a few numbers, and how far two shapes are apart.
+/* catalogues/curves/descriptor.h - the shape of a curve as a few numbers, and the distance of two shapes.
  *
- * The curve is run through at even speed.  A closed one gives Fourier coefficients (Zahn & Roskies 1972; for
- * coupler curves McGarva & Mullineux 1993),
- *     z(s) = c_0 + sum over k of c_k e^{i k s},            terms in the order c_1, c_-1, c_2, c_-2, ...,
- * an open one those of its way there and back, which is a series of cosines,
+ * A curve is traversed at even speed.  A closed curve has Fourier coefficients (Zahn & Roskies 1972; for coupler curves
+ * McGarva & Mullineux 1993),
+ *     z(s) = c_0 + sum over k of c_k e^{i k s},            terms in the order c_1, c_-1, c_2, c_-2, ...
+ * An open curve is traversed there and back, which gives a series of cosines,
  *     z(s) = c_0 + sum over k > 0 of c_k sqrt 2 cos(k s / 2),            terms c_1, c_2, ...
- * Place is left out with c_0, size by division: by Parseval the mean square of |z - c_0| is the sum of
- * |c_k|^2, which is made one.  What remains to be free of is turn, start, direction and mirroring:
+ * Without c_0 the place does not matter.  By Parseval's theorem the mean square of |z - c_0| is the sum of |c_k|^2;
+ * dividing it to 1 removes the size.  Four more operations must not matter:
  *     turn by phi             c_k -> e^{i phi} c_k
  *     start later by tau      c_k -> e^{i k tau} c_k               (closed curves only)
  *     other direction         c_k -> c_-k;  open: (-1)^k c_k
- *     mirrored in x           c_k -> conj c_-k;  open: conj c_k
- * The distance of two curves is the least root mean square distance of their points over all of these, in
- * units of the size, as far as the terms kept can tell.  |c_k| changes by none of the first two, hence
+ *     mirror in x             c_k -> conj c_-k;  open: conj c_k
+ * The distance of two curves is the least root mean square distance of their points over all these operations, in units
+ * of the size, computed from the terms kept.  The first two operations do not change |c_k|, hence
  *     sum (|a_k| - |b_k|)^2  <=  distance^2
- * (triangle inequality), which is what an index can be made of. */
+ * (triangle inequality).  An index of the curves uses this bound. */
 #ifndef LW_CATALOGUES_CURVES_DESCRIPTOR_H
 #define LW_CATALOGUES_CURVES_DESCRIPTOR_H
 
@@ -34,7 +34,7 @@ typedef struct lw_descriptor {
     double  size;                     /* root mean square distance from there                      [m] */
 } lw_descriptor;
 
-/* Two bytes a number: real and imaginary parts one after the other. */
+/* Real and imaginary parts with two bytes for each number. */
 typedef struct lw_packed { int16_t re[LW_TERMS], im[LW_TERMS]; } lw_packed;
 
 /* Cosines and sines, made once and shared by all threads. */
@@ -45,24 +45,24 @@ typedef struct lw_describer {
 } lw_describer;
 void lw_describer_make(lw_describer *t);
 
-/* Of the polygon p (n), which runs back to its first point when closed.  LW_E_ARG: fewer than two points, some not
- * finite, all the same. */
+/* Descriptor of the polygon p (n), which returns to its first point when closed. LW_E_ARG: fewer than two points, a
+ * point that is not finite, or all points equal. */
 lw_status lw_descriptor_make(const lw_describer *t, const lw_vec2 *p, size_t n, bool closed, lw_descriptor *d);
 
 void lw_descriptor_pack(const lw_descriptor *d, lw_packed *packed);
 void lw_descriptor_unpack(const lw_packed *packed, bool closed, lw_descriptor *d);   /* centre 0, size 1 */
 
-/* |c_k|, and those of the curve run through the other way (the same for open curves).  (LW_TERMS) each. */
+/* |c_k| (LW_TERMS), and |c_k| of the curve traversed in the other direction (equal for open curves). */
 void lw_packed_size(const lw_packed *p, float size[LW_TERMS]);
 void lw_descriptor_sizes(const lw_descriptor *d, float forth[LW_TERMS], float back[LW_TERMS]);
 
-/* How `curve` is laid on `target`, both of one kind:
+/* How to lay `curve` on `target`, both closed or both open:
  *     target's point ~ centre_t + size_t e^{i turn} (point - centre_c)/size_c,
- * the point mirrored in the x axis before, if so. */
+ * where the point is mirrored in the x axis first if `mirrored`. */
 typedef struct lw_match { double distance, turn; bool mirrored; } lw_match;
 void lw_descriptor_match(const lw_descriptor *target, const lw_descriptor *curve, lw_match *m);
 
-/* The same for many curves: made once for a target, then only numbers. */
+/* The same for many curves: made once for a target. */
 #define LW_MATCHER_STARTS 64
 typedef struct lw_matcher {
     bool  closed;
@@ -71,12 +71,12 @@ typedef struct lw_matcher {
     float c[LW_TERMS/2][LW_MATCHER_STARTS], s[LW_TERMS/2][LW_MATCHER_STARTS];
 } lw_matcher;
 void  lw_matcher_make(const lw_descriptor *target, lw_matcher *m);
-/* Square of the distance [1]; of closed curves at the best of LW_MATCHER_STARTS starts and therefore not less than
- * the true one. */
+/* Square of the distance [1].  For closed curves it is the best of LW_MATCHER_STARTS starts, hence not below the true
+ * value. */
 float lw_matcher_square(const lw_matcher *m, const lw_packed *curve);
 
-/* m points on a smooth curve through p (n): Catmull-Rom splines, centripetal, so that no loops come up between
- * points apart unevenly (Yuksel, Schaefer & Keyser 2011).  Points that repeat are passed over. */
+/* m points on a smooth curve through p (n): centripetal Catmull-Rom splines, which make no loops between unevenly
+ * spaced points (Yuksel, Schaefer & Keyser 2011). Repeated points are skipped. */
 void lw_curve_smooth(const lw_vec2 *p, size_t n, bool closed, lw_vec2 *out, size_t m);
 
 #endif

@@ -1,6 +1,6 @@
-/* catalogues/draw/body_shapes.h - the bodies as which a linkage is drawn: which link of a sliding pair is the
- * guide and which the block, where the block sits, how far it travels, which points a link must reach.
- * All in metres, in the posture shown. */
+/* catalogues/draw/body_shapes.h - the bodies that represent a linkage in a drawing: which link of a sliding pair is
+ * the guide and which the block, where the block sits, how far it travels, which points a link must reach. In
+ * metres, in the pose shown. */
 #ifndef LW_CATALOGUES_DRAW_BODY_SHAPES_H
 #define LW_CATALOGUES_DRAW_BODY_SHAPES_H
 
@@ -23,13 +23,13 @@ lw_slide lw_body_shapes_slide(const lw_scene *s, int j);
 /* A cylinder: an input between two moving links whose pins both lie on its line. */
 typedef struct lw_cylinder {
     int     tube, rod;         /* links                                                            */
-    lw_vec2 pin[2];            /* of the tube, of the rod                                          */
+    lw_vec2 pin[2];            /* pin of the tube, pin of the rod                                  */
     lw_vec2 along;             /* unit, from the first to the second                               */
     double  tube_length;       /* from the tube's pin: it never reaches the rod's                  */
     double  rod_length;        /* from the rod's pin back to the piston, which stays in the tube   */
 } lw_cylinder;
 
-/* False where joint j is none, or its stroke is too long for one (more than 0.9 of its least length). */
+/* False: joint j is no such input, or its stroke is too long for a cylinder (over 0.9 of its shortest length). */
 bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c);
 
 /* One side of a gear pair: a wheel, or a rack. */
@@ -51,8 +51,8 @@ bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel wheel[2]);
 
 typedef struct lw_shape_node { lw_vec2 at; int joint, tracer; } lw_shape_node;   /* -1: not that */
 
-/* The points that hold a link together: its pins and welds (several on one place count once), its tracers, its
- * blocks, and for a guide the feet of its pins on the line.  Returns their number. */
+/* The points that a link's body must reach: its pins and welds (several at one place count once), tracers, blocks,
+ * and for a guide the feet of its pins on the line. Returns their number. */
 int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE_MAX]);
 
 #endif

@@ -1,5 +1,5 @@
-/* catalogues/draw/chain_layout.c - the layout of a chain: which embedding is drawn, how it stands on the page, chains whose
- * graph is not planar. */
+/* catalogues/draw/chain_layout.c - the layout of a chain: choice of the embedding, its stance on the page, and chains
+ * whose graph is not planar. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,20 +1,20 @@
-/* catalogues/draw/chain_layout.h - places of the joints of a chain on a page: a picture as in textbooks, with joints as
- * points, binary links as straight bars, links of more joints as polygons over their joints.
+/* catalogues/draw/chain_layout.h - places of the joints of a chain on a page: a picture as in textbooks, with joints
+ * as points, binary links as straight bars, links of more joints as polygons over their joints.
  *
- * A chain with a planar graph (links as vertices) has a picture in which no two links cross or overlap.  The joints stand
- * around each link in the order of an embedding in the plane; then the map is planar too whose vertices are the joints
- * and whose faces are the links and loops.  First, joints are placed by barycentres (Tutte 1963, "How to draw a graph"),
- * with an extra point in every loop so that no loop collapses.  Then the picture is relaxed: links towards regular shapes,
- * joints towards distances like those in the chain (Kamada & Kawai 1989), joints away from links of others.  A barrier
- * that no step jumps over keeps the map.  Several embeddings and outer loops are tried; the most even and symmetric
- * picture is kept, and its symmetry is exact.
+ * A chain with a planar graph (links as vertices) has a picture in which no two links cross or overlap. The joints
+ * stand around each link in the order of an embedding in the plane; then the map is planar too whose vertices are the
+ * joints and whose faces are the links and loops. First, joints are placed by barycentres (Tutte 1963, "How to draw
+ * a graph"), with an extra point in every loop so that no loop collapses. Then the picture is relaxed: links towards
+ * regular shapes, joints towards distances like those in the chain (Kamada & Kawai 1989), joints away from links of
+ * others. A barrier that no step jumps over keeps the map. Several embeddings and outer loops are tried; the most
+ * even and symmetric picture is kept, and its symmetry is exact.
  *
  * With a ground link, the joints of the ground stand on one horizontal line and everything else above it, so that the
- * signs of the frame below the line touch nothing.  A binary link with a pin and a slider (t) is drawn as a block: its
- * two joints are one point.
+ * signs of the frame below the line touch nothing. A binary link with a pin and a slider (t) is drawn as a block:
+ * its two joints are one point.
  *
- * A chain whose graph is not planar is cut at binary links until it is planar.  The rest is drawn, and the cut bars are
- * put back straight where they cross the fewest links.  The same chain gives the same picture. */
+ * A chain whose graph is not planar is cut at binary links until it is planar. The rest is drawn, and the cut bars
+ * are put back straight where they cross the fewest links. The same chain gives the same picture. */
 #ifndef LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 #define LW_CATALOGUES_DRAW_CHAIN_LAYOUT_H
 

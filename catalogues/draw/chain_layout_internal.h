@@ -18,8 +18,8 @@ typedef struct lw_rings {
     uint8_t after[LW_DART_MAX];
 } lw_rings;
 
-/* Number of loops (faces) of an embedding; loop_of (n_dart) may be NULL.  To follow the loop of a dart, go over its joint
- * and leave the link there by the next dart. */
+/* Number of loops (faces) of an embedding; loop_of (n_dart) may be NULL. To follow the loop of a dart, go over its
+ * joint and leave the link there by the next dart. */
 int lw_rings_loops(const lw_rings *r, uint8_t *loop_of);
 
 /* A picture to draw: the order of joints around each link, and the dart at which the outer loop is entered.  With a

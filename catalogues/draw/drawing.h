@@ -1,8 +1,8 @@
-/* catalogues/draw/drawing.h - a picture as a list of shapes in pixels, y down, first shape lowest.  Made by
- * diagram.h (linkages) and plot.h (diagrams of numbers), written by svg.h, picture.h, gif.h, page.h.
+/* catalogues/draw/drawing.h - a picture as a list of shapes in pixels; y points down; the first shape is at the
+ * bottom. diagram.h (linkages) and plot.h (numbers) make drawings; svg.h, picture.h, gif.h and the pages write them.
  *
- * Shapes name inks, not colours, so that a page can show the same drawing light and dark; and they
- * name the link they move with, so that an animation is the same drawing with links moved. */
+ * Shapes name inks instead of colours, so that a page can show the same drawing light and dark. They also name the
+ * link they move with, so that an animation is the same drawing with moved links. */
 #ifndef LW_CATALOGUES_DRAW_DRAWING_H
 #define LW_CATALOGUES_DRAW_DRAWING_H
 
@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "base/vec2.h"
 
-/* name, colour on white, colour on black.  The series colours are those of Okabe and Ito 2008 (told
- * apart by colour-blind readers too), lightened where they stand on black. */
+/* name, colour on white, colour on black. Colours of series are those of Okabe and Ito 2008, which colour-blind
+ * readers can distinguish; they are lighter on black. */
 #define LW_INK_LIST(X)                            \
     X(NONE,    0xffffff, 0xffffff, "none")        \
     X(PAPER,   0xffffff, 0x15181c, "paper")       \
@@ -76,7 +76,7 @@ typedef struct lw_shape {
     double  align;             /* text: 0 begins, 0.5 is centred, 1 ends at `at`                    */
     double  turn;              /* text: [rad], clockwise on the page (y is down)                    */
     bool    bold, italic;
-    bool    upright;           /* moves with its link as `hold` does, but does not turn             */
+    bool    upright;           /* moves as `hold` does, but does not turn                           */
     lw_vec2 hold;              /* the point of the link that it belongs to [px]                     */
 } lw_shape;
 
@@ -99,15 +99,15 @@ typedef struct lw_drawing {
     char     *text;    size_t n_text,  text_room;
     int       n_view;
     lw_view   view[2];                 /* of panels 0 and 1                           */
-    lw_shape  spare;                   /* given out after a failure                   */
-    bool      failed;                  /* memory ran out: ask with lw_drawing_end     */
+    lw_shape  spare;                   /* returned after a failure                    */
+    bool      failed;                  /* out of memory: lw_drawing_end reports it    */
 } lw_drawing;                          /* { 0 } is empty                              */
 
 void lw_drawing_free(lw_drawing *d);
 
-/* Add shapes; the returned pointer is good until the next call and never NULL (after a failure it
- * points to d->spare).  Fields not named: no stroke, no fill, width 1, alpha 1,
- * link -1, item -1, panel -1; text is filled with LW_INK_TEXT. */
+/* Add shapes. The returned pointer is valid until the next call and never NULL (after a failure it points to
+ * d->spare). Fields not named: no stroke, no fill, width 1, alpha 1, link -1, item -1, panel -1; text is filled with
+ * LW_INK_TEXT. */
 lw_shape *lw_drawing_path(lw_drawing *d, lw_role role, const lw_vec2 *p, size_t n, bool closed);
 lw_shape *lw_drawing_line(lw_drawing *d, lw_role role, lw_vec2 a, lw_vec2 b);
 lw_shape *lw_drawing_circle(lw_drawing *d, lw_role role, lw_vec2 at, double radius);

@@ -1,8 +1,8 @@
-/* catalogues/draw/labels.h - where to put the labels of a drawing: each takes, of its candidate places, the
- * one that covers least ink and lies nearest, and never one that touches a label placed before.
+/* catalogues/draw/labels.h - places for the labels of a drawing. Each label takes the candidate place that covers
+ * the least ink and lies nearest, and never touches a label placed before.
  *
- * Ink is kept as a coarse map of how much is drawn where, so that a candidate costs four look-ups
- * (summed-area table, Crow 1984) whatever the drawing holds. */
+ * A coarse map holds how much is drawn where; a summed-area table (Crow 1984) makes the cost of a candidate four
+ * look-ups. */
 #ifndef LW_CATALOGUES_DRAW_LABELS_H
 #define LW_CATALOGUES_DRAW_LABELS_H
 
@@ -26,15 +26,15 @@ typedef struct lw_label_map {
 lw_status lw_label_map_make(lw_label_map *m, double width, double height, lw_error *e);
 void      lw_label_map_free(lw_label_map *m);
 
-/* Say what is drawn, before the first label is placed: a line, a disc.  weight: cost a cell. */
+/* Add a drawn line or disc to the map, before the first label is placed.  weight: cost of each cell. */
 void lw_label_map_line(lw_label_map *m, lw_vec2 a, lw_vec2 b, double weight);
 void lw_label_map_disc(lw_label_map *m, lw_vec2 at, double radius, double weight);
 
-/* A box that labels must keep out of.  Boxes beyond LW_LABEL_MAX are lost. */
+/* A box that labels must avoid.  Boxes beyond LW_LABEL_MAX are ignored. */
 void lw_label_map_take(lw_label_map *m, lw_box box);
 
-/* A place for a text of this size near the line from a to b (a point: a = b), `gap` or more away from
- * it, inside `within`; its box is taken.  False when there is none.  at: left end of the base line. */
+/* Find a place for a text of this size near the line from a to b (a point: a = b), at least `gap` away from it and
+ * inside `within`, and mark its box as taken. False: there is none. at: left end of the base line. */
 bool lw_label_map_place(lw_label_map *m, const char *text, double size, lw_vec2 a, lw_vec2 b,
                         double gap, lw_box within, lw_vec2 *at);
 

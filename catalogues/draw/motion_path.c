@@ -96,8 +96,8 @@ void lw_motion_path_free(lw_motion_path *c)
     c->drive = NULL;
 }
 
-/* Station of curve 0 where the input is u.  u lies between the limits next to the pose.  On a closed curve the pose is at
- * station 0, so that its neighbourhood is at both ends of the stations. */
+/* Station of curve 0 where the input is u. u lies between the limits next to the pose. On a closed curve the pose
+ * is at station 0, so that its neighbourhood is at both ends of the stations. */
 static double station_of(const lw_motion_path *c, double u)
 {
     lw_motion_curve *b = c->curves.curve[0];

@@ -27,8 +27,8 @@ typedef struct lw_motion_path {
  * of other circuits and assembly modes, with a fixed seed.  Fails as lw_system_make and lw_motion_curve_create do. */
 lw_status lw_motion_path_along(const lw_linkage *linkage, bool all, lw_motion_path *c, lw_error *e);
 
-/* Move all inputs by `motion` from time `from` to `to`, starting at the linkage's pose.  LW_OPEN with a text: the motion
- * ends before the first time that cannot be reached.  Other failures as lw_prescribed_motion_create. */
+/* Move all inputs by `motion` from time `from` to `to`, starting at the linkage's pose. LW_OPEN with a text: the
+ * motion ends before the first time that cannot be reached. Other failures as lw_prescribed_motion_create. */
 lw_status lw_motion_path_in_time(const lw_linkage *linkage, lw_input_function *motion, void *context, double from,
                                  double to, lw_motion_path *c, lw_error *e);
 void      lw_motion_path_free(lw_motion_path *c);
@@ -40,7 +40,8 @@ void      lw_motion_path_choose(lw_motion_path *c, int curve);
  * back. */
 void      lw_motion_path_restrict(lw_motion_path *c, double first, double last);
 
-/* Coordinates q (n_q of s) at t.  Returns the first input there [rad] or [m], counted over full turns; 0 without input. */
+/* Coordinates q (n_q of s) at t. Returns the first input there [rad] or [m], counted over full turns; 0 without
+ * input. */
 double    lw_motion_path_at(lw_motion_path *c, double t, double *q);
 
 #endif

@@ -30,7 +30,7 @@ typedef struct lw_plot {
 } lw_plot;
 
 /* Write the result with svg.h or picture.h.  LW_E_ARG: too many series, sizes outside 64 .. 8192;
- * LW_NOTHING when there is no point to show (the drawing then says so). */
+ * LW_NOTHING: there is no point to show (the drawing says so). */
 lw_status lw_plot_draw(const lw_plot *p, lw_drawing *d, lw_error *e);
 
 #endif

@@ -374,7 +374,8 @@ static double duration(const lw_model *m)
     static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
     for (size_t i = 0; i < sizeof span/sizeof *span; i++) {
         double t = span[i];
-        bool again = inputs_are_alike(m, 0, t) && inputs_are_alike(m, 0.3*t, 1.3*t) && inputs_are_alike(m, 0.6*t, 1.6*t);
+        bool again = inputs_are_alike(m, 0, t) && inputs_are_alike(m, 0.3*t, 1.3*t)
+                     && inputs_are_alike(m, 0.6*t, 1.6*t);
         bool rest = inputs_are_alike(m, t, 1.3*t) && inputs_are_alike(m, t, 2*t);
         if ((again || rest) && !inputs_are_alike(m, 0, 0.37*t))
             return t;

@@ -9,7 +9,7 @@ typedef struct lw_sheet_style {
     int    columns, rows;         /* pictures on a page                                     (6, 8)      */
     double width, height;         /* of a full page [px]; A4 upright at 96 px an inch       (794, 1123) */
     bool   numbers;               /* of links                                               (false)     */
-    bool   shrink;                /* a page with few pictures is as small as they need      (true)      */
+    bool   shrink;                /* a page with few pictures is only as large as needed    (true)      */
     const char *title;            /* above; NULL: none                                                  */
 } lw_sheet_style;
 
@@ -21,9 +21,9 @@ typedef struct lw_sheet_item {
     const char         *caption;  /* NULL: none; cut where it is wider than its cell                    */
 } lw_sheet_item;
 
-/* A page with items 0 .. n-1, n at most columns*rows; their layouts are worked out.  page: number for the foot
- * of the page, 0: none.  LW_E_ARG: sizes outside 64 .. 8192 px, cells under 32 px, no or too many items,
- * an item that has no picture. */
+/* Draw a page with items 0 .. n-1, at most columns*rows, and compute their layouts. page: number at the foot of the
+ * page, 0: none. LW_E_ARG: sizes outside 64 .. 8192 px, cells under 32 px, no items or too many, an item without
+ * picture. */
 lw_status lw_sheet_draw(const lw_sheet_item *item, int n, const lw_sheet_style *s, int page, lw_drawing *d,
                         lw_error *e);
 

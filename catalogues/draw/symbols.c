@@ -179,7 +179,8 @@ void lw_symbol_rack(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double
     enum { MOST = 400 };
     lw_vec2 outline[4*MOST + 2], left = lw_v2_perp(along);
     double shift = gap ? 0.5 : 0;
-    int first = (int)fmax(floor(lo/pitch - shift), -MOST/2), last = (int)fmin(ceil(hi/pitch - shift), MOST/2 - 1), n = 0;
+    int first = (int)fmax(floor(lo/pitch - shift), -MOST/2), n = 0;
+    int last = (int)fmin(ceil(hi/pitch - shift), MOST/2 - 1);
     for (int i = first; i <= last; i++)
         for (int c = 0; c < 4; c++) {
             lw_vec2 foot = lw_v2_add(p, lw_v2_scale(along, (i + shift + corner_at[c])*pitch));

@@ -16,8 +16,8 @@ void lw_symbol_hatched_line(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, do
 void lw_symbol_block(lw_drawing *d, lw_bearer b, lw_vec2 at, lw_vec2 along, lw_ink ink, double u);
 /* Two lines on both sides of a slot, with round ends. */
 void lw_symbol_slot(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, lw_ink ink, double u);
-/* Arc with a head, counter-clockwise, beginning at angle `from` (counter-clockwise from the right); `back`: the same arc
- * with its head at the other end. */
+/* Arc with a head, counter-clockwise, beginning at angle `from` (counter-clockwise from the right); `back`: the same
+ * arc with its head at the other end. */
 void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, bool back, double u);
 void lw_symbol_arrow(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u);
 void lw_symbol_tracer(lw_drawing *d, lw_bearer b, lw_vec2 at, double u);

@@ -1,6 +1,6 @@
-/* catalogues/draw/walk.h - the motion of a linkage through its circuit, in order: along an arc to the limit
- * of its input, through the limit into the other assembly of the dyad that is stretched there, and
- * on, until it is back where it began. */
+/* catalogues/draw/walk.h - the motion of a linkage through its circuit, in order: along an arc to the limit of its
+ * input, through the limit into the other assembly mode of the dyad that is stretched there, and on, until it is back
+ * where it began. */
 #ifndef LW_CATALOGUES_DRAW_WALK_H
 #define LW_CATALOGUES_DRAW_WALK_H
 
@@ -20,25 +20,25 @@ typedef struct lw_walk {
     const double  *dim;
     int      n_stage;
     lw_walk_stage stage[LW_ARC_MAX];         /* the first is the arc it was made from                    */
-    bool     loops;                     /* the end of the last stage is the beginning of the first  */
+    bool     loops;                     /* the last stage ends where the first begins              */
     bool     turns;                     /* one stage, a full turn                                   */
 } lw_walk;
 
-/* The walk through the circuit of arc `arc` of m, which lw_motion_find found for this plan and these
- * dimensions.  When the arc is a full turn it begins at `input`, else at an end that is no limit if
- * there is one.  plan and dim must outlive the walk. */
+/* Make the walk through the circuit of arc `arc` of m, which lw_motion_find gave for this plan and these dimensions.
+ * An arc of a full turn begins at `input`; other arcs begin at an end that is not a limit, if there is one. plan and
+ * dim must outlive the walk. */
 void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, int arc, double input,
                   lw_walk *w);
 
 /* Keep only first <= input <= last of the first stage, from first to last: there and back. */
 void lw_walk_restrict(lw_walk *w, double first, double last);
 
-/* Where on the walk: t from 0 to n_stage.  Within a stage the input runs as a cosine, slow near the
- * ends, where the linkage runs fast (evenly for a full turn). */
+/* Input at t, 0 to n_stage. Within a stage the input follows a cosine: slow near the ends, where the linkage moves
+ * fast. In a full turn it is even. */
 double lw_walk_input(const lw_walk *w, double t);
 double lw_walk_time(const lw_walk *w, double input);    /* the t of an input of the first stage   */
 
-/* The pose there; at a limit, where rounding decides whether it closes, the nearest one. */
+/* The pose there.  At a limit, where rounding decides whether the linkage closes, the nearest pose. */
 void   lw_walk_pose(const lw_walk *w, double t, lw_pose *pose);
 
 #endif

@@ -1,47 +1,46 @@
 /* catalogues/exchange/export.h - a linkage as a file that another program runs.
  *
- * Every writer adds text to out in SI (metres, radians), numbers with 15 digits; after a failure out is
- * freed.  LW_E_KIND: the linkage has something the format cannot say; LW_E_MEMORY. */
+ * Every writer appends text to out in SI units (metres, radians), numbers with 15 digits; out is freed after a failure.
+ * LW_E_KIND: the format cannot express the linkage; LW_E_MEMORY. */
 #ifndef LW_CATALOGUES_EXCHANGE_EXPORT_H
 #define LW_CATALOGUES_EXCHANGE_EXPORT_H
 
 #include "base/bytes.h"
 #include "grammar/linkage.h"
 
-/* MuJoCo's MJCF.  Bodies are the moving links, nested along a spanning tree of the joints, all parallel to
- * the world in the posture; pins are hinges about z, sliders slides, slots both; what the tree leaves out is
- * closed by equality constraints: connect for pins, weld for sliders and welds, joint for gears.  The
- * coordinate of a joint counts as an lw_input does, from the same value in the posture.  Tracers are sites with
- * a sensor of their place; inputs have position actuators; links are steel rods that do not collide; no
- * gravity. */
+/* MuJoCo's MJCF. Bodies are the moving links, nested along a spanning tree of the joints, all parallel to the world
+ * in the pose of the file. Pins are hinges about z, sliders slides, slots both. Equality constraints close the
+ * other joints: connect for pins, weld for sliders and welds, joint for gears. The coordinate of a joint counts as
+ * an lw_input does and has the same value in the pose. Tracers are sites with a position sensor; inputs have
+ * position actuators; links are steel rods that do not collide; there is no gravity. */
 lw_status lw_export_mjcf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
-/* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER, MOTION,
- * REQUEST.  A MOTION turns its joint once in a second, or takes it there and back over the way that the linkage
- * has.  Without masses: for kinematics.  _commands: the command file (.acf) that runs <name>.adm for a second. */
+/* A dataset of ADAMS/Solver (.adm; catalogues/exchange/adams.h reads it): PART, MARKER, JOINT, JPRIM, COUPLER,
+ * MOTION, REQUEST. A MOTION turns its joint once in a second, or moves it there and back over its range. There are
+ * no masses: the file is for kinematics. _commands: the command file (.acf) that runs <name>.adm for a second. */
 lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_adams_commands(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
 /* The motion in time that a dataset gives an input: one turn in a second, or once there and back within 0.99 of its
- * way; from the posture, where time and displacement u are 0.
+ * range; it starts from the pose, where time and displacement u are 0.
  *     u = 2 pi t    or    u = half (sin(2 pi t + phase) - sin(phase))     [rad] or [m], t in [s] */
 typedef struct lw_export_law { bool turns; double half, phase; } lw_export_law;
 lw_export_law lw_export_law_of(const lw_linkage *k, int input);
 
-/* Plates in millimetres, in layers so that they pass each other over the whole motion (catalogues/exchange/layers.h; its
- * failures).  DXF R12 for a cutter: outlines of lines and arcs, holes, slots, one DXF layer a link, named by its
- * layer, laid side by side.  OpenSCAD: the plates in their layers, on pins, moving with $t. */
+/* Plates in millimetres, in layers in which they pass each other over the whole motion; failures as in layers.h. DXF
+ * R12 for a cutter: outlines of lines and arcs, holes, slots, side by side, one DXF layer for each link. OpenSCAD:
+ * the plates in their layers, on pins, moving with $t. */
 lw_status lw_export_dxf(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_openscad(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
-/* A sketch of SolveSpace in millimetres: points and lines of each link, constraints, and the freedoms of the linkage
- * left to drag.  LW_E_KIND: gears, welds. */
+/* A sketch of SolveSpace in millimetres: points and lines of each link, and constraints; it can be dragged as the
+ * linkage moves. LW_E_KIND: gears, welds. */
 lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e);
 
-/* The motion in LW_EXPORT_FRAMES postures.  CSV: frame, input, link, place x, y of the link's reference point and
- * its turn, a row a link and posture, in the linkage's units.  SVG: the tracers' curves as paths in millimetres, y
- * turned down.  JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator,
- * tracers with their curves.  LW_E_KIND: no motion is known. */
+/* The motion in LW_EXPORT_FRAMES poses. CSV: frame, input, link, x and y of the link's reference point, and its
+ * angle, a row for each link and pose, in the linkage's units. SVG: the coupler curves as paths in millimetres, y
+ * down. JSON in the style of MotionGen: joints with coordinates, links as lists of joints, the actuator, tracers
+ * with their curves. LW_E_KIND: no motion is known. */
 #define LW_EXPORT_FRAMES 180
 lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e);
 lw_status lw_export_svg(const lw_linkage *k, lw_bytes *out, lw_error *e);
@@ -53,7 +52,7 @@ lw_status lw_export_joints(const lw_linkage *k, lw_bytes *out, lw_error *e);
  * LW_E_KIND: a side is not itself joined to the carrier; failures of lw_linkage_gear. */
 lw_status lw_export_gear(const lw_linkage *k, int gear, int joint[2], double sign[2], lw_error *e);
 
-/* The size of the posture: the greatest distance of a joint or tracer from the first joint [m]. */
+/* Size of the linkage: the greatest distance of a joint or tracer from the first joint [m]. */
 double lw_export_size(const lw_linkage *k);
 
 #endif

@@ -1,6 +1,6 @@
-/* catalogues/exchange/export_solvespace.c - a linkage as a sketch of SolveSpace (file format of SolveSpace 3): every link a
- * set of points held together, points on one pin coincident, those of the ground where they are.  One degree of
- * freedom is left to drag. */
+/* catalogues/exchange/export_solvespace.c - a linkage as a sketch of SolveSpace (file format of SolveSpace 3): every
+ * link a set of points held together, points on one pin coincident, those of the ground where they are. One degree
+ * of freedom is left to drag. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,12 +1,12 @@
-/* catalogues/exchange/layers.h - a linkage as plates on pins: the shape of each plate, and layers in which all links pass
- * each other and the pins over the whole motion.
+/* catalogues/exchange/layers.h - a linkage as plates on pins: the shape of each plate, and layers in which all links
+ * pass each other and the pins over the whole motion.
  *
- * A plate is the convex hull of what its link carries, widened by `radius`.  A pin has a hole in each link it
- * joins and stands through all layers between them.  A slider is a slot in the guide and two pins of the block
- * that run in it, a pin in a slot one pin.  The ground is the base, alone in layer 0.  Two plates in one layer
- * must stay apart in all of the motion, and so must a pin and the plates it passes: between the scene's postures too,
- * by what each can move from one to the next; where that does not tell, 4 and 16 times as many postures are looked
- * at, and what is not certain then is taken to meet. */
+ * A plate is the convex hull of the joints and tracers of its link, widened by `radius`. A pin has a hole in each
+ * link it joins and passes through all layers between them. A slider is a slot in the guide with two pins of the
+ * block in it; a pin in a slot is one such pin. The ground is the base, alone in layer 0. Two plates in one layer
+ * must stay apart over the whole motion, and so must a pin and the plates it passes. Between two poses of the scene
+ * this is concluded from how far each can move. Where that does not decide, 4 and 16 times as many poses are
+ * computed; pairs that are still undecided count as touching. */
 #ifndef LW_CATALOGUES_EXCHANGE_LAYERS_H
 #define LW_CATALOGUES_EXCHANGE_LAYERS_H
 
@@ -21,12 +21,12 @@ typedef struct lw_hole { lw_vec2 a, b; } lw_hole;      /* centres of its ends; e
 typedef struct lw_plate {
     int     n_corner, n_hole;
     lw_vec2 corner[LW_CORNER_MAX];     /* of the hull before it is widened, counter-clockwise; 1: a disc,
-                                        * 2: a bar; in the posture [m]                                 */
+                                        * 2: a bar; in the pose [m]                                    */
     lw_hole hole[LW_HOLE_MAX];
 } lw_plate;
 
 typedef struct lw_pin {
-    lw_vec2  at;                       /* in the posture [m]                                           */
+    lw_vec2  at;                       /* in the pose [m]                                              */
     uint32_t links;                    /* bit of each link it goes through                             */
     int      owner;                    /* the link it moves with                                       */
     int      low, high;                /* layers of the lowest and the highest of these                */
@@ -44,12 +44,12 @@ typedef struct lw_layers {
     lw_pin   pin[LW_PIN_MAX];
 } lw_layers;
 
-/* Fewest layers.  radius 0: a third of the shortest distance of two pins of a link, at most a
- * twenty-fifth of the posture's size.  LW_E_KIND: gears, welds, or no motion is known (s->note);
- * LW_NOTHING: there are no such layers, and a text; LW_STOPPED: none was found in a million steps. */
+/* Find the fewest layers. radius 0: a third of the shortest distance of two pins of a link, at most 1/25 of the
+ * linkage's size. LW_E_KIND: gears, welds, or no motion is known (s->note); LW_NOTHING with a text: there are no
+ * such layers; LW_STOPPED: none were found in a million steps. */
 lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_error *e);
 
-/* The least distance of two convex plates, 0 when they meet; of corners as in lw_plate. */
+/* Distance of two convex plates with corners as in lw_plate; 0 when they touch. */
 double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b);
 
 #endif

@@ -455,8 +455,8 @@ static lw_status inversions(atlas *a, const leaf *l, lw_bytes *b, lw_error *e)
     lw_status s = LW_OK;
     lw_bytes_text(b, "<h2 id=\"inversions\">Ground links</h2>\n<div class=\"inversions\">\n");
     for (int i = 0; s == LW_OK && i < l->n_ground; i++) {
-        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d", l->ground[i],
-                 l->alike[i]);
+        snprintf(text, sizeof text, l->alike[i] > 1 ? "Ground link %d, one of %d alike" : "Ground link %d",
+                 l->ground[i], l->alike[i]);
         lw_page_text(b, "<article>\n<h3>", text, "</h3>\n<figure>");
         s = picture(l, i, (lw_chain_style){ .width = 240, .height = 180 }, text, b, e);
         lw_bytes_text(b, "</figure>\n");
@@ -682,8 +682,8 @@ static lw_status read_leaves(atlas *a, lw_error *e)
         s = graph6->read(text, strlen(text), "graph6 of a chain", &a->leaf[i].chain, e);
     }
     if (s == LW_OK && a->n == 0)
-        s = lw_error_set(e, LW_NOTHING, "there is no chain in the catalogue to show: 'linkwright catalogue build' makes "
-                         "them");
+        s = lw_error_set(e, LW_NOTHING, "there is no chain in the catalogue to show: 'linkwright catalogue build' "
+                         "makes them");
     return s;
 }
 
@@ -691,7 +691,8 @@ static lw_status read_leaves(atlas *a, lw_error *e)
 static lw_status look_for_linkages(atlas *a, lw_error *e)
 {
     long long n = 0;
-    lw_status s = lw_store_number(a->store, "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'linkage'",
+    lw_status s = lw_store_number(a->store,
+                                  "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'linkage'",
                                   NULL, 0, &n, e);
     a->has_linkages = n > 0;
     return s;

@@ -2,10 +2,10 @@
  *
  *     index.html             overview by links and assortment; search and filter over all chains, with pictures
  *     chain-P-F-N.html       a chain: picture, properties, notations to copy, ground links with inputs and Assur groups
- *     linkages-P-F-N.html    linkages found for that chain, moving (catalogues/pages/page.h); linkages-other.html: of others
+ *     linkages-P-F-N.html    linkages found for that chain, moving (page.h); linkages-other.html: all others
  *
- * Every page is whole in itself: style sheet and script inside, named by their hashes in a policy that lets
- * nothing be loaded; all texts of the catalogue are escaped.  Without scripts the pages can be read too. */
+ * Every page contains its style sheet and its script, named by their hashes in a policy that lets it load nothing.  All
+ * texts of the catalogue are escaped.  The pages can be read without scripts. */
 #ifndef LW_CATALOGUES_PAGES_ATLAS_HTML_H
 #define LW_CATALOGUES_PAGES_ATLAS_HTML_H
 
@@ -23,12 +23,13 @@ typedef struct lw_atlas_html_options {
 
 lw_atlas_html_options lw_atlas_html_options_default(void);
 
-/* How many chains that are, and about how many bytes of pages (a tenth more or less, moving linkages not counted). */
+/* Number of chains, and the expected bytes of their pages (to about a tenth, without moving linkages). */
 lw_status lw_atlas_html_expect(lw_store *s, const lw_atlas_html_options *o, size_t *n_chain, double *n_byte,
                                lw_error *e);
 
-/* Write the pages into folder `dir`, which is made when there is none; the overview last.  *n_page: how many were
- * written; *n_byte: their size.  LW_NOTHING: no chain; LW_STOPPED: goes_on said so; LW_E_IO; LW_E_MEMORY. */
+/* Write the pages into folder `dir`, which is made if needed; the overview comes last. *n_page: number of pages
+ * written; *n_byte: their size. LW_NOTHING: there is no chain; LW_STOPPED: goes_on returned false; LW_E_IO;
+ * LW_E_MEMORY. */
 lw_status lw_atlas_html_write(lw_store *s, const char *dir, const lw_atlas_html_options *o, size_t *n_page,
                               size_t *n_byte, lw_error *e);
 

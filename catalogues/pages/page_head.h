@@ -4,15 +4,15 @@
 
 #include "base/bytes.h"
 
-/* Text between two pieces of HTML, escaped; NULL is none. */
+/* Write `text`, escaped, between two pieces of HTML; NULL is an empty text. */
 void lw_page_text(lw_bytes *b, const char *open, const char *text, const char *close);
 
 /* The inks as variables, light and dark, and their classes; then the lines of one or two files (second may be NULL). */
 void lw_page_style(lw_bytes *out, const char *const *first, const char *const *second);
 void lw_page_script(lw_bytes *out, const char *const *text);
 
-/* From <!DOCTYPE> to <body>.  The policy lets nothing be loaded, and only this style sheet and this script act, named by
- * their hashes; the script follows as "<script>" text "</script>" wherever the page wants it. */
+/* From <!DOCTYPE> to <body>.  The policy lets the page load nothing; it allows one style sheet and one script, named by
+ * their hashes.  The caller writes the script as "<script>" text "</script>" where it belongs. */
 void lw_page_head(lw_bytes *b, const char *title, const lw_bytes *style, const lw_bytes *script);
 
 #endif

@@ -1,4 +1,4 @@
-/* catalogues/store/query.h - the small language of questions to a catalogue, made into SQL with parameters.
+/* catalogues/store/query.h - the language of questions to a catalogue, compiled to SQL with parameters.
  *
  *     links=6 and sliders>=1 and class=GCRR and error<0.01
  *     links=8..10 and not planar;  symmetry>1 or grounds<5;  name~"Jansen*";  error_max<2mm;  class in (GCRR, GCCC)
@@ -8,8 +8,8 @@
  *     op       = =  !=  <  <=  >  >=  ~        ~: a pattern with * and ?, or a part of the text
  *     value    = number with or without a unit (mm, deg, ...) | word | "text" | 'text' | yes | no | none
  *
- * What nobody knows (null) is neither equal nor unequal to anything but  none.  Every value goes into the SQL
- * as a parameter and every field comes out of a table here, so that no text can become SQL. */
+ * An unknown value (null) is neither equal nor unequal to anything but  none. Every value becomes a parameter of the
+ * SQL, and every field name comes from a table here, so that no text of a question can become SQL. */
 #ifndef LW_CATALOGUES_STORE_QUERY_H
 #define LW_CATALOGUES_STORE_QUERY_H
 
@@ -22,7 +22,7 @@
 /* What is listed. */
 typedef enum lw_query_list {
     LW_LIST_CHAINS, LW_LIST_MECHANISMS, LW_LIST_LINKAGES, LW_LIST_STRUCTURES,
-    LW_LIST_ANY                                  /* the first with all fields                         */
+    LW_LIST_ANY                                  /* the first that has all fields of the question     */
 } lw_query_list;
 
 typedef enum lw_field_kind {
@@ -32,7 +32,7 @@ typedef enum lw_field_kind {
 typedef struct lw_query_field {
     const char   *name, *about;
     lw_field_kind kind;
-    const char   *sql[LW_LIST_ANY];              /* in each list; NULL: not there                    */
+    const char   *sql[LW_LIST_ANY];              /* in each list; NULL: the list has no such field   */
 } lw_query_field;
 
 extern const lw_query_field lw_fields[];               /* ends with name NULL                              */
@@ -40,8 +40,8 @@ extern const char *const lw_list_names[LW_LIST_ANY + 1];
 
 typedef struct lw_query_options {
     lw_query_list list;
-    const char   *columns;                       /* fields apart by commas; NULL: those of the list  */
-    const char   *sort;                          /* fields apart by commas, - before one: falling; NULL */
+    const char   *columns;                       /* fields separated by commas; NULL: default        */
+    const char   *sort;                          /* fields separated by commas; -FIELD: falling; NULL */
     long          limit;                         /* rows; 0: all                                     */
 } lw_query_options;
 
@@ -54,9 +54,9 @@ typedef struct lw_query {
     char          text[2*LW_QUERY_TEXT_MAX];     /* of the values                                    */
 } lw_query;
 
-/* text may be NULL or empty: everything.  LW_E_NOTATION with the column and what to do: an unknown field (with a
- * suggestion), a value that is none, a parenthesis without its other half; LW_E_ARG: fields that do not stand in one
- * list; LW_E_MEMORY.  Free with lw_query_free, also after a failure. */
+/* Compile the question; NULL or an empty text asks for all rows. LW_E_NOTATION with the column and what to do: an
+ * unknown field (with a suggestion), a value of the wrong kind, a parenthesis that is not closed; LW_E_ARG: no list
+ * has all the fields; LW_E_MEMORY. Free with lw_query_free, also after a failure. */
 lw_status lw_query_compile(const char *text, const lw_query_options *o, lw_query *q, lw_error *e);
 void      lw_query_free(lw_query *q);
 

@@ -1,12 +1,13 @@
-/* catalogues/store/store.h - a catalogue: what was enumerated and what was found, kept in one SQLite file.
+/* catalogues/store/store.h - a catalogue: enumerated mechanisms and linkages that were found, kept in one SQLite
+ * file.
  *
- * The file carries an application number and a schema version (docs/catalogue.md has every table).  Older
- * files are brought up to date when they are opened; newer ones, and files of other programs, are refused.
- * All that is written between lw_store_begin and lw_store_commit arrives together or not at all: a program
- * that is killed loses what it had not committed, never more, and leaves a whole file.
+ * The file carries an application number and a schema version (docs/catalogue.md describes every table). Older files
+ * are brought up to date when they are opened. Newer files, and files of other programs, are refused. Everything
+ * written between lw_store_begin and lw_store_commit is stored together or not at all: a program that is killed loses
+ * only what it had not committed, and the file stays whole.
  *
- * One program writes at a time: it holds FILE-lock, in which its process number and command line stand, and
- * which disappears with it.  Any number may read meanwhile.  A store belongs to one thread. */
+ * One program writes at a time. It holds FILE-lock, which contains its process number and command line and
+ * disappears with it. Any number of programs may read meanwhile. A store belongs to one thread. */
 #ifndef LW_CATALOGUES_STORE_STORE_H
 #define LW_CATALOGUES_STORE_STORE_H
 
@@ -20,16 +21,16 @@
 typedef struct lw_store lw_store;
 
 typedef struct lw_store_options {
-    bool        write;       /* else nothing in the file can be changed                             */
-    bool        create;      /* make the file when there is none (or an empty one)                  */
-    double      wait;        /* for another program that writes [s]                                 */
-    const char *command;     /* of the program that writes, for those who wait                      */
+    bool        write;       /* false: nothing in the file can be changed                           */
+    bool        create;      /* make the file if it does not exist or is empty                      */
+    double      wait;        /* at most so long for another program that writes [s]                 */
+    const char *command;     /* command line of this program, shown to programs that wait           */
 } lw_store_options;
 
-/* LW_E_IO: cannot be opened, is read-only, is being written by another program (the text names it);
- * LW_E_NOTATION: no catalogue, one of a newer program, damaged; LW_E_MEMORY. */
+/* LW_E_IO: the file cannot be opened, is read-only, or another program writes to it (the text names the program);
+ * LW_E_NOTATION: not a catalogue, written by a newer program, or damaged; LW_E_MEMORY. */
 lw_status lw_store_open(const char *path, const lw_store_options *o, lw_store **store, lw_error *e);
-void      lw_store_close(lw_store *s);       /* what was not committed is gone; NULL is fine         */
+void      lw_store_close(lw_store *s);       /* changes without commit are lost; NULL is allowed     */
 
 const char *lw_store_path(const lw_store *s);
 
@@ -37,27 +38,27 @@ const char *lw_store_path(const lw_store *s);
 int lw_store_version(void);
 int lw_store_found_version(const lw_store *s);
 
-/* A transaction; they do not nest.  LW_E_IO when the disk is full or fails: then nothing of it was kept. */
+/* A transaction; transactions do not nest.  LW_E_IO when the disk is full or fails: then nothing of it is kept. */
 lw_status lw_store_begin(lw_store *s, lw_error *e);
 lw_status lw_store_commit(lw_store *s, lw_error *e);
 void      lw_store_rollback(lw_store *s);
 
-/* Who writes, why, and how: every row written later points to it.  An unfinished run with all the same is
- * gone on with.  `what` says what is made ("links 8, dof 1, joints r").  Inside a transaction. */
+/* A run says which action of which program wrote the rows: every row written later points to it. An unfinished run
+ * with the same values is continued. `what` says what is made ("links 8, dof 1, joints r"). Inside a transaction. */
 typedef struct lw_store_run { const char *action, *what, *command; uint64_t seed; } lw_store_run;
 lw_status lw_store_run_begin(lw_store *s, const lw_store_run *r, lw_error *e);
 lw_status lw_store_run_end(lw_store *s, lw_error *e);
 
 /* ---- topologies ---------------------------------------------------------------------------------- */
 
-/* Chains with so many links and freedoms, their joints of these kinds ("r", "rt").  *done: how many chains were
- * committed before, in the order of enumeration; *complete: all of them.  Inside a transaction. */
+/* A build: chains with this number of links and freedoms, joints of these kinds ("r", "rt").  *done: number of chains
+ * committed so far, in the order of enumeration; *complete: whether these are all.  Inside a transaction. */
 lw_status lw_store_build_begin(lw_store *s, int links, int dof, const char *joints, uint64_t *done, bool *complete,
                                lw_error *e);
 lw_status lw_store_build_done(lw_store *s, uint64_t done, bool complete, lw_error *e);
 
 typedef struct lw_store_structure {
-    int         loops, number;               /* place among those with so many loops, from 1        */
+    int         loops, number;               /* number among structures with as many loops, from 1  */
     int         circles, lines;
     bool        planar;
     const char *form, *derivation;           /* as grammar/derivation.h prints them                 */
@@ -77,20 +78,20 @@ typedef struct lw_store_chain {
                                               * exactly when they are isomorphic                    */
     const char    *graph6, *franke, *sentence, *matrix;       /* in the numbering of the rest       */
     int            links, dof, joints, loops;
-    int            structure;                /* its number among those with so many loops; 0: none  */
+    int            structure;                /* its number in lw_store_structure; 0: none           */
     const int     *n_with;                   /* links with 2 .. 6 joints                      (5)   */
     const char    *assortment;               /* "4 4 0": links with 2, 3, 4, ... joints             */
     uint64_t       symmetry;                 /* order of the automorphism group                     */
     bool           planar;
     int            n_ground;
-    const uint8_t *ground, *alike;           /* link from 1; how many are like it       (n_ground)  */
+    const uint8_t *ground, *alike;           /* link from 1; number of links alike      (n_ground)  */
     size_t         n_mechanism;
     const lw_store_mechanism *mechanism;     /* (n_mechanism)                                       */
     const void    *layout;                   /* places of joints for a picture; NULL: none          */
     size_t         layout_size;
 } lw_store_chain;
 
-/* Inside a transaction.  What is in the file already stays as it is, so that nothing is there twice. */
+/* Inside a transaction.  Rows that exist already stay as they are, so that nothing is stored twice. */
 lw_status lw_store_put_structure(lw_store *s, const lw_store_structure *t, lw_error *e);
 lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e);
 
@@ -98,7 +99,7 @@ lw_status lw_store_put_chain(lw_store *s, const lw_store_chain *c, lw_error *e);
 
 /* NULL texts and numbers that are not finite (or -1 for crank, circuits, closed) are unknown. */
 typedef struct lw_store_linkage {
-    const char *hash;                        /* of all that tells it from others: no linkage is there twice */
+    const char *hash;                        /* identifies the linkage: none is stored twice        */
     const char *json;                        /* docs/notation.md, "Linkage"                         */
     const char *name, *kinds;                /* kinds: letters, joint by joint                      */
     int         links, dof, joints, sliders;
@@ -119,7 +120,7 @@ typedef struct lw_store_linkage {
 } lw_store_linkage;
 
 lw_status lw_store_has_linkage(lw_store *s, const char *hash, bool *has, lw_error *e);
-/* Inside a transaction; one that is there already stays. */
+/* Inside a transaction.  A linkage that exists already stays as it is. */
 lw_status lw_store_put_linkage(lw_store *s, const lw_store_linkage *k, lw_error *e);
 
 /* ---- asking -------------------------------------------------------------------------------------- */
@@ -128,23 +129,24 @@ typedef struct lw_store_query {
     const char     *sql;                     /* one SELECT                                          */
     const lw_value *value;                   /* for ?1, ?2, ...                            (n_value) */
     int             n_value;
-    bool            foreign;                 /* a person's own: reading tables is all it may do     */
-    bool          (*goes_on)(void *context); /* asked now and then; false: LW_STOPPED.  NULL        */
-    /* Each row; anything but LW_OK ends it and is returned.  name (n_column), value (n_column). */
+    bool            foreign;                 /* written by a person: may only read tables           */
+    bool          (*goes_on)(void *context); /* called now and then; false stops: LW_STOPPED.  NULL */
+    /* Called for each row: name (n_column), value (n_column).  A status other than LW_OK ends the query and is
+     * returned. */
     lw_status     (*row)(void *context, int n_column, const char *const *name, const lw_value *value);
-    /* The names once, before the first row; may be NULL. */
+    /* Called once with the names, before the first row; may be NULL. */
     lw_status     (*head)(void *context, int n_column, const char *const *name);
     void           *context;
 } lw_store_query;
 
-/* LW_E_NOTATION with SQLite's text and the column for a fault of the SQL; LW_E_ARG: it would change something. */
+/* LW_E_NOTATION with SQLite's text and the column: a fault in the SQL; LW_E_ARG: the SQL would change something. */
 lw_status lw_store_ask(lw_store *s, const lw_store_query *q, lw_error *e);
 
-/* The one number a SELECT gives; 0 for none. */
+/* The number that a SELECT of one number gives; 0 when it gives no row. */
 lw_status lw_store_number(lw_store *s, const char *sql, const lw_value *value, int n_value, long long *number,
                           lw_error *e);
 
-/* SQLite's own examination of every page, index and reference.  LW_E_NOTATION with its first complaint. */
+/* Let SQLite check every page, index and reference.  LW_E_NOTATION with the first fault. */
 lw_status lw_store_verify(lw_store *s, lw_error *e);
 
 #endif

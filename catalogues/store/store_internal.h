@@ -1,5 +1,5 @@
-/* catalogues/store/store_internal.h - what the files of the store share: statements made once, values bound by
- * a format, SQLite's failures in our words. */
+/* catalogues/store/store_internal.h - what the files of the store share: prepared statements, values bound by a format,
+ * texts for failures of SQLite. */
 #ifndef LW_CATALOGUES_STORE_STORE_INTERNAL_H
 #define LW_CATALOGUES_STORE_STORE_INTERNAL_H
 
@@ -28,7 +28,7 @@ lw_status lw_store_migrate(lw_store *s, int from, lw_error *e);
 /* What SQLite's last failure (or `code`) means, with the file's name; `doing` is "cannot be read" or the like. */
 lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e);
 
-/* The statement of this text (the same pointer gives the same one), reset and without values. */
+/* The prepared statement of this text, reset and without values.  The same pointer gives the same statement. */
 lw_status lw_store_prepare(lw_store *s, const char *sql, sqlite3_stmt **statement, lw_error *e);
 
 /* Bind ?1, ?2, ... by letters: i long long, d double, t const char * (NULL: null), b const void * and size_t; d

@@ -1,4 +1,4 @@
-/* catalogues/store/store_layout.h - the places of the joints of a chain as a catalogue keeps them: chain.layout.
+/* catalogues/store/store_layout.h - places of the joints of a chain as bytes of a catalogue (chain.layout).
  *
  * Little-endian bytes: 1 (version), n_link, n_joint, bit 0 planar, n_cross, symmetry; least angle and gap as float; the
  * numbers of joints of link 1, 2, ... ; the joints of each in the order of its outline; x, y of each joint
@@ -11,7 +11,7 @@
 
 void lw_layout_pack(const lw_chain_layout *l, int n_link, lw_bytes *out);
 
-/* LW_E_NOTATION when the bytes are no layout of n_link links. */
+/* LW_E_NOTATION: the bytes are not a layout of n_link links. */
 lw_status lw_layout_unpack(const void *bytes, size_t size, int n_link, lw_chain_layout *l);
 
 #endif

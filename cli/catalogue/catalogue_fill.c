@@ -62,7 +62,7 @@ int cli_catalogue_build(const cli_call *call)
         cli_note(call, "it is complete already: %llu chains", (unsigned long long)n.done);
     } else if (status >= 0) {
         if (n.before > 0)
-            cli_note(call, "goes on behind %llu chains", (unsigned long long)n.before);
+            cli_note(call, "continued after %llu chains", (unsigned long long)n.before);
         cli_note(call, "%llu of %llu chains in %.2f s%s", (unsigned long long)n.done, (unsigned long long)n.total,
                  lw_clock_wall() - start, status == LW_OK ? "" : CONTINUE);
     }
