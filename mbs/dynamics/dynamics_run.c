@@ -156,7 +156,10 @@ lw_status lw_run_limits(lw_run *run, double t, long steps)
 lw_status lw_run_busy(lw_run *run, double t)
 {
     const lw_dynamics_options *o = &run->d->o;
-    return lw_limits_check(o->stop, o->until, (++run->n_busy & 255) == 0, t, run->e);
+    bool look_at_clock = (++run->n_busy & 255) == 0;
+    if (!look_at_clock && !(o->stop && *o->stop))
+        return LW_OK;
+    return lw_limits_check(o->stop, o->until, look_at_clock, t, run->e);
 }
 
 long lw_run_steps_left(const lw_run *run)
