@@ -50,7 +50,7 @@ void lw_kinematics_destroy(lw_kinematics *kinematics)
 }
 
 double lw_kinematics_input(const lw_kinematics *kinematics) { return kinematics->input; }
-int    lw_kinematics_turns(const lw_kinematics *kinematics) { return kinematics->plan.laps; }
+int    lw_kinematics_turns(const lw_kinematics *kinematics) { return kinematics->plan.input_turns_per_period; }
 int    lw_kinematics_n_dimension(const lw_kinematics *kinematics) { return kinematics->plan.n_dim; }
 
 static bool has_dimension(const lw_kinematics *k, int i) { return i >= 0 && i < k->plan.n_dim; }

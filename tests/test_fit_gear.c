@@ -117,16 +117,16 @@ static int make_target(const lw_linkage *k, lw_target *t)
         lw_pose pose;
         double turn = 2*LW_PI*i/STATIONS;
         CHECK_INT(lw_pose_solve(&plan, dim, mode, input + turn, 0, &pose), LW_OK);
-        angle[i] = turn*plan.laps;
+        angle[i] = turn*plan.input_turns_per_period;
         x[i] = pose.tracer[0][0].x;
         y[i] = pose.tracer[0][0].y;
     }
     CHECK_INT(lw_target_make(STATIONS, x, y, NULL, angle, NULL, 1, t, &e), LW_OK);
     CHECK_TEXT(e.text, "");
-    return plan.laps;
+    return plan.input_turns_per_period;
 }
 
-static void found_again(lw_linkage k, int laps, long budget)
+static void found_again(lw_linkage k, int input_turns_per_period, long budget)
 {
     lw_family f = { .name = "geared", .linkage = &k, .links = k.n_link };
     lw_search_stage stage[] = { { .links = k.n_link, .families = lw_families_of(&f, 1) } };
@@ -134,7 +134,7 @@ static void found_again(lw_linkage k, int laps, long budget)
     lw_target t;
     lw_staged_search s;
     lw_error e = { .text = "" };
-    CHECK_INT(make_target(&k, &t), laps);
+    CHECK_INT(make_target(&k, &t), input_turns_per_period);
     o.spec.timing = LW_TIMING_PRESCRIBED;
     o.max_rounds = 40;
     o.budget = budget;
@@ -148,7 +148,7 @@ static void found_again(lw_linkage k, int laps, long budget)
         CHECK_INT(lw_fit_report_make(&t, &o.spec, &s.fit.candidate[0], r, &e), LW_OK);
         CHECK(r->verified && r->error_max < 1e-8);
         CHECK_TEXT(r->fault, "");
-        CHECK_INT(r->input_turns_per_period, laps);
+        CHECK_INT(r->input_turns_per_period, input_turns_per_period);
     }
     free(r);
     lw_staged_search_free(&s);
@@ -188,7 +188,7 @@ static bool comes_back(const lw_problem *p, const lw_linkage *topology, const do
     if (lw_plan_write(&plan, shape, p->branch.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
         return false;
     lw_vec2 from = lw_newton_tracer(n, 0);
-    bool ok = lw_newton_move(n, lw_newton_input(n) + 2*LW_PI*plan.laps, NULL) == LW_OK
+    bool ok = lw_newton_move(n, lw_newton_input(n) + 2*LW_PI*plan.input_turns_per_period, NULL) == LW_OK
            && lw_v2_norm(lw_v2_sub(lw_newton_tracer(n, 0), from)) < 1e-6*lw_plan_size(&plan, shape);
     lw_newton_free(n);
     return ok;

@@ -187,7 +187,7 @@ static void cylinder(lw_linkage *k, double ratio)
 }
 
 typedef void maker(lw_linkage *k, double ratio);
-static const struct { maker *make; double ratio; int laps, n_higher, n_rack; } cases[] = {
+static const struct { maker *make; double ratio; int input_turns_per_period, n_higher, n_rack; } cases[] = {
     { five_bar, -1, 1, 0, 0 },      { five_bar, 2, 1, 0, 0 },     { five_bar, -0.5, 2, 0, 0 },   { five_bar, 1.0/3, 3, 0, 0 },
     { five_bar, -2.0/3, 3, 0, 0 },  { planetary, -1, 1, 0, 0 },   { planetary, 2, 1, 0, 0 },     { planetary, -0.5, 2, 0, 0 },
     { planetary, 3, 1, 0, 0 },      { trochoid, -1, 1, 0, 0 },    { trochoid, 0.5, 1, 0, 0 },    { trochoid, 3, 3, 0, 0 },
@@ -222,7 +222,7 @@ static void turns_as_the_loop_equations(void)
         lw_pose pose;
         if (!plan_case(i, &p))
             continue;
-        CHECK_INT(p.plan.laps, cases[i].laps);
+        CHECK_INT(p.plan.input_turns_per_period, cases[i].input_turns_per_period);
         CHECK_INT(p.plan.n_higher, cases[i].n_higher);
         CHECK_INT(p.plan.n_rack, cases[i].n_rack);
         lw_error why = { .text = "" };
@@ -238,13 +238,13 @@ static void turns_as_the_loop_equations(void)
             if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK)
                 break;                                           /* some rock: up to their limit    */
             far = s;
-            CHECK(lw_newton_move(n, before + p.plan.laps*turn, &reached) == LW_OK);
+            CHECK(lw_newton_move(n, before + p.plan.input_turns_per_period*turn, &reached) == LW_OK);
             lw_vec2 at = lw_newton_tracer(n, 0);
             CHECK_NEAR(pose.tracer[0][0].x, at.x, 1e-9, 1e-9);
             CHECK_NEAR(pose.tracer[0][0].y, at.y, 1e-9, 1e-9);
         }
         if (far < 48) {                                          /* so does the second opinion      */
-            lw_status end = lw_newton_move(n, before + p.plan.laps*way*(far + 1)/48, &reached);
+            lw_status end = lw_newton_move(n, before + p.plan.input_turns_per_period*way*(far + 1)/48, &reached);
             CHECK_INT(end, LW_OPEN);
         }
         if (far == 48 && !p.plan.input_is_slider)
@@ -275,9 +275,9 @@ static void random_ones_too(void)
         if (!good || lw_newton_create(&p.k, &n, NULL) != LW_OK)
             continue;
         for (int s = -10; s <= 10; s++) {
-            double turn = (p.plan.input_is_slider ? 1 : 0.1/p.plan.laps)*s;
+            double turn = (p.plan.input_is_slider ? 1 : 0.1/p.plan.input_turns_per_period)*s;
             lw_newton_reset(n);
-            bool there = lw_newton_move(n, p.k.input[0].value + p.plan.laps*turn, NULL) == LW_OK;
+            bool there = lw_newton_move(n, p.k.input[0].value + p.plan.input_turns_per_period*turn, NULL) == LW_OK;
             if (lw_pose_solve(&p.plan, p.dim, p.mode, p.input + turn, 0, &pose) != LW_OK || pose.margin < 1e-4)
                 continue;
             CHECK(there);
@@ -306,7 +306,8 @@ static void a_posture_elsewhere_is_the_same_linkage(void)
             if (lw_plan_write(&p.plan, p.dim, p.mode, p.input + turn, &there) != LW_OK)
                 continue;                                        /* beyond a limit                   */
             written++;
-            CHECK_NEAR(remainder(there.input[0].value - p.k.input[0].value - p.plan.laps*turn, 2*LW_PI), 0, 1e-12, 0);
+            double moved = p.plan.input_turns_per_period*turn;
+            CHECK_NEAR(remainder(there.input[0].value - p.k.input[0].value - moved, 2*LW_PI), 0, 1e-12, 0);
             for (int j = 0; j < there.n_joint; j++)
                 if (there.joint[j].kind == LW_JOINT_GEAR) {
                     CHECK(lw_linkage_gear(&there, j, &g, NULL) == LW_OK);

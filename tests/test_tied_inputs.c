@@ -348,7 +348,7 @@ static void planned_as_a_gear_pair(void)
             CHECK_INT(lw_plan_read(&plan[h], &k[h], dim[h], mode[h], &input[h], NULL), LW_OK);
         }
         CHECK_INT(plan[0].n_dim, plan[1].n_dim);
-        CHECK_INT(plan[0].laps, plan[1].laps);
+        CHECK_INT(plan[0].input_turns_per_period, plan[1].input_turns_per_period);
         CHECK(memcmp(dim[0], dim[1], sizeof(double)*(size_t)plan[0].n_dim) == 0);
         CHECK(lw_plan_dim(&plan[0], "phi3") >= 0);
         for (int s = 0; s < 40; s++) {
@@ -503,9 +503,10 @@ static void check_poses(const lw_linkage *k, const lw_plan *plan, double *dim, d
             continue;
         lw_linkage moved = *k;
         CHECK_INT(lw_plan_write(plan, dim, mode, input + 0.02*i, &moved), LW_OK);
-        for (int h = 0; h < 2; h++)
-            CHECK_NEAR(remainder(moved.input[h].value - k->input[h].value
-                                 - plan->laps*0.02*i*(h ? k->input[h].ratio : 1), 2*LW_PI), 0, 1e-11, 0);
+        for (int h = 0; h < 2; h++) {
+            double by = plan->input_turns_per_period*0.02*i*(h ? k->input[h].ratio : 1);
+            CHECK_NEAR(remainder(moved.input[h].value - k->input[h].value - by, 2*LW_PI), 0, 1e-11, 0);
+        }
         coordinates(&s, k, &here, &there, q);
         CHECK(residual(&s, q) <= 1e-12);
         sum.poses++;

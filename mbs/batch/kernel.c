@@ -5,15 +5,15 @@
 
 static void set_ground(const run *k, int which)
 {
-    ground_rows(k, k->plan->output_short[which].is_short ? 0 : k->nb);
+    ground_rows(k, k->plan->output_fast_dyad[which].applies ? 0 : k->nb);
 }
 
-/* Points of a short plan with one set of dimensions need no rows of their own: all lanes are one block.
+/* Points of a fast-dyad plan with one set of dimensions need no rows of their own: all lanes are one block.
  * Frames over candidates need none but zeros, when all their numbers come from the caller. */
 static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, const rows *out, int frame)
 {
-    const lw_fast_dyad *f = &plan->output_short[which];
-    if (!f->is_short || (!out->margin && out->u && !frame))
+    const lw_fast_dyad *f = &plan->output_fast_dyad[which];
+    if (!f->applies || (!out->margin && out->u && !frame))
         return LW_BLOCK;
     if (!in->dim_stride && !in->mode_stride)
         return (size_t)-1;
@@ -51,13 +51,13 @@ static int set_numbers(run *k, const lw_lanes *in, size_t first)
     return per_lane;
 }
 
-/* Inputs, and seats of higher groups, from lane `first` on. */
+/* Inputs, and group_poses of higher groups, from lane `first` on. */
 static void at_lanes(run *k, const lw_lanes *in, size_t first)
 {
     k->c = in->c + first;
     k->s = in->s ? in->s + first : NULL;
-    k->seat = k->seats ? k->seats + first : NULL;
-    k->seat_row = LW_CHUNK + LW_GROUP;
+    k->group_pose = k->group_poses ? k->group_poses + first : NULL;
+    k->group_pose_row = LW_CHUNK + LW_GROUP;
 }
 
 /* The lanes from `first` on, fewer than a group, as a full group: the last one repeated. */
@@ -130,15 +130,15 @@ static void move_out(const run *k, size_t n, int reg, double *x, double *y, int 
 static void block_point(run *k, const lw_lanes *in, int which, size_t first, size_t n, const rows *out, int frame)
 {
     const lw_plan *p = k->plan;
-    int per_lane = set_numbers(k, in, first), want = out->margin ? WITH_MARGIN : POSE_ONLY;
+    int per_lane = set_numbers(k, in, first), outputs = out->margin ? WITH_MARGIN : POSE_ONLY;
     at_lanes(k, in, first);
     if (per_lane || first == 0)
         set_turns(k, p->n_angle - frame, per_lane, n);
-    if (p->output_short[which].is_short) {
+    if (p->output_fast_dyad[which].applies) {
         lw_fast_points(k, which, n, out, per_lane, frame);
         return;
     }
-    lw_forward(k, which, n, per_lane, want);
+    lw_forward(k, which, n, per_lane, outputs);
     copy_out(out->margin, k->margin, n);
     int o = frame ? p->link_origin[p->output_link[which]] : p->output_point[which], d = p->output_dir[which];
     if (frame) {
@@ -171,11 +171,11 @@ static void few_points(run *k, const lw_lanes *in, int which, const rows *out, i
 }
 
 /* Whole groups in blocks; what is left over as one more group that reaches back into the last one. */
-static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats, const rows *out,
-                   int frame)
+static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
+                   const rows *out, int frame)
 {
     run k = start(plan, in->n, work);
-    k.seats = seats;
+    k.group_poses = group_poses;
     size_t full = in->n/LW_GROUP*LW_GROUP, block = block_size(plan, in, which, out, frame);
     set_ground(&k, which);
     if (in->n > 0 && in->n < LW_GROUP)
@@ -193,11 +193,11 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
 /* What is wanted of the chunks of a plan with higher groups. */
 typedef struct chunk_points { const lw_plan *plan; int which, frame; const rows *out; } chunk_points;
 
-static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
+static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
 {
     const chunk_points *q = caller;
     rows to = shift_rows(q->out, first);
-    points(q->plan, part, q->which, work, seats, &to, q->frame);
+    points(q->plan, part, q->which, work, group_poses, &to, q->frame);
 }
 
 static void all_points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const rows *out, int frame)
@@ -249,7 +249,7 @@ static void block_jacobian(run *k, const lw_lanes *in, int which, size_t first, 
     at_lanes(k, in, first);
     if (first == 0)
         set_turns(k, p->n_angle, 0, n);
-    if (p->output_short[which].is_short) {
+    if (p->output_fast_dyad[which].applies) {
         lw_fast_jacobian(k, which, n, out);
         return;
     }
@@ -307,11 +307,11 @@ static void few_jacobian(run *k, const lw_lanes *in, int which, const lw_jacobia
     copy_jacobian(out, &to, k->plan->n_dim, in->n);
 }
 
-static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
                       const lw_jacobian *out)
 {
     run k = start(plan, in->n, work);
-    k.seats = seats;
+    k.group_poses = group_poses;
     size_t full = in->n/LW_GROUP*LW_GROUP;
     set_ground(&k, which);
     if (in->n > 0 && in->n < LW_GROUP)
@@ -328,11 +328,11 @@ static void jacobians(const lw_plan *plan, const lw_lanes *in, int which, void *
 
 typedef struct chunk_jacobian { const lw_plan *plan; int which; const lw_jacobian *out; } chunk_jacobian;
 
-static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
+static void jacobian_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
 {
     const chunk_jacobian *q = caller;
     lw_jacobian to = shift_jacobian(q->out, first);
-    jacobians(q->plan, part, q->which, work, seats, &to);
+    jacobians(q->plan, part, q->which, work, group_poses, &to);
 }
 
 static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work, const lw_jacobian *out)
@@ -416,10 +416,10 @@ static void keep_least(double *restrict acc, const double *margin, size_t n)
             acc[j] = lw_at_most(margin[i + j], acc[j]);
 }
 
-/* The sums of a short plan to their dimensions: twice, the square's derivative. */
+/* The sums of a fast-dyad plan to their dimensions: twice, the square's derivative. */
 static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
 {
-    const lw_fast_dyad *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_fast_dyad[which];
     const struct { int dim; const double *acc; } to[] = {
         { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e },
             { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
@@ -453,7 +453,7 @@ static double least8(const double *m)
     return a;
 }
 
-static double short_kernel_sum(run *k, const lw_lanes *in, int which, const target *t, double *grad, double *margin)
+static double fast_kernel_sum(run *k, const lw_lanes *in, int which, const target *t, double *grad, double *margin)
 {
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
     sums a = { .margin = { 1, 1, 1, 1, 1, 1, 1, 1 } };
@@ -474,11 +474,11 @@ static double short_kernel_sum(run *k, const lw_lanes *in, int which, const targ
     return total(a.f);
 }
 
-static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *seats,
+static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
                        const double *tx, const double *ty, const double *w, double *grad, double *margin)
 {
     run k = start(plan, in->n, work);
-    k.seats = seats;
+    k.group_poses = group_poses;
     target t = { tx, ty, w };
     size_t full = in->n/LW_GROUP*LW_GROUP, rest = in->n - full;
     double *acc = tail_row(&k, 3), smallest[LW_GROUP] = { 1, 1, 1, 1, 1, 1, 1, 1 };
@@ -486,8 +486,8 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     set_ground(&k, which);
     set_numbers(&k, in, 0);
     set_turns(&k, plan->n_angle, 0, 1);
-    if (plan->output_short[which].is_short)
-        return short_kernel_sum(&k, in, which, &t, grad, margin);
+    if (plan->output_fast_dyad[which].applies)
+        return fast_kernel_sum(&k, in, which, &t, grad, margin);
     for (size_t first = 0; first < full; first += LW_BLOCK) {
         size_t n = full - first < LW_BLOCK ? full - first : LW_BLOCK;
         target here = { tx + first, ty + first, w ? w + first : NULL };
@@ -497,7 +497,7 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
     if (rest) {
         lw_lanes last = pad(&k, in, full);
         target here = pad_target(&k, &t, full, rest);
-        k.seats = seats ? seats + full : NULL;
+        k.group_poses = group_poses ? group_poses + full : NULL;
         block_sum(&k, &last, which, 0, LW_GROUP, &here, acc);
         keep_least(smallest, k.margin, LW_GROUP);
     }
@@ -510,11 +510,11 @@ static double lane_sum(const lw_plan *plan, const lw_lanes *in, int which, void 
 
 typedef struct chunk_sum { const lw_plan *plan; int which; target target; double *grad, *margin, f; } chunk_sum;
 
-static void sum_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats)
+static void sum_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
 {
     chunk_sum *q = caller;
     double grad[LW_DIM_MAX], least;
-    q->f += lane_sum(q->plan, part, q->which, work, seats, q->target.x + first, q->target.y + first,
+    q->f += lane_sum(q->plan, part, q->which, work, group_poses, q->target.x + first, q->target.y + first,
                      q->target.w ? q->target.w + first : NULL, grad, &least);
     for (int d = 0; q->grad && d < q->plan->n_dim; d++)
         q->grad[d] += grad[d];
@@ -538,4 +538,4 @@ static double kernel_sum(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 extern const lw_kernels lw_kernels_here;
 const lw_kernels lw_kernels_here = { LW_ISA_NAME, kernel_point, kernel_frame, kernel_jacobian, kernel_sum,
-                                     lw_kernel_normal, lw_kernel_seat };
+                                     lw_kernel_normal, lw_kernel_group_pose };

@@ -44,7 +44,7 @@ typedef struct follower {
     run     k;                             /* eight lanes                                             */
     const lw_plan *plan;
     double  size;
-    bool    on_way;                        /* past the seed                                           */
+    bool    past_seed;                        /* past the seed                                           */
     bool    pushed;                        /* the input is a joint of a group                         */
     bool    tight;                         /* a group or dyad is near its limit: lane by lane         */
     bool    lost;                          /* no posture near the seed                                */
@@ -182,15 +182,15 @@ static int shrinking(pack last, pack before, int n)
 
 /* Newton's method until its steps are short.  A lane whose steps do not shrink is given up, and those behind it, which
  * could not be sure either; `last` is then infinite, else the squared length of the last step. */
-LW_INLINE void arrive(const int n, eight *w, bool on_way, bool fine, pack *last)
+LW_INLINE void arrive(const int n, eight *w, bool past_seed, bool fine, pack *last)
 {
     pack before = all8(INFINITY);
     int alive = LW_GROUP;
-    for (int i = 0; i < (on_way ? 8 : 40); i++) {
+    for (int i = 0; i < (past_seed ? 8 : 40); i++) {
         double now = 0;
         newton_of(n, w);
         *last = go(w);
-        if (on_way)
+        if (past_seed)
             alive = shrinking(*last, before, alive);
         for (int j = 0; j < alive; j++)
             now = (*last)[j] > now ? (*last)[j] : now;
@@ -242,7 +242,7 @@ typedef struct drift { pack input, known[LW_HIGHER_DIR_MAX]; } drift;
 static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
 {
     int number = (int)(g - f->plan->higher);
-    to->input = f->plan->laps*abs8(t - before8(t, back(&f->at, 0)->t));
+    to->input = f->plan->input_turns_per_period*abs8(t - before8(t, back(&f->at, 0)->t));
     for (int e = 0; e < g->n_slide; e++) {
         int dir = g->slide[e].dir;
         if (g->dir[dir].root >= 0)
@@ -412,7 +412,7 @@ LW_INLINE void compare(const int n, follower *f, const eight *w, pack t)
 LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
 {
     pack last, row = { 0 }, most = all8(COARSE_LAST);
-    arrive(n, w, f->on_way, f->fine, &last);
+    arrive(n, w, f->past_seed, f->fine, &last);
     if (!f->fine)
         measure_of(n, w);
     f->margin = less8(w->margin, f->margin);
@@ -426,7 +426,7 @@ LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
     for (int c = 0; c < n; c++)                              /* of what is singular, 0 */
         row += w->inv[c]*w->inv[c];
     f->sure &= (mask)(last <= most) & (mask)(row > 0);
-    if (f->on_way)
+    if (f->past_seed)
         compare(n, f, w, t);
 }
 LW_BY_SIZE(solve, (eight *w, follower *f, pack t), w, f, t)

@@ -15,7 +15,10 @@
 
 /* ---- the way -------------------------------------------------------------------------------------------- */
 
-static double unit_of(const follower *f) { return f->plan->input_is_slider ? f->size : 1.0/f->plan->laps; }
+static double unit_of(const follower *f)
+{
+    return f->plan->input_is_slider ? f->size : 1.0/f->plan->input_turns_per_period;
+}
 
 /* work: lw_continuation_size doubles. */
 static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
@@ -33,7 +36,7 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
     f->k.dim_row = f->k.mode_row = 1;
     ground_rows(&f->k, LW_GROUP);
     set_turns(&f->k, plan->n_angle, 0, 1);
-    f->on_way = f->pushed = f->tight = false;
+    f->past_seed = f->pushed = f->tight = false;
     f->at.head = 0;
     f->at.n_past = 1;
     f->at.stride = STRIDE_FIRST*unit_of(f);
@@ -59,29 +62,29 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
     }
     trial(f, all8(input));
     f->lost = !f->sure[0];
-    f->on_way = true;
+    f->past_seed = true;
     if (!f->lost)
         accept(f, all8(input), 1);
 }
 
 /* Inputs to go through: from t[first] on, `count` of them, up or down the array. */
-typedef struct way { const double *t; size_t first, step, count; } way;
+typedef struct input_path { const double *t; size_t first, step, count; } input_path;
 
-static double way_at(const way *y, size_t i) { return y->t[y->first + i*y->step]; }
+static double path_at(const input_path *path, size_t i) { return path->t[path->first + i*path->step]; }
 
 /* Eight inputs along the way, and how many of the way's own are behind each. */
 typedef struct route { pack t; size_t passed[LW_GROUP]; int n; } route;
 
-static void lay_route(const follower *f, const way *y, size_t i, route *r)
+static void lay_route(const follower *f, const input_path *path, size_t i, route *r)
 {
     double at = back(&f->at, 0)->t, unit = unit_of(f), stride = f->at.stride;
     double skip = f->tight ? 0 : fmin(stride, STRIDE_BETWEEN*unit);
-    for (r->n = 0; r->n < LW_GROUP && i < y->count; r->n++) {
-        double gap = way_at(y, i) - at;
+    for (r->n = 0; r->n < LW_GROUP && i < path->count; r->n++) {
+        double gap = path_at(path, i) - at;
         if (fabs(gap) <= 1.3*stride) {
-            for (i++; i < y->count && fabs(way_at(y, i) - at) <= skip; )
+            for (i++; i < path->count && fabs(path_at(path, i) - at) <= skip; )
                 i++;
-            at = way_at(y, i - 1);
+            at = path_at(path, i - 1);
         } else
             at += gap/ceil(fabs(gap)/stride);
         r->t[r->n] = at;
@@ -92,7 +95,7 @@ static void lay_route(const follower *f, const way *y, size_t i, route *r)
 }
 
 typedef struct chunk chunk;
-static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count);
+static void put_passed(const follower *f, const chunk *q, const input_path *path, const route *r, size_t i, int count);
 
 /* Is a group, or a dyad that carries a group, near or past a limit, where the posture varies like the square root of
  * the input? */
@@ -105,14 +108,14 @@ static bool near_limit(const follower *f, int n)
 }
 
 /* Follow the path and store each pose reached in q, unless q is NULL.  Returns the number of inputs reached. */
-static size_t go_way(follower *f, const way *y, const chunk *q)
+static size_t follow_path(follower *f, const input_path *path, const chunk *q)
 {
     double unit = unit_of(f);
     size_t i = 0;
-    for (size_t tries = 0; i < y->count && tries < 4000 + y->count; tries++) {
+    for (size_t tries = 0; i < path->count && tries < 4000 + path->count; tries++) {
         route r;
         int n = 0;
-        lay_route(f, y, i, &r);
+        lay_route(f, path, i, &r);
         double gap = fabs(r.t[0] - back(&f->at, 0)->t);
         trial(f, r.t);
         while (n < r.n && f->sure[n])
@@ -129,7 +132,7 @@ static size_t go_way(follower *f, const way *y, const chunk *q)
             continue;
         }
         if (q)
-            put_passed(f, q, y, &r, i, n);
+            put_passed(f, q, path, &r, i, n);
         i = r.passed[n - 1];
         gap = n > 1 ? fabs(r.t[n - 1] - r.t[n - 2]) : gap;
         accept(f, r.t, n);
@@ -142,13 +145,13 @@ static size_t go_way(follower *f, const way *y, const chunk *q)
 }
 
 /* To the input t; false when it ends before, at a limit. */
-static bool advance(follower *f, double to) { return go_way(f, &(way){ &to, 0, 1, 1 }, NULL) == 1; }
+static bool advance(follower *f, double to) { return follow_path(f, &(input_path){ &to, 0, 1, 1 }, NULL) == 1; }
 
 /* ---- a chunk of lanes ------------------------------------------------------------------------------------ */
 
 struct chunk {
-    size_t  n, row;                        /* lanes, doubles from row to row of the seats             */
-    double *seat;
+    size_t  n, row;                        /* lanes, doubles from row to row of the group_poses             */
+    double *group_pose;
     double  t[LW_CHUNK + LW_GROUP];        /* input, in the order gone                                */
     unsigned short lane[LW_CHUNK + LW_GROUP];
     bool    ordered, falls;                /* the lanes were in order, from the greatest down         */
@@ -159,15 +162,15 @@ struct chunk {
 static void put_trial(const follower *f, const chunk *q, size_t at, int j)
 {
     for (int r = 0; r < f->plan->n_row; r++)
-        q->seat[(size_t)r*q->row + at] = f->row[r][j];
-    q->seat[(size_t)f->plan->n_row*q->row + at] = 0;
+        q->group_pose[(size_t)r*q->row + at] = f->row[r][j];
+    q->group_pose[(size_t)f->plan->n_row*q->row + at] = 0;
 }
 
-static void put_seat(const follower *f, const chunk *q, size_t at, double out_of_reach)
+static void put_group_pose(const follower *f, const chunk *q, size_t at, double out_of_reach)
 {
     for (int r = 0; r < f->plan->n_row; r++)
-        q->seat[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
-    q->seat[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
+        q->group_pose[(size_t)r*q->row + at] = back(&f->at, 0)->row[r];
+    q->group_pose[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
 }
 
 /* Inputs of the lanes as one run of numbers: each lane of a pin at most half a turn from the one before. */
@@ -248,12 +251,13 @@ static void put_block(const follower *f, const chunk *q, const between *b, size_
         size_t at = first + (i + LW_GROUP <= count ? i : count - LW_GROUP);
         between_at(f, b, get8(q->t + at), row);
         for (int r = 0; r <= f->plan->n_row; r++)
-            put8(q->seat + (size_t)r*q->row + at, row[r]);
+            put8(q->group_pose + (size_t)r*q->row + at, row[r]);
     }
 }
 
 /* Lanes i .. end-1 of the way, between nodes of which they are not far. */
-static void put_between(const follower *f, const chunk *q, const way *y, const node *near, int n, size_t i, size_t end)
+static void put_between(const follower *f, const chunk *q, const input_path *path, const node *near, int n, size_t i,
+                        size_t end)
 {
     pack t = { 0 }, row[LW_GROUP_ROW_MAX + 1];
     between b = { near, n, { 0 } };
@@ -261,22 +265,22 @@ static void put_between(const follower *f, const chunk *q, const way *y, const n
         return;
     constants(near, n, b.by);
     if (q->in_place && end - i >= LW_GROUP) {
-        put_block(f, q, &b, y->step == 1 ? y->first + i : y->first - (end - 1), end - i);
+        put_block(f, q, &b, path->step == 1 ? path->first + i : path->first - (end - 1), end - i);
         return;
     }
     for (; i < end; i += LW_GROUP) {
         size_t count = end - i < LW_GROUP ? end - i : LW_GROUP;
         for (size_t j = 0; j < LW_GROUP; j++)
-            t[j] = way_at(y, i + (j < count ? j : count - 1));
+            t[j] = path_at(path, i + (j < count ? j : count - 1));
         between_at(f, &b, t, row);
         for (int r = 0; r <= f->plan->n_row; r++)
             for (size_t j = 0; j < count; j++)
-                q->seat[(size_t)r*q->row + q->lane[y->first + (i + j)*y->step]] = row[r][j];
+                q->group_pose[(size_t)r*q->row + q->lane[path->first + (i + j)*path->step]] = row[r][j];
     }
 }
 
 /* Lanes from i on that the first `count` inputs of a trial have passed. */
-static void put_passed(const follower *f, const chunk *q, const way *y, const route *r, size_t i, int count)
+static void put_passed(const follower *f, const chunk *q, const input_path *path, const route *r, size_t i, int count)
 {
     node all[3 + LW_GROUP];
     int n = 0;
@@ -290,19 +294,19 @@ static void put_passed(const follower *f, const chunk *q, const way *y, const ro
         if (r->passed[s] == i)
             continue;
         int from = n > NODES ? n - NODES : 0;
-        put_between(f, q, y, all + from, n - from, i, r->passed[s] - 1);
+        put_between(f, q, path, all + from, n - from, i, r->passed[s] - 1);
         size_t at = r->passed[s] - 1;
-        put_trial(f, q, q->lane[y->first + at*y->step], s);
+        put_trial(f, q, q->lane[path->first + at*path->step], s);
     }
 }
 
 /* The lanes from `first` on, in this direction (1 or -1), until the way ends. */
 static void go_along(follower *f, chunk *q, size_t first, size_t step)
 {
-    const way y = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
-    for (size_t i = go_way(f, &y, q); i < y.count; i++) {
-        double beyond = fabs(way_at(&y, i) - back(&f->at, 0)->t)/unit_of(f);
-        put_seat(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
+    const input_path path = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
+    for (size_t i = follow_path(f, &path, q); i < path.count; i++) {
+        double beyond = fabs(path_at(&path, i) - back(&f->at, 0)->t)/unit_of(f);
+        put_group_pose(f, q, q->lane[first + i*step], fmax(beyond, BEYOND_LEAST));
     }
 }
 
@@ -371,11 +375,12 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
         to = now + remainder(to - now, 2*LW_PI);
     if (!f->lost)
         out = advance(f, to) ? 0 : fmax(fabs(to - back(&f->at, 0)->t)/unit_of(f), 1e-12);
-    put_seat(f, q, at, out);
+    put_group_pose(f, q, at, out);
 }
 
 /* Seats of all lanes of a chunk (in), the last one repeated to a full group. */
-static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work, chunk *q)
+static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work,
+                                 chunk *q)
 {
     q->n = in->n;
     if (in->dim_stride || in->mode_stride)
@@ -383,17 +388,17 @@ static void seat_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, boo
             follow_lane(f, plan, in, i, work, q);
     else if (f->lost)
         for (size_t i = 0; i < in->n; i++)
-            put_seat(f, q, i, 1);
+            put_group_pose(f, q, i, 1);
     else
         follow_chunk(f, in, more, q);
     for (size_t i = in->n; i%LW_GROUP; i++)
         for (int r = 0; r <= plan->n_row; r++)
-            q->seat[(size_t)r*q->row + i] = q->seat[(size_t)r*q->row + in->n - 1];
+            q->group_pose[(size_t)r*q->row + i] = q->group_pose[(size_t)r*q->row + in->n - 1];
 }
 
 /* One posture for mbs/batch/pose.c. */
-void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                        lw_group_pose *seat)
+void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                        lw_group_pose *group_pose)
 {
     follower f;
     follow_from_seed(&f, plan, dim, mode, true, work);
@@ -401,15 +406,15 @@ void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, 
     if (!plan->input_is_slider)
         to = back(&f.at, 0)->t + remainder(input - back(&f.at, 0)->t, 2*LW_PI);
     bool there = !f.lost && advance(&f, to);
-    memset(seat, 0, sizeof *seat);
-    memcpy(seat->row, back(&f.at, 0)->row, (size_t)plan->n_row*sizeof(double));
-    seat->margin = 1;
+    memset(group_pose, 0, sizeof *group_pose);
+    memcpy(group_pose->row, back(&f.at, 0)->row, (size_t)plan->n_row*sizeof(double));
+    group_pose->margin = 1;
     if (!there)
-        seat->margin = f.lost ? -1 : -fmax(fabs(to - back(&f.at, 0)->t)/unit_of(&f), 1e-12);
-    double *inverse = seat->inverse;
+        group_pose->margin = f.lost ? -1 : -fmax(fabs(to - back(&f.at, 0)->t)/unit_of(&f), 1e-12);
+    double *inverse = group_pose->inverse;
     for (int g = 0; there && g < plan->n_higher; g++) {
         const eight *w = &f.group[g];
-        seat->margin = fmin(seat->margin, w->margin[f.at_lane]);
+        group_pose->margin = fmin(group_pose->margin, w->margin[f.at_lane]);
         for (int i = 0; i < w->n*w->n; i++)
             *inverse++ = w->inv[i][f.at_lane];
     }
@@ -431,9 +436,9 @@ static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)
 
 static void begin_chunks(chunks *c, const lw_plan *plan, const lw_lanes *in, void *work)
 {
-    c->q.seat = work;
+    c->q.group_pose = work;
     c->q.row = LW_CHUNK + LW_GROUP;
-    double *follow = c->q.seat + ((size_t)plan->n_row + 1)*c->q.row;
+    double *follow = c->q.group_pose + ((size_t)plan->n_row + 1)*c->q.row;
     c->lane_work = follow + lw_continuation_size(plan);
     c->next = 0;
     if (!in->dim_stride && !in->mode_stride)
@@ -449,7 +454,7 @@ static bool next_chunk(chunks *c, const lw_plan *plan, const lw_lanes *in)
     c->first = c->next;
     c->next += n;
     c->part = part_of(in, c->first, n);
-    seat_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
+    group_poses_of_chunk(&c->f, plan, &c->part, c->next < in->n, c->lane_work - lw_continuation_size(plan), &c->q);
     return true;
 }
 
@@ -458,5 +463,5 @@ void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_
     chunks c;
     begin_chunks(&c, plan, in, work);
     while (next_chunk(&c, plan, in))
-        work_on(caller, &c.part, c.first, c.lane_work, c.q.seat);
+        work_on(caller, &c.part, c.first, c.lane_work, c.q.group_pose);
 }

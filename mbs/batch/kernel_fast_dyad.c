@@ -7,7 +7,7 @@
 /* The line of RRP along x, at a distance; or through the origin, turned. */
 enum { SHORT_RRR, SHORT_RRP, SHORT_RRP_TURNED, SHORT_RPR };
 
-static int short_kind(const lw_fast_dyad *f)
+static int fast_kind(const lw_fast_dyad *f)
 {
     return f->dyad == LW_STEP_RRR ? SHORT_RRR : f->dyad == LW_STEP_RPR ? SHORT_RPR
          : f->beta < 0 ? SHORT_RRP : SHORT_RRP_TURNED;
@@ -26,17 +26,17 @@ typedef struct number_rows {
 
 static const double zeros[LW_ZEROS];
 
-LW_INLINE const double *short_dim(const run *k, int d) { return d < 0 ? zeros : dim_of(k, d); }
+LW_INLINE const double *fast_dim(const run *k, int d) { return d < 0 ? zeros : dim_of(k, d); }
 
-static number_rows short_rows(const run *k, int which)
+static number_rows fast_rows(const run *k, int which)
 {
     const lw_plan *p = k->plan;
-    const lw_fast_dyad *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_fast_dyad[which];
     int turn = p->n_angle - 1;
     return (number_rows){
-        short_dim(k, f->r2), short_dim(k, f->e_in), short_dim(k, f->b), short_dim(k, f->e),
+        fast_dim(k, f->r2), fast_dim(k, f->e_in), fast_dim(k, f->b), fast_dim(k, f->e),
         f->beta < 0 ? zeros : cos_of(k, f->beta), f->beta < 0 ? zeros : sin_of(k, f->beta),
-        short_dim(k, f->d1), short_dim(k, f->d2), short_dim(k, p->i_cx[which]), short_dim(k, p->i_cy[which]),
+        fast_dim(k, f->d1), fast_dim(k, f->d2), fast_dim(k, p->i_cx[which]), fast_dim(k, p->i_cy[which]),
         dim_of(k, p->i_x0), dim_of(k, p->i_y0), cos_of(k, turn), sin_of(k, turn), k->mode
     };
 }
@@ -48,7 +48,7 @@ LW_INLINE numbers numbers_at(const number_rows *r, size_t i)
                       r->x0[i], r->y0[i], r->ct[i], r->st[i], r->mode[i] };
 }
 
-LW_INLINE lane short_solve(double c, double s, const numbers *g, double flat, const int pin, const int dyad)
+LW_INLINE lane fast_solve(double c, double s, const numbers *g, double flat, const int pin, const int dyad)
 {
     lane z;
     z.a = pin ? lw_v2(g->r2*c, g->r2*s) : lw_v2(c, g->e_in);
@@ -75,7 +75,7 @@ LW_INLINE lane short_solve(double c, double s, const numbers *g, double flat, co
     return z;
 }
 
-LW_INLINE lw_vec2 short_point(const lane *z, const numbers *g)
+LW_INLINE lw_vec2 fast_point(const lane *z, const numbers *g)
 {
     lw_vec2 p = lw_v2_turn(lw_v2_add(z->a, z->arm), lw_v2(g->ct, g->st));
     return lw_v2(p.x + g->x0, p.y + g->y0);
@@ -85,7 +85,7 @@ LW_INLINE lw_vec2 short_point(const lane *z, const numbers *g)
 typedef struct bars { double r2, e_in, b, e, beta, d1, d2, cx, cy, input; } bars;
 
 /* From the adjoint of the tracer in the ground frame and of the link's angle. */
-LW_INLINE bars short_back(double c, double s, const numbers *g, const lane *z, double inv, double by_d2,
+LW_INLINE bars fast_back(double c, double s, const numbers *g, const lane *z, double inv, double by_d2,
                           lw_vec2 bar, double angle, const int pin, const int dyad)
 {
     bars o = { 0 };
@@ -120,7 +120,7 @@ LW_INLINE bars short_back(double c, double s, const numbers *g, const lane *z, d
 /* What a loop over points puts out. */
 enum { PLACE, PLACE_MARGIN, PLACE_TURN, PLACE_TURN_MARGIN, FRAME, FRAME_MARGIN };
 
-LW_INLINE void short_points(const run *k, const number_rows *r, size_t n, const rows *out, const int per_lane,
+LW_INLINE void fast_points(const run *k, const number_rows *r, size_t n, const rows *out, const int per_lane,
                             const int form, const int pin, const int dyad)
 {
     const double *c = k->c, *s = pin ? k->s : k->c;
@@ -131,8 +131,8 @@ LW_INLINE void short_points(const run *k, const number_rows *r, size_t n, const 
     const number_rows q = *r;
     LW_LANES(n) {
         numbers g = per_lane ? numbers_at(&q, i) : g0;
-        lane z = short_solve(c[i], s[i], &g, per_lane ? lw_rrr_flat(g.d1, g.d2) : flat0, pin, dyad);
-        lw_vec2 p = form >= FRAME ? z.a : short_point(&z, &g);
+        lane z = fast_solve(c[i], s[i], &g, per_lane ? lw_rrr_flat(g.d1, g.d2) : flat0, pin, dyad);
+        lw_vec2 p = form >= FRAME ? z.a : fast_point(&z, &g);
         x[i] = p.x;
         y[i] = p.y;
         if (form >= PLACE_TURN) {
@@ -148,10 +148,10 @@ LW_INLINE void short_points(const run *k, const number_rows *r, size_t n, const 
 /* Rows of the Jacobian by the names of lw_fast_dyad; spare ones where the plan has no such dimension. */
 typedef struct bar_rows { double *r2, *e_in, *b, *e, *beta, *d1, *d2, *cx, *cy, *turn, *input; } bar_rows;
 
-static bar_rows short_bars(const run *k, int which, double *base, size_t ld, double *input)
+static bar_rows fast_bars(const run *k, int which, double *base, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
-    const lw_fast_dyad *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_fast_dyad[which];
     const int d[10] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2,
                         p->i_cx[which], p->i_cy[which], p->i_theta0 };
     double *row[10], *spare = k->spare + 2*k->nb;
@@ -182,14 +182,14 @@ LW_INLINE void put_bars(const bar_rows *r, const bars *o, double turn, size_t i,
     r->input[i] = o->input;
 }
 
-LW_INLINE double short_inverse(const lane *z)
+LW_INLINE double fast_inverse(const lane *z)
 {
     int firm = z->margin > LW_MARGIN_FLAT;
     return (firm ? 1.0 : 0.0)/(firm ? z->y : 1.0);
 }
 
 /* u, v, margin and rows of dimensions the plan does not have may be spare. */
-LW_INLINE void short_jacobian(const run *k, const number_rows *r, size_t n, const rows *out, const bar_rows bar[3],
+LW_INLINE void fast_jacobian(const run *k, const number_rows *r, size_t n, const rows *out, const bar_rows bar[3],
                               const int angle, const int pin, const int dyad)
 {
     const double *c = k->c, *s = pin ? k->s : k->c;
@@ -200,15 +200,15 @@ LW_INLINE void short_jacobian(const run *k, const number_rows *r, size_t n, cons
     const bar_rows bx = bar[0], by = bar[1], bt = bar[2];
     LW_LANES(n) {
         double ci = c[i], si = s[i];
-        lane z = short_solve(ci, si, &g, flat, pin, dyad);
-        double inv = short_inverse(&z);
-        lw_vec2 p = short_point(&z, &g), d = lw_v2_turn(z.u, lw_v2(g.ct, g.st));
-        bars ox = short_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.ct, -g.st), 0, pin, dyad);
-        bars oy = short_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.st, g.ct), 0, pin, dyad);
+        lane z = fast_solve(ci, si, &g, flat, pin, dyad);
+        double inv = fast_inverse(&z);
+        lw_vec2 p = fast_point(&z, &g), d = lw_v2_turn(z.u, lw_v2(g.ct, g.st));
+        bars ox = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.ct, -g.st), 0, pin, dyad);
+        bars oy = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(g.st, g.ct), 0, pin, dyad);
         put_bars(&bx, &ox, g.y0 - p.y, i, pin, dyad);
         put_bars(&by, &oy, p.x - g.x0, i, pin, dyad);
         if (angle) {
-            bars ot = short_back(ci, si, &g, &z, inv, by_d2, lw_v2(0, 0), 1, pin, dyad);
+            bars ot = fast_back(ci, si, &g, &z, inv, by_d2, lw_v2(0, 0), 1, pin, dyad);
             put_bars(&bt, &ot, 1, i, pin, dyad);
         }
         x[i] = p.x;
@@ -238,7 +238,7 @@ LW_INLINE void add_bars(sums *a, const bars *o, size_t j, const int pin, const i
     a->cy[j] += o->cy;
 }
 
-LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const target *t, sums *total, const int weighted,
+LW_INLINE void fast_sum(const run *k, const number_rows *r, size_t n, const target *t, sums *total, const int weighted,
                          const int pin, const int dyad)
 {
     const double *c = k->c, *s = pin ? k->s : k->c, *tx = t->x, *ty = t->y, *w = t->w;
@@ -248,11 +248,11 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
     for (size_t i = 0; i < n; i += LW_GROUP)
         for (size_t j = 0; j < LW_GROUP; j++) {
             double ci = c[i + j], si = s[i + j];
-            lane z = short_solve(ci, si, &g, flat, pin, dyad);
+            lane z = fast_solve(ci, si, &g, flat, pin, dyad);
             lw_vec2 q = lw_v2_turn(lw_v2_add(z.a, z.arm), lw_v2(g.ct, g.st));
             double ex = q.x + g.x0 - tx[i + j], ey = q.y + g.y0 - ty[i + j];
             double hx = weighted ? w[i + j]*ex : ex, hy = weighted ? w[i + j]*ey : ey;
-            bars o = short_back(ci, si, &g, &z, short_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx),
+            bars o = fast_back(ci, si, &g, &z, fast_inverse(&z), by_d2, lw_v2(g.ct*hx + g.st*hy, g.ct*hy - g.st*hx),
                                 0,
                                 pin, dyad);
             add_bars(&a, &o, j, pin, dyad);
@@ -267,7 +267,7 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
 
 /* One copy of a loop for each input and dyad. */
 #define LW_EACH_DYAD(f, loop, pin, ...)                                                        \
-    switch (short_kind(f)) {                                                                   \
+    switch (fast_kind(f)) {                                                                   \
     case SHORT_RRR:        loop(__VA_ARGS__, pin, SHORT_RRR); break;                           \
     case SHORT_RRP:        loop(__VA_ARGS__, pin, SHORT_RRP); break;                           \
     case SHORT_RRP_TURNED: loop(__VA_ARGS__, pin, SHORT_RRP_TURNED); break;                    \
@@ -283,38 +283,38 @@ LW_INLINE void short_sum(const run *k, const number_rows *r, size_t n, const tar
 
 void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame)
 {
-    const lw_fast_dyad *f = &k->plan->output_short[which];
-    const number_rows r = short_rows(k, which);
+    const lw_fast_dyad *f = &k->plan->output_fast_dyad[which];
+    const number_rows r = fast_rows(k, which);
     rows to = { out->x, out->y, out->u, out->v, out->margin ? out->margin : k->margin };
     int form = (frame ? FRAME : out->u ? PLACE_TURN : PLACE) + (out->margin || (out->u && !frame));
     switch (form + 8*per_lane) {
-    case PLACE:                 LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE); break;
-    case PLACE_MARGIN:          LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE_MARGIN); break;
-    case PLACE_TURN_MARGIN:     LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, PLACE_TURN_MARGIN); break;
-    case FRAME:                 LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, FRAME); break;
-    case FRAME_MARGIN:          LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 0, FRAME_MARGIN); break;
-    case 8 + PLACE:             LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE); break;
-    case 8 + PLACE_MARGIN:      LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE_MARGIN); break;
-    case 8 + PLACE_TURN_MARGIN: LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, PLACE_TURN_MARGIN); break;
-    case 8 + FRAME:             LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, FRAME); break;
-    default:                    LW_EACH_FAST_DYAD(f, short_points, k, &r, n, &to, 1, FRAME_MARGIN);
+    case PLACE:                 LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 0, PLACE); break;
+    case PLACE_MARGIN:          LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 0, PLACE_MARGIN); break;
+    case PLACE_TURN_MARGIN:     LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 0, PLACE_TURN_MARGIN); break;
+    case FRAME:                 LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 0, FRAME); break;
+    case FRAME_MARGIN:          LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 0, FRAME_MARGIN); break;
+    case 8 + PLACE:             LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 1, PLACE); break;
+    case 8 + PLACE_MARGIN:      LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 1, PLACE_MARGIN); break;
+    case 8 + PLACE_TURN_MARGIN: LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 1, PLACE_TURN_MARGIN); break;
+    case 8 + FRAME:             LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 1, FRAME); break;
+    default:                    LW_EACH_FAST_DYAD(f, fast_points, k, &r, n, &to, 1, FRAME_MARGIN);
     }
 }
 
 void lw_fast_sum(const run *k, int which, size_t n, const target *t, sums *a)
 {
-    const lw_fast_dyad *f = &k->plan->output_short[which];
-    const number_rows r = short_rows(k, which);
+    const lw_fast_dyad *f = &k->plan->output_fast_dyad[which];
+    const number_rows r = fast_rows(k, which);
     if (t->w)
-        LW_EACH_FAST_DYAD(f, short_sum, k, &r, n, t, a, 1);
+        LW_EACH_FAST_DYAD(f, fast_sum, k, &r, n, t, a, 1);
     else
-        LW_EACH_FAST_DYAD(f, short_sum, k, &r, n, t, a, 0);
+        LW_EACH_FAST_DYAD(f, fast_sum, k, &r, n, t, a, 0);
 }
 
 /* Dimensions the output does not depend on: derivative 0. */
 static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobian *out)
 {
-    const lw_fast_dyad *f = &p->output_short[which];
+    const lw_fast_dyad *f = &p->output_fast_dyad[which];
     const int used[] = { f->r2, f->e_in, f->b, f->e, f->beta < 0 ? -1 : p->angle[f->beta], f->d1, f->d2, p->i_cx[which],
                          p->i_cy[which], p->i_x0, p->i_y0, p->i_theta0 };
     for (int d = 0; d < p->n_dim; d++) {
@@ -333,21 +333,21 @@ static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobia
 void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
 {
     const lw_plan *p = k->plan;
-    const lw_fast_dyad *f = &p->output_short[which];
-    const number_rows r = short_rows(k, which);
+    const lw_fast_dyad *f = &p->output_fast_dyad[which];
+    const number_rows r = fast_rows(k, which);
     rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
                 out->margin ? out->margin : k->margin };
     if (p->n_output > 1 || p->n_link > 4)                  /* else there are none */
         clear_others(p, which, n, out);
-    bar_rows bar[3] = { short_bars(k, which, out->jx, out->ld, out->tx),
-                        short_bars(k, which, out->jy, out->ld, out->ty) };
+    bar_rows bar[3] = { fast_bars(k, which, out->jx, out->ld, out->tx),
+                        fast_bars(k, which, out->jy, out->ld, out->ty) };
     if (out->jt) {
-        bar[2] = short_bars(k, which, out->jt, out->ld, out->tt);
+        bar[2] = fast_bars(k, which, out->jt, out->ld, out->tt);
         fill(out->jt + (size_t)p->i_x0*out->ld, 0, n);
         fill(out->jt + (size_t)p->i_y0*out->ld, 0, n);
-        LW_EACH_FAST_DYAD(f, short_jacobian, k, &r, n, &to, bar, 1);
+        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, 1);
     } else
-        LW_EACH_FAST_DYAD(f, short_jacobian, k, &r, n, &to, bar, 0);
+        LW_EACH_FAST_DYAD(f, fast_jacobian, k, &r, n, &to, bar, 0);
     fill(out->jx + (size_t)p->i_x0*out->ld, 1, n);
     fill(out->jx + (size_t)p->i_y0*out->ld, 0, n);
     fill(out->jy + (size_t)p->i_x0*out->ld, 0, n);

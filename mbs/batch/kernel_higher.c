@@ -12,20 +12,20 @@ static double *inverse_rows(const run *k, const lw_higher *g)
     return at;
 }
 
-static void take_seat(const run *k, eight *w, size_t i)
+static void take_group_pose(const run *k, eight *w, size_t i)
 {
     const lw_higher *g = w->g;
-    const double *row = k->seat + (size_t)g->first_row*k->seat_row + i;
-    for (int a = 0; a < g->n_turn; a++, row += 2*k->seat_row) {
+    const double *row = k->group_pose + (size_t)g->first_row*k->group_pose_row + i;
+    for (int a = 0; a < g->n_turn; a++, row += 2*k->group_pose_row) {
         w->ux[w->at[a]] = get8(row);
-        w->uy[w->at[a]] = get8(row + k->seat_row);
+        w->uy[w->at[a]] = get8(row + k->group_pose_row);
     }
-    for (int d = 0; d < g->n_disp; d++, row += k->seat_row)
+    for (int d = 0; d < g->n_disp; d++, row += k->group_pose_row)
         w->d[d] = get8(row);
     turn_directions(w);
 }
 
-#define ASTRAY 0.03                        /* a step as long leaves the seat: [rad], or times the size */
+#define ASTRAY 0.03                        /* a step as long leaves the group_pose: [rad], or times the size */
 
 /* Lanes whose step is too long, where it is made 0. */
 LW_INLINE mask hold_astray(const int n, eight *w, mask within)
@@ -38,17 +38,17 @@ LW_INLINE mask hold_astray(const int n, eight *w, mask within)
     return within & ~near;
 }
 
-/* From the seat, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
- * reach stay where they are.  A seat from which that would be a long way is none: that lane counts as out of reach
+/* From the group_pose, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
+ * reach stay where they are.  A group_pose from which that would be a long way is none: that lane counts as out of reach
  * too. */
-LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int want)
+LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int outputs)
 {
-    const double enough = want == WITH_ROOTS ? 1e-20 : 1e-16;         /* squared; inverses are those before the step */
+    const double enough = outputs == WITH_ROOTS ? 1e-20 : 1e-16;      /* squared; inverses are those before the step */
     const pack beyond = get8(out_of_reach);
     mask astray = { 0 };
     for (int i = 0; i < 5; i++) {
         newton_of(n, w);
-        if (want >= WITH_MARGIN)
+        if (outputs >= WITH_MARGIN)
             measure_of(n, w);
         astray |= hold_astray(n, w, (mask)(beyond <= 0));
         if (!(most8(go(w)) >= enough))
@@ -57,7 +57,7 @@ LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int 
     w->margin = choose8(astray, all8(-BEYOND_LEAST), w->margin);
     w->margin = choose8((mask)(beyond > 0), -beyond, w->margin);
 }
-LW_BY_SIZE(settle, (eight *w, const double *out_of_reach, int want), w, out_of_reach, want)
+LW_BY_SIZE(settle, (eight *w, const double *out_of_reach, int outputs), w, out_of_reach, outputs)
 
 /* What displacements are measured by, from the dimensions of lane i. */
 static double size_at(const run *k, size_t i)
@@ -68,10 +68,10 @@ static double size_at(const run *k, size_t i)
     return lw_plan_size(k->plan, dim);
 }
 
-void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int want)
+void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs)
 {
     const lw_higher *g = &k->plan->higher[s->dim[0]];
-    const double *reach = k->seat + (size_t)k->plan->n_row*k->seat_row;
+    const double *reach = k->group_pose + (size_t)k->plan->n_row*k->group_pose_row;
     double *inverse = inverse_rows(k, g);
     eight w;
     take_group(&w, g);
@@ -91,13 +91,13 @@ void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, i
             load_known(k, &w, i, 1);
         } else
             load_known(k, &w, i, 0);
-        take_seat(k, &w, i);
-        settle(&w, reach + i, want);
+        take_group_pose(k, &w, i);
+        settle(&w, reach + i, outputs);
         put_group(k, &w, i);
-        if (want >= WITH_MARGIN)
+        if (outputs >= WITH_MARGIN)
             put8(k->margin + i, less8(w.margin, get8(k->margin + i)));
         mask sound = (mask)(w.margin > LW_MARGIN_FLAT);
-        for (int c = 0; want == WITH_ROOTS && c < w.n*w.n; c++)
+        for (int c = 0; outputs == WITH_ROOTS && c < w.n*w.n; c++)
             put8(inverse + (size_t)c*k->nb + i, where8(sound, w.inv[c]));
     }
 }

@@ -20,7 +20,7 @@
 #define lw_higher_forward    LW_OF_ISA(lw_higher_forward, LW_ISA)
 #define lw_higher_backward   LW_OF_ISA(lw_higher_backward, LW_ISA)
 #define lw_in_chunks         LW_OF_ISA(lw_in_chunks, LW_ISA)
-#define lw_kernel_seat       LW_OF_ISA(lw_kernel_seat, LW_ISA)
+#define lw_kernel_group_pose       LW_OF_ISA(lw_kernel_group_pose, LW_ISA)
 #define lw_kernel_normal     LW_OF_ISA(lw_kernel_normal, LW_ISA)
 #define lw_fast_points       LW_OF_ISA(lw_fast_points, LW_ISA)
 #define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
@@ -53,9 +53,9 @@ typedef struct run {
     double *spread_dim, *spread_mode;        /* one set copied to every lane                */
     double *tail;                            /* the padded last group                       */
     double *inverse;                         /* of the higher groups' Jacobians             */
-    const double *seats;                     /* the same of the chunk's first lane          */
-    const double *seat;                      /* where the higher groups are in these lanes: n_row rows, then by */
-    size_t seat_row;                         /* how much the input is out of reach, 0: not at all */
+    const double *group_poses;                     /* the same of the chunk's first lane          */
+    const double *group_pose;                      /* where the higher groups are in these lanes: n_row rows, then by */
+    size_t group_pose_row;                         /* how much the input is out of reach, 0: not at all */
 } run;
 
 LW_INLINE double *reg_x(const run *k, int r) { return k->reg + 2*(size_t)r*k->nb; }
@@ -179,25 +179,25 @@ static inline void set_turns(run *k, int n_angle, int per_lane, size_t n)
 
 /* ---- what the files of the kernel offer each other ------------------------------------------------------- */
 
-/* All steps that output `which` depends on, over n lanes; want: what to leave beside the registers.  One step of a plan
+/* All steps that output `which` depends on, over n lanes; outputs: what to leave beside the registers.  One step of a plan
  * whose lanes share their dimensions, with margins, not for higher groups.  kernel_steps.c */
-void lw_forward(const run *k, int which, size_t n, int per_lane, int want);
+void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs);
 void lw_forward_step(const run *k, const lw_step *s, size_t n);
 
 /* From the adjoints of output `which`, set in k->bar, to k->row and the input's row.  kernel_steps.c */
 void lw_backward(const run *k, int which, size_t n, double *input_bar);
 
 /* The step of a higher group.  kernel_higher.c */
-void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int want);
+void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs);
 void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
 /* For plans with higher groups: follow these over the lanes of `in`, chunk by chunk, and call `work_on` with each
  * chunk: its lanes, the number of its first lane, scratch for its own rows, and where its groups are.
  * kernel_continuation.c */
-typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *seats);
+typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses);
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
-void lw_kernel_seat(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                    lw_group_pose *seat);
+void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                    lw_group_pose *group_pose);
 
 /* J'J and J'r.  kernel_normal.c */
 void lw_kernel_normal(const lw_normal *in, double *h, double *g);

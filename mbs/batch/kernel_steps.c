@@ -41,17 +41,18 @@ LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane
 }
 
 /* The least margin so far, and the reciprocal that the derivatives need, 0 where they do not exist. */
-LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, const int want)
+LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, const int outputs)
 {
-    if (want >= WITH_MARGIN)
+    if (outputs >= WITH_MARGIN)
         *margin = lw_at_most(m, *margin);
-    if (want == WITH_ROOTS)
+    if (outputs == WITH_ROOTS)
         *aux = (m > LW_MARGIN_FLAT ? 1.0 : 0.0)/(m > LW_MARGIN_FLAT ? y : 1.0);
 }
 
 /* Lanes of an RRR dyad, of which out[0] and out[1] are kept when `turns` says so (1, 2).  met: all circles are
  * known to meet; false when some do not. */
-LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int turns,
+LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
+                         const int turns,
                          const int met)
 {
     const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
@@ -68,8 +69,8 @@ LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per
         lw_rrr z = lw_rrr_solve_met(from, to, p, q, per_lane ? mode[i] : mode0, met);
         lw_vec2 arm = lw_rrr_arm(&z), tip = lw_v2_add(from, arm);
         open |= z.h >= 0 ? 0 : 1;
-        if (want)
-            keep_margin(&margin[i], &aux[i], lw_rrr_margin(&z, per_lane ? lw_rrr_flat(p, q) : flat0), z.y, want);
+        if (outputs)
+            keep_margin(&margin[i], &aux[i], lw_rrr_margin(&z, per_lane ? lw_rrr_flat(p, q) : flat0), z.y, outputs);
         if (turns & 1)
             put(u, i, lw_v2_scale(arm, per_lane ? 1/z.r1 : by_r10));
         if (turns & 2)
@@ -80,13 +81,13 @@ LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per
 }
 
 /* Mostly all circles meet, which is cheaper to work out; the lanes that have done so then keep their bits. */
-LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want, const int turns)
+LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs, const int turns)
 {
-    if (!rrr_lanes(k, s, n, per_lane, want, turns, 1))
-        rrr_lanes(k, s, n, per_lane, want, turns, 0);
+    if (!rrr_lanes(k, s, n, per_lane, outputs, turns, 1))
+        rrr_lanes(k, s, n, per_lane, outputs, turns, 0);
 }
 
-LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
+LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
 {
     const in_rows a = in_reg(k, s->in[0]), q = in_reg(k, s->in[1]), w = in_reg(k, s->in[2]);
     const out_rows u = out_reg(k, s->out[0]), c = out_reg(k, s->out[1]);
@@ -95,14 +96,14 @@ LW_INLINE void rrp(const run *k, const lw_step *s, size_t n, const int per_lane,
     LW_LANES(n) {
         lw_vec2 from = get(a, i);
         lw_rrp z = lw_rrp_solve_along(from, get(q, i), get(w, i), per_lane ? r[i] : r0, per_lane ? mode[i] : mode0);
-        if (want)
-            keep_margin(&margin[i], &aux[i], lw_rrp_margin(&z), z.y, want);
+        if (outputs)
+            keep_margin(&margin[i], &aux[i], lw_rrp_margin(&z), z.y, outputs);
         put(u, i, lw_rrp_direction(&z));
         put(c, i, lw_v2_add(from, z.arm));
     }
 }
 
-LW_INLINE void rpr(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
+LW_INLINE void rpr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
 {
     const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
     const out_rows u = out_reg(k, s->out[0]);
@@ -110,21 +111,21 @@ LW_INLINE void rpr(const run *k, const lw_step *s, size_t n, const int per_lane,
     double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
         lw_rpr z = lw_rpr_solve(get(a, i), get(b, i), per_lane ? e[i] : e0, per_lane ? mode[i] : mode0);
-        if (want)
-            keep_margin(&margin[i], &aux[i], lw_rpr_margin(&z), z.y, want);
+        if (outputs)
+            keep_margin(&margin[i], &aux[i], lw_rpr_margin(&z), z.y, outputs);
         put(u, i, z.u);
     }
 }
 
-LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int want)
+LW_INLINE void prp(const run *k, const lw_step *s, size_t n, const int outputs)
 {
     const in_rows p = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]), q = in_reg(k, s->in[2]), w = in_reg(k, s->in[3]);
     const out_rows c = out_reg(k, s->out[0]);
     double *margin = k->margin, *aux = aux_row(k, s->dyad);
     LW_LANES(n) {
         lw_prp z = lw_prp_solve(get(p, i), get(u, i), get(q, i), get(w, i));
-        if (want)
-            keep_margin(&margin[i], &aux[i], lw_prp_margin(&z), z.sine, want);
+        if (outputs)
+            keep_margin(&margin[i], &aux[i], lw_prp_margin(&z), z.sine, outputs);
         put(c, i, z.c);
     }
 }
@@ -181,7 +182,7 @@ LW_INLINE void roll(const run *k, const lw_step *s, size_t n, const int per_lane
                                                                     per_lane ? shift[i] : shift0))));
 }
 
-LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane, const int want)
+LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs)
 {
     const in_rows v = in_reg(k, s->in[0]), u = in_reg(k, s->in[1]);
     const out_rows o = out_reg(k, s->out[0]);
@@ -191,14 +192,14 @@ LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane
     LW_LANES(n) {
         lw_vec2 a = lw_v2_unturn(get(v, i), get(u, i));
         double m = per_lane ? middle[i] : middle0, by = lw_off_middle(lw_bearing(a.x, a.y), m);
-        if (want)
+        if (outputs)
             margin[i] = lw_at_most(lw_rack_margin(by), margin[i]);
         put(o, i, lw_v2((per_lane ? shift[i] : shift0) + (per_lane ? rho[i] : rho0)*(m + by), 0));
     }
 }
 
 /* One copy of each loop for every constant combination: dimensions shared or per lane, and what is kept. */
-LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int want)
+LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int outputs)
 {
     switch (s->kind) {
     case LW_STEP_INPUT_PIN:   input_pin(k, s, n); break;
@@ -206,33 +207,33 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, 
     case LW_STEP_POINT:       point(k, s, n, per_lane); break;
     case LW_STEP_LINE:        line(k, s, n, per_lane); break;
     case LW_STEP_RRR:
-        if (want == WITH_ROOTS)
+        if (outputs == WITH_ROOTS)
             keep |= 1;
         switch (s->out[1] < 0 ? keep & 1 : keep & 3) {
-        case 0:  rrr(k, s, n, per_lane, want, 0); break;
-        case 1:  rrr(k, s, n, per_lane, want, 1); break;
-        case 2:  rrr(k, s, n, per_lane, want, 2); break;
-        default: rrr(k, s, n, per_lane, want, 3);
+        case 0:  rrr(k, s, n, per_lane, outputs, 0); break;
+        case 1:  rrr(k, s, n, per_lane, outputs, 1); break;
+        case 2:  rrr(k, s, n, per_lane, outputs, 2); break;
+        default: rrr(k, s, n, per_lane, outputs, 3);
         }
         break;
-    case LW_STEP_RRP:         rrp(k, s, n, per_lane, want); break;
-    case LW_STEP_RPR:         rpr(k, s, n, per_lane, want); break;
+    case LW_STEP_RRP:         rrp(k, s, n, per_lane, outputs); break;
+    case LW_STEP_RPR:         rpr(k, s, n, per_lane, outputs); break;
     case LW_STEP_PRP:
-    case LW_STEP_PPR:         prp(k, s, n, want); break;
+    case LW_STEP_PPR:         prp(k, s, n, outputs); break;
     case LW_STEP_HIGHER:      break;                       /* see forward */
     case LW_STEP_TURN:        turn_step(k, s, n); break;
     case LW_STEP_SLIDE:       slide_step(k, s, n); break;
     case LW_STEP_GEAR:        gear(k, s, n, per_lane); break;
     case LW_STEP_ALONG:       along(k, s, n); break;
     case LW_STEP_ROLL:        roll(k, s, n, per_lane); break;
-    case LW_STEP_RACK:        rack(k, s, n, per_lane, want); break;
+    case LW_STEP_RACK:        rack(k, s, n, per_lane, outputs); break;
     }
 }
 
-#define FORWARD(name, per_lane, want)                                      \
+#define FORWARD(name, per_lane, outputs)                                      \
     static void name(const run *k, const lw_step *s, int keep, size_t n)   \
     {                                                                      \
-        step_forward(k, s, keep, n, per_lane, want);                       \
+        step_forward(k, s, keep, n, per_lane, outputs);                       \
     }
 FORWARD(forward_shared_pose, 0, POSE_ONLY)
 FORWARD(forward_shared_margin, 0, WITH_MARGIN)
@@ -242,7 +243,7 @@ FORWARD(forward_lanes_margin, 1, WITH_MARGIN)
 
 void lw_forward_step(const run *k, const lw_step *s, size_t n) { forward_shared_margin(k, s, ~0, n); }
 
-void lw_forward(const run *k, int which, size_t n, int per_lane, int want)
+void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs)
 {
     static void (*const step[2][3])(const run *, const lw_step *, int, size_t) = {
         { forward_shared_pose, forward_shared_margin, forward_shared_roots },
@@ -250,14 +251,14 @@ void lw_forward(const run *k, int which, size_t n, int per_lane, int want)
     };
     const lw_plan *p = k->plan;
     double *margin = k->margin;
-    for (size_t i = 0; want && i < n; i++)
+    for (size_t i = 0; outputs && i < n; i++)
         margin[i] = 1;
     for (int i = 0; i < p->n_output_step[which]; i++) {
         const lw_step *s = &p->step[p->output_step[which][i]];
         if (s->kind == LW_STEP_HIGHER)
-            lw_higher_forward(k, s, n, per_lane, want);
+            lw_higher_forward(k, s, n, per_lane, outputs);
         else
-            step[per_lane][want](k, s, p->output_keep[which][i], n);
+            step[per_lane][outputs](k, s, p->output_keep[which][i], n);
     }
 }
 
@@ -437,10 +438,10 @@ static void back_along(const run *k, const lw_step *s, size_t n)
     const double *d_bar = bar_x(k, s->out[0]);
     double *w_bar = bar_x(k, s->in[1]);
     LW_LANES(n) {
-        lw_vec2 u = get(w, i), way = lw_v2_sub(get(p, i), get(q, i));
+        lw_vec2 u = get(w, i), offset = lw_v2_sub(get(p, i), get(q, i));
         add_to(p_bar, i, lw_v2_scale(u, d_bar[i]));
         add_to(q_bar, i, lw_v2_scale(u, -d_bar[i]));
-        w_bar[i] += d_bar[i]*lw_v2_dot(way, lw_v2_perp(u));
+        w_bar[i] += d_bar[i]*lw_v2_dot(offset, lw_v2_perp(u));
     }
 }
 

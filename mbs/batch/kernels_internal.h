@@ -32,8 +32,8 @@ typedef struct lw_kernels {
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
     /* The higher groups at one input, followed there from the seed; work of lw_continuation_size. */
-    void (*seat)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                 lw_group_pose *seat);
+    void (*group_pose)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
+                 lw_group_pose *group_pose);
 } lw_kernels;
 
 /* Doubles of scratch: registers and so forth of n lanes; inverses a lane; to follow the higher groups. */

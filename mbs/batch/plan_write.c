@@ -109,8 +109,9 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     move_joints(&f, &q, dim, k);
     move_gears(p, dim, k);
     move_tracers(&f, &q, dim, k);
-    k->input[0].value += p->input_is_slider ? input - before
-                                                  : remainder(p->laps*(input - before) + turned, 2*LW_PI);
+    k->input[0].value += p->input_is_slider
+                              ? input - before
+                              : remainder(p->input_turns_per_period*(input - before) + turned, 2*LW_PI);
     return LW_OK;
 }
 
@@ -144,7 +145,7 @@ lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, dou
     lw_group_pose at;
     if (!plan->n_higher)
         return LW_OK;
-    lw_kernels_of(plan)->seat(plan, dim, mode, input, work, &at);
+    lw_kernels_of(plan)->group_pose(plan, dim, mode, input, work, &at);
     if (!(at.margin > 0))
         return LW_OPEN;
     double size = lw_plan_size(plan, dim);

@@ -110,26 +110,27 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     return 1;
 }
 
-/* Directions and displacements of a higher group from its seat. */
-static void take_seat(const lw_higher *g, const lw_group_pose *seat, lw_vec2 *reg)
+/* Directions and displacements of a higher group from its group_pose. */
+static void take_group_pose(const lw_higher *g, const lw_group_pose *group_pose, lw_vec2 *reg)
 {
-    const double *row = seat->row + g->first_row;
+    const double *row = group_pose->row + g->first_row;
     for (int a = 0; a < g->n_turn; a++, row += 2)
         reg[g->turn_reg[a]] = lw_v2(row[0], row[1]);
     for (int d = 0; d < g->n_disp; d++)
         reg[g->disp_reg[d]] = lw_v2(*row++, 0);
 }
 
-static double find_seat(const lw_plan *plan, const double *dim, const double *mode, double input, lw_group_pose *seat)
+static double find_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input,
+                              lw_group_pose *group_pose)
 {
     double work[LW_CONTINUATION_MAX];
-    lw_kernels_of(plan)->seat(plan, dim, mode, input, work, seat);
-    return seat->margin;
+    lw_kernels_of(plan)->group_pose(plan, dim, mode, input, work, group_pose);
+    return group_pose->margin;
 }
 
-/* seat: where the higher groups are, for plans that have some. */
+/* group_pose: where the higher groups are, for plans that have some. */
 static double registers(const lw_plan *plan, const double *dim, const double *mode, double input,
-                        const lw_group_pose *seat,
+                        const lw_group_pose *group_pose,
                         lw_vec2 *reg)
 {
     double margin = 1;
@@ -137,7 +138,7 @@ static double registers(const lw_plan *plan, const double *dim, const double *mo
     reg[LW_AXIS_REG] = lw_v2(1, 0);
     for (int i = 0; i < plan->n_step; i++)
         if (plan->step[i].kind == LW_STEP_HIGHER)
-            take_seat(&plan->higher[plan->step[i].dim[0]], seat, reg);
+            take_group_pose(&plan->higher[plan->step[i].dim[0]], group_pose, reg);
         else
             margin = fmin(margin, solve_step(&plan->step[i], dim, mode, input, reg));
     return margin;
@@ -148,9 +149,9 @@ double lw_pose_registers(const lw_plan *plan, const double *dim, const double *m
 {
     if (!plan->n_higher)
         return registers(plan, dim, mode, input, NULL, reg);
-    lw_group_pose seat;
-    double margin = find_seat(plan, dim, mode, input, &seat);
-    return fmin(margin, registers(plan, dim, mode, input, &seat, reg));
+    lw_group_pose group_pose;
+    double margin = find_group_pose(plan, dim, mode, input, &group_pose);
+    return fmin(margin, registers(plan, dim, mode, input, &group_pose, reg));
 }
 
 /* ---- Taylor coefficients of numbers and vectors ------------------------------------------------------ */
@@ -314,8 +315,8 @@ static jet2 jet_polar(jet a)
 
 static jet2 jet_roll(const lw_step *s, const double *dim, const jet2 *reg)
 {
-    jet way = sub(reg[s->in[1]].x, constant(dim[s->dim[1]]));
-    return turn2(reg[s->in[0]], jet_polar(scale(way, 1/lw_away_from_zero(dim[s->dim[0]]))));
+    jet travel = sub(reg[s->in[1]].x, constant(dim[s->dim[1]]));
+    return turn2(reg[s->in[0]], jet_polar(scale(travel, 1/lw_away_from_zero(dim[s->dim[0]]))));
 }
 
 static jet2 jet_rack(const lw_step *s, const double *dim, const jet2 *reg)
@@ -464,9 +465,9 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
 
 /* All steps, from a pose without derivatives. */
 static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input,
-                      const lw_group_pose *seat, jet2 *reg)
+                      const lw_group_pose *group_pose, jet2 *reg)
 {
-    const double *inverse = seat->inverse;
+    const double *inverse = group_pose->inverse;
     for (int i = 0; i < plan->n_step; i++) {
         const lw_step *s = &plan->step[i];
         if (s->kind != LW_STEP_HIGHER) {
@@ -555,9 +556,9 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
         return LW_E_ARG;
     memset(pose, 0, sizeof *pose);
     pose->input = input;
-    lw_group_pose seat;
-    double least = plan->n_higher ? find_seat(plan, dim, mode, input, &seat) : 1;
-    pose->margin = fmin(least, registers(plan, dim, mode, input, &seat, flat));
+    lw_group_pose group_pose;
+    double least = plan->n_higher ? find_group_pose(plan, dim, mode, input, &group_pose) : 1;
+    pose->margin = fmin(least, registers(plan, dim, mode, input, &group_pose, flat));
     sink k = { order, lw_v2(dim[plan->i_x0], dim[plan->i_y0]), lw_v2_polar(1, dim[plan->i_theta0]),
                dim[plan->i_theta0] };
     if (order == 0) {
@@ -567,7 +568,7 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
     for (int r = 0; r < plan->n_reg; r++)
         reg[r] = constant2(flat[r].x, flat[r].y);
     if (pose->margin > LW_MARGIN_FLAT)
-        jet_steps(plan, dim, mode, input, &seat, reg);
+        jet_steps(plan, dim, mode, input, &group_pose, reg);
     /* a dyad that closes by rounding in one of the two ways of reckoning and not in the other */
     if (!all_finite(reg, plan->n_reg))
         for (int r = 0; r < plan->n_reg; r++)

@@ -118,13 +118,13 @@ static bool dips(walk *w, const double *mode, const double *at, const double *m,
 
 /* The first limit on the way from an open posture or a limit, by samples as dense near it as the square root asks for.
  * false: there is none. */
-static bool next_limit(walk *w, const double *mode, double from, double way, bracket *b)
+static bool next_limit(walk *w, const double *mode, double from, double reach, bracket *b)
 {
     double at[BLOCK + 2] = { from, from }, m[BLOCK + 2] = { 0, 0 };
     for (int block = 0; block < N_SAMPLE/BLOCK; block++) {
         for (int i = 0; i < BLOCK; i++) {
             double t = (double)(block*BLOCK + i + 1)/N_SAMPLE;
-            at[i + 2] = from + way*t*t;
+            at[i + 2] = from + reach*t*t;
         }
         lane_margins(w, w->dim, 0, mode, BLOCK, at + 2, m + 2);
         for (int i = 2; i < BLOCK + 2; i++) {
@@ -194,13 +194,13 @@ static bool shut_before(const walk *w, const double *mode, double from, double e
 }
 
 /* The end of the leg from here: where it is and whose limit. false: it has none. */
-static bool leg_end(walk *w, const double *mode, double from, double way, bool limit, double *end, int *which)
+static bool leg_end(walk *w, const double *mode, double from, double reach, bool limit, double *end, int *which)
 {
     bracket b = { from, from };
     for (int tries = 0; tries < 3 && b.open == from; tries++) {      /* short ones ask for closer looks  */
-        if (!next_limit(w, mode, from, way, &b))
+        if (!next_limit(w, mode, from, reach, &b))
             return false;
-        way = b.shut - from;
+        reach = b.shut - from;
     }
     if (limit && b.open == from)
         return false;

@@ -15,7 +15,7 @@ typedef struct track {
     const lw_plan  *plan;
     const double   *dim;
     const lw_step  *step;
-    const lw_motion_piece *way;
+    const lw_motion_piece *piece;
 } track;
 
 static double input_at(const lw_motion_piece *p, double s)
@@ -29,7 +29,7 @@ static double input_at(const lw_motion_piece *p, double s)
 static lw_opening opening_at(const track *k, double s)
 {
     lw_vec2 reg[LW_REG_MAX];
-    lw_pose_registers(k->plan, k->dim, k->way->mode, input_at(k->way, s), reg);
+    lw_pose_registers(k->plan, k->dim, k->piece->mode, input_at(k->piece, s), reg);
     return lw_dyad_opening(k->dim, k->step, reg);
 }
 
@@ -112,7 +112,7 @@ static void find_roots(const track *k, findings *f)
         m[j] = margin_at(k, j*h);
     f->n_root = f->n_touch = 0;
     for (int j = 0; j <= N_SAMPLE; j++) {
-        bool inside = k->way->turns || (j > 0 && j < N_SAMPLE);
+        bool inside = k->piece->turns || (j > 0 && j < N_SAMPLE);
         double before = m[j > 0 ? j - 1 : N_SAMPLE - 1], after = m[j < N_SAMPLE ? j + 1 : 1];
         bool open = m[j] < 0.0, same = (before < 0.0) == open && (after < 0.0) == open;
         if (inside && j < N_SAMPLE && same && fabs(m[j]) <= fabs(before) && fabs(m[j]) < fabs(after))
@@ -126,13 +126,13 @@ static void find_roots(const track *k, findings *f)
 
 static lw_mark mark_at(const track *k, double s, int dyad)
 {
-    return (lw_mark){ input_at(k->way, s), dyad };
+    return (lw_mark){ input_at(k->piece, s), dyad };
 }
 
 /* `whole` with the touches found along it; the caller sifts those that a part keeps. */
 static lw_motion_piece with_touches(const track *k, const findings *f, int dyad)
 {
-    lw_motion_piece p = *k->way;
+    lw_motion_piece p = *k->piece;
     for (int i = 0; i < f->n_touch && p.n_touch < LW_MARK_MAX; i++)
         p.touch[p.n_touch++] = mark_at(k, f->touch[i], dyad);
     return p;

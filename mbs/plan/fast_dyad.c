@@ -65,8 +65,8 @@ lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *p, int o)
     f.d1 = dyad->dim[0];
     f.d2 = dyad->dim[1];
     if (f.dyad == LW_STEP_RRP)
-        f.is_short = ground_line(p, o, dyad->in[1], dyad->in[2], &f);
+        f.applies = ground_line(p, o, dyad->in[1], dyad->in[2], &f);
     else
-        f.is_short = ground_point(p, o, dyad->in[1], 0, &f.b);
+        f.applies = ground_point(p, o, dyad->in[1], 0, &f.b);
     return f;
 }

@@ -27,7 +27,7 @@
  * coordinates are of the size of the links, and moved into the plane at the end by x0, y0, theta0:
  *     P = (x0, y0) + e^{i theta0} p.
  * The input angle is counted from the x axis of the GROUND FRAME, counter-clockwise.  With gears of fractional
- * ratio the plan's input, and derivatives by it, are those of the linkage's input over plan->laps, so that everything
+ * ratio the plan's input, and derivatives by it, are those of the linkage's input over plan->input_turns_per_period, so that everything
  * comes back after one turn of it.
  * Each moving link has a frame too: origin at the joint by which its dyad found it, x axis towards
  * its next joint (pin) or along its slide.
@@ -80,7 +80,7 @@
 #define LW_UNKNOWN_MAX (2*LW_PLAN_LOOP_MAX)
 #define LW_STEP_MAX  96
 #define LW_REG_MAX  128
-#define LW_LAP_MAX   24         /* turns of the input until gears come back                        */
+#define LW_INPUT_TURNS_PER_PERIOD_MAX   24         /* turns of the input until gears come back                        */
 #define LW_POWER_MAX 99         /* times a wheel turns in these                                    */
 
 typedef enum lw_dim_kind { LW_DIM_LENGTH, LW_DIM_COORDINATE, LW_DIM_ANGLE } lw_dim_kind;
@@ -232,7 +232,7 @@ typedef struct lw_rack {
  *     A = r2 (cos, sin)  or  (displacement, e_in);   ground pin (b, 0), or line through (0, e) at angle beta;
  *     RRR lengths d1, d2;   RRP length d1;   RPR offset d1. */
 typedef struct lw_fast_dyad {
-    bool         is_short;
+    bool         applies;
     lw_step_kind dyad;
     int          r2, e_in, b, e, beta, d1, d2;
 } lw_fast_dyad;
@@ -241,7 +241,7 @@ typedef struct lw_plan {
     int         n_dim, n_dyad, n_step, n_reg, n_output;
     int         n_mode, n_higher, n_row;          /* rows: numbers that say where the higher groups are */
     bool        input_is_slider;
-    int         laps;                             /* turns of the linkage's input in one of the plan's */
+    int         input_turns_per_period;           /* turns of the linkage's input in one turn of the plan's input */
     lw_dim_info dim[LW_DIM_MAX];
     lw_step     step[LW_STEP_MAX];
     lw_dyad     dyad[LW_DYAD_MAX];
@@ -268,7 +268,7 @@ typedef struct lw_plan {
     int         n_output_step[LW_TRACER_MAX];     /* the steps an output depends on, in order     */
     unsigned char output_step[LW_TRACER_MAX][LW_STEP_MAX];
     unsigned char output_keep[LW_TRACER_MAX][LW_STEP_MAX];  /* bit h: out[h] of that step is wanted for it */
-    lw_fast_dyad    output_short[LW_TRACER_MAX];
+    lw_fast_dyad    output_fast_dyad[LW_TRACER_MAX];
     int         i_cx[LW_TRACER_MAX], i_cy[LW_TRACER_MAX];   /* its coordinates in dim, or -1      */
     int         link_origin[LW_LINK_MAX];         /* registers of each link's frame, -1: left out */
     int         link_dir[LW_LINK_MAX];
@@ -290,12 +290,12 @@ typedef struct lw_plan_options {
     lw_plan_kind kind;
 } lw_plan_options;
 
-/* Make the plan.  Pins of a link at the bit-same place are one pin.  Geared plans: mind plan->laps.  Errors:
+/* Make the plan.  Pins of a link at the bit-same place are one pin.  Geared plans: mind plan->input_turns_per_period.  Errors:
  *     LW_E_ARG   no tracer and no joint is asked for, or a tracer that the linkage does not have
  *     LW_E_KIND  with a text: not one input that drives one freedom; joints or groups beyond options.kind (the
  *                text names the links that are left over); sliders that form a closed chain; parts that hold each other
  *                twice and others not at all; groups beyond the limits above; ratios of wheels that are not of small
- *                whole numbers or need more than LW_LAP_MAX turns; racks on racks; gears without a carrier
+ *                whole numbers or need more than LW_INPUT_TURNS_PER_PERIOD_MAX turns; racks on racks; gears without a carrier
  *     others     as lw_linkage_check */
 lw_status lw_plan_make(const lw_linkage *k, lw_plan_options options, lw_plan *plan, lw_error *e);
 

@@ -13,7 +13,7 @@ typedef struct lw_builder {
     int      place[LW_DIM_MAX];            /* sort key of each dimension                             */
     int      n_named[LW_LINK_MAX][LW_ROLE_MIDDLE - LW_ROLE_E + 1];     /* of each role from e on, so far */
     int      input_reg;                    /* of an input between moving links                       */
-    int      lap_reg;                      /* unit vector of the plan's input, what even gears turn by */
+    int      period_reg;                   /* unit vector of the plan's input: what even gears turn by */
     bool     full;                         /* a table of the plan overflowed                         */
 } lw_builder;
 

@@ -4,7 +4,7 @@
  * carrier and one wheel are known the other wheel is: with directions as unit vectors
  *     u = e^{i phi} c^{1 - ratio} w^{ratio},   c of the carrier, w of the known wheel, phi the phase,
  * for whole ratios.  Wheels whose carrier and partner turn with the input at constant rates do so themselves, at any
- * ratio of whole numbers: where a rate is a fraction, the plan counts its input in so many turns (plan->laps) that all
+ * ratio of whole numbers: where a rate is a fraction, the plan counts its input in so many turns (plan->input_turns_per_period) that all
  * rates become whole numbers m, u = e^{i (phi + m input)}.  A pinion is known by its rack, a rack by its pinion.
  *
  * A tied input (grammar/linkage.h) turns its link so many times as fast as the first input does its own, both seen
@@ -25,7 +25,7 @@ static bool is_whole(double a) { return fabs(a - round(a)) <= WHOLE*fmax(1, fabs
 
 bool lw_plan_fraction(double ratio, int *p, int *q)
 {
-    for (*q = 1; *q <= LW_LAP_MAX; ++*q)
+    for (*q = 1; *q <= LW_INPUT_TURNS_PER_PERIOD_MAX; ++*q)
         if (is_whole(*q*ratio) && fabs(*q*ratio) <= LW_POWER_MAX) {
             *p = (int)lround(*q*ratio);
             return *p != 0;
@@ -36,7 +36,7 @@ bool lw_plan_fraction(double ratio, int *p, int *q)
 lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
 {
     const lw_linkage *k = t->k;
-    t->laps = 1;
+    t->input_turns_per_period = 1;
     for (int i = 0; i < LW_LINK_MAX; i++)
         t->rate[i] = NAN;
     t->rate[k->ground] = 0;
@@ -56,7 +56,7 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
         if (g->slider[0] < 0 && g->slider[1] < 0 && !lw_plan_fraction(k->joint[j].ratio, &p, &q))
             return lw_error_set(e, LW_E_KIND,
                                 "gear \"%s\": plans take ratios of whole numbers up to %d over up to %d, not %g",
-                                k->joint[j].name, LW_POWER_MAX, LW_LAP_MAX, k->joint[j].ratio);
+                                k->joint[j].name, LW_POWER_MAX, LW_INPUT_TURNS_PER_PERIOD_MAX, k->joint[j].ratio);
     }
     return LW_OK;
 }
@@ -101,19 +101,20 @@ static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
     return lw_error_set(e, LW_E_KIND,
                         "%s \"%s\": plans take ratios of whole numbers; with this one all comes back after more "
                         "than %d turns of the input, or wheels turn more than %d times in these",
-                        j->kind == LW_JOINT_GEAR ? "gear" : "tied input", j->name, LW_LAP_MAX, LW_POWER_MAX);
+                        j->kind == LW_JOINT_GEAR ? "gear" : "tied input", j->name, LW_INPUT_TURNS_PER_PERIOD_MAX,
+                        LW_POWER_MAX);
 }
 
 /* Take the group, and if its wheel turns evenly count in turns of the input that bring it back. */
 static lw_status take(lw_topology *t, const lw_plan_group *g, int *known, lw_error *e)
 {
     double rate = rate_of(t, g);
-    int laps = t->laps;
-    while (isfinite(rate) && laps <= LW_LAP_MAX && !is_whole(laps*rate))
-        laps += t->laps;
-    if (laps > LW_LAP_MAX || fabs(laps*rate) > LW_POWER_MAX)
+    int turns = t->input_turns_per_period;
+    while (isfinite(rate) && turns <= LW_INPUT_TURNS_PER_PERIOD_MAX && !is_whole(turns*rate))
+        turns += t->input_turns_per_period;
+    if (turns > LW_INPUT_TURNS_PER_PERIOD_MAX || fabs(turns*rate) > LW_POWER_MAX)
         return too_many(t, g->joint[1], e);
-    t->laps = laps;
+    t->input_turns_per_period = turns;
     t->rate[g->link[0]] = rate;
     t->rank[g->link[0]] = (*known)++;
     t->group[t->n_group++] = *g;
@@ -181,8 +182,8 @@ lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e)
     bool turns = t->k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE;
     for (int i = 0; i < c->n_gear; i++) {
         t->geared[c->gear[i]] = true;
-        t->laps *= turns ? turns_of(t, c, c->gear[i]) : 1;
-        if (t->laps > LW_LAP_MAX)
+        t->input_turns_per_period *= turns ? turns_of(t, c, c->gear[i]) : 1;
+        if (t->input_turns_per_period > LW_INPUT_TURNS_PER_PERIOD_MAX)
             return too_many(t, c->gear[i], e);
     }
     return LW_OK;
@@ -208,11 +209,11 @@ void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g)
 /* The direction of a driven link that makes several turns. */
 int lw_build_turns_per_period(lw_builder *b, int input)
 {
-    if (b->t->laps == 1)
+    if (b->t->input_turns_per_period == 1)
         return input;
     lw_step *s = lw_build_step(b, LW_STEP_GEAR);
-    s->in[0] = b->lap_reg = input;
-    s->power[0] = b->t->laps;
+    s->in[0] = b->period_reg = input;
+    s->power[0] = b->t->input_turns_per_period;
     return s->out[0] = lw_build_reg(b);
 }
 
@@ -222,8 +223,8 @@ static void build_wheel(lw_builder *b, const lw_plan_group *g)
     int phase = lw_build_dim(b, LW_ROLE_PHASE, wheel, g->joint[1], 0);
     lw_step *s = lw_build_step(b, LW_STEP_GEAR);
     if (isfinite(rate_of(b->t, g))) {
-        s->in[0] = b->lap_reg;
-        s->power[0] = (int)lround(b->t->laps*b->t->rate[wheel]);
+        s->in[0] = b->period_reg;
+        s->power[0] = (int)lround(b->t->input_turns_per_period*b->t->rate[wheel]);
     } else {
         s->in[0] = b->p->link_dir[g->base[0]];
         s->in[1] = b->p->link_dir[g->base[1]];

@@ -47,7 +47,7 @@ typedef struct lw_topology {
     lw_gear  gear[LW_JOINT_MAX];          /* of gears: what they run on                    */
     bool     geared[LW_JOINT_MAX];        /* of gears: a link was found by it              */
     double   rate[LW_LINK_MAX];           /* turns a turn of the input, NaN: not even      */
-    int      laps;                        /* turns until all is back                       */
+    int      input_turns_per_period;      /* turns of the input until all gears are back   */
     lw_cluster cluster[LW_HIGHER_MAX];
 } lw_topology;
 

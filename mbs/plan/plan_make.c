@@ -293,7 +293,7 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_options optio
         return no_freedom(t, e);
     slice(t, options);
     memset(plan, 0, sizeof *plan);
-    plan->laps = t->laps;
+    plan->input_turns_per_period = t->input_turns_per_period;
     return lw_plan_emit(t, options, plan, e);
 }
 

@@ -193,7 +193,7 @@ double lw_plan_read_input(const lw_plan *p, const lw_linkage *k, const lw_frames
 {
     int from = p->input_link[0], to = p->input_link[1];
     if (!p->input_is_slider)
-        return angle_of(lw_v2_unturn(f->d[to], f->d[from]))/p->laps;
+        return angle_of(lw_v2_unturn(f->d[to], f->d[from]))/p->input_turns_per_period;
     return lw_v2_dot(lw_v2_sub(f->o[to], f->o[from]), lw_plan_slide_direction(p, k, p->input_joint));
 }
 

@@ -138,8 +138,8 @@ static void emit_input(builder *b)
     }
     if (!is_slider(b, j)) {
         lw_step *s = lw_build_step(b, LW_STEP_INPUT_PIN);
-        b->lap_reg = s->out[0] = lw_build_reg(b);
-        lw_build_link(b, t->driven, lw_build_pin(b, j, t->k->ground), lw_build_turns_per_period(b, b->lap_reg));
+        b->period_reg = s->out[0] = lw_build_reg(b);
+        lw_build_link(b, t->driven, lw_build_pin(b, j, t->k->ground), lw_build_turns_per_period(b, b->period_reg));
         return;
     }
     lw_build_line(b, j, t->k->ground, &q, &w);
@@ -469,6 +469,6 @@ lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *p
     for (int o = 0; o < plan->n_output; o++)
         slice_output(plan, o);
     for (int o = 0; o < plan->n_output; o++)
-        plan->output_short[o] = lw_plan_find_fast_dyad(plan, o);
+        plan->output_fast_dyad[o] = lw_plan_find_fast_dyad(plan, o);
     return LW_OK;
 }

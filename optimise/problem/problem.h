@@ -10,9 +10,9 @@
  * (optimise/problem/tracers.h) and has a mounting angle of its own (`tool2`, ...) where it has a theta.
  *
  * Timing.  prescribed: the input angle of station i is input0 + angle[i]; with gears that come back after several
- * turns the three are parts of these (over lw_plan.laps).  free: each station takes the input that suits it best, in
- * the order of the stations (a monotone assignment, one turn at most).  none: the nearest points, both ways: station to
- * curve and curve to target polygon.
+ * turns the three are divided by lw_plan.input_turns_per_period.  free: each station takes the input that suits it
+ * best, in the order of the stations (a monotone assignment, one turn at most).  none: the nearest points, both
+ * ways: station to curve and curve to target polygon.
  * The assignment is part of f, worked out inside; f is differentiable through it (envelope theorem).
  *
  * Subsidiary conditions are g(x) >= 0: first the linear ones (rows of `linear`), then the others. */

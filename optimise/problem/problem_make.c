@@ -102,12 +102,12 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
-/* Prescribed inputs, as the plan counts them: over p->plan.laps.  Which of its laps a station is in, where the timing is
- * that of one turn, is a matter of the phases of the wheels, which are dimensions. */
+/* Divide the prescribed inputs by p->plan.input_turns_per_period, as the plan counts them.  A timing of one turn may
+ * lie in any turn of the period: the phases of the wheels, which are dimensions, decide which. */
 static void make_timing(const lw_target *t, lw_problem *p)
 {
     for (size_t i = 0; i < p->n; i++) {
-        p->angle[i] = t->angle ? t->angle[i]/p->plan.laps : 0;
+        p->angle[i] = t->angle ? t->angle[i]/p->plan.input_turns_per_period : 0;
         p->c[i] = cos(p->angle[i]);
         p->s[i] = sin(p->angle[i]);
     }
@@ -349,8 +349,9 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     make_timing(t, p);
     weigh(t, s, p);
     p->min_transmission = s->min_transmission;
+    int turns = p->plan.input_turns_per_period;
     p->max_acceleration = p->plan.input_is_slider ? s->max_acceleration*p->unit       /* [1/m]      */
-                                                : s->max_acceleration*p->plan.laps*p->plan.laps/p->unit;
+                                                  : s->max_acceleration*turns*turns/p->unit;
     for (int j = 0; j < 4 && family->linear[j]; j++)
         linear_row(p, family->linear[j], p->linear[p->n_linear++]);
     scale_zones(s, p);

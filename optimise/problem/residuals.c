@@ -141,7 +141,8 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
 
 void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
 {
-    double first = x[p->i_input0] - (p->datum == LW_DATUM_PLANE ? x[p->plan.i_theta0]/p->plan.laps : 0);
+    double theta0 = p->datum == LW_DATUM_PLANE ? x[p->plan.i_theta0]/p->plan.input_turns_per_period : 0;
+    double first = x[p->i_input0] - theta0;
     double c = cos(first), s = sin(first);
     for (size_t k = 0; k < p->n; k++) {
         w->c[k] = c*p->c[k] - s*p->s[k];
@@ -186,7 +187,7 @@ static void component_rows(const lw_problem *p, lw_work *w, int row, const doubl
     for (size_t k = 0; p->i_input0 >= 0 && k < n; k++)
         base[(size_t)p->i_input0*ld + k] = by_input[k]*weight[k];
     for (size_t k = 0; p->i_input0 >= 0 && p->datum == LW_DATUM_PLANE && k < n; k++)
-        base[(size_t)p->plan.i_theta0*ld + k] -= by_input[k]*weight[k]/p->plan.laps;
+        base[(size_t)p->plan.i_theta0*ld + k] -= by_input[k]*weight[k]/p->plan.input_turns_per_period;
     for (int d = p->n_dim + (p->i_input0 >= 0); d < p->n_var; d++)
         for (size_t k = 0; k < n; k++)
             base[(size_t)d*ld + k] = d == tool ? weight[k] : 0;

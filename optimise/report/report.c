@@ -185,14 +185,14 @@ static void describe_arc(const lw_plan *plan, const lw_candidate *c, const lw_ar
     if (!plan->input_is_slider && !a->turns)
         turns = 2*LW_PI*round((c->input[0] - middle)/(2*LW_PI));
     double first = a->turns ? c->input[0] : a->first + turns, last = a->turns ? first + 2*LW_PI : a->last + turns;
-    r->input_first = plan->laps*first;
-    r->input_last = plan->laps*last;
+    r->input_first = plan->input_turns_per_period*first;
+    r->input_last = plan->input_turns_per_period*last;
     for (int end = 0; end < 2; end++)
         if (a->limit[end])
-            lw_fit_report_reversal(r, true, plan->input_joint, plan->laps*(end ? last : first));
+            lw_fit_report_reversal(r, true, plan->input_joint, plan->input_turns_per_period*(end ? last : first));
     int n = lw_output_limits_find(plan, &r->linkage, c->dim, a->mode, first, last, turn, LW_REVERSAL_MAX);
     for (int i = 0; i < n; i++)
-        lw_fit_report_reversal(r, false, turn[i].joint, plan->laps*turn[i].input);
+        lw_fit_report_reversal(r, false, turn[i].joint, plan->input_turns_per_period*turn[i].input);
 }
 
 /* The range of the inputs at the stations. */
@@ -389,7 +389,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
     lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
-    r->input_turns_per_period = plan.laps;
+    r->input_turns_per_period = plan.input_turns_per_period;
     r->transmission_min = r->transmission_max = r->input_first = r->input_last = NAN;
     r->likeness = (lw_likeness){ NAN, NAN, NAN, NAN };
     if (lw_plan_write(&plan, c->dim, modes, c->input[0], &r->linkage) != LW_OK

@@ -127,12 +127,12 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
         w->k = r->linkage;
         r->circuits = all.n;
         r->turns = turns_without_limit(all.curve[0]);
-        add_reversals(all.curve[0], r->linkage.input[0].value - plan->laps*c->input[0], w, r);
-        if (r->turns && plan->laps == 1)
+        add_reversals(all.curve[0], r->linkage.input[0].value - plan->input_turns_per_period*c->input[0], w, r);
+        if (r->turns && plan->input_turns_per_period == 1)
             whole_curve(plan, s, c, all.curve[0], w, limits);
     }
     lw_circuits_free(&all);
-    if (w && !(r->turns && plan->laps == 1))
+    if (w && !(r->turns && plan->input_turns_per_period == 1))
         lw_motion_limits_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, limits);
     free(w);
 }

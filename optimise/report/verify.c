@@ -38,7 +38,7 @@ static bool open_file(replay *v)
     else if (ok)
         ok = lw_newton_create(&v->k, &v->newton, &why) == LW_OK;
     v->now = v->k;
-    v->shift = v->k.input[0].value - v->plan->laps*v->c->input[0];
+    v->shift = v->k.input[0].value - v->plan->input_turns_per_period*v->c->input[0];
     if (!ok)
         snprintf(v->r->fault, sizeof v->r->fault, "its file does not read back: %.200s", why.text);
     return ok;
@@ -112,7 +112,7 @@ static void search_piece(replay *v, double first, double last, double input, con
         lw_motion_curve_pose(v->curve, place[e], v->q, NULL);
         ends[e] = lw_motion_curve_input(v->curve, v->q);
     }
-    double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->laps;
+    double lo = fmin(ends[0], ends[1]), hi = fmax(ends[0], ends[1]), turn = 2*LW_PI*v->plan->input_turns_per_period;
     bool slider = v->plan->input_is_slider;
     int turns = slider ? 0 : (int)((hi - lo)/turn) + 1;
     double from = slider ? input : input + turn*ceil((lo - near - input)/turn);
@@ -156,7 +156,7 @@ static bool look_up(replay *v, size_t i, double input, const lw_vec2 *at)
 
 static bool go_to(replay *v, size_t i, const lw_vec2 *at)
 {
-    double to = v->plan->laps*v->c->input[i] + v->shift;
+    double to = v->plan->input_turns_per_period*v->c->input[i] + v->shift;
     return v->curve ? look_up(v, i, to, at) : move_to(v, i, to);
 }
 

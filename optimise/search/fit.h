@@ -38,7 +38,7 @@ typedef struct lw_fit_options {
 lw_fit_options lw_fit_options_default(void);
 
 /* One linkage found. Dimensions in SI, in the user's frame; inputs in the ground frame, as the plan counts them
- * (mbs/plan/plan.h, laps). */
+ * (mbs/plan/plan.h, input_turns_per_period). */
 typedef struct lw_candidate {
     const lw_family *family;
     lw_family_made  *own;        /* with families: the memory that `family` points to               */

@@ -265,7 +265,7 @@ static double start_prescribed(lw_problem *p, const double *u, double *x, lw_wor
     mount_tools(p, w, x);
     x[p->i_input0] = p->datum == LW_DATUM_FREE ? first : 0;
     if (p->datum == LW_DATUM_PLANE)
-        x[p->plan.i_theta0] = -first*p->plan.laps;
+        x[p->plan.i_theta0] = -first*p->plan.input_turns_per_period;
     return settle_and_score(p, x, w);
 }
 

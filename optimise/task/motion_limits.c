@@ -27,7 +27,7 @@ void lw_motion_limits_pose(const lw_plan *plan, const lw_fit_spec *s, const lw_p
                                            : lw_v2_norm(pose->tracer[0][2]);
     w->margin_least = fmin(w->margin_least, pose->margin);              /* fmin prefers a number to NaN */
     w->margin_most = fmax(w->margin_most, pose->margin);
-    w->acceleration = fmax(w->acceleration, a/plan->laps/plan->laps);
+    w->acceleration = fmax(w->acceleration, a/plan->input_turns_per_period/plan->input_turns_per_period);
     for (int i = 0; i < s->n_zone; i++)
         if (lw_zone_forbids(&s->zone[i]))
             w->intrusion = fmax(w->intrusion, depth(&s->zone[i], plan, pose));

@@ -36,8 +36,9 @@ typedef struct lw_target {
     size_t   n;                 /* stations                                                        */
     double  *x, *y;             /* [m]; NULL for a function                             (n)        */
     double  *theta;             /* tool or output angle [rad]; NULL when not given      (n)        */
-    double  *angle;             /* input angle [rad], rising or falling throughout, over LW_LAP_MAX turns at most
-                                 * (a wrap at the full turn is undone); NULL when not given (n)    */
+    double  *angle;             /* input angle [rad], rising or falling throughout, over at most
+                                 * LW_INPUT_TURNS_PER_PERIOD_MAX turns (a wrap at the full turn is
+                                 * undone); NULL when not given                         (n)        */
     double  *weight;            /* >= 0, not all 0; 1 when not given                    (n)        */
     long    *line;              /* line of the file, for messages; 0 by _make           (n)        */
     bool     closed;            /* the last station is followed by the first                      */

@@ -112,7 +112,7 @@ static bool fits(const lw_target *t, int sense, const size_t turn[2])
     if (wraps && !(sense*(a[turn[0]] - a[turn[0]-1]) + TURN >= 0))
         return false;
     if (!wraps)
-        return span(t) <= LW_LAP_MAX + ANGLE_EPS;
+        return span(t) <= LW_INPUT_TURNS_PER_PERIOD_MAX + ANGLE_EPS;
     return turn[1] == t->n && sense*(a[t->n-1] - a[0]) + TURN <= TURN + ANGLE_EPS;
 }
 
@@ -125,7 +125,7 @@ static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], l
     *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_TARGET_FIELD_ANGLE };
     if (i == t->n)
         return lw_error_set(e, LW_E_ARG, "the input angles run over %.4g turns; a target is %d turns of the input at most, "
-                            "without turning back", span(t), LW_LAP_MAX);
+                            "without turning back", span(t), LW_INPUT_TURNS_PER_PERIOD_MAX);
     return lw_error_set(e, LW_E_ARG, "the input angles %s up to %s and turn back here, from %.9g to %.9g %s; put the "
                         "lines in the order of their angles, or leave the column out if the timing does not matter",
                         sense > 0 ? "rise" : "fall", where(t, i - 1, text), t->angle[i-1]/t->units.radian,

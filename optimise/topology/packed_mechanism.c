@@ -236,7 +236,7 @@ static void add_between(lw_graph *g, const lw_joint *q, int colour, int first, i
 /* Numerator of a ratio of small whole numbers, plus 128. */
 static int part_of_ratio(double ratio)
 {
-    for (int lower = 1; lower < LW_LAP_MAX; lower++)
+    for (int lower = 1; lower < LW_INPUT_TURNS_PER_PERIOD_MAX; lower++)
         if (fabs(fabs(ratio)*lower - round(fabs(ratio)*lower)) < WHOLE && fabs(ratio)*lower < 100)
             return 128 + (int)lround(fabs(ratio)*lower);
     return 128;
@@ -320,12 +320,12 @@ static lw_status read_ratio(const char *option, const char *word, lw_ratio *r, l
     end = over ? over : end;
     r->value = a/b;
     snprintf(r->text, sizeof r->text, "%s", word);
-    bool whole = a == round(a) && b == round(b) && fabs(a) >= 1 && fabs(b) >= 1 && fabs(a) <= LW_LAP_MAX
-              && fabs(b) <= LW_LAP_MAX;
+    bool whole = a == round(a) && b == round(b) && fabs(a) >= 1 && fabs(b) >= 1
+              && fabs(a) <= LW_INPUT_TURNS_PER_PERIOD_MAX && fabs(b) <= LW_INPUT_TURNS_PER_PERIOD_MAX;
     if (end != word && *end == 0 && whole && (!over || over != word))
         return LW_OK;
     return lw_error_set(e, LW_E_ARG, "%s takes whole numbers and fractions of whole numbers up to %d with commas "
-                        "between, as -1,2,-1/2; '%s' is none", option, LW_LAP_MAX, word);
+                        "between, as -1,2,-1/2; '%s' is none", option, LW_INPUT_TURNS_PER_PERIOD_MAX, word);
 }
 
 lw_status lw_ratio_list_read(const char *option, const char *text, lw_ratio_list *r, lw_error *e)

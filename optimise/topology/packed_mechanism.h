@@ -15,8 +15,8 @@
 typedef struct lw_ratio { double value; char text[12]; } lw_ratio;
 typedef struct lw_ratio_list { int n; lw_ratio of[LW_RATIO_MAX]; } lw_ratio_list;
 
-/* Read "-1,1/2,3": whole numbers and fractions of whole numbers up to LW_LAP_MAX.  LW_E_ARG with a text that begins
- * with `name`. */
+/* Read "-1,1/2,3": whole numbers and fractions of whole numbers up to LW_INPUT_TURNS_PER_PERIOD_MAX.  LW_E_ARG with
+ * a text that begins with `name`. */
 lw_status lw_ratio_list_read(const char *name, const char *text, lw_ratio_list *r, lw_error *e);
 
 /* The ratios of gear pairs and of tied inputs that a packed mechanism refers to. */
