@@ -73,7 +73,8 @@ lw_status lw_panel_rule_make(lw_panel_rule *r)
     return LW_OK;
 }
 
-double lw_panel_sum(const double *weight, const double *f)
+/* Not inlined into lw_panel_apply: its loops over nodes are 12 % slower then. */
+__attribute__((noinline)) double lw_panel_sum(const double *weight, const double *f)
 {
     double sum = 0;
     for (int j = 0; j < N; j++)
