@@ -16,8 +16,8 @@
  *
  * Errors.  lw_status tells how a call ended: 0 done, > 0 another answer, < 0 failed.  The last argument `error` may
  * be NULL; a call that fails fills it with a text that says what is wrong and what to do.  A function without
- * status takes an index as given; one outside its range gives 0, -1 or NULL.  Nothing here prints, exits or aborts,
- * and error handlers of other libraries (GSL, igraph) are left as the caller set them.
+ * status takes an index as given; one outside its range gives 0, -1 or NULL.  Nothing here prints, exits or aborts.
+ * The process-wide error handlers of GSL and igraph are exchanged while this library calls them, and put back.
  *
  * Callbacks.  LW_OK goes on; any other status ends the call, which returns it.
  *
@@ -185,6 +185,12 @@ LW_API lw_status lw_mechanism_groups(const lw_mechanism *mechanism, lw_group_vis
 
 /* How the four rules of the published grammar derive it, step by step, or why they cannot, as text. */
 LW_API lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **out, lw_error *error);
+
+/* One step of the grammar on a sentence, which may be NULL for rules 1 and 2.  kinds: letters of the joints k, "r"
+ * or "t", NULL: all r.  Rules 3 and 4: between parts x and y (from 1) of one word, word -1: the first that holds both.
+ * *out: the sentence.  LW_E_ARG: the rule does not apply. */
+LW_API lw_status lw_sentence_derive(const char *sentence, int rule, const char *kinds, int x, int y, int word,
+                                    char **out, lw_error *error);
 
 /* Notations: "graph6", "lam", "sentence", "franke", "edges", "json"; for writing also "dot", "graphml". */
 

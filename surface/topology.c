@@ -223,6 +223,35 @@ lw_status lw_mechanism_derivation(const lw_mechanism *mechanism, char **out, lw_
     return lw_surface_give(&b, out, NULL, error);
 }
 
+lw_status lw_sentence_derive(const char *sentence, int rule, const char *kinds, int x, int y, int word, char **out,
+                             lw_error *error)
+{
+    lw_production p = lw_production_of(rule);
+    lw_sentence s;
+    size_t n = (size_t)lw_rule_kinds(rule);
+    *out = NULL;
+    if (rule < 1 || rule > 4 || x < 0 || x > LW_LINK_MAX || y < 0 || y > LW_LINK_MAX || (kinds && strlen(kinds) != n)
+        || (rule > 2 && !sentence))
+        return lw_error_set(error, LW_E_ARG, "rules are 1 to 4, with as many kinds as they have joints k; 3 and 4 want "
+                            "a sentence and two of its parts");
+    if (kinds)
+        memcpy(p.kind, kinds, n);
+    p.x = (uint8_t)x;
+    p.y = (uint8_t)y;
+    p.word = word;
+    lw_status status = rule <= 2 ? lw_rule_plant(&p, &s, error)
+                     : lw_sentence_read(sentence, strlen(sentence), NULL, &s, error);
+    if (status == LW_OK && rule > 2)
+        status = lw_rule_apply(&s, &p, &s, error);
+    if (status != LW_OK)
+        return status;
+    *out = malloc(LW_SENTENCE_SIZE);
+    if (!*out)
+        return lw_error_set(error, LW_E_MEMORY, "out of memory");
+    lw_sentence_print(&s, *out, LW_SENTENCE_SIZE);
+    return LW_OK;
+}
+
 /* ---- notations ------------------------------------------------------------------------------------------------ */
 
 static lw_status notation_of(const char *name, const char *text, size_t size, const lw_notation **n, lw_error *e)

@@ -76,6 +76,24 @@ static void chains_are_made_asked_and_written(void)
     lw_chain_destroy(c);
 }
 
+static void sentences_grow_by_rules(void)
+{
+    char *four = NULL, *six = NULL;
+    lw_chain *c = NULL;
+    lw_error e;
+    CHECK_INT(lw_sentence_derive(NULL, 2, NULL, 0, 0, -1, &four, &e), LW_OK);
+    CHECK_INT(lw_sentence_derive(four, 4, "rrr", 1, 3, -1, &six, &e), LW_OK);
+    CHECK_INT(lw_chain_from_text(six, strlen(six), "sentence", &c, &e), LW_OK);
+    CHECK_INT(lw_chain_n_link(c), 6);
+    CHECK_INT(lw_chain_mobility(c), 1);
+    lw_chain_destroy(c);
+    lw_free(six);
+    CHECK_INT(lw_sentence_derive(four, 4, "rrr", 2, 2, -1, &six, &e), LW_E_ARG);
+    CHECK_INT(lw_sentence_derive(NULL, 3, NULL, 1, 2, -1, &six, &e), LW_E_ARG);
+    CHECK(!six);
+    lw_free(four);
+}
+
 static void enumerations_stop_when_asked(void)
 {
     lw_enumeration what = lw_enumeration_default(8, 1);
@@ -275,6 +293,7 @@ int main(void)
     gsl_set_error_handler(of_program);
     CHECK_TEXT(lw_version(), LW_VERSION_STRING);
     RUN(chains_are_made_asked_and_written);
+    RUN(sentences_grow_by_rules);
     RUN(enumerations_stop_when_asked);
     RUN(linkages_move_and_are_written);
     RUN(faults_of_a_linkage_are_named);
