@@ -884,8 +884,9 @@ LW_API lw_status lw_catalogue_add_chains(lw_catalogue *catalogue, int links, int
 LW_API lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, size_t size, const char *file,
                                            uint64_t *n, lw_error *error);
 
-/* Coupler curves of four-link types ("fourbar,slidercrank", "all") until there are `samples` of this seed. */
-LW_API lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, uint64_t samples,
+/* Coupler curves until there are `samples` of this seed: of four-link types ("fourbar,slidercrank", "all"), or, types
+ * NULL, of all mechanisms of pins with so many links (4, 6, 8). */
+LW_API lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, int links, uint64_t samples,
                                          const lw_catalogue_work *work, lw_error *error);
 
 typedef enum lw_value_kind {

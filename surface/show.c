@@ -2,6 +2,7 @@
 #include "surface/surface.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
@@ -184,17 +185,21 @@ lw_status lw_catalogue_add_linkages(lw_catalogue *catalogue, const char *text, s
     return s;
 }
 
-lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, uint64_t samples,
+lw_status lw_catalogue_add_curves(lw_catalogue *catalogue, const char *types, int links, uint64_t samples,
                                   const lw_catalogue_work *work, lw_error *error)
 {
     watch w;
     lw_build_control control = control_of(work, &w);
     lw_build_counts counts = { 0 };
     lw_curve_maker *maker;
-    lw_status s = lw_curve_maker_create(types, &maker, error);
+    char about[32];
+    snprintf(about, sizeof about, "%d links", links);
+    lw_status s = types ? lw_curve_maker_create(types, &maker, error)
+                : lw_curve_maker_links(links, control.jobs, &maker, error);
     if (s != LW_OK)
         return s;
-    s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types, &control, &counts, error);
+    s = lw_build_curves(catalogue->store, maker, LW_ATLAS_BOTH, samples, types ? types : about, &control, &counts,
+                        error);
     lw_curve_maker_free(maker);
     return s;
 }

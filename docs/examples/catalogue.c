@@ -53,7 +53,7 @@ int main(int argc, char **argv)
         status = lw_catalogue_query(catalogue, "links=6 and symmetry>1", "chains", "franke,symmetry,grounds", NULL, 0,
                                     print_row, &rows, &error);
     if (status == LW_OK)
-        status = lw_catalogue_add_curves(catalogue, "fourbar", 20000, &work, &error);
+        status = lw_catalogue_add_curves(catalogue, "fourbar", 4, 20000, &work, &error);
     for (int i = 0; i < N; i++) {
         x[i] = 0.2*cos(2*3.14159265358979323846*i/N);
         y[i] = 0.1*sin(2*3.14159265358979323846*i/N);
