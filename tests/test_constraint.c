@@ -157,7 +157,7 @@ static void conditions_are_those_of_single_poses(void)
         }
         seen++;
         enum { N = LW_CURVE_SAMPLES };
-        bool round = p.branch.turns;
+        bool round = p.intended.turns;
         size_t closure = !round && timing == LW_TIMING_PRESCRIBED ? st.n : 0;
         double *g = conditions(&p, x, NULL), *at = g + p.n_linear, sine[N], acceleration[N];
         void *work = new_work(&p);

@@ -261,7 +261,7 @@ static void check_results(const lw_target *t, lw_task task, const lw_exact *x)
             CHECK(!r.verified);
         CHECK(i == 0 || x->defect[i - 1] <= x->defect[i]);
         for (size_t j = 1; j < t->n && x->defect[i] == 0; j++)
-            CHECK(c->branch.sense*(c->input[j] - c->input[j - 1]) >= 0);
+            CHECK(c->intended.sense*(c->input[j] - c->input[j - 1]) >= 0);
     }
     CHECK_INT(x->n_clean + x->n_order + x->n_branch + x->n_circuit, x->n_real);
 }

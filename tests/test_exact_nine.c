@@ -110,7 +110,7 @@ static bool is_bar(const double *d)
 static bool traces_the_curve(const lw_candidate *c)
 {
     double other[2][9], mode[2];
-    CHECK_INT(lw_fourbar_cognates(c->dim, c->branch.mode[0], other, mode), LW_OK);
+    CHECK_INT(lw_fourbar_cognates(c->dim, c->intended.mode[0], other, mode), LW_OK);
     return is_bar(c->dim) || is_bar(other[0]) || is_bar(other[1]);
 }
 

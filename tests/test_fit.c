@@ -11,7 +11,7 @@ static lw_vec2 coupler_point(const lw_candidate *c, double mode, double input)
     return fourbar_at(c->dim, mode, input).p;
 }
 
-static double mode_at(const lw_candidate *c, size_t i) { return c->mode_of ? c->mode_of[i] : c->branch.mode[0]; }
+static double mode_at(const lw_candidate *c, size_t i) { return c->mode_of ? c->mode_of[i] : c->intended.mode[0]; }
 
 static double objective(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c)
 {
@@ -37,7 +37,7 @@ static void check_claim(const lw_target *t, const lw_fit_spec *s, const lw_candi
 static void check_order(const lw_target *t, const lw_candidate *c)
 {
     for (size_t i = 0; i + 1 < t->n; i++)
-        CHECK(c->mode_of || c->branch.sense*(c->input[i + 1] - c->input[i]) >= 0);
+        CHECK(c->mode_of || c->intended.sense*(c->input[i + 1] - c->input[i]) >= 0);
     CHECK(c->mode_of || fabs(c->input[t->n - 1] - c->input[0]) <= 2*LW_PI + 1e-9);
 }
 
@@ -47,11 +47,11 @@ static double curve_gap(const lw_candidate *a, const lw_candidate *b)
     enum { N = 360 };
     double most = 0;
     for (int i = 0; i < N; i++) {
-        lw_vec2 p = coupler_point(a, a->branch.mode[0], 2*LW_PI*i/N);
+        lw_vec2 p = coupler_point(a, a->intended.mode[0], 2*LW_PI*i/N);
         double least = INFINITY;
         for (int k = 0; k < N; k++) {
-            lw_vec2 q = coupler_point(b, b->branch.mode[0], 2*LW_PI*k/N);
-            lw_vec2 d = lw_v2_sub(coupler_point(b, b->branch.mode[0], 2*LW_PI*(k + 1)/N), q);
+            lw_vec2 q = coupler_point(b, b->intended.mode[0], 2*LW_PI*k/N);
+            lw_vec2 d = lw_v2_sub(coupler_point(b, b->intended.mode[0], 2*LW_PI*(k + 1)/N), q);
             double d2 = lw_v2_dot(d, d), u = d2 > 0 ? lw_v2_dot(lw_v2_sub(p, q), d)/d2 : 0;
             u = fmax(0, fmin(1, u));
             least = fmin(least, lw_v2_norm(lw_v2_sub(p, lw_v2_add(q, lw_v2_scale(d, u)))));
@@ -177,7 +177,8 @@ static void same_fit(const lw_fit *a, const lw_fit *b, size_t n)
     CHECK(a->evals == b->evals && a->rounds == b->rounds && a->stop == b->stop);
     for (int i = 0; i < a->n && i < b->n; i++) {
         const lw_candidate *p = &a->candidate[i], *q = &b->candidate[i];
-        CHECK(p->family == q->family && p->branch.mode[0] == q->branch.mode[0] && p->branch.sense == q->branch.sense);
+        CHECK(p->family == q->family && p->intended.mode[0] == q->intended.mode[0]
+              && p->intended.sense == q->intended.sense);
         CHECK(memcmp(p->dim, q->dim, sizeof *p->dim*(size_t)p->n_dim) == 0);
         CHECK(memcmp(p->input, q->input, sizeof *p->input*n) == 0);
         CHECK(p->objective == q->objective && p->evals == q->evals);

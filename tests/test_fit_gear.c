@@ -184,8 +184,8 @@ static bool comes_back(const lw_problem *p, const lw_linkage *topology, const do
     lw_plan plan;
     lw_newton *n;
     CHECK_INT(lw_plan_make(topology, (lw_plan_options){ .tracers = 1, .all_joints = true, .kind = LW_PLAN_GEARED }, &plan, NULL), LW_OK);
-    double seed = p->branch.mode[plan.n_mode - 1];
-    if (lw_plan_write(&plan, shape, p->branch.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
+    double seed = p->intended.mode[plan.n_mode - 1];
+    if (lw_plan_write(&plan, shape, p->intended.mode, seed, &k) != LW_OK || lw_newton_create(&k, &n, NULL) != LW_OK)
         return false;
     lw_vec2 from = lw_newton_tracer(n, 0);
     bool ok = lw_newton_move(n, lw_newton_input(n) + 2*LW_PI*plan.input_turns_per_period, NULL) == LW_OK

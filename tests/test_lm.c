@@ -124,7 +124,7 @@ static void never_ends_above_its_start(void)
         CHECK(isfinite(before) ? f <= before : memcmp(start, x, sizeof x) == 0);
         if (isfinite(f)) {
             check_inside(&p, x);
-            if (timing[trial % 3] != LW_TIMING_NONE && p.branch.turns && linear_least(&p, x) > 0.05)
+            if (timing[trial % 3] != LW_TIMING_NONE && p.intended.turns && linear_least(&p, x) > 0.05)
                 CHECK(value(&p, x, NULL) <= 1.2*f);      /* a fresh assignment is as good, or nearly */
         }
         lw_problem_free(&p);
@@ -202,7 +202,7 @@ static void rests_on_a_bound_as_it_should(void)
         if (lw_lm_feasible(&p, x) && isfinite(value(&p, x, NULL))) {
             double f = improve(&p, x, &stop);
             check_inside(&p, x);
-            if (stop != LW_STOP_EVALS && p.branch.turns)        /* others may end where they open          */
+            if (stop != LW_STOP_EVALS && p.intended.turns)        /* others may end where they open          */
                 held += check_optimum(&p, x, f);
         }
         lw_problem_free(&p);

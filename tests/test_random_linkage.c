@@ -31,7 +31,7 @@ static bool newton_goes(const lw_problem *p, const lw_linkage *topology, const d
     lw_newton *n;
     lw_error e = { .text = "" };
     CHECK_INT(lw_plan_make(topology, (lw_plan_options){ .tracers = 1, .all_joints = true }, &plan, NULL), LW_OK);
-    if (lw_plan_write(&plan, shape, p->branch.mode, from, &k) != LW_OK || lw_newton_create(&k, &n, &e) != LW_OK)
+    if (lw_plan_write(&plan, shape, p->intended.mode, from, &k) != LW_OK || lw_newton_create(&k, &n, &e) != LW_OK)
         return false;
     bool ok = lw_newton_move(n, lw_newton_input(n) + to - from, NULL) == LW_OK;
     lw_newton_free(n);
@@ -54,10 +54,10 @@ static void members_close_where_they_say(void)
         if (!lw_random_linkage_draw(&p, u, false, shape, work))
             continue;
         drawn++;
-        turns += p.branch.turns;
-        rocks += !p.branch.turns;
-        double from = p.branch.turns ? 0 : p.branch.mid - p.branch.half;
-        arrived += newton_goes(&p, &k, shape, from, p.branch.turns ? 2*LW_PI : p.branch.mid + p.branch.half);
+        turns += p.intended.turns;
+        rocks += !p.intended.turns;
+        double from = p.intended.turns ? 0 : p.intended.mid - p.intended.half;
+        arrived += newton_goes(&p, &k, shape, from, p.intended.turns ? 2*LW_PI : p.intended.mid + p.intended.half);
     }
     CHECK(drawn > 240 && turns > 90 && rocks > 60);
     CHECK(arrived >= drawn - drawn/50);      /* what opens between two of the 64 inputs looked at      */
@@ -77,7 +77,7 @@ static void the_crank_turns_when_it_must(void)
         double u[LW_RANDOM_LINKAGE_DRAW_MAX], shape[LW_VAR_MAX];
         for (int i = 0; i < LW_RANDOM_LINKAGE_DRAW_MAX; i++)
             u[i] = lw_rng_uniform(&rng);
-        CHECK(lw_random_linkage_draw(&p, u, true, shape, work) && p.branch.turns);
+        CHECK(lw_random_linkage_draw(&p, u, true, shape, work) && p.intended.turns);
     }
     free(work);
     lw_problem_free(&p);
@@ -91,7 +91,7 @@ static void the_posture_is_a_start(void)
         lw_problem p;
         double x[LW_VAR_MAX];
         void *work = make_problem(&f, &k, (lw_timing)timing, false, &p);
-        CHECK(lw_random_linkage_posture(&p, x, work) && p.branch.turns);
+        CHECK(lw_random_linkage_posture(&p, x, work) && p.intended.turns);
         double f0 = lw_problem_value(&p, x, NULL, work);
         CHECK_NEAR(f0, 0, timing == LW_TIMING_NONE ? 0.2 : 1e-20, 0);    /* a polygon is no curve         */
         free(work);

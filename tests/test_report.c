@@ -19,7 +19,7 @@ static double eq17(const made *k)
     double f = 0;
     for (size_t i = 0; i < k->t.n; i++) {
         lw_pose pose;
-        double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.branch.mode[0];
+        double mode = k->c.mode_of ? k->c.mode_of[i] : k->c.intended.mode[0];
         lw_pose_solve(&k->m.plan, k->c.dim, &mode, k->c.input[i], 0, &pose);
         if (k->spec.task != LW_TASK_FUNCTION)
             f += k->spec.a*k->t.weight[i]*(pow(pose.tracer[0][0].x - k->t.x[i], 2) + pow(pose.tracer[0][0].y - k->t.y[i], 2));
@@ -31,10 +31,10 @@ static double eq17(const made *k)
 
 static void claim(made *k)
 {
-    k->c = (lw_candidate){ .family = k->m.family, .branch = { .sense = 1 }, .n_dim = k->m.plan.n_dim,
+    k->c = (lw_candidate){ .family = k->m.family, .intended = { .sense = 1 }, .n_dim = k->m.plan.n_dim,
                            .input = k->input, .tool0 = k->t.theta ? 0.125 : 0 };
     for (int d = 0; d < LW_MODE_MAX; d++)
-        k->c.branch.mode[d] = k->m.mode;
+        k->c.intended.mode[d] = k->m.mode;
     memcpy(k->c.dim, k->m.dim, sizeof k->c.dim);
     memcpy(k->input, k->st.input, sizeof k->input);
     k->c.objective = eq17(k);
@@ -513,7 +513,7 @@ static void limits_and_dead_points_are_where_samples_change_sign(void)
         made k;
         make(family[trial % 3], trial % 2 ? 1 : -1, LW_TASK_PATH, 0.05, &rng, &k);
         lw_fit_report r = report_of(&k);
-        found += check_reversals(&k.m.plan, &k.c, k.c.branch.mode, &r);
+        found += check_reversals(&k.m.plan, &k.c, k.c.intended.mode, &r);
         lw_target_free(&k.t);
     }
     CHECK(found > 30);
@@ -571,9 +571,9 @@ static void motion_of_higher_groups(void)
             lw_vec2 bend = lw_v2_sub(lw_v2_add(p[q - 1], p[q + 1]), lw_v2_scale(p[q], 2));
             fastest = fmax(fastest, lw_v2_norm(bend)*N*N/(known[i].way*known[i].way));
         }
-        m.c = (lw_candidate){ .family = &family, .branch = { .sense = 1 }, .n_dim = plan.n_dim, .input = m.input };
+        m.c = (lw_candidate){ .family = &family, .intended = { .sense = 1 }, .n_dim = plan.n_dim, .input = m.input };
         memcpy(m.c.dim, dim, sizeof dim);
-        memcpy(m.c.branch.mode, mode, sizeof mode);
+        memcpy(m.c.intended.mode, mode, sizeof mode);
         m.st.n = STATIONS;
         m.st.closed = known[i].turns;
         for (int q = 0; q < STATIONS; q++) {

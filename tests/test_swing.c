@@ -110,7 +110,7 @@ static void the_true_dimensions_have_no_error(void)
         lw_work *w = begin(&f, &t, &p, x);
         settled += lw_problem_value(&p, x, NULL, w) < 1e-20;
         CHECK_INT(lw_plan_read(&p.plan, &k, dim, mode, &input, NULL), LW_OK);
-        if (!p.branch.through || !lw_circuit_find(&p, x, w) || w->swing.n != way.limits)
+        if (!p.intended.through || !lw_circuit_find(&p, x, w) || w->swing.n != way.limits)
             other++;                                     /* limits closer than samples                   */
         else {
             place(&p, &way, input, w);

@@ -48,16 +48,16 @@ static void order_is_isotonic_regression(void)
     for (int trial = 0; trial < 400; trial++) {
         enum { MOST = 9 };
         double v[MOST], w[MOST], got[MOST], scratch[3*MOST];
-        lw_problem p = { .n = 1 + (size_t)trial % MOST, .branch.sense = trial % 2 ? 1 : -1 };
+        lw_problem p = { .n = 1 + (size_t)trial % MOST, .intended.sense = trial % 2 ? 1 : -1 };
         for (size_t i = 0; i < p.n; i++) {
             v[i] = trial % 3 ? lw_rng_range(&rng, -3, 3) : (int)lw_rng_range(&rng, -2, 3);
             w[i] = trial % 5 ? lw_rng_range(&rng, 0.1, 3) : 1;
-            got[i] = p.branch.sense*v[i];
+            got[i] = p.intended.sense*v[i];
         }
         lw_timing_order(&p, got, w, scratch);
         for (size_t i = 0; i < p.n; i++) {
-            CHECK_NEAR(p.branch.sense*got[i], isotonic(p.n, v, w, i), 1e-13, 1e-13);
-            CHECK(i == 0 || p.branch.sense*got[i] >= p.branch.sense*got[i - 1]);
+            CHECK_NEAR(p.intended.sense*got[i], isotonic(p.n, v, w, i), 1e-13, 1e-13);
+            CHECK(i == 0 || p.intended.sense*got[i] >= p.intended.sense*got[i - 1]);
         }
     }
 }
@@ -72,15 +72,15 @@ static void order_goes_round_at_most_once(void)
     for (int trial = 0; trial < 300; trial++) {
         enum { MOST = 6 };
         double v[MOST], w[MOST], got[MOST], scratch[3*MOST], f = 0;
-        lw_problem p = { .n = 2 + (size_t)trial % (MOST - 1), .branch.sense = trial % 2 ? 1 : -1 };
+        lw_problem p = { .n = 2 + (size_t)trial % (MOST - 1), .intended.sense = trial % 2 ? 1 : -1 };
         for (size_t i = 0; i < p.n; i++) {
             v[i] = 1.5*(double)i + 3*lw_rng_normal(&rng);
             w[i] = lw_rng_range(&rng, 0.1, 3);
-            got[i] = p.branch.sense*v[i];
+            got[i] = p.intended.sense*v[i];
         }
         lw_timing_order(&p, got, w, scratch);
         for (size_t i = 0; i < p.n; i++) {
-            got[i] *= p.branch.sense;
+            got[i] *= p.intended.sense;
             CHECK(i == 0 || got[i] >= got[i - 1]);
             f += w[i]*pow(got[i] - v[i], 2);
         }
@@ -105,7 +105,7 @@ static void order_goes_round_at_most_once(void)
 static void order_leaves_what_is_in_order(void)
 {
     double v[5] = { -3, -1, -1, 0.5, 3 }, w[5] = { 1, 2, 3, 4, 5 }, got[5], scratch[15];
-    lw_problem p = { .n = 5, .branch.sense = 1 };
+    lw_problem p = { .n = 5, .intended.sense = 1 };
     memcpy(got, v, sizeof v);
     lw_timing_order(&p, got, w, scratch);
     CHECK(memcmp(got, v, sizeof v) == 0);
@@ -118,7 +118,7 @@ static double all_sequences(const lw_problem *p, const lw_work *w, int first, si
 {
     double least = INFINITY;
     for (int k = from; k <= (i ? M : 0); k++) {
-        int j = (first + (p->branch.sense > 0 ? k : M*M - k)) % M;
+        int j = (first + (p->intended.sense > 0 ? k : M*M - k)) % M;
         double rest = i + 1 < p->n ? all_sequences(p, w, first, i + 1, k) : 0;
         least = fmin(least, w->cost[i*M + (size_t)j] + rest);
     }
@@ -154,7 +154,7 @@ static void programme_finds_the_cheapest_sequence(void)
             if (c[first] > c[(first + 1) % M] || c[first] > c[(first + M - 1) % M])
                 continue;                                /* it starts where station 0 is nearest    */
             for (size_t i = 0; i < p.n; i++)
-                mine += w->cost[i*M + (size_t)((first + p.branch.sense*steps[i] + M) % M)];
+                mine += w->cost[i*M + (size_t)((first + p.intended.sense*steps[i] + M) % M)];
             cheapest = fmin(cheapest, all);
             got = fmin(got, mine);
         }
@@ -171,7 +171,7 @@ static void programme_finds_the_cheapest_sequence(void)
 static double distance2(const lw_problem *p, const double *x, size_t i, double phase)
 {
     lw_pose pose;
-    lw_pose_solve(&p->plan, x, p->branch.mode, phase, 0, &pose);
+    lw_pose_solve(&p->plan, x, p->intended.mode, phase, 0, &pose);
     return p->w[i]*(pow(pose.tracer[0][0].x - p->x[i], 2) + pow(pose.tracer[0][0].y - p->y[i], 2));
 }
 
@@ -212,8 +212,8 @@ static void refined_stations_stand_at_their_feet(void)
         CHECK(lw_timing_assign(&p, x, w) && lw_timing_refine(&p, x, w, 1000));      /* in a fit 60 steps are enough */
         check_blocks(&p, x, w);
         for (size_t i = 0; timing == LW_TIMING_FREE && i + 1 < p.n; i++)
-            CHECK(p.branch.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
-        CHECK(timing == LW_TIMING_NONE || p.branch.sense*(w->phase[p.n - 1] - w->phase[0]) <= 2*LW_PI + 1e-9);
+            CHECK(p.intended.sense*(w->phase[i + 1] - w->phase[i]) >= 0);
+        CHECK(timing == LW_TIMING_NONE || p.intended.sense*(w->phase[p.n - 1] - w->phase[0]) <= 2*LW_PI + 1e-9);
         free(w);
         lw_problem_free(&p);
     }

@@ -159,10 +159,10 @@ bool lw_curve_topology_draw(const lw_curve_topology *t, const uint32_t key[2], b
     lw_vec2 at = lw_v2_polar(REACH*length*u[LW_RANDOM_LINKAGE_DRAW_MAX], 2*LW_PI*u[LW_RANDOM_LINKAGE_DRAW_MAX + 1]);
     dim[plan->i_cx[0]] = 0.5*length + at.x;
     dim[plan->i_cy[0]] = at.y;
-    memcpy(mode, p->branch.mode, sizeof *mode*(size_t)plan->n_dyad);
+    memcpy(mode, p->intended.mode, sizeof *mode*(size_t)plan->n_dyad);
     *range = (lw_range){ .first = 0, .last = 2*LW_PI, .turns = true };
-    if (!p->branch.turns)
-        *range = (lw_range){ .first = p->branch.mid - p->branch.half, .last = p->branch.mid + p->branch.half };
+    if (!p->intended.turns)
+        *range = (lw_range){ .first = p->intended.mid - p->intended.half, .last = p->intended.mid + p->intended.half };
     return true;
 }
 

@@ -188,12 +188,13 @@ static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage
     lw_plan *plan = malloc(sizeof *plan);
     bool ok = plan && lw_plan_make(&b->sketch, (lw_plan_options){ .tracers = 1, .all_joints = true,
                                                                   .kind = LW_PLAN_HIGHER }, plan, NULL) == LW_OK;
-    double scale = plan && ok && plan->input_is_slider ? p->unit : 1, mid = p->branch.turns ? 0 : p->branch.mid*scale;
+    double scale = plan && ok && plan->input_is_slider ? p->unit : 1;
+    double mid = p->intended.turns ? 0 : p->intended.mid*scale;
     bool found = false;
-    memcpy(mode, p->branch.mode, sizeof mode);
+    memcpy(mode, p->intended.mode, sizeof mode);
     lw_problem_to_dims(p, x, dim);
     for (int i = 0; ok && !found && i < 73; i++) {
-        double input = mid + (p->branch.turns ? 2*LW_PI : 2*p->branch.half*scale)*(i % 2 ? 1 : -1)*(i/2)/72.0;
+        double input = mid + (p->intended.turns ? 2*LW_PI : 2*p->intended.half*scale)*(i % 2 ? 1 : -1)*(i/2)/72.0;
         *k = b->sketch;
         found = lw_plan_write(plan, dim, mode, input, k) == LW_OK;
     }

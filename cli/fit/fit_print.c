@@ -228,13 +228,13 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
     json_reversals(r, true, j);
     json_reversals(r, false, j);
-    cli_json_int(j, "branch", (c->mode_of ? c->mode_of[0] : c->branch.mode[0]) > 0 ? 1 : -1);
+    cli_json_int(j, "branch", (c->mode_of ? c->mode_of[0] : c->intended.mode[0]) > 0 ? 1 : -1);
     json_modes(s, c, r, j);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
     cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
                                                                          : length(s, r->acceleration_max));
-    cli_json_int(j, "sense", c->branch.sense);
+    cli_json_int(j, "sense", c->intended.sense);
     cli_json_real(j, "input0", r->input_turns_per_period*c->input0);
     cli_json_real(j, "tool0", c->tool0);
     json_inputs(s, c, r, j);

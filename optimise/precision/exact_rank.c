@@ -204,7 +204,7 @@ static unsigned find_defects(lw_ranking *r, const kind *w, lw_candidate *c, doub
     lw_range a, here;
     unsigned defect = 0;
     int first = circuit_of(w, c->dim, r->mode[0], r->input[0], &a);
-    c->branch.sense = 1;
+    c->intended.sense = 1;
     for (size_t i = 0; i < n; i++) {
         if (first < 0 || circuit_of(w, c->dim, r->mode[i], r->input[i], &here) != first)
             return LW_DEFECT_CIRCUIT;
@@ -213,13 +213,13 @@ static unsigned find_defects(lw_ranking *r, const kind *w, lw_candidate *c, doub
     }
     bool slider = w->plan.input_is_slider, in_order;
     if (a.turns && !defect) {
-        c->branch.sense = cyclic(r->input, n, 2*LW_PI, 1) ? 1 : -1;
-        in_order = cyclic(r->input, n, 2*LW_PI, c->branch.sense);
-        count_on(r, true, &a, slider, c->branch.sense);
+        c->intended.sense = cyclic(r->input, n, 2*LW_PI, 1) ? 1 : -1;
+        in_order = cyclic(r->input, n, 2*LW_PI, c->intended.sense);
+        count_on(r, true, &a, slider, c->intended.sense);
     } else {
         count_on(r, false, &a, slider, 1);
-        c->branch.sense = r->input[n - 1] >= r->input[0] ? 1 : -1;
-        in_order = defect ? circuit_order(r, &a, s, &c->branch.sense) : monotone(r->input, n, c->branch.sense);
+        c->intended.sense = r->input[n - 1] >= r->input[0] ? 1 : -1;
+        in_order = defect ? circuit_order(r, &a, s, &c->intended.sense) : monotone(r->input, n, c->intended.sense);
     }
     return in_order ? defect : defect | LW_DEFECT_ORDER;
 }
@@ -279,7 +279,7 @@ static bool moves_as_asked(const lw_ranking *r, const kind *w, const lw_candidat
         }
     }
     if (turns)
-        lw_motion_limits_run(&w->plan, s, c->dim, c->branch.mode, 0, 2*LW_PI, ROUND, &limits);
+        lw_motion_limits_run(&w->plan, s, c->dim, c->intended.mode, 0, 2*LW_PI, ROUND, &limits);
     return lw_motion_limits_meets(&limits, s, &w->k, r->size, NULL, 0);
 }
 
@@ -351,7 +351,7 @@ static bool same_curve(const lw_ranking *r, const entry *a, const entry *b)
 {
     double other[2][9], mode[2];
     if (r->o->spec.task != LW_TASK_PATH || strcmp(a->c.family->type, "RRRR") != 0
-        || lw_fourbar_cognates(a->c.dim, a->c.branch.mode[0], other, mode) != LW_OK)
+        || lw_fourbar_cognates(a->c.dim, a->c.intended.mode[0], other, mode) != LW_OK)
         return false;
     for (int i = 0; i < 3; i++) {
         const double *d = i < 2 ? other[i] : a->c.dim;
@@ -413,7 +413,7 @@ static bool judge(lw_ranking *r, const kind *w, entry *now)
     double s[9];
     now->c.family = w->family;
     now->c.n_dim = w->plan.n_dim;
-    now->c.branch.mode[0] = r->mode[0];
+    now->c.intended.mode[0] = r->mode[0];
     now->c.stop = LW_STOP_F_TARGET;
     now->defect = find_defects(r, w, &now->c, s);
     double margin = now->defect & LW_DEFECT_CIRCUIT ? 0 : least_margin(r, w, &now->c);

@@ -55,10 +55,10 @@ static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
 {
     static const double left = 1, right = -1;
     lw_range r;
-    if (lw_motion_range(&p->plan, x, p->branch.mode[0], &r) != LW_OK)
+    if (lw_motion_range(&p->plan, x, p->intended.mode[0], &r) != LW_OK)
         return false;
     s->turning = r.turns;
-    const double *here = p->branch.mode;
+    const double *here = p->intended.mode;
     return to_and_fro(p, s, 0.5*(r.first + r.last), 0.5*(r.last - r.first), r.limits ? &left : here,
                       r.limits ? &right : here) || s->turning;
 }
@@ -67,7 +67,7 @@ static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_swing *s = &w->swing;
     lw_closed_motion *c = &w->cycle;
-    if (lw_closed_motion_find(&p->plan, x, p->branch.mode, p->branch.mid*input_unit(p, x), w->batch, c) != LW_OK)
+    if (lw_closed_motion_find(&p->plan, x, p->intended.mode, p->intended.mid*input_unit(p, x), w->batch, c) != LW_OK)
         return false;
     s->turning = c->n == 0;
     s->n = c->n;
@@ -85,18 +85,18 @@ static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)
 static bool find(const lw_problem *p, const double *x, lw_work *w)
 {
     lw_swing *s = &w->swing;
-    s->turning = p->branch.turns;
+    s->turning = p->intended.turns;
     s->n = 1;
     s->gain = 0;
-    memcpy(s->stroke[0].mode, p->branch.mode, sizeof s->stroke[0].mode);
+    memcpy(s->stroke[0].mode, p->intended.mode, sizeof s->stroke[0].mode);
     if (s->turning)
         return true;
     if (!p->family->linkage)
         return find_range(p, x, s);
-    if (p->branch.through)
+    if (p->intended.through)
         return find_cycle(p, x, w);
     double unit = input_unit(p, x);
-    return to_and_fro(p, s, p->branch.mid*unit, p->branch.half*unit, p->branch.mode, p->branch.mode);
+    return to_and_fro(p, s, p->intended.mid*unit, p->intended.half*unit, p->intended.mode, p->intended.mode);
 }
 
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
@@ -125,7 +125,7 @@ static void range_slopes(const lw_problem *p, const double *x, lw_swing *s)
         bool there = true;
         for (int side = 0; side < 2; side++) {
             at[d] = side ? x[d] + h : x[d] - h;
-            there &= lw_motion_range(&p->plan, at, p->branch.mode[0], &r[side]) == LW_OK && !r[side].turns
+            there &= lw_motion_range(&p->plan, at, p->intended.mode[0], &r[side]) == LW_OK && !r[side].turns
                   && r[side].last > r[side].first;
         }
         at[d] = x[d];
@@ -182,11 +182,11 @@ void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w)
         memset(s->mid_by[j], 0, sizeof s->mid_by[j]);
         memset(s->half_by[j], 0, sizeof s->half_by[j]);
         if (p->family->linkage && size >= 0) {
-            s->mid_by[j][size] = p->branch.mid;
-            s->half_by[j][size] = p->branch.half;
+            s->mid_by[j][size] = p->intended.mid;
+            s->half_by[j][size] = p->intended.half;
         }
     }
-    if (p->branch.through)
+    if (p->intended.through)
         cycle_slopes(p, x, w);
     else if (!p->family->linkage)
         range_slopes(p, x, s);

@@ -37,12 +37,12 @@ double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, d
         *leg = at.leg;
         return at.input;
     }
-    memcpy(mode, p->branch.mode, sizeof p->branch.mode);
+    memcpy(mode, p->intended.mode, sizeof p->intended.mode);
     for (size_t k = 1; k < p->n; k++) {
         lo = fmin(lo, w->input[k]);
         hi = fmax(hi, w->input[k]);
     }
-    return lo + (p->branch.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*part;
+    return lo + (p->intended.turns && (p->closed || p->must_turn) ? 2*LW_PI : hi - lo)*part;
 }
 
 static void sample_motion(const lw_problem *p, lw_work *w)
@@ -62,7 +62,7 @@ static void sample_motion(const lw_problem *p, lw_work *w)
 /* The poses at x; false when it cannot close. */
 static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
 {
-    if (p->branch.turns) {
+    if (p->intended.turns) {
         memcpy(w->check_c, w->turn_c, sizeof *w->check_c*POSES);
         memcpy(w->check_s, w->turn_s, sizeof *w->check_s*POSES);
         return true;
@@ -85,7 +85,7 @@ static void margins(const lw_problem *p, const double *x, lw_work *w, double *ma
 {
     bool modes = lw_problem_has_modes(p);
     lw_lanes in = { .n = POSES, .c = w->check_c, .s = w->check_s, .dim = x,
-                    .mode = modes ? w->check_mode : p->branch.mode,
+                    .mode = modes ? w->check_mode : p->intended.mode,
                     .mode_stride = modes ? POSES : 0 };
     lw_problem_margin(p, &in, w, margin);
     for (size_t k = 0; k < POSES; k++)
@@ -95,7 +95,7 @@ static void margins(const lw_problem *p, const double *x, lw_work *w, double *ma
 
 static void closure(const lw_problem *p, const double *x, lw_work *w, double *margin)
 {
-    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = x, .mode = p->branch.mode };
+    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = x, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, margin);
 }
 
@@ -134,7 +134,7 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sb*c + cb*s;
     }
     if (!lw_problem_has_modes(p)) {
-        tangents_of_mode(p, x, w, 0, POSES, p->branch.mode, tx, ty);
+        tangents_of_mode(p, x, w, 0, POSES, p->intended.mode, tx, ty);
         return;
     }
     for (size_t first = 0, k = 1; k <= POSES; k++)
@@ -296,12 +296,12 @@ static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
         margins(p, x, w, g);
         for (size_t k = 0; k < POSES; k++)
             g[k] -= sine*sine;
-        look_between(p->branch.turns, g);
+        look_between(p->intended.turns, g);
         g += POSES;
     }
     if (p->max_acceleration > 0) {
         accelerations(p, x, w, g);
-        look_between(p->branch.turns, g);
+        look_between(p->intended.turns, g);
         g += POSES;
     }
     zones(p, x, w, g);

@@ -54,7 +54,7 @@ size_t lw_problem_lane_count(const lw_problem *p)
 
 bool lw_problem_has_modes(const lw_problem *p)
 {
-    return !p->branch.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->branch.through);
+    return !p->intended.turns && p->timing != LW_TIMING_PRESCRIBED && (!p->family->linkage || p->intended.through);
 }
 
 int lw_problem_component_count(const lw_problem *p)
@@ -96,7 +96,7 @@ size_t lw_problem_zone_count(const lw_problem *p)
 
 bool lw_problem_must_close(const lw_problem *p)
 {
-    return !p->branch.turns && p->timing == LW_TIMING_PRESCRIBED;
+    return !p->intended.turns && p->timing == LW_TIMING_PRESCRIBED;
 }
 
 bool lw_problem_is_nonlinear(const lw_problem *p)

@@ -53,7 +53,7 @@ typedef struct lw_aim {
 typedef struct lw_problem {
     const lw_family *family;
     lw_plan      plan;
-    lw_intended_motion    branch;                 /* of this run                                            */
+    lw_intended_motion intended;          /* of this run                                            */
     bool         must_turn;              /* the input has to turn fully, whatever is drawn         */
     lw_task      task;
     lw_timing    timing;

@@ -331,12 +331,12 @@ lw_status lw_problem_make(const lw_target *t, const lw_fit_spec *s, const lw_fam
     p->task = s->task;
     p->timing = lw_task_table[s->task].prescribed ? LW_TIMING_PRESCRIBED : s->timing;
     p->datum = s->datum;
-    p->branch.turns = family->turns;
+    p->intended.turns = family->turns;
     p->must_turn = s->crank_only;
-    p->branch.sense = sense < 0 ? -1 : 1;
+    p->intended.sense = sense < 0 ? -1 : 1;
     p->closed = t->closed;
     for (int d = 0; d < LW_MODE_MAX; d++)
-        p->branch.mode[d] = mode;
+        p->intended.mode[d] = mode;
     if ((st = make_stations(t, p, e)) != LW_OK)
         return st;
     if (!lw_task_has_angle(p->task))

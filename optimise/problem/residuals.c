@@ -34,7 +34,7 @@ static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size
 static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_problem_has_modes(p))
-        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
+        lanes_of_mode(p, x, w, 0, w->n_lane, p->intended.mode);
     else
         for (size_t first = 0, next; first < w->n_lane; first = next) {
             next = lw_circuit_run(w, first, w->n_lane);
@@ -56,18 +56,18 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
 {
     size_t n = LW_CURVE_SAMPLES;
     double lo = w->input[0], hi = w->input[0], least = 1;
-    for (size_t k = 1; k < p->n && !p->branch.turns; k++) {
+    for (size_t k = 1; k < p->n && !p->intended.turns; k++) {
         lo = fmin(lo, w->input[k]);
         hi = fmax(hi, w->input[k]);
     }
-    if (p->branch.turns)
+    if (p->intended.turns)
         hi = lo + 2*LW_PI;
     for (size_t k = 0; k < n; k++) {
         double at = lo + (hi - lo)*((double)k + shift)/(double)n;
         w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
     }
-    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->branch.mode };
+    lw_lanes in = { .n = n, .c = w->pose_c, .s = w->pose_s, .dim = x, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, w->pose.margin);
     for (size_t k = 0; k < n; k++)
         least = fmin(least, w->pose.margin[k]);
@@ -117,8 +117,8 @@ bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w)
 {
     double least = 1;
-    if (p->branch.turns || p->timing == LW_TIMING_PRESCRIBED)
-        lanes_of_mode(p, x, w, 0, w->n_lane, p->branch.mode);
+    if (p->intended.turns || p->timing == LW_TIMING_PRESCRIBED)
+        lanes_of_mode(p, x, w, 0, w->n_lane, p->intended.mode);
     else
         lanes_of_circuit(p, x, w);
     for (int i = 0; i <= p->n_also; i++)
@@ -131,7 +131,7 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_circuit_find(p, x, w))
         return false;
-    bool samples_stand = p->branch.turns;                    /* their inputs are those of the turn       */
+    bool samples_stand = p->intended.turns;                    /* their inputs are those of the turn       */
     size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
     lw_circuit_lanes(p, w, n);
     memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);

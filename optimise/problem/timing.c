@@ -12,9 +12,9 @@ enum { M = LW_CURVE_SAMPLES };
 
 void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
 {
-    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->intended.mode };
     bool modes = lw_problem_has_modes(p);
-    for (int j = 0; j < M && !p->branch.turns; j++) {
+    for (int j = 0; j < M && !p->intended.turns; j++) {
         lw_cycle_point at = lw_circuit_point(p, w, w->turn[j]);
         w->turn_c[j] = at.c;
         w->turn_s[j] = at.s;
@@ -122,7 +122,7 @@ static void nearest(const lw_problem *p, lw_work *w)
  * of its distance; each gives one dynamic programme. */
 static bool monotone(const lw_problem *p, lw_work *w)
 {
-    int stride = p->branch.sense > 0 ? 1 : M - 1, kept = -1;
+    int stride = p->intended.sense > 0 ? 1 : M - 1, kept = -1;
     double least = 1e29;
     short *now = w->order, *keep = w->order + p->n;
     for (int j = 0; j < M; j++) {
@@ -137,7 +137,7 @@ static bool monotone(const lw_problem *p, lw_work *w)
         }
     }
     for (size_t i = 0; kept >= 0 && i < p->n; i++)
-        w->phase[i] = w->turn[kept] + p->branch.sense*keep[i]*(2*LW_PI/M);
+        w->phase[i] = w->turn[kept] + p->intended.sense*keep[i]*(2*LW_PI/M);
     return kept >= 0;
 }
 
@@ -196,7 +196,7 @@ static void pool_blocks(const lw_problem *p, const double *theta, const double *
     b->n = 0;
     for (size_t i = 0; i < p->n; i++) {
         size_t top = b->n++;
-        b->mean[top] = p->branch.sense*theta[i];
+        b->mean[top] = p->intended.sense*theta[i];
         b->mass[top] = weight[i];
         b->size[top] = 1;
         for (; top > 0 && b->mean[top - 1] > b->mean[top]; top--, b->n--) {
@@ -238,7 +238,7 @@ void lw_timing_order(const lw_problem *p, double *theta, const double *weight, d
     pool_round_the_turn(&b);
     for (size_t k = 0, i = 0; k < b.n; k++)
         for (double q = 0; q < b.size[k]; q++)
-            theta[i++] = p->branch.sense*b.mean[k];
+            theta[i++] = p->intended.sense*b.mean[k];
 }
 
 /* Newton step of each station along the curve, with the second derivative by secant where two

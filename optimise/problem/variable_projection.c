@@ -28,7 +28,7 @@ bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k)
     if (p->timing != LW_TIMING_FREE || p->n < 2)
         return false;
     return k + 1 < p->n ? w->phase[k + 1] == w->phase[k]
-                        : w->phase[k] == p->branch.sense*(p->branch.sense*w->phase[0] + 2*LW_PI);
+                        : w->phase[k] == p->intended.sense*(p->intended.sense*w->phase[0] + 2*LW_PI);
 }
 
 /* Products of a block's tangent with each column of its rows, and with its residuals. */
@@ -89,7 +89,7 @@ static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
         double t2 = lw_problem_tangent(p, w, k, t) + 1e-300, slope = 0;
         for (int i = 0; i < w->n_row; i++)
             slope += t[i]*w->res[(size_t)i*w->ld + k];
-        mean[top] = -p->branch.sense*slope/t2;
+        mean[top] = -p->intended.sense*slope/t2;
         mass[top] = t2;
         size[top++] = 1;
         for (; top > 1 && mean[top - 2] > mean[top - 1]; top--) {

@@ -96,13 +96,13 @@ void lw_problem_work_init(const lw_problem *p, void *work)
     lw_work *w = work;
     memset(work, 0, lay_out(p, w, NULL));         /* lanes beyond the last stay zero in sums        */
     lay_out(p, w, work);
-    lw_problem_work_branch(p, w);
+    lw_problem_work_intended(p, w);
 }
 
-void lw_problem_work_branch(const lw_problem *p, lw_work *w)
+void lw_problem_work_intended(const lw_problem *p, lw_work *w)
 {
     for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
-        w->turn[j] = 2*LW_PI*(j + (p->branch.turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
+        w->turn[j] = 2*LW_PI*(j + (p->intended.turns ? 0 : 0.5))/LW_CURVE_SAMPLES;
         w->turn_c[j] = cos(w->turn[j]);
         w->turn_s[j] = sin(w->turn[j]);
     }

@@ -66,6 +66,6 @@ typedef struct lw_work {
 static inline const lw_jacobian *lw_work_jac(const lw_work *w, int k) { return k > 0 ? &w->also[k - 1].jac : &w->jac; }
 
 /* Work out again what the scratch keeps of the intended motion, after that of p has changed. */
-void lw_problem_work_branch(const lw_problem *p, lw_work *w);
+void lw_problem_work_intended(const lw_problem *p, lw_work *w);
 
 #endif

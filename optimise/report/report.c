@@ -31,7 +31,7 @@ static void turn_tools(const lw_candidate *c, const lw_target *t, const lw_pose 
 /* Assembly modes of the candidate at a station, modes (LW_MODE_MAX). */
 static void modes_at(const lw_candidate *c, const lw_plan *plan, size_t station, double *modes)
 {
-    memcpy(modes, c->branch.mode, sizeof c->branch.mode);
+    memcpy(modes, c->intended.mode, sizeof c->intended.mode);
     for (int d = 0; c->mode_of && d < plan->n_dyad; d++)
         modes[d] = c->mode_of[station*(size_t)plan->n_dyad + (size_t)d];
 }
@@ -311,7 +311,7 @@ static double travel_to_next(const lw_target *t, const lw_candidate *c, bool tur
 {
     size_t b = (a + 1) % t->n;
     double travel = c->input[b] - c->input[a];
-    return b == 0 && turns ? c->branch.sense*turn_up(c->branch.sense*travel) : travel;
+    return b == 0 && turns ? c->intended.sense*turn_up(c->intended.sense*travel) : travel;
 }
 
 /* Points of the curve from station a on, `steps` at equal inputs.  Returns how many closed. */
@@ -361,7 +361,7 @@ static void classify(const lw_target *t, const lw_fit_spec *s, const lw_candidat
 {
     if (!c->family->type || strcmp(c->family->type, "RRRR") != 0)
         return;
-    double mode = c->mode_of ? c->mode_of[0] : c->branch.mode[0];
+    double mode = c->mode_of ? c->mode_of[0] : c->intended.mode[0];
     r->has_class = lw_fourbar_classify(c->dim, 1e-12, &r->barker, NULL) == LW_OK;
     if (lw_task_has_place(s->task) && t->n_also == 0    /* cognates move one coupler point */
         && lw_fourbar_cognates(c->dim, mode, r->cognate, r->cognate_mode) == LW_OK)

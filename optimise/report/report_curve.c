@@ -133,6 +133,6 @@ void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_can
     }
     lw_circuits_free(&all);
     if (w && !(r->turns && plan->input_turns_per_period == 1))
-        lw_motion_limits_run(plan, s, c->dim, c->branch.mode, from, to, STEPS, limits);
+        lw_motion_limits_run(plan, s, c->dim, c->intended.mode, from, to, STEPS, limits);
     free(w);
 }

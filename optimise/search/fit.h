@@ -42,14 +42,14 @@ lw_fit_options lw_fit_options_default(void);
 typedef struct lw_candidate {
     const lw_family *family;
     lw_family_made  *own;        /* with families: the memory that `family` points to               */
-    lw_intended_motion branch;   /* assembly mode, sense of the run                                 */
+    lw_intended_motion intended; /* assembly mode, sense of the run                                 */
     double  dim[LW_DIM_MAX];     /* in the order of the plan of its type                            */
     int     n_dim;
     double  input0, tool0;       /* 0 where the task has none                                       */
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in SI                                                    */
     double *input;               /* of each station [rad] or [m]                     (n_station)    */
-    double *mode_of;             /* assembly mode of each dyad at each station; NULL: branch.mode everywhere
+    double *mode_of;             /* assembly mode of each dyad at each station; NULL: intended.mode everywhere
                                   *                                                  (n_station*n_dyad) */
     int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */

@@ -73,7 +73,7 @@ static int draw_starts(const lw_effort *a, lw_problem *p, lw_rng *rng, void *wor
     for (int i = 0; i < chosen && isfinite(g[i].residual); i++) {
         lw_found c;
         c.f = lw_start(p, u + g[i].which*d, c.x, work);
-        c.branch = p->branch;
+        c.intended = p->intended;
         n = put_in_order(best, n, a->improve, &c);
     }
     return n;
@@ -88,8 +88,8 @@ static int search_around(const lw_best_starts *finds, const lw_effort *a, lw_pro
         lw_found c;
         lw_best_starts_get(finds, (int)(lw_rng_uniform(rng)*finds->n), &c);
         double far = exp(-1 - 4*lw_rng_uniform(rng)), part = lw_rng_uniform(rng) < 0.5 ? 1 : 0.3;
-        p->branch = c.branch;
-        lw_problem_work_branch(p, work);
+        p->intended = c.intended;
+        lw_problem_work_intended(p, work);
         for (int v = 0; v < p->n_var; v++)
             if (lw_rng_uniform(rng) < part)
                 c.x[v] += far*fmax(0.1, fabs(c.x[v]))*lw_rng_normal(rng);
@@ -139,11 +139,11 @@ static void improve_all(const lw_search *s, lw_problem *p, int steps, int n, voi
     o.interrupt = s->o->interrupt;
     o.until = s->o->max_seconds > 0 ? s->started + s->o->max_seconds : 0;
     for (int i = 0; i < n && !lw_search_stopped(s); i++) {
-        p->branch = best[i].branch;
-        lw_problem_work_branch(p, work);
+        p->intended = best[i].intended;
+        lw_problem_work_intended(p, work);
         improve(s, p, &o, !p->family->linkage || steps > FIRST_STEPS, work, &best[i]);
         if (p->plan.n_higher > 0 && isfinite(best[i].f))             /* the seeds move with the linkage */
-            lw_plan_seed(&p->plan, best[i].x, p->branch.mode[p->plan.n_mode - 1], best[i].branch.mode);
+            lw_plan_seed(&p->plan, best[i].x, p->intended.mode[p->plan.n_mode - 1], best[i].intended.mode);
     }
     for (int i = 1; i < n; i++) {
         lw_found c = best[i];
@@ -167,7 +167,7 @@ static int starts_of(lw_search *s, size_t job, const lw_effort *effort, lw_probl
     if (p->family->posture && a->starts == 0) {
         lw_found c;
         c.f = lw_random_linkage_posture(p, c.x, work) ? lw_problem_value(p, c.x, NULL, work) : INFINITY;
-        c.branch = p->branch;
+        c.intended = p->intended;
         n = put_in_order(best, n, effort->improve, &c);
     }
     return n;
@@ -260,8 +260,8 @@ static void polish_one(void *context, size_t job, int thread)
     if (s->thin.n > 0)
         refine_variables(searched, p, c->x);
     lw_lm_feasible(p, c->x);
-    p->branch = c->branch;
-    lw_problem_work_branch(p, work);
+    p->intended = c->intended;
+    lw_problem_work_intended(p, work);
     l->spent = -c->evals;
     improve(s, p, &o, true, work, c);
     l->spent += c->evals;

@@ -89,10 +89,10 @@ lw_best_starts *lw_best_starts_of(const lw_pool *p, int most, const lw_variables
     for (int i = 0; i < starts->n; i++) {
         const lw_found *c = &p->item[i];
         double *at = starts->number + one*(size_t)i;
-        memcpy(at, (double[HEAD]){ c->f, c->branch.sense, c->branch.turns, c->branch.mid, c->branch.half },
+        memcpy(at, (double[HEAD]){ c->f, c->intended.sense, c->intended.turns, c->intended.mid, c->intended.half },
                HEAD*sizeof *at);
         memcpy(at + HEAD, c->x, sizeof *at*(size_t)of->n);
-        memcpy(at + HEAD + of->n, c->branch.mode, sizeof *at*(size_t)n_mode);
+        memcpy(at + HEAD + of->n, c->intended.mode, sizeof *at*(size_t)n_mode);
     }
     return starts;
 }
@@ -107,7 +107,7 @@ void lw_best_starts_get(const lw_best_starts *starts, int i, lw_found *c)
     assert(i >= 0 && i < starts->n);
     const double *at = starts->number + size_of_one(starts)*(size_t)i;
     *c = (lw_found){ .f = at[0], .candidate = starts->candidate, .hits = 1,
-                     .branch = { .sense = (int)at[1], .turns = at[2] != 0, .mid = at[3], .half = at[4] } };
+                     .intended = { .sense = (int)at[1], .turns = at[2] != 0, .mid = at[3], .half = at[4] } };
     memcpy(c->x, at + HEAD, sizeof *at*(size_t)starts->of.n);
-    memcpy(c->branch.mode, at + HEAD + starts->of.n, sizeof *at*(size_t)starts->n_mode);
+    memcpy(c->intended.mode, at + HEAD + starts->of.n, sizeof *at*(size_t)starts->n_mode);
 }

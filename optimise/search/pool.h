@@ -10,7 +10,7 @@ typedef struct lw_found {
     double  f;                   /* scaled                                                          */
     double  x[LW_VAR_MAX];
     int     candidate;           /* of the search: which problem x belongs to                       */
-    lw_intended_motion branch;
+    lw_intended_motion intended;
     bool    polished;
     long    evals;
     double  seconds;

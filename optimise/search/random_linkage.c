@@ -309,17 +309,17 @@ static bool run_steps(drawing *d)
     return true;
 }
 
-/* Find the range around p->branch.mid in which the linkage closes, within `reach` to each side, at M samples. */
+/* Find the range around p->intended.mid in which the linkage closes, within `reach` to each side, at M samples. */
 static bool find_range(lw_problem *p, const double *shape, double reach, lw_work *w)
 {
     int half = M/2, lo = half, hi = half;
     double width = reach/half;
     for (int k = 0; k < M; k++) {
-        double at = p->branch.mid + (k - half)*width;
+        double at = p->intended.mid + (k - half)*width;
         w->pose_c[k] = p->plan.input_is_slider ? at : cos(at);
         w->pose_s[k] = p->plan.input_is_slider ? 0 : sin(at);
     }
-    lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->branch.mode };
+    lw_lanes in = { .n = M, .c = w->pose_c, .s = w->pose_s, .dim = shape, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, w->pose.margin);
     while (lo > 0 && w->pose.margin[lo - 1] > 1e-3)
         lo--;
@@ -327,27 +327,27 @@ static bool find_range(lw_problem *p, const double *shape, double reach, lw_work
         hi++;
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
     double unit = size >= 0 ? shape[size] : 1;
-    p->branch.half = 0.5*(hi - lo)*width/unit;
-    p->branch.mid = (p->branch.mid + (0.5*(hi + lo) - half)*width)/unit;
+    p->intended.half = 0.5*(hi - lo)*width/unit;
+    p->intended.mid = (p->intended.mid + (0.5*(hi + lo) - half)*width)/unit;
     return hi > lo + 2;
 }
 
-/* Find the circuit through p->branch.mid, across the limits of the motion.  mid and half become those of its first
+/* Find the circuit through p->intended.mid, across the limits of the motion.  mid and half become those of its first
  * stroke, without the limits themselves. */
 static bool find_circuit(lw_problem *p, const double *shape, lw_work *w)
 {
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
-    double unit = size >= 0 ? shape[size] : 1, mid = p->branch.mid;
+    double unit = size >= 0 ? shape[size] : 1, mid = p->intended.mid;
     if (!p->closed || p->timing == LW_TIMING_PRESCRIBED || p->plan.n_higher > 0)
         return false;
-    p->branch.through = true;
-    p->branch.mid = mid/unit;
-    lw_problem_work_branch(p, w);
+    p->intended.through = true;
+    p->intended.mid = mid/unit;
+    lw_problem_work_intended(p, w);
     bool found = lw_circuit_find(p, shape, w) && !w->swing.turning;
-    p->branch.through = found;
-    p->branch.mid = found ? w->swing.stroke[0].mid/unit : mid;
-    p->branch.half = found ? (1 - 1e-6)*w->swing.stroke[0].half/unit : 0;
-    lw_problem_work_branch(p, w);
+    p->intended.through = found;
+    p->intended.mid = found ? w->swing.stroke[0].mid/unit : mid;
+    p->intended.half = found ? (1 - 1e-6)*w->swing.stroke[0].half/unit : 0;
+    lw_problem_work_intended(p, w);
     return found;
 }
 
@@ -373,11 +373,11 @@ static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
     if (!gears)
         return true;
     for (int k = 0; k < N; k++) {
-        double t = p->branch.mode[plan->n_mode - 1] + LW_PI + off[k];
+        double t = p->intended.mode[plan->n_mode - 1] + LW_PI + off[k];
         c[k] = cos(t);
         s[k] = sin(t);
     }
-    lw_lanes in = { .n = N, .c = c, .s = s, .dim = x, .mode = p->branch.mode };
+    lw_lanes in = { .n = N, .c = c, .s = s, .dim = x, .mode = p->intended.mode };
     lw_batch_point(plan, &in, 0, w->batch, px, py, u, v, NULL);
     for (int k = 0; k < N - 1; k++) {
         int a = before[k], b = behind[k];
@@ -389,7 +389,7 @@ static bool comes_back(const lw_problem *p, const double *x, lw_work *w)
 /* Does the linkage close at every sample of a turn, and return to its first pose? */
 static bool closes_all_round(const lw_problem *p, const double *x, lw_work *w)
 {
-    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->branch.mode };
+    lw_lanes in = { .n = M, .c = w->turn_c, .s = w->turn_s, .dim = x, .mode = p->intended.mode };
     lw_problem_margin(p, &in, w, w->pose.margin);
     for (int k = 0; k < M; k++)
         if (!(w->pose.margin[k] > 0))
@@ -401,22 +401,22 @@ bool lw_random_linkage_posture(lw_problem *p, double *x, void *work)
 {
     double dim[LW_DIM_MAX], input;
     memset(x, 0, sizeof *x*(size_t)p->n_var);
-    if (lw_plan_read(&p->plan, p->family->linkage, dim, p->branch.mode, &input, NULL) != LW_OK)
+    if (lw_plan_read(&p->plan, p->family->linkage, dim, p->intended.mode, &input, NULL) != LW_OK)
         return false;
     lw_problem_from_dims(p, dim, x);
     for (int i = 0; i < p->n_dim; i++)
         x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
     if (p->i_input0 >= 0 && p->datum == LW_DATUM_FREE)
         x[p->i_input0] = input;
-    p->branch.mid = p->plan.input_is_slider ? input/p->unit : input;
-    p->branch.through = false;
-    p->branch.turns = true;
-    lw_problem_work_branch(p, work);
-    p->branch.turns = !p->plan.input_is_slider && closes_all_round(p, x, work);
-    if (p->must_turn && !p->branch.turns)
+    p->intended.mid = p->plan.input_is_slider ? input/p->unit : input;
+    p->intended.through = false;
+    p->intended.turns = true;
+    lw_problem_work_intended(p, work);
+    p->intended.turns = !p->plan.input_is_slider && closes_all_round(p, x, work);
+    if (p->must_turn && !p->intended.turns)
         return false;
-    lw_problem_work_branch(p, work);
-    return p->branch.turns || find_motion(p, x, work);
+    lw_problem_work_intended(p, work);
+    return p->intended.turns || find_motion(p, x, work);
 }
 
 /* ---- postures ------------------------------------------------------------------------------------------ */
@@ -492,10 +492,10 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
     double input;
     scatter(p, u, &k);
     for (int i = 0; i < 5; i++, shorten_cranks(&k, 0.5)) {
-        if (lw_plan_read(&p->plan, &k, shape, p->branch.mode, &input, NULL) != LW_OK)
+        if (lw_plan_read(&p->plan, &k, shape, p->intended.mode, &input, NULL) != LW_OK)
             return false;
-        if (!p->branch.turns) {
-            p->branch.mid = input;
+        if (!p->intended.turns) {
+            p->intended.mid = input;
             return find_motion(p, shape, w);
         }
         if (closes_all_round(p, shape, w))
@@ -506,23 +506,23 @@ static bool draw_posture(lw_problem *p, const double *u, double *shape, lw_work 
 
 bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work)
 {
-    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->branch.mode };
+    drawing d = { .plan = &p->plan, .u = u + 2, .shape = shape, .mode = p->intended.mode };
     bool slides = p->plan.input_is_slider;
-    p->branch.turns = !slides && (turns || u[0] < 0.5);
-    p->branch.through = false;
-    p->branch.mid = slides ? 6*u[1] - 3 : 2*LW_PI*u[1];
-    d.n = p->branch.turns ? M : 1;
+    p->intended.turns = !slides && (turns || u[0] < 0.5);
+    p->intended.through = false;
+    p->intended.mid = slides ? 6*u[1] - 3 : 2*LW_PI*u[1];
+    d.n = p->intended.turns ? M : 1;
     for (int k = 0; k < d.n; k++)
-        d.input[k] = p->branch.turns ? 2*LW_PI*k/M : p->branch.mid;
+        d.input[k] = p->intended.turns ? 2*LW_PI*k/M : p->intended.mid;
     memset(shape, 0, sizeof *shape*(size_t)p->n_dim);
     if (p->plan.n_higher > 0) {
-        lw_problem_work_branch(p, work);
+        lw_problem_work_intended(p, work);
         return draw_posture(p, u + 2, shape, work);
     }
     for (int i = 0; i < LW_MODE_MAX; i++)
-        p->branch.mode[i] = 1;
+        p->intended.mode[i] = 1;
     if (!run_steps(&d))
         return false;
-    lw_problem_work_branch(p, work);
-    return p->branch.turns || find_motion(p, shape, work);
+    lw_problem_work_intended(p, work);
+    return p->intended.turns || find_motion(p, shape, work);
 }

@@ -15,12 +15,12 @@
 /* How many numbers in [0, 1) a draw takes. */
 int lw_random_linkage_draws(const lw_problem *p);
 
-/* Compute the linkage that u stands for: its dimensions, shape (n_dim), and in p->branch its assembly mode and its
+/* Compute the linkage that u stands for: its dimensions, shape (n_dim), and in p->intended its assembly mode and its
  * motion: the input turns fully or, unless `turns` asks for that, moves in a range in which the linkage closes.
  * false: the linkage is degenerate (parallel slides), or does not move. */
 bool lw_random_linkage_draw(lw_problem *p, const double *u, bool turns, double *shape, void *work);
 
-/* Variables x (n_var, scaled) and p->branch of the family's own linkage in its posture, moved into the problem's
+/* Variables x (n_var, scaled) and p->intended of the family's own linkage in its posture, moved into the problem's
  * bounds; the inputs of a prescribed timing begin at the posture's.  false: it does not close there. */
 bool lw_random_linkage_posture(lw_problem *p, double *x, void *work);
 

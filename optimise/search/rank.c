@@ -71,8 +71,8 @@ static const lw_problem *settled(lw_search *s, const lw_found *c, lw_work **w)
     if (!p)
         return NULL;
     *w = s->bench[0].work;
-    p->branch = c->branch;
-    lw_problem_work_branch(p, *w);
+    p->intended = c->intended;
+    lw_problem_work_intended(p, *w);
     return lw_problem_settle(p, c->x, *w) ? p : NULL;
 }
 
@@ -87,7 +87,7 @@ static bool trace(lw_search *s, const lw_found *c, traced *t)
         memcpy(t->px + (size_t)i*p->n, lw_work_jac(w, i)->x, sizeof *t->px*p->n);
         memcpy(t->py + (size_t)i*p->n, lw_work_jac(w, i)->y, sizeof *t->py*p->n);
     }
-    if (!p->branch.turns && !lw_circuit_find(p, c->x, w)) {   /* no limits of its motion found: compare stations only */
+    if (!p->intended.turns && !lw_circuit_find(p, c->x, w)) {   /* no limits of motion found: compare stations only */
         for (int j = 0; j < LW_CURVE_SAMPLES; j++) {
             t->cx[j] = t->px[0];
             t->cy[j] = t->py[0];
@@ -126,7 +126,7 @@ static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
     const lw_problem *p = settled(s, c, &w);
     if (!p)
         return false;
-    *out = (lw_candidate){ .branch = p->branch,
+    *out = (lw_candidate){ .intended = p->intended,
                            .n_dim = p->n_dim, .objective = c->f*p->scale, .evals = c->evals,
                            .seconds = c->seconds, .stop = c->stop };
     lw_problem_to_dims(p, c->x, out->dim);

@@ -185,7 +185,7 @@ static void mount_tools(const lw_problem *p, const lw_work *w, double *x)
  * close. */
 static bool frames(const lw_problem *p, const double *shape, lw_work *w)
 {
-    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->branch.mode };
+    lw_lanes in = { .n = p->n, .c = w->c, .s = w->s, .dim = shape, .mode = p->intended.mode };
     double least = 1;
     lw_circuit_modes(p, w, &in);
     for (int i = 0; i <= p->n_also; i++) {
@@ -202,7 +202,7 @@ static bool draw_shape(lw_problem *p, const double *u, double *shape, lw_work *w
     double value[LW_SHAPE_MAX];
     if (p->family->linkage) {
         if (p->timing == LW_TIMING_FREE)                 /* both senses are equally likely          */
-            p->branch.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
+            p->intended.sense = u[shape_draws(p) - 1] < 0.5 ? -1 : 1;
         return lw_random_linkage_draw(p, u, p->must_turn, shape, w);
     }
     p->family->draw(u, value);
@@ -287,7 +287,7 @@ static void guess_phases(const lw_problem *p, const double *u, lw_work *w)
         double t = total > 0 ? 2*LW_PI*along/total : 0;
         if (!hurried)
             t += warp*(sin(t + phase) - sin(phase));
-        w->phase[k] = first + p->branch.sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
+        w->phase[k] = first + p->intended.sense*(span*t + (k > gap ? 2*LW_PI*(1 - span) : 0));
     }
 }
 

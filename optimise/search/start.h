@@ -16,7 +16,7 @@
 int lw_start_draws(const lw_problem *p);
 
 /* A first estimate of the start that u stands for, at a tenth of its cost: the residual of the linear fit with the
- * inputs as guessed.  INFINITY: u stands for no start.  For a family of any linkage, here and in lw_start, p->branch
+ * inputs as guessed.  INFINITY: u stands for no start.  For a family of any linkage, here and in lw_start, p->intended
  * becomes the start's. */
 double lw_start_estimate(lw_problem *p, const double *u, void *work);
 

@@ -41,7 +41,7 @@ static void grow_one(const lw_target *t, const lw_search_stage *stage, const lw_
     lw_family_made *g = &to->made[to->n];
     char name[sizeof g->name];
     used_range(t, c, &first, &last);
-    if (lw_linkage_grow(&r->linkage, c->branch.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
+    if (lw_linkage_grow(&r->linkage, c->intended.turns && r->turns, first, last, rng, &g->linkage) != LW_OK)
         return;
     snprintf(name, sizeof name, "%.40s with a dyad more", lw_family_title(c->family));
     if (stage->name && !stage->name(stage->context, &g->linkage, name, sizeof name))
