@@ -24,12 +24,12 @@
 /* One chain and its description. */
 typedef struct entry {
     lw_chain            chain;
-    size_t              structure;             /* index among those with its number of loops         */
+    size_t              structure;             /* index among the structures with its number of loops */
     lw_store_chain      row;
     uint8_t             ground[LW_LINK_MAX], alike[LW_LINK_MAX];
     int                 n_with[5];
     lw_bytes            layout;
-    lw_bytes            text;                  /* all texts; pointers to them are set at the end */
+    lw_bytes            text;                  /* all texts; pointers into it are set at the end */
     int                 n_mechanism, capacity, place_capacity;
     lw_store_mechanism *mechanism;
     size_t             *place;                 /* offsets of kinds, inputs, groups in text     (3n)   */
@@ -104,7 +104,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
         row->n_slider += m->kind[j] == LW_JOINT_SLIDER;
     for (int k = 0; k < a.n_group; k++) {
         row->highest = a.group[k].n_class > row->highest ? a.group[k].n_class : row->highest;
-        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank has the posture of its input */
+        row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank's pose is given by its input */
     }
     print_inputs(m, inputs, sizeof inputs);
     print_groups(&a, groups);
@@ -155,7 +155,7 @@ static void print_assortment(const lw_chain *c, entry *x, char text[LW_LINK_MAX*
     memcpy(x->n_with, n_with + 2, sizeof x->n_with);
 }
 
-/* The texts of the chain, in this order. */
+/* The texts of a chain, in the order in which they are stored. */
 enum { LABEL, GRAPH6, FRANKE, SENTENCE, MATRIX, ASSORTMENT, N_TEXT };
 
 static lw_status print_chain(const lw_chain *c, const lw_mechanism *m, entry *x, size_t place[N_TEXT])
@@ -201,7 +201,7 @@ static void set_texts(entry *x, const size_t place[N_TEXT])
     x->row.n_mechanism = (size_t)x->n_mechanism;
 }
 
-/* Where the joints are drawn in a picture. */
+/* Compute the places of the joints in a picture. */
 static lw_status lay_out(const lw_mechanism *m, entry *x)
 {
     lw_chain_layout l;
@@ -319,7 +319,7 @@ static lw_status write_structures(job *j)
 
 /* ---- the whole ------------------------------------------------------------------------------------- */
 
-/* Write down the run, find out how many chains are stored, and store the structures first. */
+/* Record the run, find out how many chains are stored, and store the structures first. */
 static lw_status begin(job *j)
 {
     const lw_numbers *numbers = lw_chains_numbers(j->chains);

@@ -1,4 +1,4 @@
-/* catalogues/build/build_check.c - a catalogue against itself and against the published counts. */
+/* catalogues/build/build_check.c - check a catalogue for consistency and against the published counts. */
 #include <stdio.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@
 typedef struct check {
     const lw_build_control *control;
     uint64_t n_chain, n_wrong;
-    char     wrong[LW_GRAPH6_SIZE];            /* the first                                           */
+    char     wrong[LW_GRAPH6_SIZE];            /* the first wrong one                                 */
 } check;
 
 static lw_status check_chain(void *context, int n_column, const char *const *name, const lw_value *value)
@@ -49,7 +49,7 @@ static lw_status check_chains(lw_store *s, check *c, lw_error *e)
 
 /* ---- sums -------------------------------------------------------------------------------------------- */
 
-/* Every number in the file that follows from others. */
+/* Check every number in the file that follows from others. */
 static lw_status check_sums(lw_store *s, lw_error *e)
 {
     static const struct { const char *what, *sql; } sums[] = {
@@ -108,8 +108,8 @@ lw_status lw_build_check(lw_store *s, const lw_build_control *control, uint64_t 
 #define COMPLETE " FROM chain c WHERE c.links = ?1 AND c.dof = ?2"
 #define GROUNDS  "SELECT count(*) FROM ground g JOIN chain c ON c.id = g.chain WHERE c.links = ?1 AND c.dof = ?2"
 
-/* What is counted for a published text: the first row here whose `begin` starts the text. ?3 is the assortment. A
- * catalogue has no fractionated chains; with F = 1 there are none, so counts of all chains are compared for F = 1
+/* How to count what a published text describes: the first row here whose `begin` starts the text. ?3 is the assortment.
+ * A catalogue has no fractionated chains; with F = 1 there are none, so counts of all chains are compared for F = 1
  * only. */
 static const struct { const char *begin; const char *sql; bool only_dof_1; } wordings[] = {
     { "all chains with nonplanar", "SELECT count(*)" COMPLETE " AND NOT c.planar", true },
@@ -126,7 +126,7 @@ static const struct { const char *begin; const char *sql; bool only_dof_1; } wor
     { "chains with trivial automorphism", "SELECT count(*)" COMPLETE " AND c.symmetry = 1", false },
 };
 
-/* "... [4 4 0]" as the catalogue writes it: without zeros at the end. */
+/* Read the assortment in "... [4 4 0]" and write it as the catalogue does: without zeros at the end. */
 static void read_assortment(const char *what, char text[64])
 {
     const char *at = strrchr(what, '[');
@@ -148,7 +148,7 @@ static const char *sql_of(const lw_published *row)
     return NULL;
 }
 
-/* *counted becomes the catalogue's own count, -1 where the row is not about a finished build of this catalogue. */
+/* Set *counted to the catalogue's own count; -1 if the row is not about a finished build of this catalogue. */
 static lw_status count_row(lw_store *s, const lw_published *row, long long *counted, lw_error *e)
 {
     char links[64];

@@ -1,4 +1,4 @@
-/* catalogues/build/build_curves.c - coupler curves into a catalogue, a segment and a transaction at a time. */
+/* catalogues/build/build_curves.c - store coupler curves in a catalogue, one segment per transaction. */
 #include <stdio.h>
 
 #include "catalogues/build/build_internal.h"

@@ -1,4 +1,4 @@
-/* catalogues/build/build_linkages.c - linkages that were found into a catalogue (bridge to jansson). */
+/* catalogues/build/build_linkages.c - store results of fits in a catalogue (bridge to jansson). */
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,8 +15,8 @@
 #include "mbs/kinematics/fourbar.h"
 #include "mbs/plan/types.h"
 
-#define CURVE_POINTS 180               /* asked of a scene                                            */
-#define CURVE_MAX    (8*CURVE_POINTS)  /* that are stored at most: a scene halves long steps            */
+#define CURVE_POINTS 180               /* requested of a scene                                        */
+#define CURVE_MAX    (8*CURVE_POINTS)  /* greatest number stored: a scene halves long steps             */
 
 typedef struct job {
     const char             *file;
@@ -24,8 +24,8 @@ typedef struct job {
     lw_build_counts        *counts;
     lw_describer            tables;
     lw_build_transaction    transaction;
-    bool                    run;              /* the run is written down                              */
-    long                    line;             /* where the current value begins                       */
+    bool                    run;              /* the run is recorded                                  */
+    long                    line;             /* line where the current value begins                  */
     lw_error                e;
 } job;
 
@@ -46,7 +46,7 @@ static const char *text_of(const json_t *object, const char *key)
     return json_string_value(json_object_get(object, key));
 }
 
-/* A number of the object times `unit`; NaN when there is none. */
+/* A number of the object times `unit`; NaN if there is none. */
 static double number_of(const json_t *object, const char *key, double unit)
 {
     const json_t *v = json_object_get(object, key);
@@ -59,7 +59,7 @@ static int flag_of(const json_t *object, const char *key)
     return json_is_boolean(v) ? json_is_true(v) : json_is_integer(v) ? (int)json_integer_value(v) : -1;
 }
 
-/* The letters of a four-link chain in loop order from the driven joint at the ground; "" for others. */
+/* The joint letters of a four-link chain in loop order, from the driven joint at the ground; "" for other chains. */
 static void set_type(const lw_linkage *k, char type[8])
 {
     int link = k->ground, joint = k->n_input == 1 ? k->input[0].joint : -1;
@@ -148,7 +148,7 @@ static void set_class(entry *x)
         x->row.crank = c.crank;
 }
 
-/* The curve of its first tracer, with its terms. */
+/* Compute the curve of the linkage's first tracer and its Fourier terms. */
 static lw_status set_curve(const job *j, entry *x)
 {
     lw_scene scene;
@@ -208,7 +208,7 @@ static void set_fit(entry *x, const json_t *result, const json_t *whole)
     r->circuits = flag_of(result, "circuits");
 }
 
-/* The same linkage for the same target and task, with the same objective, is stored once. */
+/* Hash by which the same linkage for the same target and task, with the same objective, is stored once. */
 static lw_status set_hash(entry *x)
 {
     char number[40];
@@ -233,7 +233,7 @@ static lw_status read_linkage(job *j, const json_t *linkage, entry *x)
         return lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
     lw_status s = lw_linkage_read(text, strlen(text), j->file, &x->k, &j->e);
     free(text);
-    if (s == LW_E_NOTATION)                     /* the reader does not know columns of the compact text */
+    if (s == LW_E_NOTATION)                     /* the reader does not know some columns of the compact text */
         j->e.line = j->line, j->e.column = 0;
     if (s == LW_OK && !(x->json = lw_linkage_write(&x->k, 0)))
         s = lw_error_set(&j->e, LW_E_MEMORY, "out of memory");
@@ -351,7 +351,7 @@ static lw_status add_text(job *j, const char *text, size_t size)
 
 /* ---- the whole ---------------------------------------------------------------------------------------- */
 
-/* Commit what was added, also when the work was stopped; after a failure the rest of the transaction goes. */
+/* Commit what was added, also if the work was stopped; after a failure roll the transaction back. */
 static lw_status finish(job *j, lw_status s)
 {
     if (s < 0) {

@@ -1,4 +1,5 @@
-/* catalogues/curves/atlas.c - segments: many curves drawn by many threads, sorted into blocks. */
+/* catalogues/curves/atlas.c - segments of an atlas: threads draw many random curves, which are then sorted into blocks.
+ */
 #include "catalogues/curves/atlas.h"
 
 #include <math.h>
@@ -7,9 +8,9 @@
 #include "base/parallel.h"
 #include "optimise/solvers/lowdiscrepancy.h"
 
-#define CHUNK 512                      /* samples of one job */
+#define CHUNK 512                      /* samples per job */
 
-/* As they lie in the file, docs/catalogue.md. */
+/* The same layout as in the file, docs/catalogue.md. */
 _Static_assert(sizeof(lw_packed) == 64 && sizeof(lw_curve_row) == 36 && sizeof(lw_curve_box) == 68, "file layout");
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "catalogues are little-endian; swap bytes in store_rows.c");
 
@@ -18,9 +19,9 @@ typedef struct job {
     lw_atlas_kinds        kinds;
     size_t                n, work_size;
     const double         *u;           /* (n*LW_CURVE_DRAWS)              */
-    unsigned char        *work;        /* a piece for each thread         */
+    unsigned char        *work;        /* one piece per thread            */
     lw_describer          tables;
-    unsigned char        *good;        /* (n) 0 none, 1 closed, 2 open    */
+    unsigned char        *good;        /* (n) 0: no curve, 1: closed, 2: open */
     lw_packed            *terms;       /* (n)                             */
     lw_curve_row         *row;         /* (n)                             */
 } job;
@@ -57,10 +58,10 @@ static sizes sizes_of(const lw_packed *p)
     return s;
 }
 
-/* The m smallest of n different keys to the front (Hoare's Find, 1961). */
+/* Move the m smallest of n different keys to the front (Hoare's Find, 1961). */
 static void select_first(uint64_t *key, size_t n, size_t m)
 {
-    ptrdiff_t lo = 0, hi = (ptrdiff_t)n - 1, want = (ptrdiff_t)m;
+    ptrdiff_t lo = 0, hi = (ptrdiff_t)n - 1, index = (ptrdiff_t)m;
     while (lo < hi) {
         uint64_t pivot = key[lo + (hi - lo)/2];
         ptrdiff_t i = lo, j = hi;
@@ -75,9 +76,9 @@ static void select_first(uint64_t *key, size_t n, size_t m)
                 key[j--] = t;
             }
         }
-        if (want <= j)
+        if (index <= j)
             hi = j;
-        else if (want >= i)
+        else if (index >= i)
             lo = i;
         else
             return;
@@ -105,7 +106,7 @@ static lw_curve_box box_of(const sorting *s, const uint32_t *order, size_t n)
     return b;
 }
 
-/* Halve until a block is small enough; blocks but the last are full. */
+/* Halve until a block is small enough; all blocks but the last are full. */
 static void sort_blocks(sorting *s, size_t first, size_t n)
 {
     uint32_t *order = s->order + first;
@@ -200,7 +201,7 @@ lw_status lw_atlas_segment(const lw_curve_maker *maker, uint64_t seed, size_t nu
     j->terms = malloc((n + 1)*sizeof *j->terms);
     j->row = malloc((n + 1)*sizeof *j->row);
     pair p = { j, tree, { LW_E_MEMORY, LW_E_MEMORY } };
-    lw_rng_seed(&rng, seed, 0x61746c61u + number);             /* segments are shifted against each other */
+    lw_rng_seed(&rng, seed, 0x61746c61u + number);             /* each segment uses its own random numbers */
     if (u && j->work && j->good && j->terms && j->row && lw_low_discrepancy(&rng, n, LW_CURVE_DRAWS, u)) {
         lw_parallel(n_thread, (n + CHUNK - 1)/CHUNK, draw_chunk, j);
         lw_parallel(n_thread, 2, make_trees, &p);

@@ -11,21 +11,21 @@
 
 #define FAMILY_MAX 32
 #define POINTS     LW_CURVE_POINTS
-#define REACH      2.0          /* how far from the middle of the coupler tracers are drawn, couplers */
-#define LEAST_PART 0.1          /* of the way, of an open curve                                       */
+#define REACH      2.0        /* tracers are drawn up to this distance from the middle of the coupler, in its lengths */
+#define LEAST_PART 0.1          /* of the input's range, for an open curve                            */
 
 typedef struct kind {
     const lw_family   *family;
-    lw_curve_topology *topology;                                /* owned; NULL: four links         */
+    lw_curve_topology *topology;                                /* owned; NULL: four-bar           */
     lw_plan            plan;
-    int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* numbers of dimensions; -1: none */
-    double           upto;                                      /* share of the samples, added up  */
+    int              shape[LW_SHAPE_MAX], n_shape, coupler;     /* indices of dimensions; -1: none */
+    double           upto;                                      /* cumulative share of the samples */
 } kind;
 
 struct lw_curve_maker {
     int    n;
-    size_t batch_size, topology_size;                           /* of work, bytes                  */
-    double c[POINTS], s[POINTS];                                /* a full turn                     */
+    size_t batch_size, topology_size;                           /* scratch of the batch and of a topology, bytes */
+    double c[POINTS], s[POINTS];                                /* cosine and sine over a full turn */
     char   families[FAMILY_MAX*LW_CURVE_WORD];
     kind   kind[FAMILY_MAX];
 };
@@ -85,7 +85,7 @@ static lw_status add_family(lw_curve_maker *m, const lw_family *f, lw_error *e)
     return add_kind(m, f, f->name, to);
 }
 
-/* The next word of a list apart by commas; false at the end. */
+/* The next word of a comma-separated list. False: end of the list. */
 static bool next_word(const char **list, char word[LW_CURVE_WORD])
 {
     size_t n = strcspn(*list, ",");
@@ -172,7 +172,7 @@ const lw_family *lw_curve_family(const lw_curve_maker *maker, const lw_curve_row
     return row->family < maker->n ? maker->kind[row->family].family : NULL;
 }
 
-/* Scratch, room of the batch, room of topologies. */
+/* Layout of the work memory: scratch, batch, topologies. */
 static size_t batch_end(const lw_curve_maker *m) { return (sizeof(scratch) + m->batch_size + 63)/64*64; }
 
 size_t lw_curve_work_size(const lw_curve_maker *maker)
@@ -180,10 +180,10 @@ size_t lw_curve_work_size(const lw_curve_maker *maker)
     return batch_end(maker) + (maker->topology_size + 63)/64*64;
 }
 
-/* ---- postures ------------------------------------------------------------------------------------- */
+/* ---- poses ---------------------------------------------------------------------------------------- */
 
-/* Inputs of lanes from..to-1 run from a to b as a cosine does, dense at the ends, where the linkage may be at a
- * limit and run fast. */
+/* Set the inputs of lanes from..to-1 between `first` and `last`. ends: spaced like a cosine, dense near the ends, where
+ * the linkage may be at a limit and move fast. */
 static void set_inputs(const kind *k, scratch *w, int from, int to, double first, double last, bool ends)
 {
     int n = to - from;
@@ -222,7 +222,7 @@ static void set_dims(const kind *k, const lw_curve_row *row, double *dim)
     dim[k->plan.i_cy[0]] = row->dim[LW_SHAPE_MAX + 1];
 }
 
-/* Tracers are dense in the middle of the coupler and thin out towards REACH times its length. */
+/* Draw a tracer: dense in the middle of the coupler, rarer towards REACH times its length. */
 static void draw_tracer(const kind *k, const double *u, lw_curve_row *row)
 {
     double coupler = 1, middle = 0;
@@ -236,7 +236,7 @@ static void draw_tracer(const kind *k, const double *u, lw_curve_row *row)
     row->dim[LW_SHAPE_MAX + 1] = (float)at.y;
 }
 
-/* A piece of the way from a to b: u[0] where, u[1] how much. */
+/* Draw a part of the input range a .. b: u[0] gives its place, u[1] its size. */
 static void draw_piece(const double *u, double a, double b, bool turns, lw_curve_row *row)
 {
     double part = LEAST_PART + (1 - LEAST_PART)*u[1];
@@ -245,7 +245,7 @@ static void draw_piece(const double *u, double a, double b, bool turns, lw_curve
     row->last = (float)(from + (b - a)*part);
 }
 
-/* The member of a row; false when there is none. */
+/* Draw the linkage of a row. False: this row gives no linkage. */
 static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *work, double *dim, double *mode,
                       lw_range *range)
 {
@@ -254,8 +254,8 @@ static bool member_of(const lw_curve_maker *m, const lw_curve_row *row, void *wo
                                   range);
 }
 
-/* Does a dyad open on the way?  In one of the postures, or between two of them: its margin is smooth, and the parabola
- * through a least one and its neighbours has a vertex below 0 then. */
+/* Does a dyad fail to close on the way, at one of the poses or between two? Its margin is smooth: it is negative
+ * between two poses if the parabola through a least value and its neighbours has a vertex below 0. */
 static bool opens(const double *margin, bool round)
 {
     for (int i = 0; i < POINTS; i++) {
@@ -321,7 +321,7 @@ lw_status lw_curve_draw(const lw_curve_maker *maker, const double *u, bool close
     if (!(range.last - range.first > 1e-6))
         return LW_OPEN;
     if (!closed) {
-        /* through the limits one comes into the other assembly: both are drawn */
+        /* the linkage passes through the limits into the other assembly mode: draw both */
         double at = u[6]*2;
         row->mode = !range.turns && range.limits && at >= 1 ? -1 : 1;
         draw_piece((double[2]){ range.turns ? u[6] : at - (at >= 1), u[7] }, range.first, range.last, range.turns, row);

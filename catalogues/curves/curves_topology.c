@@ -1,4 +1,5 @@
-/* catalogues/curves/curves_topology.c - members of a topology with more than four links, from a key each. */
+/* catalogues/curves/curves_topology.c - random linkages of a topology with more than four links, each from its own key.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@
 #include "optimise/search/random_linkage.h"
 #include "optimise/topology/mechanism_set.h"
 
-#define REACH 1.5              /* how far from the middle of its link a tracer is drawn, lengths of the link */
+#define REACH 1.5        /* a tracer is drawn up to this distance from the middle of its link, in lengths of the link */
 
 /* ---- as text ---------------------------------------------------------------------------------------- */
 
@@ -27,7 +28,7 @@ lw_status lw_curve_topology_text(const char *name, const lw_linkage *k, char tex
     return n < LW_CURVE_WORD ? LW_OK : LW_E_ARG;
 }
 
-/* The joints between the two '=', and what follows the second. */
+/* Read the joints between the two '='; *rest is what follows the second one. */
 static bool read_joints(const char *text, lw_mechanism *m, const char **rest)
 {
     int a[LW_JOINT_MAX], b[LW_JOINT_MAX], n = 0, most = 0, used = 0;
@@ -74,7 +75,7 @@ static bool read_topology(const char *text, char name[64], lw_mechanism *m)
 
 /* ---- making ------------------------------------------------------------------------------------------- */
 
-/* Drawing takes a problem; its target is the unit circle, so that scaled is what it is. */
+/* Drawing needs a problem. Its target is the unit circle, so that scaling changes nothing. */
 static lw_status make_problem(lw_curve_topology *t, lw_error *e)
 {
     static const double x[] = { 1, 0, -1, 0 }, y[] = { 0, 1, 0, -1 };
@@ -131,7 +132,7 @@ size_t lw_curve_topology_work_size(const lw_curve_topology *t)
     return rounded(sizeof(lw_problem)) + rounded(lw_problem_work_size(&t->problem));
 }
 
-/* Length of the link's first two pins; one when it has no such dimension. */
+/* Distance of the link's first two pins; 1 if it has no such dimension. */
 static double link_length(const lw_plan *plan, int link, const double *dim)
 {
     for (int i = 0; i < plan->n_dim; i++)

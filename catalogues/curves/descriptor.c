@@ -19,7 +19,8 @@ static double length_of(const lw_vec2 *p, size_t n, bool closed)
     return length;
 }
 
-/* Closed: sample k at k/SAMPLES of the length; open: in the middle of the k-th of SAMPLES pieces. */
+/* Resample at equal arc lengths. Closed: sample k is at k/SAMPLES of the length; open: in the middle of the k-th of
+ * SAMPLES pieces. */
 static void resample(const lw_vec2 *p, size_t n, bool closed, double length, double *x, double *y)
 {
     double step = length/SAMPLES, next = closed ? 0 : 0.5*step, before = 0;
@@ -36,7 +37,7 @@ static void resample(const lw_vec2 *p, size_t n, bool closed, double length, dou
         }
         before += piece;
     }
-    for (; k < SAMPLES; k++) {                       /* rounding at the end */
+    for (; k < SAMPLES; k++) {                       /* samples that rounding left out at the end */
         x[k] = p[closed ? 0 : n - 1].x;
         y[k] = p[closed ? 0 : n - 1].y;
     }
@@ -55,7 +56,7 @@ void lw_describer_make(lw_describer *t)
         }
 }
 
-/* (1/SAMPLES) sum of v[i] w[i], in four sums side by side. */
+/* (1/SAMPLES) sum of v[i] w[i], in four partial sums. */
 static double mean_of(const double *v, const double *w)
 {
     double s[4] = { 0, 0, 0, 0 };
@@ -140,7 +141,7 @@ void lw_descriptor_sizes(const lw_descriptor *d, float forth[LW_TERMS], float ba
 
 /* ---- distance -------------------------------------------------------------------------------------- */
 
-/* The curve as it is, mirrored, run through the other way, or both. */
+/* The terms of the curve as it is, mirrored, traversed in reverse, or both. */
 static void variant(const lw_descriptor *d, bool mirrored, bool reversed, lw_vec2 *term)
 {
     for (int k = 0; k < LW_TERMS; k++) {
@@ -176,7 +177,7 @@ static double square_at(const lw_vec2 *w, lw_vec2 one)
     return lw_v2_dot(f, f);
 }
 
-/* F of the largest |F|: the starts that are higher than their neighbours, and Newton from there. */
+/* F(tau) with the largest |F|: Newton steps from the starts that are higher than both neighbours. */
 static lw_vec2 largest(const lw_vec2 *w)
 {
     double at[2*STARTS], limit = LW_PI/STARTS, highest = 0;
@@ -187,7 +188,8 @@ static lw_vec2 largest(const lw_vec2 *w)
     }
     for (int i = 0; i < 2*STARTS; i++) {
         double before = at[(i + 2*STARTS - 1)%(2*STARTS)], after = at[(i + 1)%(2*STARTS)], tau = i*limit;
-        if (at[i] < before || at[i] < after || at[i] < 0.8*highest)    /* it grows by less than that in between */
+        /* |F| grows by less than this factor between two starts */
+        if (at[i] < before || at[i] < after || at[i] < 0.8*highest)
             continue;
         series(w, tau, f);
         for (int n = 0; n < 8; n++) {
@@ -271,7 +273,7 @@ float lw_matcher_square(const lw_matcher *m, const lw_packed *curve)
         square += br[k]*br[k] + bi[k]*bi[k];
     }
     for (int v = 0; v < 4; v++) {
-        int swap = m->closed && (v & 2) ? 1 : 0;               /* closed: c_-k; open: every other sign */
+        int swap = m->closed && (v & 2) ? 1 : 0;               /* closed: take c_-k; open: change every other sign */
         float conj = v & 1 ? -1.0f : 1.0f, value = 0, sr = 0, si = 0;
         for (int k = 0; k < LW_TERMS; k++) {
             float sign = !m->closed && (v & 2) && k%2 == 0 ? -1.0f : 1.0f;
@@ -290,7 +292,7 @@ float lw_matcher_square(const lw_matcher *m, const lw_packed *curve)
 
 /* ---- a smooth curve through points ----------------------------------------------------------------- */
 
-/* Between b and c, t from 0 to 1; knots apart by the square root of the distance. */
+/* Point between b (t = 0) and c (t = 1) of a spline whose knots are spaced by the square root of the distance. */
 static lw_vec2 spline(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d, double t)
 {
     double t1 = sqrt(lw_v2_norm(lw_v2_sub(b, a))), t2 = t1 + sqrt(lw_v2_norm(lw_v2_sub(c, b)));
@@ -303,7 +305,8 @@ static lw_vec2 spline(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d, double t)
     return lw_v2_add(lw_v2_scale(p, (t2 - at)/(t2 - t1)), lw_v2_scale(q, (at - t1)/(t2 - t1)));
 }
 
-/* The next point of the row in direction `by` that is not where p[i] is; past an open end its mirror image. */
+/* The next point of the row, in direction `by`, that differs from p[i]. Past an open end, the mirror image of `other`.
+ */
 static lw_vec2 beside(const lw_vec2 *p, size_t n, bool closed, size_t i, int by, lw_vec2 other)
 {
     size_t k = i;

@@ -1,4 +1,4 @@
-/* catalogues/draw/body_shapes.c - see anatomy.h */
+/* catalogues/draw/body_shapes.c - see body_shapes.h */
 #include "catalogues/draw/body_shapes.h"
 
 static bool has_pin(const lw_joint *j, int link)
@@ -25,7 +25,7 @@ static double distance_from_line(const lw_joint *line, lw_vec2 p)
     return fabs(lw_v2_cross(line->along, lw_v2_sub(p, line->at)));
 }
 
-/* The pin of a link nearest to the line of slider j; -1 when it has none. */
+/* The pin of a link nearest to the line of a slider or slot; -1: the link has no pin. */
 static int nearest_pin(const lw_linkage *k, int link, const lw_joint *line)
 {
     int best = -1;
@@ -43,7 +43,7 @@ static double pin_distance(const lw_linkage *k, int link, const lw_joint *line)
     return pin < 0 ? 0 : distance_from_line(line, k->joint[pin].at);
 }
 
-/* How far the joints spread from a line's point. */
+/* Greatest distance of a joint from the point of a line. */
 static double spread(const lw_linkage *k, const lw_joint *line)
 {
     double d = 0;
@@ -70,7 +70,7 @@ static lw_vec2 foot(const lw_joint *line, lw_vec2 p)
     return lw_v2_add(line->at, lw_v2_scale(line->along, t));
 }
 
-/* Where two lines meet; a's own point when they are parallel. */
+/* Intersection of two lines; a's own point if they are parallel. */
 static lw_vec2 crossing(const lw_joint *a, const lw_joint *b)
 {
     double sine = lw_v2_cross(a->along, b->along);
@@ -99,7 +99,7 @@ static void stretch(lw_slide *w, double t)
     w->hi = fmax(w->hi, t);
 }
 
-/* How far point p of link `moving` gets along a line of `base` and back, over all frames. */
+/* Extend lo .. hi by how far point p of link `moving` travels along a line of link `base`, over all frames. */
 static void travel(const lw_scene *s, int base, int moving, lw_vec2 p, lw_vec2 along, double *lo, double *hi)
 {
     for (size_t f = 0; f < s->n_frame; f++) {
@@ -156,7 +156,8 @@ bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c)
 
 /* ---- gears -------------------------------------------------------------------------------------- */
 
-/* Numbers of teeth of two radii, the lesser first: such that their quotient is nearest to that of the radii. */
+/* Choose the numbers of teeth, that of the smaller radius first, so that their ratio is nearest to the ratio of the
+ * radii. */
 static void choose_teeth(double lesser, double greater, int teeth[2])
 {
     double best = INFINITY;
@@ -219,7 +220,7 @@ bool lw_body_shapes_gear(const lw_scene *s, int j, lw_wheel w[2])
 
 /* ---- links -------------------------------------------------------------------------------------- */
 
-/* Add a node unless one is there already, within rounding of the coordinates. */
+/* Add a node unless one is already there, within rounding of the coordinates. */
 static int add_node(lw_shape_node *node, int n, lw_vec2 at, int joint, int tracer)
 {
     for (int i = 0; i < n; i++)
@@ -250,7 +251,7 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE
         else
             for (int i = 0; i < n_pin; i++)
                 n = add_node(node, n, foot(line, node[i].at), -1, -1);
-        if (w.guide == link && n_pin == 0 && link != k->ground)       /* a yoke: held by its slides alone */
+        if (w.guide == link && n_pin == 0 && link != k->ground)       /* a yoke: only slides hold it */
             n = add_node(node, n, w.at, -1, -1);
     }
     for (int i = 0; i < k->n_tracer; i++)

@@ -8,18 +8,18 @@
 #include "catalogues/draw/svg.h"
 #include "catalogues/draw/symbols.h"
 
-#define SIGN      (1/72.0)   /* size of signs (u of symbols.h) against a bar       */
-#define SIGN_MOST 1.3        /* and at most [px]                                   */
-#define SIGN_LEAST 0.42      /* and at least: pins of 2.3 px                       */
-#define CAPTION   12.0       /* size of the type below a picture [px]              */
+#define SIGN      (1/72.0)   /* size of signs (u of symbols.h) per length of a bar */
+#define SIGN_MOST 1.3        /* upper limit of that size [px]                      */
+#define SIGN_LEAST 0.42      /* lower limit: pins of 2.3 px                        */
+#define CAPTION   12.0       /* size of the caption [px]                           */
 #define LETTER    13.0       /* size of the number of a link [u]                   */
 
 typedef struct sketch {
     const lw_mechanism    *m;
     const lw_chain_layout *l;
     lw_drawing *d;
-    double      scale, u;                       /* [px a bar], size of signs [px]  */
-    lw_vec2     middle, centre;                 /* of the layout; its place [px]   */
+    double      scale, u;                       /* [px] per bar; size of signs [px] */
+    lw_vec2     middle, centre;                 /* centre of the layout; its place [px] */
 } sketch;
 
 lw_chain_style lw_chain_style_default(void)
@@ -56,7 +56,7 @@ static bool is_driven(const lw_mechanism *m, int joint)
     return false;
 }
 
-/* The link that a driven joint moves, seen from the other one. */
+/* The link that a driven joint moves, relative to its other link. */
 static int driven_link(const lw_mechanism *m, int joint)
 {
     return m->link[joint][m->link[joint][0] == m->ground || m->ground == LW_NONE ? 1 : 0];
@@ -72,7 +72,7 @@ static lw_ink ink_of(const lw_mechanism *m, int link)
 
 /* ---- fitting into a box ------------------------------------------------------------------------- */
 
-/* What signs need around a joint, in u: left and right, up, down. */
+/* Space that signs need around a joint, in u: left and right, up, down. */
 static void room_of(const lw_mechanism *m, int joint, double *side, double *up, double *down)
 {
     bool ground = on_ground(m, joint);
@@ -93,7 +93,7 @@ static void include(extent *x, lw_vec2 p, double side, double up, double down)
     x->top = fmax(x->top, p.y + up);
 }
 
-/* What is covered when signs have the size `sign` against a bar. */
+/* Extent of the picture when signs have the size `sign` per length of a bar. */
 static extent cover(const sketch *k, double sign)
 {
     extent x = { 1e9, -1e9, 1e9, -1e9 };
@@ -107,7 +107,7 @@ static extent cover(const sketch *k, double sign)
     return x;
 }
 
-/* Signs do not shrink below what can be read, so in a small box they take more of it: found in rounds. */
+/* Find scale and size of signs. Signs have a least size and so take more of a small box: iterate. */
 static void fit(sketch *k, lw_box box)
 {
     double w = box.x1 - box.x0, h = box.y1 - box.y0, sign = SIGN;
@@ -159,7 +159,7 @@ static lw_vec2 direction_of(const sketch *k, int link, int joint)
     return best;
 }
 
-/* Is the link drawn as a block alone: its two joints at one place? */
+/* Is the link drawn as a block only, with its two joints at one place? */
 static bool is_block(const sketch *k, int link)
 {
     const lw_chain_layout *l = k->l;
@@ -169,7 +169,7 @@ static bool is_block(const sketch *k, int link)
     return a.x == b.x && a.y == b.y;
 }
 
-/* Which of its links carries the rail of a slider: the frame, else not the block, else the first. */
+/* The link that carries the rail of a slider: the frame, else the link that is not the block, else the first one. */
 static int rail_side(const sketch *k, int joint)
 {
     const uint8_t *link = k->m->link[joint];
@@ -212,7 +212,7 @@ static void draw_slot(sketch *k, int joint)
     lw_symbol_pin(k->d, b, at, k->u);
 }
 
-/* Two pitch circles that touch in the joint, one on the side of each link. */
+/* Draw two pitch circles that touch at the joint, one on the side of each link. */
 static void draw_contact(sketch *k, int joint)
 {
     lw_vec2 at = pixel(k, k->l->at[joint]);
@@ -254,7 +254,7 @@ static void draw_input(sketch *k, int input)
     lw_vec2 at = pixel(k, k->l->at[joint]), along = direction_of(k, link, joint);
     lw_bearer b = { joint, -1, -1 };
     if (k->m->kind[joint] != 't') {
-        /* counter-clockwise from the link, or up to it where that is further above the frame */
+        /* start the arrow at the link, or end it there if that side is further above the frame */
         double link_at = atan2(-along.y, along.x);
         bool below = on_ground(k->m, joint) && fmin(sin(link_at + 0.4), sin(link_at + 2.3))
                                                < fmin(sin(link_at - 2.3), sin(link_at - 0.4));
@@ -269,7 +269,7 @@ static void draw_input(sketch *k, int input)
 
 /* ---- numbers ------------------------------------------------------------------------------------ */
 
-/* Free distance around a place, from sides of all links and from joints. */
+/* Free distance around a place, from the sides of all links and from joints. */
 static double clearance(const sketch *k, lw_vec2 at)
 {
     double least = 1e9;
@@ -282,7 +282,7 @@ static double clearance(const sketch *k, lw_vec2 at)
     return least;
 }
 
-/* Beside the middle of a bar or a little off it, on either side: where it is freest. */
+/* Place for a number: beside the middle of a bar or a little off it, on either side, where most space is free. */
 static lw_vec2 beside_bar(const sketch *k, lw_vec2 a, lw_vec2 b)
 {
     lw_vec2 d = lw_v2_sub(b, a), best = a;
@@ -340,7 +340,7 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
             lw_symbol_pivot(d, (lw_bearer){ j, -1, -1 }, pixel(&k, l->at[j]), k.u);
     for (int i = 0; i < m->n_link; i++)
         draw_link(&k, i);
-    for (int pins = 0; pins < 2; pins++)                     /* pins above the blocks they stand on */
+    for (int pins = 0; pins < 2; pins++)                     /* draw pins above the blocks they stand on */
         for (int j = 0; j < m->n_joint; j++)
             if ((m->kind[j] == 'r') == pins)
                 draw_joint(&k, j);

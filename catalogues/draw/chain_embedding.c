@@ -1,12 +1,12 @@
-/* catalogues/draw/chain_embedding.c - embeddings of a chain in the plane, and the loop that goes outside. */
+/* catalogues/draw/chain_embedding.c - embeddings of a chain in the plane, and the choice of the outer loop. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "catalogues/draw/chain_layout_internal.h"
 #include "grammar/planar.h"
 
-/* All orders of joints around links are tried when they are no more than these (12 links have up to
- * 14400); else the one of libplanarity. */
+/* If there are at most this many orders of joints around the links, all are tried (12 links have up to 14400); else
+ * only the order that libplanarity gives. */
 #define ORDERS_MAX 20000
 
 #define CODE_MAX (2*LW_DART_MAX + LW_LINK_MAX)
@@ -34,8 +34,8 @@ static void invert(const lw_rings *r, uint8_t *before)
         before[r->after[d]] = (uint8_t)d;
 }
 
-/* What one meets going through the map from dart `start`, turning by `next` around every link: the same
- * text for two starts means a symmetry.  seen: the darts in the order met. */
+/* Describe the map as seen from dart `start`, turning by `next` around every link. Equal descriptions from two starts
+ * mean a symmetry. seen: the darts in the order met. */
 static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *next, int start, uint8_t *code,
                     uint8_t *seen)
 {
@@ -65,8 +65,8 @@ static int describe(const lw_mechanism *m, const lw_rings *r, const uint8_t *nex
 
 typedef struct start { uint8_t dart; bool mirror; } start;
 
-/* Where the map may be entered so that its outer loop stays: at each of its darts, either embedding round; with a
- * ground only beside the one corner. */
+/* List the starts that keep the outer loop: each of its darts, in both orientations; with a ground only the darts at
+ * its corner. */
 static int starts_of(const lw_mechanism *m, const lw_embedding *w, start *s)
 {
     const uint8_t *after = w->rings.after;
@@ -102,7 +102,7 @@ void lw_embedding_symmetry(const lw_mechanism *m, const lw_embedding *w, lw_layo
     }
 }
 
-/* The least description, hashed (FNV-1a), and how often it is met. */
+/* Hash the least description (FNV-1a) and count how often it occurs. */
 static void characterise(const lw_mechanism *m, lw_embedding *w)
 {
     start s[2*LW_DART_MAX];
@@ -123,7 +123,7 @@ static void characterise(const lw_mechanism *m, lw_embedding *w)
         w->hash = (w->hash ^ least[i])*0x100000001b3u;
 }
 
-/* Symmetry first, then a long outer loop and inner loops of like length. */
+/* Prefer symmetry, then a long outer loop and inner loops of similar length. */
 static double promise_of(const lw_embedding *w, const int *length)
 {
     double sum = 0, inner = w->rings.n_dart - w->n_outer, mean = inner/fmax(1, w->n_loop - 1);
@@ -139,7 +139,7 @@ typedef struct finder {
     lw_embedding *embedding;
 } finder;
 
-/* Put w in its place among the ways, unless it is there already or promises too little. */
+/* Insert w in the list of embeddings by promise, unless it is there already or promises too little. */
 static void offer(finder *f, const lw_embedding *w)
 {
     int at = f->n;
@@ -155,7 +155,7 @@ static void offer(finder *f, const lw_embedding *w)
     f->embedding[at] = *w;
 }
 
-/* Every loop, or with a ground every corner of it, may be the outer one. */
+/* Offer every loop, or with a ground every corner of it, as the outer one. */
 static void offer_loops(finder *f, const lw_rings *r)
 {
     uint8_t loop_of[LW_DART_MAX];
@@ -183,7 +183,7 @@ static void offer_loops(finder *f, const lw_rings *r)
 typedef struct orders {
     lw_rings rings;
     int      n[LW_LINK_MAX];
-    uint8_t  dart[LW_LINK_MAX][LW_LINK_MAX];      /* around a link, rising at first */
+    uint8_t  dart[LW_LINK_MAX][LW_LINK_MAX];      /* around each link, ascending at first */
 } orders;
 
 static void set_ring(orders *o, int link)
@@ -204,7 +204,7 @@ static void first_orders(const lw_mechanism *m, orders *o)
         set_ring(o, i);
 }
 
-/* The next order of darts 1 .. n-1 of a link in the order of a dictionary; false: the first again. */
+/* Go to the next order (lexicographic) of darts 1 .. n-1 of a link. False: back at the first order. */
 static bool next_order(orders *o, int link)
 {
     uint8_t *a = o->dart[link] + 1;
@@ -244,7 +244,7 @@ static void try_all_orders(finder *f, orders *o)
     while (first < o->rings.n_link && o->n[first] < 3)
         first++;
     do {
-        /* the mirror image of every map is met too: the one with the first link turned over */
+        /* skip mirror images: in one of the two maps the first such link is turned over */
         bool mirrored = first < o->rings.n_link && o->dart[first][1] > o->dart[first][o->n[first] - 1];
         if (!mirrored && lw_rings_loops(&o->rings, NULL) == wanted)
             offer_loops(f, &o->rings);

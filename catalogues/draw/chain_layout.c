@@ -1,4 +1,4 @@
-/* catalogues/draw/chain_layout.c - the layout of a chain: choice of the embedding, its stance on the page, and chains
+/* catalogues/draw/chain_layout.c - the layout of a chain: choice of the embedding, orientation on the page, and chains
  * whose graph is not planar. */
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ typedef struct draft {
     const lw_mechanism *m;
     const lw_embedding *embedding;
     lw_web   web;
-    lw_relax relax;                      /* lw_relax_free it */
+    lw_relax relax;                      /* free it by lw_relax_free */
     lw_vec2  p[LW_WEB_VERTEX];
     double   energy;
 } draft;
@@ -30,7 +30,7 @@ static int outline_of(const lw_chain_layout *l, int link, lw_vec2 *p)
     return n;
 }
 
-/* Do a b and c d cross, no end of one on the other taken as crossing? */
+/* Do the segments a b and c d cross? Also true when an end of one lies on the other. */
 static bool segments_cross(lw_vec2 a, lw_vec2 b, lw_vec2 c, lw_vec2 d)
 {
     lw_vec2 u = lw_v2_sub(b, a), v = lw_v2_sub(d, c);
@@ -54,7 +54,7 @@ static int sides(int n)
     return n > 2 ? n : n - 1;
 }
 
-/* Corners that two links share are joints (or blocks) and do not count. */
+/* Corners that two links share are joints (or merged blocks) and do not count as crossings. */
 static bool same_place(lw_vec2 a, lw_vec2 b)
 {
     return a.x == b.x && a.y == b.y;
@@ -83,8 +83,8 @@ static bool links_cross(const lw_vec2 *p, int n, const lw_vec2 *q, int k, bool i
     return false;
 }
 
-/* Least angle between a side of one link and a side of the other at a corner they share; of one link: at its own
- * corners. */
+/* Least angle between a side of one link and a side of the other at a corner they share. itself: both are the same
+ * link; take the angles at its own corners. */
 static double least_angle(const lw_vec2 *p, int n, const lw_vec2 *q, int k, bool itself)
 {
     double least = LW_PI;
@@ -103,7 +103,7 @@ static double least_angle(const lw_vec2 *p, int n, const lw_vec2 *q, int k, bool
     return least;
 }
 
-/* Squared. */
+/* Least squared distance between two joints, or between a joint and a link without it. */
 static double least_gap2(const lw_chain_layout *l, const lw_vec2 *p, int n)
 {
     double least = 1e18;
@@ -147,9 +147,9 @@ void lw_chain_layout_measure(const lw_mechanism *m, lw_chain_layout *l)
 
 /* ==== a draft ================================================================================================= */
 
-#define EMBEDDINGS_MAX       8          /* ways that are drawn at all       */
-#define FIRST_RUN  30         /* steps that each of them gets     */
-#define LAST_RUN   400        /* steps of the best                */
+#define EMBEDDINGS_MAX 8      /* embeddings that are drawn at all */
+#define FIRST_RUN  30         /* steps for each of them           */
+#define LAST_RUN   400        /* steps for the best one           */
 
 static void copy_places(const draft *t, lw_chain_layout *l)
 {
@@ -199,7 +199,7 @@ static lw_status begin_draft(const lw_mechanism *m, const lw_embedding *embeddin
     return LW_OK;
 }
 
-/* Less is better: energy, with a little credit for symmetry. */
+/* Smaller is better: the energy, reduced a little for symmetry. */
 static double score(const draft *t)
 {
     return t->energy*(1 - 0.1*fmin(2, log2(t->web.n_group)));
@@ -207,7 +207,7 @@ static double score(const draft *t)
 
 /* ---- how it stands on the page ------------------------------------------------------------------ */
 
-/* Bars level or upright, wider than tall, the heavier half below. */
+/* Smaller is better: bars horizontal or vertical, picture wider than tall, the heavier half below. */
 static double stance(const draft *t, lw_vec2 turn)
 {
     double cost = 0, top = -1e9, low = 1e9, left = 1e9, right = -1e9, mean = 0;
@@ -238,7 +238,8 @@ static void try_stance(const draft *t, lw_vec2 turn, double extra, double *least
     }
 }
 
-/* An axis of symmetry upright, or level where that is much lower; without one a side of the outer loop level. */
+/* Turn the picture: an axis of symmetry vertical, or horizontal where the picture is much lower that way. Without
+ * symmetry, one side of the outer loop is horizontal. */
 static void stand_up(draft *t)
 {
     double least = 1e9;
@@ -264,23 +265,23 @@ static void stand_up(draft *t)
 /* ==== chains whose graph is not planar ======================================================================== */
 
 #define SETS_MAX  6         /* sets of bars that are tried                      */
-#define CUT_EMBEDDINGS      6         /* embeddings of each                               */
-#define GHOST     14        /* steps while the cut bars pass through everything */
+#define CUT_EMBEDDINGS 6    /* embeddings for each set                          */
+#define GHOST     14        /* steps in which the cut bars repel nothing */
 #define CUT_RUN  250
-#define MORE      8         /* after a picture with one crossing, and none has less: for evenness */
-#define STARTS    24        /* when cutting does not help                       */
+#define MORE      8       /* further trials for an even picture once one crossing is reached and fewer are impossible */
+#define STARTS    24        /* random starts, when cutting does not help        */
 
 typedef struct contest {
     const lw_mechanism *m;           /* pins only */
-    draft *trial;                 /* two: */
+    draft *trial;                 /* (2) */
     draft *now, *best;
     lw_embedding    embedding[2];                /* of trial[0], trial[1]          */
-    int       n_cross;               /* of the best; -1: there is none */
+    int       n_cross;               /* of the best; -1: none yet */
 } contest;
 
 /* ---- cutting ------------------------------------------------------------------------------------ */
 
-/* Each cut link keeps its first joint; a new link takes the second.  Joints keep number and sides. */
+/* Cut links: each keeps its first joint, a new link takes the second one. Joints keep their number and sides. */
 static bool cut_links(const lw_mechanism *m, uint32_t cut, lw_mechanism *out)
 {
     *out = *m;
@@ -321,7 +322,7 @@ static uint32_t bars_of(const lw_mechanism *m)
     return bars;
 }
 
-/* Cut all bars, then mend one after the other, from bar `first` on, as long as the rest stays planar. */
+/* Cut all bars, then restore one after the other, beginning with bar `first`, while the rest stays planar. */
 static uint32_t cut_greedily(const lw_mechanism *m, uint32_t bars, int first)
 {
     uint32_t cut = bars;
@@ -333,7 +334,7 @@ static uint32_t cut_greedily(const lw_mechanism *m, uint32_t bars, int first)
     return helps(m, cut) ? cut : 0;
 }
 
-/* Sets of bars to cut, single ones if they do, else pairs, else what the greedy embedding finds. */
+/* Find sets of bars to cut: single bars if one is enough, else pairs, else what cut_greedily finds. */
 static int sets_of(const lw_mechanism *m, uint32_t *set)
 {
     uint32_t bars = bars_of(m);
@@ -355,7 +356,7 @@ static int sets_of(const lw_mechanism *m, uint32_t *set)
 
 /* ---- putting back ------------------------------------------------------------------------------- */
 
-/* The embedding of the parts as orders of joints around the links of the whole. */
+/* Turn the embedding of the cut chain into orders of joints around the links of the whole chain. */
 static void mend(const lw_mechanism *m, const lw_embedding *parts, lw_embedding *whole)
 {
     *whole = *parts;
@@ -371,7 +372,7 @@ static void mend(const lw_mechanism *m, const lw_embedding *parts, lw_embedding 
                 }
 }
 
-/* The trial is kept when it crosses less than the best, or as little with less energy. */
+/* Keep the trial if it has fewer crossings than the best, or as many with less energy. */
 static void judge(contest *c)
 {
     lw_chain_layout l = { .n_joint = c->m->n_joint };
@@ -397,7 +398,7 @@ static lw_embedding *way_of(contest *c, const draft *t)
     return &c->embedding[t - c->trial];
 }
 
-/* Draw one embedding of the parts, then the whole with its places. */
+/* Draw one embedding of the cut chain, then the whole chain from those places. */
 static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_embedding *embedding, uint32_t cut)
 {
     draft *t = c->now;
@@ -419,7 +420,7 @@ static lw_status enter_cut(contest *c, const lw_mechanism *parts, const lw_embed
     for (int i = 0; i < c->m->n_link; i++)
         if (t->web.end_of[i] != 255)
             t->p[t->web.end_of[i]] = p[end_of[i]];
-    for (int v = 0; v < t->web.n_vertex; v++)            /* no joint exactly on a bar by symmetry */
+    for (int v = 0; v < t->web.n_vertex; v++)       /* small offsets, so that symmetry puts no joint exactly on a bar */
         t->p[v] = lw_v2_add(t->p[v], lw_v2_polar(0.02, 2.4*v));
     for (int i = 0; i < t->web.n_ground; i++)
         t->p[t->web.ground[i]].y = 0;
@@ -446,7 +447,7 @@ static lw_status try_cuts(contest *c)
         if (!cut_links(c->m, set[i], &parts))
             continue;
         s = lw_embeddings_find(&parts, CUT_EMBEDDINGS, embedding, &n_embedding);
-        if (s == LW_NOTHING)                             /* in pieces: none */
+        if (s == LW_NOTHING)                             /* the cut chain falls apart: no embedding */
             s = LW_OK;
         for (int k = 0; s == LW_OK && k < n_embedding && left > 0; k++) {
             s = enter_cut(c, &parts, &embedding[k], set[i]);
@@ -459,7 +460,7 @@ static lw_status try_cuts(contest *c)
 
 /* ---- without an embedding ----------------------------------------------------------------------- */
 
-/* Order the joints of every link by their direction from its middle. */
+/* Order the joints of every link by their direction from the link's centre. */
 static void order_by_angle(const lw_mechanism *m, const lw_vec2 *p, lw_rings *r)
 {
     for (int i = 0; i < m->n_link; i++) {
@@ -489,7 +490,7 @@ static void order_by_angle(const lw_mechanism *m, const lw_vec2 *p, lw_rings *r)
     }
 }
 
-/* Any rings and places by chance, led to where the springs want them; then the rings that fit. */
+/* Start from random rings and places, let the springs move them, then take the rings that fit the result. */
 static lw_status enter_chance(contest *c, lw_rng *rng)
 {
     draft *t = c->now;
@@ -551,7 +552,6 @@ static lw_status lay_out_nonplanar(const lw_mechanism *m, lw_chain_layout *l)
 
 /* ==== all together ============================================================================================ */
 
-/* ---- all together ------------------------------------------------------------------------------- */
 
 static lw_status lay_out(const lw_mechanism *m, const lw_embedding *embedding, int n_embedding, lw_chain_layout *l)
 {

@@ -1,4 +1,4 @@
-/* catalogues/draw/chain_web.c - the map of joints of an embedding, its first places, and its relaxing. */
+/* catalogues/draw/chain_web.c - the map of joints of an embedding, its first places, and its relaxation. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,8 +23,8 @@ static bool share_joint(const lw_mechanism *m, int i, int k)
     return lw_mechanism_joint(m, i, k) != LW_NONE;
 }
 
-/* Binary links of a pin and a slider that become one point: their joints in pairs.  Not two around a loop of
- * four, where a bar and another would cover each other. */
+/* Find binary links with a pin and a slider: they are drawn as one point, so their joints are merged in pairs. At most
+ * one such link in a loop of four, where otherwise two bars would cover each other. */
 static void merge_blocks(const lw_mechanism *m, uint8_t *same_as)
 {
     int n_joint[LW_LINK_MAX] = { 0 }, joint[LW_LINK_MAX][2], beside[LW_LINK_MAX][2], n_done = 0;
@@ -64,7 +64,7 @@ static void add_edge(lw_web *w, int a, int b, int link)
     w->edge_link[w->n_edge++] = (uint8_t)link;
 }
 
-/* The vertices of a link in the order of its outline, from dart `first`; a free end when it has one joint. */
+/* List the vertices of a link in the order of its outline, from dart `first`. A link with one joint gets a free end. */
 static int outline(const lw_rings *r, const lw_web *w, int first, uint8_t *v)
 {
     int n = 0, d = first;
@@ -82,7 +82,7 @@ static void close_face(lw_web *w, int n)
     w->n_face++;
 }
 
-/* Edges, links and polygons as faces; the ground is no face: it lies outside. */
+/* Add edges, links, and polygons as faces. The ground is no face: it lies outside. */
 static void add_links(const lw_mechanism *m, const lw_rings *r, lw_web *w)
 {
     int first[LW_LINK_MAX];
@@ -105,7 +105,7 @@ static void add_links(const lw_mechanism *m, const lw_rings *r, lw_web *w)
     }
 }
 
-/* One loop as a walk over vertices; place[d]: where dart d stands in it. */
+/* Add one loop as a closed path over vertices. place[d]: index of dart d in it. */
 static void add_loop(const lw_rings *r, lw_web *w, int first, int *place)
 {
     uint8_t *v = w->face + w->face_first[w->n_face];
@@ -145,7 +145,8 @@ static void add_loops(const lw_mechanism *m, const lw_embedding *embedding, lw_w
             }
 }
 
-/* Symmetries of the map as turns of the page; none but the identity when blocks are not alike under them. */
+/* Turn the symmetries of the map into rotations and reflections of the page. Only the identity is kept if merged blocks
+ * do not map to merged blocks. */
 static void add_group(const lw_mechanism *m, const lw_embedding *embedding, const int *place, lw_web *w)
 {
     lw_layout_symmetry g;
@@ -171,7 +172,7 @@ static void add_group(const lw_mechanism *m, const lw_embedding *embedding, cons
         w->mirror[k] = g.mirror[k];
         w->turn[k] = lw_v2_polar(1, 2*LW_PI*shift/size);
         if (m->ground != LW_NONE)
-            w->turn[k] = lw_v2(g.mirror[k] ? -1 : 1, 0);          /* over the upright through the middle */
+            w->turn[k] = lw_v2(g.mirror[k] ? -1 : 1, 0);          /* reflection in the vertical axis */
         w->n_group = k + 1;
     }
 }
@@ -194,7 +195,7 @@ void lw_web_make(const lw_mechanism *m, const lw_embedding *embedding, lw_web *w
     if (m->ground != LW_NONE)
         w->n_ground = outline(&embedding->rings, w, embedding->rings.after[embedding->outer ^ 1], w->ground);
     if (w->n_ground == 2 && w->ground[1] == 255)
-        w->n_ground = 1;                                           /* a ground of one joint has no end */
+        w->n_ground = 1;                                           /* a ground with one joint has no free end */
     add_loops(m, embedding, w, place);
     add_links(m, &embedding->rings, w);
     add_group(m, embedding, place, w);
@@ -203,7 +204,7 @@ void lw_web_make(const lw_mechanism *m, const lw_embedding *embedding, lw_web *w
 /* ---- first places ------------------------------------------------------------------------------- */
 
 typedef struct system {
-    int      n, n_node, room;      /* unknown nodes are 0 .. n-1 after `number`, fixed ones have a place */
+    int      n, n_node;            /* unknown nodes are numbered 0 .. n-1; fixed nodes have a given place */
     int     *number;               /* (n_node) -1: fixed                                                 */
     lw_vec2 *place;                /* (n_node)                                                           */
     int    (*rod)[2], n_rod;
@@ -221,7 +222,7 @@ static void join(barycentres *b, int a, int c)
     b->rod[b->n_rod++][1] = c;
 }
 
-/* Posts around the outer loop: on a circle, or with a ground on a half circle above its line. */
+/* Fix a ring of posts around the outer loop: on a circle, or with a ground on a half circle above its line. */
 static void fence(const lw_web *w, barycentres *b)
 {
     const uint8_t *v = w->face;
@@ -240,7 +241,8 @@ static void fence(const lw_web *w, barycentres *b)
     }
 }
 
-/* A point inside a face that holds it open; a face that touches itself gets a ring of points inside first. */
+/* Add a point inside a face so that the face does not collapse. A face that touches itself first gets a ring of points
+ * inside. */
 static void hold_open(const lw_web *w, int face, barycentres *b)
 {
     const uint8_t *v = w->face + w->face_first[face];
@@ -299,10 +301,10 @@ static lw_status solve(barycentres *b)
 lw_status lw_web_start(const lw_web *w, lw_vec2 *p)
 {
     enum { NODES = LW_WEB_VERTEX + 8*LW_DART_MAX, RODS = 24*LW_DART_MAX };
-    struct room { int number[NODES]; lw_vec2 place[NODES]; int rod[RODS][2]; } *room = calloc(1, sizeof *room);
-    if (!room)
+    struct arrays { int number[NODES]; lw_vec2 place[NODES]; int rod[RODS][2]; } *arrays = calloc(1, sizeof *arrays);
+    if (!arrays)
         return LW_E_MEMORY;
-    barycentres b = { .number = room->number, .place = room->place, .rod = room->rod };
+    barycentres b = { .number = arrays->number, .place = arrays->place, .rod = arrays->rod };
     bool fixed[LW_WEB_VERTEX] = { false };
     for (int i = 0; i < w->n_ground; i++)
         fixed[w->ground[i]] = true;
@@ -315,22 +317,22 @@ lw_status lw_web_start(const lw_web *w, lw_vec2 *p)
         hold_open(w, i, &b);
     lw_status s = solve(&b);
     memcpy(p, b.place, (size_t)w->n_vertex*sizeof *p);
-    free(room);
+    free(arrays);
     return s;
 }
 
 /* ==== relaxing ================================================================================================ */
 
-#define ROOM      0.9      /* distance from which links push joints away                          */
-#define PUSH      0.7      /* weight of that                                                      */
-#define SHARP     0.72     /* cosine of the angle from which a corner is opened: 44 degrees       */
+#define ROOM      0.9      /* below this distance, links push joints away                         */
+#define PUSH      0.7      /* weight of that repulsion                                            */
+#define SHARP     0.72     /* cosine of the angle (44 degrees) below which a corner is opened     */
 #define OPEN      30.0     /* weight of that                                                      */
 #define FAR       0.06     /* weight of springs between joints that share no link                 */
-#define SPAN      0.95     /* their wanted distance against the shortest embedding along links          */
+#define SPAN      0.95     /* length of those springs / shortest path along links                */
 #define ABOVE     0.55     /* distance wanted above the line of the ground                        */
-#define MEMORY    6        /* steps that L-BFGS looks back                                        */
+#define MEMORY    6        /* steps that L-BFGS remembers                                         */
 
-/* Side against bar and circumference: chord of m sides of a regular polygon of k corners with side 1. */
+/* Distance of two corners, m sides apart, of a regular polygon with k sides of length 1. */
 static double chord(int k, int m)
 {
     double side = k > 4 ? 0.85 : 1;
@@ -389,7 +391,7 @@ static void add_springs(const lw_web *w, const double *far, lw_relax *r)
                 add_spring(r, a, b, SPAN*far[a*n + b], ground[a] && ground[b] ? 0.5*FAR : FAR);
 }
 
-/* Pairs of sides that meet: the joint between them, then the two others. */
+/* List the corners: pairs of sides with a common joint, as that joint and the two other ends. */
 static void add_corners(const lw_web *w, lw_relax *r)
 {
     for (int i = 0; i < w->n_edge; i++)
@@ -455,7 +457,7 @@ static double springs(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
     return f;
 }
 
-/* Squared distance of every vertex from a side, and where on it the nearest point is (0 .. 1). */
+/* Squared distance h2 of every vertex from a side, and parameter t (0 .. 1) of the nearest point on the side. */
 static void distances(const lw_vec2 *p, int n, lw_vec2 a, lw_vec2 line, double *t, double *h2)
 {
     double l2 = line.x*line.x + line.y*line.y, part = 1/(l2 > 1e-18 ? l2 : 1e-18);
@@ -468,8 +470,9 @@ static void distances(const lw_vec2 *p, int n, lw_vec2 a, lw_vec2 line, double *
     }
 }
 
-/* A side against all joints that it does not end in.  Also the distance of every joint from the nearest link, and of
- * every link from the nearest joint, at the joints: how far each may go. */
+/* Energy and gradient of the repulsion between a side and all joints that are not its ends. Also update clear2, the
+ * squared distance up to which each joint is free: to the nearest link, and for the ends of a side to the nearest
+ * joint. */
 static double push(const lw_web *w, const uint8_t *end, const lw_vec2 *p, lw_vec2 *g, double *clear2)
 {
     double t[LW_WEB_VERTEX], h2[LW_WEB_VERTEX], f = 0, least = 1e18;
@@ -506,7 +509,7 @@ static double barrier(const lw_web *w, const lw_relax *r, const lw_vec2 *p, lw_v
     return f;
 }
 
-/* Sides that meet: the sharper the angle, the more is to be gained by opening it. */
+/* Energy and gradient of corners: greater for sharper angles. */
 static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
 {
     double f = 0;
@@ -527,7 +530,7 @@ static double corners(const lw_relax *r, const lw_vec2 *p, lw_vec2 *g)
     return f;
 }
 
-/* Everything that is not on the line of the ground stays above it. */
+/* Energy and gradient that keep all joints not on the ground's line above it. */
 static double above(const lw_web *w, const lw_vec2 *p, lw_vec2 *g, double *clear2)
 {
     double f = 0;
@@ -570,7 +573,7 @@ static double dot(int n, const double *a, const double *b)
     return s;
 }
 
-/* Rounding would break the symmetry in the end: put it right by the mean over all images. */
+/* Rounding would slowly break the symmetry: replace each place by the mean over all its images. */
 static void keep_symmetry(const lw_web *w, lw_vec2 *p)
 {
     lw_vec2 mean[LW_WEB_VERTEX], middle = { 0, 0 };
@@ -594,11 +597,11 @@ static void keep_symmetry(const lw_web *w, lw_vec2 *p)
 }
 
 typedef struct memory {
-    int     n, used, next;          /* numbers, steps kept, where the next one goes */
+    int     n, used, next;          /* unknowns, steps kept, index of the next one */
     double *s, *y, rho[MEMORY];
 } memory;
 
-/* dir = -H g by the two loops. */
+/* dir = -H g by the two-loop recursion of L-BFGS. */
 static void direction(const memory *m, const double *g, double *dir)
 {
     double alpha[MEMORY];
@@ -639,7 +642,7 @@ static void remember(memory *m, const double *x0, const double *x1, const double
     m->used += m->used < MEMORY;
 }
 
-/* The longest part of a step that is safe: no joint goes further than 0.45 of what is free around it. */
+/* The largest safe fraction of a step: no joint moves further than 0.45 of the free distance around it. */
 static double safe_part(const lw_web *w, const lw_vec2 *dir, const double *clear2)
 {
     double part = 1;

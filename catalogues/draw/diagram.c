@@ -1,4 +1,4 @@
-/* catalogues/draw/diagram.c - a scene as a drawing: links and joints with their labels, then the margins (title, scale,
+/* catalogues/draw/diagram.c - draw a scene: links and joints with their labels, then the margins (title, scale bar,
  * legend), then views, curves and target. */
 #include "catalogues/draw/diagram.h"
 
@@ -17,12 +17,12 @@ typedef struct sketch {
     const lw_diagram_options *o;
     lw_drawing *d;
     lw_label_map map;
-    double u;                  /* size of things: 1 for a page of 1000 by 750                      */
+    double u;                  /* size of signs and letters: 1 for a page of 1000 by 750           */
 } sketch;
 
 static lw_vec2 pixel_of(const sketch *k, int panel, lw_vec2 p);
 
-/* Cut the line a b to a box (Liang and Barsky 1984); false when the line misses the box or is not finite. */
+/* Clip the line a b to a box (Liang and Barsky 1984). False: the line misses the box or is not finite. */
 static bool clip_line(const lw_box *box, lw_vec2 *a, lw_vec2 *b);
 
 static lw_box view_box(const lw_view *v);              /* where labels may stand                  */
@@ -37,7 +37,7 @@ static const lw_linkage *linkage(const sketch *k)
     return &k->s->linkage;
 }
 
-/* The link an input drives, seen from the other one. */
+/* The link that the input moves, relative to the other link of the joint. */
 static int driven_link(const lw_linkage *k, const lw_joint *j)
 {
     return j->link[1] == k->ground ? j->link[0] : j->link[1];
@@ -59,7 +59,7 @@ static lw_bearer bearer(const lw_linkage *k, int item, int link)
     return (lw_bearer){ item, link == k->ground ? -1 : link, 0 };
 }
 
-/* A guide, drawn below everything else: hatched on the ground, a bar on a moving link. */
+/* Draw the guide of a slider below everything else: a hatched line on the ground, a bar on a moving link. */
 static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint);
 
 static void draw_guide(sketch *k, int joint)
@@ -81,7 +81,7 @@ static void draw_guide(sketch *k, int joint)
     if (l->joint[joint].kind == LW_JOINT_SLOT)
         lw_symbol_slot(k->d, carrier, a, b, link_ink(l, w.guide), u);
     else if (w.guide == l->ground) {
-        if (b.x < a.x || (b.x == a.x && b.y < a.y)) {      /* hatching below, or left of, the line */
+        if (b.x < a.x || (b.x == a.x && b.y < a.y)) {      /* hatching below or left of the line */
             lw_vec2 t = a;
             a = b;
             b = t;
@@ -116,7 +116,7 @@ static void draw_block(sketch *k, int joint)
     lw_label_map_disc(&k->map, at, 15*k->u, 2);
 }
 
-/* Rectangle and piston, below everything else. */
+/* Draw tube and piston of a hydraulic cylinder, below everything else. */
 static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint)
 {
     const lw_linkage *l = linkage(k);
@@ -128,7 +128,7 @@ static void draw_cylinder(sketch *k, const lw_cylinder *c, int joint)
     lw_label_map_line(&k->map, pin[0], pin[1], 2);
 }
 
-/* Does an earlier gear joint show this wheel already? */
+/* Was this wheel already drawn for an earlier gear joint? */
 static bool is_drawn(const sketch *k, int joint, const lw_wheel *w)
 {
     for (int i = 0; i < joint; i++) {
@@ -144,7 +144,7 @@ static bool is_drawn(const sketch *k, int joint, const lw_wheel *w)
     return false;
 }
 
-/* `away`: where a rack's teeth point, towards its pinion. */
+/* away: direction of a rack's teeth, towards its pinion. */
 static void draw_wheel(sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
 {
     const lw_linkage *l = linkage(k);
@@ -161,7 +161,7 @@ static void draw_wheel(sketch *k, int joint, const lw_wheel *w, lw_vec2 away)
         return;
     }
     double size = 4*hypot(k->d->width, k->d->height);
-    if (scale*w->radius < size)                             /* else it is as good as a line far off */
+    if (scale*w->radius < size)                             /* a wheel much larger than the picture looks like a line */
         lw_symbol_wheel(k->d, carrier, at, scale*w->radius, w->teeth, atan2(along.y, along.x), w->gap, w->ring, ink, u);
 }
 
@@ -175,7 +175,7 @@ static void draw_gear(sketch *k, int joint)
             draw_wheel(k, joint, &w[side], lw_v2_sub(w[1 - side].centre, w[side].centre));
 }
 
-/* Direction on the page from a point of a link to the middle of its other nodes; (0, 0) when there are none. */
+/* Direction on the page from a point of a link to the centre of its other nodes; (0, 0) if there are no others. */
 static lw_vec2 inwards(const sketch *k, int link, lw_vec2 from)
 {
     lw_shape_node node[LW_NODE_MAX];
@@ -214,7 +214,7 @@ static bool on_ground(const lw_linkage *k, const lw_joint *j)
     return j->link[0] == k->ground || j->link[1] == k->ground;
 }
 
-/* The line between the ground pins, to which the frame's length belongs. */
+/* Draw the line between the ground pins; the label of the frame's length stands beside it. */
 static void draw_frame_line(sketch *k)
 {
     const lw_linkage *l = linkage(k);
@@ -266,7 +266,7 @@ static void draw_pins(sketch *k)
     }
 }
 
-/* Direction from the input pin to the middle of the driven link's other nodes [rad, page upright]. */
+/* Direction from the input pin to the centre of the driven link's other nodes [rad, page with y up]. */
 static double driven_direction(const sketch *k, int link, lw_vec2 pin)
 {
     lw_shape_node node[LW_NODE_MAX];
@@ -281,7 +281,7 @@ static void draw_input(sketch *k, int input)
 {
     const lw_linkage *l = linkage(k);
     int joint = l->input[input].joint;
-    bool back = l->input[input].ratio < 0;               /* tied, against the first */
+    bool back = l->input[input].ratio < 0;               /* coupled to the first input, in the opposite sense */
     const lw_joint *j = &l->joint[joint];
     int driven = driven_link(l, j), base = j->link[0] == driven ? j->link[1] : j->link[0];
     lw_bearer carrier = bearer(l, input, base);
@@ -327,7 +327,7 @@ static void sketch_linkage(sketch *k)
     draw_pins(k);
 }
 
-/* A label of the line a b, or of the point a = b, that moves with a link. */
+/* Add a label that moves with a link: beside the line a b, or beside the point a if a = b. */
 static void label(sketch *k, lw_role role, int item, int link, const char *text, double size,
                   lw_vec2 a, lw_vec2 b, double gap, lw_ink ink)
 {
@@ -369,7 +369,7 @@ static void label_points(sketch *k)
     }
 }
 
-/* The two nodes of a link whose distance is `length`: where a dimension "r<k>" stands. */
+/* Find the two nodes of a link whose distance is `length`: the label of dimension "r<k>" stands between them. */
 static bool find_length(const lw_scene *s, int link, double length, lw_vec2 *a, lw_vec2 *b)
 {
     lw_shape_node node[LW_NODE_MAX];
@@ -424,7 +424,7 @@ static void faint_line(sketch *k, const char *text, double y)
     lw_drawing_text(k->d, LW_ROLE_NOTE, text, lw_v2(16*k->u, y), 12.5*k->u, 0)->fill = LW_INK_FAINT;
 }
 
-/* "r2 = 1.25" in the units of the file. */
+/* Text of dimension i, such as "r2 = 1.25", in the units of the file. */
 static void dimension_text(const lw_scene *s, int i, char *text, size_t size)
 {
     char number[32];
@@ -432,12 +432,12 @@ static void dimension_text(const lw_scene *s, int i, char *text, size_t size)
     snprintf(text, size, "%s = %s", s->dim_name[i], number);
 }
 
-/* The dimensions in lines as wide as the page, four at most; returns the base line after them. */
+/* Write the dimensions in at most four lines of the page's width. Returns the base line below them. */
 static double list_dimensions(sketch *k, double y)
 {
     const lw_scene *s = k->s;
     char line[512] = "", item[64];
-    double room = k->d->width - 32*k->u;
+    double width = k->d->width - 32*k->u;
     int n_line = 0;
     for (int i = 0; i <= s->n_dim; i++) {
         if (i < s->n_dim)
@@ -449,7 +449,7 @@ static double list_dimensions(sketch *k, double y)
         size_t used = strlen(line);
         char longer[sizeof line + sizeof item + 4];
         snprintf(longer, sizeof longer, "%s%s%s", line, used ? "  " : "", item);
-        if (used && (lw_text_width(longer, 12.5*k->u) > room || strlen(longer) >= sizeof line)) {
+        if (used && (lw_text_width(longer, 12.5*k->u) > width || strlen(longer) >= sizeof line)) {
             faint_line(k, line, y);
             y += 17*k->u;
             snprintf(longer, sizeof longer, "%s", ++n_line == 4 ? "" : item);
@@ -462,7 +462,7 @@ static double list_dimensions(sketch *k, double y)
     return y + 17*k->u;
 }
 
-/* Cut text to a width [px], with three dots. */
+/* Cut text to a width [px] and end it with three dots. */
 static void shorten(char *text, double size, double width)
 {
     size_t n = strlen(text);
@@ -497,7 +497,7 @@ static double sketch_header(sketch *k)
     return y - 8*u;
 }
 
-/* The greatest of 1, 2, 5 times a power of ten that is no more than v. */
+/* The greatest number not above v that is 1, 2 or 5 times a power of ten. */
 static double round_down(double v)
 {
     double power = pow(10, floor(log10(v))), m = v/power;
@@ -508,7 +508,7 @@ static void scale_bar(sketch *k, int panel)
 {
     const lw_view *v = &k->d->view[panel];
     const lw_units *units = &k->s->linkage.units;
-    double u = k->u, px = v->scale*units->metre;                     /* [px] a unit of the file */
+    double u = k->u, px = v->scale*units->metre;                     /* [px] per unit of the file */
     double length = round_down(0.24*v->w/px);
     if (!isfinite(length) || !(length > 0))
         return;
@@ -526,7 +526,7 @@ static void scale_bar(sketch *k, int panel)
                                          v->y + v->h });
 }
 
-/* The entries of the legend, from the right: what it shows, its text, room for the sample [px]. */
+/* The entries of the legend, from right to left: what each one shows, its text, width of its sample [px]. */
 typedef enum lw_sample { TARGET, OTHER, TRACED, N_SAMPLE } lw_sample;
 static const struct { const char *text; double room; } samples[N_SAMPLE] = {
     [TARGET] = { "target", 36 }, [OTHER] = { "also possible", 52 }, [TRACED] = { "traced curve", 52 },
@@ -557,7 +557,7 @@ static double foot_height(const sketch *k, double width)
     return (beside ? 30 : 48)*k->u;
 }
 
-/* One entry that ends at x; returns where the next may end. */
+/* Draw one entry that ends at x. Returns where the entry left of it ends. */
 static double entry(sketch *k, double x, double y, lw_sample sample)
 {
     double u = k->u, left = x - lw_text_width(samples[sample].text, 12*u);
@@ -575,7 +575,7 @@ static double entry(sketch *k, double x, double y, lw_sample sample)
     return left - samples[sample].room*u;
 }
 
-/* In the last panel, beside its scale bar, or above it where it is narrow. */
+/* Draw the legend in the last panel: beside the scale bar, or above it where the panel is narrow. */
 static void legend(sketch *k)
 {
     const lw_view *v = &k->d->view[k->d->n_view - 1];
@@ -661,11 +661,11 @@ static void curve_ink(sketch *k, int panel, lw_shape *s, const lw_curve *c)
     s->dashed = !c->shown_branch;
 }
 
-/* A curve in pieces: whole as a rule, cut where it leaves the surroundings of the page. */
+/* Draw a curve. Parts far outside the page are cut off. */
 static void draw_curve(sketch *k, int panel, const lw_curve *c)
 {
     enum { PIECE = 2048 };
-    /* A few pages around the picture: no writer meets numbers that it cannot hold. */
+    /* A few pages around the picture, so that no number is too large for an output format. */
     const lw_box near = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
     lw_vec2 piece[PIECE];
     size_t n = 0, n_side = c->n < 2 ? 0 : c->n - (c->closed ? 0 : 1);
@@ -702,13 +702,14 @@ static bool is_near_page(const lw_drawing *d, lw_vec2 p)
     return fabs(p.x) < 4*d->width && fabs(p.y) < 4*d->height;
 }
 
-/* Target points of one tracer. */
+/* Number of target points of one tracer. */
 static size_t stations_each(const lw_scene *s)
 {
     return s->n_each > 0 ? s->n_each : s->n_station;
 }
 
-/* Markers, smaller the more there are; a polygon when there are too many to tell apart. */
+/* Draw a marker for each target point, smaller when there are many, or a polygon when there are too many to tell apart.
+ */
 static void draw_stations(sketch *k, int panel)
 {
     const lw_scene *s = k->s;
@@ -734,7 +735,7 @@ static void draw_stations(sketch *k, int panel)
     }
 }
 
-/* Numbers beside the target points: all when few, else evenly chosen ones. */
+/* Write numbers beside the target points: beside each when there are few, else beside some, evenly chosen. */
 static void label_stations(sketch *k, int panel)
 {
     const lw_scene *s = k->s;
@@ -758,7 +759,7 @@ static lw_box view_box(const lw_view *v)
     return (lw_box){ v->x + 2, v->y + 2, v->x + v->w - 2, v->y + v->h - 2 };
 }
 
-/* The path alone, enlarged, with the tracers; and its place marked in the first panel. */
+/* Draw the second panel, which shows the path alone, enlarged, with the tracers. Mark its box in the first panel. */
 static void draw_path_panel(sketch *k, lw_box path)
 {
     lw_drawing *d = k->d;
@@ -793,7 +794,7 @@ static void draw_path_panel(sketch *k, lw_box path)
     lw_label_map_take(&k->map, (lw_box){ v->x, v->y, v->x + v->w, v->y + 22*k->u });
 }
 
-/* Divide the page below `top`: one panel, or two side by side (below each other on a tall page). */
+/* Divide the page below `top`: one panel, or two side by side (one above the other on a tall page). */
 static lw_status make_views(sketch *k, double top, lw_box *path, lw_error *e)
 {
     lw_drawing *d = k->d;
@@ -807,7 +808,7 @@ static lw_status make_views(sketch *k, double top, lw_box *path, lw_error *e)
     double w0 = two && !tall ? 0.56*w : w, h0 = two && tall ? 0.56*h : h;
     d->n_view = two ? 2 : 1;
     d->view[0] = lw_view_fit(all, 0, top, w0, h0 - foot_height(k, w0), margin);
-    d->view[0].h = h0;                                    /* the foot holds scale bar and legend */
+    d->view[0].h = h0;                                    /* the lower panel holds scale bar and legend */
     if (two) {
         double x = tall ? 8*k->u : w0, y = tall ? top + h0 : top;
         double w1 = w - x - 8*k->u, h1 = d->height - y - 8*k->u;

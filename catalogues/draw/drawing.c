@@ -60,21 +60,21 @@ void lw_drawing_free(lw_drawing *d)
     *d = (lw_drawing){ 0 };
 }
 
-/* Room for n more items of an array that doubles. */
-static bool reserve(lw_drawing *d, void **array, size_t used, size_t *room, size_t n, size_t size)
+/* Make space for n more items in an array that doubles. */
+static bool reserve(lw_drawing *d, void **array, size_t used, size_t *capacity, size_t n, size_t size)
 {
     if (d->failed)
         return false;
-    size_t want = *room ? *room : 256;
-    while (want - used < n)
-        want *= 2;
-    if (want == *room)
+    size_t wanted = *capacity ? *capacity : 256;
+    while (wanted - used < n)
+        wanted *= 2;
+    if (wanted == *capacity)
         return true;
-    void *bigger = realloc(*array, want*size);
+    void *bigger = realloc(*array, wanted*size);
     d->failed = !bigger;
     if (bigger) {
         *array = bigger;
-        *room = want;
+        *capacity = wanted;
     }
     return !d->failed;
 }
@@ -119,8 +119,8 @@ lw_shape *lw_drawing_circle(lw_drawing *d, lw_role role, lw_vec2 at, double radi
 lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2 at, double size,
                           double align)
 {
-    size_t room = 3*strlen(text) + 1;                  /* each byte may become a replacement character */
-    bool ok = reserve(d, (void **)&d->text, d->n_text, &d->text_room, room, 1);
+    size_t capacity = 3*strlen(text) + 1;                  /* each byte may become a replacement character */
+    bool ok = reserve(d, (void **)&d->text, d->n_text, &d->text_room, capacity, 1);
     lw_shape *s = add(d, LW_SHAPE_TEXT, role);
     s->at = s->hold = at;
     s->width = size;
@@ -128,7 +128,7 @@ lw_shape *lw_drawing_text(lw_drawing *d, lw_role role, const char *text, lw_vec2
     s->fill = LW_INK_TEXT;
     if (ok) {
         s->first = d->n_text;
-        lw_text_clean(d->text + d->n_text, room, text);
+        lw_text_clean(d->text + d->n_text, capacity, text);
         s->n = strlen(d->text + d->n_text);
         d->n_text += s->n + 1;
     }
@@ -143,7 +143,7 @@ lw_status lw_drawing_end(lw_drawing *d, lw_error *e)
     return lw_error_set(e, LW_E_MEMORY, "not enough memory for the drawing");
 }
 
-/* Widths per size: DejaVu Sans, the widest of the common sans-serif fonts, rounded up by class. */
+/* Width of a character for type size 1: DejaVu Sans, the widest of the common sans-serif fonts, rounded up by class. */
 static double letter_width(unsigned char c)
 {
     if (strchr("iljI.,:;'|! ", c))
@@ -161,7 +161,7 @@ double lw_text_width(const char *text, double size)
 {
     double w = 0;
     for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-        if ((*c & 0xc0) != 0x80)                                        /* first byte of a letter */
+        if ((*c & 0xc0) != 0x80)                                        /* the first byte of a character */
             w += letter_width(*c);
     return w*size;
 }

@@ -9,15 +9,15 @@
 #include "catalogues/draw/picture.h"
 
 #define COLOURS   256
-#define CLEAR     255            /* index of "as in the frame before"                               */
-#define SHADES    18             /* of each ink, from the ink itself to paper                       */
-#define CUBE      (32*32*32)     /* five bits a channel: every pixel's index is looked up           */
+#define CLEAR     255            /* index that means "as in the frame before"                       */
+#define SHADES    18             /* of each ink, from the ink to the paper                          */
+#define CUBE      (32*32*32)     /* five bits per channel: the index of every colour is kept         */
 
-/* One palette for all frames: what antialiasing makes of each ink on paper. */
+/* One palette for all frames: the colours that antialiasing makes of each ink on paper. */
 typedef struct lw_palette {
     int           n;
     GifColorType  colour[COLOURS];
-    unsigned char index[CUBE];   /* 0: not looked for yet, else 1 + nearest                         */
+    unsigned char index[CUBE];   /* 0: not computed yet, else 1 + nearest entry                     */
 } lw_palette;
 
 typedef struct lw_film {
@@ -25,8 +25,8 @@ typedef struct lw_film {
     lw_drawing  drawing;
     int         width, height;
     uint32_t   *pixel;           /* of one frame                          (width * height)          */
-    GifByteType *now, *before;   /* palette indices of this frame and of what the reader sees       */
-    GifByteType *row;            /* one line to be written                (width)                   */
+    GifByteType *now, *before;   /* palette indices of this frame, and of what the viewer shows     */
+    GifByteType *row;            /* one line to write (width)                                       */
     lw_palette  palette;
 } lw_film;
 
@@ -60,7 +60,7 @@ static int nearest(const lw_palette *p, int r, int g, int b)
     int best = 0, least = 1 << 30;
     for (int i = 0; i < p->n; i++) {
         int dr = p->colour[i].Red - r, dg = p->colour[i].Green - g, db = p->colour[i].Blue - b;
-        int d = 3*dr*dr + 4*dg*dg + 2*db*db;                   /* roughly as the eye weighs them */
+        int d = 3*dr*dr + 4*dg*dg + 2*db*db;                   /* rough weights of the eye's sensitivity */
         if (d < least) {
             least = d;
             best = i;
@@ -85,7 +85,7 @@ static int append(GifFileType *gif, const GifByteType *data, int size)
     return out->failed ? 0 : size;
 }
 
-/* The part of the picture that differs from what the reader sees; false when nothing does. */
+/* Find the box in which the picture differs from what the viewer shows. False: no difference. */
 static bool changed_part(const lw_film *m, int box[4])
 {
     box[0] = m->width;
@@ -104,12 +104,12 @@ static bool changed_part(const lw_film *m, int box[4])
     return box[3] >= 0;
 }
 
-/* Write the changed part, with what stays the same inside it clear: it packs better. */
+/* Write the changed box. Pixels that stay the same get the index CLEAR, which compresses better. */
 static bool put_frame(lw_film *m, GifFileType *gif, int delay, bool first)
 {
     int box[4] = { 0, 0, m->width - 1, m->height - 1 };
     if (!first && !changed_part(m, box))
-        box[0] = box[1] = box[2] = box[3] = 0;            /* a frame of one pixel keeps the time */
+        box[0] = box[1] = box[2] = box[3] = 0;            /* a frame of one pixel keeps the timing */
     GraphicsControlBlock control = { .DisposalMode = DISPOSE_DO_NOT, .DelayTime = delay,
                                      .TransparentColor = first ? NO_TRANSPARENT_COLOR : CLEAR };
     GifByteType code[4];
@@ -136,7 +136,7 @@ static lw_status render(lw_film *m, size_t frame, lw_error *e)
     return st;
 }
 
-/* Screen, palette, and the Netscape extension that asks readers to play for ever. */
+/* Write screen, palette, and the Netscape extension that makes the animation repeat for ever. */
 static bool put_head(const lw_film *m, GifFileType *gif)
 {
     ColorMapObject *map = GifMakeMapObject(COLOURS, m->palette.colour);
@@ -152,7 +152,7 @@ static bool put_head(const lw_film *m, GifFileType *gif)
         && EGifPutExtensionTrailer(gif) == GIF_OK;
 }
 
-/* Frames in order; a motion that does not loop runs back over the same frames, ends not repeated. */
+/* Write all frames. A motion that does not loop then runs back over the same frames; its two ends are not repeated. */
 static lw_status put_motion(lw_film *m, GifFileType *gif, const lw_gif_options *o, lw_error *e)
 {
     size_t most = m->s->loops ? o->n_frame : o->n_frame/2 + 1, all = m->s->n_frame;

@@ -6,7 +6,7 @@
 
 #include "catalogues/draw/drawing.h"
 
-#define CELL 4.0                        /* [px]: finer than the letters, coarse enough to be quick */
+#define CELL 4.0                        /* [px]: finer than the letters, coarse enough to be fast */
 
 lw_status lw_label_map_make(lw_label_map *m, double width, double height, lw_error *e)
 {
@@ -38,7 +38,7 @@ void lw_label_map_line(lw_label_map *m, lw_vec2 a, lw_vec2 b, double weight)
     lw_vec2 d = lw_v2_sub(b, a);
     double length = lw_v2_norm(d), limit = 8*CELL*(m->columns + m->rows);
     if (!(length <= limit))
-        return;                                        /* far outside; callers clip what they draw */
+        return;                                        /* far outside the page; callers clip what they draw */
     int n = (int)ceil(length/CELL) + 1;
     for (int i = 0; i <= n; i++)
         add_ink(m, a.x + d.x*i/n, a.y + d.y*i/n, weight);
@@ -58,7 +58,7 @@ void lw_label_map_take(lw_label_map *m, lw_box box)
         m->taken[m->n_taken++] = box;
 }
 
-/* Turn amounts into sums over everything above and to the left. */
+/* Turn the amounts into sums over all cells above and to the left. */
 static void sum_up(lw_label_map *m)
 {
     for (int row = 1; row <= m->rows; row++)
@@ -92,7 +92,7 @@ static bool is_free(const lw_label_map *m, lw_box b, lw_box within)
     return true;
 }
 
-/* Box of half sizes (w, h) that lies beside `from` in direction u, its nearest side `gap` away. */
+/* Box of half sizes (w, h) beside `from` in direction u, its nearest side `gap` away. */
 static lw_box beside(lw_vec2 from, lw_vec2 u, double gap, double w, double h)
 {
     double reach = fmin(w/fmax(fabs(u.x), 1e-9), h/fmax(fabs(u.y), 1e-9));

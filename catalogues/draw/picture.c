@@ -8,7 +8,7 @@
 #include <string.h>
 #include "base/library.h"
 
-/* cairo and what it stands on are loaded with the first picture (base/library.h). */
+/* cairo and its libraries are loaded with the first picture (base/library.h). */
 #define CALLS(X) \
     X(arc) X(clip) X(close_path) X(create) X(destroy) X(fill_preserve) X(font_options_create) \
     X(font_options_destroy) X(font_options_set_antialias) X(font_options_set_hint_metrics) \
@@ -26,7 +26,7 @@ static struct {
 #undef X
 } cairo;
 static pthread_once_t loading = PTHREAD_ONCE_INIT;
-static lw_error       not_loaded;                /* status LW_OK: it is there */
+static lw_error       not_loaded;                /* status LW_OK: cairo is loaded */
 
 static void load(void)
 {
@@ -100,7 +100,7 @@ static void paint_text(cairo_t *c, const lw_drawing *d, const lw_shape *s)
     cairo.new_path(c);
 }
 
-/* Put the coordinates of a shape where its link is in the frame. */
+/* Write the path of a shape, moved with its link to the given frame. */
 static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, const lw_scene *scene,
                         size_t frame)
 {
@@ -118,7 +118,7 @@ static void follow_link(cairo_t *c, const lw_drawing *d, const lw_shape *s, cons
     cairo.transform(c, &a);
 }
 
-/* Letters as the font has them, not as a screen or its settings would hint them. */
+/* Draw letters as the font defines them, without hints for a screen or its settings. */
 static void set_font_options(cairo_t *c)
 {
     cairo_font_options_t *o = cairo.font_options_create();
@@ -159,7 +159,7 @@ static cairo_status_t append(void *closure, const unsigned char *data, unsigned 
     return out->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 
-/* Our answer to cairo's; frees what was written when it failed. */
+/* Turn cairo's status into ours; free the output after a failure. */
 static lw_status outcome(cairo_status_t s, lw_bytes *out, lw_error *e)
 {
     if (s == CAIRO_STATUS_SUCCESS)
@@ -170,7 +170,7 @@ static lw_status outcome(cairo_status_t s, lw_bytes *out, lw_error *e)
                         "the picture could not be drawn: %s", cairo.status_to_string(s));
 }
 
-/* Paint on a surface, which is given up; the first failure counts. */
+/* Paint on a surface and destroy it. Returns the first failure. */
 static cairo_status_t paint_on(cairo_surface_t *surface, const lw_drawing *d, const lw_scene *scene,
                                size_t frame)
 {
@@ -208,7 +208,7 @@ lw_status lw_picture_pdf_pages(const lw_drawing *d, size_t n, lw_bytes *out, lw_
     lw_status loaded = need_cairo(e);
     if (loaded != LW_OK)
         return loaded;
-    const double point = 0.75;                                   /* of the page per CSS pixel */
+    const double point = 0.75;                                   /* points of the page per CSS pixel */
     cairo_surface_t *surface = cairo.pdf_surface_create_for_stream(append, out, point*d->width,
                                                                    point*d->height);
     cairo.pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_TITLE, d->title);

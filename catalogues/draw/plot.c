@@ -6,15 +6,15 @@
 
 #include "base/bytes.h"
 
-#define LETTER   12.0           /* size of the type [px] */
+#define LETTER   12.0           /* size of the letters [px] */
 #define TICK_MAX 64
-#define ROW      18.0           /* of the legend [px] */
+#define ROW      18.0           /* height of a row of the legend [px] */
 
 typedef struct lw_axis {
     bool   logarithmic;
-    double lo, hi;                  /* of the numbers, or of their logarithms                      */
-    double from, to;                /* where those lie on the page [px]                            */
-    int    n_tick, digits;          /* so many that neighbouring ticks read differently           */
+    double lo, hi;                  /* range of the numbers, or of their logarithms                */
+    double from, to;                /* places of lo and hi on the page [px]                        */
+    int    n_tick, digits;          /* digits: enough that neighbouring ticks read differently    */
     double tick[TICK_MAX];          /* numbers, not logarithms                                     */
 } lw_axis;
 
@@ -52,7 +52,7 @@ static void add_tick(lw_axis *a, double v)
         a->tick[a->n_tick++] = v;
 }
 
-/* Steps of 1, 2 or 5 times a power of ten, about n of them. */
+/* Ticks in steps of 1, 2 or 5 times a power of ten, about n of them. */
 static void even_ticks(lw_axis *a, double n)
 {
     double rough = (a->hi - a->lo)/n, power = pow(10, floor(log10(rough))), m = rough/power;
@@ -62,7 +62,8 @@ static void even_ticks(lw_axis *a, double n)
         add_tick(a, i*step);
 }
 
-/* Whole decades, every k-th when there are many; 1, 2, 5 within few; evenly within less than one. */
+/* Ticks at whole decades, or every k-th if there are many; at 1, 2, 5 within a few decades; even ticks within less than
+ * one. */
 static void decade_ticks(lw_axis *a, double n)
 {
     int step = (int)fmax(1, ceil((a->hi - a->lo)/n)), first = (int)floor(a->lo), last = (int)ceil(a->hi);
@@ -74,7 +75,7 @@ static void decade_ticks(lw_axis *a, double n)
                 add_tick(a, digit*pow(10, k));
 }
 
-/* Widen the range to where there is something to see, and choose ticks. */
+/* Widen an empty range and choose ticks. */
 static void settle(lw_axis *a, double n_tick)
 {
     double middle = (a->lo + a->hi)/2, least = a->logarithmic ? 0.35 : fmax(1e-12*fabs(middle), 1e-300);
@@ -92,7 +93,7 @@ static void settle(lw_axis *a, double n_tick)
         even_ticks(a, n_tick);
 }
 
-/* False when no point of any series can be shown. */
+/* Find the ranges of both axes. False: no point of any series can be shown. */
 static bool find_ranges(lw_chart *c)
 {
     bool any = false;
@@ -163,7 +164,7 @@ static lw_ink series_ink(int i)
     return ink[i % 8];
 }
 
-/* Series that share an ink differ by marker and dashes. */
+/* Series of the same ink differ by marker and dashes. */
 static void marker(lw_chart *c, lw_role role, int series, size_t item, lw_vec2 at)
 {
     static const int corners[] = { 0, 4, 3, 4 };
@@ -190,7 +191,7 @@ static void line(lw_chart *c, lw_role role, int series, const lw_vec2 *p, size_t
 
 static void draw_series(lw_chart *c, int series)
 {
-    enum { RUN = 512 };                              /* long lines in pieces of so many points */
+    enum { RUN = 512 };                              /* a long line is drawn in pieces of this many points */
     const lw_series *s = &c->p->series[series];
     lw_vec2 run[RUN + 2];
     size_t n = 0;
@@ -253,7 +254,7 @@ static void draw_legend(lw_chart *c)
     }
 }
 
-/* Room for the numbers along the y axis. */
+/* Width of the numbers along the y axis. */
 static double tick_width(const lw_axis *a)
 {
     double w = 0;
@@ -265,7 +266,7 @@ static double tick_width(const lw_axis *a)
     return w;
 }
 
-/* Widen the axis with the finer scale until both have the same; ticks follow the new range. */
+/* Give both axes the same scale: the one with the finer scale gets a wider range and new ticks. */
 static void make_equal(lw_axis *x, lw_axis *y)
 {
     double sx = fabs(x->to - x->from)/(x->hi - x->lo), sy = fabs(y->to - y->from)/(y->hi - y->lo);
@@ -279,7 +280,7 @@ static void make_equal(lw_axis *x, lw_axis *y)
 
 static void draw_chart(lw_chart *c)
 {
-    const double apart = 70;                                    /* of ticks, about [px] */
+    const double apart = 70;                                    /* distance of ticks, about [px] */
     c->y.to = c->p->title ? 40 : 16;
     c->y.from = c->d->height - (c->p->x_label ? 50 : 30);
     settle(&c->y, fmax((c->y.from - c->y.to)/apart, 1));

@@ -12,25 +12,25 @@
 #include "grammar/model.h"
 #include "mbs/constraints/mobility.h"
 
-/* What the stages of lw_scene_make share. */
+/* What the steps of lw_scene_make share. */
 typedef struct lw_work {
     lw_scene  *s;
-    lw_linkage linkage;                    /* with a tracer more for every link without a pin      */
+    lw_linkage linkage;                    /* with an extra tracer for every link without a pin    */
     lw_plan    plan;
     double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;
-    int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - its tracer              */
-    lw_pose    start, pose;                /* of the posture, and the one at work                  */
+    int        pin[LW_LINK_MAX];           /* a joint of the link, or -1 - (index of its tracer)   */
+    lw_pose    start, pose;                /* pose shown; pose being computed                      */
     lw_motion  motion;
-    lw_walk    walk;                       /* of the circuit that holds the posture                */
-    bool       by_course;                  /* no closed form: then the motion is the course, not the walk */
-    lw_motion_path  course;
-    double     q[LW_SYSTEM_Q_MAX];         /* the posture at work                                   */
+    lw_walk    walk;                       /* through the circuit that holds the pose shown        */
+    bool       by_path;                    /* no closed-form plan: the motion comes from `path`, not from `walk` */
+    lw_motion_path path;
+    double     q[LW_SYSTEM_Q_MAX];         /* coordinates of the pose being computed                */
 } lw_work;
 
-/* The motion runs over t = 0 .. its length. */
-static double motion_length(const lw_work *w) { return w->by_course ? 1 : w->walk.n_stage; }
+/* The motion runs over t = 0 .. motion_length. */
+static double motion_length(const lw_work *w) { return w->by_path ? 1 : w->walk.n_stage; }
 
-static bool motion_loops(const lw_work *w) { return w->by_course ? w->course.loops : w->walk.loops; }
+static bool motion_loops(const lw_work *w) { return w->by_path ? w->path.loops : w->walk.loops; }
 
 lw_scene_options lw_scene_options_default(void)
 {
@@ -86,7 +86,7 @@ static bool make_frames(lw_scene *s, size_t n)
     return true;
 }
 
-/* A reference point for every link: a pin where it has one, else a tracer of its own. */
+/* Choose a reference point for every link: a pin, or an added tracer where the link has no pin. */
 static bool choose_references(lw_work *w)
 {
     lw_linkage *k = &w->linkage;
@@ -123,7 +123,7 @@ static void keep_dimensions(lw_work *w)
     lw_scene *s = w->s;
     int own = s->linkage.n_tracer;
     for (int i = 0; i < w->plan.n_dim; i++) {
-        bool added = false;                            /* the place of a reference point of ours */
+        bool added = false;                            /* a coordinate of a reference tracer added here */
         for (int t = own; t < w->linkage.n_tracer; t++)
             added = added || w->plan.i_cx[t] == i || w->plan.i_cy[t] == i;
         if (added)
@@ -135,13 +135,13 @@ static void keep_dimensions(lw_work *w)
     }
 }
 
-/* Plan, dimensions and starting pose.  False: there is no plan in closed form, or its posture does not close;
- * dimensions are told all the same where there is any plan. */
+/* Make plan, dimensions and starting pose. False: there is no plan in closed form, or the pose does not close.
+ * Dimensions are filled whenever there is a plan. */
 static bool prepare(lw_work *w)
 {
-    const lw_plan_options want = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true,
-                                    .kind = LW_PLAN_HIGHER };
-    bool any = choose_references(w) && lw_plan_make(&w->linkage, want, &w->plan, NULL) == LW_OK
+    const lw_plan_options outputs = { .tracers = (1u << w->linkage.n_tracer) - 1, .all_joints = true,
+                                       .kind = LW_PLAN_HIGHER };
+    bool any = choose_references(w) && lw_plan_make(&w->linkage, outputs, &w->plan, NULL) == LW_OK
                && lw_plan_read(&w->plan, &w->linkage, w->dim, w->mode, &w->input, NULL) == LW_OK;
     if (any)
         keep_dimensions(w);
@@ -149,7 +149,7 @@ static bool prepare(lw_work *w)
            && lw_pose_solve(&w->plan, w->dim, w->mode, w->input, 0, &w->start) == LW_OK;
 }
 
-/* The size of the linkage: what its joints span, in the posture. */
+/* Size of the linkage: diagonal of the box around its joints, in the pose shown. */
 static double span(const lw_linkage *k)
 {
     double d = 0;
@@ -168,27 +168,27 @@ double lw_scene_dimension(const lw_scene *s, int i)
     return fabs(s->dim[i]) < noise ? 0 : s->dim[i]/(angle ? u->radian : u->metre);
 }
 
-/* Go to t of the motion; returns the input there. */
+/* Move to t of the motion. Returns the input there. */
 static double move_to(lw_work *w, double t)
 {
-    if (w->by_course)
-        return lw_motion_path_at(&w->course, t, w->q);
+    if (w->by_path)
+        return lw_motion_path_at(&w->path, t, w->q);
     lw_walk_pose(&w->walk, t, &w->pose);
     return w->pose.input;
 }
 
 static lw_place place_now(const lw_work *w, int link)
 {
-    if (!w->by_course)
+    if (!w->by_path)
         return (lw_place){ reference(w, &w->pose, link),
                            lw_v2_polar(1, w->pose.angle[link][0] - w->start.angle[link][0]) };
-    const lw_system *s = &w->course.s;
+    const lw_system *s = &w->path.s;
     int body = s->body[link];
     return (lw_place){ lw_system_point(s, body, lw_system_arm(s, body, w->s->origin[link]), w->q),
                        lw_v2_polar(1, w->q[3*body + 2]) };
 }
 
-/* The frames of the motion, as places of the links relative to the posture. */
+/* Fill the frames of the motion: place of each link relative to the pose shown. */
 static bool take_frames(lw_work *w, size_t n)
 {
     lw_scene *s = w->s;
@@ -197,7 +197,7 @@ static bool take_frames(lw_work *w, size_t n)
         return false;
     s->loops = motion_loops(w);
     double per = motion_length(w)/(s->loops ? (double)n : (double)(n - 1));
-    double start = w->by_course ? w->course.start : w->walk.turns ? 0 : lw_walk_time(&w->walk, w->input);
+    double start = w->by_path ? w->path.start : w->walk.turns ? 0 : lw_walk_time(&w->walk, w->input);
     s->first_frame = (size_t)fmin(round(start/per), (double)n - 1);
     for (size_t f = 0; f < n; f++) {
         s->input[f] = move_to(w, f == s->first_frame ? start : per*(double)f);
@@ -208,18 +208,18 @@ static bool take_frames(lw_work *w, size_t n)
     return true;
 }
 
-typedef struct lw_growing { lw_vec2 *p; size_t n, room; bool failed; } lw_growing;
+typedef struct lw_growing { lw_vec2 *p; size_t n, capacity; bool failed; } lw_growing;
 
 static void grow(lw_growing *g, lw_vec2 p)
 {
-    if (g->n == g->room) {
-        size_t room = g->room ? 2*g->room : 1024;
-        lw_vec2 *q = realloc(g->p, room*sizeof *q);
+    if (g->n == g->capacity) {
+        size_t capacity = g->capacity ? 2*g->capacity : 1024;
+        lw_vec2 *q = realloc(g->p, capacity*sizeof *q);
         g->failed = g->failed || !q;
         if (!q)
             return;
         g->p = q;
-        g->room = room;
+        g->capacity = capacity;
     }
     g->p[g->n++] = p;
 }
@@ -227,14 +227,15 @@ static void grow(lw_growing *g, lw_vec2 p)
 static lw_vec2 trace(lw_work *w, int tracer, double t)
 {
     move_to(w, t);
-    if (!w->by_course)
+    if (!w->by_path)
         return w->pose.tracer[tracer][0];
-    const lw_system *s = &w->course.s;
+    const lw_system *s = &w->path.s;
     return lw_system_point(s, s->tracer_body[tracer], s->tracer_arm[tracer], w->q);
 }
 
-/* Points between t0 and t1 (a excluded, b included), halved until a step is as good as straight.  What
- * is still a leap then is one, from one end of an asymptote to the other: the line breaks. */
+/* Add points between t0 (point a, left out) and t1 (point b, included). Steps are halved until they are nearly
+ * straight. A step that is still long is a jump from one end of an asymptote to the other: the line is interrupted
+ * there. */
 static void refine(lw_work *w, int tracer, double t0, lw_vec2 a, double t1, lw_vec2 b, double size,
                    int depth, lw_growing *g)
 {
@@ -268,13 +269,13 @@ static bool take_curve(lw_work *w, int tracer, bool shown, size_t n)
         a = b;
     }
     if (loops && g.n > 1)
-        g.n--;                                         /* the last is the first again */
+        g.n--;                                         /* the last point equals the first */
     s->curve[s->n_curve++] = (lw_curve){ .tracer = tracer, .shown_branch = shown,
                                          .closed = loops, .n = g.n, .p = g.p };
     return !g.failed;
 }
 
-/* Does the file ask for a part of the input's range that holds the posture? */
+/* Does the file ask for a part of the input's range, and is the pose shown inside that part? */
 static bool is_restricted(const lw_work *w)
 {
     const lw_input *in = &w->linkage.input[0];
@@ -292,7 +293,7 @@ static bool take_curves(lw_work *w, bool shown, size_t n)
     return true;
 }
 
-/* Curves of the other circuits, as far as there is room; false when memory ran out. */
+/* Add curves of the other circuits while there is space for them. False: out of memory. */
 static bool take_others(lw_work *w, size_t n)
 {
     const lw_walk own = w->walk;
@@ -309,7 +310,7 @@ static bool take_others(lw_work *w, size_t n)
     return ok;
 }
 
-/* Find the walk through the posture; its input is counted as the arc counts it.  False: not found. */
+/* Find the walk through the pose shown; its input counts turns as the arc does. False: not found. */
 static bool find_walk(lw_work *w)
 {
     if (lw_motion_find(&w->plan, w->dim, &w->motion) < 0)
@@ -324,7 +325,7 @@ static bool find_walk(lw_work *w)
     return true;
 }
 
-/* Curves and frames by the plan; false when memory ran out. */
+/* Compute curves and frames by the plan. False: out of memory. */
 static bool show_walk(lw_work *w, const lw_scene_options *o)
 {
     const lw_input *in = &w->linkage.input[0];
@@ -342,18 +343,18 @@ static bool show_walk(lw_work *w, const lw_scene_options *o)
 
 /* ---- motions without a plan --------------------------------------------------------------------- */
 
-/* All inputs go evenly from the first to the last of what the linkage asks for, in the time 0 .. 1; those that ask for
- * nothing rest. */
+/* Prescribed motion of all inputs: each moves evenly, in the time 0 .. 1, from the first to the last value that the
+ * linkage gives for it. Inputs without such values rest. */
 static void sweep(void *linkage, double t, int order, double *u)
 {
     const lw_linkage *k = linkage;
     for (int i = 0; i < lw_linkage_free_inputs(k); i++) {
         const lw_input *in = &k->input[i];
-        double *out = u + i*(order + 1), way = in->last - in->first;
+        double *out = u + i*(order + 1), range = in->last - in->first;
         memset(out, 0, (size_t)(order + 1)*sizeof *out);
-        out[0] = way != 0 ? in->first + t*way : in->value;
+        out[0] = range != 0 ? in->first + t*range : in->value;
         if (order > 0)
-            out[1] = way;
+            out[1] = range;
     }
 }
 
@@ -368,7 +369,7 @@ static bool inputs_are_alike(const lw_model *m, double a, double b)
     return true;
 }
 
-/* How long a motion in time is shown: to where the inputs begin again or come to rest, else a second [s]. */
+/* How long a motion in time is shown [s]: until the inputs repeat or come to rest, else 1 s. */
 static double duration(const lw_model *m)
 {
     static const double span[] = { 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100 };
@@ -383,7 +384,7 @@ static double duration(const lw_model *m)
     return 1;
 }
 
-/* Links that spin where nobody notices, a roller on its pin: made fast.  False when there is none. */
+/* Fix links whose rotation changes nothing else (a roller on its pin). False: there is none. */
 static bool fasten_idle_links(lw_linkage *k)
 {
     lw_mobility *m = malloc(sizeof *m);
@@ -403,8 +404,8 @@ static bool fasten_idle_links(lw_linkage *k)
     return any;
 }
 
-/* Several inputs that say how they move are moved at once; otherwise the first one is. */
-static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *why)
+/* Start a motion path: all inputs move at once if the linkage says how each of them moves, else the first one alone. */
+static lw_status start_path(lw_work *w, const lw_scene_options *o, lw_error *why)
 {
     const lw_linkage *k = &w->linkage;
     bool motions = false, ranges = false;
@@ -414,12 +415,12 @@ static lw_status start_course(lw_work *w, const lw_scene_options *o, lw_error *w
     }
     if (motions)
         return lw_motion_path_in_time(k, lw_prescribed_motion_of_model, (void *)o->model, 0,
-                                 o->until > 0 ? o->until : duration(o->model), &w->course, why);
+                                 o->until > 0 ? o->until : duration(o->model), &w->path, why);
     if (ranges)
-        return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->course, why);
-    lw_status st = lw_motion_path_along(k, o->other_branches, &w->course, why);
+        return lw_motion_path_in_time(k, sweep, &w->linkage, 0, 1, &w->path, why);
+    lw_status st = lw_motion_path_along(k, o->other_branches, &w->path, why);
     if (st == LW_E_ARG && k->n_input > 0 && fasten_idle_links(&w->linkage))
-        st = lw_motion_path_along(k, o->other_branches, &w->course, why);
+        st = lw_motion_path_along(k, o->other_branches, &w->path, why);
     return st;
 }
 
@@ -430,27 +431,27 @@ static bool show_course(lw_work *w, const lw_scene_options *o)
     size_t n = o->n_curve_point;
     const lw_input *in = &w->linkage.input[0];
     w->linkage = s->linkage;                                      /* without added tracers */
-    w->by_course = true;
-    lw_status st = start_course(w, o, &why);
-    if (st == LW_OPEN && w->course.drive)
+    w->by_path = true;
+    lw_status st = start_path(w, o, &why);
+    if (st == LW_OPEN && w->path.drive)
         snprintf(s->note, sizeof s->note, "Shown in part: %.200s", why.text);
     else if (st != LW_OK) {
         snprintf(s->note, sizeof s->note, "Shown without motion: %.200s",
                  why.text[0] ? why.text : lw_status_text(st));
         return make_frames(s, 1);
     }
-    for (int i = 1; i < w->course.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
-        lw_motion_path_choose(&w->course, i);
+    for (int i = 1; i < w->path.curves.n && s->n_curve + LW_TRACER_MAX <= LW_CURVE_MAX/2; i++) {
+        lw_motion_path_choose(&w->path, i);
         if (!take_curves(w, false, n))
             return false;
     }
-    if (!w->course.drive)
-        lw_motion_path_choose(&w->course, 0);
-    n *= (size_t)fmin(fmax(w->course.turns, 1), 20);
-    if (!w->course.drive && is_restricted(w)) {
+    if (!w->path.drive)
+        lw_motion_path_choose(&w->path, 0);
+    n *= (size_t)fmin(fmax(w->path.turns, 1), 20);
+    if (!w->path.drive && is_restricted(w)) {
         if (!take_curves(w, false, n))
             return false;
-        lw_motion_path_restrict(&w->course, fmin(in->first, in->last), fmax(in->first, in->last));
+        lw_motion_path_restrict(&w->path, fmin(in->first, in->last), fmax(in->first, in->last));
     }
     return take_curves(w, true, n) && take_frames(w, o->n_frame < 2 ? 2 : o->n_frame);
 }
@@ -487,7 +488,7 @@ lw_status lw_scene_make(const lw_linkage *k, const lw_target *t, const lw_scene_
         w->s = s;
         w->linkage = *k;
         ok = show_motion(w, o);
-        lw_motion_path_free(&w->course);
+        lw_motion_path_free(&w->path);
     }
     free(w);
     if (ok)

@@ -16,7 +16,7 @@ lw_sheet_style lw_sheet_style_default(void)
     return (lw_sheet_style){ .columns = 6, .rows = 8, .width = 794, .height = 1123, .shrink = true };
 }
 
-/* What fits of a text, with an ellipsis when it does not all. */
+/* Copy a text, cut to a width with an ellipsis if it is too long. */
 static void fit_text(const char *text, double size, double width, char *out, size_t room)
 {
     lw_text_clean(out, room - 4, text);

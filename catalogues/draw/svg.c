@@ -24,7 +24,7 @@ static void colour(lw_bytes *b, const char *attribute, lw_ink ink)
     lw_bytes_text(b, t);
 }
 
-/* class, data-..., colours: as attributes, or by class when the page's style sheet decides */
+/* Write class, data attributes and colours: as attributes, or by class if the page's style sheet sets them. */
 static void common(lw_bytes *b, const lw_shape *s, bool by_class)
 {
     char t[160];
@@ -128,22 +128,22 @@ static void clip_paths(lw_bytes *b, const lw_drawing *d, const char *prefix)
     }
 }
 
-/* Shapes in order; runs that lie in a panel are clipped to its box. */
+/* Write shapes in order. Runs of shapes in one panel are clipped to its box. */
 static void shapes(lw_bytes *b, const lw_drawing *d, const char *prefix, bool by_class)
 {
     int open = -1;
     for (size_t i = 0; i < d->n_shape; i++) {
         const lw_shape *s = &d->shape[i];
-        int want = s->panel < d->n_view ? s->panel : -1;
-        if (want != open) {
+        int wanted = s->panel < d->n_view ? s->panel : -1;
+        if (wanted != open) {
             char t[96];
             if (open >= 0)
                 lw_bytes_text(b, "</g>\n");
-            if (want >= 0) {
-                snprintf(t, sizeof t, "<g clip-path=\"url(#%sclip%d)\">\n", prefix, want);
+            if (wanted >= 0) {
+                snprintf(t, sizeof t, "<g clip-path=\"url(#%sclip%d)\">\n", prefix, wanted);
                 lw_bytes_text(b, t);
             }
-            open = want;
+            open = wanted;
         }
         switch (s->kind) {
         case LW_SHAPE_PATH:   path(b, d, s, by_class); break;

@@ -27,7 +27,7 @@ void lw_symbol_pin(lw_drawing *d, lw_bearer b, lw_vec2 at, double u)
     stroke(lw_drawing_circle(d, LW_ROLE_JOINT, at, 5.5*u), b, LW_INK_GROUND, 2*u)->fill = LW_INK_PAPER;
 }
 
-/* Short strokes down to the left from the line a p, whose right side is the solid one. */
+/* Draw short strokes on the right side of the line a p, the solid side. */
 static void hatch(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u)
 {
     lw_vec2 line = lw_v2_sub(p, a);
@@ -35,7 +35,7 @@ static void hatch(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, double u)
     int n = (int)fmin(length/step, 4000);
     if (n < 1)
         return;
-    lw_vec2 along = lw_v2_scale(line, 1/length), right = lw_v2_perp(along);   /* y down: right side */
+    lw_vec2 along = lw_v2_scale(line, 1/length), right = lw_v2_perp(along);  /* y points down: this is the right side */
     lw_vec2 down = lw_v2_add(lw_v2_scale(right, 7*u), lw_v2_scale(along, -6*u));
     for (int i = 0; i < n; i++) {
         lw_vec2 from = lw_v2_add(a, lw_v2_scale(line, (i + 0.75)/n));
@@ -85,7 +85,7 @@ void lw_symbol_slot(lw_drawing *d, lw_bearer b, lw_vec2 a, lw_vec2 p, lw_ink ink
     stroke(lw_drawing_path(d, LW_ROLE_GUIDE, outline, 2*HALF, true), b, ink, 2*u)->fill = LW_INK_PAPER;
 }
 
-/* Filled head of an arrow whose point is p and which flies along the unit vector. */
+/* Draw a filled arrow head with its tip at p, pointing along the unit vector. */
 static void head(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double u)
 {
     lw_vec2 back = lw_v2_sub(p, lw_v2_scale(along, 11*u)), side = lw_v2_scale(lw_v2_perp(along), 4.5*u);
@@ -97,7 +97,7 @@ void lw_symbol_turning(lw_drawing *d, lw_bearer b, lw_vec2 at, double from, bool
 {
     enum { N = 24 };
     lw_vec2 arc[N];
-    const double radius = 27*u, sweep = 1.9;                            /* [rad], head included */
+    const double radius = 27*u, sweep = 1.9;                            /* [rad], with the head */
     double begin = back ? from + sweep : from, sense = back ? -1 : 1;
     for (int i = 0; i < N; i++)
         arc[i] = lw_v2_add(at, lw_v2_polar(radius, -(begin + sense*(sweep - 0.35)*i/(N - 1))));
@@ -149,7 +149,8 @@ void lw_symbol_rod(lw_drawing *d, lw_bearer b, lw_vec2 p, lw_vec2 along, double 
     stroke(lw_drawing_line(d, LW_ROLE_SLIDER, lw_v2_add(piston, side), lw_v2_sub(piston, side)), b, ink, 5*u);
 }
 
-/* Height of the flank at x pitches from a tooth's middle, 4 corners a tooth: half out, half in. */
+/* Height of a tooth's flank at its 4 corners, given in pitches from the tooth's middle; half of it outwards, half
+ * inwards. */
 static const double corner_at[4] = { -0.36, -0.14, 0.14, 0.36 }, corner_out[4] = { -1, 1, 1, -1 };
 
 void lw_symbol_wheel(lw_drawing *d, lw_bearer b, lw_vec2 centre, double radius, int teeth, double at, bool gap,
@@ -211,7 +212,7 @@ static int left_to_right(const void *a, const void *b)
     return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->y > q->y) - (p->y < q->y);
 }
 
-/* Convex hull, counter-clockwise from the leftmost point (Andrew 1979).  p is put in order. */
+/* Convex hull, counter-clockwise from the leftmost point (Andrew 1979). Sorts p. */
 static int hull(lw_vec2 *p, int n, lw_vec2 *out)
 {
     qsort(p, (size_t)n, sizeof *p, left_to_right);
@@ -224,7 +225,7 @@ static int hull(lw_vec2 *p, int n, lw_vec2 *out)
                 m--;
             out[m++] = q;
         }
-        m--;                                             /* the last is the first of the other pass */
+        m--;                                             /* this point is the first of the other pass */
     }
     return m;
 }
@@ -245,7 +246,7 @@ void lw_symbol_link(lw_drawing *d, lw_bearer b, const lw_vec2 *p, int n, lw_ink 
     memcpy(sorted, p, (size_t)n*sizeof *p);
     int m = n > 2 ? hull(sorted, n, corner) : 0;
     if (m < 3 || area(corner, m) < 9*u*u) {
-        lw_vec2 a = p[0], z = p[1];                      /* all on a line: from end to end */
+        lw_vec2 a = p[0], z = p[1];                      /* all points on one line: from end to end */
         for (int i = 0; i < n; i++)
             for (int j = 0; j < i; j++)
                 if (lw_v2_norm(lw_v2_sub(p[i], p[j])) > lw_v2_norm(lw_v2_sub(z, a))) {

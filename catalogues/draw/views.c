@@ -5,7 +5,7 @@
 
 #include "catalogues/draw/body_shapes.h"
 
-#define ENDLESS 8.0            /* a motion this many times larger than the posture is cut off */
+#define ENDLESS 8.0            /* a motion this many times larger than the pose shown is cut off */
 
 void lw_box_empty(lw_box *b)
 {
@@ -66,7 +66,7 @@ lw_box lw_scene_path_box(const lw_scene *s)
     return b;
 }
 
-/* Both sides of a gear pair. */
+/* Add both wheels of a gear pair. */
 static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
 {
     lw_wheel w[2];
@@ -85,7 +85,7 @@ static void add_gear(lw_box *b, const lw_scene *s, size_t frame, int joint)
     }
 }
 
-/* Pins, blocks and tracers; with the guides' travel and gears where `guides`. */
+/* Add pins, blocks and tracers; if `guides`, also the travel of guides, and gears. */
 static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
 {
     const lw_linkage *k = &s->linkage;
@@ -110,8 +110,8 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
         lw_box_add(b, lw_scene_at(s, frame, k->tracer[i].link, k->tracer[i].at));
 }
 
-/* `wide`, but no more of it than a few times `core`: a motion that runs off to infinity does not make
- * a dot of everything else. */
+/* Cut the box `wide` to a few times the size of `core`, so that a motion that runs to infinity does not shrink
+ * everything else to a dot. */
 static lw_box keep_core_large(lw_box wide, const lw_box *core)
 {
     double size = lw_box_size(core), around = 1.2*size;
@@ -133,7 +133,7 @@ lw_box lw_scene_box(const lw_scene *s, bool whole_motion)
         add_links(&all, s, f, true);
     lw_box_join(&all, &curve);
     all = keep_core_large(all, &core);
-    lw_box with = all;                     /* other branches where they do not make the rest small */
+    lw_box with = all;                     /* other assembly modes only if the rest does not get small */
     lw_box_join(&with, &other);
     return lw_box_size(&with) < 1.6*lw_box_size(&all) ? with : all;
 }
@@ -142,7 +142,7 @@ lw_view lw_view_fit(lw_box c, double x, double y, double w, double h, double mar
 {
     double room_x = fmax(w - 2*margin, 0.2*w), room_y = fmax(h - 2*margin, 0.2*h);
     double scale = fmin(room_x/(c.x1 - c.x0), room_y/(c.y1 - c.y0));
-    if (!isfinite(scale))                                  /* one point: any scale shows it */
+    if (!isfinite(scale))                                  /* a single point: any scale shows it */
         scale = 0.25*fmin(room_x, room_y)/fmax(fmax(fabs(c.x0), fabs(c.y0)), 1e-300);
     if (!isfinite(scale))
         scale = 1;

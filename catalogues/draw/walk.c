@@ -23,8 +23,7 @@ static int modes_apart(const lw_plan *plan, const double *a, const double *b)
     return n;
 }
 
-/* The end of the arc at this input (0 first, 1 last), if it is a limit; -1: neither.  Inputs of a pin
- * count modulo a turn. */
+/* Which end of the arc (0 first, 1 last) is a limit at this input; -1: neither. Inputs of a pin count modulo a turn. */
 static int limit_at(const lw_plan *plan, const lw_arc *a, double input, double slack)
 {
     for (int end = 0; end < 2; end++) {
@@ -37,8 +36,8 @@ static int limit_at(const lw_plan *plan, const lw_arc *a, double input, double s
     return -1;
 }
 
-/* The arc into which the linkage passes at the end of stage s: of those that end there with one dyad
- * turned over the one whose posture is the same.  -1: none. */
+/* The arc on which the linkage continues at the end of stage s: of the arcs that end there with one dyad in the other
+ * assembly mode, the one with the same pose. -1: none. */
 static int arc_beyond(const lw_walk *w, const lw_motion *m, const lw_walk_stage *s, int *end)
 {
     const lw_arc *now = &m->arc[s->arc];
@@ -99,7 +98,7 @@ void lw_walk_make(const lw_plan *plan, const double *dim, const lw_motion *m, in
 void lw_walk_restrict(lw_walk *w, double first, double last)
 {
     lw_walk_stage *s = &w->stage[0];
-    if (!w->turns) {                              /* in a full turn the posture may be anywhere */
+    if (!w->turns) {                              /* in a full turn any input is possible */
         first = fmax(first, fmin(s->from, s->to));
         last = fmin(last, fmax(s->from, s->to));
     }

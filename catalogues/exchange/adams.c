@@ -1,4 +1,4 @@
-/* catalogues/exchange/adams.c - datasets of ADAMS/Solver: statements, and the linkage they describe. */
+/* catalogues/exchange/adams.c - read datasets of ADAMS/Solver: first the statements, then the linkage they describe. */
 #include "catalogues/exchange/adams.h"
 
 #include <ctype.h>
@@ -22,7 +22,7 @@ static void skip_line(lw_cursor *c)
         ;
 }
 
-/* 'name' behind adams_view_name= in a comment, as far as it fits. */
+/* Copy 'name' after adams_view_name= in a comment, cut to the space there is. */
 static void take_name(const lw_cursor *at, char *name)
 {
     static const char key[] = "adams_view_name='";
@@ -37,8 +37,8 @@ static void take_name(const lw_cursor *at, char *name)
     name[n] = 0;
 }
 
-/* On to what belongs to the statement: over blanks, comments, and line ends that a comma follows.  False at
- * its end. */
+/* Move to the next character of the statement: over blanks, comments, and line ends after which a comma follows. False:
+ * end of the statement. */
 static bool goes_on(lw_cursor *c)
 {
     for (;;) {
@@ -51,7 +51,7 @@ static bool goes_on(lw_cursor *c)
         if (byte != '\n' && byte != '!')
             return byte >= 0;
         lw_cursor ahead = *c;
-        for (;;) {                                     /* lines without anything, and comments */
+        for (;;) {                                     /* skip empty lines and comments */
             lw_cursor_skip(&ahead, true, '!');
             if (lw_cursor_peek(&ahead) != '!')
                 break;
@@ -83,7 +83,7 @@ static lw_status take_word(lw_cursor *c, char *word, size_t size, const char *wh
                                           lw_byte_name(lw_cursor_peek(&start), name));
 }
 
-/* A number; a D behind it says degrees. */
+/* Read a number; a D behind it means degrees. */
 static lw_status take_number(lw_cursor *c, double *v)
 {
     lw_cursor start = *c;
@@ -109,7 +109,7 @@ static bool begins_number(int byte)
     return (byte >= '0' && byte <= '9') || byte == '-' || byte == '+' || byte == '.';
 }
 
-/* The rest of the statement, as it is. */
+/* Copy the rest of the statement unchanged. */
 static lw_status take_expression(lw_cursor *c, lw_adams_argument *a)
 {
     lw_cursor start = *c;
@@ -125,7 +125,7 @@ static lw_status take_expression(lw_cursor *c, lw_adams_argument *a)
     return LW_OK;
 }
 
-/* Numbers apart by commas, as long as numbers follow. */
+/* Read comma-separated numbers, as long as numbers follow. */
 static lw_status take_values(lw_cursor *c, lw_adams_argument *a)
 {
     for (;;) {
@@ -233,7 +233,7 @@ const lw_adams_argument *lw_adams_find(const lw_adams_statement *s, const char *
 /* ==== the linkage ============================================================================================= */
 
 #define MARKER_MAX 512
-#define FLAT       1e-9                    /* what counts as lying in the plane                      */
+#define FLAT       1e-9                    /* relative tolerance for lying in the plane              */
 
 typedef struct frame { double r[3][3], p[3]; } frame;
 
@@ -247,7 +247,7 @@ typedef struct reader {
     part        part[LW_LINK_MAX];
     int         n_marker;
     marker      marker[MARKER_MAX];
-    int         joint_id[LW_JOINT_MAX];    /* of joint j; primitives and couplers: less than 0       */
+    int         joint_id[LW_JOINT_MAX];    /* id of joint j; primitives and couplers: negative       */
     struct { int joint[2]; double scale[2]; char name[LW_NAME_SIZE]; long line; } coupler[LW_JOINT_MAX];
     int         n_coupler;
     double      metre;
@@ -261,7 +261,7 @@ static lw_status fail(const reader *r, const lw_adams_statement *s, const char *
 
 /* ---- frames --------------------------------------------------------------------------------------------- */
 
-/* Body-fixed turns about z, x, z. */
+/* Rotation matrix from body-fixed turns about z, x, z. */
 static void set_euler(frame *f, const double *a)
 {
     double c[3], s[3];
@@ -290,7 +290,7 @@ static frame compose(const frame *a, const frame *b)
     return f;
 }
 
-/* QG of a part, QP of a marker, with REULER. */
+/* Read QG of a part or QP of a marker, with REULER. */
 static lw_status read_frame(reader *r, const lw_adams_statement *s, const char *place, frame *f)
 {
     const lw_adams_argument *at = lw_adams_find(s, place), *turn = lw_adams_find(s, "REULER");
@@ -321,7 +321,7 @@ static bool name_taken(const reader *r, const char *name, bool links)
     return false;
 }
 
-/* The name of the comment, or the letter and number; never one that is taken. */
+/* The name in the comment, or the letter and the number; a name in use is changed. */
 static void set_name(const reader *r, const lw_adams_statement *s, const char *letter, bool links, char *name)
 {
     snprintf(name, LW_NAME_SIZE, "%s", s->name);
@@ -373,7 +373,7 @@ static lw_status read_marker(reader *r, const lw_adams_statement *s)
     return read_frame(r, s, "QP", &m->f);
 }
 
-/* The marker an argument names, its frame in the plane. */
+/* Find the marker that an argument names, and its frame in the plane. */
 static lw_status find_marker(reader *r, const lw_adams_statement *s, const char *key, int *link, frame *f)
 {
     const lw_adams_argument *a = lw_adams_find(s, key);
@@ -399,7 +399,8 @@ static lw_joint_kind kind_of(const lw_adams_statement *s)
          : lw_adams_find(s, "FIXED") ? LW_JOINT_FIXED : 0;
 }
 
-/* z of the J marker: across the plane for a pin, in it for a slider (its line) and a slot (across its line). */
+/* Set the joint's direction from z of the J marker: perpendicular to the plane for a pin; in the plane, along the line
+ * of a slider or perpendicular to that of a slot. */
 static lw_status set_direction(reader *r, const lw_adams_statement *s, const frame *f, lw_joint *p)
 {
     lw_vec2 z = lw_v2(f->r[0][2], f->r[1][2]);
@@ -475,7 +476,7 @@ static lw_status read_coupler(reader *r, const lw_adams_statement *s)
     return LW_OK;
 }
 
-/* The link of joint a that joint b does not have; -1: both are of the same two links, or apart. */
+/* The link of joint a that is not in joint b; -1: both join the same two links, or share none. */
 static int side_link(const lw_linkage *k, int a, int b)
 {
     const int *p = k->joint[a].link, *q = k->joint[b].link;
@@ -598,7 +599,7 @@ static lw_status finish(reader *r)
     return s;
 }
 
-/* The title behind its usual words. */
+/* Set the linkage's name from the title, without the words that exports put before it. */
 static void set_title(lw_linkage *k, const char *text, size_t size)
 {
     static const char usual[] = "ADAMS/View model name: ";

@@ -1,4 +1,4 @@
-/* catalogues/exchange/export.c - what writers share. */
+/* catalogues/exchange/export.c - functions that several writers use. */
 #include "catalogues/exchange/export.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ double lw_export_size(const lw_linkage *k)
     return d;
 }
 
-/* The pin by which a link turns on the carrier about the centre; -1. */
+/* The pin of a link with the carrier at the centre; -1: none. */
 static int pin_on_carrier(const lw_linkage *k, int link, int carrier, lw_vec2 centre)
 {
     for (int j = 0; j < k->n_joint; j++) {

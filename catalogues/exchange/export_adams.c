@@ -1,6 +1,6 @@
-/* catalogues/exchange/export_adams.c - a linkage as a dataset of ADAMS/Solver, and the commands that run it.
+/* catalogues/exchange/export_adams.c - write a linkage as a dataset of ADAMS/Solver, and the commands that run it.
  *
- * Markers are numbered as by PLASMA, 100 part + count; the part of link i is i + 1. */
+ * Markers are numbered as in PLASMA, 100 part + count; the part of link i is i + 1. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ typedef struct writer {
     int               n_marker[LW_LINK_MAX];
     int               at[LW_JOINT_MAX][2];     /* markers of a joint on its two links                    */
     int               tracer[LW_TRACER_MAX];
-    int               origin;                  /* of the ground                                          */
+    int               origin;                  /* marker of the ground's origin                          */
 } writer;
 
 static void put(writer *w, const char *text) { lw_bytes_text(w->out, text); }
@@ -32,7 +32,7 @@ static void put_id(writer *w, const char *what, int id, int digits)
     put(w, text);
 }
 
-/* Printable ASCII without the quote. */
+/* Write printable ASCII characters except the quote. */
 static void put_plain(writer *w, const char *text)
 {
     for (; *text; text++) {
@@ -51,7 +51,8 @@ static void put_name(writer *w, const char *name, const char *more)
 
 /* ---- parts and markers ---------------------------------------------------------------------------- */
 
-/* z axis along a direction of the plane: turn by its angle + 90 degrees about z, then by 90 about x. */
+/* Write a marker with its z axis along a direction of the plane: turn by the direction's angle + 90 degrees about z,
+ * then by 90 about x. */
 static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double turn, const char *name)
 {
     int id = 100*(link + 1) + ++w->n_marker[link];
@@ -72,7 +73,8 @@ static int put_marker(writer *w, int link, lw_vec2 at, const lw_vec2 *z, double 
     return id;
 }
 
-/* Markers of joint j on link: z across the plane, along the slide, or across the slot. */
+/* Write the marker of joint j on a link: z perpendicular to the plane, along the slide, or perpendicular to the slot.
+ */
 static void put_joint_marker(writer *w, int j, int side)
 {
     const lw_joint *p = &w->k->joint[j];
@@ -105,7 +107,7 @@ static void put_parts(writer *w)
 
 /* ---- joints ---------------------------------------------------------------------------------------- */
 
-/* I is the marker whose movement against J counts as that of the joint (lw_input). */
+/* The movement of marker I relative to J is the movement of the joint (lw_input). */
 static void put_joint(writer *w, int j)
 {
     const lw_joint *p = &w->k->joint[j];
@@ -152,7 +154,7 @@ static lw_status put_joints(writer *w, lw_error *e)
 
 /* ---- motion ---------------------------------------------------------------------------------------- */
 
-/* How far the input can go to either side of the posture; false: all around. */
+/* How far the input can move to either side of the pose. False: a full turn. */
 static bool input_way(const lw_linkage *k, int input, double *down, double *up)
 {
     const lw_input *in = &k->input[input];
@@ -164,8 +166,8 @@ static bool input_way(const lw_linkage *k, int input, double *down, double *up)
         *up = in->last - in->value;
         return true;
     }
-    if (lw_linkage_free_inputs(k) != 1 || lw_scene_make(k, NULL, &(lw_scene_options){ .n_frame = 181, .n_curve_point = 8 }, &scene,
-                                         NULL) != LW_OK)
+    const lw_scene_options o = { .n_frame = 181, .n_curve_point = 8 };
+    if (lw_linkage_free_inputs(k) != 1 || lw_scene_make(k, NULL, &o, &scene, NULL) != LW_OK)
         return true;
     double here = scene.input[scene.first_frame], least = here, most = here;
     for (size_t f = 0; f < scene.n_frame; f++) {
@@ -211,7 +213,7 @@ static void put_motion(writer *w, int input)
     put(w, ")\n");
 }
 
-/* A tied input goes with the first: ratio q_0 - q_i = 0. */
+/* A coupled input follows the first one: ratio q_0 - q_i = 0. */
 static void put_tie(writer *w, int input)
 {
     const lw_input *in = &w->k->input[input];
@@ -274,7 +276,7 @@ lw_status lw_export_adams(const lw_linkage *k, lw_bytes *out, lw_error *e)
     return s;
 }
 
-/* The linkage's name as the name of a file without its end: letters, digits, underscores; "linkage". */
+/* A file name, without ending, from the linkage's name: letters, digits, underscores; "linkage" if nothing is left. */
 static void file_name(const lw_linkage *k, char *name, size_t size)
 {
     size_t n = 0;

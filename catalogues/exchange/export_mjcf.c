@@ -1,4 +1,4 @@
-/* catalogues/exchange/export_mjcf.c - a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
+/* catalogues/exchange/export_mjcf.c - write a linkage as a model of MuJoCo (XML reference of MuJoCo 2.2). */
 #include "catalogues/exchange/export.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ typedef struct writer {
     lw_bytes         *out;
     double            size;
     bool              in_tree[LW_JOINT_MAX];
-    int               parent[LW_LINK_MAX];     /* link, and the joint to it; -1: none (ground)      */
+    int               parent[LW_LINK_MAX];     /* parent link, and the joint to it; -1: none (ground) */
     int               joint[LW_LINK_MAX];
     lw_vec2           origin[LW_LINK_MAX];     /* of the body's frame [m]                           */
 } writer;
@@ -38,7 +38,7 @@ static void put_indent(writer *w, int depth)
         put(w, "  ");
 }
 
-/* Attribute with a name; `more` is put behind it. */
+/* Write an attribute that holds a name followed by `more`. */
 static void put_name(writer *w, const char *attribute, const char *name, const char *more)
 {
     put(w, " ");
@@ -49,7 +49,7 @@ static void put_name(writer *w, const char *attribute, const char *name, const c
     put(w, "\"");
 }
 
-/* "world" is MuJoCo's own. */
+/* As put_name for a link; the name "world" is reserved in MuJoCo. */
 static void put_link(writer *w, const char *attribute, int link, const char *more)
 {
     const char *name = w->k->link_name[link];
@@ -66,7 +66,8 @@ static bool is_input(const lw_linkage *k, int joint)
     return false;
 }
 
-/* Joints the tree takes first: what drives, then what a loop can close only in a roundabout way. */
+/* Order in which the tree takes the joints: driven joints, joints of gear wheels, welds, sliders and slots; pins last,
+ * because MuJoCo closes a loop at a pin directly. -1: never. */
 static int rank_of(const lw_linkage *k, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = k->joint[joint].kind;
@@ -88,7 +89,7 @@ static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)
     return LW_OK;
 }
 
-/* Kruskal's spanning tree by rank. */
+/* Choose a spanning tree by rank (Kruskal). */
 static void choose_tree(writer *w, const bool *at_gear)
 {
     const lw_linkage *k = w->k;
@@ -107,7 +108,7 @@ static void choose_tree(writer *w, const bool *at_gear)
         }
 }
 
-/* Parents, away from the ground; false when a link hangs on a gear alone. */
+/* Set parents, going away from the ground. False: a link is connected only by a gear. */
 static bool root_tree(writer *w)
 {
     const lw_linkage *k = w->k;
@@ -132,7 +133,7 @@ static bool root_tree(writer *w)
 
 /* ---- bodies -------------------------------------------------------------------------------------- */
 
-/* +1 where the turn or shift of `child` counts as that of the joint. */
+/* +1 if the turn or shift of `child` has the joint's sign, else -1. */
 static double count_sign(const lw_linkage *k, int joint, int child)
 {
     const lw_joint *p = &k->joint[joint];
@@ -164,7 +165,7 @@ static void put_slide(writer *w, int depth, int joint, double sign, const char *
     put(w, "/>");
 }
 
-/* The frame of a body in a tree joint begins at the joint's point.  A slot slides on link[0] and turns at
+/* Write the tree joint of a body; the body's frame begins at the joint's point. A slot slides on link[0] and turns at
  * the pin: seen from the pin's link, it turns first. */
 static void put_joint(writer *w, int depth, int child)
 {
@@ -202,7 +203,7 @@ static void put_rod(writer *w, int depth, lw_vec2 a, lw_vec2 b)
     put(w, "\"/>");
 }
 
-/* Rods from the frame's origin to the other points of the link, or a ball where there is none. */
+/* Write rods from the frame's origin to the other points of the link, or a ball if there are none. */
 static void put_shape(writer *w, int depth, int link)
 {
     const lw_linkage *k = w->k;
@@ -247,7 +248,7 @@ static void put_sites(writer *w, int depth, int link)
     }
 }
 
-/* A body that runs along a line of link[0] where a loop closes by a slider or a slot. */
+/* Write a body that slides on a line of link[0], for each loop that is closed by a slider or a slot. */
 static void put_runners(writer *w, int depth, int link)
 {
     const lw_linkage *k = w->k;
@@ -268,7 +269,7 @@ static void put_runners(writer *w, int depth, int link)
     }
 }
 
-/* A link and all that hang on it; as deep as the tree, at most LW_LINK_MAX. */
+/* Write a link and its subtree; recursion as deep as the tree, at most LW_LINK_MAX. */
 static void put_body(writer *w, int depth, int link)
 {
     const lw_linkage *k = w->k;
@@ -296,13 +297,13 @@ static void put_body(writer *w, int depth, int link)
 
 /* ---- what closes the loops ----------------------------------------------------------------------- */
 
-/* body1 must be a body: the ground is the world, and stands second, unsaid. */
+/* body1 must be a body: the ground is the world, so it is second and is left out. */
 static void put_pair(writer *w, const char *kind, int joint, bool runner, bool anchor)
 {
     const lw_linkage *k = w->k;
     const lw_joint *p = &k->joint[joint];
     int first = p->link[0] == k->ground || runner ? 1 : 0, a = p->link[first], b = p->link[1 - first];
-    if (a == k->ground) {              /* the runner of a line of a moving link, held by the ground */
+    if (a == k->ground) {              /* the runner on a line of a moving link, connected to the ground */
         put_indent(w, 2);
         put(w, kind);
         put_name(w, "body1", p->name, " runner");

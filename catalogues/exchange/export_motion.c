@@ -1,4 +1,4 @@
-/* catalogues/exchange/export_motion.c - the motion of a linkage as numbers: poses, curves, joints. */
+/* catalogues/exchange/export_motion.c - write the motion of a linkage as numbers: poses, curves, joints. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static void put_number(lw_bytes *out, const char *before, double v)
 
 /* ---- CSV -------------------------------------------------------------------------------------------------- */
 
-/* A field: quoted where it must be. */
+/* Write a field, quoted where CSV demands it. */
 static void put_field(lw_bytes *out, const char *text)
 {
     if (!strpbrk(text, ",\"\n\r")) {
@@ -204,7 +204,7 @@ static void put_links(const lw_linkage *k, lw_bytes *out)
     }
 }
 
-/* Points of a curve; a break between branches is null. */
+/* Write the points of a curve; null marks a break between two parts. */
 static void put_curve(const lw_curve *c, double unit, lw_bytes *out)
 {
     lw_bytes_text(out, ", \"closed\": ");

@@ -1,4 +1,4 @@
-/* catalogues/exchange/export_plates.c - plates to cut (DXF R12) and to look at (OpenSCAD). */
+/* catalogues/exchange/export_plates.c - write a linkage as plates, to cut (DXF R12) or to look at (OpenSCAD). */
 #include <ctype.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,7 +11,7 @@
 #define MM      1000.0
 #define DIGITS  10
 #define FRAMES  240
-#define SHOWN   60               /* postures in an OpenSCAD file; divides FRAMES */
+#define SHOWN   60               /* poses in an OpenSCAD file; a divisor of FRAMES */
 
 typedef struct work { lw_scene s; lw_layers l; } work;
 
@@ -40,7 +40,7 @@ static void end(work *w)
     free(w);
 }
 
-/* What is known of the layers, in a sentence. */
+/* What is known about the layers, in one sentence. */
 static void put_room(const work *w, char *text, size_t size)
 {
     char room[32];
@@ -73,7 +73,7 @@ static void put_point(lw_bytes *out, int code, lw_vec2 p)
     put_value(out, code + 10, MM*p.y);
 }
 
-/* Names in R12 are capitals, digits, - and _, 31 of them. */
+/* Layer names in R12: capitals, digits, - and _, at most 31 characters. */
 static void layer_name(const work *w, int link, char name[32])
 {
     int n = snprintf(name, 32, "L%d_", w->l.layer[link]);
@@ -96,7 +96,7 @@ static double degrees(lw_vec2 d)
     return a < 0 ? a + 360 : a;
 }
 
-/* Counter-clockwise from direction `from` to `to`. */
+/* Write an arc, counter-clockwise from direction `from` to `to`. */
 static void put_arc(lw_bytes *out, const char *layer, lw_vec2 at, double r, lw_vec2 from, lw_vec2 to)
 {
     put_code(out, 0, "ARC");
@@ -115,7 +115,7 @@ static void put_circle(lw_bytes *out, const char *layer, lw_vec2 at, double r)
     put_value(out, 40, MM*r);
 }
 
-/* A convex polygon (counter-clockwise, or a bar, or a point) widened by r. */
+/* Write the outline of a convex polygon (counter-clockwise, or a bar, or a point) widened by r. */
 static void put_outline(lw_bytes *out, const char *layer, const lw_vec2 *p, int n, double r, lw_vec2 shift)
 {
     if (n == 1) {
@@ -229,7 +229,7 @@ static void put_disc(lw_bytes *out, lw_vec2 at, const char *radius)
     lw_bytes_text(out, ");");
 }
 
-/* Comments end with the line: names without control characters. */
+/* A comment ends with its line: write the name without control characters. */
 static void put_comment(lw_bytes *out, const char *name)
 {
     char clean[LW_NAME_SIZE*4];

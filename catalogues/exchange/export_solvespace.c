@@ -1,6 +1,6 @@
-/* catalogues/exchange/export_solvespace.c - a linkage as a sketch of SolveSpace (file format of SolveSpace 3): every
- * link a set of points held together, points on one pin coincident, those of the ground where they are. One degree
- * of freedom is left to drag. */
+/* catalogues/exchange/export_solvespace.c - write a linkage as a sketch of SolveSpace (file format of SolveSpace 3):
+ * every link is a set of points at constant distances, points on one pin are coincident, the points of the ground are
+ * fixed. One degree of freedom is left to drag. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #define DIGITS    15
 #define POINT_MAX (4*LW_JOINT_MAX + LW_TRACER_MAX)
 
-enum { COINCIDENT = 20, DISTANCE = 30, LINE_DISTANCE = 32, ON_LINE = 42, FIXED = 200 };   /* its constraint types */
+enum { COINCIDENT = 20, DISTANCE = 30, LINE_DISTANCE = 32, ON_LINE = 42, FIXED = 200 };   /* types of its constraints */
 
 typedef struct sketch_point { lw_vec2 at; int link; unsigned entity; } sketch_point;      /* [mm]               */
 
@@ -23,7 +23,7 @@ typedef struct writer {
     sketch_point      p[POINT_MAX];
     int               pin[LW_JOINT_MAX][2];      /* points of a joint on its two links                          */
     int               rail[LW_JOINT_MAX][2];     /* ends of a slide line on link[0]                              */
-    int               block[LW_JOINT_MAX][2];    /* two points of link[1] on it                                  */
+    int               block[LW_JOINT_MAX][2];    /* two points of link[1] on that line                           */
     unsigned          line[LW_JOINT_MAX];        /* the slide line                                               */
     unsigned          request, constraint;
     double            size;                      /* [mm]                                                         */
@@ -67,7 +67,7 @@ static void put_param(writer *w, unsigned handle, double v)
     lw_bytes_text(w->out, "AddParam\n\n");
 }
 
-/* type 101: a point, 200: a line segment. */
+/* type 101: a point; 200: a line segment. */
 static unsigned put_request(writer *w, int type)
 {
     unsigned h = ++w->request;
@@ -101,7 +101,7 @@ static void put_constraint(writer *w, int type, double value, unsigned a, unsign
 
 /* ---- points ------------------------------------------------------------------------------------------------ */
 
-/* The point of a link at this place; links meet several joints at one place by one point. */
+/* The point of a link at this place. Several joints of a link at one place use the same point. */
 static int point_of(writer *w, int link, lw_vec2 at)
 {
     lw_vec2 p = lw_v2_scale(at, MM);
@@ -132,7 +132,7 @@ static void collect(writer *w)
         point_of(w, k->tracer[t].link, k->tracer[t].at);
 }
 
-/* The two points of a link that are farthest apart; false: it has but one. */
+/* Find the two points of a link that are farthest apart. False: it has only one point. */
 static bool base_line(const writer *w, int link, int base[2])
 {
     double most = 0;
@@ -165,8 +165,8 @@ static void put_point(writer *w, sketch_point *p)
     put_param(w, p->entity | 0x11, p->at.y);
 }
 
-/* A point of a moving link keeps its height over the link's base line and the distance from that end of it from
- * which it is farther along it. */
+/* Fix a point of a moving link by its distance from the link's base line and by its distance from one end of that line,
+ * the end farther from it along the line. */
 static void hold(writer *w, const sketch_point *p, const sketch_point *a, const sketch_point *b, unsigned line)
 {
     lw_vec2 d = lw_v2_sub(b->at, a->at), q = lw_v2_sub(p->at, a->at);
@@ -206,7 +206,7 @@ static void put_link(writer *w, int link)
 
 /* ---- joints -------------------------------------------------------------------------------------------------- */
 
-/* Pins at one place that share a link are one: a point already joined to another is not joined again. */
+/* Join pins that share a link and a place once: a point already joined to another is not joined again. */
 static void put_pins(writer *w)
 {
     int group[POINT_MAX];
@@ -223,7 +223,7 @@ static void put_pins(writer *w)
     }
 }
 
-/* A line of its own along the rail, its ends on the rail's points. */
+/* Write a separate line along the rail, its ends coincident with the rail's points. */
 static void put_slide(writer *w, int j)
 {
     const int *rail = w->rail[j], *block = w->block[j];

@@ -12,7 +12,7 @@ static bool begins_with(const char *text, const char *word)
     return strncmp(text + strspn(text, " \t\r\n"), word, strlen(word)) == 0;
 }
 
-/* Add a text and free it; NULL: it failed with e, or for want of memory. */
+/* Append a text and free it. text NULL: return e's status, or LW_E_MEMORY if e is not set. */
 static lw_status add(lw_bytes *out, char *text, lw_error *e)
 {
     if (!text)
@@ -40,7 +40,7 @@ static lw_status write_json(const lw_linkage *k, lw_bytes *out, lw_error *e)
 static bool begins_pyslvs(const char *text) { return begins_with(text, "M[") || begins_with(text, "#"); }
 static bool begins_pmks(const char *text) { return text[0] != 0; }
 
-/* A title may say anything; a line with a statement decides. */
+/* A title may be any text; the first line that is a statement decides. */
 static bool begins_adams(const char *text)
 {
     return strncmp(text, "ADAMS/", 6) == 0 || strstr(text, "\nPART/") || strstr(text, "\nUNITS/");

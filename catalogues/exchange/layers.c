@@ -1,11 +1,11 @@
-/* catalogues/exchange/layers.c - which link lies in which layer; how near two bodies come to each other in a motion.
+/* catalogues/exchange/layers.c - choose the layer of each link; how near two bodies come to each other in a motion.
  *
- * Between two postures a corner goes at least along the chord c and, the path bending, a little further.  With d2 the
- * second difference of its places at either end, we take  L = c + d2/2:  an arc of a circle is longer than its chord
- * by about a twelfth of that, and a cusp halfway by half of it.  A body of corners goes no further than its corners
- * do.  While two bodies make the ways La and Lb between distances d0 and d1, each has at any moment either less than
- * half of both ways behind it or before it, hence
- *     distance  >=  (d0 + d1 - La - Lb)/2. */
+ * Between two frames a corner moves at least by the chord c and, on a curved path, a little more. With d2, the second
+ * difference of its places at either end, its path length is estimated as L = c + d2/2: an arc of a circle is longer
+ * than its chord by about d2/12, a cusp halfway by d2/2. No point of a convex body moves further than one of its
+ * corners. Two bodies move by La and Lb between the distances d0 and d1. Up to any moment they have covered at most
+ * half of La + Lb, or from then on they will; so at all times
+ *     distance >= (d0 + d1 - La - Lb)/2. */
 #include "catalogues/exchange/layers.h"
 
 #include <math.h>
@@ -14,19 +14,19 @@
 
 #include "catalogues/draw/body_shapes.h"
 
-/* A plate or a pin in every posture of a scene. */
+/* A plate or a pin in every frame of a scene. */
 typedef struct plate_body {
     int      n;
-    lw_vec2 *at;               /* corners in posture after posture                  (n_frame*n) owned  */
-    double  *way;              /* L, the longest, from the posture before f to f    (n_frame)          */
+    lw_vec2 *at;               /* corners, frame after frame (n_frame*n) owned                         */
+    double  *path;              /* L from the frame before f to f, the longest of all corners (n_frame) */
 } plate_body;
 
-/* seen: the least distance in the postures; sure: what it is not less than in between. */
+/* seen: the least distance in the frames; sure: a lower bound of the distance between frames too. */
 typedef struct approach { double seen, sure; } approach;
 
 /* ==== distances =============================================================================================== */
 
-/* ---- one posture ------------------------------------------------------------------------------------------- */
+/* ---- one frame --------------------------------------------------------------------------------------------- */
 
 static double point_distance(lw_vec2 p, const lw_vec2 *a, int n)
 {
@@ -66,13 +66,14 @@ double lw_hull_distance(const lw_vec2 *a, int n_a, const lw_vec2 *b, int n_b)
 static void free_body(plate_body *b)
 {
     free(b->at);
-    free(b->way);
+    free(b->path);
     *b = (plate_body){ 0 };
 }
 
 static double norm2(lw_vec2 v) { return lw_v2_dot(v, v); }
 
-/* The largest second difference of a corner around posture f, which in a motion back and forth is an inner one. */
+/* The largest second difference of a corner around frame f. At the ends of a motion back and forth, that of the next
+ * inner frame. */
 static double bend_at(const lw_scene *s, const plate_body *b, size_t f)
 {
     size_t last = s->n_frame - 1, mid = s->loops ? f : f == 0 ? 1 : f == last ? last - 1 : f;
@@ -86,7 +87,7 @@ static double bend_at(const lw_scene *s, const plate_body *b, size_t f)
     return sqrt(most);
 }
 
-/* The posture before f; the first itself when the motion goes back and forth. */
+/* The frame before f; 0 for frame 0 of a motion back and forth. */
 static size_t before(const lw_scene *s, size_t f) { return f > 0 ? f - 1 : s->loops ? s->n_frame - 1 : 0; }
 
 static lw_status move_body(const lw_scene *s, int link, const lw_vec2 *corner, int n, plate_body *b)
@@ -94,8 +95,8 @@ static lw_status move_body(const lw_scene *s, int link, const lw_vec2 *corner, i
     size_t m = (size_t)n;
     b->n = n;
     b->at = malloc((s->n_frame*m + 1)*sizeof *b->at);
-    b->way = malloc(s->n_frame*sizeof *b->way);
-    if (!b->at || !b->way) {
+    b->path = malloc(s->n_frame*sizeof *b->path);
+    if (!b->at || !b->path) {
         free_body(b);
         return LW_E_MEMORY;
     }
@@ -107,7 +108,7 @@ static lw_status move_body(const lw_scene *s, int link, const lw_vec2 *corner, i
         double chord = 0;
         for (size_t c = 0; c < m; c++)
             chord = fmax(chord, norm2(lw_v2_sub(b->at[f*m + c], b->at[g*m + c])));
-        b->way[f] = f == g ? 0 : sqrt(chord) + 0.5*fmax(bend_at(s, b, f), bend_at(s, b, g));
+        b->path[f] = f == g ? 0 : sqrt(chord) + 0.5*fmax(bend_at(s, b, f), bend_at(s, b, g));
     }
     return LW_OK;
 }
@@ -122,7 +123,7 @@ static approach approach_of(const lw_scene *s, const plate_body *a, const plate_
         if (f == 0 && !s->loops)
             d0 = d1;
         least.seen = fmin(least.seen, d1);
-        least.sure = fmin(least.sure, 0.5*(d0 + d1 - a->way[f] - b->way[f]));
+        least.sure = fmin(least.sure, 0.5*(d0 + d1 - a->path[f] - b->path[f]));
         d0 = d1;
     }
     return least;
@@ -131,15 +132,16 @@ static approach approach_of(const lw_scene *s, const plate_body *a, const plate_
 /* ==== layers ================================================================================================== */
 
 #define STEPS_MAX 1000000
-#define LEVELS    3                   /* of postures: as given, 4 and 16 times as many */
+#define LEVELS    3                   /* of frames: the given number, 4 and 16 times that */
 
 typedef struct work {
     const lw_scene *s;
     lw_layers      *l;
-    bool            meet[LW_LINK_MAX][LW_LINK_MAX];      /* cannot be in one layer                   */
+    bool            meet[LW_LINK_MAX][LW_LINK_MAX];      /* must be in different layers              */
     uint32_t        hits[LW_PIN_MAX];                    /* links that come too near to the pin      */
-    uint8_t         pair[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* a verdict; pins after links; b < a */
-    double          room[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* for sure between them [m]          */
+    /* a verdict, for b < a; pins are numbered after the links */
+    uint8_t         pair[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];
+    double          clearance[LW_LINK_MAX + LW_PIN_MAX][LW_LINK_MAX];    /* guaranteed clearance between them [m] */
     int             n_layer;
     long            steps;
 } work;
@@ -152,7 +154,7 @@ static int by_place(const void *a, const void *b)
     return p->x < q->x ? -1 : p->x > q->x ? 1 : p->y < q->y ? -1 : p->y > q->y;
 }
 
-/* Convex hull, counter-clockwise (Andrew's chains); corners on a line are left out.  out has room for n + 1. */
+/* Convex hull, counter-clockwise (Andrew's chains), without corners that lie on a line; out: n + 1 elements. */
 static int hull(lw_vec2 *p, int n, double size, lw_vec2 *out)
 {
     int m = 0;
@@ -198,7 +200,7 @@ static void add_pin(lw_layers *l, lw_vec2 at, int a, int b, int owner)
         l->pin[l->n_pin++] = (lw_pin){ .at = at, .links = 1u << a | 1u << b, .owner = owner };
 }
 
-/* Which links a joint makes guide and block, and where the block is on the line. */
+/* Which link of a slider or slot is the guide and which the block, and where the block sits on the line. */
 static lw_slide slide_of(const lw_scene *s, int j)
 {
     const lw_joint *p = &s->linkage.joint[j];
@@ -207,8 +209,8 @@ static lw_slide slide_of(const lw_scene *s, int j)
     return lw_body_shapes_slide(s, j);
 }
 
-/* How far a point of the block runs along the guide's line, seen from the guide; where it turns back between two
- * postures, an eighth of the second difference further than in them. */
+/* Extend lo .. hi by the travel of a point of the block along the guide's line, relative to the guide. Between two
+ * frames the block may turn back: add an eighth of the second difference. */
 static void travel(const lw_scene *s, const lw_slide *q, double *lo, double *hi)
 {
     double then = 0, now = 0;
@@ -268,7 +270,7 @@ static void make_plates(const lw_scene *s, lw_layers *l)
     }
 }
 
-/* A third of the shortest distance of two pins of one link. */
+/* A third of the shortest distance between two pins of one link. */
 static double usual_radius(const lw_linkage *k)
 {
     double least = INFINITY, size = 0;
@@ -287,7 +289,7 @@ static double usual_radius(const lw_linkage *k)
 
 /* ---- what is in the way ---------------------------------------------------------------------------------- */
 
-/* OPEN: not known yet; ROUGH: they do not meet, but for sure there is less than half of the room that was seen. */
+/* OPEN: not known yet; ROUGH: they do not meet, but less than half of the clearance in the frames is guaranteed. */
 typedef enum verdict { OPEN, ROUGH, CLEAR, MEET } verdict;
 
 static verdict judge(const approach *d, double limit)
@@ -296,7 +298,7 @@ static verdict judge(const approach *d, double limit)
     return seen <= 0 ? MEET : sure <= 0 ? OPEN : 2*sure < seen ? ROUGH : CLEAR;
 }
 
-/* Links and pins of one scene as bodies; pins after links. */
+/* The links of one scene, then its pins, as bodies. */
 static lw_status move_all(const work *w, const lw_scene *s, plate_body *body)
 {
     lw_status st = LW_OK;
@@ -308,7 +310,7 @@ static lw_status move_all(const work *w, const lw_scene *s, plate_body *body)
     return st;
 }
 
-/* Try every pair that wants it in the postures of s.  Returns how many do so still. */
+/* Test all pairs without a final verdict in the frames of s. Returns how many are still without one. */
 static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
 {
     int n = s->linkage.n_link, n_open = 0;
@@ -319,13 +321,14 @@ static int look_at_pairs(work *w, const lw_scene *s, const plate_body *body)
                 continue;
             approach d = approach_of(s, &body[a], &body[b]);
             w->pair[a][b] = (uint8_t)judge(&d, limit);
-            w->room[a][b] = d.sure - limit;
+            w->clearance[a][b] = d.sure - limit;
             n_open += w->pair[a][b] <= ROUGH;
         }
     return n_open;
 }
 
-/* Which pairs need no look: links on one pin meet, a pin and its links belong together, the ground is alone. */
+/* Decide pairs that need no test: links on one pin meet, a pin never meets its own links, the ground is alone in its
+ * layer. */
 static void settle_joints(work *w)
 {
     const lw_linkage *k = &w->s->linkage;
@@ -335,18 +338,18 @@ static void settle_joints(work *w)
             if (!(w->l->pin[p].links >> a & 1))
                 continue;
             w->pair[n + p][a] = CLEAR;
-            w->room[n + p][a] = INFINITY;
+            w->clearance[n + p][a] = INFINITY;
             for (int b = 0; b < a; b++)
                 if (w->l->pin[p].links >> b & 1)
                     w->pair[a][b] = MEET;
         }
     for (int a = 0; a < n + w->l->n_pin; a++) {
         w->pair[a][k->ground] = CLEAR;
-        w->room[a][k->ground] = INFINITY;
+        w->clearance[a][k->ground] = INFINITY;
     }
     for (int b = 0; b < k->ground; b++) {
         w->pair[k->ground][b] = CLEAR;
-        w->room[k->ground][b] = INFINITY;
+        w->clearance[k->ground][b] = INFINITY;
     }
     for (int j = 0; j < k->n_joint; j++) {
         int a = k->joint[j].link[0], b = k->joint[j].link[1];
@@ -354,8 +357,8 @@ static void settle_joints(work *w)
     }
 }
 
-/* In the postures of the scene, then in four times as many, and so on while pairs want it; those that stay open are
- * taken to meet. */
+/* Test all pairs in the frames of the scene, then in four times as many, and so on while pairs are undecided. Pairs
+ * that stay OPEN count as meeting. */
 static lw_status find_conflicts(work *w)
 {
     const lw_linkage *k = &w->s->linkage;
@@ -387,8 +390,8 @@ static lw_status find_conflicts(work *w)
     return st;
 }
 
-/* The least room of plates in one layer, and of pins and the plates they pass. */
-static double least_room(const work *w)
+/* The least clearance between plates in one layer, and between pins and the plates that they pass. */
+static double least_clearance(const work *w)
 {
     const lw_layers *l = w->l;
     int n = w->s->linkage.n_link;
@@ -396,17 +399,17 @@ static double least_room(const work *w)
     for (int a = 0; a < n; a++)
         for (int b = 0; b < a; b++)
             if (l->layer[a] == l->layer[b])
-                least = fmin(least, w->room[a][b]);
+                least = fmin(least, w->clearance[a][b]);
     for (int p = 0; p < l->n_pin; p++)
         for (int a = 0; a < n; a++)
             if (l->layer[a] > l->pin[p].low && l->layer[a] < l->pin[p].high)
-                least = fmin(least, w->room[n + p][a]);
+                least = fmin(least, w->clearance[n + p][a]);
     return least;
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------- */
 
-/* Does every pin pass what lies between the links placed so far? */
+/* Does every pin clear the links placed so far between its lowest and highest link? */
 static bool pins_pass(work *w)
 {
     lw_layers *l = w->l;
@@ -426,7 +429,7 @@ static bool pins_pass(work *w)
     return true;
 }
 
-/* Layers (bits) that are open to a link. */
+/* Layers (bits) in which a link can be placed. */
 static uint32_t open_layers(work *w, int link)
 {
     uint32_t open = 0;
@@ -442,7 +445,7 @@ static uint32_t open_layers(work *w, int link)
     return open;
 }
 
-/* The link with the fewest layers left next (Brelaz 1979), all of these in turn. */
+/* Place the link with the fewest possible layers next (Brelaz 1979) and try these layers in turn. */
 static bool place(work *w, int left)
 {
     int best = -1, fewest = LW_LINK_MAX + 1;
@@ -524,7 +527,7 @@ lw_status lw_layers_find(const lw_scene *s, double radius, lw_layers *l, lw_erro
     if (st == LW_OK)
         st = find_layers(w, e);
     if (st == LW_OK)
-        l->room = least_room(w);
+        l->room = least_clearance(w);
     else if (st == LW_E_MEMORY)
         lw_error_set(e, st, "out of memory for the layers of a linkage");
     free(w);

@@ -19,21 +19,21 @@
 #include "grammar/linkage.h"
 #include "grammar/notation.h"
 
-/* The texts of a chain, one behind the other in a block of the catalogue's own. */
+/* The texts of a chain, one after the other in one block of memory. */
 typedef enum leaf_text {
     LEAF_LABEL, LEAF_GRAPH6, LEAF_ASSORTMENT, LEAF_FRANKE, LEAF_SENTENCE, LEAF_MATRIX,
     LEAF_FORM, LEAF_DERIVATION, LEAF_TEXTS
 } leaf_text;
 
-typedef struct leaf {                       /* of the atlas: a chain */
+typedef struct leaf {                       /* a chain of the atlas */
     long long       id, symmetry, n_linkage;
     int             links, dof, joints, loops, grounds, planar;
-    int             number, of;                /* place among those with as many links and freedoms, from 1 */
-    char           *text[LEAF_TEXTS];       /* "" when there is none                                     */
+    int             number, of;               /* number among the `of` chains with as many links and freedoms, from 1 */
+    char           *text[LEAF_TEXTS];       /* "" if there is none                                       */
     lw_mechanism    chain;
     lw_chain_layout layout;
     int             n_ground, ground[LW_LINK_MAX], alike[LW_LINK_MAX];   /* links, from 1                   */
-    lw_chain_layout *grounded;                 /* with each of them as the frame (n_ground); while the page is made */
+    lw_chain_layout *grounded;   /* layouts with each of them as the frame (n_ground); only while the page is written */
     lw_status       status;                    /* of the layouts                                            */
 } leaf;
 
@@ -41,10 +41,10 @@ typedef struct atlas {
     lw_store       *store;
     const lw_atlas_html_options *options;
     const char     *dir;
-    size_t          n, room;
+    size_t          n, capacity;
     leaf        *leaf;
     lw_bytes        style, chain_script, index_script;
-    bool            has_linkages;              /* the catalogue has a table of them                         */
+    bool            has_linkages;              /* the catalogue has a table of linkages                     */
     long long       n_other;                   /* linkages of chains that are not in the atlas              */
     size_t          n_page, n_byte;
 } atlas;
@@ -87,9 +87,8 @@ static lw_status ask_one(atlas *a, const char *sql, const lw_value *value,
 
 /* ==== overview ================================================================================================ */
 
-#define ASSORTMENTS_MAX 64     /* of one number of links and freedoms: 14 links have 42 */
+#define ASSORTMENTS_MAX 64     /* for one number of links and freedoms; 14 links have 42 */
 
-/* ---- overview ----------------------------------------------------------------------------------- */
 
 typedef struct family {
     size_t first, n;
@@ -113,7 +112,7 @@ static void count_assortment(family *f, const char *text)
     f->n_with[i]++;
 }
 
-/* The chains from `first` on with as many links and freedoms. */
+/* The chains from `first` on that have its number of links and freedoms. */
 static family family_from(const atlas *a, size_t first)
 {
     family f = { .first = first };
@@ -162,8 +161,9 @@ static void write_family(lw_bytes *b, const atlas *a, const family *f)
 static void overview(lw_bytes *b, const atlas *a)
 {
     char text[96];
-    lw_bytes_text(b, "<h2>Overview</h2>\n<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>Assortments count links of "
-                     "2, 3, 4, \xe2\x80\xa6 joints.</caption>\n<thead><tr><th scope=\"col\">Family</th>"
+    lw_bytes_text(b, "<h2>Overview</h2>\n<div class=\"scroll\" tabindex=\"0\"><table>\n"
+                     "<caption>Assortments count links of 2, 3, 4, \xe2\x80\xa6 joints.</caption>\n"
+                     "<thead><tr><th scope=\"col\">Family</th>"
                      "<th scope=\"col\" class=\"number\">Chains</th><th scope=\"col\" class=\"number\">Planar</th>"
                      "<th scope=\"col\" class=\"number\">Ground links</th>");
     if (a->has_linkages)
@@ -195,8 +195,9 @@ static void controls(lw_bytes *b)
         "<label>Assortment <select id=\"assortment\"><option value=\"\">all</option></select></label>\n"
         "<label>Graph <select id=\"planar\"><option value=\"\">all</option><option value=\"1\">planar</option>"
         "<option value=\"0\">not planar</option></select></label>\n"
-        "<label>Order <select id=\"order\"><option value=\"\">by number</option><option value=\"symmetry\">most symmetric "
-        "first</option><option value=\"grounds\">fewest ground links first</option></select></label>\n"
+        "<label>Order <select id=\"order\"><option value=\"\">by number</option>"
+        "<option value=\"symmetry\">most symmetric first</option>"
+        "<option value=\"grounds\">fewest ground links first</option></select></label>\n"
         "<label class=\"check\"><input type=\"checkbox\" id=\"linkages\"> with linkages</label>\n"
         "<button type=\"button\" id=\"clear\">Clear</button>\n</div>\n"
         "<p id=\"count\" class=\"hint\" role=\"status\"></p>\n<ul id=\"cards\" class=\"cards\"></ul>\n"
@@ -220,7 +221,7 @@ static void plain_list(lw_bytes *b, const atlas *a)
 
 /* ---- data --------------------------------------------------------------------------------------- */
 
-/* A JSON string that cannot end the element it stands in. */
+/* Write a JSON string that cannot end the HTML element around it. */
 static void json_text(lw_bytes *b, const char *text)
 {
     char code[8];
@@ -242,7 +243,8 @@ static void json_number(lw_bytes *b, long n)
     lw_bytes_integer(b, n);
 }
 
-/* See atlas_html.js: numbers, texts, places of joints in 1/100 of a bar (y down), joints of each link in order. */
+/* Write the data of a chain as atlas_html.js reads it: numbers, texts, places of joints in 1/100 of a bar (y down),
+ * joints of each link in order. */
 static void json_leaf(lw_bytes *b, const leaf *l)
 {
     static const leaf_text texts[] = { LEAF_ASSORTMENT, LEAF_GRAPH6, LEAF_LABEL, LEAF_FRANKE,
@@ -300,7 +302,7 @@ static void index_page(const atlas *a, lw_bytes *b)
 
 /* ---- pictures ----------------------------------------------------------------------------------- */
 
-/* The chain with its n-th ground link (LW_NONE: without) as an <svg>. */
+/* Write the chain with its n-th ground link (LW_NONE: without) as an <svg>. */
 static lw_status picture(const leaf *l, int n, lw_chain_style style, const char *title, lw_bytes *out, lw_error *e)
 {
     lw_mechanism m = l->chain;
@@ -498,8 +500,8 @@ static lw_status chain_page(atlas *a, size_t i, lw_bytes *b, lw_error *e)
 /* ---- linkages ----------------------------------------------------------------------------------- */
 
 typedef struct found {
-    int              n, room;
-    lw_scene        *scene;                    /* (room) */
+    int              n, capacity;
+    lw_scene        *scene;                    /* (capacity) */
     lw_page_result  *result;
     char           (*text)[2][64];             /* type and class */
     lw_linkage      *linkage;                  /* scratch */
@@ -510,7 +512,7 @@ static lw_status read_linkage(void *context, int n, const char *const *name, con
 {
     (void)n, (void)name;
     found *f = context;
-    if (f->n == f->room)
+    if (f->n == f->capacity)
         return LW_OK;
     lw_scene *s = &f->scene[f->n];
     const char *json = text_of_value(&v[4]);
@@ -533,7 +535,7 @@ static lw_status read_linkage(void *context, int n, const char *const *name, con
     return LW_OK;
 }
 
-/* Best first; those whose chain is in the atlas stand with it. */
+/* Best first. A linkage whose chain is in the atlas is shown on the chain's page. */
 #define LINKAGE_COLUMNS "SELECT name, type, class, error_mean, json FROM linkage WHERE "
 #define LINKAGE_ORDER   " ORDER BY error_mean IS NULL, error_mean, id"
 
@@ -561,14 +563,14 @@ static lw_status write_linkage_page(const leaf *l, const found *f, lw_bytes *out
 
 static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw_error *e)
 {
-    size_t room = (size_t)(a->options->n_linkage > 0 ? a->options->n_linkage : 0) + 1;
-    found f = { .room = (int)room - 1, .e = e };
-    f.scene = calloc(room, sizeof *f.scene);
-    f.result = calloc(room, sizeof *f.result);
-    f.text = calloc(room, sizeof *f.text);
+    size_t capacity = (size_t)(a->options->n_linkage > 0 ? a->options->n_linkage : 0) + 1;
+    found f = { .capacity = (int)capacity - 1, .e = e };
+    f.scene = calloc(capacity, sizeof *f.scene);
+    f.result = calloc(capacity, sizeof *f.result);
+    f.text = calloc(capacity, sizeof *f.text);
     f.linkage = malloc(sizeof *f.linkage);
     lw_status s = f.scene && f.result && f.text && f.linkage ? read_linkages(a, l, &f, e)
-                : lw_error_set(e, LW_E_MEMORY, "out of memory for %zu linkages", room);
+                : lw_error_set(e, LW_E_MEMORY, "out of memory for %zu linkages", capacity);
     if (s == LW_OK && f.n > 0)
         s = write_linkage_page(l, &f, out, e);
     *n = s == LW_OK ? f.n : 0;
@@ -583,9 +585,9 @@ static lw_status linkage_page(atlas *a, const leaf *l, lw_bytes *out, int *n, lw
 
 /* ==== all pages =============================================================================================== */
 
-#define PAGE_BYTES    8000.0   /* of a chain's page ...                              */
+#define PAGE_BYTES    8000.0   /* size of a chain's page ...                         */
 #define PICTURE_BYTES 6600.0   /* ... and of each picture of a ground link, measured */
-#define BLOCK 64               /* chains whose pictures are worked out together, by all threads */
+#define BLOCK 64               /* chains whose pictures are computed together, by all threads */
 
 lw_atlas_html_options lw_atlas_html_options_default(void)
 {
@@ -603,7 +605,7 @@ static const char size_sql[] =
     "SELECT count(*), total(grounds) FROM (SELECT grounds FROM chain WHERE ?1 = 0 OR links = ?1"
     " ORDER BY dof, links, id LIMIT ?2)";
 
-/* A question about the chains that are shown. */
+/* Ask the store about the chains that are shown. */
 static lw_status ask_chains(lw_store *store, const lw_atlas_html_options *o, const char *sql,
                             lw_status (*row)(void *, int, const char *const *, const lw_value *), void *context,
                             lw_error *e)
@@ -650,13 +652,13 @@ static lw_status add_leaf(void *context, int n, const char *const *name, const l
 {
     (void)n, (void)name;
     atlas *a = context;
-    if (a->n == a->room) {
-        size_t room = 2*a->room + 64;
-        leaf *more = realloc(a->leaf, room*sizeof *more);
+    if (a->n == a->capacity) {
+        size_t capacity = 2*a->capacity + 64;
+        leaf *more = realloc(a->leaf, capacity*sizeof *more);
         if (!more)
             return LW_E_MEMORY;
         a->leaf = more;
-        a->room = room;
+        a->capacity = capacity;
     }
     leaf *l = &a->leaf[a->n], *before = a->n ? l - 1 : NULL;
     *l = (leaf){ .id = v[0].integer, .links = (int)v[1].integer, .dof = (int)v[2].integer,
@@ -687,7 +689,7 @@ static lw_status read_leaves(atlas *a, lw_error *e)
     return s;
 }
 
-/* Files of an older program have no table of linkages. */
+/* Files of older versions have no table of linkages. */
 static lw_status look_for_linkages(atlas *a, lw_error *e)
 {
     long long n = 0;
@@ -778,7 +780,7 @@ static void place_joints(void *context, size_t job, int thread)
     }
 }
 
-/* Ground links and places of joints of n chains from `first` on. */
+/* Compute ground links and layouts of n chains from `first` on. */
 static lw_status prepare_block(atlas *a, size_t first, size_t n, lw_error *e)
 {
     lw_status s = LW_OK;

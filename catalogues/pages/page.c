@@ -1,4 +1,4 @@
-/* catalogues/pages/page.c - targets, results and moving linkages as one page; see page.h */
+/* catalogues/pages/page.c - targets, results and moving linkages in one page; see page.h */
 #include "catalogues/pages/page.h"
 
 #include <math.h>
@@ -74,7 +74,7 @@ static void dimensions(lw_bytes *b, const lw_page_result *r)
     }
 }
 
-/* "Mean error [mm]": the unit of the first result, which all of a target share. */
+/* Title of a column with its unit, such as "Mean error [mm]"; all results of a target share the unit. */
 static void column_title(lw_bytes *b, const lw_page_target *t, column c)
 {
     const lw_units *u = units_of(&t->result[0]);
@@ -103,7 +103,7 @@ static void column_heads(lw_bytes *b, const lw_page_target *t)
     lw_bytes_text(b, "</tr></thead>\n");
 }
 
-/* data-label: what stands before the cell where the page is too narrow for columns. */
+/* data-label: the text shown before the cell when the page is too narrow for columns. */
 static void cell(lw_bytes *b, const lw_page_target *t, const lw_page_result *r, column c)
 {
     lw_bytes_text(b, columns[c].number ? "<td class=\"number\" data-label=\""
@@ -145,8 +145,8 @@ static void results_table(lw_bytes *b, const lw_page_target *t, int target)
 
 /* ==== motions ================================================================================================= */
 
-/* Where shapes of a link in a panel are seen from: its reference point; in the enlarged panel its
- * tracer, so that rounding an angle moves nothing visibly. */
+/* Point to which the motion of a link's shapes refers in a panel: its reference point; in the enlarged panel its
+ * tracer, so that rounding an angle has no visible effect. */
 static lw_vec2 pole(const lw_scene *s, int link, int panel)
 {
     if (panel > 0)
@@ -175,7 +175,7 @@ static void item(lw_bytes *b, long v)
     lw_bytes_integer(b, v);
 }
 
-/* [link, panel, from, then per frame x, y, angle as differences]: see page.js. */
+/* Write [link, panel, from, then per frame x, y, angle as differences]: see page.js. */
 static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link, int panel)
 {
     lw_vec2 p = pole(s, link, panel), from = lw_view_pixel(v, p);
@@ -185,11 +185,11 @@ static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link
     item(b, tenths(from.x));
     item(b, tenths(from.y));
     long x = 0, y = 0, angle = 0;
-    double whole = 0;                                  /* the angle so far, turns counted [rad] */
+    double whole = 0;                                  /* angle so far, with whole turns [rad] */
     for (size_t f = 0; f < s->n_frame; f++) {
         lw_vec2 at = lw_view_pixel(v, lw_scene_at(s, f, link, p));
         lw_vec2 turn = s->place[f*(size_t)s->linkage.n_link + (size_t)link].turn;
-        whole += remainder(atan2(-turn.y, turn.x) - whole, 2*LW_PI);         /* y down on a page */
+        whole += remainder(atan2(-turn.y, turn.x) - whole, 2*LW_PI);         /* y points down on a page */
         long now[3] = { tenths(at.x), tenths(at.y), lround(10000*whole) };
         item(b, now[0] - x);
         item(b, now[1] - y);
@@ -201,8 +201,8 @@ static void motion_of(lw_bytes *b, const lw_scene *s, const lw_view *v, int link
     lw_bytes_text(b, "]");
 }
 
-/* One JSON object, { "loops", "first", "links": [...] }, as page.js reads it: every link that moves on
- * the drawing, whole numbers only. */
+/* Write one JSON object, { "loops", "first", "links": [...] }, for page.js: every link that moves on the drawing, whole
+ * numbers only. */
 static void write_motions(lw_bytes *b, const lw_scene *s, const lw_drawing *d)
 {
     lw_bytes_text(b, s->loops ? "{\"loops\":true,\"first\":" : "{\"loops\":false,\"first\":");
@@ -261,7 +261,7 @@ static void controls(lw_bytes *b)
         "<label><input type=\"checkbox\" class=\"names\" checked> Labels</label>\n</div>\n");
 }
 
-/* The drawing of one result and its motion, which goes to the list of all motions. */
+/* Write the drawing of one result, and add its motion to the list of all motions. */
 static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int target, int result,
                         int *n_motion, lw_error *e)
 {
@@ -270,7 +270,7 @@ static lw_status figure(lw_bytes *b, lw_bytes *motions, const lw_page *p, int ta
     o.width = 440;                       /* small, with large signs: legible on a phone too */
     o.height = 360;
     o.zoom = 1.25;
-    o.title = o.dimensions = o.length_values = false;             /* the table has them */
+    o.title = o.dimensions = o.length_values = false;             /* the table shows them */
     o.whole_motion = true;
     lw_drawing d;
     lw_status st = lw_diagram_draw(r->scene, &o, &d, e);
@@ -314,7 +314,7 @@ static lw_status section(lw_bytes *b, lw_bytes *motions, const lw_page *p, int t
     return LW_OK;
 }
 
-/* Body and script after the head; motions is scratch. */
+/* Write body and script, which follow the head; motions is scratch. */
 static lw_status body(lw_bytes *b, lw_bytes *motions, const lw_page *p, const lw_bytes *script,
                       lw_error *e)
 {

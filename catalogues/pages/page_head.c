@@ -1,4 +1,4 @@
-/* catalogues/pages/page_head.c - what every page begins with: policy, style sheet, title */
+/* catalogues/pages/page_head.c - the beginning of every page: policy, style sheet, title */
 #include "catalogues/pages/page_head.h"
 
 #include <stdio.h>
@@ -19,7 +19,7 @@ static void lines(lw_bytes *b, const char *const *line)
         lw_bytes_text(b, *line);
 }
 
-/* The inks as variables of the style sheet, light and dark, and the classes that use them. */
+/* Write the inks as variables of the style sheet, light and dark, and the classes that use them. */
 static void ink_styles(lw_bytes *b)
 {
     char t[160];
@@ -41,7 +41,8 @@ static void ink_styles(lw_bytes *b)
     }
 }
 
-/* Nothing may be loaded, and only this style sheet and this script may act: named by their hashes. */
+/* Write the content security policy: nothing is loaded, and only this style sheet and this script, named by their
+ * hashes, are used. */
 static void policy(lw_bytes *b, const lw_bytes *style, const lw_bytes *script)
 {
     char hash[LW_SHA256_TEXT];

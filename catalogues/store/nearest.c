@@ -6,13 +6,13 @@
 #include "catalogues/store/nearest.h"
 #include "catalogues/store/store_internal.h"
 
-#define SMOOTH_POINTS 512              /* a target of fewer points than FEW becomes a curve of so many */
+#define SMOOTH_POINTS 512    /* a target of fewer points than FEW is replaced by a smooth curve with this many points */
 #define FEW           64
 
 typedef struct source { long long sweep; lw_curve_maker *maker; } source;
 typedef struct block  { float bound; uint32_t n; long long id; int source; } block;
 
-/* A curve that may be among the nearest: of a block, or a linkage that was added (source -1). */
+/* A curve that may be among the nearest: from a block, or (source -1) a linkage that was added. */
 typedef struct found  { float square; int source; long long id; uint32_t n, index; } found;
 
 typedef struct search {
@@ -25,7 +25,7 @@ typedef struct search {
     float         forth[LW_TERMS], back[LW_TERMS];
     int           n_source, k, n_found;
     source       *source;
-    size_t        n_block, room;
+    size_t        n_block, capacity;
     block        *block;
     found        *found;               /* (k) nearest first */
     lw_atlas_search count;
@@ -33,12 +33,12 @@ typedef struct search {
 
 /* ---- reading the boxes ------------------------------------------------------------------------------ */
 
-/* The least a curve in the box can be away from the target, squared. */
+/* Lower bound of the squared distance between the target and any curve in the box. */
 static float bound_of(const float size[LW_TERMS], const lw_curve_box *b)
 {
     float sum = 0;
     for (int k = 0; k < LW_TERMS; k++) {
-        /* half a unit for the rounding of the sizes */
+        /* half a unit allows for the rounding of the sizes */
         float least = ((float)b->least[k] - 1)*(float)(1/LW_TERM_ONE);
         float most = ((float)b->most[k] + 1)*(float)(1/LW_TERM_ONE);
         float off = size[k] < least ? least - size[k] : size[k] > most ? size[k] - most : 0;
@@ -71,13 +71,13 @@ static lw_status take_segment(void *context, int n_column, const char *const *na
     lw_status status = find_source(s, v[2].integer, &v[3], &which);
     if (status != LW_OK)
         return status;
-    if (s->n_block + n > s->room) {
-        size_t room = 2*s->room + n;
-        block *more = realloc(s->block, room*sizeof *more);
+    if (s->n_block + n > s->capacity) {
+        size_t capacity = 2*s->capacity + n;
+        block *more = realloc(s->block, capacity*sizeof *more);
         if (!more)
             return LW_E_MEMORY;
         s->block = more;
-        s->room = room;
+        s->capacity = capacity;
     }
     for (size_t i = 0; i < n; i++) {
         lw_curve_box b;
@@ -147,7 +147,7 @@ static lw_status look_into_blocks(search *s)
     return LW_OK;
 }
 
-/* Linkages that were added are few: one after the other. */
+/* Compare the linkages that were added. They are few, so one after the other. */
 static lw_status take_linkage(void *context, int n_column, const char *const *name, const lw_value *v)
 {
     search *s = context;

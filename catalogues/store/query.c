@@ -19,7 +19,7 @@ typedef struct token {
     token_kind  kind;
     const char *at;
     size_t      n;
-    char        sign;             /* SIGN: one of  ( ) , = ! < > ~ [ (<=) ] (>=) : (..) */
+    char        sign;             /* SIGN: one of ( ) , = ! < > ~ [ (<=) ] (>=) : (..) */
 } token;
 
 typedef struct reader {
@@ -70,7 +70,7 @@ static bool read_sign(reader *r, token *t)
     return true;
 }
 
-/* Numbers end before "..", so that 4..8 are two. */
+/* A number ends before "..", so that 4..8 is two numbers. */
 static size_t word_length(const char *at)
 {
     size_t n = 0;
@@ -146,7 +146,7 @@ static void use(reader *r, const lw_query_field *f)
     r->used[r->n_used++] = f;
 }
 
-/* The list with all fields that are used, unless one is wanted. */
+/* Find the list that has all fields used, unless the caller chose a list. */
 static lw_status choose_list(reader *r)
 {
     bool free = r->o->list == LW_LIST_ANY;
@@ -256,7 +256,7 @@ static lw_status read_value(reader *r, const lw_query_field *f, bool pattern)
 
 /* ---- tests ------------------------------------------------------------------------------------------- */
 
-/* Fields stand in the SQL as a byte 1 and their number until the list is chosen. */
+/* Until the list is chosen, a field is written in the SQL as a byte 1 and its number. */
 static void put_field(reader *r, const lw_query_field *f)
 {
     char mark[3] = { 1, (char)(f - lw_fields + 1), 0 };
@@ -284,7 +284,7 @@ static lw_status read_set(reader *r, const lw_query_field *f)
     return s == LW_OK ? advance(r) : s;
 }
 
-/* field = least..greatest: the first value is written already. */
+/* field = least..greatest: the first value is already written. */
 static lw_status read_range(reader *r, const lw_query_field *f, char sign)
 {
     if (sign != '=' || f->kind == LW_FIELD_TEXT || f->kind == LW_FIELD_FLAG)
@@ -337,7 +337,7 @@ static lw_status read_comparison(reader *r, const lw_query_field *f)
         s = read_value(r, f, op.sign == '~');
     if (s != LW_OK || r->next.sign != ':')
         return s;
-    /* the operator gives way to BETWEEN */
+    /* replace the operator by BETWEEN */
     char number[16];
     snprintf(number, sizeof number, "%.15s", r->q->sql.failed ? "" : r->q->sql.data + after);
     r->q->sql.size = r->q->sql.failed ? 0 : before;
@@ -427,7 +427,7 @@ static const char *const columns_of[LW_LIST_ANY] = {
     "loops,circles,lines,planar,structure,derivation",
 };
 
-/* Each field of a list apart by commas; `falling` allows a - before. */
+/* Call for each field of a comma-separated list; `falling` allows a - before a field. */
 static lw_status each_field(reader *r, const char *list, bool put)
 {
     bool first = true;
@@ -464,7 +464,7 @@ static void put_columns(const lw_query *q, const char *list, lw_bytes *sql)
     }
 }
 
-/* The whole: columns, tables, and the tests with the fields of the list in place of their marks. */
+/* Build the whole SQL: columns, tables, and the tests with field names in place of their marks. */
 static void finish(lw_query *q, const lw_query_options *o)
 {
     static const char *const from[LW_LIST_ANY] = {

@@ -1,4 +1,4 @@
-/* catalogues/store/query_fields.c - what can be asked for.  A new field is a new row. */
+/* catalogues/store/query_fields.c - the fields of a query. A new field is a new row. */
 #include "catalogues/store/query.h"
 
 const char *const lw_list_names[LW_LIST_ANY + 1] = { "chains", "mechanisms", "linkages", "structures", "any" };

@@ -21,7 +21,7 @@ static uint32_t rotate(uint32_t x, int n)
     return x >> n | x << (32 - n);
 }
 
-/* One block into the hash (6.2.2). */
+/* Add one block to the hash (6.2.2). */
 static void absorb(uint32_t hash[8], const unsigned char block[64])
 {
     uint32_t w[64], v[8];
@@ -48,7 +48,7 @@ static void absorb(uint32_t hash[8], const unsigned char block[64])
         hash[i] += v[i];
 }
 
-/* Base 64 (RFC 4648) of 32 bytes: ten groups of three, one of two. */
+/* Base 64 (RFC 4648) of 32 bytes: ten groups of three bytes, one of two. */
 static void spell(const unsigned char *bytes, char text[LW_SHA256_TEXT])
 {
     static const char letter[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -69,7 +69,7 @@ void lw_sha256_base64(const void *data, size_t size, char text[LW_SHA256_TEXT])
     size_t left = size;
     for (; left >= 64; left -= 64, p += 64)
         absorb(hash, p);
-    unsigned char last[128] = { 0 };                     /* the rest, 1 bit, zeros, length (5.1.1) */
+    unsigned char last[128] = { 0 };                     /* the remaining bytes, a 1 bit, zeros, the length (5.1.1) */
     size_t end = left < 56 ? 64 : 128;
     if (left)
         memcpy(last, p, left);

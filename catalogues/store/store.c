@@ -15,7 +15,7 @@
 #include "base/clock.h"
 #include "catalogues/store/store_internal.h"
 
-#define BUSY_MILLISECONDS 10000       /* a reader waits so long for a commit, a commit for readers */
+#define BUSY_MILLISECONDS 10000       /* how long a reader waits for a commit, and a commit for readers */
 
 int lw_store_version(void)                          { return lw_store_step_count; }
 int lw_store_found_version(const lw_store *s)       { return s->found_version; }
@@ -140,7 +140,7 @@ lw_status lw_store_find(lw_store *s, const char *sql, sqlite3_int64 *found, bool
 
 /* ---- the lock of whoever writes ------------------------------------------------------------------ */
 
-/* Who holds it, as it wrote itself down. */
+/* Name the process that holds the lock, from what it wrote into the lock file. */
 static lw_status say_who(const lw_store *s, lw_error *e)
 {
     char who[400];
@@ -151,7 +151,7 @@ static lw_status say_who(const lw_store *s, lw_error *e)
                                                   "--wait", *who ? who : "another program");
 }
 
-/* True when the file that is open still stands under its name: the last holder may have removed it. */
+/* Is the open file still the one under its name? The last holder may have removed it. */
 static bool same_file(const lw_store *s)
 {
     struct stat open_one, named;
@@ -179,7 +179,7 @@ static lw_status take_lock(lw_store *s, const lw_store_options *o, lw_error *e)
     char who[400];
     int n = snprintf(who, sizeof who, "process %ld (%.300s)\n", (long)getpid(), o->command ? o->command : "?");
     if (ftruncate(s->lock, 0) != 0 || pwrite(s->lock, who, (size_t)n, 0) != n)
-        return LW_OK;                         /* who waits is told less; the lock is held all the same */
+        return LW_OK;                         /* a waiting process then learns less; the lock is held all the same */
     return LW_OK;
 }
 
@@ -194,7 +194,7 @@ static void drop_lock(lw_store *s)
 
 /* ---- opening ------------------------------------------------------------------------------------- */
 
-/* SQLite has a meaning of its own for ":memory:", "" and "file:...". */
+/* SQLite gives ":memory:", "" and "file:..." a special meaning. */
 static lw_status set_paths(lw_store *s, const char *path, lw_error *e)
 {
     if (!*path)
@@ -207,7 +207,7 @@ static lw_status set_paths(lw_store *s, const char *path, lw_error *e)
     return LW_OK;
 }
 
-/* What the file system says of it before SQLite is asked. */
+/* Check what the file system knows of the file before SQLite opens it. */
 static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error *e)
 {
     struct stat st;
@@ -255,7 +255,7 @@ static lw_status read_pragma(lw_store *s, const char *sql, int *value, lw_error 
     return status;
 }
 
-/* Whose file is it, and how old?  Version 0 with no table at all is a new file. */
+/* Check that the file is a catalogue, and its version. Version 0 without any table is a new file. */
 static lw_status identify(lw_store *s, lw_error *e)
 {
     int application = 0, n_table = 0;
@@ -301,8 +301,8 @@ static void disconnect(lw_store *s)
     s->db = NULL;
 }
 
-/* For reading.  A program that was killed in a transaction left a journal beside the file, and an older file wants
- * migrating: both need a connection that may write, before the one that may not. */
+/* Open for reading. If a program was killed in a transaction it left a journal beside the file, and an older file needs
+ * migration: in both cases a connection that may write is opened first, then the one that may not. */
 static lw_status open_to_read(lw_store *s, const lw_store_options *o, lw_error *e)
 {
     char journal[sizeof s->path + 16];
@@ -360,8 +360,8 @@ lw_status lw_store_open(const char *path, const lw_store_options *o, lw_store **
     return LW_OK;
 }
 
-/* After a failure (a full disk) SQLite leaves its journal for whoever opens the file next: that is done here, which
- * also gives the room back.  A file that was made and never held anything goes. */
+/* After a failure (a full disk) SQLite leaves its journal for the next program that opens the file. Open the file here,
+ * which removes the journal and frees its space. Remove a new file that never held anything. */
 static void tidy_up(lw_store *s)
 {
     struct stat st;

@@ -1,10 +1,10 @@
-/* catalogues/store/store_ask.c - questions to the store: ours, and those a person writes in SQL. */
+/* catalogues/store/store_ask.c - queries of the store: our own, and SQL written by the user. */
 #include <stdio.h>
 #include <string.h>
 #include "catalogues/store/store_internal.h"
 
-/* What a person's SQL may do: read tables and call functions.  No ATTACH, no PRAGMA that changes anything, no
- * writing, whatever the text says; the connection is read-only besides. */
+/* What the user's SQL may do: read tables and call functions. ATTACH, writing, and PRAGMAs that change anything are
+ * refused; the connection is read-only besides. */
 static int allow(void *context, int action, const char *first, const char *second, const char *base,
                  const char *trigger)
 {
@@ -80,7 +80,8 @@ static lw_status read_rows(lw_store *s, sqlite3_stmt *t, const lw_store_query *q
     lw_status status = LW_OK;
     if (n > COLUMN_MAX)
         return lw_error_set(e, LW_E_ARG, "%d columns are more than %d", n, COLUMN_MAX);
-    /* The first step may compile the statement anew for the values bound (GLOB); earlier names are not valid then. */
+    /* the first step may compile the statement again for the values bound (GLOB), so earlier names are no longer valid
+     */
     code = sqlite3_step(t);
     for (int i = 0; i < n; i++)
         name[i] = sqlite3_column_name(t, i);
@@ -98,7 +99,7 @@ static lw_status read_rows(lw_store *s, sqlite3_stmt *t, const lw_store_query *q
     return status;
 }
 
-/* The fault of a person's SQL, with its column where SQLite knows it. */
+/* Report the error of the user's SQL, with its column if SQLite knows it. */
 static lw_status sql_fault(lw_store *s, const lw_store_query *q, int code, lw_error *e)
 {
     int at = sqlite3_error_offset(s->db);

@@ -1,5 +1,5 @@
-/* catalogues/store/store_rows.c - rows into the store: structures, chains, ground links, mechanisms, segments of
- * curves, linkages; and blocks of curves out of it. */
+/* catalogues/store/store_rows.c - write rows into the store: structures, chains, ground links, mechanisms, segments of
+ * curves, linkages; and read blocks of curves. */
 #include "catalogues/store/store_internal.h"
 
 #include <math.h>

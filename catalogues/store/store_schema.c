@@ -2,7 +2,7 @@
 #include <stdio.h>
 #include "catalogues/store/store_internal.h"
 
-/* A version that a program was given out with is never changed: a new step is added. */
+/* A version that was released is never changed: add a new step instead. */
 static const char version_1[] =
     "CREATE TABLE run("
     " id INTEGER PRIMARY KEY, action TEXT NOT NULL, what TEXT NOT NULL, program TEXT NOT NULL, seed TEXT NOT NULL,"
@@ -32,7 +32,7 @@ static const char version_1[] =
     " groups_n INTEGER NOT NULL, highest INTEGER NOT NULL, modes INTEGER, run INTEGER NOT NULL REFERENCES run(id),"
     " UNIQUE(chain, ground, kinds, inputs));";
 
-/* Curves and linkages that were found. */
+/* Curves and results of fits. */
 static const char version_2[] =
     "CREATE TABLE sweep("
     " id INTEGER PRIMARY KEY, families TEXT NOT NULL, kinds INTEGER NOT NULL, seed TEXT NOT NULL,"
