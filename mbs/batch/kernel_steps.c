@@ -52,8 +52,7 @@ LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, cons
 /* Lanes of an RRR dyad, of which out[0] and out[1] are kept when `turns` says so (1, 2).  met: all circles are
  * known to meet; false when some do not. */
 LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
-                         const int turns,
-                         const int met)
+                         const int turns, const int met)
 {
     const in_rows a = in_reg(k, s->in[0]), b = in_reg(k, s->in[1]);
     const out_rows c = out_reg(k, s->out[2]);

@@ -1,15 +1,16 @@
 /* mbs/plan/dyad_internal.h - the closed forms of the dyads and their derivatives, one pose at a time.
  *
- * Straight-line arithmetic without branches, written once and inlined into every loop (mbs/batch/kernel*.c) and
- * into the single pose (mbs/batch/pose.c).  Internal to mbs.
+ * The arithmetic has no branches.  It is inlined into every loop (mbs/batch/kernel*.c) and into the single pose
+ * (mbs/batch/pose.c).  Internal to mbs.
  *
- * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the
- * direction is kept a unit vector: the pose in which the link points as near as it can.  Where the
- * centres coincide a direction is made up (along x) and the margin is at most 0.
+ * Where circles or lines do not meet, the square root of a negative number is replaced by 0 and the direction stays a
+ * unit vector: the link points as near to the other as it can.  Where the centres coincide the direction is set along
+ * x and the margin is at most 0.
  *
- * Derivatives run backwards: given the adjoint of what a dyad put out (bar: derivative of some scalar by
- * it), add to the adjoints of what it took.  A direction has one number as adjoint, by its angle.  `inv`
- * is the one division a dyad's derivative needs, 0 where it does not exist. */
+ * Derivatives run backwards.  The adjoint (`bar`) of a number is the derivative of some scalar by it.  A function
+ * *_back takes the adjoints of a dyad's outputs and adds to the adjoints of its inputs.  The adjoint of a direction is
+ * the one by its angle.  `inv` is the only division that the derivative of a dyad needs; it is 0 where the derivative
+ * does not exist. */
 #ifndef LW_MBS_PLAN_DYAD_INTERNAL_H
 #define LW_MBS_PLAN_DYAD_INTERNAL_H
 
@@ -17,12 +18,12 @@
 
 #define LW_INLINE static inline __attribute__((always_inline))
 
-/* Lengths below this count as 0; small enough for coordinates around 1e-9, large enough that its fourth
- * power does not underflow. */
+/* Lengths below this count as 0.  It is small enough for coordinates around 1e-9, and its fourth power does not
+ * underflow. */
 #define LW_TINY  1e-70
 #define LW_TINY2 1e-140
 #define LW_MARGIN_LEAST (-1e30)          /* keeps quotients by LW_TINY finite */
-/* Below this margin derivatives count as not existing. */
+/* Below this margin a dyad has no derivatives. */
 #define LW_MARGIN_FLAT 1e-30
 
 LW_INLINE double lw_away_from_zero(double a) { return fabs(a) > LW_TINY ? a : LW_TINY; }
@@ -39,16 +40,15 @@ LW_INLINE lw_vec2 lw_frame_point(lw_vec2 o, lw_vec2 d, double x, double y)
 
 /* ---- RRR: c = a + r1 u1 = b + r2 u2 ------------------------------------------------------------------
  * With d = |b - a|, the triangle r1, r2, d has (4 area)^2 = h = ((r1 + r2)^2 - d^2)(d^2 - (r1 - r2)^2)
- * (Heron); each factor is a difference of what is given, so that h keeps its relative accuracy near
- * dead points as far as d^2 has it.  Then
+ * (Heron).  Each factor is a difference of given numbers, so that near dead points h is as accurate as d^2.  Then
  *     2 d^2 (c - a) = (b - a) (d^2 + r1^2 - r2^2 + i mode sqrt(h)). */
 typedef struct lw_rrr { lw_vec2 span; double d2, p1, p2, y, h, r1, r2; } lw_rrr;
 
-/* From a to b; where they coincide along x, as short as can be squared.  The addition changes nothing else
- * for coordinates above 1e-54. */
+/* The vector from a to b.  Where they coincide it is LW_TINY along x, whose square does not underflow.  The addition
+ * changes no other vector with coordinates above 1e-54. */
 LW_INLINE lw_vec2 lw_joint_span(lw_vec2 a, lw_vec2 b) { return lw_v2((b.x - a.x) + LW_TINY, b.y - a.y); }
 
-/* met: the circles are known to meet, a constant wherever this is inlined. */
+/* met: are the circles known to meet?  It is a constant wherever this function is inlined. */
 LW_INLINE lw_rrr lw_rrr_solve_met(lw_vec2 a, lw_vec2 b, double r1, double r2, double mode, const int met)
 {
     lw_rrr z;
@@ -73,7 +73,7 @@ LW_INLINE lw_rrr lw_rrr_solve(lw_vec2 a, lw_vec2 b, double r1, double r2, double
     return lw_rrr_solve_met(a, b, r1, r2, mode, 0);
 }
 
-/* c - a, and c - b of which is known what it is where the circles meet: each as long as its link */
+/* c - a.  c - b: the caller gives its value where the circles meet.  Each is as long as its link. */
 LW_INLINE lw_vec2 lw_rrr_arm(const lw_rrr *z)
 {
     return lw_v2_scale(lw_v2_turn(z->span, lw_v2(z->p1, z->y)), 0.5/z->d2);
@@ -111,7 +111,7 @@ LW_INLINE double lw_rrr_margin(const lw_rrr *z, double flat)
 
 /* 2 r1 r2 sin(angle) = y, hence with k1 = bar1 2 r2 / y, k2 = bar2 2 r1 / y
  *     d angle1 = (dr2 - dr1 cos - (da - db).u2) 2 r2 / y,
- *     d angle2 = (dr2 cos - dr1 - (da - db).u1) 2 r1 / y.   Returns the pull on b, minus that on a. */
+ *     d angle2 = (dr2 cos - dr1 - (da - db).u1) 2 r1 / y.   Returns the adjoint of b; that of a is its negative. */
 LW_INLINE lw_vec2 lw_rrr_back(lw_vec2 u1, lw_vec2 u2, double r1, double r2, double inv, double bar1, double bar2,
                               double *r1_bar, double *r2_bar)
 {
@@ -124,7 +124,7 @@ LW_INLINE lw_vec2 lw_rrr_back(lw_vec2 u1, lw_vec2 u2, double r1, double r2, doub
 /* ---- RRP: c = a + r u = q + t w --------------------------------------------------------------------- */
 typedef struct lw_rrp { lw_vec2 arm; double y, h, r; } lw_rrp;      /* arm: c - a */
 
-/* In the frame of the line, which passes a at the distance `away` (to the left positive). */
+/* In the frame of the line.  `away` is the distance of the line from a, positive if it passes to the left. */
 LW_INLINE lw_rrp lw_rrp_solve(double away, double r, double mode)
 {
     lw_rrp z;
@@ -147,7 +147,8 @@ LW_INLINE lw_vec2 lw_rrp_direction(const lw_rrp *z) { return lw_v2_scale(z->arm,
 
 LW_INLINE double lw_rrp_margin(const lw_rrp *z) { return lw_at_least(z->h/(z->r*z->r), LW_MARGIN_LEAST); }
 
-/* y d angle = t dw - dr (u.n) - (da - dq).n,  n = i w, t = (c - q).w.  Returns the pull on q, minus that on a. */
+/* y d angle = t dw - dr (u.n) - (da - dq).n,  n = i w, t = (c - q).w.
+ * Returns the adjoint of q; that of a is its negative. */
 LW_INLINE lw_vec2 lw_rrp_back(lw_vec2 u, lw_vec2 w, double t, double inv, double bar, double *r_bar, double *w_bar)
 {
     double k = bar*inv;
@@ -180,7 +181,7 @@ LW_INLINE double lw_rpr_margin(const lw_rpr *z)
     return z->d2 > 2*LW_TINY2 ? m : lw_at_most(m, 0);
 }
 
-/* y d angle = (db - da).n - de,  n = i u.  Returns the pull on b, minus that on a. */
+/* y d angle = (db - da).n - de,  n = i u.  Returns the adjoint of b; that of a is its negative. */
 LW_INLINE lw_vec2 lw_rpr_back(lw_vec2 u, double inv, double bar, double *e_bar)
 {
     double k = bar*inv;
@@ -204,8 +205,8 @@ LW_INLINE lw_prp lw_prp_solve(lw_vec2 q1, lw_vec2 w1, lw_vec2 q2, lw_vec2 w2)
 
 LW_INLINE double lw_prp_margin(const lw_prp *z) { return z->inv != 0 ? z->sine*z->sine : 0; }
 
-/* sine dt1 = (dq1 - dq2).n2 + t1 cos dw1 - t2 dw2,  n2 = i w2.  Returns the pull on q2; that on q1 is the
- * adjoint of c less this. */
+/* sine dt1 = (dq1 - dq2).n2 + t1 cos dw1 - t2 dw2,  n2 = i w2.  Returns the adjoint of q2; that of
+ * q1 is the adjoint of c minus it. */
 LW_INLINE lw_vec2 lw_prp_back(lw_vec2 w1, lw_vec2 w2, double t1, double t2, double inv, lw_vec2 bar,
                               double *w1_bar, double *w2_bar)
 {

@@ -1,7 +1,7 @@
-/* Recognises the plans of lw_fast_dyad by their steps. */
+/* Recognise the plans of lw_fast_dyad by their steps. */
 #include "mbs/plan/plan_internal.h"
 
-/* The step of output o that puts out this register, NULL for the ground frame. */
+/* The step of output o that computes this register; NULL for the ground frame. */
 static const lw_step *maker(const lw_plan *p, int o, int reg)
 {
     for (int i = 0; i < p->n_output_step[o]; i++) {
@@ -13,7 +13,7 @@ static const lw_step *maker(const lw_plan *p, int o, int reg)
     return NULL;
 }
 
-/* A point of the ground, (x, 0) when axis is 0, (0, y) when it is 1: its dimension, -1 at the origin. */
+/* Is the register the ground point (x, 0) (axis 0) or (0, y) (axis 1)?  *dim: number of x or y, -1 at the origin. */
 static bool ground_point(const lw_plan *p, int o, int reg, int axis, int *dim)
 {
     *dim = -1;
@@ -53,7 +53,7 @@ static bool driven_point(const lw_plan *p, int o, int reg, lw_fast_dyad *f)
            turn && turn->kind == LW_STEP_INPUT_PIN;
 }
 
-/* beta is kept as number in plan.angle, like dim[2] of LINE. */
+/* beta holds a number in plan.angle, like dim[2] of LINE. */
 lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *p, int o)
 {
     lw_fast_dyad f = { false, LW_STEP_RRR, -1, -1, -1, -1, -1, -1, -1 };

@@ -1,28 +1,30 @@
-/* Which links are determined together by those known so far, when no two of them are.
+/* Find the next Assur group when there is no dyad: the fewest unknown links that known links determine together.
  *
- * A link has two freedoms of place and one of turning.  Every condition of a joint (two a pin or slider, one a gear,
- * one more at the input) is given to one of the places and turns it is about so that each owns as many conditions as it
- * has freedoms; the strong components of "owns a condition about", both parts of a link in one, are the Assur groups,
- * whatever assignment was found (Servatius, Shai & Whiteley 2010).  Gears are about turns alone, so that two gears
- * cannot hold a place, nor two slides.  Pins of three or more unknown links are bodies of two freedoms. */
+ * A graph has two nodes a link, its place (two freedoms) and its turn (one freedom).  A joint puts conditions on the
+ * nodes of its links: two for a pin or slider, one for a gear, one more at the input.  Every condition is assigned to
+ * one of its nodes, so that each node owns as many conditions as it has freedoms.  An arrow goes from the owner of a
+ * condition to its other nodes, and both ways between place and turn of a link.  The strong components of this graph
+ * are the Assur groups, whatever assignment was found (Servatius, Shai & Whiteley 2010).  The conditions of gears and
+ * of parallel slides contain turns only, so that two of them cannot hold a place.  A pin of three or more unknown
+ * links is a node of its own with two freedoms. */
 #include "mbs/plan/plan_internal.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #define NODE_MAX (2*LW_LINK_MAX + LW_JOINT_MAX)
-#define UNIT_MAX (4*LW_JOINT_MAX)
+#define CONDITION_MAX (4*LW_JOINT_MAX)
 #define END_MAX  6
 
-/* A condition, and the nodes it is about. */
-typedef struct unit { int n, end[END_MAX], owner; } unit;
+/* A condition, its nodes and the node that owns it. */
+typedef struct condition { int n, end[END_MAX], owner; } condition;
 
 typedef struct graph {
     const lw_topology *t;
-    int  n_node, n_unit;
+    int  n_node, n_condition;
     int  freedom[NODE_MAX], load[NODE_MAX];
-    int  place[LW_LINK_MAX];                 /* node of each link, its turn the one after; -1: known */
-    unit unit[UNIT_MAX];
+    int  place[LW_LINK_MAX];                 /* node of each link, its turn is the next; -1: known */
+    condition condition[CONDITION_MAX];
     bool reach[NODE_MAX][NODE_MAX];
 } graph;
 
@@ -47,36 +49,39 @@ void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size)
         }
 }
 
-static void add_end(unit *u, int node)
+static void add_end(condition *u, int node)
 {
     if (node >= 0)
         u->end[u->n++] = node;
 }
 
-static void add_turn(const graph *g, unit *u, int link) { add_end(u, g->place[link] < 0 ? -1 : g->place[link] + 1); }
+static void add_turn(const graph *g, condition *u, int link)
+{
+    add_end(u, g->place[link] < 0 ? -1 : g->place[link] + 1);
+}
 
-static void add_place(const graph *g, unit *u, int link)
+static void add_place(const graph *g, condition *u, int link)
 {
     add_end(u, g->place[link]);
     add_turn(g, u, link);
 }
 
-static void add_unit(graph *g, const unit *u)
+static void add_condition(graph *g, const condition *u)
 {
-    if (u->n > 0 && g->n_unit < UNIT_MAX)
-        g->unit[g->n_unit++] = *u;
+    if (u->n > 0 && g->n_condition < CONDITION_MAX)
+        g->condition[g->n_condition++] = *u;
 }
 
-/* Two points of links a and b (or a body without turning) are one. */
+/* A point of link a coincides with one of link b, or with the pin `body`. */
 static void add_point(graph *g, int a, int b, int body)
 {
-    unit u = { .owner = -1 };
+    condition u = { .owner = -1 };
     add_place(g, &u, a);
     if (b >= 0)
         add_place(g, &u, b);
     add_end(&u, body);
-    add_unit(g, &u);
-    add_unit(g, &u);
+    add_condition(g, &u);
+    add_condition(g, &u);
 }
 
 /* The unknown links on a pin. */
@@ -106,29 +111,30 @@ static void add_pin(graph *g, int pin)
         add_point(g, link[i], -1, centre);
 }
 
-/* The links do not turn against each other; the one does not move across (or along) the other's line. */
+/* The links do not turn against each other. */
 static void add_parallel(graph *g, const lw_joint *q)
 {
-    unit u = { .owner = -1 };
+    condition u = { .owner = -1 };
     add_turn(g, &u, q->link[0]);
     add_turn(g, &u, q->link[1]);
-    add_unit(g, &u);
+    add_condition(g, &u);
 }
 
-static void add_way(graph *g, const lw_joint *q)
+/* One link does not move across the line of the other (or along it, for an input). */
+static void add_line(graph *g, const lw_joint *q)
 {
-    unit u = { .owner = -1 };
+    condition u = { .owner = -1 };
     add_place(g, &u, q->link[0]);
     add_place(g, &u, q->link[1]);
-    add_unit(g, &u);
+    add_condition(g, &u);
 }
 
-/* Turns of the wheels and the carrier; what a rack slides is about its place and the carrier's. */
+/* A gear joins the turns of wheels and carrier; with a rack also the places of rack and carrier. */
 static void add_gear(graph *g, int j)
 {
     const lw_gear *gear = &g->t->gear[j];
     bool rack = gear->slider[0] >= 0 || gear->slider[1] >= 0;
-    unit u = { .owner = -1 };
+    condition u = { .owner = -1 };
     for (int side = 0; side < 2; side++)
         if (gear->slider[side] >= 0)
             add_place(g, &u, g->t->k->joint[j].link[side]);
@@ -138,7 +144,7 @@ static void add_gear(graph *g, int j)
         add_place(g, &u, gear->carrier);
     else
         add_turn(g, &u, gear->carrier);
-    add_unit(g, &u);
+    add_condition(g, &u);
 }
 
 static void add_links(graph *g)
@@ -163,18 +169,18 @@ static void build(graph *g)
             add_pin(g, j);
         if (q->kind == LW_JOINT_SLIDER) {
             add_parallel(g, q);
-            add_way(g, q);
+            add_line(g, q);
         }
         if (driven && lw_plan_is_pin(t, j))
             add_parallel(g, q);
         else if (driven)
-            add_way(g, q);
+            add_line(g, q);
         if (q->kind == LW_JOINT_GEAR && !t->geared[j])
             add_gear(g, j);
     }
 }
 
-/* Make room for one more condition at a node, by moving others away (augmenting path). */
+/* Make room for one more condition at a node: move others to other nodes (augmenting path). */
 static bool make_room(graph *g, int node, bool *seen)
 {
     if (seen[node])
@@ -182,8 +188,8 @@ static bool make_room(graph *g, int node, bool *seen)
     seen[node] = true;
     if (g->load[node] < g->freedom[node])
         return true;
-    for (int i = 0; i < g->n_unit; i++) {
-        unit *u = &g->unit[i];
+    for (int i = 0; i < g->n_condition; i++) {
+        condition *u = &g->condition[i];
         for (int h = 0; u->owner == node && h < u->n; h++)
             if (u->end[h] != node && make_room(g, u->end[h], seen)) {
                 u->owner = u->end[h];
@@ -197,8 +203,8 @@ static bool make_room(graph *g, int node, bool *seen)
 
 static bool assign(graph *g)
 {
-    for (int i = 0; i < g->n_unit; i++) {
-        unit *u = &g->unit[i];
+    for (int i = 0; i < g->n_condition; i++) {
+        condition *u = &g->condition[i];
         bool seen[NODE_MAX] = { false };
         for (int h = 0; h < u->n && u->owner < 0; h++)
             if (make_room(g, u->end[h], seen))
@@ -213,24 +219,24 @@ static bool assign(graph *g)
     return true;
 }
 
-/* Which nodes each node needs, itself included. */
-static void close_needs(graph *g)
+/* The nodes that each node depends on, itself included. */
+static void set_reach(graph *g)
 {
     for (int i = 0; i < g->n_node; i++)
         g->reach[i][i] = true;
     for (int l = 0; l < g->t->k->n_link; l++)
         if (g->place[l] >= 0)
             g->reach[g->place[l]][g->place[l] + 1] = g->reach[g->place[l] + 1][g->place[l]] = true;
-    for (int i = 0; i < g->n_unit; i++)
-        for (int h = 0; h < g->unit[i].n; h++)
-            g->reach[g->unit[i].owner][g->unit[i].end[h]] = true;
+    for (int i = 0; i < g->n_condition; i++)
+        for (int h = 0; h < g->condition[i].n; h++)
+            g->reach[g->condition[i].owner][g->condition[i].end[h]] = true;
     for (int m = 0; m < g->n_node; m++)
         for (int i = 0; i < g->n_node; i++)
             for (int j = 0; g->reach[i][m] && j < g->n_node; j++)
                 g->reach[i][j] = g->reach[i][j] || g->reach[m][j];
 }
 
-/* The component with fewest links that needs nothing but itself. */
+/* The component with the fewest links that depends on no other. */
 static uint32_t smallest(const graph *g)
 {
     uint32_t best = 0;
@@ -256,7 +262,7 @@ typedef struct tree {
     int      n_tie;
     lw_tie   tie[2*LW_JOINT_MAX];
     bool     in_tree[2*LW_JOINT_MAX];
-    int      part[LW_LINK_MAX];              /* of the forest grown so far; known links are one     */
+    int      part[LW_LINK_MAX];              /* tree that each link is in; known links share one    */
 } tree;
 
 static bool inside(const tree *r, int link) { return r->links >> link & 1; }
@@ -273,7 +279,7 @@ static bool on_links(const tree *r, int a, int b)
     return (inside(r, a) || inside(r, b)) && (inside(r, a) || t->rank[a] >= 0) && (inside(r, b) || t->rank[b] >= 0);
 }
 
-/* Does the input turn link a against link b by this tie? */
+/* Does the input turn the two links of this tie against each other? */
 static bool is_input(const lw_topology *t, const lw_tie *q)
 {
     const lw_joint *in = &t->k->joint[t->input_joint];
@@ -281,7 +287,8 @@ static bool is_input(const lw_topology *t, const lw_tie *q)
         && lw_joint_has(in, q->b);
 }
 
-/* What keeps loops short first: slides, which must be in the tree; the input; pins to known links; the rest. */
+/* The order in which ties enter the tree, chosen to keep loops short: slides, which must be in it; the input; pins to
+ * known links; the rest. */
 static int urgency(const tree *r, const lw_tie *q)
 {
     if (!lw_plan_is_pin(r->t, q->joint))
@@ -291,14 +298,13 @@ static int urgency(const tree *r, const lw_tie *q)
     return inside(r, q->a) ? 3 : 2;
 }
 
-/* A pin ties its links to the known one among them, else to the first, but those of the input to each other. */
+/* Tie the links of a pin to the known link on it, else to the first one; tie the links of the input to each other. */
 static void tie_pin(tree *r, int pin)
 {
     const lw_topology *t = r->t;
     const lw_joint *in = &t->k->joint[t->input_joint];
     bool driven = t->driven < 0 && lw_plan_is_pin(t, t->input_joint) && t->pin[t->input_joint] == pin
-        && inside(r, in->link[0]) &&
-                  inside(r, in->link[1]);
+                  && inside(r, in->link[0]) && inside(r, in->link[1]);
     int centre = lw_known_link(t, pin);
     if (centre < 0 && driven)
         centre = in->link[0];
@@ -319,7 +325,7 @@ static void collect_ties(tree *r)
     const lw_topology *t = r->t;
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (q->kind == LW_JOINT_GEAR)                    /* no way from link to link */
+        if (q->kind == LW_JOINT_GEAR)                    /* a gear gives no path from link to link */
             continue;
         if (!lw_plan_is_pin(t, j)) {
             if (on_links(r, q->link[0], q->link[1]))
@@ -355,7 +361,7 @@ static lw_status grow(tree *r, lw_error *e)
     return LW_OK;
 }
 
-/* Links in the order of their distance from known ones. */
+/* List the links in the order of their distance from known ones, then the loops and the known links. */
 static void walk(const tree *r, lw_cluster *c)
 {
     uint32_t seen = 0;
@@ -392,10 +398,10 @@ static lw_status cannot_own(const lw_topology *t, lw_error *e)
     return lw_error_set(e, LW_E_KIND,
                         "some of the links %s are held more than once and others not at all%s, so that the input "
                         "does not say where they are", list,
-                            turns ? " (rings of slides, or gears, may hold turns alone)" : "");
+                        turns ? " (rings of slides, or gears, may hold turns alone)" : "");
 }
 
-/* The gears that hold a link of the group. */
+/* List the gears whose links are in the group or known. */
 static void collect_gears(const lw_topology *t, lw_cluster *c)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
@@ -421,7 +427,7 @@ lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e)
     build(&g);
     if (!assign(&g))
         return cannot_own(t, e);
-    close_needs(&g);
+    set_reach(&g);
     c->links = r.links = smallest(&g);
     collect_ties(&r);
     lw_status s = grow(&r, e);

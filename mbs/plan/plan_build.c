@@ -1,5 +1,5 @@
-/* A plan while it is being made: registers, steps and dimensions are added one by one, points and lines of known links
- * are found or made. */
+/* Add registers, steps and dimensions to a plan that is being made; look up points and lines of known links, and add
+ * the steps for them when they are missing. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <stdio.h>
@@ -26,7 +26,7 @@ lw_step *lw_build_step(lw_builder *b, lw_step_kind kind)
     return s;
 }
 
-/* The names of mbs/plan/plan.h. */
+/* Name a dimension as mbs/plan/plan.h says. */
 static void name_dim(const lw_builder *b, lw_dim_info *d, int number, int count)
 {
     static const char *const stem[] = { "r", "x", "y", "e", "beta", "phi", "rho", "s", "mu", "cx", "cy", "x0", "y0",
@@ -51,7 +51,7 @@ static void name_dim(const lw_builder *b, lw_dim_info *d, int number, int count)
     }
 }
 
-/* Ground slides come after the links, tracers after them, the frame last. */
+/* Sort key of a dimension: links, then ground slides, then tracers, then the frame. */
 static int place_of(const lw_builder *b, const lw_dim_info *d)
 {
     bool line = d->role == LW_ROLE_E || d->role == LW_ROLE_BETA;
@@ -91,7 +91,7 @@ void lw_build_slider(lw_builder *b, int j, int base, int ref)
     b->p->slider_ref[j] = ref;
 }
 
-/* The first joint of a link beside the one it turns on, as lw_linkage_posture_input has it. */
+/* The first joint of a link other than the pin it turns on, in the order of lw_linkage_posture_input. */
 static int next_joint(const lw_topology *t, int link, int pin)
 {
     const lw_linkage *k = t->k;
@@ -115,7 +115,6 @@ static int first_tracer(const lw_topology *t, int link)
     return -1;
 }
 
-/* Of a link that turns on a pin: the driven one, a wheel. */
 lw_frame lw_build_turning_frame(const lw_builder *b, int link, int pin)
 {
     const lw_topology *t = b->t;
@@ -148,7 +147,6 @@ void lw_build_pin_dims(lw_builder *b, int link, int pin, int *x, int *y)
         *y = lw_build_dim(b, LW_ROLE_Y, link, pin, 0);
 }
 
-/* The register of a pin that sits on a known link. */
 int lw_build_pin(lw_builder *b, int joint, int base)
 {
     int pin = b->t->pin[joint], x, y;
@@ -158,8 +156,8 @@ int lw_build_pin(lw_builder *b, int joint, int base)
     return b->pin_reg[pin] = x < 0 ? b->p->link_origin[base] : lw_build_point(b, base, x, y);
 }
 
-/* No offset for a line through the origin: one that helped to define it, or whose rider has no pin to be
- * measured from.  No angle for the line that is the axis. */
+/* A line through the origin needs no offset: a line that defines the origin, or one whose sliding link has no pin to
+ * measure from.  The line along the axis needs no angle. */
 void lw_build_line_dims(lw_builder *b, int j, int base, int *e, int *beta)
 {
     const lw_frame *f = &b->p->frame[base];
@@ -168,7 +166,6 @@ void lw_build_line_dims(lw_builder *b, int j, int base, int *e, int *beta)
     *beta = f->axis == j ? -1 : lw_build_dim(b, LW_ROLE_BETA, base, j, 0);
 }
 
-/* Point and direction of the line of slider j on link `base`. */
 void lw_build_line(lw_builder *b, int j, int base, int *q, int *w)
 {
     int e, beta;

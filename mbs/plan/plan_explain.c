@@ -1,20 +1,20 @@
-/* A plan as text. */
+/* Describe a plan as text. */
 #include "mbs/plan/plan_internal.h"
 
 #include "grammar/circuit.h"
 #include "grammar/text_internal.h"
 
-/* Links of one group, those solved before it, and what is known of it. */
-typedef struct told { uint32_t links, before; int order, n_class; } told;
+/* A group: its links, the links solved before it, its order and class. */
+typedef struct group_text { uint32_t links, before; int order, n_class; } group_text;
 
 static bool touches(const lw_linkage *k, int j, uint32_t links)
 {
     return links >> k->joint[j].link[0] & 1 || links >> k->joint[j].link[1] & 1;
 }
 
-/* Order: joints to links solved before.  Class: the most joints inside the group on one link, or the longest
- * circuit of links, whichever is more; a dyad is of class II. */
-static void classify(const lw_linkage *k, told *t)
+/* The order is the number of joints to links solved before.  The class is the larger of two numbers: the most joints
+ * inside the group on one link, and the length of the longest loop of links.  A dyad is of class II. */
+static void classify(const lw_linkage *k, group_text *t)
 {
     int number[LW_LINK_MAX], inner[LW_LINK_MAX] = { 0 }, n = 0;
     uint32_t row[LW_LINK_MAX] = { 0 };
@@ -40,7 +40,7 @@ static void classify(const lw_linkage *k, told *t)
                 t->n_class = c.first[i + 1] - c.first[i];
 }
 
-static void add_group(lw_text *out, const lw_linkage *k, told *t, int number)
+static void add_group(lw_text *out, const lw_linkage *k, group_text *t, int number)
 {
     static const char *const roman[] = { "", "I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X" };
     classify(k, t);
@@ -79,14 +79,13 @@ static void add_higher(lw_text *out, const lw_higher *g)
 {
     lw_text_add(out, "; Newton's method with %d unknown%s (%d turn%s, %d displacement%s) on %d loop%s", g->n_unknown,
                 g->n_unknown == 1 ? "" : "s", g->n_turn, g->n_turn == 1 ? "" : "s", g->n_disp,
-                g->n_disp == 1 ? "" : "s",
-                g->n_loop, g->n_loop == 1 ? "" : "s");
+                g->n_disp == 1 ? "" : "s", g->n_loop, g->n_loop == 1 ? "" : "s");
     if (g->n_gear)
         lw_text_add(out, " and %d gear%s", g->n_gear, g->n_gear == 1 ? "" : "s");
     lw_text_add(out, "\n");
 }
 
-/* The gear by which a step makes a link known, and that link; -1: it does not. */
+/* The gear by which a step makes *link known; -1 when the step is of another kind. */
 static int gear_of(const lw_plan *p, const lw_step *s, int *link)
 {
     bool gear = (s->kind == LW_STEP_GEAR && s->dim[0] >= 0) || s->kind == LW_STEP_ROLL || s->kind == LW_STEP_RACK;
@@ -131,7 +130,7 @@ size_t lw_plan_explain(const lw_plan *p, const lw_linkage *given, char *buf, siz
         known |= 1u << p->input_link[1];
     for (int i = 0; i < p->n_step; i++) {
         const lw_step *s = &p->step[i];
-        told t = { .before = known };
+        group_text t = { .before = known };
         int wheel;
         if (s->kind == LW_STEP_HIGHER)
             for (int l = 0; l < p->higher[s->dim[0]].n_link; l++)

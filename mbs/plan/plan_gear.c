@@ -1,25 +1,26 @@
-/* Gears in a plan: which wheel or rack is moved by which, in how many turns of the input all comes back.
+/* Gears in a plan: which gear moves which wheel or rack, and the turns of the input until all gears are back.
  *
- * Relative to the link that carries both wheels the one turns `ratio` times as fast as the other.  As soon as the
- * carrier and one wheel are known the other wheel is: with directions as unit vectors
- *     u = e^{i phi} c^{1 - ratio} w^{ratio},   c of the carrier, w of the known wheel, phi the phase,
- * for whole ratios.  Wheels whose carrier and partner turn with the input at constant rates do so themselves, at any
- * ratio of whole numbers: where a rate is a fraction, the plan counts its input in so many turns (plan->input_turns_per_period) that all
- * rates become whole numbers m, u = e^{i (phi + m input)}.  A pinion is known by its rack, a rack by its pinion.
+ * Relative to the link that carries both wheels, one wheel turns `ratio` times as fast as the other.  When the carrier
+ * and one wheel are known, the other wheel is too.  With directions as unit vectors and a whole ratio,
+ *     u = e^{i phi} c^{1 - ratio} w^{ratio},   c of the carrier, w of the known wheel, phi the phase.
+ * A wheel whose carrier and partner turn at constant rates with the input turns at a constant rate itself, for any
+ * ratio of whole numbers.  When a rate is a fraction, one turn of the plan's input is input_turns_per_period turns of
+ * the linkage's input, so that all rates become whole numbers m:  u = e^{i (phi + m input)}.  A known rack determines
+ * its pinion, a known pinion its rack.
  *
- * A tied input (grammar/linkage.h) turns its link so many times as fast as the first input does its own, both seen
- * from the ground: the ground carries the two, as if a belt or wheels went from the one to the other.
+ * A tied input (grammar/linkage.h) turns its link at a given ratio to the first input, both measured against the
+ * ground.  It is a wheel that the ground carries, with the driven link as partner.
  *
- * All other gears are equations of the group that their wheels belong to, if need be of one wheel alone: a ratio p/q as
+ * All other gears are equations of the group of their wheels, which may be one wheel alone.  A ratio p/q gives
  *     q phi_1 - p phi_0 - (q - p) phi_c = q phi,
- * which q directions of wheel 1 fulfil.  They are told apart by the way that leads there from the seed, and come
- * after each other in q turns of wheel 0; in how many turns of the input at most is what lw_plan_gear_turns says. */
+ * which q directions of wheel 1 fulfil.  They are told apart by following the motion from the seed; they follow each
+ * other in q turns of wheel 0.  lw_plan_gear_turns bounds the turns of the input in which all of them occur. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#define WHOLE 1e-9           /* a ratio nearer to a whole number is meant to be one */
+#define WHOLE 1e-9           /* relative distance at which a ratio counts as a whole number */
 
 static bool is_whole(double a) { return fabs(a - round(a)) <= WHOLE*fmax(1, fabs(a)); }
 
@@ -73,7 +74,7 @@ static int centre_pin(const lw_topology *t, int wheel, int carrier)
     return -1;
 }
 
-/* The gear as a group, when carrier and one side are known and the other is not. */
+/* Make a group of the gear; false unless the carrier and exactly one side are known. */
 static bool as_group(const lw_topology *t, int joint, lw_plan_group *g)
 {
     const lw_joint *q = &t->k->joint[joint];
@@ -88,7 +89,7 @@ static bool as_group(const lw_topology *t, int joint, lw_plan_group *g)
     return at >= 0;
 }
 
-/* What the wheel makes in a turn of the input; NaN: it does not turn evenly. */
+/* Turns of the wheel per turn of the input; NaN when its rate is not constant. */
 static double rate_of(const lw_topology *t, const lw_plan_group *g)
 {
     double c = t->rate[g->base[0]], w = t->rate[g->base[1]];
@@ -105,7 +106,7 @@ static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
                         LW_POWER_MAX);
 }
 
-/* Take the group, and if its wheel turns evenly count in turns of the input that bring it back. */
+/* Take the group.  If its wheel turns at a constant rate, increase input_turns_per_period until the wheel is back. */
 static lw_status take(lw_topology *t, const lw_plan_group *g, int *known, lw_error *e)
 {
     double rate = rate_of(t, g);
@@ -144,7 +145,7 @@ lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e
             continue;
         bool whole = is_whole(g.ratio) && fabs(g.ratio) <= LW_POWER_MAX;
         if (g.kind == LW_STEP_GEAR && !whole && !isfinite(rate_of(t, &g)))
-            continue;                                    /* an equation of a group                          */
+            continue;                                    /* this gear is an equation of a group             */
         *found = t->geared[j] = true;
         return take(t, &g, known, e);
     }
@@ -161,8 +162,8 @@ static int common_multiple(int a, int b)
     return m;
 }
 
-/* Of a row  q phi_1 - p phi_0 - (q - p) phi_c,  what the unknown wheels are multiplied by, or else the carrier: by so
- * many turns of what they hang on each comes back. */
+/* In the row  q phi_1 - p phi_0 - (q - p) phi_c  the factors of the unknown wheels, or else that of the carrier: each
+ * of these links is back after as many turns of the links that move it. */
 static int turns_of(const lw_topology *t, const lw_cluster *c, int joint)
 {
     const lw_joint *j = &t->k->joint[joint];
@@ -206,7 +207,6 @@ void lw_build_gear_frame(lw_builder *b, const lw_plan_group *g)
 
 /* ---- steps ------------------------------------------------------------------------------------------------ */
 
-/* The direction of a driven link that makes several turns. */
 int lw_build_turns_per_period(lw_builder *b, int input)
 {
     if (b->t->input_turns_per_period == 1)
@@ -235,7 +235,7 @@ static void build_wheel(lw_builder *b, const lw_plan_group *g)
     lw_build_link(b, wheel, origin, s->out[0] = lw_build_reg(b));
 }
 
-/* What a rack counts, and its dimensions. */
+/* Add a rack to the plan and its dimensions rho and shift. */
 static void build_rack(lw_builder *b, int joint, int *rho, int *shift)
 {
     const lw_linkage *k = b->t->k;

@@ -1,5 +1,5 @@
-/* Higher groups in a plan: frames of their links, their loops as sums of vectors, and the steps that follow once
- * the directions and displacements are known. */
+/* Higher groups in a plan: the frames of their links, their loops as sums of vectors, and the steps that give the
+ * frames from the solved directions and displacements. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <string.h>
@@ -13,8 +13,7 @@ static bool carries_pin(const lw_topology *t, int link, int j)
     return t->k->joint[j].kind == LW_JOINT_REVOLUTE && t->pin[j] == j && t->on_pin[j] >> link & 1;
 }
 
-
-/* A pin of the link other than `not`, of those that tie the group if there is one, -1 when there is none. */
+/* A pin of the link other than `not`, if possible one shared with the group or a known link; -1 when there is none. */
 static int other_pin(const lw_topology *t, const lw_cluster *c, int link, int not)
 {
     int any = -1;
@@ -57,7 +56,6 @@ void lw_build_higher_frames(builder *b, const lw_cluster *c)
     }
 }
 
-/* As of a link that is reached by a slide. */
 void lw_build_rack_frame(builder *b, const lw_plan_group *g)
 {
     const lw_cluster c = { .n_link = 1, .reach = { { g->base[0], g->link[0], g->joint[0] } }, .links = 1u << g->link[0],
@@ -77,11 +75,12 @@ typedef struct group_builder {
     builder *b;
     const lw_cluster *c;
     lw_higher *g;
-    int   dir[LW_LINK_MAX];                /* of each link, -1: not of the group                    */
-    int   line[LW_LINK_MAX][2];            /* point and direction of the known line it slides on    */
-    path *at;                              /* to each link's origin                                 */
+    int   dir[LW_LINK_MAX];                /* number of each link's direction; -1: not in the group */
+    int   line[LW_LINK_MAX][2];            /* point and direction of the known line a link slides on */
+    path *at;                              /* path to each link's origin                            */
 } group_builder;
 
+/* Add a term to a path; it cancels the same term of opposite sign. */
 static void add_term(group_builder *q, path *p, term t)
 {
     for (int i = 0; i < p->n; i++) {
@@ -110,7 +109,7 @@ static int add_dir(group_builder *q, lw_higher_dir d)
 
 static bool in_group(const group_builder *q, int link) { return q->c->links >> link & 1; }
 
-/* To pin `pin` on a link of the group or a known one. */
+/* Add the path to pin `pin` on a link of the group or on a known link. */
 static void path_to(group_builder *q, int link, int pin, int sign, path *p)
 {
     if (!in_group(q, link)) {
@@ -128,6 +127,7 @@ static void path_to(group_builder *q, int link, int pin, int sign, path *p)
         add_term(q, p, (term){ sign, q->dir[link], x, y, -1, -1 });
 }
 
+/* The number of a new displacement; -2 stands for the input until the number of displacements is known. */
 static int new_disp(group_builder *q, int joint)
 {
     lw_higher *g = q->g;
@@ -181,7 +181,7 @@ static void reach_by_pin(group_builder *q, const lw_tie *r)
     g->n_turn++;
 }
 
-/* The number under which vectors of one direction in one loop are summed. */
+/* The number of the sum of the vectors of one direction in one loop. */
 static int entry_of(group_builder *q, int loop, int dir)
 {
     lw_higher *g = q->g;
@@ -255,7 +255,7 @@ static int disp_number(const group_builder *q, int joint)
     int i = 0;
     while (i < q->g->n_disp && q->g->disp_joint[i] != joint)
         i++;
-    return i;                                            /* past the unknown ones: the input */
+    return i;                                            /* n_disp: the input */
 }
 
 static void set_gears(group_builder *q)
@@ -276,7 +276,7 @@ static void set_gears(group_builder *q)
     }
 }
 
-/* ---- what follows ------------------------------------------------------------------------------------- */
+/* ---- steps after the group ---------------------------------------------------------------------------- */
 
 static int disp_of(const group_builder *q, int joint)
 {
@@ -286,7 +286,7 @@ static int disp_of(const group_builder *q, int joint)
     return q->b->input_reg;
 }
 
-/* Frames of the links, one after the other, from those by which they are reached. */
+/* Add the steps for the frames of the links, each from the link it is reached from. */
 static void emit_links(group_builder *q)
 {
     builder *b = q->b;

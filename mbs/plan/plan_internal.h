@@ -1,4 +1,4 @@
-/* mbs/plan/plan_internal.h - what the files of the plan share.  Not for users of the library. */
+/* mbs/plan/plan_internal.h - types and functions shared by the files of the plan.  Not for users of the library. */
 #ifndef LW_MBS_PLAN_PLAN_INTERNAL_H
 #define LW_MBS_PLAN_PLAN_INTERNAL_H
 
@@ -7,66 +7,71 @@
 #define LW_ORIGIN_REG 0          /* origin of the ground frame */
 #define LW_AXIS_REG   1          /* its x axis                 */
 
-/* A group as found in the topology.  Of a dyad: base[]: the known links its outer joints hang on.  Of a
- * higher group (LW_STEP_HIGHER) only `cluster` counts, its number.  Of a gear (see lw_plan_group_is_gear): link[0] the
- * wheel, pinion or rack, joint[0] its pin or slide on base[0], the carrier, joint[1] the gear, base[1] the known
- * partner; of two wheels the ratio of their speeds on the carrier. */
+/* A group found in the topology.
+ *     dyad           base[]: the known links at its outer joints
+ *     higher group   (LW_STEP_HIGHER) cluster: its number; the rest is unused
+ *     gear           (lw_plan_group_is_gear) link[0]: wheel, pinion or rack; joint[0]: its pin or slide on the carrier
+ *                    base[0]; joint[1]: the gear; base[1]: the known partner; ratio: of two wheels' speeds */
 typedef struct lw_plan_group {
     lw_step_kind kind;
     int  link[2], joint[3], base[2];
-    bool need[2];                /* is the frame of this link wanted */
+    bool need[2];                /* is the frame of this link needed? */
     int  cluster;
     double ratio;
 } lw_plan_group;
 
-/* The joint `joint` between link a (of the group, or known) and link b of the group. */
+/* A joint between link a (of the group or known) and link b of the group. */
 typedef struct lw_tie { int a, b, joint; } lw_tie;
 
-/* A higher group: its links in the order in which they are reached, each by its tie from an earlier one or a
- * known one; the pins that close loops; the links solved before that it hangs on. */
+/* A higher group: its links in the order in which they are reached, each with its tie to an earlier or known link; the
+ * pins that close loops; its gears; its links and the known links they are joined to, as sets. */
 typedef struct lw_cluster {
     int      n_link, n_loop, n_gear;
-    lw_tie   reach[LW_LINK_MAX];           /* b: the link                                           */
+    lw_tie   reach[LW_LINK_MAX];           /* b is the link that is reached                       */
     lw_tie   loop[LW_JOINT_MAX];
-    int      gear[LW_JOINT_MAX];           /* the gears that hold its links                         */
+    int      gear[LW_JOINT_MAX];           /* the gears between its links                          */
     uint32_t links, bases;
     bool     need;
 } lw_cluster;
 
-/* What was found out about a linkage before anything is numbered.  Pins are multiple joints: `pin` is the
- * first joint of the same pin, `on_pin` the links that carry it. */
+/* The topology of a linkage.  Several joints may be one pin: `pin` is the first joint of the same pin, `on_pin` the
+ * set of links that carry it. */
 typedef struct lw_topology {
     const lw_linkage *k;
     int      pin[LW_JOINT_MAX];
     uint32_t on_pin[LW_JOINT_MAX];
     int      driven, input_joint;
     int      rank[LW_LINK_MAX];           /* order in which links become known, -1: not yet */
-    int      slot[LW_JOINT_MAX];          /* of a pin in a slot: the slider put behind it, else -1 */
+    int      slot[LW_JOINT_MAX];          /* the slider added for a pin in a slot, else -1 */
     int      n_group, n_cluster, n_gear;
     lw_plan_group group[LW_DYAD_MAX + LW_HIGHER_MAX + LW_LINK_MAX];
-    lw_gear  gear[LW_JOINT_MAX];          /* of gears: what they run on                    */
-    bool     geared[LW_JOINT_MAX];        /* of gears: a link was found by it              */
-    double   rate[LW_LINK_MAX];           /* turns a turn of the input, NaN: not even      */
-    int      input_turns_per_period;      /* turns of the input until all gears are back   */
+    lw_gear  gear[LW_JOINT_MAX];          /* carrier and slides of each gear                */
+    bool     geared[LW_JOINT_MAX];        /* has the gear been used, for a link or a group? */
+    double   rate[LW_LINK_MAX];           /* turns per turn of the input; NaN: not constant */
+    int      input_turns_per_period;      /* turns of the input until all gears are back    */
     lw_cluster cluster[LW_HIGHER_MAX];
 } lw_topology;
 
-/* A copy of the linkage with a die between pin and slot of every joint of kind p: the joint is the pin of
- * link[1] in the die, and the slide of the die on link[0] a further joint.  slot (n_joint of the copy) may be NULL. */
+/* Copy the linkage with a die between pin and slot of every joint of kind p: the joint becomes the pin of link[1] in
+ * the die, and a further joint is the slide of the die on link[0].  slot[j] is that further joint; slot may be NULL. */
 lw_status lw_plan_expand(const lw_linkage *k, lw_linkage *wide, int *slot, lw_error *e);
 
 /* Find the smallest group that known links determine (mbs/plan/plan_assur.c). */
 lw_status lw_plan_find_cluster(const lw_topology *t, lw_cluster *c, lw_error *e);
 
-/* What every gear runs on; links that tied inputs turn; a wheel or rack that its gear makes known; the gears of a group
- * that was found, as turns of the input until it is back; is there a gear that holds nothing (mbs/plan/plan_gear.c)? */
+/* Gears (mbs/plan/plan_gear.c).  known: number of links known so far.
+ *     start_gears   find the carrier and slides of every gear
+ *     tie_inputs    make the links of tied inputs known
+ *     find_gear     make one wheel or rack known that a gear determines; *found: is there one
+ *     gear_turns    multiply input_turns_per_period by the turns that the gears of a higher group need
+ *     check_gears   LW_E_KIND when a gear joins links that are known without it */
 lw_status lw_plan_start_gears(lw_topology *t, lw_error *e);
 lw_status lw_plan_tie_inputs(lw_topology *t, int *known, lw_error *e);
 lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e);
 lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e);
 lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e);
 
-/* The least q for which q times a ratio is a whole number p that a plan can take; false: there is none. */
+/* Write a ratio as p/q in lowest terms within the limits of mbs/plan/plan.h; false when it is no such fraction. */
 bool lw_plan_fraction(double ratio, int *p, int *q);
 
 static inline bool lw_plan_group_is_gear(const lw_plan_group *g)
@@ -74,16 +79,16 @@ static inline bool lw_plan_group_is_gear(const lw_plan_group *g)
     return g->kind == LW_STEP_GEAR || g->kind == LW_STEP_ROLL || g->kind == LW_STEP_RACK;
 }
 
-/* The names of the links not known, "A", "B". */
+/* List the names of the unknown links as text: "A", "B". */
 void lw_plan_list_unknown(const lw_topology *t, char *list, size_t size);
 
-/* The link that has been known longest of those that carry this joint, -1 when none is. */
+/* Of the links of this joint, the one that became known first; -1 when none is known. */
 int lw_known_link(const lw_topology *t, int joint);
 
-/* Frames, dimensions, registers and steps of what is needed (mbs/plan/plan_steps.c). */
+/* Add the frames, dimensions, registers and steps that the outputs need (mbs/plan/plan_steps.c). */
 lw_status lw_plan_emit(const lw_topology *t, lw_plan_options options, lw_plan *plan, lw_error *e);
 
-/* Is output o of the plan one of the commonest kind (mbs/plan/fast_dyad.c)? */
+/* Check whether output o is of the form of lw_fast_dyad; `applies` says so (mbs/plan/fast_dyad.c). */
 lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);
 
 static inline bool lw_same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
@@ -101,8 +106,9 @@ static inline int lw_joint_other(const lw_joint *j, int link)
     return j->link[0] == link ? j->link[1] : j->link[0];
 }
 
-/* The frames of the plan's links in the posture of a linkage, in the plane; the direction of a slide line there; the
- * plan's input [rad] or [m] (mbs/plan/plan_read.c).  LW_E_ARG when the linkage has another topology. */
+/* The frames of the plan's links in the plane, in the posture of a linkage; the direction of a slide line; the plan's
+ * input [rad] or [m] (mbs/plan/plan_read.c).  k has dies in its slots (lw_plan_expand).  LW_E_ARG when it is of another
+ * topology. */
 typedef struct lw_frames { lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX]; } lw_frames;
 lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e);
 lw_vec2 lw_plan_slide_direction(const lw_plan *p, const lw_linkage *k, int j);

@@ -1,9 +1,8 @@
-/* The topology of a plan: which pins are one pin, which links move together, in which order.
+/* The topology of a plan: which joints are one pin, and the order in which links become known.
  *
- * A linkage of one freedom is taken apart by looking, again and again, for two links not yet known that
- * are joined to each other and, one joint each, to known ones: a dyad (Assur 1914; all are found, in
- * whatever order, since a dyad once found stays one).  Where there is none the smallest group that known
- * links determine is next (mbs/plan/plan_assur.c). */
+ * The loop looks for a dyad (Assur 1914): two unknown links that are joined to each other and, by one joint each, to
+ * known links.  All dyads are found in any order, since a dyad stays one when other links become known.  When there is
+ * none, the smallest group that known links determine is next (mbs/plan/plan_assur.c). */
 #include "mbs/plan/plan_internal.h"
 
 #include <stdio.h>
@@ -11,7 +10,7 @@
 
 /* ---- pins ------------------------------------------------------------------------------------- */
 
-/* Joints i and j are one pin when a chain of shared links and bit-same places ties them. */
+/* Join pins that share a link and whose coordinates are equal bit by bit, until no more are found. */
 static void join_pins(lw_topology *t)
 {
     const lw_linkage *k = t->k;
@@ -41,7 +40,7 @@ static void join_pins(lw_topology *t)
 
 static bool is_gear(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_GEAR; }
 
-/* First joint of an unknown link whose other side is known, -1 when there is none. */
+/* The first joint between an unknown link and a known one; -1 when there is none. */
 static int outer_joint(const lw_topology *t, int link)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
@@ -65,11 +64,11 @@ static int inner_joint(const lw_topology *t, int a, int b)
     return -1;
 }
 
-/* Kind by joints outer, inner, outer; three sliders are no dyad: two links that cannot turn against
- * each other are held in two directions by three conditions. */
+/* The kind of dyad by its joints outer, inner, outer.  Three sliders are no dyad: two links that cannot turn against
+ * each other would have three conditions for two freedoms. */
 static bool dyad_kind(const lw_topology *t, lw_plan_group *g)
 {
-    static const lw_step_kind kind[8] = {                /* bit set: pin; bits outer, inner, outer */
+    static const lw_step_kind kind[8] = {                /* a bit is set for a pin: outer, inner, outer */
         LW_STEP_POINT, LW_STEP_PPR, LW_STEP_PRP, LW_STEP_RRP, LW_STEP_PPR, LW_STEP_RPR, LW_STEP_RRP, LW_STEP_RRR
     };
     g->kind = kind[4*lw_plan_is_pin(t, g->joint[0]) + 2*lw_plan_is_pin(t, g->joint[1])
@@ -84,7 +83,7 @@ static bool try_dyad(const lw_topology *t, int a, int b, lw_plan_group *g)
         return false;
     for (int h = 0; h < 3; h++)
         if (t->pin[g->joint[h]] == t->pin[t->input_joint] && t->driven < 0)
-            return false;                                /* the input holds its links as well */
+            return false;                                /* the input adds a condition between the links */
     g->base[0] = lw_known_link(t, g->joint[0]);
     g->base[1] = lw_known_link(t, g->joint[2]);
     if (t->rank[g->base[0]] < t->rank[g->base[1]])
@@ -104,7 +103,7 @@ static bool find_dyad(const lw_topology *t, lw_plan_group *g)
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-/* Freedom with multiple joints counted as they are: a pin of m links takes 2 (m - 1), a tied input 1. */
+/* The mobility: a pin of m links takes 2 (m - 1) freedoms, a tied input takes 1. */
 static int mobility(const lw_topology *t)
 {
     int f = 3*(t->k->n_link - 1) - (t->k->n_input - 1);
@@ -146,7 +145,7 @@ static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_er
     return check_inputs(k, gears, e);
 }
 
-/* An input at the ground drives its link; one between two moving links is left to their group. */
+/* An input at the ground makes its link known.  An input between two moving links belongs to their group. */
 static void find_input(lw_topology *t)
 {
     const lw_linkage *k = t->k;
@@ -186,7 +185,7 @@ static lw_status left_over(const lw_topology *t, lw_error *e)
                         "over", list);
 }
 
-/* Dyads as long as there are any; then the smallest group that is left. */
+/* Take gears and dyads as long as there are any, then the smallest higher group, and so on. */
 static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
 {
     int known = t->driven < 0 ? 1 : 2;
@@ -210,8 +209,8 @@ static lw_status find_groups(lw_topology *t, bool higher, lw_error *e)
     return s;
 }
 
-/* Backward slice: a link is needed by an output on it, or by a needed dyad that hangs on it.  The
- * pin side of PPR needs its own pin and a direction only, not the link it slides on. */
+/* Find the links that the outputs need, from the last group to the first: a link is needed if an output is on it, or if
+ * a needed group is joined to it. */
 static void slice(lw_topology *t, lw_plan_options options)
 {
     bool need[LW_LINK_MAX] = { false };
@@ -284,7 +283,7 @@ static lw_status make(lw_topology *t, const lw_linkage *k, lw_plan_options optio
     t->k = &wide;
     find_input(t);
     join_pins(t);
-    if (higher && mobility(t) != 1)                 /* else dyads show what is wrong more plainly */
+    if (higher && mobility(t) != 1)                 /* without higher groups the message about dyads is clearer */
         return no_freedom(t, e);
     if ((s = lw_plan_start_gears(t, e)) != LW_OK || (s = find_groups(t, higher, e)) != LW_OK
         || (s = lw_plan_check_gears(t, e)) != LW_OK)

@@ -1,4 +1,4 @@
-/* Dimensions, modes and input read off a posture. */
+/* Read dimensions, modes and input off a posture. */
 #include "mbs/plan/plan_internal.h"
 #include "mbs/plan/dyad_internal.h"
 
@@ -17,8 +17,8 @@ static lw_vec2 unit(lw_vec2 a)
     return n > 0 ? lw_v2_scale(a, 1/n) : lw_v2(1, 0);
 }
 
-/* A point of slide line j: the pin whose path it is; else the origin of the link that has the line,
- * unless that origin is what we are after (link == base). */
+/* A point of slide line j: the pin whose path it is, else the origin of the link that carries the line.  When that
+ * origin is the one to be found (link is the carrier) it is the joint's own point. */
 static lw_vec2 line_point(const lw_plan *p, const lw_linkage *k, int j, int link, const lw_frames *f)
 {
     if (p->slider_ref[j] >= 0)
@@ -83,7 +83,6 @@ static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
     return LW_OK;
 }
 
-/* Of a linkage with dies in its slots. */
 lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw_error *e)
 {
     lw_status s = check_same(p, k, e);
@@ -98,7 +97,7 @@ lw_status lw_plan_frames(const lw_plan *p, const lw_linkage *k, lw_frames *f, lw
 
 static double angle_of(lw_vec2 u) { return atan2(u.y, u.x); }
 
-/* How a rack stands to its pinion. */
+/* The radius of a rack's pinion (signed), the angle of the pinion on the carrier, the displacement of the rack. */
 typedef struct meshing { double rho, angle, along; } meshing;
 
 static meshing read_rack(const lw_plan *p, const lw_linkage *k, const lw_frames *f, int joint)
@@ -146,7 +145,7 @@ static int link_with(const lw_plan *p, int reg)
     return -1;
 }
 
-/* What a wheel is turned beyond what its gear makes of the input, or of carrier and partner. */
+/* The phase of a wheel: its turn minus the turn that its gear gives from the input, or from carrier and partner. */
 static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s, double input)
 {
     lw_vec2 ground = f->d[p->link[0]];
@@ -158,7 +157,7 @@ static double read_phase(const lw_plan *p, const lw_frames *f, const lw_step *s,
     return remainder(turn, 2*LW_PI);
 }
 
-/* Of wheels in higher groups. */
+/* The phases of wheels in higher groups. */
 static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
 {
     for (int i = 0; i < p->n_higher; i++)
@@ -172,7 +171,7 @@ static void read_phases(const lw_plan *p, const lw_frames *f, double *dim)
         }
 }
 
-/* Signs as at lw_dyad in mbs/plan/plan.h. */
+/* The assembly mode of a dyad; signs as at lw_dyad in mbs/plan/plan.h. */
 static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
 {
     const int *j = p->dyad[s->dyad].joint;
@@ -209,7 +208,7 @@ double lw_plan_size(const lw_plan *p, const double *dim)
     return sum > 0 ? sum/n : 1;
 }
 
-/* The seeds of the higher groups: where their links are in this posture. */
+/* Write the posture of the higher groups into mode[] as their seeds. */
 static void read_seeds(const lw_plan *p, const lw_linkage *k, const lw_frames *f, const double *dim, double input,
                        double *mode)
 {

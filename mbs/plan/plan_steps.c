@@ -1,4 +1,4 @@
-/* Frames, dimensions, registers and steps of a plan, from its topology. */
+/* Make the frames, dimensions, registers and steps of a plan from its topology. */
 #include "mbs/plan/plan_build_internal.h"
 
 #include <stdio.h>
@@ -10,13 +10,14 @@ static bool is_slider(const builder *b, int j) { return lw_build_is_slider(b, j)
 
 /* ---- frames ------------------------------------------------------------------------------------ */
 
+/* Are the lines of two sliders not parallel? */
 static bool across(const builder *b, int i, int j)
 {
     lw_vec2 u = b->t->k->joint[i].along, v = b->t->k->joint[j].along;
     return fabs(lw_v2_cross(u, v)) > 1e-9;
 }
 
-/* The joints of the ground that are needed, in the order of use. */
+/* List the needed joints on the ground in the order of use. */
 static int ground_joints(const lw_topology *t, int *joint)
 {
     int n = 0;
@@ -37,7 +38,7 @@ static int ground_joints(const lw_topology *t, int *joint)
     return n;
 }
 
-/* Ground: its first two pins, or a pin and a line, or two lines, in the order of use. */
+/* The ground frame lies on the first two pins, or a pin and a line, or two lines, in the order of use. */
 static void ground_frame(builder *b)
 {
     const lw_topology *t = b->t;
@@ -72,12 +73,12 @@ static lw_frame input_frame(const builder *b)
     return f;
 }
 
-/* A link of a dyad that hangs on its outer joint; `inner` is shared. */
+/* The frame of a link of a dyad, by its joints. */
 static lw_frame dyad_frame(const builder *b, int outer, int inner, int other_outer)
 {
     const int *pin = b->t->pin;
     bool p_outer = is_slider(b, outer), p_inner = is_slider(b, inner);
-    if (!p_outer)                                /* RRx: towards the inner pin; RPx: along a slide */
+    if (!p_outer)                                /* RRx: axis towards the inner pin; RPx: along a slide */
         return (lw_frame){ pin[outer], { -1, -1 },
                            !p_inner ? pin[inner] : is_slider(b, other_outer) ? other_outer : inner, -1 };
     if (!p_inner)
@@ -113,7 +114,7 @@ static void set_frames(builder *b)
         int ref = is_slider(b, j[1]) ? -1 : t->pin[j[1]];
         lw_build_slider(b, j[0], g->base[0], ref);
         lw_build_slider(b, j[2], g->base[1], ref);
-        bool first_has_pin = !is_slider(b, j[0]);       /* PPR with the pin first: a line of the second */
+        bool first_has_pin = !is_slider(b, j[0]);       /* PPR: the inner line is of the slider link */
         bool second_has_pin = !is_slider(b, j[2]);
         lw_build_slider(b, j[1], g->link[!second_has_pin], t->pin[second_has_pin ? j[2] : first_has_pin ? j[0] : 0]);
     }
@@ -126,7 +127,7 @@ static void emit_input(builder *b)
     const lw_topology *t = b->t;
     int j = t->input_joint, q, w;
     lw_build_link(b, t->k->ground, LW_ORIGIN_REG, LW_AXIS_REG);
-    if (t->driven < 0) {                            /* turn or displacement alone, for a higher group */
+    if (t->driven < 0) {                            /* a higher group takes the turn or displacement */
         lw_step *s = lw_build_step(b, is_slider(b, j) ? LW_STEP_INPUT_SLIDE : LW_STEP_INPUT_PIN);
         if (is_slider(b, j)) {
             s->in[0] = LW_ORIGIN_REG;
@@ -215,8 +216,8 @@ static void emit_prp(builder *b, const lw_plan_group *g)
     s->dyad = b->p->n_dyad;
 }
 
-/* The link between the two sliders meets the path of the other link's pin; it needs no turning, so
- * that both links have the direction of the outer slide. */
+/* The outer slide line meets the inner slide line, which passes through the pin of the other link.  No link turns
+ * against the outer slide, so that both have its direction. */
 static void emit_ppr(builder *b, const lw_plan_group *g)
 {
     int pin = is_slider(b, g->joint[0]), slide = !pin, q, w;
@@ -259,7 +260,7 @@ static void emit_groups(builder *b)
         case LW_STEP_ROLL:
         case LW_STEP_RACK: lw_build_gear(b, g); break;
         case LW_STEP_HIGHER: case LW_STEP_INPUT_PIN: case LW_STEP_INPUT_SLIDE: case LW_STEP_POINT: case LW_STEP_LINE:
-        case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_ALONG: break;          /* no groups, or built already */
+        case LW_STEP_TURN: case LW_STEP_SLIDE: case LW_STEP_ALONG: break;          /* no groups, or built above */
         }
         if (b->p->n_step > before && b->p->step[b->p->n_step - 1].dyad == b->p->n_dyad)
             b->p->dyad[b->p->n_dyad++] = (lw_dyad){ { g->link[0], g->link[1] },
@@ -288,7 +289,7 @@ static void emit_outputs(builder *b, lw_plan_options options)
     p->i_theta0 = lw_build_dim(b, LW_ROLE_THETA0, b->t->k->ground, -1, 0);
 }
 
-/* The steps that output o depends on, found from the last to the first. */
+/* Find the steps that output o depends on, from the last to the first. */
 static void slice_output(lw_plan *p, int o)
 {
     bool need[LW_REG_MAX] = { false }, step[LW_STEP_MAX] = { false };
@@ -349,7 +350,7 @@ static void sort_dims(builder *b)
     renumber(&p->i_theta0, to);
 }
 
-/* Number the angles, whose cosine and sine are worked out before the steps. */
+/* Number the angles.  Their cosines and sines are computed before the steps. */
 static void number_angles(lw_plan *p)
 {
     for (int d = 0; d < p->n_dim; d++) {
@@ -365,7 +366,7 @@ static void number_angles(lw_plan *p)
     }
 }
 
-/* A slide line is shown where its pin is, or at the origin of the link that rides on it. */
+/* The point of a slider is its pin, or else the origin of the link that slides on the line. */
 static void set_joint_points(builder *b)
 {
     const lw_linkage *k = b->t->k;
@@ -434,7 +435,7 @@ static void start(builder *b)
         p->slider_sign[p->input_joint] = -1;
 }
 
-/* Where the seeds of the higher groups stand, and their unknowns. */
+/* Place the seeds of the higher groups in mode[], and their unknowns in the rows. */
 static void set_modes(builder *b)
 {
     lw_plan *p = b->p;

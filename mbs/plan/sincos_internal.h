@@ -1,9 +1,9 @@
-/* mbs/plan/sincos_internal.h - sine and cosine as straight-line arithmetic that vectorises, the same bits in every
- * instruction set.  Internal to mbs.
+/* mbs/plan/sincos_internal.h - sine, cosine and arc tangent without branches: they vectorise and give the same bits in
+ * every instruction set.  Internal to mbs.
  *
- * The argument less the nearest multiple of pi/2 (subtracted in three parts, Cody & Waite 1980), then the
- * Taylor series to x^17, whose remainder on |x| <= pi/4 is below 1e-19.  Error at most 2 units in the
- * last place of 1 for |x| < LW_SINCOS_MAX; larger arguments are not for this function. */
+ * Sine and cosine: subtract the nearest multiple of pi/2 in three parts (Cody & Waite 1980), then sum the Taylor series
+ * to x^17, whose remainder on |x| <= pi/4 is below 1e-19.  The error is at most 2 units in the last place of 1 for
+ * |x| < LW_SINCOS_MAX.  Larger arguments are not allowed. */
 #ifndef LW_MBS_PLAN_SINCOS_INTERNAL_H
 #define LW_MBS_PLAN_SINCOS_INTERNAL_H
 
@@ -46,8 +46,8 @@ LW_INLINE lw_vec2 lw_sincos(double x)
     return lw_v2(half ? -turned_c : turned_c, half ? -turned_s : turned_s);
 }
 
-/* The direction of (c, s), as atan2(s, c), to 1e-14.  What is above pi/8 counts from pi/4: the series runs over
- * |z| <= tan(pi/8), where its remainder after z^33 is below 1e-15. */
+/* The angle of (c, s), as atan2(s, c), to 1e-14.  An angle above pi/8 is reduced by pi/4, so that |z| <= tan(pi/8);
+ * there the remainder of the series after z^33 is below 1e-15. */
 LW_INLINE double lw_bearing(double c, double s)
 {
     double a = fabs(c), b = fabs(s);
@@ -67,10 +67,10 @@ LW_INLINE double lw_bearing(double c, double s)
 
 /* ---- racks -------------------------------------------------------------------------------------- */
 
-/* The angle by which a rack has turned its pinion. */
+/* The turn of the pinion when its rack is at displacement d. */
 LW_INLINE double lw_rolled(double d, double rho, double shift) { return (d - shift)/lw_away_from_zero(rho); }
 
-/* How far an angle is from the rack's middle, within half a turn. */
+/* The angle from the rack's middle, within half a turn. */
 LW_INLINE double lw_off_middle(double angle, double middle)
 {
     double a = angle - middle;

@@ -1,8 +1,8 @@
 /* The four-link chains with a driven link at the ground.
  *
- * A loop of four links with at most two sliders.  With three or more the links cannot turn against each
- * other: the sum of the turns round the loop is zero, so that a single pin (or none) never turns, and the
- * chain is a wedge or a rigid body on slides, whose freedom is not what 3(P - 1) - 2 n1 counts. */
+ * A chain is a loop of four links with at most two sliders.  With three or more sliders no pin turns, since the sum of
+ * the turns around the loop is zero.  Such a chain is a wedge or a rigid body on slides, and its mobility is not
+ * 3(P - 1) - 2 n1. */
 #include "mbs/plan/types.h"
 
 #include <string.h>
@@ -30,8 +30,8 @@ const lw_type *lw_type_find(const char *name)
     return NULL;
 }
 
-/* A posture for each type that is far from singular: the pins or slide points in loop order, and the
- * direction of slides.  A slide point that is the place of a neighbouring pin is the pin that slides. */
+/* A posture of each type that is far from singular: pins or slide points in loop order, and the directions of slides.
+ * A slide point at the place of a neighbouring pin is the pin that slides. */
 typedef struct posture { const char *letters; lw_vec2 at[4]; double slide[4]; } posture;
 
 /* Joints: crank-ground, crank-coupler, coupler-rocker, rocker-ground. */
@@ -58,7 +58,7 @@ static void set_joint(lw_linkage *k, const posture *p, int i)
     j->link[0] = i;
     j->link[1] = (i + 1)%4;
     j->at = p->at[i];
-    if (i == 3) {                                   /* on the ground: the ground first, as for joint A */
+    if (i == 3) {                                   /* the ground comes first, as at joint A */
         j->link[0] = 0;
         j->link[1] = 3;
     }
@@ -77,7 +77,7 @@ static void name_links(lw_linkage *k, const lw_type *t)
         strcpy(k->link_name[3], t->letters[0] == 'P' ? "block" : "slider");
 }
 
-/* The value of the input is what the plan calls it (the ground frame lies along x in every posture). */
+/* Set the input to the value that the plan reads (the ground frame lies along x in every posture). */
 static void set_input(lw_linkage *k)
 {
     lw_plan plan;
