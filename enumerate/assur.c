@@ -47,7 +47,7 @@ static bool hand_out(const lw_mechanism *m, ownership *o)
 {
     *o = (ownership){ .ground = m->ground };
     for (int j = 0; j < m->n_joint; j++)
-        for (int k = is_driven(m, j) ? 3 : 3 - lw_kind_freedom(m->kind[j]); k > 0; k--) {
+        for (int k = is_driven(m, j) ? 3 : lw_joint_equations(m->kind[j]); k > 0; k--) {
             int side = 0, u = o->n_unit;
             for (; side < 2; side++) {
                 uint32_t tried = 0;
@@ -124,7 +124,7 @@ static bool expand(const lw_mechanism *m, const lw_assur_group *g, body *b)
         for (int side = 0; side < 2; side++)
             if (g->links >> m->link[j][side] & 1)
                 ends[n_end++] = number[m->link[j][side]];
-        bool second = lw_kind_freedom(m->kind[j]) == 2;
+        bool second = lw_joint_freedoms(m->kind[j]) == 2;
         if (second && b->n == LW_LINK_MAX)
             return false;
         if (second)
@@ -179,7 +179,7 @@ static bool truss_of(const lw_mechanism *m, const lw_assur_group *g, lw_chain *t
         int j = __builtin_ctzll(s), a = number[m->link[j][0]], b = number[m->link[j][1]];
         a = a == LW_NONE ? n : a;
         b = b == LW_NONE ? n : b;
-        if (m->kind[j] != LW_JOINT_REVOLUTE || lw_chain_freedom(truss, a, b))
+        if (!lw_joint_turns(m->kind[j]) || lw_chain_freedom(truss, a, b))
             return false;                             /* two pins to the same link: not in the table */
         lw_chain_join(truss, a, b, 1);
     }
@@ -201,9 +201,9 @@ static int modes_of(const lw_mechanism *m, const lw_assur_group *g)
     lw_chain truss, form, known;
     int n_slider = 0;
     for (uint64_t s = g->inner | g->outer; s; s &= s - 1)
-        n_slider += m->kind[__builtin_ctzll(s)] == LW_JOINT_SLIDER;
+        n_slider += lw_joint_holds_rotation(m->kind[__builtin_ctzll(s)]);
     for (uint64_t s = g->inner | g->outer; s; s &= s - 1)
-        if (is_driven(m, __builtin_ctzll(s)) || lw_kind_freedom(m->kind[__builtin_ctzll(s)]) == 2)
+        if (is_driven(m, __builtin_ctzll(s)) || lw_joint_freedoms(m->kind[__builtin_ctzll(s)]) == 2)
             return 0;
     if (__builtin_popcount(g->links) == 2)            /* two circles, or a circle and a line, or two lines */
         return n_slider < 2 ? 2 : 1;

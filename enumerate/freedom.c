@@ -98,16 +98,16 @@ static bool add(splitting *s, int a, int b, bool turning, bool keep)
 static bool add_joint(splitting *s, const lw_mechanism *m, int j)
 {
     int a = m->link[j][0], b = m->link[j][1];
-    bool slider = m->kind[j] == LW_JOINT_SLIDER;
+    bool slider = lw_joint_holds_rotation(m->kind[j]);
     return add(s, a, b, slider, true)
-        && (lw_kind_freedom(m->kind[j]) == 2 || add(s, a, b, false, true));
+        && (lw_joint_freedoms(m->kind[j]) == 2 || add(s, a, b, false, true));
 }
 
 /* Is every freedom of joint j used: would a condition that takes it away be independent? */
 static bool is_used(splitting *s, const lw_mechanism *m, int j)
 {
     int a = m->link[j][0], b = m->link[j][1];
-    bool turns = m->kind[j] != LW_JOINT_SLIDER, slides = m->kind[j] != LW_JOINT_REVOLUTE;
+    bool turns = !lw_joint_holds_rotation(m->kind[j]), slides = !lw_joint_holds_point(m->kind[j]);
     return (!turns || add(s, a, b, true, false)) && (!slides || add(s, a, b, false, false));
 }
 
@@ -128,7 +128,7 @@ static uint64_t slider_path(const lw_mechanism *m, int a, int b, int n)
     for (bool grown = true; grown && !(seen >> b & 1);) {
         grown = false;
         for (int j = 0; j < n; j++)
-            for (int side = 0; side < 2 && m->kind[j] == LW_JOINT_SLIDER; side++) {
+            for (int side = 0; side < 2 && lw_joint_holds_rotation(m->kind[j]); side++) {
                 int from = m->link[j][side], to = m->link[j][!side];
                 if ((seen >> from & 1) && !(seen >> to & 1)) {
                     seen |= 1u << to;
@@ -148,15 +148,15 @@ static lw_void slider_loops(const lw_mechanism *m, uint64_t *joints)
         above[i] = (uint8_t)i;
     for (int j = 0; j < m->n_joint; j++) {
         int a = root_of(above, m->link[j][0]), b = root_of(above, m->link[j][1]);
-        if (m->kind[j] == LW_JOINT_SLIDER && a == b) {
+        if (lw_joint_holds_rotation(m->kind[j]) && a == b) {
             *joints = (uint64_t)1 << j | slider_path(m, m->link[j][0], m->link[j][1], j);
             return LW_VOID_SLIDER_LOOP;
         }
-        if (m->kind[j] == LW_JOINT_SLIDER)
+        if (lw_joint_holds_rotation(m->kind[j]))
             above[a] = (uint8_t)b;
     }
     for (int j = 0; j < m->n_joint; j++)
-        if (m->kind[j] != LW_JOINT_SLIDER
+        if (!lw_joint_holds_rotation(m->kind[j])
             && root_of(above, m->link[j][0]) == root_of(above, m->link[j][1])) {
             *joints = (uint64_t)1 << j | slider_path(m, m->link[j][0], m->link[j][1], m->n_joint);
             return LW_VOID_NO_TURN;
@@ -192,7 +192,7 @@ bool lw_mechanism_drives(const lw_mechanism *m, uint64_t joints)
             return false;
     for (; joints; joints &= joints - 1) {
         int j = __builtin_ctzll(joints);
-        if (!add(&s, m->link[j][0], m->link[j][1], m->kind[j] != LW_JOINT_SLIDER, true))
+        if (!add(&s, m->link[j][0], m->link[j][1], !lw_joint_holds_rotation(m->kind[j]), true))
             return false;
     }
     return true;
@@ -206,7 +206,7 @@ uint64_t lw_mechanism_drivers(const lw_mechanism *m)
         if (!add_joint(&s, m, j))
             return 0;
     for (int j = 0; j < m->n_joint; j++)
-        if (add(&s, m->link[j][0], m->link[j][1], m->kind[j] != LW_JOINT_SLIDER, false))
+        if (add(&s, m->link[j][0], m->link[j][1], !lw_joint_holds_rotation(m->kind[j]), false))
             drivers |= (uint64_t)1 << j;
     return drivers;
 }

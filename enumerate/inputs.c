@@ -77,7 +77,7 @@ lw_status lw_inputs_each(const lw_mechanism *m, int n, bool at_ground, lw_mechan
     if (m->n_input > 0 || n < 1 || n > LW_INPUT_MAX || (at_ground && m->ground == LW_NONE))
         return LW_E_ARG;
     for (int j = 0; j < m->n_joint; j++)
-        if (lw_kind_freedom(m->kind[j]) == 1 && (!at_ground || at_link(m, j, m->ground)))
+        if (lw_joint_freedoms(m->kind[j]) == 1 && (!at_ground || at_link(m, j, m->ground)))
             c.allowed |= (uint64_t)1 << j;
     if ((c.drive = n == 1))
         c.allowed &= lw_mechanism_drivers(m);

@@ -10,13 +10,13 @@ static lw_status read_alphabets(const char *kinds, const lw_mechanism *m, alphab
 {
     memset(by_freedom, 0, 3*sizeof *by_freedom);
     for (const char *k = kinds; *k; k++) {
-        alphabet *a = &by_freedom[lw_kind_freedom(*k)];
-        if (!lw_kind_freedom(*k) || memchr(a->letter, *k, (size_t)a->n))
+        alphabet *a = &by_freedom[lw_joint_freedoms(*k)];
+        if (!lw_joint_freedoms(*k) || memchr(a->letter, *k, (size_t)a->n))
             return LW_E_ARG;
         a->letter[a->n++] = *k;
     }
     for (int j = 0; j < m->n_joint; j++)
-        if (by_freedom[lw_kind_freedom(m->kind[j])].n == 0)
+        if (by_freedom[lw_joint_freedoms(m->kind[j])].n == 0)
             return LW_E_ARG;
     return LW_OK;
 }
@@ -39,7 +39,7 @@ static bool is_first(const lw_symmetry *s, const uint8_t *choice)
 static bool next_choice(const lw_mechanism *m, const alphabet *by_freedom, uint8_t *choice)
 {
     for (int j = m->n_joint - 1; j >= 0; j--) {
-        if (choice[j] + 1 < by_freedom[lw_kind_freedom(m->kind[j])].n) {
+        if (choice[j] + 1 < by_freedom[lw_joint_freedoms(m->kind[j])].n) {
             choice[j]++;
             return true;
         }
@@ -65,7 +65,7 @@ lw_status lw_kinds_each(const lw_mechanism *m, const char *kinds, lw_mechanism_v
         if (!is_first(&symmetry, choice))
             continue;
         for (int j = 0; j < m->n_joint; j++)
-            labelled.kind[j] = by_freedom[lw_kind_freedom(m->kind[j])].letter[choice[j]];
+            labelled.kind[j] = by_freedom[lw_joint_freedoms(m->kind[j])].letter[choice[j]];
         lw_void reason = lw_mechanism_void(&labelled, &joints);
         if (reason == LW_VOID_NOT)
             s = visit(context, &labelled);

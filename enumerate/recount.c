@@ -359,7 +359,7 @@ static lw_status count_sliders(void *context, const lw_mechanism *m)
     sliders *s = context;
     int n = 0;
     for (int j = 0; j < m->n_joint; j++)
-        n += m->kind[j] == LW_JOINT_SLIDER;
+        n += lw_joint_holds_rotation(m->kind[j]);
     s->n_valid++;
     s->n_with += n == s->want;
     return lw_grounds_each(m, count_slider_ground, s);

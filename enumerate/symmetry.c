@@ -12,7 +12,7 @@ static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
     for (int i = 0; i < m->n_link; i++)
         g->colour[i] = (uint8_t)((i == m->ground) + 2*(i == m->output));
     for (int j = 0; j < m->n_joint; j++) {
-        int a = m->link[j][0], b = m->link[j][1], tie = lw_kind_freedom(m->kind[j]);
+        int a = m->link[j][0], b = m->link[j][1], tie = lw_joint_freedoms(m->kind[j]);
         if (kinds && (m->kind[j] == LW_JOINT_SLIDER || m->kind[j] == LW_JOINT_GEAR))
             tie += 2;
         if (memchr(m->input, j, (size_t)m->n_input))

@@ -54,13 +54,13 @@ static lw_status read_marks(lw_cursor *c, item *it)
     if (lw_cursor_peek(c) == ':') {
         lw_cursor_next(c);
         int byte = lw_cursor_peek(c);
-        if (byte < 0 || byte > 127 || !lw_kind_freedom((char)byte))
+        if (byte < 0 || byte > 127 || !lw_joint_freedoms((char)byte))
             return lw_cursor_fail(c, "%s is no joint letter; a joint is r (pin), t (slider), p (pin "
                                   "in slot) or g (gear or cam)", lw_byte_name(byte, name));
         it->kind = (char)lw_cursor_next(c);
     }
     if (lw_cursor_peek(c) == '!') {
-        if (lw_kind_freedom(it->kind) != 1)
+        if (lw_joint_freedoms(it->kind) != 1)
             return lw_cursor_fail(c, "a driven joint has one freedom: r or t");
         lw_cursor_next(c);
         it->driven = true;

@@ -25,7 +25,7 @@ static const char *string_kinds(const lw_production *p)
 lw_status lw_mechanism_grow(lw_mechanism *m, const lw_production *p)
 {
     for (int i = 0; i < lw_rule_kinds(p->rule); i++)
-        if (p->kind[i] != LW_JOINT_REVOLUTE && p->kind[i] != LW_JOINT_SLIDER)
+        if (!lw_joint_can_drive(p->kind[i]))
             return LW_E_ARG;
     if (p->rule == 1 || p->rule == 2)
         return plant(m, p);
@@ -78,7 +78,7 @@ static char kind_of(const lw_mechanism *m, int i, int k)
     return m->kind[lw_mechanism_joint(m, i, k)];
 }
 
-static bool is_k(char kind) { return kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER; }
+static bool is_k(char kind) { return lw_joint_can_drive(kind); }
 
 /* Rule 3 backwards at the binary link q. */
 static bool is_rule_3(const lw_mechanism *m, uint32_t beside, int q, piece *p)

@@ -58,7 +58,7 @@ static lw_status read_kind(lw_cursor *c, int number, char *kind)
         || byte < 0)
         return LW_OK;
     char name[24];
-    if (byte > 127 || !lw_kind_freedom((char)byte))
+    if (byte > 127 || !lw_joint_freedoms((char)byte))
         return lw_cursor_fail(c, "%s is no joint letter; a joint is r (pin), t (slider), p (pin in "
                               "slot) or g (gear or cam)", lw_byte_name(byte, name));
     if (number == 0)

@@ -7,10 +7,8 @@
 int lw_linkage_mobility(const lw_linkage *k)
 {
     int freedom = 3*(k->n_link - 1);
-    for (int i = 0; i < k->n_joint; i++) {
-        lw_joint_kind kind = k->joint[i].kind;
-        freedom -= kind == LW_JOINT_FIXED ? 3 : kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
-    }
+    for (int i = 0; i < k->n_joint; i++)
+        freedom -= lw_joint_equations(k->joint[i].kind);
     return freedom;
 }
 
@@ -29,8 +27,8 @@ double lw_linkage_tied_input(const lw_linkage *k, int i, double first)
 
 double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre)
 {
-    bool slides = k->joint[k->input[i].joint].kind == LW_JOINT_SLIDER;
-    bool first_slides = k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
+    bool slides = lw_joint_slides(k->joint[k->input[i].joint].kind);
+    bool first_slides = lw_joint_slides(k->joint[k->input[0].joint].kind);
     return (slides ? metre : 1.0)/(first_slides ? metre : 1.0);
 }
 
@@ -39,7 +37,7 @@ static bool carries(const lw_joint *j, int link) { return j->link[0] == link || 
 /* Does this joint put its slide line on the link, rather than a pin? */
 static bool slides_on(const lw_joint *j, int link)
 {
-    return j->kind == LW_JOINT_SLIDER || (j->kind == LW_JOINT_SLOT && j->link[0] == link);
+    return lw_joint_slides(j->kind) && (lw_joint_holds_rotation(j->kind) || j->link[0] == link);
 }
 
 /* The x axis of a link as seen from one of its pins; not normalised. */
@@ -48,7 +46,7 @@ static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
     lw_vec2 from = k->joint[joint].at;
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
-        if (i == joint || !carries(j, link) || j->kind == LW_JOINT_GEAR || j->kind == LW_JOINT_FIXED)
+        if (i == joint || !carries(j, link) || !lw_joint_has_position(j->kind))
             continue;
         if (slides_on(j, link))
             return j->along;
@@ -65,7 +63,7 @@ static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
 double lw_linkage_posture_input(const lw_linkage *k, int joint)
 {
     const lw_joint *j = &k->joint[joint];
-    if (j->kind != LW_JOINT_REVOLUTE)
+    if (!lw_joint_turns(j->kind))
         return 0;
     double direction[2];
     for (int i = 0; i < 2; i++) {

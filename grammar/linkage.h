@@ -13,19 +13,12 @@
 #include "base/units.h"
 #include "base/vec2.h"
 #include "grammar/chain.h"
+#include "grammar/joint_kind.h"
 
 #define LW_JOINT_MAX  64
 #define LW_TRACER_MAX 16
 #define LW_INPUT_MAX   8
 #define LW_NAME_SIZE  32
-
-typedef enum lw_joint_kind {
-    LW_JOINT_REVOLUTE = 'r',   /* pin                               1 freedom  */
-    LW_JOINT_SLIDER   = 't',   /* translation along `along`         1 freedom  */
-    LW_JOINT_SLOT     = 'p',   /* pin of link[1] in a slot of link[0], 2 freedoms */
-    LW_JOINT_GEAR     = 'g',   /* gear or cam contact               2 freedoms */
-    LW_JOINT_FIXED    = 'f'    /* welded: no freedom (linkages only, never in a chain) */
-} lw_joint_kind;
 
 typedef struct lw_joint {
     char          name[LW_NAME_SIZE];

@@ -56,7 +56,7 @@ static lw_status check_counts(const lw_linkage *k, lw_error *e)
  * direction there means that someone meant another kind. */
 static lw_status check_direction(const lw_joint *j, lw_error *e)
 {
-    bool slides = j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT;
+    bool slides = lw_joint_slides(j->kind);
     double size = hypot(j->along.x, j->along.y);
     if (slides && !(fabs(size - 1) <= 1e-9))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" slides, so `along` must be a direction of length 1; "
@@ -64,10 +64,10 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
     if (!slides && size != 0)
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no direction; `along` belongs to "
                             "kinds 't' and 'p'", j->name, (char)j->kind);
-    if (j->kind == LW_JOINT_GEAR && !(sane(j->ratio) && j->ratio != 0))
+    if (lw_joint_has_ratio(j->kind) && !(sane(j->ratio) && j->ratio != 0))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is a gear, so its ratio must be a number other than "
                             "0", j->name);
-    if (j->kind != LW_JOINT_GEAR && j->ratio != 0)
+    if (!lw_joint_has_ratio(j->kind) && j->ratio != 0)
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' has no ratio; only gears ('g') have",
                             j->name, (char)j->kind);
     return LW_OK;
@@ -75,8 +75,7 @@ static lw_status check_direction(const lw_joint *j, lw_error *e)
 
 static lw_status check_joint(const lw_linkage *k, const lw_joint *j, lw_error *e)
 {
-    if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT &&
-        j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
+    if (!lw_joint_is_kind((char)j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is of no known kind: r pin, t slider, p pin in "
                             "slot, g gear, f fixed", j->name);
     if (!in_range(j->link[0], k->n_link) || !in_range(j->link[1], k->n_link))
@@ -98,7 +97,7 @@ static lw_status check_input(const lw_linkage *k, int i, lw_error *e)
         return lw_error_set(e, LW_E_ARG, "input %d drives joint number %d, which does not exist", i + 1,
                             in->joint);
     const lw_joint *j = &k->joint[in->joint];
-    if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLIDER)
+    if (!lw_joint_can_drive(j->kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" of kind '%c' cannot be driven; an input is a pin "
                             "('r') or a slider ('t')", j->name, (char)j->kind);
     for (int h = 0; h < i; h++)

@@ -32,7 +32,7 @@ static uint32_t on_pin(const lw_linkage *k, uint32_t set, lw_vec2 at)
         for (int j = 0; j < k->n_joint; j++) {
             const lw_joint *q = &k->joint[j];
             uint32_t pair = 1u << q->link[0] | 1u << q->link[1];
-            if (q->kind == LW_JOINT_REVOLUTE && same_place(q->at, at) && set & pair)
+            if (lw_joint_turns(q->kind) && same_place(q->at, at) && set & pair)
                 set |= pair;
         }
     }
@@ -51,7 +51,7 @@ static bool runs_on(const lw_linkage *k, uint32_t side, uint32_t carrier, int i,
         g->way[i] = b & side ? 1.0 : -1.0;
         if (q->kind == LW_JOINT_SLIDER && ((a & side && b & carrier) || (b & side && a & carrier)))
             return true;
-        if (q->kind == LW_JOINT_REVOLUTE && touches && on_pin(k, side & (a | b), q->at) & carrier)
+        if (lw_joint_turns(q->kind) && touches && on_pin(k, side & (a | b), q->at) & carrier)
             return true;
     }
     return false;

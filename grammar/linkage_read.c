@@ -168,7 +168,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
     if (s != LW_OK)
         return s;
     const char *kind = lw_json_text(&n);
-    if (strlen(kind) != 1 || !strchr("rtpgf", *kind))
+    if (strlen(kind) != 1 || !lw_joint_is_kind(*kind))
         return lw_json_fault(&n, e, "unknown kind \"%.20s\"; known are \"r\" pin, \"t\" slider, \"p\" pin in slot, "
                              "\"g\" gear, \"f\" fixed", kind);
     j->kind = (lw_joint_kind)*kind;
@@ -195,7 +195,7 @@ static lw_status read_direction(const lw_json_node *joint, const lw_linkage *k, 
     lw_json_node along, angle;
     bool has_along = lw_json_member(joint, "along", &along), has_angle = lw_json_member(joint, "angle", &angle);
     double turn = 0;
-    if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT) {
+    if (!lw_joint_slides(j->kind)) {
         if (has_along || has_angle)
             return lw_json_fault(has_along ? &along : &angle, e, "a joint of kind \"%c\" has no direction; only "
                                  "\"t\" and \"p\" have", (char)j->kind);
@@ -218,10 +218,10 @@ static lw_status read_ratio(const lw_json_node *joint, lw_joint *j, lw_error *e)
     lw_json_node n;
     bool given;
     if (!lw_json_member(joint, "ratio", &n))
-        return j->kind == LW_JOINT_GEAR
+        return lw_joint_has_ratio(j->kind)
              ? lw_json_fault(joint, e, "gear \"%s\" has no ratio: give \"ratio\", the speed of its second link over "
                              "that of the first", j->name) : LW_OK;
-    if (j->kind != LW_JOINT_GEAR)
+    if (!lw_joint_has_ratio(j->kind))
         return lw_json_fault(&n, e, "a joint of kind \"%c\" has no ratio; only gears (\"g\") have", (char)j->kind);
     return lw_read_optional(joint, "ratio", 1, &j->ratio, &given, e);
 }
@@ -244,7 +244,7 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
         s = lw_read_link(&link, k, &j->link[end], e);
     }
     bool placed = lw_json_member(joint, "at", &at);
-    if (s == LW_OK && !placed && j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED)
+    if (s == LW_OK && !placed && lw_joint_has_position(j->kind))
         s = lw_read_need(joint, "at", &at, e);
     if (s == LW_OK && placed)
         s = lw_read_pair(&at, k->units.metre, &j->at, e);
@@ -286,7 +286,7 @@ static void finish_weld(lw_linkage *k, int i)
 static lw_status finish_joint(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
 {
     lw_json_node at;
-    if (k->joint[i].kind == LW_JOINT_GEAR)
+    if (lw_joint_has_ratio(k->joint[i].kind))
         return finish_gear(joint, k, i, e);
     if (k->joint[i].kind == LW_JOINT_FIXED && !lw_json_member(joint, "at", &at))
         finish_weld(k, i);
@@ -343,7 +343,7 @@ static lw_status read_input(const lw_json_node *input, lw_linkage *k, lw_input *
         s = lw_read_joint(&joint, k, &in->joint, e);
     if (s != LW_OK)
         return s;
-    double unit = k->joint[in->joint].kind == LW_JOINT_SLIDER ? k->units.metre : k->units.radian;
+    double unit = lw_joint_slides(k->joint[in->joint].kind) ? k->units.metre : k->units.radian;
     s = lw_read_optional(input, "value", unit, &in->value, has_value, e);
     if (s == LW_OK)
         s = lw_read_optional(input, "first", unit, &in->first, &has_first, e);

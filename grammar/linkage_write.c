@@ -79,9 +79,9 @@ static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
     put_string(w, k->link_name[j->link[1]]);
     fputc(']', w->f);
     put_pair(w, "at", j->at, w->units->metre);
-    if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT)
+    if (lw_joint_slides(j->kind))
         put_pair(w, "along", j->along, 1);
-    if (j->kind == LW_JOINT_GEAR) {
+    if (lw_joint_has_ratio(j->kind)) {
         fputs(", \"ratio\": ", w->f);
         put_number(w, j->ratio, ratio_unit(w, k, j));
     }
@@ -91,7 +91,7 @@ static void put_joint(const writer *w, const lw_linkage *k, const lw_joint *j)
 static void put_input(const writer *w, const lw_linkage *k, const lw_input *in)
 {
     const lw_joint *j = &k->joint[in->joint];
-    double unit = j->kind == LW_JOINT_SLIDER ? w->units->metre : w->units->radian;
+    double unit = lw_joint_slides(j->kind) ? w->units->metre : w->units->radian;
     fputc('{', w->f);
     put_text(w, "joint", j->name);
     fputs(", \"value\": ", w->f);

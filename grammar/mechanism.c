@@ -2,15 +2,6 @@
 
 #include <string.h>
 
-int lw_kind_freedom(char kind)
-{
-    switch (kind) {
-    case LW_JOINT_REVOLUTE: case LW_JOINT_SLIDER: return 1;
-    case LW_JOINT_SLOT: case LW_JOINT_GEAR:       return 2;
-    default:                                      return 0;
-    }
-}
-
 lw_status lw_mechanism_clear(lw_mechanism *m, int n_link)
 {
     if (n_link < 1 || n_link > LW_LINK_MAX)
@@ -37,7 +28,7 @@ int lw_mechanism_joint(const lw_mechanism *m, int i, int k)
 lw_status lw_mechanism_join(lw_mechanism *m, int i, int k, char kind)
 {
     int a = i < k ? i : k, b = i < k ? k : i;
-    if (a < 0 || a == b || b >= m->n_link || !lw_kind_freedom(kind) || m->n_input > 0
+    if (a < 0 || a == b || b >= m->n_link || !lw_joint_freedoms(kind) || m->n_input > 0
         || m->n_joint == LW_JOINT_MAX || lw_mechanism_joint(m, a, b) != LW_NONE)
         return LW_E_ARG;
     int j = rank_of(m, a, b);
@@ -69,7 +60,7 @@ void lw_mechanism_chain(const lw_mechanism *m, lw_chain *c)
 {
     lw_chain_clear(c, m->n_link);
     for (int j = 0; j < m->n_joint; j++)
-        lw_chain_join(c, m->link[j][0], m->link[j][1], lw_kind_freedom(m->kind[j]));
+        lw_chain_join(c, m->link[j][0], m->link[j][1], lw_joint_freedoms(m->kind[j]));
 }
 
 void lw_mechanism_relabel(const lw_mechanism *m, const uint8_t *to, lw_mechanism *out)

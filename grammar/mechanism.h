@@ -21,9 +21,6 @@ typedef struct lw_mechanism {
     uint8_t input[LW_INPUT_MAX];        /* driven joints of one freedom, rising           */
 } lw_mechanism;
 
-/* Freedoms of a joint kind: 1 for r, t; 2 for p, g; 0 for a letter that is no kind. */
-int lw_kind_freedom(char kind);
-
 /* n_link links, no joint, nothing chosen.  LW_E_ARG when n_link is not 1 .. LW_LINK_MAX. */
 lw_status lw_mechanism_clear(lw_mechanism *m, int n_link);
 

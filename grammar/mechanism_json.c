@@ -65,7 +65,7 @@ static lw_status read_joint(const lw_json_node *n, lw_mechanism *m, lw_error *e)
     if (s == LW_OK && lw_json_count(n) == 3) {
         lw_json_node letter = lw_json_element(n, 2);
         s = lw_json_name(&letter, kind, sizeof kind, NULL);
-        if (s != LW_OK || !lw_kind_freedom(kind[0]))
+        if (s != LW_OK || !lw_joint_freedoms(kind[0]))
             return lw_json_fault(&letter, e, "a joint is \"r\" (pin), \"t\" (slider), \"p\" (pin in "
                                  "slot) or \"g\" (gear or cam)");
     }
@@ -106,7 +106,7 @@ static lw_status read_inputs(const lw_json_node *root, lw_mechanism *m, lw_error
         if (s != LW_OK)
             return s;
         j = lw_mechanism_joint(m, pair[0], pair[1]);
-        if (j == LW_NONE || lw_kind_freedom(m->kind[j]) != 1 || lw_json_count(&n) != 2)
+        if (j == LW_NONE || lw_joint_freedoms(m->kind[j]) != 1 || lw_json_count(&n) != 2)
             return lw_json_fault(&n, e, "an input is a joint of one freedom, given by its two links");
         if (driven >> j & 1)
             return lw_json_fault(&n, e, "this joint is driven already");

@@ -81,7 +81,7 @@ static int look_up_state(const lw_linkage *k, const char *word, const char *name
                :             find_name(name, k->link_name[0], sizeof k->link_name[0], k->n_link);
         if (at < 0)
             snprintf(why, WHY_SIZE, "there is no %s \"%.40s\"", what, name);
-        else if (of == 'j' && k->joint[at].kind != LW_JOINT_REVOLUTE && k->joint[at].kind != LW_JOINT_SLIDER)
+        else if (of == 'j' && !lw_joint_can_drive(k->joint[at].kind))
             snprintf(why, WHY_SIZE, "joint \"%.40s\" is neither a pin nor a slider: it counts nothing", name);
         else
             return lw_variable(known[i].quantity, at);
@@ -206,18 +206,18 @@ static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e
 /* The unit in which a joint's displacement is written. */
 static double joint_unit(const lw_model *m, int joint)
 {
-    return m->linkage.joint[joint].kind == LW_JOINT_REVOLUTE ? m->linkage.units.radian : m->linkage.units.metre;
+    return lw_joint_turns(m->linkage.joint[joint].kind) ? m->linkage.units.radian : m->linkage.units.metre;
 }
 
-static lw_status want_kinds(const lw_json_node *n, const lw_model *m, int joint, const char *kinds,
-                            const char *what, lw_error *e)
+static const char pins[] = "pins (\"r\")", drives[] = "pins (\"r\") and sliders (\"t\")";
+
+static lw_status need_kind(const lw_json_node *n, const lw_model *m, int joint, bool (*has_it)(lw_joint_kind),
+                           const char *kinds, const char *what, lw_error *e)
 {
     const lw_joint *j = &m->linkage.joint[joint];
-    if (strchr(kinds, (char)j->kind))
+    if (has_it(j->kind))
         return LW_OK;
-    return lw_json_fault(n, e, "joint \"%s\" is of kind \"%c\"; only %s have %s", j->name, (char)j->kind,
-                         strcmp(kinds, "r") == 0 ? "pins (\"r\")" : strcmp(kinds, "rt") == 0 ?
-                         "pins (\"r\") and sliders (\"t\")" : "pins, sliders and slots", what);
+    return lw_json_fault(n, e, "joint \"%s\" is of kind \"%c\"; only %s have %s", j->name, (char)j->kind, kinds, what);
 }
 
 static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw_error *e)
@@ -234,12 +234,12 @@ static lw_status read_friction(const lw_json_node *n, lw_model *m, int joint, lw
     f->speed = 0.001;
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = want_kinds(n, m, joint, "rtp", "friction", e)) == LW_OK &&
+        (s = need_kind(n, m, joint, lw_joint_has_position, "pins, sliders and slots", "friction", e)) == LW_OK &&
         (s = lw_read_need(n, "coefficient", &at, e)) == LW_OK)
         s = read_numbers(n, numbers, COUNT(numbers), e);
-    if (s == LW_OK && m->linkage.joint[joint].kind == LW_JOINT_REVOLUTE && !radius)
+    if (s == LW_OK && lw_joint_turns(m->linkage.joint[joint].kind) && !radius)
         s = lw_json_fault(n, e, "friction of a pin needs its \"radius\"");
-    if (s == LW_OK && m->linkage.joint[joint].kind != LW_JOINT_REVOLUTE && radius)
+    if (s == LW_OK && !lw_joint_turns(m->linkage.joint[joint].kind) && radius)
         s = lw_json_fault(n, e, "only pins have a \"radius\"");
     return s;
 }
@@ -258,7 +258,7 @@ static lw_status read_stop(const lw_json_node *n, lw_model *m, int joint, lw_err
     };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = want_kinds(n, m, joint, "rt", "stops", e)) == LW_OK)
+        (s = need_kind(n, m, joint, lw_joint_can_drive, drives, "stops", e)) == LW_OK)
         s = read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && !p->has_least && !p->has_greatest)
         s = lw_json_fault(n, e, "a stop needs \"least\", \"greatest\" or both");
@@ -304,7 +304,7 @@ static lw_status read_clearance(const lw_json_node *n, lw_model *m, int joint, l
     *c = (lw_clearance){ .exponent = 1, .restitution = 1, .friction_speed = 0.001 };
     lw_status s = lw_json_expect(n, LW_JSON_OBJECT, e);
     if (s == LW_OK && (s = lw_json_known_keys(n, known, COUNT(known), e)) == LW_OK &&
-        (s = want_kinds(n, m, joint, "r", "a clearance", e)) == LW_OK &&
+        (s = need_kind(n, m, joint, lw_joint_turns, pins, "a clearance", e)) == LW_OK &&
         (s = read_clearance_model(n, c, e)) == LW_OK && (s = lw_read_need(n, "gap", &at, e)) == LW_OK)
         s = read_numbers(n, numbers, COUNT(numbers), e);
     if (s == LW_OK && c->model >= LW_CLEARANCE_MLSD && !stiff)
@@ -349,7 +349,7 @@ static lw_status read_load_joint(const lw_json_node *object, const char *what, l
     lw_status s = lw_read_need(object, "joint", &n, e);
     if (s == LW_OK)
         s = lw_read_joint(&n, &m->linkage, joint, e);
-    return s == LW_OK ? want_kinds(&n, m, *joint, "rt", what, e) : s;
+    return s == LW_OK ? need_kind(&n, m, *joint, lw_joint_can_drive, drives, what, e) : s;
 }
 
 static lw_status full(const lw_json_node *n, const char *what, int count, int most, lw_error *e)

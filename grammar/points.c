@@ -72,7 +72,7 @@ static lw_status add_joint(lw_linkage *k, const lw_point *q, int point, int copy
         snprintf(j->name, sizeof j->name, "P%d", point);
     else
         snprintf(j->name, sizeof j->name, "P%d_%d", point, copy);
-    if (kind == LW_JOINT_SLIDER || kind == LW_JOINT_SLOT)
+    if (lw_joint_slides(kind))
         j->along = lw_v2_polar(1, q->angle);
     return LW_OK;
 }
@@ -324,7 +324,7 @@ static lw_status points_from(const lw_linkage *k, lw_points *p, lw_error *e)
     p->ground = k->ground;
     name_links(k, p);
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(k->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint \"%s\" is a gear, which has no form in this notation",
                                 k->joint[j].name);
     int own = lw_linkage_free_inputs(k);

@@ -21,7 +21,7 @@ lw_production lw_production_of(int rule)
 static lw_status check_kinds(const lw_production *p, lw_error *e)
 {
     for (int i = 0; i < lw_rule_kinds(p->rule); i++)
-        if (p->kind[i] != LW_JOINT_REVOLUTE && p->kind[i] != LW_JOINT_SLIDER)
+        if (!lw_joint_can_drive(p->kind[i]))
             return lw_error_set(e, LW_E_ARG, "rule %d makes joints k = r or t, %d of them", p->rule,
                                 lw_rule_kinds(p->rule));
     return LW_OK;

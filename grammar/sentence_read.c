@@ -52,7 +52,7 @@ static lw_status check_joint(check *c, int w, int i)
         return fault(c, w, i, "parts are numbered 1 to %d", LW_LINK_MAX);
     if (a == b)
         return fault(c, w, i, "part %d is joined to itself", a + 1);
-    if (!lw_kind_freedom(kind))
+    if (!lw_joint_freedoms(kind))
         return fault(c, w, i, "a joint is r, t, p or g");
     if (b < 0 || b >= LW_LINK_MAX)
         return LW_OK;                                      /* said when its turn comes */
@@ -242,7 +242,7 @@ static lw_status read_atoms(lw_cursor *c, lw_sentence *s, int at, const lw_curso
                               "the word", part);
     if (byte < 0 || byte == '(')
         return lw_cursor_fail(word, "this word is not closed: a ')' is missing");
-    if (byte > 127 || !lw_kind_freedom((char)byte))
+    if (byte > 127 || !lw_joint_freedoms((char)byte))
         return lw_cursor_fail(c, "%s is no joint letter; a joint is r (pin), t (slider), p (pin in "
                               "slot) or g (gear or cam)", lw_byte_name(byte, name));
     s->joint[at] = (char)lw_cursor_next(c);

@@ -21,9 +21,9 @@ static void sketch_joint(const lw_mechanism *m, int i, lw_rng *rng, lw_joint *j)
     }
     j->at = anywhere(rng);
     double turn = lw_rng_range(rng, 0, 2*LW_PI), ratio = lw_rng_range(rng, 0.5, 3);
-    if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT)
+    if (lw_joint_slides(j->kind))
         j->along = lw_v2_polar(1, turn);
-    if (j->kind == LW_JOINT_GEAR)
+    if (lw_joint_has_ratio(j->kind))
         j->ratio = -ratio;
 }
 

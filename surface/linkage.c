@@ -37,9 +37,9 @@ static lw_status fill(lw_linkage *k, int n_link, int ground, int n_joint, const 
     for (int i = 0; i < n_joint; i++) {
         const lw_joint_info *from = &joint[i];
         lw_joint *j = &k->joint[i];
-        bool line = from->kind == 't' || from->kind == 'p';
+        bool line = lw_joint_slides(from->kind);
         double length = lw_v2_norm(from->along);
-        if (!strchr("rtpgf", from->kind) || !from->kind)
+        if (!lw_joint_is_kind(from->kind))
             return lw_error_set(e, LW_E_ARG, "joint %d: its kind is one of r, t, p, g, f", i + 1);
         put_name(j->name, LW_NAME_SIZE, from->name, 'J', i);
         j->kind = (lw_joint_kind)from->kind;
@@ -47,7 +47,7 @@ static lw_status fill(lw_linkage *k, int n_link, int ground, int n_joint, const 
         j->link[1] = from->link[1];
         j->at = from->at;
         j->along = line && length > 0 ? lw_v2_scale(from->along, 1/length) : lw_v2(0, 0);
-        j->ratio = from->kind == 'g' ? from->ratio : 0;
+        j->ratio = lw_joint_has_ratio(from->kind) ? from->ratio : 0;
     }
     for (int i = 0; i < n_tracer; i++) {
         put_name(k->tracer[i].name, LW_NAME_SIZE, tracer[i].name, 'P', i);

@@ -150,7 +150,7 @@ lw_status lw_mechanism_choose(lw_mechanism *mechanism, int ground, int n_input, 
     m.n_input = n_input;
     for (int i = 0; i < n_input; i++) {
         if (input[i] < 0 || input[i] >= m.n_joint || (i > 0 && input[i] <= input[i - 1])
-            || lw_kind_freedom(m.kind[input[i]]) != 1)
+            || lw_joint_freedoms(m.kind[input[i]]) != 1)
             return LW_E_ARG;
         m.input[i] = (uint8_t)input[i];
     }

@@ -75,7 +75,7 @@ static int freedom_of(const lw_mechanism *m, uint32_t set, uint32_t solved)
     for (int j = 0; j < m->n_joint; j++) {
         uint32_t ends = 1u << m->link[j][0] | 1u << m->link[j][1];
         if (ends & set && !(ends & ~(set | solved)))
-            f -= memchr(m->input, j, (size_t)m->n_input) ? 3 : 3 - lw_kind_freedom(m->kind[j]);
+            f -= memchr(m->input, j, (size_t)m->n_input) ? 3 : 3 - lw_joint_freedoms(m->kind[j]);
     }
     return f;
 }

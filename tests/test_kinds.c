@@ -108,7 +108,7 @@ static void forms(void)
         uint8_t to[LW_LINK_MAX];
         m.ground = trial % 3 ? 0 : LW_NONE;
         m.output = trial % 2 ? 1 : LW_NONE;
-        m.n_input = lw_kind_freedom(m.kind[0]) == 1;
+        m.n_input = lw_joint_freedoms(m.kind[0]) == 1;
         random_permutation(&rng, m.n_link, to);
         lw_mechanism_relabel(&m, to, &other);
         CHECK_INT(lw_mechanism_canonical(&m, &a), LW_OK);

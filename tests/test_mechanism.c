@@ -14,7 +14,7 @@ static void joints_stay_in_the_order_of_the_matrix(void)
         for (int j = 0; j < m.n_joint; j++) {
             CHECK_INT(joint[j].first, m.link[j][0]);
             CHECK_INT(joint[j].second, m.link[j][1]);
-            CHECK_INT(joint[j].freedom, lw_kind_freedom(m.kind[j]));
+            CHECK_INT(joint[j].freedom, lw_joint_freedoms(m.kind[j]));
             CHECK_INT(lw_mechanism_joint(&m, m.link[j][1], m.link[j][0]), j);
         }
         CHECK_INT(lw_mechanism_from_chain(&c, &back), LW_OK);

@@ -12,7 +12,7 @@ static void reads_back(void)
         m.ground = trial % 3 ? trial % m.n_link : LW_NONE;
         m.output = trial % 2 ? (trial + 1) % m.n_link : LW_NONE;
         for (int j = 0; j < m.n_joint && m.n_input < trial % 9; j++)
-            if (lw_kind_freedom(m.kind[j]) == 1)
+            if (lw_joint_freedoms(m.kind[j]) == 1)
                 m.input[m.n_input++] = (uint8_t)j;
         size_t n = lw_mechanism_write(&m, text, sizeof text);
         CHECK(n < sizeof text);

@@ -101,7 +101,7 @@ static lw_status take_mechanism(void *context, const lw_mechanism *m)
     *row = (lw_store_mechanism){ .ground = m->ground + 1, .n_group = a.n_group, .modes = 1 };
     memcpy(kinds, m->kind, (size_t)m->n_joint);
     for (int j = 0; j < m->n_joint; j++)
-        row->n_slider += m->kind[j] == LW_JOINT_SLIDER;
+        row->n_slider += lw_joint_holds_rotation(m->kind[j]);
     for (int k = 0; k < a.n_group; k++) {
         row->highest = a.group[k].n_class > row->highest ? a.group[k].n_class : row->highest;
         row->modes *= a.group[k].n_class == 1 ? 1 : a.group[k].n_mode;     /* a crank's pose is given by its input */

@@ -69,12 +69,11 @@ static void set_type(const lw_linkage *k, char type[8])
     for (int i = 0; i < 4; i++) {
         const lw_joint *j = &k->joint[joint];
         int next = -1;
-        bool known = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_SLIDER;
-        if (!known || (j->link[0] != link && j->link[1] != link)) {
+        if (!lw_joint_can_drive(j->kind) || (j->link[0] != link && j->link[1] != link)) {
             type[0] = 0;
             return;
         }
-        type[i] = j->kind == LW_JOINT_REVOLUTE ? 'R' : 'P';
+        type[i] = lw_joint_turns(j->kind) ? 'R' : 'P';
         type[i + 1] = 0;
         link = j->link[0] == link ? j->link[1] : j->link[0];
         for (int n = 0; n < 4; n++)
@@ -95,7 +94,7 @@ static lw_status set_label(entry *x)
     if (lw_chain_clear(&c, x->k.n_link) != LW_OK)
         return LW_OK;
     for (int j = 0; j < x->k.n_joint; j++) {
-        int a = x->k.joint[j].link[0], b = x->k.joint[j].link[1], freedom = lw_kind_freedom((char)x->k.joint[j].kind);
+        int a = x->k.joint[j].link[0], b = x->k.joint[j].link[1], freedom = lw_joint_freedoms(x->k.joint[j].kind);
         if (freedom == 0 || lw_chain_freedom(&c, a, b) || lw_chain_join(&c, a, b, freedom) != LW_OK)
             return LW_OK;
     }
@@ -108,7 +107,7 @@ static lw_status set_label(entry *x)
 static int pin_between(const lw_linkage *k, int a, int b)
 {
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_REVOLUTE && ((k->joint[j].link[0] == a && k->joint[j].link[1] == b)
+        if (lw_joint_turns(k->joint[j].kind) && ((k->joint[j].link[0] == a && k->joint[j].link[1] == b)
                                                       || (k->joint[j].link[0] == b && k->joint[j].link[1] == a)))
             return j;
     return -1;
@@ -118,7 +117,7 @@ static int pin_between(const lw_linkage *k, int a, int b)
 static bool driven_four_bar(const lw_linkage *k, double r[4])
 {
     int first = k->n_input == 1 ? k->input[0].joint : -1;
-    if (first < 0 || k->joint[first].kind != LW_JOINT_REVOLUTE)
+    if (first < 0 || !lw_joint_turns(k->joint[first].kind))
         return false;
     const int *side = k->joint[first].link;
     if (side[0] != k->ground && side[1] != k->ground)

@@ -431,7 +431,7 @@ void lw_linkage_lay(lw_linkage *k, bool mirrored, double turn, double size, lw_v
     for (int i = 0; i < k->n_input; i++) {
         lw_input *in = &k->input[i];
         const lw_joint *j = &k->joint[in->joint];
-        bool pin = j->kind == LW_JOINT_REVOLUTE, ground = j->link[0] == k->ground || j->link[1] == k->ground;
+        bool pin = lw_joint_turns(j->kind), ground = j->link[0] == k->ground || j->link[1] == k->ground;
         double by = pin ? sense : size, plus = pin && ground ? turn : 0, first = in->first;
         bool all_of_it = in->first == in->last;
         in->value = by*in->value + plus;

@@ -3,7 +3,7 @@
 
 static bool has_pin(const lw_joint *j, int link)
 {
-    return (j->kind == LW_JOINT_REVOLUTE && (j->link[0] == link || j->link[1] == link))
+    return (lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link))
         || (j->kind == LW_JOINT_SLOT && j->link[1] == link);
 }
 
@@ -242,7 +242,7 @@ int lw_body_shapes_nodes(const lw_scene *s, int link, lw_shape_node node[LW_NODE
     int n_pin = n;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *line = &k->joint[j];
-        if ((line->kind != LW_JOINT_SLIDER && line->kind != LW_JOINT_SLOT)
+        if (!lw_joint_slides(line->kind)
             || (line->link[0] != link && line->link[1] != link))
             continue;
         lw_slide w = lw_body_shapes_slide(s, j);

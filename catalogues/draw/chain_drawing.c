@@ -1,6 +1,7 @@
 /* catalogues/draw/chain_drawing.c - see chain_drawing.h */
 #include "catalogues/draw/chain_drawing.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -76,7 +77,7 @@ static lw_ink ink_of(const lw_mechanism *m, int link)
 static void room_of(const lw_mechanism *m, int joint, double *side, double *up, double *down)
 {
     bool ground = on_ground(m, joint);
-    *side = *up = *down = is_driven(m, joint) ? 34 : m->kind[joint] == 'r' ? 8 : 42;
+    *side = *up = *down = is_driven(m, joint) ? 34 : lw_joint_turns(m->kind[joint]) ? 8 : 42;
     if (ground) {
         *side = fmax(*side, 26);
         *down = fmax(*down, 30);
@@ -240,11 +241,12 @@ static void draw_contact(sketch *k, int joint)
 static void draw_joint(sketch *k, int joint)
 {
     lw_bearer b = { joint, -1, -1 };
-    switch (k->m->kind[joint]) {
-    case 't': draw_slider(k, joint); break;
-    case 'p': draw_slot(k, joint); break;
-    case 'g': draw_contact(k, joint); break;
-    default:  lw_symbol_pin(k->d, b, pixel(k, k->l->at[joint]), k->u); break;
+    switch ((lw_joint_kind)k->m->kind[joint]) {
+    case LW_JOINT_SLIDER:   draw_slider(k, joint); break;
+    case LW_JOINT_SLOT:     draw_slot(k, joint); break;
+    case LW_JOINT_GEAR:     draw_contact(k, joint); break;
+    case LW_JOINT_REVOLUTE: lw_symbol_pin(k->d, b, pixel(k, k->l->at[joint]), k->u); break;
+    case LW_JOINT_FIXED:    assert(!"no chain has welds");
     }
 }
 
@@ -253,7 +255,7 @@ static void draw_input(sketch *k, int input)
     int joint = k->m->input[input], link = driven_link(k->m, joint);
     lw_vec2 at = pixel(k, k->l->at[joint]), along = direction_of(k, link, joint);
     lw_bearer b = { joint, -1, -1 };
-    if (k->m->kind[joint] != 't') {
+    if (lw_joint_turns(k->m->kind[joint])) {
         /* start the arrow at the link, or end it there if that side is further above the frame */
         double link_at = atan2(-along.y, along.x);
         bool below = on_ground(k->m, joint) && fmin(sin(link_at + 0.4), sin(link_at + 2.3))
@@ -317,7 +319,7 @@ static void draw_number(sketch *k, int link)
     for (int i = 0; i < n; i++)
         at = lw_v2_add(at, lw_v2_scale(p[i], 1.0/n));
     if (link == k->m->ground) {
-        bool pin = k->m->kind[k->l->ring[k->l->first[link]]] == 'r';
+        bool pin = lw_joint_turns(k->m->kind[k->l->ring[k->l->first[link]]]);
         at = lw_v2(p[0].x - (pin ? 25 : 46)*k->u, p[0].y + 12*k->u);
     } else if (n == 2) {
         at = beside_bar(k, p[0], p[1]);
@@ -336,13 +338,13 @@ void lw_chain_draw_into(const lw_mechanism *m, const lw_chain_layout *l, lw_box 
     sketch k = { .m = m, .l = l, .d = d };
     fit(&k, box);
     for (int j = 0; j < m->n_joint; j++)
-        if (m->kind[j] == 'r' && on_ground(m, j))
+        if (lw_joint_turns(m->kind[j]) && on_ground(m, j))
             lw_symbol_pivot(d, (lw_bearer){ j, -1, -1 }, pixel(&k, l->at[j]), k.u);
     for (int i = 0; i < m->n_link; i++)
         draw_link(&k, i);
     for (int pins = 0; pins < 2; pins++)                     /* draw pins above the blocks they stand on */
         for (int j = 0; j < m->n_joint; j++)
-            if ((m->kind[j] == 'r') == pins)
+            if (lw_joint_turns(m->kind[j]) == pins)
                 draw_joint(&k, j);
     for (int i = 0; i < m->n_input; i++)
         draw_input(&k, i);

@@ -41,7 +41,7 @@ static void merge_blocks(const lw_mechanism *m, uint8_t *same_as)
             continue;
         int a = joint[i][0], b = joint[i][1];
         int p = m->link[a][0] + m->link[a][1] - i, q = m->link[b][0] + m->link[b][1] - i;
-        bool block = (m->kind[a] == 't' && m->kind[b] == 'r') || (m->kind[a] == 'r' && m->kind[b] == 't');
+        bool block = lw_joint_can_drive(m->kind[a]) && lw_joint_can_drive(m->kind[b]) && m->kind[a] != m->kind[b];
         bool free = same_as[a] == a && same_as[b] == b && !share_joint(m, p, q);
         for (int k = 0; k < m->n_joint; k++)
             free = free && (same_as[k] == k || (same_as[k] != a && same_as[k] != b));

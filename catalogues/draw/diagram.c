@@ -133,7 +133,7 @@ static bool is_drawn(const sketch *k, int joint, const lw_wheel *w)
 {
     for (int i = 0; i < joint; i++) {
         lw_wheel other[2];
-        if (linkage(k)->joint[i].kind != LW_JOINT_GEAR || !lw_body_shapes_gear(k->s, i, other))
+        if (!lw_joint_has_ratio(linkage(k)->joint[i].kind) || !lw_body_shapes_gear(k->s, i, other))
             continue;
         for (int side = 0; side < 2; side++)
             if (other[side].link == w->link && other[side].rack == w->rack
@@ -220,7 +220,7 @@ static void draw_frame_line(sketch *k)
     const lw_linkage *l = linkage(k);
     int last = -1;
     for (int i = 0; i < l->n_joint; i++) {
-        if (l->joint[i].kind != LW_JOINT_REVOLUTE || !on_ground(l, &l->joint[i]))
+        if (!lw_joint_turns(l->joint[i].kind) || !on_ground(l, &l->joint[i]))
             continue;
         if (last >= 0) {
             lw_vec2 a = pixel_of(k, 0, l->joint[last].at);
@@ -240,7 +240,7 @@ static void draw_pivots(sketch *k)
 {
     const lw_linkage *l = linkage(k);
     for (int i = 0; i < l->n_joint; i++) {
-        if (l->joint[i].kind != LW_JOINT_REVOLUTE || !on_ground(l, &l->joint[i]))
+        if (!lw_joint_turns(l->joint[i].kind) || !on_ground(l, &l->joint[i]))
             continue;
         lw_vec2 at = pixel_of(k, 0, l->joint[i].at);
         lw_symbol_pivot(k->d, (lw_bearer){ i, -1, 0 }, at, k->u);
@@ -253,7 +253,7 @@ static void draw_pins(sketch *k)
     const lw_linkage *l = linkage(k);
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
-        if (j->kind != LW_JOINT_REVOLUTE && j->kind != LW_JOINT_SLOT)
+        if (!lw_joint_turns(j->kind) && j->kind != LW_JOINT_SLOT)
             continue;
         lw_vec2 at = pixel_of(k, 0, j->at);
         lw_symbol_pin(k->d, bearer(l, i, on_ground(l, j) ? l->ground : j->link[1]), at, k->u);
@@ -285,7 +285,7 @@ static void draw_input(sketch *k, int input)
     const lw_joint *j = &l->joint[joint];
     int driven = driven_link(l, j), base = j->link[0] == driven ? j->link[1] : j->link[0];
     lw_bearer carrier = bearer(l, input, base);
-    if (j->kind == LW_JOINT_REVOLUTE) {
+    if (lw_joint_turns(j->kind)) {
         lw_vec2 at = pixel_of(k, 0, j->at);
         double from = driven_direction(k, driven, j->at) + 0.4;
         lw_symbol_turning(k->d, carrier, at, from, back, k->u);
@@ -309,9 +309,9 @@ static void sketch_linkage(sketch *k)
     const lw_linkage *l = linkage(k);
     draw_frame_line(k);
     for (int i = 0; i < l->n_joint; i++)
-        if (l->joint[i].kind == LW_JOINT_SLIDER || l->joint[i].kind == LW_JOINT_SLOT)
+        if (lw_joint_slides(l->joint[i].kind))
             draw_guide(k, i);
-        else if (l->joint[i].kind == LW_JOINT_GEAR)
+        else if (lw_joint_has_ratio(l->joint[i].kind))
             draw_gear(k, i);
     draw_pivots(k);
     for (int i = 0; i < l->n_link; i++)

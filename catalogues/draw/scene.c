@@ -93,7 +93,7 @@ static bool choose_references(lw_work *w)
     for (int link = 0; link < k->n_link; link++) {
         int pin = -1;
         for (int i = 0; i < k->n_joint && pin < 0; i++)
-            if (k->joint[i].kind == LW_JOINT_REVOLUTE
+            if (lw_joint_turns(k->joint[i].kind)
                 && (k->joint[i].link[0] == link || k->joint[i].link[1] == link))
                 pin = i;
         w->pin[link] = pin;
@@ -281,7 +281,7 @@ static bool is_restricted(const lw_work *w)
     const lw_input *in = &w->linkage.input[0];
     double first = fmin(in->first, in->last), last = fmax(in->first, in->last);
     double tolerance = 1e-9*(last - first);
-    bool full = w->linkage.joint[in->joint].kind != LW_JOINT_SLIDER && last - first >= 2*LW_PI*(1 - 1e-12);
+    bool full = !lw_joint_slides(w->linkage.joint[in->joint].kind) && last - first >= 2*LW_PI*(1 - 1e-12);
     return first < last && !full && in->value >= first - tolerance && in->value <= last + tolerance;
 }
 
@@ -395,7 +395,7 @@ static bool fasten_idle_links(lw_linkage *k)
     for (int link = 0; link < k->n_link; link++)
         for (int i = 0; i < k->n_joint && idle >> link & 1; i++) {
             lw_joint *j = &k->joint[i];
-            if (j->kind != LW_JOINT_REVOLUTE || (j->link[0] != link && j->link[1] != link))
+            if (!lw_joint_turns(j->kind) || (j->link[0] != link && j->link[1] != link))
                 continue;
             j->kind = LW_JOINT_FIXED;
             any = true;

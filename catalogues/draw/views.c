@@ -91,9 +91,9 @@ static void add_links(lw_box *b, const lw_scene *s, size_t frame, bool guides)
     const lw_linkage *k = &s->linkage;
     for (int i = 0; i < k->n_joint; i++) {
         const lw_joint *j = &k->joint[i];
-        if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT) {
+        if (!lw_joint_slides(j->kind)) {
             lw_box_add(b, lw_scene_at(s, frame, j->link[1], j->at));
-            if (guides && j->kind == LW_JOINT_GEAR)
+            if (guides && lw_joint_has_ratio(j->kind))
                 add_gear(b, s, frame, i);
             continue;
         }

@@ -518,7 +518,7 @@ static lw_status read_motion(reader *r, const lw_adams_statement *s)
     const lw_adams_argument *of = lw_adams_find(s, "JOINT");
     lw_linkage *k = r->k;
     int j = of && of->n == 1 ? find_joint(r, of->value[0]) : -1;
-    if (j < 0 || (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER))
+    if (j < 0 || !lw_joint_can_drive(k->joint[j].kind))
         return fail(r, s, "JOINT = must name a pin or slider that stands before");
     if (k->n_input == LW_INPUT_MAX)
         return fail(r, s, "a linkage has at most 8 inputs");

@@ -19,7 +19,7 @@ static int pin_on_carrier(const lw_linkage *k, int link, int carrier, lw_vec2 ce
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         bool joins = (p->link[0] == link && p->link[1] == carrier) || (p->link[1] == link && p->link[0] == carrier);
-        if (joins && p->kind == LW_JOINT_REVOLUTE && p->at.x == centre.x && p->at.y == centre.y)
+        if (joins && lw_joint_turns(p->kind) && p->at.x == centre.x && p->at.y == centre.y)
             return j;
     }
     return -1;

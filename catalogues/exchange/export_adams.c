@@ -95,7 +95,7 @@ static void put_parts(writer *w)
         put(w, link == k->ground ? ", GROUND\n" : "\n");
         for (int j = 0; j < k->n_joint; j++)
             for (int side = 0; side < 2; side++)
-                if (k->joint[j].link[side] == link && k->joint[j].kind != LW_JOINT_GEAR)
+                if (k->joint[j].link[side] == link && !lw_joint_has_ratio(k->joint[j].kind))
                     put_joint_marker(w, j, side);
         for (int t = 0; t < k->n_tracer; t++)
             if (k->tracer[t].link == link)
@@ -145,7 +145,7 @@ static lw_status put_joints(writer *w, lw_error *e)
     lw_status s = LW_OK;
     put(w, "!\n");
     for (int j = 0; s == LW_OK && j < w->k->n_joint; j++)
-        if (w->k->joint[j].kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(w->k->joint[j].kind))
             s = put_coupler(w, j, e);
         else
             put_joint(w, j);
@@ -158,7 +158,7 @@ static lw_status put_joints(writer *w, lw_error *e)
 static bool input_way(const lw_linkage *k, int input, double *down, double *up)
 {
     const lw_input *in = &k->input[input];
-    bool slider = k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    bool slider = lw_joint_slides(k->joint[in->joint].kind);
     lw_scene scene;
     *down = *up = slider ? 0.1*lw_export_size(k) : 0.1;
     if (in->first < in->last) {
@@ -195,7 +195,7 @@ lw_export_law lw_export_law_of(const lw_linkage *k, int input)
 static void put_motion(writer *w, int input)
 {
     const lw_input *in = &w->k->input[input];
-    bool slider = w->k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    bool slider = lw_joint_slides(w->k->joint[in->joint].kind);
     lw_export_law law = lw_export_law_of(w->k, input);
     put_name(w, w->k->joint[in->joint].name, " motion");
     put_id(w, "MOTION/", input + 1, 2);

@@ -254,7 +254,7 @@ static void put_runners(writer *w, int depth, int link)
     const lw_linkage *k = w->k;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
-        if (w->in_tree[j] || p->link[0] != link || (p->kind != LW_JOINT_SLIDER && p->kind != LW_JOINT_SLOT))
+        if (w->in_tree[j] || p->link[0] != link || !lw_joint_slides(p->kind))
             continue;
         put_indent(w, depth);
         put(w, "<body");

@@ -48,7 +48,7 @@ lw_status lw_export_poses(const lw_linkage *k, lw_bytes *out, lw_error *e)
     if (st != LW_OK)
         return st;
     double metre = k->units.metre, radian = k->units.radian;
-    bool slider = k->joint[k->input[0].joint].kind == LW_JOINT_SLIDER;
+    bool slider = lw_joint_slides(k->joint[k->input[0].joint].kind);
     lw_bytes_text(out, "# units: ");
     lw_bytes_text(out, k->units.length[0] ? k->units.length : "m");
     lw_bytes_text(out, " ");
@@ -161,10 +161,6 @@ static void put_pair(lw_bytes *out, lw_vec2 p, double unit)
 
 static void put_joints(const lw_linkage *k, lw_bytes *out)
 {
-    static const struct { lw_joint_kind kind; const char *name; } names[] = {
-        { LW_JOINT_REVOLUTE, "revolute" }, { LW_JOINT_SLIDER, "prismatic" }, { LW_JOINT_SLOT, "pin-in-slot" },
-        { LW_JOINT_GEAR, "gear" }, { LW_JOINT_FIXED, "weld" }
-    };
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         lw_bytes_text(out, j ? ",\n    {\"id\": " : "\n    {\"id\": ");
@@ -172,14 +168,12 @@ static void put_joints(const lw_linkage *k, lw_bytes *out)
         lw_bytes_text(out, ", \"name\": ");
         put_string(out, p->name);
         lw_bytes_text(out, ", \"type\": \"");
-        for (size_t i = 0; i < sizeof names/sizeof *names; i++)
-            if (names[i].kind == p->kind)
-                lw_bytes_text(out, names[i].name);
+        lw_bytes_text(out, lw_joint_word(p->kind));
         lw_bytes_text(out, "\", \"coord\": ");
         put_pair(out, p->at, k->units.metre);
-        if (p->kind == LW_JOINT_SLIDER || p->kind == LW_JOINT_SLOT)
+        if (lw_joint_slides(p->kind))
             put_number(out, ", \"angle\": ", atan2(p->along.y, p->along.x)/k->units.radian);
-        if (p->kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(p->kind))
             put_number(out, ", \"ratio\": ", p->ratio);
         lw_bytes_text(out, p->link[0] == k->ground || p->link[1] == k->ground ? ", \"ground\": true}"
                            : ", \"ground\": false}");

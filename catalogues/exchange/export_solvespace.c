@@ -118,7 +118,7 @@ static void collect(writer *w)
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
         lw_vec2 half = lw_v2_scale(p->along, 0.25*w->size/MM);
-        if (p->kind == LW_JOINT_REVOLUTE) {
+        if (lw_joint_turns(p->kind)) {
             w->pin[j][0] = point_of(w, p->link[0], p->at);
             w->pin[j][1] = point_of(w, p->link[1], p->at);
             continue;
@@ -214,7 +214,7 @@ static void put_pins(writer *w)
         group[i] = i;
     for (int j = 0; j < w->k->n_joint; j++) {
         int a = group[w->pin[j][0]], b = group[w->pin[j][1]];
-        if (w->k->joint[j].kind != LW_JOINT_REVOLUTE || a == b)
+        if (!lw_joint_turns(w->k->joint[j].kind) || a == b)
             continue;
         put_constraint(w, COINCIDENT, 0, w->p[w->pin[j][0]].entity, w->p[w->pin[j][1]].entity, 0);
         for (int i = 0; i < w->n; i++)
@@ -256,7 +256,7 @@ static lw_status check(const lw_linkage *k, lw_error *e)
 {
     lw_status s = lw_linkage_check(k, e);
     for (int j = 0; s == LW_OK && j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR || k->joint[j].kind == LW_JOINT_FIXED)
+        if (!lw_joint_has_position(k->joint[j].kind))
             s = lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds have no form in this sketch", k->joint[j].name);
     return s;
 }
@@ -276,7 +276,7 @@ lw_status lw_export_solvespace(const lw_linkage *k, lw_bytes *out, lw_error *e)
         put_link(w, link);
     put_pins(w);
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind != LW_JOINT_REVOLUTE)
+        if (!lw_joint_turns(k->joint[j].kind))
             put_slide(w, j);
     free(w);
     return lw_bytes_end(out, e);

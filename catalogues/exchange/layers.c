@@ -246,7 +246,7 @@ static void make_plates(const lw_scene *s, lw_layers *l)
     const lw_linkage *k = &s->linkage;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
-        if (p->kind != LW_JOINT_REVOLUTE) {
+        if (!lw_joint_turns(p->kind)) {
             add_slide(s, j, l);
             continue;
         }
@@ -281,7 +281,7 @@ static double usual_radius(const lw_linkage *k)
             bool shared = p->link[0] == q->link[0] || p->link[0] == q->link[1] || p->link[1] == q->link[0]
                        || p->link[1] == q->link[1];
             size = fmax(size, d);
-            if (shared && d > 0 && p->kind == LW_JOINT_REVOLUTE && q->kind == LW_JOINT_REVOLUTE)
+            if (shared && d > 0 && lw_joint_turns(p->kind) && lw_joint_turns(q->kind))
                 least = fmin(least, d);
         }
     return fmin(least/3, size/25);
@@ -500,7 +500,7 @@ static lw_status check(const lw_scene *s, lw_error *e)
 {
     const lw_linkage *k = &s->linkage;
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR || k->joint[j].kind == LW_JOINT_FIXED)
+        if (!lw_joint_has_position(k->joint[j].kind))
             return lw_error_set(e, LW_E_KIND, "joint '%s': gears and welds are not cut from plates", k->joint[j].name);
     if (s->n_frame < 2)
         return lw_error_set(e, LW_E_KIND, "plates need the motion. %s", s->note);

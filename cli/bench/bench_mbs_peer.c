@@ -73,7 +73,7 @@ lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e)
 static const char *beyond(const lw_model *m)
 {
     for (int j = 0; j < m->linkage.n_joint; j++)
-        if (m->linkage.joint[j].kind != LW_JOINT_REVOLUTE || m->friction[j].coefficient > 0 || m->stop[j].has_least
+        if (!lw_joint_turns(m->linkage.joint[j].kind) || m->friction[j].coefficient > 0 || m->stop[j].has_least
             || m->stop[j].has_greatest || m->clearance[j].model != LW_CLEARANCE_NONE)
             return "joints other than plain pins";
     for (int k = 0; k < m->n_spring; k++)

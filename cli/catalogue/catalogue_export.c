@@ -64,7 +64,7 @@ static lw_status write_topology(job *j, int n_column, const lw_value *v)
             return damaged(j, "joints or a ground link that are none");
         memcpy(m.kind, v[2].text, v[2].size);
         for (int i = 0; i < m.n_joint; i++)
-            if (lw_kind_freedom(m.kind[i]) != 1)
+            if (lw_joint_freedoms(m.kind[i]) != 1)
                 return damaged(j, "a joint that is none");
         if (!set_inputs(&m, v[3].text))
             return damaged(j, "inputs that are none");

@@ -83,7 +83,7 @@ static lw_status set_input(const char *name, lw_linkage *k, lw_error *e)
         names[j] = k->joint[j].name;
         if (strcmp(names[j], name) != 0)
             continue;
-        if (k->joint[j].kind != LW_JOINT_REVOLUTE && k->joint[j].kind != LW_JOINT_SLIDER)
+        if (!lw_joint_can_drive(k->joint[j].kind))
             return lw_error_set(e, LW_E_ARG, "joint '%s' is no pin or slider and cannot be driven", name);
         k->n_input = 1;
         k->input[0] = (lw_input){ .joint = j, .value = lw_linkage_posture_input(k, j) };

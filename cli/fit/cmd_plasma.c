@@ -115,7 +115,7 @@ static lw_status check_choice(const job *b, lw_error *e)
                             : s->tracer, b->lam.n_link);
     if (s->input > b->lam.n_joint)
         return lw_error_set(e, LW_E_ARG, "there is no joint %d; the matrix has %d", s->input, b->lam.n_joint);
-    if (s->input && !strchr("rt", b->lam.kind[s->input - 1]))
+    if (s->input && !lw_joint_can_drive(b->lam.kind[s->input - 1]))
         return lw_error_set(e, LW_E_ARG, "joint %d is no pin or slider and cannot be driven", s->input);
     if (s->tracer == s->ground)
         return lw_error_set(e, LW_E_ARG, "the point is on part %d, which is the ground", s->ground);
@@ -135,7 +135,7 @@ static lw_status choose(job *b, lw_error *e)
             for (int t = 0; t < b->m.n_link; t++) {
                 int j = joint_of_number(b, n);
                 bool near = lw_mechanism_joint(&b->m, b->m.ground, t) != LW_NONE;
-                bool may = b->s->input ? n == b->s->input : strchr("rt", b->m.kind[j]) && at_ground(&b->m, j);
+                bool may = b->s->input ? n == b->s->input : lw_joint_can_drive(b->m.kind[j]) && at_ground(&b->m, j);
                 lw_linkage k;
                 if (!may || t == b->m.ground || (b->s->tracer ? t != b->s->tracer - 1 : near != (pass == 1)))
                     continue;
@@ -164,7 +164,7 @@ static lw_status read_matrix(job *b, lw_error *e)
     lw_lam_mechanism(&b->lam, &b->m, b->number);
     int freedom = 3*(b->m.n_link - 1);
     for (int j = 0; j < b->m.n_joint; j++)
-        freedom -= 3 - lw_kind_freedom(b->m.kind[j]);
+        freedom -= lw_joint_equations(b->m.kind[j]);
     return freedom == 1 ? LW_OK
          : lw_error_at(e, LW_E_KIND, path, 0, 0, "this mechanism has %d degrees of freedom; it must have one", freedom);
 }

@@ -244,7 +244,7 @@ static void curve_window(const cli_call *call, cli_curve_trace *t)
     t->from = given ? s->input_range[0]*unit : fmin(in->first, in->last);
     t->to = given ? s->input_range[1]*unit : fmax(in->first, in->last);
     t->timed = cli_given(&call->parsed, "speed");
-    t->speed = s->speed*(t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER ? t->k->units.metre : 1);
+    t->speed = s->speed*(t->k->n_input && lw_joint_slides(t->k->joint[in->joint].kind) ? t->k->units.metre : 1);
     t->steps = s->steps;
 }
 
@@ -252,7 +252,7 @@ static void json_top(const cli_call *call, cli_curve_trace *t, const char *way)
 {
     cli_json *j = t->rows.json;
     const lw_input *in = &t->k->input[0];
-    bool slider = t->k->n_input && t->k->joint[in->joint].kind == LW_JOINT_SLIDER;
+    bool slider = t->k->n_input && lw_joint_slides(t->k->joint[in->joint].kind);
     bool timed = t->timed || strcmp(way, "time") == 0;
     cli_json_object(j, NULL);
     cli_json_text(j, "version", LW_VERSION);

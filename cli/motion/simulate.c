@@ -37,7 +37,7 @@ void cli_simulate_columns(cli_simulate *s)
     add(s, "s", 1, "t");
     for (int i = 0; i < k->n_input; i++) {
         const char *name = k->joint[k->input[i].joint].name;
-        bool pin = k->joint[k->input[i].joint].kind == LW_JOINT_REVOLUTE;
+        bool pin = lw_joint_turns(k->joint[k->input[i].joint].kind);
         add(s, pin ? angle : length, pin ? radian : metre, "%s.input", name);
         add(s, pin ? "rad/s" : "m/s", 1, "%s.rate", name);
         add(s, pin ? "N m" : "N", 1, "%s.drive", name);

@@ -95,7 +95,7 @@ static void write_posture(linear *l)
 {
     double input = NAN;
     if (l->s.n_input > 0) {
-        bool pin = l->s.joint[l->s.input_joint[0]].kind == LW_JOINT_REVOLUTE;
+        bool pin = lw_joint_turns(l->s.joint[l->s.input_joint[0]].kind);
         input = l->s.input_value[0] + (pin ? 1.0 : l->s.unit)*lw_system_measure(&l->s, l->s.input_joint[0], l->q, NULL);
     }
     l->n_posture++;
@@ -157,7 +157,7 @@ static lw_status along(linear *l, lw_error *e)
     const lw_input *in = &l->m->linkage.input[0];
     if (l->s.n_input == 0)
         return lw_error_set(e, LW_E_ARG, "modes along the motion need an input, and the model has none");
-    bool pin = l->s.joint[l->s.input_joint[0]].kind == LW_JOINT_REVOLUTE, whole = in->first == in->last;
+    bool pin = lw_joint_turns(l->s.joint[l->s.input_joint[0]].kind), whole = in->first == in->last;
     if (whole && !pin)
         return lw_error_set(e, LW_E_ARG, "modes along the motion of a slider need its range: give the input a "
                             "\"from\" and a "

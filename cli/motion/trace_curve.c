@@ -9,7 +9,7 @@
 
 static bool is_slider(const cli_curve_trace *t, int input)
 {
-    return t->k->joint[t->k->input[input].joint].kind == LW_JOINT_SLIDER;
+    return lw_joint_slides(t->k->joint[t->k->input[input].joint].kind);
 }
 
 double cli_curve_unit(const cli_curve_trace *t, int input)
@@ -285,7 +285,7 @@ static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_motion
 
 static void event_text(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e, char text[128])
 {
-    const char *slides = e->joint >= 0 && t->k->joint[e->joint].kind == LW_JOINT_SLIDER ? "slider" : "pin";
+    const char *slides = e->joint >= 0 && lw_joint_slides(t->k->joint[e->joint].kind) ? "slider" : "pin";
     int other = crossing_circuit(t, curve, e);
     if (other >= 0)
         snprintf(text, 128, "branch point, passed straight on; circuit %d crosses", other + 1);

@@ -74,7 +74,7 @@ static bool read_kinds(const char *text, char kinds[8])
     int n = 0;
     for (; *text; text++)
         if (*text != ',') {
-            if (!lw_kind_freedom(*text) || memchr(kinds, *text, (size_t)n))
+            if (!lw_joint_freedoms(*text) || memchr(kinds, *text, (size_t)n))
                 return false;
             kinds[n++] = *text;
         }

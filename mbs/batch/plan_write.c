@@ -47,7 +47,7 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
 {
     const lw_linkage old = *k;
     for (int j = 0; j < k->n_joint; j++) {
-        if (k->joint[j].kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(k->joint[j].kind))
             continue;
         if (k->joint[j].kind != LW_JOINT_SLIDER) {
             k->joint[j].at = in_plane(q, dim, q->p->joint_point[j]);
@@ -72,7 +72,7 @@ static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
         k->joint[r->joint].ratio = r->side ? r->sign*dim[i] : r->sign/lw_away_from_zero(dim[i]);
     }
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR && lw_linkage_gear(k, j, &g, NULL) == LW_OK)
+        if (lw_joint_has_ratio(k->joint[j].kind) && lw_linkage_gear(k, j, &g, NULL) == LW_OK)
             k->joint[j].at = lw_linkage_contact(k, j, &g);
 }
 
@@ -97,7 +97,7 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
     if (s != LW_OK)
         return s;
     for (int j = 0; j < k->n_joint; j++)
-        if ((p->joint_point[j] < 0 && k->joint[j].kind != LW_JOINT_GEAR)
+        if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(k->joint[j].kind))
             || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
             return LW_E_ARG;
     if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)

@@ -8,9 +8,6 @@
 
 /* ---- making ------------------------------------------------------------------------------------ */
 
-static bool projects(const lw_system_joint *j) { return j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT; }
-static bool is_point(const lw_system_joint *j) { return j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED; }
-
 /* Norms include all rotations, and positions that a row projects on a rotating line. */
 static void choose_norm(lw_continuation *f)
 {
@@ -19,7 +16,7 @@ static void choose_norm(lw_continuation *f)
     for (int j = 0; j < f->s->n_joint; j++)
         for (int end = 0; end < 2; end++) {
             int b = f->s->joint[j].body[end];
-            if (projects(&f->s->joint[j]) && b >= 0)
+            if (lw_joint_slides(f->s->joint[j].kind) && b >= 0)
                 f->curved[3*b] = f->curved[3*b + 1] = true;
         }
 }
@@ -184,7 +181,7 @@ static bool stack_arms(const lw_continuation *f, const lw_system_frames *at, int
     memset(out, 0, (size_t)f->m*sizeof *out);
     for (int k = 0; k < f->s->n_joint; k++) {
         const lw_system_joint *j = &f->s->joint[k];
-        if (!is_point(j) || (j->body[0] != b && j->body[1] != b))
+        if (!lw_joint_holds_point(j->kind) || (j->body[0] != b && j->body[1] != b))
             continue;
         int end = j->body[1] == b;
         lw_vec2 r = lw_v2_scale(lw_v2_turn(j->arm[end], dir), end ? -1.0 : 1.0);
@@ -240,16 +237,16 @@ static double projection_bound(lw_continuation *f, const lw_system_frames *at, d
     double sum = 0.0;
     for (int k = 0; k < s->n_joint; k++) {
         const lw_system_joint *j = &s->joint[k];
-        if (projects(j))
+        if (lw_joint_slides(j->kind))
             sum += row_gain(f, j->row)*projection_norm(j, at, reach);
-        for (int side = 0; side < 2 && j->kind == LW_JOINT_GEAR; side++)
+        for (int side = 0; side < 2 && lw_joint_has_ratio(j->kind); side++)
             if (j->slider[side] >= 0)
                 sum += row_gain(f, j->row)*projection_norm(&s->joint[j->slider[side]], at, reach)
                      * (side == 1 ? 1.0 : fabs(j->ratio))/(1.0 + fabs(j->ratio));
     }
     for (int i = 0; i < f->n_held; i++) {
         const lw_system_joint *j = &s->joint[s->input_joint[f->held[i]]];
-        if (projects(j))
+        if (lw_joint_slides(j->kind))
             sum += row_gain(f, s->n_row + i)*projection_norm(j, at, reach);
     }
     return sum;

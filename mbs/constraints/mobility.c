@@ -60,14 +60,14 @@ static bool works(const lw_system *s, int j, const double *q, const double *dq)
     const lw_system_joint *g = &s->joint[j];
     double turn[2];
     lw_vec2 v[2];
-    if (g->kind == LW_JOINT_GEAR)
+    if (lw_joint_has_ratio(g->kind))
         return true;
     for (int end = 0; end < 2; end++) {
         turn[end] = g->body[end] < 0 ? 0 : dq[3*g->body[end] + 2];
         v[end] = velocity(s, g->body[end], g->arm[end], q, dq);
     }
     return fabs(turn[1] - turn[0]) > STILL
-        || (g->kind != LW_JOINT_REVOLUTE && lw_v2_norm(lw_v2_sub(v[1], v[0])) > STILL);
+        || (!lw_joint_turns(g->kind) && lw_v2_norm(lw_v2_sub(v[1], v[0])) > STILL);
 }
 
 /* Mark links and joints that move at a posture. */
@@ -90,7 +90,7 @@ static void list_still(search *f)
         if (!f->moved[f->s->link[b]])
             m->still_links |= 1u << f->s->link[b];
     for (int j = 0; j < f->s->n_joint; j++)
-        if (!f->worked[j] && f->s->joint[j].kind != LW_JOINT_GEAR && f->s->joint[j].kind != LW_JOINT_FIXED)
+        if (!f->worked[j] && lw_joint_has_position(f->s->joint[j].kind))
             m->still_joints |= (uint64_t)1 << j;
 }
 

@@ -7,7 +7,7 @@ static bool may_be_held(const lw_linkage *k, int joint, uint32_t idle)
     for (int i = 0; i < k->n_input; i++)
         if (k->input[i].joint == joint)
             return false;
-    return (j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_SLIDER)
+    return lw_joint_can_drive(j->kind)
         && ((idle >> j->link[0] & 1) || (idle >> j->link[1] & 1));
 }
 

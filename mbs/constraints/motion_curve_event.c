@@ -148,7 +148,7 @@ lw_status lw_motion_curve_find_events(lw_motion_curve *b)
         bool driven = false;
         for (int i = 0; i < b->s->n_input; i++)
             driven = driven || b->s->input_joint[i] == j;
-        bool counts = p->kind == LW_JOINT_REVOLUTE || p->kind == LW_JOINT_SLIDER;
+        bool counts = lw_joint_can_drive(p->kind);
         if (!driven && counts && (p->body[0] < 0 || p->body[1] < 0) && !stands_still(b, j))
             status = watch(b, j, LW_EVENT_TURNING);
     }

@@ -12,7 +12,7 @@ static const double least_rate = 1e-8;     /* d input / d arc; below this the in
 
 static bool input_turns(const lw_motion_curve *b, int input)
 {
-    return b->s->joint[b->s->input_joint[input]].kind == LW_JOINT_REVOLUTE;
+    return lw_joint_turns(b->s->joint[b->s->input_joint[input]].kind);
 }
 
 bool lw_motion_curve_rates(lw_motion_curve *b, int order, const double *motion, double *q)

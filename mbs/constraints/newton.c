@@ -518,7 +518,7 @@ lw_status lw_newton_create(const lw_linkage *k, lw_newton **out, lw_error *e)
         status = lw_error_set(e, LW_E_MEMORY, "out of memory");
     if (status == LW_OK) {
         s->value = k->input[0].value;
-        s->input_is_pin = k->joint[k->input[0].joint].kind == LW_JOINT_REVOLUTE;
+        s->input_is_pin = lw_joint_turns(k->joint[k->input[0].joint].kind);
         s->unit = s->input_is_pin ? 1.0 : s->system.unit;
         status = begin(s, e);
     }
@@ -545,7 +545,7 @@ lw_vec2 lw_newton_tracer(const lw_newton *s, int which)
 lw_vec2 lw_newton_joint(const lw_newton *s, int joint)
 {
     const lw_system_joint *q = &s->system.joint[joint];
-    return lw_system_point(&s->system, q->kind == LW_JOINT_GEAR ? q->carrier : q->body[0], q->arm[0], s->here.z);
+    return lw_system_point(&s->system, lw_joint_has_ratio(q->kind) ? q->carrier : q->body[0], q->arm[0], s->here.z);
 }
 
 double lw_newton_angle(const lw_newton *s, int link)

@@ -34,7 +34,7 @@ struct lw_prescribed_motion {
 
 static double unit_of(const lw_prescribed_motion *d, int input)
 {
-    return d->s->joint[d->s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1.0 : d->s->unit;
+    return lw_joint_turns(d->s->joint[d->s->input_joint[input]].kind) ? 1.0 : d->s->unit;
 }
 
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */

@@ -6,8 +6,6 @@
 /* ---- scale ------------------------------------------------------------------------------------- */
 
 /* A gear has no position of its own, and a weld may be drawn anywhere. */
-static bool has_place(const lw_joint *j) { return j->kind != LW_JOINT_GEAR && j->kind != LW_JOINT_FIXED; }
-
 /* Middle and size of the posture.  Differences are taken before sums, so that a posture far from the origin keeps its
  * digits. If all joints are at one point, the tracers define the size; without tracers any size will do, because
  * links only turn about that point. */
@@ -17,14 +15,14 @@ static void measure_posture(const lw_linkage *k, lw_system *s)
     int n = 0;
     s->unit = 0.0;
     for (int j = 0; j < k->n_joint; j++)
-        if (has_place(&k->joint[j])) {
+        if (lw_joint_has_position(k->joint[j].kind)) {
             first = n == 0 ? k->joint[j].at : first;
             sum = lw_v2_add(sum, lw_v2_sub(k->joint[j].at, first));
             n++;
         }
     s->origin = lw_v2_add(first, lw_v2_scale(sum, 1.0/(n > 0 ? n : 1)));
     for (int j = 0; j < k->n_joint; j++)
-        if (has_place(&k->joint[j]))
+        if (lw_joint_has_position(k->joint[j].kind))
             s->unit = fmax(s->unit, lw_v2_norm(lw_v2_sub(k->joint[j].at, s->origin)));
     for (int i = 0; i < k->n_tracer && s->unit == 0.0; i++)
         s->unit = lw_v2_norm(lw_v2_sub(k->tracer[i].at, s->origin));
@@ -44,7 +42,7 @@ static void make_bodies(const lw_linkage *k, const lw_vec2 *reference, lw_system
     int n[LW_LINK_MAX] = { 0 };
     for (int j = 0; j < k->n_joint; j++)
         for (int end = 0; end < 2; end++)
-            if (has_place(&k->joint[j])) {
+            if (lw_joint_has_position(k->joint[j].kind)) {
                 int l = k->joint[j].link[end];
                 sum[l] = lw_v2_add(sum[l], scaled(s, k->joint[j].at));
                 n[l]++;
@@ -60,12 +58,9 @@ static void make_bodies(const lw_linkage *k, const lw_vec2 *reference, lw_system
     s->n_q = 3*s->n_body;
 }
 
-static void add_rows(lw_system *s, int joint, const char *a, const char *b, const char *c)
+static void add_row(lw_system *s, int joint, const char *what)
 {
-    const char *what[] = { a, b, c };
-    for (int i = 0; i < 3; i++)
-        if (what[i])
-            s->row[s->n_row++] = (lw_system_row){ joint, what[i] };
+    s->row[s->n_row++] = (lw_system_row){ joint, what };
 }
 
 static lw_status make_gear(const lw_linkage *k, int j, lw_system *s, lw_error *e)
@@ -95,25 +90,19 @@ static lw_status make_joint(const lw_linkage *k, int j, lw_system *s, lw_error *
         q->body[end] = s->body[from->link[end]];
         q->arm[end] = lw_system_arm(s, q->body[end], from->at);
     }
-    switch (from->kind) {
-    case LW_JOINT_REVOLUTE:
-        q->sign = q->body[1] < 0 ? -1.0 : 1.0;
-        add_rows(s, j, "x", "y", NULL);
-        break;
-    case LW_JOINT_SLIDER:
-        add_rows(s, j, "across", "turn", NULL);
-        break;
-    case LW_JOINT_SLOT:
-        add_rows(s, j, "across", NULL, NULL);
-        break;
-    case LW_JOINT_FIXED:
-        add_rows(s, j, "x", "y", "turn");
-        break;
-    case LW_JOINT_GEAR:
-        add_rows(s, j, "ratio", NULL, NULL);
-        return make_gear(k, j, s, e);
-    }
-    return LW_OK;
+    if (lw_joint_turns(q->kind) && q->body[1] < 0)
+        q->sign = -1.0;
+    if (lw_joint_holds_point(q->kind)) {
+        add_row(s, j, "x");
+        add_row(s, j, "y");
+    } else if (lw_joint_slides(q->kind))
+        add_row(s, j, "across");
+    if (lw_joint_holds_rotation(q->kind))
+        add_row(s, j, "turn");
+    if (!lw_joint_has_ratio(q->kind))
+        return LW_OK;
+    add_row(s, j, "ratio");
+    return make_gear(k, j, s, e);
 }
 
 static void make_inputs(const lw_linkage *k, lw_system *s)
@@ -128,7 +117,7 @@ static void make_inputs(const lw_linkage *k, lw_system *s)
     for (int i = 0; i < s->n_tie; i++) {
         int tied = s->n_input + i;
         s->tie[i] = k->input[tied].ratio/lw_linkage_tie_unit(k, tied, s->unit);
-        add_rows(s, k->input[tied].joint, "tie", NULL, NULL);
+        add_row(s, k->input[tied].joint, "tie");
     }
 }
 
@@ -180,12 +169,12 @@ static void add_joint_bodies(const lw_system *s, int j, int body[LW_SYSTEM_ROW_B
 {
     const lw_system_joint *q = &s->joint[j];
     for (int side = 0; side < 2; side++)
-        if (q->kind == LW_JOINT_GEAR && q->slider[side] >= 0) {
+        if (lw_joint_has_ratio(q->kind) && q->slider[side] >= 0) {
             add_body(body, s->joint[q->slider[side]].body[0]);
             add_body(body, s->joint[q->slider[side]].body[1]);
         } else {
             add_body(body, q->body[side]);
-            add_body(body, q->kind == LW_JOINT_GEAR ? q->carrier : -1);
+            add_body(body, lw_joint_has_ratio(q->kind) ? q->carrier : -1);
         }
 }
 
@@ -223,9 +212,9 @@ void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
     for (int j = 0; j < s->n_joint; j++) {
         const lw_system_joint *p = &s->joint[j];
         int end = p->kind == LW_JOINT_SLOT ? 1 : 0;
-        int body = p->kind == LW_JOINT_GEAR ? p->carrier : p->body[end];
+        int body = lw_joint_has_ratio(p->kind) ? p->carrier : p->body[end];
         k->joint[j].at = lw_system_point(s, body, p->arm[end], q);
-        if (p->kind == LW_JOINT_SLIDER || p->kind == LW_JOINT_SLOT)
+        if (lw_joint_slides(p->kind))
             k->joint[j].along = lw_v2_turn(p->along, lw_v2_polar(1.0, turn_of(p->body[0], q)));
     }
     for (int i = 0; i < s->n_tracer; i++) {
@@ -233,7 +222,7 @@ void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
         k->tracer[i].angle += turn_of(s->tracer_body[i], q);
     }
     for (int i = 0; i < s->n_input + s->n_tie; i++) {
-        bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
+        bool pin = lw_joint_turns(s->joint[s->input_joint[i]].kind);
         k->input[i].value = s->input_value[i] + lw_system_measure(s, s->input_joint[i], q, NULL)*(pin ? 1.0 : s->unit);
     }
 }

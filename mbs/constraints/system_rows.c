@@ -78,11 +78,11 @@ static inline void add_turn(const lw_system_joint *j, double factor, target t)
 /* The displacement of a joint times `factor`. */
 static double count(const lw_system_joint *j, const lw_system_frames *f, double factor, target t)
 {
-    if (j->kind == LW_JOINT_REVOLUTE) {
+    if (lw_joint_turns(j->kind)) {
         add_turn(j, factor*j->sign, t);
         return factor*j->sign*turn_between(j, f);
     }
-    if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT)
+    if (!lw_joint_slides(j->kind))
         return 0.0;
     contact c = touch(j, f);
     if (t.to)
@@ -131,15 +131,15 @@ void lw_system_fill(const lw_system *s, const lw_system_frames *f, double *phi, 
         const lw_system_joint *j = &s->joint[k];
         int r = j->row;
         target t0 = { jac ? jac + r*row_step : NULL, column_step };
-        if (j->kind == LW_JOINT_GEAR) {
+        if (lw_joint_has_ratio(j->kind)) {
             double left = gear_row(s, j, f, t0);
             if (phi)
                 phi[r] = left;
             continue;
         }
         contact c = touch(j, f);
-        bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
-        bool turn = j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED;
+        bool point = lw_joint_holds_point(j->kind);
+        bool turn = lw_joint_holds_rotation(j->kind);
         lw_vec2 across = lw_v2_perp(c.u);
         int next = r + (point ? 2 : 1);
         if (phi) {
@@ -187,7 +187,7 @@ double lw_system_measure(const lw_system *s, int j, const double *q, double *row
 /* The whole turns contained in an input value. */
 static double whole_count(const lw_system_joint *j, const lw_system_frames *f)
 {
-    return j->kind == LW_JOINT_REVOLUTE ? j->sign*turn_between(j, f) : 0.0;
+    return lw_joint_turns(j->kind) ? j->sign*turn_between(j, f) : 0.0;
 }
 
 void lw_system_turns(const lw_system *s, const int *turns, double *rows, double *inputs)
@@ -199,9 +199,9 @@ void lw_system_turns(const lw_system *s, const int *turns, double *rows, double 
         f.turn[b + 1] = turns[b];
     for (int k = 0; k < s->n_joint; k++) {
         const lw_system_joint *j = &s->joint[k];
-        if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED)
-            rows[j->row + (j->kind == LW_JOINT_FIXED ? 2 : 1)] = turn_between(j, &f);
-        if (j->kind == LW_JOINT_GEAR)
+        if (lw_joint_holds_rotation(j->kind))
+            rows[j->row + (lw_joint_holds_point(j->kind) ? 2 : 1)] = turn_between(j, &f);
+        if (lw_joint_has_ratio(j->kind))
             for (int side = 0; side < 2; side++)
                 if (j->slider[side] < 0)
                     rows[j->row] += lw_system_gear_factor(j, side)

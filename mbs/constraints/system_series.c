@@ -70,11 +70,11 @@ void lw_system_measure_series(const lw_system *s, int j, int order, const double
     const lw_system_joint *p = &s->joint[j];
     joint_series c;
     memset(out, 0, (size_t)(order + 1)*sizeof *out);
-    if (p->kind == LW_JOINT_GEAR || p->kind == LW_JOINT_FIXED)
+    if (!lw_joint_has_position(p->kind))
         return;
     read_joint(s, p, order, q, &c);
     for (int k = 0; k <= order; k++)
-        out[k] = p->kind == LW_JOINT_REVOLUTE ? p->sign*(c.body[1].turn[k] - c.body[0].turn[k])
+        out[k] = lw_joint_turns(p->kind) ? p->sign*(c.body[1].turn[k] - c.body[0].turn[k])
                                               : product(c.u, c.d, k);
 }
 
@@ -99,13 +99,13 @@ static void gear_series(const lw_system *s, const lw_system_joint *j, int order,
 static void joint_rows(const lw_system *s, const lw_system_joint *j, int order, const double *q, double *phi)
 {
     joint_series c;
-    if (j->kind == LW_JOINT_GEAR) {
+    if (lw_joint_has_ratio(j->kind)) {
         gear_series(s, j, order, q, phi);
         return;
     }
     read_joint(s, j, order, q, &c);
-    bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
-    bool turn = j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_FIXED;
+    bool point = lw_joint_holds_point(j->kind);
+    bool turn = lw_joint_holds_rotation(j->kind);
     for (int k = 0; k <= order; k++) {
         double *out = phi + (long)k*s->n_row;
         out[0] = point ? c.d[k].x : across(&c, k);

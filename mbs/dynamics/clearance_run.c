@@ -57,7 +57,7 @@ static double round_trip(lw_clearance_work *w)
     const lw_system *s = &w->c->s;
     lw_tree_write(&w->c->tree, &w->state, NULL, w->q, NULL);
     double value = lw_system_measure(s, s->input_joint[0], w->q, NULL);
-    return s->joint[s->input_joint[0]].kind == LW_JOINT_REVOLUTE ? sin(0.5*value) : value;
+    return lw_joint_turns(s->joint[s->input_joint[0]].kind) ? sin(0.5*value) : value;
 }
 
 /* Depth in gaps; for a link the pull of the pin in newtons (contact is lost when it would have to push) */
@@ -143,7 +143,7 @@ static void read_input(lw_clearance_work *w, double *value, double *rate)
     *value = *rate = 0.0;
     if (s->n_input == 0)
         return;
-    double scale = s->joint[s->input_joint[0]].kind == LW_JOINT_REVOLUTE ? 1.0 : s->unit;
+    double scale = lw_joint_turns(s->joint[s->input_joint[0]].kind) ? 1.0 : s->unit;
     *value = s->input_value[0] + scale*lw_system_measure(s, s->input_joint[0], w->q, w->row);
     for (int k = 0; k < s->n_q; k++)
         *rate += scale*w->row[k]*w->v[k];

@@ -19,7 +19,7 @@ static lw_status check_journal(const lw_model *m, int j, lw_error *e)
 {
     const lw_clearance *c = &m->clearance[j];
     const char *name = m->linkage.joint[j].name;
-    if (m->linkage.joint[j].kind != LW_JOINT_REVOLUTE)
+    if (!lw_joint_turns(m->linkage.joint[j].kind))
         return lw_error_set(e, LW_E_ARG, "joint \"%s\" is no pin: only pins (kind r) can have clearance", name);
     if (!(c->gap > 0.0) || !isfinite(c->gap))
         return lw_error_set(e, LW_E_ARG, "the gap of joint \"%s\" must be above 0", name);
@@ -75,7 +75,7 @@ static void count_turns(lw_clearance_scene *c)
     for (int i = 0; i < c->m->linkage.n_input; i++) {
         const lw_expression *x = c->m->motion[i];
         const int *which;
-        if (!x || c->s.joint[c->s.input_joint[i]].kind != LW_JOINT_REVOLUTE)
+        if (!x || !lw_joint_turns(c->s.joint[c->s.input_joint[i]].kind))
             continue;
         double t = 0.0, first = lw_expression_variables(x, &which) <= 1 ? lw_expression_value(x, &t) : NAN;
         if (isfinite(first))

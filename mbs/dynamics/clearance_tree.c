@@ -26,8 +26,7 @@ static void hang(lw_tree *t, int body, int j, int end)
     for (int i = 0; up && i < up->n_path; i++)
         add_path(b, up->path[i]);
     add_path(b, b->turn);
-    b->kind = p->kind == LW_JOINT_REVOLUTE ? LW_TREE_PIN : p->kind == LW_JOINT_SLIDER ? LW_TREE_SLIDE
-            : LW_TREE_WELD;
+    b->kind = lw_joint_turns(p->kind) ? LW_TREE_PIN : lw_joint_slides(p->kind) ? LW_TREE_SLIDE : LW_TREE_WELD;
     if (b->kind != LW_TREE_WELD)
         add_path(b, b->coordinate = t->n_u++);
     if (b->kind == LW_TREE_PIN)
@@ -44,10 +43,7 @@ static void let_float(lw_tree *t, int body)
     t->order[t->n_body++] = body;
 }
 
-static bool can_hang(lw_joint_kind k)
-{
-    return k == LW_JOINT_REVOLUTE || k == LW_JOINT_SLIDER || k == LW_JOINT_FIXED;
-}
+static bool can_hang(lw_joint_kind kind) { return lw_joint_freedoms(kind) <= 1; }
 
 /* Add one body by the first joint from a connected body (or ground) to one that is not. */
 static bool grow(lw_tree *t, const bool *opened, const bool *apart, bool *hangs, bool *used)
@@ -62,11 +58,6 @@ static bool grow(lw_tree *t, const bool *opened, const bool *apart, bool *hangs,
             return true;
         }
     return false;
-}
-
-static int rows_of(lw_joint_kind k)
-{
-    return k == LW_JOINT_FIXED ? 3 : k == LW_JOINT_SLOT || k == LW_JOINT_GEAR ? 1 : 2;
 }
 
 void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_tree *t)
@@ -87,7 +78,7 @@ void lw_tree_make(const lw_system *s, const bool *opened, const bool *apart, lw_
     for (int j = 0; j < s->n_joint; j++)
         if (!opened[j] && !used[j]) {
             t->close[t->n_close++] = j;
-            t->n_row += rows_of(s->joint[j].kind);
+            t->n_row += lw_joint_equations(s->joint[j].kind);
         }
 }
 

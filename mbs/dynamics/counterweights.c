@@ -45,7 +45,7 @@ static void find_links(balance *b)
 {
     for (int j = 0; j < b->s->n_joint; j++) {
         const lw_system_joint *p = &b->s->joint[j];
-        if (p->kind == LW_JOINT_REVOLUTE && (p->body[0] < 0 || p->body[1] < 0))
+        if (lw_joint_turns(p->kind) && (p->body[0] < 0 || p->body[1] < 0))
             add_link(b, p->body[0] < 0 ? p->body[1] : p->body[0], j, false);
     }
     for (int i = 0; i < b->s->n_body; i++)
@@ -161,7 +161,7 @@ static bool add_floating(balance *b, double *p, lw_status *status)
     for (int j = 0; j < s->n_joint; j++)
         for (int end = 0; end < 2; end++) {
             int body = s->joint[j].body[end];
-            bool known = body < 0 || s->joint[j].kind != LW_JOINT_REVOLUTE || b->n_link == LW_LINK_MAX;
+            bool known = body < 0 || !lw_joint_turns(s->joint[j].kind) || b->n_link == LW_LINK_MAX;
             for (int l = 0; l < b->n_link; l++)
                 known = known || b->body[l] == body;
             if (known)

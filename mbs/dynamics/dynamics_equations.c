@@ -82,7 +82,7 @@ static joint_motion joint_motion_of(const lw_dynamics *d, const lw_system_joint 
 static double count_bias(const lw_dynamics *d, int joint, const double *v)
 {
     const lw_system_joint *j = &d->s.joint[joint];
-    if (j->kind != LW_JOINT_SLIDER && j->kind != LW_JOINT_SLOT)
+    if (!lw_joint_slides(j->kind))
         return 0;
     joint_motion z = joint_motion_of(d, j, v);
     return lw_v2_dot(z.ddu, z.d) + 2*lw_v2_dot(z.du, z.dd) + lw_v2_dot(z.u, z.ddd);
@@ -92,21 +92,18 @@ static void joint_bias(lw_dynamics *d, const lw_system_joint *j, const double *v
 {
     double *to = d->rhs + j->row;
     joint_motion z;
-    switch (j->kind) {
-    case LW_JOINT_REVOLUTE: case LW_JOINT_FIXED:
+    if (lw_joint_holds_point(j->kind)) {
         z = joint_motion_of(d, j, v);
         to[0] = -z.ddd.x;
         to[1] = -z.ddd.y;
-        break;
-    case LW_JOINT_SLIDER: case LW_JOINT_SLOT:
+    } else if (lw_joint_slides(j->kind)) {
         z = joint_motion_of(d, j, v);
         to[0] = -lw_v2_cross(z.ddu, z.d) - 2*lw_v2_cross(z.du, z.dd) - lw_v2_cross(z.u, z.ddd);
-        break;
-    case LW_JOINT_GEAR:
+    }
+    if (lw_joint_has_ratio(j->kind))
         for (int side = 0; side < 2; side++)
             if (j->slider[side] >= 0)
                 to[0] -= lw_system_gear_factor(j, side)*j->slider_sign[side]*count_bias(d, j->slider[side], v);
-    }
 }
 
 static lw_status acceleration_wanted(lw_dynamics *d, double t, const double *v)

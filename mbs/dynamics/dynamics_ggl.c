@@ -45,7 +45,7 @@ static double add_friction(lw_dynamics *d, const double *q, const double *v, con
     for (int f = 0; f < d->n_friction; f++) {
         double force[LW_SYSTEM_Q_MAX], unit = lw_friction_force(&d->s, &d->friction[f], q, v, force);
         const lw_system_joint *j = &d->s.joint[d->friction[f].joint];
-        int x = d->place[j->row], y = j->kind == LW_JOINT_REVOLUTE ? d->place[j->row + 1] : -1;
+        int x = d->place[j->row], y = lw_joint_turns(j->kind) ? d->place[j->row + 1] : -1;
         double n = hypot(x < 0 ? 0 : l[x], y < 0 ? 0 : l[y])/d->s.unit;
         for (int i = 0; i < d->n_q; i++)
             d->force[i] += n*force[i];
@@ -109,7 +109,7 @@ static int add_bend(bend *out, int n, int body, int axis, int other, int other_a
 static int bends_of(const lw_dynamics *d, int r, bend out[8])
 {
     const lw_system_joint *j = &d->s.joint[d->s.row[r].joint];
-    bool point = j->kind == LW_JOINT_REVOLUTE || j->kind == LW_JOINT_FIXED;
+    bool point = lw_joint_holds_point(j->kind);
     int b0 = j->body[0], b1 = j->body[1], side = r - j->row, n = 0;
     if (side >= (point ? 2 : 1))
         return 0;
@@ -186,7 +186,7 @@ static bool has_derivatives(const lw_dynamics *d)
 {
     bool gear = false;
     for (int j = 0; j < d->s.n_joint; j++)
-        gear = gear || d->s.joint[j].kind == LW_JOINT_GEAR;
+        gear = gear || lw_joint_has_ratio(d->s.joint[j].kind);
     return !gear && d->n_c == d->n_row && !d->n_friction && !d->f.caller.apply;
 }
 

@@ -27,7 +27,7 @@ static double momentum(const lw_dynamics *d, const double *y)
         double sum = 0;
         for (int b = 0; b < d->s.n_body; b++) {
             lw_vec2 at = lw_v2_sub(lw_v2(q[3*b], q[3*b + 1]), p->arm[ground]), rate = lw_v2(v[3*b], v[3*b + 1]);
-            sum += p->kind == LW_JOINT_REVOLUTE
+            sum += lw_joint_turns(p->kind)
                  ? d->f.mass[3*b]*lw_v2_cross(at, rate) + d->f.mass[3*b + 2]*v[3*b + 2]
                  : d->f.mass[3*b]*lw_v2_dot(p->along, rate)/d->s.unit;
         }
@@ -56,7 +56,7 @@ static bool keeps_momentum(const lw_dynamics *d)
                 return false;
             tied = j;
         }
-    if (tied < 0 || (d->s.joint[tied].kind != LW_JOINT_REVOLUTE && d->s.joint[tied].kind != LW_JOINT_SLIDER))
+    if (tied < 0 || !lw_joint_can_drive(d->s.joint[tied].kind))
         return false;
     const lw_joint_stop *p = &m->stop[tied];
     bool loaded = m->gravity.x != 0 || m->gravity.y != 0 || m->n_force || d->f.caller.apply ||

@@ -22,7 +22,7 @@ static double size_of_model(const lw_model *m)
     lw_vec2 box[2];
     bool any = false;
     for (int j = 0; j < linkage->n_joint; j++)
-        if (linkage->joint[j].kind != LW_JOINT_GEAR && linkage->joint[j].kind != LW_JOINT_FIXED)
+        if (lw_joint_has_position(linkage->joint[j].kind))
             reach(linkage->joint[j].at, box, &any);
     for (int l = 0; l < linkage->n_link; l++)
         if (l != linkage->ground && m->body[l].mass > 0)
@@ -88,7 +88,7 @@ void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3])
 {
     double series[3] = { t, 1, 0 };
-    double scale = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE ? 1 : 1/s->unit;
+    double scale = lw_joint_turns(s->joint[s->input_joint[i]].kind) ? 1 : 1/s->unit;
     lw_expression_series(m->motion[i], 2, series, out);
     out[0] = (out[0] - s->input_value[i])*scale;
     out[1] *= scale;
@@ -542,7 +542,7 @@ void lw_measure_joint(const lw_system *s, int joint, const double *q, const doub
     const lw_system_joint *j = &s->joint[joint];
     begin(m, j->body[0], j->body[1], second);
     m->value = 0;
-    if (j->kind == LW_JOINT_REVOLUTE) {
+    if (lw_joint_turns(j->kind)) {
         double turn[2] = { j->body[0] < 0 ? 0 : q[3*j->body[0] + 2], j->body[1] < 0 ? 0 : q[3*j->body[1] + 2] };
         m->value = j->sign*(turn[1] - turn[0]);
         m->g[2] = -j->sign;
@@ -550,7 +550,7 @@ void lw_measure_joint(const lw_system *s, int joint, const double *q, const doub
         finish(m, 1, v);
         return;
     }
-    if (j->kind == LW_JOINT_SLIDER || j->kind == LW_JOINT_SLOT)
+    if (lw_joint_slides(j->kind))
         measure_slide(j, q, v, second, m);
     finish(m, s->unit, v);
 }

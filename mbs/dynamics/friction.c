@@ -11,7 +11,7 @@ lw_friction_joint lw_friction_joint_of(const lw_model *m, int j)
 {
     const lw_friction *f = &m->friction[j];
     return (lw_friction_joint){ j, f->coefficient, f->speed,
-                                m->linkage.joint[j].kind == LW_JOINT_REVOLUTE ? f->radius : 1 };
+                                lw_joint_turns(m->linkage.joint[j].kind) ? f->radius : 1 };
 }
 
 double lw_friction_push(const lw_friction_joint *f, double rate)
@@ -34,7 +34,7 @@ double lw_friction_force(const lw_system *s, const lw_friction_joint *f, const d
 
 lw_vec2 lw_friction_reaction(const lw_system *s, int joint, const double *multiplier)
 {
-    bool pin = s->joint[joint].kind == LW_JOINT_REVOLUTE;
+    bool pin = lw_joint_turns(s->joint[joint].kind);
     return lw_v2(multiplier[0]/s->unit, pin ? multiplier[1]/s->unit : 0);
 }
 

@@ -16,23 +16,18 @@ static lw_reaction on_body(const lw_system *s, const double *jac, const double *
     return r;
 }
 
-static int rows_of(lw_joint_kind kind)
-{
-    return kind == LW_JOINT_FIXED ? 3 : kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER ? 2 : 1;
-}
-
 void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *out)
 {
     const lw_system *s = lw_dynamics_system(d);
     double jac[3*LW_SYSTEM_Q_MAX], phi[3];
     for (int j = 0; j < s->n_joint; j++) {
         const lw_system_joint *p = &s->joint[j];
-        int end = p->body[1] >= 0 ? 1 : 0, body = p->body[end], n = rows_of(p->kind);
+        int end = p->body[1] >= 0 ? 1 : 0, body = p->body[end], n = lw_joint_equations(p->kind);
         lw_dynamics_joint_rows(d, j, m->q, phi, jac);
         lw_reaction r = on_body(s, jac, m->l + p->row, 0, n, body);
         /* link[1] receives the opposite of what acts on link[0] */
         double sign = end == 1 ? 1 : -1;
-        lw_vec2 at = lw_system_point(s, p->kind == LW_JOINT_GEAR ? p->carrier : p->body[1], p->arm[1], m->q);
+        lw_vec2 at = lw_system_point(s, lw_joint_has_ratio(p->kind) ? p->carrier : p->body[1], p->arm[1], m->q);
         lw_vec2 centre = lw_system_point(s, body, lw_v2(0, 0), m->q);
         out[j].force = lw_v2_scale(r.force, sign);
         out[j].moment = sign*(r.moment - lw_v2_cross(lw_v2_sub(at, centre), r.force));
@@ -41,7 +36,7 @@ void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *
 
 static double input_unit(const lw_system *s, int input)
 {
-    return s->joint[s->input_joint[input]].kind == LW_JOINT_REVOLUTE ? 1 : s->unit;
+    return lw_joint_turns(s->joint[s->input_joint[input]].kind) ? 1 : s->unit;
 }
 
 void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)

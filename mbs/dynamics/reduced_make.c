@@ -52,7 +52,7 @@ static int candidate(const lw_linkage *linkage, int n)
     for (int j = 0; j < linkage->n_joint; j++) {
         const lw_joint *p = &linkage->joint[j];
         bool ground = p->link[0] == linkage->ground || p->link[1] == linkage->ground;
-        if (j == input || !ground || (p->kind != LW_JOINT_REVOLUTE && p->kind != LW_JOINT_SLIDER))
+        if (j == input || !ground || !lw_joint_can_drive(p->kind))
             continue;
         if (n-- == 0)
             return j;

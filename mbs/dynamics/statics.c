@@ -153,7 +153,7 @@ static lw_status check_stops(const lw_dynamics *d, const double *q, lw_error *e)
 {
     for (int i = 0; i < d->n_stop; i++) {
         int j = d->stop[i].joint;
-        bool pin = d->s.joint[j].kind == LW_JOINT_REVOLUTE;
+        bool pin = lw_joint_turns(d->s.joint[j].kind);
         double beyond = -lw_rigid_stop_gap(&d->s, &d->stop[i], q, NULL);
         if (beyond > LW_STOP_CLOSED)
             return lw_error_set(e, LW_NOTHING, "without its rigid stop the model rests %.3g %s beyond that of joint "

@@ -23,7 +23,7 @@ lw_status lw_vibration_make(const lw_forces *f, bool hold_inputs, double t, cons
         const lw_expression *x = f->model->motion[i];
         if (!x && !hold_inputs)
             continue;
-        bool pin = s->joint[s->input_joint[i]].kind == LW_JOINT_REVOLUTE;
+        bool pin = lw_joint_turns(s->joint[s->input_joint[i]].kind);
         double here = lw_system_measure(s, s->input_joint[i], q, NULL), value = here;
         if (x && !hold_inputs) {
             double at[3];

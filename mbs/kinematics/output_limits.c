@@ -91,7 +91,7 @@ static double size_of(const lw_linkage *k)
 static int pin_on(const lw_linkage *k, int link)
 {
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_REVOLUTE && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
+        if (lw_joint_turns(k->joint[j].kind) && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
             return j;
     return -1;
 }
@@ -111,7 +111,7 @@ int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double
             o.pin = pin_on(k, link);
             o.still *= size;
         }
-        if (q->kind == LW_JOINT_REVOLUTE || o.pin >= 0)
+        if (lw_joint_turns(q->kind) || o.pin >= 0)
             n = turnings_of(&o, first, last, out, n, max);
     }
     return n;

@@ -175,7 +175,7 @@ static void build(graph *g)
             add_parallel(g, q);
         else if (driven)
             add_line(g, q);
-        if (q->kind == LW_JOINT_GEAR && !t->geared[j])
+        if (lw_joint_has_ratio(q->kind) && !t->geared[j])
             add_gear(g, j);
     }
 }
@@ -325,7 +325,7 @@ static void collect_ties(tree *r)
     const lw_topology *t = r->t;
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (q->kind == LW_JOINT_GEAR)                    /* a gear gives no path from link to link */
+        if (lw_joint_has_ratio(q->kind))                    /* a gear gives no path from link to link */
             continue;
         if (!lw_plan_is_pin(t, j)) {
             if (on_links(r, q->link[0], q->link[1]))
@@ -406,7 +406,7 @@ static void collect_gears(const lw_topology *t, lw_cluster *c)
 {
     for (int j = 0; j < t->k->n_joint; j++) {
         const lw_joint *q = &t->k->joint[j];
-        if (q->kind != LW_JOINT_GEAR || t->geared[j])
+        if (!lw_joint_has_ratio(q->kind) || t->geared[j])
             continue;
         uint32_t links = 1u << q->link[0] | 1u << q->link[1] | 1u << t->gear[j].carrier;
         bool inside = links & c->links;

@@ -64,7 +64,7 @@ static void add_group(lw_text *out, const lw_linkage *k, group_text *t, int numb
 static void add_wheel(lw_text *out, lw_step_kind kind, const lw_joint *by)
 {
     lw_text_add(out, "; %s by %s \"%s\"\n", kind == LW_STEP_RACK ? "moved" : "turned",
-                by->kind == LW_JOINT_GEAR ? "gear" : "the tied input", by->name);
+                lw_joint_has_ratio(by->kind) ? "gear" : "the tied input", by->name);
 }
 
 static void add_dyad(lw_text *out, const lw_step *s)

@@ -41,11 +41,11 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
     for (int i = 0; i < LW_LINK_MAX; i++)
         t->rate[i] = NAN;
     t->rate[k->ground] = 0;
-    if (t->driven >= 0 && k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE)
+    if (t->driven >= 0 && lw_joint_turns(k->joint[t->input_joint].kind))
         t->rate[t->driven] = 1;
     for (int j = 0, p, q; j < k->n_joint; j++) {
         lw_gear *g = &t->gear[j];
-        if (k->joint[j].kind != LW_JOINT_GEAR)
+        if (!lw_joint_has_ratio(k->joint[j].kind))
             continue;
         lw_status s = lw_linkage_gear(k, j, g, e);
         if (s != LW_OK)
@@ -68,7 +68,7 @@ lw_status lw_plan_start_gears(lw_topology *t, lw_error *e)
 static int centre_pin(const lw_topology *t, int wheel, int carrier)
 {
     for (int j = 0; j < t->k->n_joint; j++)
-        if (t->k->joint[j].kind == LW_JOINT_REVOLUTE && t->pin[j] == j && t->on_pin[j] >> wheel & 1
+        if (lw_joint_turns(t->k->joint[j].kind) && t->pin[j] == j && t->on_pin[j] >> wheel & 1
             && t->on_pin[j] >> carrier & 1)
             return j;
     return -1;
@@ -102,7 +102,7 @@ static lw_status too_many(const lw_topology *t, int joint, lw_error *e)
     return lw_error_set(e, LW_E_KIND,
                         "%s \"%s\": plans take ratios of whole numbers; with this one all comes back after more "
                         "than %d turns of the input, or wheels turn more than %d times in these",
-                        j->kind == LW_JOINT_GEAR ? "gear" : "tied input", j->name, LW_INPUT_TURNS_PER_PERIOD_MAX,
+                        lw_joint_has_ratio(j->kind) ? "gear" : "tied input", j->name, LW_INPUT_TURNS_PER_PERIOD_MAX,
                         LW_POWER_MAX);
 }
 
@@ -141,7 +141,7 @@ lw_status lw_plan_find_gear(lw_topology *t, int *known, bool *found, lw_error *e
     lw_plan_group g;
     *found = false;
     for (int j = 0; j < t->k->n_joint; j++) {
-        if (t->k->joint[j].kind != LW_JOINT_GEAR || !as_group(t, j, &g))
+        if (!lw_joint_has_ratio(t->k->joint[j].kind) || !as_group(t, j, &g))
             continue;
         bool whole = is_whole(g.ratio) && fabs(g.ratio) <= LW_POWER_MAX;
         if (g.kind == LW_STEP_GEAR && !whole && !isfinite(rate_of(t, &g)))
@@ -180,7 +180,7 @@ static int turns_of(const lw_topology *t, const lw_cluster *c, int joint)
 
 lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e)
 {
-    bool turns = t->k->joint[t->input_joint].kind == LW_JOINT_REVOLUTE;
+    bool turns = lw_joint_turns(t->k->joint[t->input_joint].kind);
     for (int i = 0; i < c->n_gear; i++) {
         t->geared[c->gear[i]] = true;
         t->input_turns_per_period *= turns ? turns_of(t, c, c->gear[i]) : 1;
@@ -193,7 +193,7 @@ lw_status lw_plan_gear_turns(lw_topology *t, const lw_cluster *c, lw_error *e)
 lw_status lw_plan_check_gears(const lw_topology *t, lw_error *e)
 {
     for (int j = 0; j < t->k->n_joint; j++)
-        if (t->k->joint[j].kind == LW_JOINT_GEAR && !t->geared[j])
+        if (lw_joint_has_ratio(t->k->joint[j].kind) && !t->geared[j])
             return lw_error_set(e, LW_E_KIND, "gear \"%s\" holds links that others hold already", t->k->joint[j].name);
     return LW_OK;
 }

@@ -10,7 +10,7 @@ typedef lw_builder builder;
 
 static bool carries_pin(const lw_topology *t, int link, int j)
 {
-    return t->k->joint[j].kind == LW_JOINT_REVOLUTE && t->pin[j] == j && t->on_pin[j] >> link & 1;
+    return lw_joint_turns(t->k->joint[j].kind) && t->pin[j] == j && t->on_pin[j] >> link & 1;
 }
 
 /* A pin of the link other than `not`, if possible one shared with the group or a known link; -1 when there is none. */

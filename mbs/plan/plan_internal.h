@@ -94,7 +94,7 @@ lw_fast_dyad lw_plan_find_fast_dyad(const lw_plan *plan, int o);
 static inline bool lw_same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
 static inline bool lw_plan_is_pin(const lw_topology *t, int joint)
 {
-    return t->k->joint[joint].kind == LW_JOINT_REVOLUTE;
+    return lw_joint_turns(t->k->joint[joint].kind);
 }
 
 static inline bool lw_joint_has(const lw_joint *j, int link)

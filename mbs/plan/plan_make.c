@@ -23,7 +23,7 @@ static void join_pins(lw_topology *t)
         for (int i = 0; i < k->n_joint; i++)
             for (int j = 0; j < i; j++) {
                 int a = t->pin[i], b = t->pin[j];
-                if (a == b || k->joint[i].kind != LW_JOINT_REVOLUTE || k->joint[j].kind != LW_JOINT_REVOLUTE ||
+                if (a == b || !lw_joint_turns(k->joint[i].kind) || !lw_joint_turns(k->joint[j].kind) ||
                     !(t->on_pin[a] & t->on_pin[b]) || !lw_same_place(k->joint[i].at, k->joint[j].at))
                     continue;
                 int keep = a < b ? a : b, drop = a < b ? b : a;
@@ -38,7 +38,7 @@ static void join_pins(lw_topology *t)
 
 /* ---- dyads ------------------------------------------------------------------------------------ */
 
-static bool is_gear(const lw_topology *t, int joint) { return t->k->joint[joint].kind == LW_JOINT_GEAR; }
+static bool is_gear(const lw_topology *t, int joint) { return lw_joint_has_ratio(t->k->joint[joint].kind); }
 
 /* The first joint between an unknown link and a known one; -1 when there is none. */
 static int outer_joint(const lw_topology *t, int link)
@@ -122,7 +122,7 @@ static lw_status check_inputs(const lw_linkage *k, bool tied, lw_error *e)
         return lw_error_set(e, LW_E_KIND, "a plan needs one input, this linkage has %d", own);
     for (int i = 0; i < k->n_input && k->n_input > 1; i++) {
         const lw_joint *j = &k->joint[k->input[i].joint];
-        if (!tied || j->kind != LW_JOINT_REVOLUTE || !lw_joint_has(j, k->ground))
+        if (!tied || !lw_joint_turns(j->kind) || !lw_joint_has(j, k->ground))
             return lw_error_set(e, LW_E_KIND, "inputs \"%s\" and \"%s\" are tied%s", k->joint[k->input[0].joint].name,
                                 k->joint[k->input[i > 0 ? i : 1].joint].name,
                                 tied ? "; plans take such inputs only where they turn on the ground" : "");
@@ -135,8 +135,8 @@ static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_er
     const bool higher = plan_kind >= LW_PLAN_HIGHER, gears = plan_kind == LW_PLAN_GEARED;
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint_kind kind = k->joint[j].kind;
-        if (kind == LW_JOINT_REVOLUTE || kind == LW_JOINT_SLIDER || (higher && kind == LW_JOINT_SLOT)
-            || (gears && kind == LW_JOINT_GEAR))
+        if (lw_joint_can_drive(kind) || (higher && kind == LW_JOINT_SLOT)
+            || (gears && lw_joint_has_ratio(kind)))
             continue;
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; %s plans know pins ('r')%s sliders ('t')%s",
                             k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",

@@ -372,7 +372,7 @@ static void set_joint_points(builder *b)
     const lw_linkage *k = b->t->k;
     lw_plan *p = b->p;
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(k->joint[j].kind))
             continue;
         else if (!is_slider(b, j))
             p->joint_point[j] = b->pin_reg[b->t->pin[j]];

@@ -87,7 +87,7 @@ static kind *kind_of(lw_ranking *r, const char *letters)
 static void set_joint(lw_joint *j, lw_vec2 at, lw_vec2 along)
 {
     j->at = at;
-    if (j->kind != LW_JOINT_REVOLUTE)
+    if (!lw_joint_turns(j->kind))
         j->along = along;
 }
 

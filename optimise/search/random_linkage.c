@@ -442,7 +442,7 @@ static int crank_with(const lw_linkage *k, int joint)
 static lw_vec2 hub(const lw_linkage *k, int input)
 {
     const lw_joint *j = &k->joint[k->input[input].joint];
-    return j->kind == LW_JOINT_REVOLUTE ? j->at : lw_v2(0, 0);
+    return lw_joint_turns(j->kind) ? j->at : lw_v2(0, 0);
 }
 
 /* Place the joints anywhere in a square of four crank lengths to each side of the first input's pin; joints of driven
@@ -454,15 +454,15 @@ static void scatter(const lw_problem *p, const double *u, lw_linkage *k)
         lw_joint *i = &k->joint[j];
         const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
         i->at = lw_v2(8*v[0] - 4, 8*v[1] - 4);
-        if (j == k->input[0].joint && i->kind == LW_JOINT_REVOLUTE)
+        if (j == k->input[0].joint && lw_joint_turns(i->kind))
             i->at = lw_v2(0, 0);
-        if (i->kind != LW_JOINT_REVOLUTE)
+        if (!lw_joint_turns(i->kind))
             i->along = lw_v2_polar(1, LW_PI*v[2]);
     }
     for (int j = 0; j < k->n_joint; j++) {
         const double *v = u + (3*j) % (LW_RANDOM_LINKAGE_DRAW_MAX - 2);
         int crank = crank_with(k, j);
-        if (crank >= 0 && k->joint[j].kind == LW_JOINT_REVOLUTE)
+        if (crank >= 0 && lw_joint_turns(k->joint[j].kind))
             k->joint[j].at = lw_v2_add(hub(k, crank), lw_v2_polar(ratio(v[0], 0.7, 1.4), 2*LW_PI*v[1]));
     }
     for (int r = 0; r < p->plan.n_rack; r++) {

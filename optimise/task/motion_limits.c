@@ -55,7 +55,7 @@ static double pivots_astray(const lw_fit_spec *s, const lw_linkage *linkage)
     double most = 0;
     for (int i = 0; i < s->n_zone; i++)
         for (int j = 0; j < linkage->n_joint; j++)
-            if (!lw_zone_forbids(&s->zone[i]) && linkage->joint[j].kind == LW_JOINT_REVOLUTE
+            if (!lw_zone_forbids(&s->zone[i]) && lw_joint_turns(linkage->joint[j].kind)
                 && (linkage->joint[j].link[0] == linkage->ground || linkage->joint[j].link[1] == linkage->ground))
                 most = fmax(most, astray(&s->zone[i], linkage->joint[j].at));
     return most;

@@ -46,7 +46,7 @@ static bool run_path(const lw_linkage *k, motion_path *c)
 static int joint_of(const lw_linkage *k, int link)
 {
     for (int j = 0; j < k->n_joint; j++)
-        if (k->joint[j].kind == LW_JOINT_REVOLUTE && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
+        if (lw_joint_turns(k->joint[j].kind) && (k->joint[j].link[0] == link || k->joint[j].link[1] == link))
             return j;
     return -1;
 }

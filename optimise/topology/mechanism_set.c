@@ -111,7 +111,7 @@ static bool best_input(chain_job *job, const lw_mechanism *m, lw_packed_mechanis
             bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
             lw_packed_mechanism f = *best;
             int n;
-            if (!ground || m->kind[j] != (pass ? 't' : 'r') || !try_input(job, j, &f, &n)
+            if (!ground || !lw_joint_can_drive(m->kind[j]) || lw_joint_turns(m->kind[j]) != !pass || !try_input(job, j, &f, &n)
                 || (found && f.turn >= best->turn))
                 continue;
             found = true;
@@ -125,7 +125,7 @@ static bool best_input(chain_job *job, const lw_mechanism *m, lw_packed_mechanis
 static bool joined_to_ground(const lw_mechanism *m)
 {
     int j = lw_mechanism_joint(m, m->ground, m->output);
-    return j != LW_NONE && lw_kind_freedom(m->kind[j]) == 1;
+    return j != LW_NONE && lw_joint_freedoms(m->kind[j]) == 1;
 }
 
 /* Add a family for an input at the ground that a prescribed timing may mean. */
@@ -134,7 +134,7 @@ static lw_status add_timed(void *context, const lw_mechanism *m)
     chain_job *job = context;
     lw_packed_mechanism f = lw_packed_mechanism_of(m, job->index, job->turned, job->ratio);
     int links;
-    if (m->kind[m->input[0]] != 'r' || !try_input(job, m->input[0], &f, &links) || links < m->n_link)
+    if (!lw_joint_turns(m->kind[m->input[0]]) || !try_input(job, m->input[0], &f, &links) || links < m->n_link)
         return LW_OK;
     return add_family(job, &f);
 }
@@ -208,7 +208,7 @@ static lw_status add_ties(void *context, const lw_mechanism *m)
     bool pins = true;
     for (int i = 0; i < m->n_input; i++) {
         codes *= i > 0 ? job->request->ratio.tie.n : 1;
-        pins = pins && m->kind[m->input[i]] == 'r';
+        pins = pins && lw_joint_turns(m->kind[m->input[i]]);
     }
     lw_graph *form = malloc(sizeof *form*(size_t)(m->n_input*codes + 1));
     if (!form)

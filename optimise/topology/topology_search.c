@@ -142,7 +142,7 @@ static lw_status make_set(const lw_topology_search_options *o, int links, plan *
     const lw_fit_spec *s = &o->fit.spec;
     char kinds[5] = "";
     for (const char *at = o->joints; *at; at++)
-        if (*at != ',' && !strchr("rtpg", *at))
+        if (*at != ',' && !lw_joint_freedoms(*at))
             return lw_error_set(e, LW_E_ARG, "joints are r, t, p and g, with or without commas, not '%s'", o->joints);
         else if (*at != ',' && !strchr(kinds, *at))
             kinds[strlen(kinds)] = *at;
