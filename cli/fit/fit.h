@@ -32,6 +32,9 @@ typedef struct cli_fit_set {
 /* Ranked table, lengths in the unit of the target. */
 void cli_fit_table(const cli_fit_set *s, FILE *f);
 
+/* Is the four-bar so near a change point that small errors of its lengths change its class?  false without a class. */
+bool cli_fit_near_change_point(const lw_fit_report *r);
+
 /* The JSON object of docs/notation.md, "Results of a fit". */
 void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int indent);
 

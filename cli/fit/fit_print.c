@@ -6,7 +6,10 @@
 #include "cli/fit/fit.h"
 double cli_fit_value(const cli_fit_set *s, const lw_fit_report *r, int dim, double si)
 {
-    return r->dim_kind[dim] == LW_DIM_ANGLE ? si : si/s->target.units.metre;
+    if (r->dim_kind[dim] != LW_DIM_ANGLE)
+        return si/s->target.units.metre;
+    bool frame = strcmp(r->dim_name[dim], "theta0") == 0 && r->input_turns_per_period == 1;
+    return frame && fabs(si) > LW_PI ? remainder(si, 2*LW_PI) : si;
 }
 
 static double length(const cli_fit_set *s, double metres)
@@ -19,9 +22,12 @@ const lw_candidate *cli_fit_candidate(const cli_fit_set *s, int i)
     return &s->search.found.fit.candidate[s->search.results.candidate[i]];
 }
 
-static const char *class_of(const lw_fit_report *r)
+/* A class that small errors of the lengths change: its margin in perimeters is less than this. */
+#define NEAR_CHANGE_POINT 1e-3
+
+bool cli_fit_near_change_point(const lw_fit_report *r)
 {
-    return r->has_class ? r->barker.symbol : "-";
+    return r->has_class && r->barker.margin < NEAR_CHANGE_POINT;
 }
 
 /* ---- table ------------------------------------------------------------------------------------ */
@@ -34,7 +40,10 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     const lw_fit_report *r = &s->search.results.report[i];
     const lw_candidate *c = cli_fit_candidate(s, i);
     double deg = 180/LW_PI;
-    fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class_of(r));
+    char class[24] = "-";
+    if (r->has_class)
+        snprintf(class, sizeof class, "%s%s", r->barker.symbol, cli_fit_near_change_point(r) ? "*" : "");
+    fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class);
     if (s->spec.task == LW_TASK_FUNCTION)
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
     else
@@ -48,6 +57,17 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
         fprintf(f, " %s=%.6g", r->dim_name[d], cli_fit_value(s, r, d, c->dim[d]));
     fputc('\n', f);
     cli_fit_points_row(s, i, f);
+}
+
+/* What the * behind a class means, if there is one. */
+static void print_marks(const cli_fit_set *s, FILE *f)
+{
+    for (int i = 0; i < s->search.results.n; i++)
+        if (cli_fit_near_change_point(&s->search.results.report[i])) {
+            fprintf(f, "* near a change point: it is nearer than %g perimeters, so small errors of the lengths make the "
+                    "motion another one\n", NEAR_CHANGE_POINT);
+            return;
+        }
 }
 
 /* Error against number of links. */
@@ -118,6 +138,7 @@ void cli_fit_table(const cli_fit_set *s, FILE *f)
                 s->target.units.length[0] ? s->target.units.length : "unit");
     for (int i = 0; i < s->search.results.n; i++)
         table_row(s, i, f);
+    print_marks(s, f);
     if (s->search.found.n_stage > 1)
         print_stages(s, f);
     print_topologies(s, f);
@@ -141,6 +162,7 @@ static void json_class(const lw_fit_report *r, cli_json *j)
         return;
     cli_json_text(j, "class_name", r->barker.name);
     cli_json_real(j, "class_margin", r->barker.margin);
+    cli_json_bool(j, "near_change_point", cli_fit_near_change_point(r));
 }
 
 static void json_cognates(const cli_fit_set *s, const lw_fit_report *r, cli_json *j)
@@ -172,8 +194,14 @@ static void json_errors(const cli_fit_set *s, const lw_fit_report *r, cli_json *
     }
 }
 
+/* Value of one input in the user's unit: angles in radians. */
+static double input_value(const cli_fit_set *s, const lw_fit_report *r, double si)
+{
+    return r->linkage.joint[r->linkage.input[0].joint].kind == LW_JOINT_SLIDER ? length(s, si) : si;
+}
+
 /* Where joints turn back; inputs as in `inputs`. */
-static void json_reversals(const lw_fit_report *r, bool limit, cli_json *j)
+static void json_reversals(const cli_fit_set *s, const lw_fit_report *r, bool limit, cli_json *j)
 {
     cli_json_array(j, limit ? "limits" : "dead_points");
     for (int i = 0; i < r->n_reversal; i++) {
@@ -183,7 +211,7 @@ static void json_reversals(const lw_fit_report *r, bool limit, cli_json *j)
         cli_json_object(j, NULL);
         cli_json_text(j, "joint", r->linkage.joint[v->joint].name);
         cli_json_text(j, "link", r->linkage.link_name[v->link]);
-        cli_json_real(j, "input", v->input);
+        cli_json_real(j, "input", input_value(s, r, v->input));
         cli_json_end(j);
     }
     cli_json_end(j);
@@ -192,22 +220,20 @@ static void json_reversals(const lw_fit_report *r, bool limit, cli_json *j)
 /* As the joint of the linkage turns. */
 static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
-    if (r->input_turns_per_period == 1) {
-        cli_json_reals(j, "inputs", c->input, s->target.n);
-        return;
-    }
-    cli_json_array(j, "inputs");
-    for (size_t i = 0; i < s->target.n; i++)
-        cli_json_real(j, NULL, r->input_turns_per_period*c->input[i]);
-    cli_json_end(j);
+    double *v = malloc(sizeof *v*s->target.n);
+    for (size_t i = 0; v && i < s->target.n; i++)
+        v[i] = input_value(s, r, r->input_turns_per_period*c->input[i]);
+    cli_json_reals(j, "inputs", v, v ? s->target.n : 0);
+    free(v);
 }
 
 /* Through limits: how many legs its motion has, and on which of them the stations are, by their assemblies. */
 static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
-    if (r->legs == 0)
+    if (!c->mode_of)
         return;
-    cli_json_int(j, "legs", r->legs);
+    if (r->legs > 0)
+        cli_json_int(j, "legs", r->legs);
     cli_json_array(j, "modes");
     for (size_t i = 0; i < s->target.n; i++) {
         char text[LW_DYAD_MAX + 1] = "";
@@ -225,9 +251,10 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
         cli_json_int(j, "laps", r->input_turns_per_period);
     if (r->circuits)
         cli_json_int(j, "circuits", r->circuits);
-    cli_json_reals(j, "input_range", (double[]){ r->input_first, r->input_last }, 2);
-    json_reversals(r, true, j);
-    json_reversals(r, false, j);
+    cli_json_reals(j, "input_range", (double[]){ input_value(s, r, r->input_first),
+                                                input_value(s, r, r->input_last) }, 2);
+    json_reversals(s, r, true, j);
+    json_reversals(s, r, false, j);
     cli_json_int(j, "branch", (c->mode_of ? c->mode_of[0] : c->intended.mode[0]) > 0 ? 1 : -1);
     json_modes(s, c, r, j);
     cli_json_real(j, "transmission_min", r->transmission_min);

@@ -400,8 +400,10 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         lw_pose_solve(&plan, c->dim, modes, c->input[0], 0, &pose);
         turn_tools(c, t, &pose, &r->linkage);
         r->linkage.units = t->units;
-        lw_fit_report_cycle(t, &plan, c, modes, &cycle);
+        lw_fit_report_cycle(&plan, c, modes, &cycle);
         r->legs = cycle.n;
+        if (!t->closed)                                  /* an open target is met by a part of the motion only */
+            cycle.n = 0;
         describe_motion(t, s, c, &plan, &cycle, &limits, r);
         if (lw_task_has_place(s->task))
             compare_curves(t, s, c, &plan, &cycle, r);

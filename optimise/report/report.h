@@ -48,8 +48,8 @@ typedef struct lw_fit_report {
     double   input_first, input_last;  /* range of the input around the first station without passing a limit, as
                                     * lw_candidate.input times input_turns_per_period; of a turning input one period;
                                     * NaN: not known                                                */
-    int      legs;                 /* of a closed motion across limits: number of strokes from limit to limit until it
-                                    * closes; else 0                                                */
+    int      legs;                 /* of a motion across limits: number of strokes from limit to limit until it closes;
+                                    * else 0                                                        */
     int      n_reversal;
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
     double   transmission_min, transmission_max;    /* over the whole turn, or from station to station if the input does

@@ -5,11 +5,10 @@
 #include "mbs/batch/batch.h"
 #include "optimise/report/report_internal.h"
 
-bool lw_fit_report_cycle(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes,
-                     lw_closed_motion *cycle)
+bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const double *modes, lw_closed_motion *cycle)
 {
     cycle->n = 0;
-    void *batch = t->closed && c->mode_of ? aligned_alloc(64, (lw_batch_work_size(plan) + 127) & ~(size_t)63) : NULL;
+    void *batch = c->mode_of ? aligned_alloc(64, (lw_batch_work_size(plan) + 127) & ~(size_t)63) : NULL;
     if (!batch)
         return false;
     bool found = lw_closed_motion_find(plan, c->dim, modes, c->input[0], batch, cycle) == LW_OK;

@@ -12,10 +12,9 @@
 void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,
                      lw_motion_limits *limits, lw_fit_report *r);
 
-/* The closed motion across limits that holds the first station, in its assembly mode.  false: the target is not
- * closed, or the linkage does not move across limits. */
-bool lw_fit_report_cycle(const lw_target *t, const lw_plan *plan, const lw_candidate *c, const double *modes,
-                     lw_closed_motion *cycle);
+/* The closed motion across limits that holds the first station, in its assembly mode.  false: the
+ * linkage does not move across limits. */
+bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const double *modes, lw_closed_motion *cycle);
 
 /* At most `most` points of its curve, equally many on each leg, from leg 0 on.  Returns how many. */
 size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
