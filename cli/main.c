@@ -65,7 +65,7 @@ static bool names_action(const char *help, const char *action)
     return false;
 }
 
-/* Options whose help names no action are for all of them. */
+/* Does the option apply to the action? An option whose help names no action applies to all of them. */
 static bool belongs_to(const cli_option *o, const cli_command *c, const cli_action *only)
 {
     bool any = false;
@@ -74,7 +74,7 @@ static bool belongs_to(const cli_option *o, const cli_command *c, const cli_acti
     return !any || names_action(o->help, only->name);
 }
 
-/* The lines of `text` that hold `part`. */
+/* Print the lines of `text` that contain `part`. */
 static void matching_lines(const char *text, const char *part, FILE *f)
 {
     for (size_t n; *text; text += n) {
@@ -146,7 +146,7 @@ static int unknown_action(const cli_command *c, const char *word)
     return CLI_USAGE;
 }
 
-/* Standard output is buffered: what could not be written shows when it is flushed. */
+/* Standard output is buffered: a failure to write is seen when it is flushed. */
 static int finish_text(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
@@ -155,7 +155,7 @@ static int finish_text(int code)
     return CLI_BAD_INPUT;
 }
 
-/* The middle of the manual page; see the Makefile. */
+/* Print the middle of the manual page; see the Makefile. */
 static int manual(void)
 {
     for (int i = 0; i < N_COMMAND; i++)
@@ -191,7 +191,7 @@ static bool is_plain(const char *word)
                                  "-_./:=,+@%") == strlen(word);
 }
 
-/* The command as one would type it in a shell.  NULL when out of memory. */
+/* The command as typed in a shell. NULL: out of memory. */
 static char *shell_line(int argc, char **argv)
 {
     char *line = NULL;
@@ -213,7 +213,7 @@ static char *shell_line(int argc, char **argv)
     return fclose(f) == 0 ? line : NULL;
 }
 
-/* Are the words as many as the command, or its action, takes?  *run is set to what runs it. */
+/* Check the number of words that the command, or its action, takes. *run: the function that runs it. */
 static int check_words(const cli_call *call, int (**run)(const cli_call *call))
 {
     const cli_command *c = call->command;

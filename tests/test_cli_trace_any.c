@@ -80,7 +80,7 @@ static void a_geared_five_bar_closes_after_two_turns(void)
     CHECK_NEAR(v[2], 75, 1e-10, 0);
     CHECK_INT(trace("examples/geared-five-bar.json -n 10 --input-range 400:410", v), 11);
     CHECK_NEAR(v[0], 410, 1e-9, 0);
-    expect("$P trace examples/geared-five-bar.json -n 2", 0, "closes after 2 turns of the input", "curve of postures");
+    expect("$P trace examples/geared-five-bar.json -n 2", 0, "closes after 2 turns of the input", "motion curve");
     expect("$P trace examples/geared-five-bar.json -n 2 --all-assemblies", 0, "# circuit 2: closes after 2 turns",
            "2 circuits found so far; the last 300 of");
     expect("$P trace examples/geared-five-bar.json -n 2 --speed 2", 0, "v a j mm/s mm/s^2", NULL);
@@ -234,7 +234,7 @@ static void groups_and_curve_agree(void)
 
 static void the_way_is_told(void)
 {
-    expect("echo " TRIAD " | $P trace - --explain", 0, "between its postures by these groups", NULL);
+    expect("echo " TRIAD " | $P trace - --explain", 0, "by these groups", NULL);
     expect("echo " TRIAD " | $P trace - --explain", 0, "class III", NULL);
     expect("echo " BOOM " | $P trace - --explain", 0, "inside a group", NULL);
     expect("$P trace examples/jansen.json --explain", 0, "traced in closed form over all arcs", NULL);
@@ -248,7 +248,7 @@ static void change_points_are_passed_straight_on(void)
 {
     static double v[2*61][13];
     const char *named = "# circuit 1: branch point, passed straight on; circuit 2 crosses, at input 3.14159265358";
-    expect("$P trace examples/two-four-bars.json -n 2", 0, named, "as it passes change points");
+    expect("$P trace examples/two-four-bars.json -n 2", 0, named, "passes change points");
     CHECK_INT(rows_of("sed 's/\"link\": \"crank0\"/\"link\": \"crank2\"/' examples/two-four-bars.json |"
                       "$P trace - -m file -n 60 --input-range 0:12", v, 61), 61);
     for (int i = 0; i <= 60; i++) {

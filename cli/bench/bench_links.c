@@ -1,5 +1,5 @@
-/* cli/bench/bench_links.c - error against number of links and seconds: every problem searched with four links, then six,
- * then eight, and what was best with so many links when. */
+/* cli/bench/bench_links.c - error over number of links and time: every problem is searched with four links, then six,
+ * then eight; the best linkage with each number of links is listed with its time. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 
 enum { POINT_MAX = 512 };
 
-/* The best so far, told as the search goes: of the problem's own stages one after the other. */
+/* The best error so far; stage counts the search's numbers of links. */
 typedef struct point { int stage; long evals; double seconds, error; } point;
 
 typedef struct watch {
@@ -24,7 +24,7 @@ typedef struct watch {
     int    stop;
 } watch;
 
-/* The best linkage with up to so many links, simulated twice. */
+/* The best linkage with at most this many links, simulated a second time. */
 typedef struct best {
     int    links;
     char   name[64];
@@ -38,7 +38,7 @@ static void record(void *context, long evals, double seconds, double error)
 {
     watch *w = context;
     (void)seconds;
-    w->stage += evals < w->last;                         /* each number of links counts from 0     */
+    w->stage += evals < w->last;               /* the count of evaluations starts again at 0 for each number of links */
     w->last = evals;
     w->stop |= cli_interrupted();
     if (w->n < POINT_MAX)
@@ -98,7 +98,6 @@ static lw_status run_one(const cli_bench_problem *p, const cli_bench_links *o, o
     return st < 0 ? st : LW_OK;
 }
 
-/* ---- what is printed ----------------------------------------------------------------------------------- */
 
 static void print_rows(const cli_bench_problem *p, const outcome *out, FILE *f)
 {
@@ -110,7 +109,7 @@ static void print_rows(const cli_bench_problem *p, const outcome *out, FILE *f)
     }
 }
 
-/* The mean over the problems, of each number of links. */
+/* Print the mean over the problems for each number of links. */
 static void print_means(const outcome *out, int n, FILE *f)
 {
     for (int k = 0; n > 1 && k < out[0].n; k++) {
@@ -150,7 +149,7 @@ static lw_status save_csv(const cli_bench *b, const outcome *out, const char *fo
     return lw_output_commit(&o, e);
 }
 
-/* One plot a problem: a line for each number of links. */
+/* Save one plot per problem, with a line for each number of links. */
 static lw_status save_plot(const cli_bench_problem *p, const outcome *out, const char *folder, lw_error *e)
 {
     double x[POINT_MAX], y[POINT_MAX];

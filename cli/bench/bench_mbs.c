@@ -1,4 +1,5 @@
-/* cli/bench/bench_mbs.c - every formulation of the multibody solver on every reference problem, at every tolerance. */
+/* cli/bench/bench_mbs.c - run every formulation of the multibody solver on every reference problem, at every tolerance.
+ */
 #include "cli/bench/bench_mbs.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@
 #include "cli/bench/flexible_crank.h"
 
 enum { REPEAT_MAX = 50 };
-static const double give_up = 5;             /* [s] of the clock                                            */
+static const double give_up = 5;             /* [s] of wall time                                            */
 
 /* ---- errors ------------------------------------------------------------------------------------------------ */
 
@@ -34,14 +35,15 @@ static double pendulum_error(const cli_mbs_motion *m, const cli_mbs_reference *r
     return worst;
 }
 
-/* Upper end of crank i, which stood upright, 1 m long. */
+/* Upper end of crank k; each crank is 1 m long and starts upright. */
 static lw_vec2 crank_end(const cli_mbs_motion *m, int k, int crank)
 {
     const double *at = place(m, k, crank);
     return lw_v2(at[0] - 0.5*sin(at[2]), at[1] + 0.5*cos(at[2]));
 }
 
-/* Off the branch: |B_(i+1) - B_i - (1, 0)|; the bars stay level on the right one. */
+/* Error of the chain of four-bars. *off: distance from the right assembly mode, |B_(i+1) - B_i - (1, 0)|; there the
+ * couplers stay horizontal. */
 static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off)
 {
     double worst = 0;
@@ -59,7 +61,7 @@ static double four_bars_error(const cli_mbs_motion *m, const cli_mbs_reference *
     return worst;
 }
 
-/* Angles of the crank and of the links that pivot on the ground. */
+/* Error in the angles of the crank and of the links that pivot on the ground. */
 static double andrews_error(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off)
 {
     static const struct { int body, column; } angle[] = { { 0, 1 }, { 2, 3 }, { 4, 5 }, { 6, 7 } };
@@ -75,7 +77,7 @@ static double andrews_error(const cli_mbs_motion *m, const cli_mbs_reference *r,
 
 static const char flexible[] = "flexible-crank", clearance[] = "clearance", chaotic[] = "clearance-250";
 
-/* At 1e-13 the corrector of BDF is at the rounding. */
+/* at 1e-13 the corrector of BDF reaches rounding error */
 const cli_mbs_problem cli_mbs_problems[] = {
     { "pendulum", "simple pendulum (A01), 10 s", "place of the bob [m], any 0.1 s", "pendulum", 10, 12,
       pendulum_error },
@@ -91,16 +93,16 @@ const cli_mbs_problem cli_mbs_problems[] = {
 
 /* ---- files --------------------------------------------------------------------------------------------------- */
 
-static lw_status read_line(char *line, cli_mbs_reference *r, int *room)
+static lw_status read_line(char *line, cli_mbs_reference *r, int *capacity)
 {
     int n = 0;
     for (char *field; (field = strsep(&line, ",")); n++) {
-        if (r->n_row*r->n_column + n >= *room) {
-            double *more = realloc(r->value, sizeof *more*2*(size_t)*room);
+        if (r->n_row*r->n_column + n >= *capacity) {
+            double *more = realloc(r->value, sizeof *more*2*(size_t)*capacity);
             if (!more)
                 return LW_E_MEMORY;
             r->value = more;
-            *room *= 2;
+            *capacity *= 2;
         }
         if (lw_number_parse(field, strlen(field), &r->value[r->n_row*r->n_column + n]) != LW_OK)
             return LW_E_NOTATION;
@@ -116,18 +118,18 @@ static lw_status read_reference(const char *name, cli_mbs_reference *r, lw_error
 {
     char file[128], path[1024], *text = NULL, *line;
     size_t size;
-    int room = 64, number = 0;
+    int capacity = 64, number = 0;
     snprintf(file, sizeof file, "mbs/%s.csv", name);
     cli_data_path(file, path, sizeof path);
     lw_status st = lw_file_read(path, &text, &size, e);
-    *r = (cli_mbs_reference){ .value = st == LW_OK ? malloc(sizeof(double)*(size_t)room) : NULL };
+    *r = (cli_mbs_reference){ .value = st == LW_OK ? malloc(sizeof(double)*(size_t)capacity) : NULL };
     if (st == LW_OK && !r->value)
         st = lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (char *rest = text; st == LW_OK && (line = strsep(&rest, "\n"));) {
         number++;
         if (*line == '#' || *line == 't' || !*line)
             continue;
-        st = read_line(line, r, &room);
+        st = read_line(line, r, &capacity);
         if (st != LW_OK)
             lw_error_at(e, st, path, number, 0, "no row of numbers, or another number of columns than before");
     }
@@ -152,13 +154,13 @@ static lw_status read_model(const char *name, lw_model *m, lw_error *e)
 
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance)
 {
-    if (b->n == b->room) {
-        int room = b->room ? 2*b->room : 64;
-        cli_mbs_row *more = realloc(b->row, sizeof *more*(size_t)room);
+    if (b->n == b->capacity) {
+        int capacity = b->capacity ? 2*b->capacity : 64;
+        cli_mbs_row *more = realloc(b->row, sizeof *more*(size_t)capacity);
         if (!more)
             return NULL;
         b->row = more;
-        b->room = room;
+        b->capacity = capacity;
     }
     cli_mbs_row *r = &b->row[b->n++];
     *r = (cli_mbs_row){ .problem = problem, .tolerance = tolerance, .make = NAN, .seconds = NAN, .error = NAN,
@@ -182,7 +184,7 @@ static lw_status keep(void *context, const lw_moment *m)
     return LW_OK;
 }
 
-/* Set up and run once; the row takes the shorter times. */
+/* Set up and run once; the row keeps the shorter times. */
 static lw_status run_once(const lw_model *m, const lw_dynamics_options *o, keeper *k, bool timed, cli_mbs_row *row,
                           lw_dynamics_report *report, lw_error *e)
 {
@@ -195,7 +197,7 @@ static lw_status run_once(const lw_model *m, const lw_dynamics_options *o, keepe
     k->system = timed ? NULL : lw_dynamics_system(d);
     st = lw_dynamics_run(d, keep, k, report, e);
     if (timed) {
-        row->make = fmin(row->make, made - start);           /* fmin leaves NAN out                          */
+        row->make = fmin(row->make, made - start);           /* fmin ignores NAN                             */
         row->seconds = fmin(row->seconds, lw_clock_cpu() - made);
     }
     lw_dynamics_free(d);
@@ -279,7 +281,8 @@ static lw_status run_model(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 
 /* ---- the other two ------------------------------------------------------------------------------------------- */
 
-/* Against order 8 at 1e-14, which agrees with the published end values to the digits of the published start. */
+/* Reference: order 8 at 1e-14, which agrees with the published end values in all digits that the published start gives.
+ */
 static lw_status run_flexible(cli_mbs *b, const cli_mbs_problem *p, lw_error *e)
 {
     lw_flexible_crank c;
@@ -349,7 +352,7 @@ static lw_status clearance_row(cli_mbs *b, const cli_mbs_problem *p, const lw_cl
     return LW_OK;
 }
 
-/* One law: against itself at 1e-13 where the motion is regular. */
+/* Rows of one contact law. Reference: the same law at 1e-13, where the motion is regular. */
 static lw_status clearance_rows(cli_mbs *b, const cli_mbs_problem *p, const lw_model *m, const char *solver,
                                 lw_error *e)
 {

@@ -1,5 +1,5 @@
-/* cli/bench/bench_mbs.h - the parts of `linkwright bench mbs`: reference problems of multibody dynamics, one row a solver and
- * tolerance, other programs' solvers in the same run, and what is printed and drawn of them. */
+/* cli/bench/bench_mbs.h - the parts of `linkwright bench mbs`: reference problems of multibody dynamics, one row for
+ * each solver and tolerance, other programs' solvers in the same run, tables and plots. */
 #ifndef CLI_BENCH_BENCH_MBS_H
 #define CLI_BENCH_BENCH_MBS_H
 
@@ -15,7 +15,7 @@ typedef struct cli_mbs_row {
     double      make, seconds;           /* processor time to set up, to run: best of several; NAN: not measured */
     double      error;                   /* greatest, against the reference; NAN: none                 */
     double      off;                     /* off-branch measure [m]; NAN: none                          */
-    double      energy;                  /* greatest error of the energy over its scale; NAN: not told  */
+    double      energy;                  /* greatest error of the energy over its scale; NAN: unknown   */
     long        steps, rates;
     char        note[160];               /* why it failed, ""                                          */
 } cli_mbs_row;
@@ -45,25 +45,27 @@ typedef struct cli_mbs {
     double          time;                /* for the repeats of one row [s]                              */
     int             loosest, tightest;   /* tolerances 1e-loosest to 1e-tightest                       */
     uint64_t        wanted;              /* bit i: problem i                                            */
-    int             n, room;
+    int             n, capacity;
     cli_mbs_row    *row;                 /* owned                                                      */
     char            machine[256];        /* compiler | processor | version                             */
     int             n_peer;
     char            peer[CLI_MBS_PEER_MAX][640];   /* paths of other programs                          */
 } cli_mbs;
 
-/* A new row, of whose solver nothing is known yet; NULL: out of memory. */
+/* Add a row without results. NULL: out of memory. */
 cli_mbs_row *cli_mbs_add(cli_mbs *b, const char *problem, const char *solver, double tolerance);
 
-/* Other programs: those of a folder, by name; "none"; NULL: of "peers" beside linkwright, if it is there. */
+/* Find the other programs in a folder. folder "none": no programs; NULL: the folder "peers" beside linkwright, if it
+ * exists. */
 lw_status cli_mbs_find_peers(cli_mbs *b, const char *folder, lw_error *e);
 
-/* Their rows on one problem.  One that fails, stays silent or talks nonsense has a row that says so.  LW_E_KIND: the
- * model has more than they are told. */
+/* Add the rows of the other programs for one problem. A program that fails or prints nothing valid gets a row that says
+ * so. LW_E_KIND: the model has elements that cannot be passed to other programs. */
 lw_status cli_mbs_peers(cli_mbs *b, const cli_mbs_problem *p, const struct lw_model *m, const cli_mbs_reference *r,
                         lw_error *e);
 
-/* All of it; folder NULL: no files.  LW_E_ARG: no such problem among `cases` (NULL: all). */
+/* Run the whole benchmark. folder NULL: write no files. cases NULL: all problems. LW_E_ARG: unknown problem in
+ * `cases`. */
 lw_status cli_mbs_run(cli_mbs *b, const char *cases, const char *folder, lw_error *e);
 void      cli_mbs_free(cli_mbs *b);
 

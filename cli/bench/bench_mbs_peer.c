@@ -1,5 +1,5 @@
-/* cli/bench/bench_mbs_peer.c - other programs' solvers in the same run: each is told the scene and answers with rows and
- * places, which are measured as our own.  tests/bench/peer.h says what the lines mean. */
+/* cli/bench/bench_mbs_peer.c - run other programs' solvers in the same benchmark: each reads the scene and answers with
+ * rows and positions, which are measured as our own. tests/bench/peer.h defines the lines. */
 #include "cli/bench/bench_mbs.h"
 
 #include <dirent.h>
@@ -30,7 +30,7 @@ static bool can_run(const char *path)
 
 static int by_name(const void *a, const void *b) { return strcmp(a, b); }
 
-/* folder NULL: "peers" beside the program, which need not be there. */
+/* Path of the folder with the other programs. folder NULL: "peers" beside this program, which may be missing. */
 static lw_status folder_of(const char *folder, char *path, size_t size, lw_error *e)
 {
     char program[512];
@@ -125,7 +125,7 @@ static lw_status write_scene(const cli_mbs *b, const cli_mbs_problem *p, const l
     o.formulation = LW_FORMULATION_INDEX1;
     lw_status st = LW_OK;
     if (more)
-        st = lw_error_set(e, LW_E_KIND, "'%s' has %s, of which other programs are not told", p->name, more);
+        st = lw_error_set(e, LW_E_KIND, "'%s' has %s, which cannot be passed to other programs", p->name, more);
     if (st == LW_OK)
         st = lw_export_mjcf(&m->linkage, &mjcf, e);
     if (st == LW_OK)
@@ -150,7 +150,7 @@ static pid_t begin(const char *path, int in, int *out)
         return -1;
     pid_t child = fork();
     if (child == 0) {
-        int nowhere = open("/dev/null", O_WRONLY);       /* solvers grumble; what matters is in the rows    */
+        int nowhere = open("/dev/null", O_WRONLY);       /* solvers print warnings; only the rows matter    */
         dup2(in, 0);
         dup2(ends[1], 1);
         dup2(nowhere, 2);
@@ -164,11 +164,12 @@ static pid_t begin(const char *path, int in, int *out)
     return child;
 }
 
-/* All it says until it ends, or until its time is over or Ctrl-C: then it is ended.  Freed by the caller. */
+/* Read all output of the child until it ends. End the child when its time is over or on Ctrl-C. The caller frees the
+ * text. */
 static char *listen(pid_t child, int from, double until)
 {
-    size_t n = 0, room = 1 << 16;
-    char *text = malloc(room);
+    size_t n = 0, capacity = 1 << 16;
+    char *text = malloc(capacity);
     ssize_t got = 1;
     while (text && got > 0 && n < ANSWER_MAX) {
         struct pollfd p = { .fd = from, .events = POLLIN };
@@ -178,10 +179,10 @@ static char *listen(pid_t child, int from, double until)
         }
         if (poll(&p, 1, 100) <= 0)
             continue;
-        got = read(from, text + n, room - n - 1);
+        got = read(from, text + n, capacity - n - 1);
         n += got > 0 ? (size_t)got : 0;
-        if (room - n < 2) {
-            char *more = realloc(text, room *= 2);
+        if (capacity - n < 2) {
+            char *more = realloc(text, capacity *= 2);
             if (!more)
                 free(text);
             text = more;
@@ -194,7 +195,7 @@ static char *listen(pid_t child, int from, double until)
     return text;
 }
 
-/* "" when it ended well. */
+/* Describe how the child failed; "" if it ended well. */
 static void how_it_ended(pid_t child, double until, char *how, size_t size)
 {
     int status = 0;
@@ -225,7 +226,7 @@ static bool read_places(char **rest, cli_mbs_motion *m)
     return *at == '\n';
 }
 
-/* One row; false: that is none. */
+/* Read one row. False: the line is no row. */
 static bool read_row(cli_mbs *b, const cli_mbs_problem *p, const char *peer, const cli_mbs_reference *r, char **rest,
                      cli_mbs_motion *m)
 {

@@ -1,4 +1,4 @@
-/* cli/bench/bench_mbs_print.c - what the bench of the multibody solver prints: Markdown tables, CSV, plots. */
+/* cli/bench/bench_mbs_print.c - output of the multibody benchmark: Markdown tables, CSV, plots. */
 #include "cli/bench/bench_mbs.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static bool begins(const cli_mbs *b, int i)
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */
 
-/* The least time of a solver at which the error is below `error`; INFINITY: never. */
+/* The least time of a solver at which the error is below `error`; INFINITY: it never is. */
 static double soonest(const cli_mbs *b, const char *problem, const char *solver, double error)
 {
     double least = INFINITY;
@@ -34,7 +34,7 @@ static double soonest(const cli_mbs *b, const char *problem, const char *solver,
     return least;
 }
 
-/* Milliseconds for an error. */
+/* Print the milliseconds that each solver needs for an error. */
 static void summary(const cli_mbs *b, const cli_mbs_problem *p, FILE *f)
 {
     static const double error[] = { 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12 };
@@ -133,8 +133,8 @@ static lw_status save_csv(const cli_mbs *b, const char *folder, lw_error *e)
     return lw_output_commit(&o, e);
 }
 
-/* A line for each solver; errors against seconds. */
-static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *room, const char *folder, lw_error *e)
+/* Save the plot of error over seconds, with a line for each solver. */
+static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *numbers, const char *folder, lw_error *e)
 {
     char path[1024], label[128];
     lw_series series[LW_SERIES_MAX];
@@ -148,10 +148,10 @@ static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *r
         if (begins(b, i)) {
             if (plot.n_series == LW_SERIES_MAX)
                 break;
-            series[plot.n_series++] = (lw_series){ r->solver, 0, room + i, room + b->n + i, LW_SERIES_LINE };
+            series[plot.n_series++] = (lw_series){ r->solver, 0, numbers + i, numbers + b->n + i, LW_SERIES_LINE };
         }
-        room[i] = r->seconds;
-        room[b->n + i] = r->error;
+        numbers[i] = r->seconds;
+        numbers[b->n + i] = r->error;
         series[plot.n_series - 1].n++;
     }
     snprintf(path, sizeof path, "%s/mbs-%s.svg", folder, p->name);
@@ -161,13 +161,13 @@ static lw_status save_plot(const cli_mbs *b, const cli_mbs_problem *p, double *r
 
 lw_status cli_mbs_save(const cli_mbs *b, const char *folder, lw_error *e)
 {
-    double *room = malloc(sizeof *room*(2*(size_t)b->n + 1));
-    if (!room)
+    double *numbers = malloc(sizeof *numbers*(2*(size_t)b->n + 1));
+    if (!numbers)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     lw_status st = save_csv(b, folder, e);
     for (const cli_mbs_problem *p = cli_mbs_problems; p->name && st == LW_OK; p++)
         if (p->error[0] && any(b, p->name))
-            st = save_plot(b, p, room, folder, e);
-    free(room);
+            st = save_plot(b, p, numbers, folder, e);
+    free(numbers);
     return st;
 }

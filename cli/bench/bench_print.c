@@ -1,4 +1,4 @@
-/* cli/bench/bench_print.c - what a bench prints: Markdown tables, CSV, plots. */
+/* cli/bench/bench_print.c - output of a benchmark: Markdown tables, CSV, plots. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,7 +70,7 @@ static void bounds_text(const cli_bench_figures *k, char *text, size_t size)
         snprintf(text, size, "none");
 }
 
-/* One row: how often, how fast, and the worst run. */
+/* Print one row: how often the error was reached, how fast, and the worst run. */
 static void reach_row(const cli_bench *b, int i, double *seconds, double *evals, FILE *f)
 {
     const cli_bench_problem *p = &b->problem[i];
@@ -102,15 +102,15 @@ static void reach_row(const cli_bench *b, int i, double *seconds, double *evals,
 static void reach_table(const cli_bench *b, FILE *f)
 {
     size_t n = (size_t)b->n_seed;
-    double *room = malloc(sizeof *room*2*n);
-    if (!room)
+    double *numbers = malloc(sizeof *numbers*2*n);
+    if (!numbers)
         return;
     fprintf(f, "The default strategy on %d threads until it is within 1 %% of the reachable error, %g s at "
             "most:\n\n| problem | bounds | best published | reachable | reached | median s | slowest s | "
             "median evaluations | worst error |\n|---|---|---|---|---|---|---|---|---|\n", b->jobs, b->limit);
     for (int i = 0; i < b->n_problem; i++)
-        reach_row(b, i, room, room + n, f);
-    free(room);
+        reach_row(b, i, numbers, numbers + n, f);
+    free(numbers);
 }
 
 static const cli_bench_curve *find_curve(const cli_bench *b, const char *solver, int problem)
@@ -206,8 +206,8 @@ static lw_status save_reach(const cli_bench *b, const char *line, const char *fo
     return lw_output_commit(&o, e);
 }
 
-/* The part of the errors that a plot shows: what is worse than anything published lies on its upper
- * edge, or the first guesses of the searches would take all the room. */
+/* The errors that a plot shows. Worse ones are drawn on its upper edge, since the first guesses of a search would
+ * otherwise fill the plot. */
 typedef struct range { double top, decades; } range;
 
 static range range_of(const cli_bench *b, const cli_bench_problem *p)
@@ -222,7 +222,7 @@ static range range_of(const cli_bench *b, const cli_bench_problem *p)
     return r;
 }
 
-/* The points of a curve that a plot can tell apart, and the end of the run. */
+/* Keep the points of a curve that a plot can show apart, and the end of the run. */
 static size_t thin(const cli_bench_curve *c, range r, double until, double *x, double *y)
 {
     size_t n = 0;
@@ -244,7 +244,7 @@ static size_t thin(const cli_bench_curve *c, range r, double until, double *x, d
 
 typedef struct labels { int n; lw_level level[LW_LEVEL_MAX]; char name[LW_LEVEL_MAX][96]; } labels;
 
-/* A line for every figure; those too near to the one above for a label of their own share its label. */
+/* Add a line for a published figure. Figures too close to the line above to have their own label share its label. */
 static void add_level(labels *l, const char *who, double error, range r)
 {
     int at = l->n;
@@ -269,7 +269,7 @@ static void add_levels(const cli_bench_figures *k, range r, labels *l)
         add_level(l, "reachable", k->reachable, r);
 }
 
-static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *room,
+static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, double *numbers,
                            const char *folder, lw_error *e)
 {
     char path[1024], title[192], bounds[96];
@@ -283,10 +283,10 @@ static lw_status save_plot(const cli_bench *b, const cli_bench_problem *p, doubl
         const cli_bench_curve *c = &b->curve[i];
         if (c->problem != p || c->n == 0)
             continue;
-        double *x = room, *y = room + c->n + 1;
+        double *x = numbers, *y = numbers + c->n + 1;
         size_t n = thin(c, r, b->seconds, x, y);
         series[plot.n_series++] = (lw_series){ c->solver, n, x, y, LW_SERIES_STEPS };
-        room = y + c->n + 1;
+        numbers = y + c->n + 1;
     }
     add_levels(p->known, r, &l);
     plot.n_level = l.n;
@@ -303,12 +303,12 @@ static lw_status save_plots(const cli_bench *b, const char *folder, lw_error *e)
     lw_status st = LW_OK;
     for (int i = 0; i < b->n_curve; i++)
         points += 2*(b->curve[i].n + 1);
-    double *room = malloc(sizeof *room*points);
-    if (!room)
+    double *numbers = malloc(sizeof *numbers*points);
+    if (!numbers)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int i = 0; i < b->n_problem && st == LW_OK && b->n_curve; i++)
-        st = save_plot(b, &b->problem[i], room, folder, e);
-    free(room);
+        st = save_plot(b, &b->problem[i], numbers, folder, e);
+    free(numbers);
     return st;
 }
 

@@ -8,8 +8,7 @@
 #include "cli/program/data.h"
 #include "cli/program/model.h"
 
-/* Bounds, published errors as they really evaluate, and reachable figures are those in the comments of
- * the files, where the papers are named. */
+/* Bounds, published errors as they evaluate here, and reachable errors. The comments of the files name the papers. */
 static const cli_bench_figures table[] = {
     { "line6", "line6", { 5, 60 }, { -60, 60 }, LW_DATUM_FREE, false,
       { { "Cabrera", 3.63e-2 }, { "DE", 1.51e-2 }, { "MUMSA", 2.06e-4 }, { "later", 4e-12 } }, 1e-20,
@@ -35,7 +34,7 @@ static const cli_bench_figures table[] = {
 };
 enum { N_TABLE = sizeof table/sizeof *table };
 
-/* What the figures ask for: a crank that is the shortest link, bounds in the unit of the target. */
+/* Set the conditions of the published figures: a crank that is the shortest link, bounds in the unit of the target. */
 static void make_spec(cli_bench_problem *p)
 {
     static const char *const frame[] = { "x0", "y0", "theta0" };
@@ -78,7 +77,7 @@ static lw_status add(const char *folder, const char *file, const cli_bench_figur
     return LW_OK;
 }
 
-/* The addresses of `own` are final only when the list no longer grows. */
+/* Set pointers to `own`; its addresses are final only when the list is complete. */
 static void finish(cli_bench_problem *p, int n)
 {
     for (int i = 0; i < n; i++) {

@@ -1,5 +1,5 @@
-/* cli/bench/bench_run.c - runs that leave a curve: the default strategy, solvers from its starts, searches
- * of the box. */
+/* cli/bench/bench_run.c - runs that record a curve: the default strategy, solvers from its starts, searches of the
+ * whole box. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,13 +10,13 @@
 #include "optimise/search/start.h"
 
 enum {
-    ARM_MAX = 4,             /* assembly modes by senses                                           */
-    DRAWS = 400,             /* of one arm and round                                               */
-    GLANCE = 100,            /* of these, settled, where the timing is free                        */
-    TRIES = 12,              /* of these, improved                                                 */
-    EVALS = 1200             /* of one improvement                                                 */
+    CANDIDATE_MAX = 4,             /* assembly modes times directions                                    */
+    DRAWS = 400,             /* draws per candidate and round                                      */
+    GLANCE = 100,            /* draws evaluated in full where the timing is free                   */
+    TRIES = 12,              /* draws that are then improved                                       */
+    EVALS = 1200             /* evaluations of one improvement                                     */
 };
-#define EXACT 1e-27          /* f of one station, of size one, that is rounding                    */
+#define EXACT 1e-27          /* f of one station, for a path of size one, at rounding error        */
 
 double cli_bench_error(const cli_bench_curve *c)
 {
@@ -31,7 +31,7 @@ double cli_bench_when(const cli_bench_curve *c, double error)
     return NAN;
 }
 
-/* Where a run writes: improvements of one call of a solver, after what went before. */
+/* Where a run records its improvements: evaluations and seconds of a call are added to those before it. */
 typedef struct recorder {
     cli_bench_curve *curve;
     double           started, scale, enough;
@@ -74,7 +74,7 @@ static void look_for_interrupt(void *context, double done, double seconds, doubl
     r->stop |= cli_interrupted();
 }
 
-/* The least error of what was found, simulated again from its file. */
+/* The least error of the linkages found, each simulated again from its file. */
 static double verified_error(const cli_bench_problem *p, const lw_fit *fit)
 {
     double least = INFINITY;
@@ -101,7 +101,7 @@ static lw_status run_default(double seconds, int jobs, recorder *r, lw_error *e)
     o.progress = look_for_interrupt;
     o.improved = record;
     o.context = r;
-    r->scale = 1;                                    /* it speaks in the user's units already        */
+    r->scale = 1;                                    /* the strategy reports in the user's units already */
     lw_status st = lw_fit_run(&p->target, &o, &fit, e);
     r->curve->verified = verified_error(p, &fit);
     lw_fit_free(&fit);
@@ -110,23 +110,23 @@ static lw_status run_default(double seconds, int jobs, recorder *r, lw_error *e)
 
 /* ---- one solver ---------------------------------------------------------------------------------- */
 
-/* The problem once for each assembly mode and, where the order of the points may run either way, sense. */
-typedef struct arms { int n; lw_problem problem[ARM_MAX]; void *work; } arms;
+/* One problem for each assembly mode and, if the order of the points may be reversed, each direction. */
+typedef struct candidates { int n; lw_problem problem[CANDIDATE_MAX]; void *work; } candidates;
 
-static void free_arms(arms *a)
+static void free_candidates(candidates *a)
 {
     for (int i = 0; i < a->n; i++)
         lw_problem_free(&a->problem[i]);
     free(a->work);
 }
 
-static lw_status make_arms(const cli_bench_problem *p, arms *a, lw_error *e)
+static lw_status make_candidates(const cli_bench_problem *p, candidates *a, lw_error *e)
 {
     const lw_family *f = lw_family_table;
     int n = p->spec.timing == LW_TIMING_FREE ? 4 : 2;
-    while (!f->turns || f->drag_link)                /* the crank-rocker: crank and shortest link   */
+    while (!f->turns || f->drag_link)                /* only crank-rockers: the crank is the shortest link */
         f++;
-    *a = (arms){ 0 };
+    *a = (candidates){ 0 };
     for (; a->n < n; a->n++) {
         lw_status st = lw_problem_make(&p->target, &p->spec, f, a->n & 1 ? -1 : 1, a->n & 2 ? -1 : 1,
                                        &a->problem[a->n], e);
@@ -137,26 +137,27 @@ static lw_status make_arms(const cli_bench_problem *p, arms *a, lw_error *e)
     return a->work ? LW_OK : lw_error_set(e, LW_E_MEMORY, "out of memory");
 }
 
-typedef struct start { double f, x[LW_VAR_MAX]; int arm, draw; } start;
+typedef struct start { double f, x[LW_VAR_MAX]; int candidate, draw; } start;
 
 static int by_f(const void *a, const void *b)
 {
     const start *p = a, *q = b;
-    return p->f < q->f ? -1 : p->f > q->f ? 1 : p->arm != q->arm ? p->arm - q->arm : p->draw - q->draw;
+    return p->f < q->f ? -1 : p->f > q->f ? 1
+         : p->candidate != q->candidate ? p->candidate - q->candidate : p->draw - q->draw;
 }
 
-/* The best TRIES starts of one arm, as the default strategy draws them. */
-static bool draw_arm(arms *a, int arm, lw_rng *rng, start *s)
+/* Draw the best TRIES starts of one candidate, as the default strategy does. */
+static bool draw_candidate(candidates *a, int candidate, lw_rng *rng, start *s)
 {
     double u[DRAWS*LW_START_DRAWS];
-    lw_problem *p = &a->problem[arm];
+    lw_problem *p = &a->problem[candidate];
     bool look = p->timing != LW_TIMING_PRESCRIBED;
     int d = lw_start_draws(p), n = look ? GLANCE : DRAWS;
     if (!lw_low_discrepancy(rng, DRAWS, d, u))
         return false;
     lw_problem_work_init(p, a->work);
     for (int i = 0; i < DRAWS; i++) {
-        s[i] = (start){ .arm = arm, .draw = i };
+        s[i] = (start){ .candidate = candidate, .draw = i };
         if (look)
             s[i].f = lw_start_estimate(p, u + i*d, a->work);
     }
@@ -168,14 +169,14 @@ static bool draw_arm(arms *a, int arm, lw_rng *rng, start *s)
     return true;
 }
 
-/* The starts of a round, best first.  Returns how many, or -1 when out of memory. */
-static int draw_round(arms *a, uint64_t seed, int round, start *s)
+/* Draw the starts of a round, best first. Returns their number, or -1 when out of memory. */
+static int draw_round(candidates *a, uint64_t seed, int round, start *s)
 {
     int n = 0;
-    for (int arm = 0; arm < a->n; arm++) {
+    for (int candidate = 0; candidate < a->n; candidate++) {
         lw_rng rng;
-        lw_rng_seed(&rng, seed, (uint64_t)(round*ARM_MAX + arm));
-        if (!draw_arm(a, arm, &rng, s + n))          /* room for all draws behind those that are kept */
+        lw_rng_seed(&rng, seed, (uint64_t)(round*CANDIDATE_MAX + candidate));
+        if (!draw_candidate(a, candidate, &rng, s + n))    /* space for all draws follows the starts that are kept */
             return -1;
         for (int i = 0; i < TRIES && isfinite(s[n].f); i++)
             n++;
@@ -207,9 +208,9 @@ static void call_solver(const lw_solver *solver, const lw_problem *p, double sec
     r->before += result.evals;
 }
 
-static lw_status run_starts(const lw_solver *solver, double seconds, arms *a, recorder *r)
+static lw_status run_starts(const lw_solver *solver, double seconds, candidates *a, recorder *r)
 {
-    start *s = malloc(sizeof *s*(DRAWS + ARM_MAX*TRIES));
+    start *s = malloc(sizeof *s*(DRAWS + CANDIDATE_MAX*TRIES));
     const lw_problem *p = &a->problem[0];
     double exact = EXACT*(double)p->n*p->scale;
     int n = s ? 0 : -1;
@@ -217,7 +218,7 @@ static lw_status run_starts(const lw_solver *solver, double seconds, arms *a, re
         n = draw_round(a, r->curve->seed, round, s);
         r->before += (long)a->n*DRAWS;
         for (int i = 0; i < n && !r->stop; i++) {
-            call_solver(solver, &a->problem[s[i].arm], seconds - spent(r), EVALS, s[i].x, r);
+            call_solver(solver, &a->problem[s[i].candidate], seconds - spent(r), EVALS, s[i].x, r);
             r->stop |= cli_interrupted() || spent(r) >= seconds || cli_bench_error(r->curve) <= exact;
         }
         r->stop |= spent(r) >= seconds;
@@ -226,7 +227,7 @@ static lw_status run_starts(const lw_solver *solver, double seconds, arms *a, re
     return n < 0 ? LW_E_MEMORY : LW_OK;
 }
 
-/* The middle of the box, where a search begins; angles and what has no bounds at 0 or 1. */
+/* The middle of the box, where a search begins; angles and unbounded variables start at 0 or 1. */
 static void middle(const lw_problem *p, double *x)
 {
     for (int i = 0; i < p->n_var; i++) {
@@ -235,7 +236,7 @@ static void middle(const lw_problem *p, double *x)
     }
 }
 
-static void run_box(const lw_solver *solver, double seconds, arms *a, recorder *r)
+static void run_box(const lw_solver *solver, double seconds, candidates *a, recorder *r)
 {
     for (int i = 0; i < a->n && !cli_interrupted(); i++) {
         double x[LW_VAR_MAX];
@@ -248,13 +249,13 @@ lw_status cli_bench_run(const lw_solver *solver, double seconds, int jobs, doubl
                         cli_bench_curve *c, lw_error *e)
 {
     recorder r = { .curve = c, .started = lw_clock_wall(), .enough = enough };
-    arms a = { 0 };
-    lw_status st = solver ? make_arms(c->problem, &a, e) : run_default(seconds, jobs, &r, e);
+    candidates a = { 0 };
+    lw_status st = solver ? make_candidates(c->problem, &a, e) : run_default(seconds, jobs, &r, e);
     if (solver && st == LW_OK && solver->global)
         run_box(solver, seconds, &a, &r);
     else if (solver && st == LW_OK)
         st = run_starts(solver, seconds, &a, &r);
-    free_arms(&a);
+    free_candidates(&a);
     if (c->incomplete || st == LW_E_MEMORY)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     return st;

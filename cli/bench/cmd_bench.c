@@ -22,8 +22,8 @@ static const cli_option options[] = {
     { "output", 'o', CLI_TEXT, offsetof(settings, output), "FOLDER", NULL,
       "write CSV files and a plot of each problem into this folder", 0, 0, NULL, NULL },
     { "problems", 0, CLI_TEXT, offsetof(settings, problems), "FOLDER", NULL,
-      "fit: folder with targets as CSV files; without it the published problems that come with linkwright", 0, 0, NULL,
-      NULL },
+      "fit: folder with targets as CSV files; without it the published problems that come with linkwright",
+      0, 0, NULL, NULL },
     { "solvers", 0, CLI_TEXT, offsetof(settings, solvers), "NAME,...", "all",
       "fit: solvers to compare: 'default' (the complete method of 'linkwright fit'), names from 'linkwright fit "
       "--solver help\', 'all' or 'none'", 0, 0, NULL, NULL },
@@ -31,22 +31,19 @@ static const cli_option options[] = {
       "time limit; fit: of each solver on each problem; mbs: of the repetitions of a row", 1e-3, 1e6, NULL, NULL },
     { "seeds", 0, CLI_INT, offsetof(settings, seeds), "N", "20",
       "fit: number of complete fits of each problem, with the seeds --seed, --seed + 1, ...", 0, 10000, NULL, NULL },
-    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5", "fit: time limit of each of these fits",
-      1e-3,
-      1e6, NULL, NULL },
+    { "reach-time", 0, CLI_REAL, offsetof(settings, limit), "SECONDS", "5",
+      "fit: time limit of each of these fits", 1e-3, 1e6, NULL, NULL },
     { "links", 'l', CLI_TEXT, offsetof(settings, links), "P,...", NULL,
-      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links", 0,
-      0,
-      NULL, NULL },
+      "fit: instead, search all mechanisms with up to 6 or up to 6,8 links and print error against number of links",
+      0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
       "fit: with --links, number of evaluations for each number of links", 1e3, 1e12, NULL, NULL },
     { "both-ways", 0, CLI_FLAG, offsetof(settings, both_ways), NULL, NULL,
       "fit: with --links, compare paths without input angles in both directions, target to curve and curve to target",
-      0, 0,
-      NULL, NULL },
+      0, 0, NULL, NULL },
     { "cases", 0, CLI_TEXT, offsetof(settings, cases), "NAME,...", NULL,
-      "mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; without it all", 0, 0, NULL,
-      NULL },
+      "mbs: pendulum, two-four-bars, andrews, flexible-crank, clearance, clearance-250; without it all",
+      0, 0, NULL, NULL },
     { "tolerances", 0, CLI_RANGE, offsetof(settings, tolerance), "MIN:MAX", "1e-13:1e-4",
       "mbs: tolerances to use, a row for each power of ten", 1e-13, 1e-1, NULL, NULL },
     { "peers", 0, CLI_TEXT, offsetof(settings, peers), "FOLDER", NULL,
@@ -57,7 +54,7 @@ static const cli_option options[] = {
 
 enum { SOLVER_MAX = 64 };
 
-/* What draws curves; NULL is the default strategy. */
+/* Solvers whose curves are recorded; NULL is the default strategy. */
 typedef struct chosen { int n; const lw_solver *solver[SOLVER_MAX]; } chosen;
 
 static void choose_all(chosen *c)
@@ -186,7 +183,7 @@ static int finish(const cli_call *call, const cli_bench *b)
     return CLI_DONE;
 }
 
-/* Make the folder of -o, and ask for each file that goes into it whether it may be written there. */
+/* Make the folder of -o, and check for each file that it may be written there. */
 static int check_folder(const cli_call *call, const char *csv, const char *prefix, const cli_bench *b)
 {
     const char *folder = ((const settings *)call->settings)->output;
@@ -200,7 +197,7 @@ static int check_folder(const cli_call *call, const char *csv, const char *prefi
     return code;
 }
 
-/* "6,8" to 8; 0 when it is no such list. */
+/* The last number of a list such as "6,8"; 0 if the text is no such list. */
 static int most_links(const char *list)
 {
     int most = 0;

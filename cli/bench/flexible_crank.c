@@ -59,7 +59,7 @@ void lw_flexible_crank_mass(const lw_flexible_crank *c, const double *p, double 
             m[i*N + j] = m[j*N + i];
 }
 
-/* Lagrange's equations of that mass: f = 1/2 d(v^T M v)/dp - dM/dt v - K q. */
+/* Forces of Lagrange's equations for that mass matrix: f = 1/2 d(v^T M v)/dp - dM/dt v - K q. */
 void lw_flexible_crank_force(const lw_flexible_crank *c, const double *p, const double *v, double *f)
 {
     const double *q = p + 3, *qd = v + 3, l1 = c->crank, rho = c->density, w1 = v[0], w2 = v[1];
@@ -92,11 +92,11 @@ void lw_flexible_crank_rows(const lw_flexible_crank *c, double t, const double *
 
 /* ---- in the elastic coordinates alone --------------------------------------------------------------------- */
 
-/* p, v from time and elastic coordinates y (q, q'); v = T q' + ..., a = T q'' + b, where T is 1 on the elastic
- * coordinates and `turn`, `slide` from the last of them to coupler and slider. */
-typedef struct spread { double p[N], v[N], b[N], turn, slide; } spread;
+/* p, v from time and the elastic coordinates y (q, q'); v = T q' + ..., a = T q'' + b. T is 1 for the elastic
+ * coordinates; `turn` and `slide` are its entries from the last of them to coupler and slider. */
+typedef struct expanded { double p[N], v[N], b[N], turn, slide; } expanded;
 
-static void spread_out(const lw_flexible_crank *c, double t, const double *y, spread *s)
+static void expand(const lw_flexible_crank *c, double t, const double *y, expanded *s)
 {
     double w = c->speed, l1 = c->crank, l = c->coupler + y[3], ld = y[7];
     double s1 = sin(w*t), c1 = cos(w*t), s2 = -l1*s1/l, c2 = sqrt(1 - s2*s2);
@@ -112,7 +112,7 @@ static void spread_out(const lw_flexible_crank *c, double t, const double *y, sp
     s->slide = c2 - l*s2*s->turn;
 }
 
-/* x := A^-1 x for a positive definite 4 x 4. */
+/* Solve A x = b for a positive definite 4 x 4 matrix; x holds b on entry. */
 static lw_status cholesky(double a[E][E], double *x)
 {
     for (int j = 0; j < E; j++)
@@ -136,8 +136,8 @@ static lw_status cholesky(double a[E][E], double *x)
     return LW_OK;
 }
 
-/* T^T (M (T q'' + b) - f) = 0; a (7) when given. */
-static lw_status accelerate(const lw_flexible_crank *c, const spread *s, double *qdd, double *a)
+/* Solve T^T (M (T q'' + b) - f) = 0; also fill a (7) unless it is NULL. */
+static lw_status accelerate(const lw_flexible_crank *c, const expanded *s, double *qdd, double *a)
 {
     double m[N*N], f[N], small[E][E], to[2] = { s->turn, s->slide };
     lw_flexible_crank_mass(c, s->p, m);
@@ -170,10 +170,10 @@ static lw_status accelerate(const lw_flexible_crank *c, const spread *s, double 
 
 static lw_status reduced_rate(void *context, double t, const double *y, double *dy)
 {
-    spread s;
-    if (!(fabs(y[3]) < 0.1))                     /* the loop must close                                       */
+    expanded s;
+    if (!(fabs(y[3]) < 0.1))                     /* beyond this the loop cannot close                         */
         return LW_OPEN;
-    spread_out(context, t, y, &s);
+    expand(context, t, y, &s);
     memcpy(dy, y + E, E*sizeof *y);
     return accelerate(context, &s, dy + E, NULL);
 }
@@ -207,12 +207,12 @@ static lw_status ggl_residual(void *context, double t, const double *y, const do
     return LW_OK;
 }
 
-/* Multipliers from the rows of crank, coupler and slider, in which G is triangular. */
+/* Multipliers from the rows of crank, coupler and slider, for which G is triangular. */
 static lw_status ggl_start(const lw_flexible_crank *c, const double *y0, double *y, double *dy)
 {
     double m[N*N], f[N], g[ROWS*N], phi[ROWS], qdd[E];
-    spread s;
-    spread_out(c, 0, y0, &s);
+    expanded s;
+    expand(c, 0, y0, &s);
     lw_status st = accelerate(c, &s, qdd, dy + N);
     memset(y, 0, GGL_N*sizeof *y);
     memcpy(y, s.p, sizeof s.p);
@@ -296,14 +296,14 @@ lw_status lw_flexible_crank_run(const lw_flexible_crank *c, lw_flexible_method m
 {
     double y[2*E] = { 0, 0, 1.03339863e-05, 1.69327969e-05, 0.444896105, 0.00463434311, -1.78591076e-06,
                       -2.68938672e-06 };
-    /* elastic coordinates are 1e-4 m, their rates 1 m/s and below */
+    /* elastic coordinates are about 1e-4 m, their rates at most 1 m/s */
     double absolute[GGL_N];
     lw_ode ode = { .n = 2*E, .context = (void *)(size_t)c, .rate = reduced_rate };
     lw_ode_options o = lw_ode_options_default();
     bool ggl = method == LW_FLEXIBLE_GGL;
     for (int i = 0; i < GGL_N; i++)
         absolute[i] = tolerance*(ggl ? i < 3 || i >= N ? 1 : 1e-4 : i < E ? 1e-4 : 1);
-    for (int i = 2*N; i < GGL_N; i++)            /* multipliers: where steps are short they are noise         */
+    for (int i = 2*N; i < GGL_N; i++)            /* multipliers are noise where steps are short               */
         absolute[i] = 1e3*tolerance;
     o.relative = tolerance;
     o.max_step = 300000;
@@ -315,8 +315,8 @@ lw_status lw_flexible_crank_run(const lw_flexible_crank *c, lw_flexible_method m
     lw_status st = method == LW_FLEXIBLE_EXPLICIT
                  ? run_explicit(&ode, &o, to, y, r, e)
                  : run_cvode(&ode, &o, method == LW_FLEXIBLE_ADAMS ? LW_CVODE_ADAMS : LW_CVODE_BDF, to, y, r, e);
-    spread s;
-    spread_out(c, to, y, &s);
+    expanded s;
+    expand(c, to, y, &s);
     memcpy(r->p, s.p, sizeof s.p);
     memcpy(r->v, s.v, sizeof s.v);
     return st;

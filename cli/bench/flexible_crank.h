@@ -1,5 +1,5 @@
-/* cli/bench/flexible_crank.h - a slider-crank whose coupler bends in two modes and stretches in two: the reference problem of
- * Simeon 1996 (IVP test set, "slider crank").
+/* cli/bench/flexible_crank.h - a slider-crank whose coupler bends in two modes and stretches in two: the reference
+ * problem of Simeon 1996 (IVP test set, "slider crank").
  *
  *     p      crank angle [rad], coupler angle [rad], place of the slider [m], then the four elastic coordinates [m]
  *     M(p) p'' = f(p, p') - G^T l,   Phi(t, p) = 0: the loop (two rows), and the crank at constant speed

@@ -1,4 +1,4 @@
-/* linkwright catalogue check - a catalogue examined; the table of published counts, counted again. */
+/* linkwright catalogue check - check a catalogue, or count again what the table of published counts lists. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -196,7 +196,7 @@ static int check_store(const cli_call *call, lw_store *store)
     return code;
 }
 
-/* A catalogue is recognised by its first bytes, or else by its name; anything else is a table. */
+/* A file is a catalogue by its first bytes or by its name; any other file is a table. */
 static bool is_catalogue(const char *path)
 {
     char head[16] = "";

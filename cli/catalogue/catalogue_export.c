@@ -1,4 +1,5 @@
-/* linkwright catalogue export - chains and mechanisms in any notation; linkages as `catalogue add` reads them. */
+/* linkwright catalogue export - chains and mechanisms in any notation; linkages in the form that `catalogue add` reads.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,7 @@ static lw_status damaged(job *j, const char *what)
                        (unsigned long long)j->n + 1, what);
 }
 
-/* "1-2 3-4" */
+/* Read inputs such as "1-2 3-4". */
 static bool set_inputs(lw_mechanism *m, const char *text)
 {
     while (text && *text) {
@@ -159,7 +160,7 @@ static int write_all(job *j, const lw_query *q)
     return cli_close(call, &j->out, j->n == 0 && s != LW_STOPPED ? CLI_NOTHING : CLI_DONE);
 }
 
-/* The columns of a list are known only when the question says which list it is. */
+/* The columns depend on the list, which is known only once the query is read. */
 static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
 {
     const cli_catalogue_settings *s = call->settings;
@@ -181,7 +182,8 @@ static lw_status compile(const cli_call *call, lw_query *q, lw_error *e)
 }
 
 /* The choices of --format. */
-static const char *const formats[] = { "table", "json", "csv", "graph6", "lam", "sentence", "franke", "edges", "dot", "graphml" };
+static const char *const formats[] = { "table", "json", "csv", "graph6", "lam", "sentence", "franke", "edges",
+                                      "dot", "graphml" };
 
 int cli_catalogue_export(const cli_call *call)
 {

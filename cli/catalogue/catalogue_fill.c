@@ -1,4 +1,4 @@
-/* linkwright catalogue build, add, curves - what goes into a catalogue. */
+/* linkwright catalogue build, add, curves - fill a catalogue. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +24,7 @@ static lw_build_control control_of(const cli_call *call, cli_catalogue_watch *w)
 
 /* ---- build ---------------------------------------------------------------------------------------------- */
 
-/* "r", "rt", "t"; NULL for anything else. */
+/* The joint kinds "r", "rt" or "t"; NULL for any other text. */
 static const char *read_kinds(const char *text)
 {
     static const char *const known[][2] = {

@@ -1,4 +1,4 @@
-/* linkwright catalogue html - a catalogue as web pages that work from a disk. */
+/* linkwright catalogue html - a catalogue as web pages that need no server. */
 #include <dirent.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@ static bool goes_on(void *watch, double done, double total)
     return cli_catalogue_goes_on(w, done);
 }
 
-/* Pages of earlier runs are replaced, those of the user are not. */
+/* Pages of earlier runs are replaced, files of the user are not. */
 static int check_folder(const cli_call *call, const char *folder)
 {
     int code = cli_make_folder(call, folder);
@@ -27,9 +27,9 @@ static int check_folder(const cli_call *call, const char *folder)
     return code;
 }
 
-#define MUCH 200e6               /* bytes of pages that nobody makes by mistake */
+#define MUCH 200e6               /* bytes of pages above which a limit must be given */
 
-/* CLI_DONE, or the exit code when there would be very many pages and nobody has said how many are wanted. */
+/* CLI_DONE, or the exit code if very many pages would be written and the user has set no limit. */
 static int look_ahead(const cli_call *call, lw_store *store, const lw_atlas_html_options *o)
 {
     lw_error e = { 0 };

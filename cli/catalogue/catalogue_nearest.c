@@ -1,4 +1,4 @@
-/* linkwright catalogue nearest - the curves of a catalogue that are most like a target. */
+/* linkwright catalogue nearest - find the curves of a catalogue that are most similar to a target. */
 #include <stdlib.h>
 
 #include "base/clock.h"
@@ -65,7 +65,7 @@ static void print_json(const cli_call *call, const lw_target *t, lw_atlas_hit *h
     cli_json_end(&j);
 }
 
-/* How many curves are listed. */
+/* Number of curves to list. */
 static int wanted(const cli_call *call)
 {
     const cli_catalogue_settings *s = call->settings;

@@ -8,7 +8,7 @@
 #include "cli/catalogue/catalogue.h"
 #include "cli/program/json.h"
 
-#define WIDTH_ROWS 400                     /* so many rows decide how wide a column is               */
+#define WIDTH_ROWS 400                     /* the first rows, from which the widths of columns are chosen */
 #define WIDTH_MAX  60
 
 enum { TABLE, JSON, CSV };
@@ -20,15 +20,15 @@ typedef struct job {
     lw_output           out;
     uint64_t            n;
     int                 n_column, width[128];
-    char              **cell;              /* of the first rows, kept until their widths are known; row 0: names */
-    size_t              n_cell, room;
+    char              **cell;              /* cells of the first rows, until the widths are known; row 0: names */
+    size_t              n_cell, capacity;
     bool                right[128];        /* a column of numbers                                     */
     lw_error            e;
 } job;
 
 /* ---- a table ------------------------------------------------------------------------------------------- */
 
-/* What a terminal would obey becomes '?'. */
+/* Replace control characters, which a terminal would obey, by '?'. */
 static void clean(char *text)
 {
     for (unsigned char *c = (unsigned char *)text; *c; c++)
@@ -87,12 +87,12 @@ static void print_kept(job *j)
 static lw_status keep_cells(job *j, char **cell)
 {
     size_t n = (size_t)j->n_column;
-    if (j->n_cell + n > j->room) {
-        char **more = realloc(j->cell, (2*j->room + n)*sizeof *more);
+    if (j->n_cell + n > j->capacity) {
+        char **more = realloc(j->cell, (2*j->capacity + n)*sizeof *more);
         if (!more)
             return LW_E_MEMORY;
         j->cell = more;
-        j->room = 2*j->room + n;
+        j->capacity = 2*j->capacity + n;
     }
     memcpy(j->cell + j->n_cell, cell, n*sizeof *cell);
     j->n_cell += n;
@@ -142,7 +142,7 @@ static lw_status json_row(job *j, const char *const *name, const lw_value *v)
     return LW_OK;
 }
 
-/* RFC 4180: quotes around what holds a comma, a quote or a line end, quotes inside doubled. */
+/* Quote a field that holds a comma, a quote or a line end; inner quotes are doubled (RFC 4180). */
 static void csv_text(FILE *f, const char *text, size_t n)
 {
     bool quoted = false;

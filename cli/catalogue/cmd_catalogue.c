@@ -1,4 +1,4 @@
-/* linkwright catalogue - a database of mechanisms: built, checked, asked; and the published tables, recounted. */
+/* linkwright catalogue - build, check and query a database of mechanisms; count the published tables again. */
 #include <string.h>
 
 #include "base/clock.h"
@@ -9,11 +9,12 @@
 
 static const cli_option options[] = {
     { "links", 'l', CLI_INT, PLACE(links), "P", NULL,
-      "build: number of links; curves: 4 or 6, without it 4; html: only chains with so many links", 3, LW_LINK_MAX, NULL, NULL },
+      "build: number of links; curves: 4 or 6, without it 4; html: only chains with so many links",
+      3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
     { "joints", 0, CLI_TEXT, PLACE(joints), "KINDS", "r",
-      "build: kinds of joints, r for pins and r,t for pins and sliders; all combinations that can move as wanted", 0, 0,
-      NULL, NULL },
+      "build: kinds of joints, r for pins and r,t for pins and sliders; all combinations that can move as wanted",
+      0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground",
       "build: which joints may be driven, those at the ground or all", 0, 0, NULL, NULL },
     { "no-pictures", 0, CLI_FLAG, PLACE(no_pictures), NULL, NULL,
@@ -26,10 +27,11 @@ static const cli_option options[] = {
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as a closed or as an open curve; file: as its file says", 0, 0, NULL, NULL },
     { "results", 0, CLI_INT, PLACE(results), "N", NULL,
-      "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest number of "
-      "chains", 1, 2e9, NULL, NULL },
+      "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest "
+      "number of chains", 1, 2e9, NULL, NULL },
     { "list", 0, CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
-      "query, export: what is listed; any takes the first of these that has all fields of the question", 0, 0, NULL, NULL },
+      "query, export: what is listed; any takes the first of these that has all fields of the question",
+      0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, PLACE(columns), "NAME,...", NULL, "query: fields to print", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: sort by these fields; a minus sign before a field reverses its order", 0, 0, NULL, NULL },
@@ -37,16 +39,18 @@ static const cli_option options[] = {
       "query: table, json or csv; export: notation of chains and mechanisms, all but table and csv", 0, 0, NULL, NULL },
     { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
       "query: the question is an SQL SELECT on the tables of docs/catalogue.md", 0, 0, NULL, NULL },
-    { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL, "query: list the names of all fields and end", 0, 0, NULL, "sql" },
+    { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL,
+      "query: list the names of all fields and end", 0, 0, NULL, "sql" },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5",
       "how long to wait while another program writes to the catalogue", 0, 1e6, NULL, NULL },
     { "commit", 0, CLI_REAL, PLACE(commit), "SECONDS", "0.5",
-      "how often new rows are made permanent; if the program is killed, no more work than this is lost", 0, 1e6, NULL, NULL },
+      "how often new rows are made permanent; if the program is killed, no more work than this is lost",
+      0, 1e6, NULL, NULL },
     { "time", 0, CLI_REAL, PLACE(time), "SECONDS", "60",
-      "stop after this time and keep what was found; check of a table leaves out rows that would take longer, the other "
-      "actions have no limit without this option", 0, 1e9, NULL, NULL },
-    { "disagreeing", 0, CLI_FLAG, PLACE(disagreeing), NULL, NULL, "check: print only rows that do not agree", 0, 0, NULL,
-      NULL },
+      "stop after this time and keep what was found; check of a table leaves out rows that would take longer, the "
+      "other actions have no limit without this option", 0, 1e9, NULL, NULL },
+    { "disagreeing", 0, CLI_FLAG, PLACE(disagreeing), NULL, NULL,
+      "check: print only rows that do not agree", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 

@@ -14,14 +14,15 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "from-format", 0, CLI_TEXT, offsetof(settings, from), "json|pyslvs|pmks|adams", NULL,
-      "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text", 0, 0, NULL, NULL },
+      "format of the input: json, pyslvs, pmks, adams; without this option it is recognised from the text",
+      0, 0, NULL, NULL },
     { "format", 0, CLI_TEXT, offsetof(settings, to),
       "json|pyslvs|adams|pmks|mjcf|acf|dxf|scad|slvs|svg|poses|motiongen", NULL,
       "format of the output; without this option the end of the output's name decides (.json, .pyslvs, .txt, .adm, "
       ".xml, ...); standard output gets json", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, unit), "UNIT", NULL,
-      "length unit: m mm cm km um in ft; of input numbers that have no unit (default m), and of the output", 0, 0,
-      NULL, NULL },
+      "length unit: m mm cm km um in ft; of input numbers that have no unit (default m), and of the output",
+      0, 0, NULL, NULL },
     { "input-joint", 0, CLI_TEXT, offsetof(settings, input), "JOINT", NULL,
       "drive this joint, a pin or a slider, instead of the input of the file", 0, 0, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
@@ -113,7 +114,7 @@ static lw_status read_linkage(const cli_call *call, lw_linkage *k, lw_error *e)
         status = cli_read_file(path, "a linkage", &text, &size, e);
     if (status == LW_OK && !f)
         f = format_of_text(text);
-    if (status == LW_OK && strcmp(f->name, "json") == 0)              /* also a result of fit */
+    if (status == LW_OK && strcmp(f->name, "json") == 0)              /* a result of fit is written too */
         status = cli_linkage_text(path, s->result, &text, &size, k, e);
     else if (status == LW_OK)
         status = f->read(text, size, path, &units, k, e);
@@ -171,9 +172,9 @@ const cli_command cli_convert_command = {
         "  svg      the coupler curves as paths in millimetres; fit reads such a file as a target\n"
         "  poses    CSV: position and angle of each link in 180 poses\n"
         "  motiongen  JSON: joints, links as lists of joints, actuators, tracers with their curves\n"
-        "Points of one link become tracers, and tracers become such points. pyslvs and pmks cannot express gears, welds\n"
-        "away from a slider, names of joints, ranges of inputs and directions of tools. Linkages with gears or such\n"
-        "welds are refused (exit code 3); the rest is left out.\n",
+        "Points of one link become tracers, and tracers become such points. pyslvs and pmks cannot express gears,\n"
+        "welds away from a slider, names of joints, ranges of inputs and directions of tools. Linkages with gears or\n"
+        "such welds are refused (exit code 3); the rest is left out.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

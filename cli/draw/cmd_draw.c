@@ -9,39 +9,39 @@
 
 typedef cli_draw_settings settings;
 
-/* The first are kinds of picture, the rest notations: what is read then are chains. */
+/* The first choices are formats of pictures, the rest notations of topologies, which the input is then read in. */
 #define PICTURES 6
 
 static const cli_option options[] = {
     { "target", 't', CLI_INPUT, offsetof(settings, target), "FILE", NULL,
-      "linkage: draw the points of this target too", 0, 0, NULL, NULL },
+      "linkage: also draw the points of this target", 0, 0, NULL, NULL },
     { "size", 0, CLI_SIZE, offsetof(settings, size), "WIDTHxHEIGHT", NULL,
-      "size in pixels; without it what suits the format, for sheets A4", 64, 8192, NULL, NULL },
+      "size in pixels; without it a size that suits the format, A4 for sheets", 64, 8192, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "120",
-      "linkage: postures of the motion, for animations", 2, 10000, NULL, NULL },
+      "linkage: number of poses in an animation", 2, 10000, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
-      "linkage: which result of a file that fit wrote, 1 is the best; 0 the best, or the one linkage there is",
+      "linkage: draw result N of a file written by fit, 1 is the best; 0: the best, or the only linkage in the file",
       0, 1000000, NULL, NULL },
     { "format", 'f', CLI_CHOICE, offsetof(settings, format),
       "name|svg|pdf|png|gif|html|g6|graph6|lam|sentence|franke|edges|json", "name",
-      "format of the picture; 'name' goes by the end of the output's name and is svg on standard output. A notation "
-      "instead says that chains are read; their notation is told by how they begin", 0, 0, NULL, NULL },
+      "format of the picture; 'name': by the end of the output's name, svg on standard output. The name of a notation "
+      "means that the input holds chains; their notation is recognised from the text", 0, 0, NULL, NULL },
     { "title", 0, CLI_TEXT, offsetof(settings, title), "TEXT", NULL,
       "title; without it the name of the linkage", 0, 0, NULL, NULL },
     { "all-modes", 0, CLI_FLAG, offsetof(settings, all_modes), NULL, NULL,
-      "linkage: the curves of the other assembly modes too, dashed", 0, 0, NULL, NULL },
+      "linkage: also draw the curves of the other assembly modes, dashed", 0, 0, NULL, NULL },
     { "to", 0, CLI_REAL, offsetof(settings, until), "T", "0",
-      "linkage whose several inputs have motions: show them from 0 to here; 0: to where they begin again or come to "
-      "rest", 0, 1e6, NULL, NULL },
-    { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8", "chains: pictures on a page", 1, 64,
-      NULL, NULL },
+      "linkage whose inputs have motions in time: show them from 0 to T [s]; 0: until they repeat or come to rest",
+      0, 1e6, NULL, NULL },
+    { "grid", 0, CLI_SIZE, offsetof(settings, grid), "COLUMNSxROWS", "6x8",
+      "chains: number of pictures on a page", 1, 64, NULL, NULL },
     { "each", 0, CLI_FLAG, offsetof(settings, each), NULL, NULL,
-      "chains: every chain on a page, or in a file, of its own", 0, 0, NULL, "grid" },
+      "chains: one page or file for each chain", 0, 0, NULL, "grid" },
     { "caption", 0, CLI_CHOICE, offsetof(settings, caption), "number|graph6|joints|assortment|none", "number",
-      "chains: what stands below each; the assortment counts binary, ternary, ... links", 0, 0, NULL, NULL },
+      "chains: text below each picture; the assortment counts binary, ternary, ... links", 0, 0, NULL, NULL },
     { "numbers", 0, CLI_FLAG, offsetof(settings, numbers), NULL, NULL, "chains: number the links", 0, 0, NULL, NULL },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
-      "chains: after a fault of input go on with the next chain", 0, 0, NULL, NULL },
+      "chains: after an error in the input, continue with the next chain", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -105,20 +105,20 @@ static int draw_linkage(const cli_call *call, lw_draw_kind kind)
         lw_bytes_free(&bytes);
         return cli_fail(call, &e);
     }
-    fwrite(bytes.data, 1, bytes.size, o.f);            /* cli_close looks at the stream's error */
+    fwrite(bytes.data, 1, bytes.size, o.f);            /* cli_close checks the stream for errors */
     lw_bytes_free(&bytes);
     return cli_close(call, &o, CLI_DONE);
 }
 
-/* Does the file hold topologies?  Not when it begins as a JSON object that is no mechanism: linkages and
- * results of fits are. */
+/* Does the file hold topologies? It does unless it begins as a JSON object that is no mechanism: linkages and results
+ * of fits begin so. */
 static bool holds_topologies(const char *path)
 {
     char *text = NULL;
     size_t size;
     lw_mechanism m;
     if (lw_file_read(path, &text, &size, NULL) != LW_OK)
-        return false;                                              /* the reader of linkages says why */
+        return false;                                              /* the reader of linkages then reports the error */
     size_t blank = strspn(text, " \t\r\n");
     lw_topologies t = lw_topologies_open(text, size, path);
     bool yes = text[blank] && (text[blank] != '{' || lw_topologies_next(&t, &m, NULL) == LW_OK);
@@ -126,7 +126,7 @@ static bool holds_topologies(const char *path)
     return yes;
 }
 
-/* NULL, or the option that has no meaning for what is drawn. */
+/* NULL, or the name of an option that does not apply to what is drawn. */
 static const char *misplaced(const cli_call *call, bool chains)
 {
     static const char *const of_linkage[] = { "target", "steps", "result", "all-modes", "to", NULL };
@@ -162,7 +162,7 @@ const cli_command cli_draw_command = {
     .examples =
         "  linkwright draw examples/hoeken.json -o hoeken.svg             a picture\n"
         "  linkwright draw examples/jansen.json -o leg.gif --size 400x300 an animation\n"
-        "  linkwright draw examples/loader.json -o loader.html            several inputs, by their motions\n"
+        "  linkwright draw examples/loader.json -o loader.html            several inputs move by their motions\n"
         "  linkwright draw best.json -t examples/ellipse.csv -o best.png  with the points it was made for\n"
         "  linkwright draw fits.json --result 2 -o second.pdf             the second best of a fit\n"
         "  linkwright chains --links 10 | linkwright draw -o ten.pdf      230 chains on five pages\n"
@@ -170,12 +170,14 @@ const cli_command cli_draw_command = {
         "  linkwright mechanisms --links 6 --input ground | linkwright draw --numbers -o six.png\n"
         "  linkwright chains --links 8 | linkwright draw --each -o eight.svg   eight-001.svg and so on\n",
     .about =
-        "FILE is a linkage (docs/notation.md) or what 'linkwright fit --json' printed; - is standard input. It is\n"
-        "drawn in the posture of its file, with the curves of its tracers, joints and lengths labelled. Any linkage\n"
-        "moves: by its first input until its motion closes; several inputs together where they have motions or ranges.\n"
-        "Or FILE, or standard input without FILE, holds chains or mechanisms in any notation, drawn as in\n"
-        "textbooks: bars, polygons, pins. No two links cross when the graph of the chain is planar, else few do.\n"
-        "The joints of a ground link stand on a line. More pages than one make numbered files, or one PDF.\n",
+        "FILE is a linkage (docs/notation.md) or the output of 'linkwright fit --json'; - is standard input. The\n"
+        "linkage is drawn in the pose of its file, with the curves of its tracers and labels at joints and lengths.\n"
+        "An animation moves the first input until the motion closes. If several inputs have motions or ranges, they\n"
+        "move together.\n"
+        "FILE can also hold chains or mechanisms in any notation; without FILE they are read from standard input.\n"
+        "They are drawn as in textbooks: bars, polygons, pins. If the graph of a chain is planar, no two links cross,\n"
+        "else as few as can be found. The joints of a ground link stand on one line. Several pages are written as\n"
+        "numbered files, or as one PDF.\n",
     .options = options,
     .settings_size = sizeof(settings),
     .least_words = 0,

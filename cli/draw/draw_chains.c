@@ -1,4 +1,4 @@
-/* Sheets of chains and mechanisms: pages are written while others are still being read. */
+/* Draw sheets of chains and mechanisms; pages are written while the rest of the input is still being read. */
 #include "cli/draw/draw.h"
 
 #include <stdlib.h>
@@ -19,20 +19,20 @@ typedef struct press {
     const cli_draw_settings *s;
     lw_draw_kind    kind;
     lw_sheet_style  style;
-    int             room;                 /* pictures on a page                                        */
-    int             n;                    /* of the page at hand                                       */
-    lw_mechanism   *m;                    /* (room)                                                    */
+    int             capacity;                 /* pictures on a page                                        */
+    int             n;                    /* pictures on the current page                              */
+    lw_mechanism   *m;                    /* (capacity)                                                */
     char          (*caption)[CAPTION_SIZE];
     lw_sheet_item  *item;
     uint64_t        n_read;
-    size_t          n_page, page_room;    /* pages done                                                */
-    lw_drawing     *page;                 /* PDF: all of them; else the first, until a second comes    */
+    size_t          n_page, page_capacity;    /* pages finished                                            */
+    lw_drawing     *page;                 /* PDF: all pages; else the first one, until a second follows */
     cli_watch       watch;
 } press;
 
 /* ---- captions ----------------------------------------------------------------------------------- */
 
-/* "5 binary, 4 ternary" as in tables of assortments: "5, 4, 0, 1" from binary links on. */
+/* Print "5 binary, 4 ternary", or "5, 4, 0, 1" from binary links on, as in tables of assortments. */
 static void print_assortment(const lw_mechanism *m, char *out, size_t size)
 {
     lw_chain c;
@@ -71,7 +71,7 @@ static void print_caption(const press *p, const lw_mechanism *m, char out[CAPTIO
 
 /* ---- pages -------------------------------------------------------------------------------------- */
 
-/* "sheet.svg" -> "sheet-002.svg" */
+/* Path of a page: "sheet.svg" gives "sheet-002.svg". */
 static void page_path(const press *p, size_t number, char *out, size_t size)
 {
     const char *path = p->call->common.output, *slash = strrchr(path, '/');
@@ -96,19 +96,19 @@ static lw_status write_page(press *p, const lw_drawing *d, size_t number, lw_err
 
 static lw_status keep_page(press *p, const lw_drawing *d, lw_error *e)
 {
-    if (p->n_page == p->page_room) {
-        size_t room = 2*p->page_room + 4;
-        lw_drawing *more = realloc(p->page, room*sizeof *more);
+    if (p->n_page == p->page_capacity) {
+        size_t capacity = 2*p->page_capacity + 4;
+        lw_drawing *more = realloc(p->page, capacity*sizeof *more);
         if (!more)
-            return lw_error_set(e, LW_E_MEMORY, "out of memory for %zu pages", room);
+            return lw_error_set(e, LW_E_MEMORY, "out of memory for %zu pages", capacity);
         p->page = more;
-        p->page_room = room;
+        p->page_capacity = capacity;
     }
     p->page[p->n_page++] = *d;
     return LW_OK;
 }
 
-/* The first page waits: whether it needs a number is known when there is a second. */
+/* The first page is kept back: it gets a number only if there is a second one. */
 static lw_status add_page(press *p, lw_drawing *d, lw_error *e)
 {
     lw_status s = LW_OK;
@@ -134,13 +134,13 @@ static lw_status add_page(press *p, lw_drawing *d, lw_error *e)
 static lw_status print_page(press *p, lw_error *e)
 {
     lw_drawing d;
-    int number = p->s->each || (p->n_page == 0 && p->n < p->room) ? 0 : (int)p->n_page + 1;
+    int number = p->s->each || (p->n_page == 0 && p->n < p->capacity) ? 0 : (int)p->n_page + 1;
     lw_status s = lw_sheet_draw(p->item, p->n, &p->style, number, &d, e);
     p->n = 0;
     return s == LW_OK ? add_page(p, &d, e) : s;
 }
 
-/* A page is printed when the next picture has no room on it. */
+/* Add a picture; a full page is printed first. */
 static lw_status add_picture(void *context, const lw_mechanism *m, lw_error *e)
 {
     press *p = context;
@@ -150,10 +150,10 @@ static lw_status add_picture(void *context, const lw_mechanism *m, lw_error *e)
     if (m->n_link < 2 || !lw_chain_is_connected(&c))
         return lw_error_set(e, LW_E_ARG, m->n_link < 2 ? "a single link is no chain to draw"
                                                        : "the links do not hang together: draw each part alone");
-    if (p->n == p->room) {
+    if (p->n == p->capacity) {
         lw_status s = print_page(p, e);
         if (s != LW_OK) {
-            e->line = -1;                        /* no fault of this line */
+            e->line = -1;                        /* the line itself has no fault */
             return s;
         }
     }
@@ -164,7 +164,7 @@ static lw_status add_picture(void *context, const lw_mechanism *m, lw_error *e)
     return cli_watch_goes_on(&p->watch, (double)p->n_read) ? LW_OK : LW_STOPPED;
 }
 
-/* What is still here: a single page, or all of a PDF. */
+/* Write what is left: a single page, or all pages of a PDF. */
 static int write_rest(press *p, int code)
 {
     lw_bytes b = { 0 };
@@ -179,7 +179,7 @@ static int write_rest(press *p, int code)
     if (s == LW_OK)
         s = cli_open(p->call, &o, &e);
     if (s == LW_OK)
-        fwrite(b.data, 1, b.size, o.f);                       /* cli_close looks at the stream's error */
+        fwrite(b.data, 1, b.size, o.f);                       /* cli_close checks the stream for errors */
     lw_bytes_free(&b);
     return s == LW_OK ? cli_close(p->call, &o, code) : cli_fail(p->call, &e);
 }
@@ -198,10 +198,10 @@ static bool make_press(press *p)
     p->style.numbers = s->numbers;
     p->style.shrink = !s->each && p->kind != LW_DRAW_PDF;
     p->style.title = s->title;
-    p->room = p->style.columns*p->style.rows;
-    p->m = malloc((size_t)p->room*sizeof *p->m);
-    p->caption = malloc((size_t)p->room*sizeof *p->caption);
-    p->item = malloc((size_t)p->room*sizeof *p->item);
+    p->capacity = p->style.columns*p->style.rows;
+    p->m = malloc((size_t)p->capacity*sizeof *p->m);
+    p->caption = malloc((size_t)p->capacity*sizeof *p->caption);
+    p->item = malloc((size_t)p->capacity*sizeof *p->item);
     return p->m && p->caption && p->item;
 }
 
@@ -229,7 +229,7 @@ int cli_draw_chains(const cli_call *call, const char *file, lw_draw_kind kind)
             return code;
     }
     if (!make_press(&p)) {
-        lw_error_set(&e, LW_E_MEMORY, "out of memory for %d pictures on a page", p.room);
+        lw_error_set(&e, LW_E_MEMORY, "out of memory for %d pictures on a page", p.capacity);
         code = cli_fail(call, &e);
     } else {
         p.watch = cli_watch_begin(call, "draw", "chains");

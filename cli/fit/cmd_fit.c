@@ -1,4 +1,4 @@
-/* linkwright fit - linkages whose point moves as the target says. */
+/* linkwright fit - find linkages that move as the target asks. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,53 +23,49 @@ enum { AUTO = 0 };
 static const cli_option options[] = {
     { "type", 0, CLI_TEXT, offsetof(settings, type), "NAME,...", "fourbar",
       "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
-      "as RRRP (R pin, P slider); 'all' tries every type", 0, 0,
-      NULL, NULL },
+      "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
       "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers from 3 are possible too; "
-      "with --dof 2, numbers from 5", 4, 10,
-      NULL, NULL },
+      "with --dof 2, numbers from 5", 4, 10, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, "
-      "3 of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
-      "found", 0, 99,
-      NULL, NULL },
+      "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
+      "of 8 links. The other inputs turn with the first in a fixed ratio (--input-ratios) and at an angle that is "
+      "found", 0, 99, NULL, NULL },
     { "input-ratios", 0, CLI_TEXT, offsetof(settings, input_ratios), "R,...", LW_DEFAULT_INPUT_RATIOS,
-      "with --dof 2 or 3: ratios of the speeds of two inputs, each tried both ways. Two motors, a belt, or gear "
-      "wheels on the frame give such ratios", 0, 0, NULL, NULL },
+      "with --dof 2 or 3: ratios of the speeds of two inputs, each tried both ways. Two motors, a belt, or gear wheels "
+      "on the frame give such ratios", 0, 0, NULL, NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", "r",
-      "kinds of joints in mechanisms with more than four links: r pins, t sliders, p pins in slots, g gear pairs "
-      "(with t also racks)", 0, 0, NULL, NULL },
+      "kinds of joints in mechanisms with more than four links: r pins, t sliders, p pins in slots, g gear pairs (with "
+      "t also racks)", 0, 0, NULL, NULL },
     { "gear-ratios", 0, CLI_TEXT, offsetof(settings, gear_ratios), "R,...", LW_DEFAULT_GEAR_RATIOS,
       "with --joints g: ratios of the gear pairs, < 0 for external gears. A ratio is the turns of the later link "
       "divided by those of the earlier, seen from the link that carries both", 0, 0, NULL, NULL },
     { "topology", 0, CLI_TEXT, offsetof(settings, topology), "NAME,...", "all",
       "with more than four links, try only these: watt1, watt2, stephenson1 to stephenson3, watt, stephenson, or a "
-      "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of "
-      "such joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
+      "chain by its number of links and its own number, as 8.5; with slots or gears by number of links, number of such "
+      "joints and its own number, as 5.1.3", 0, 0, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "1e6",
-      "number of evaluations of the objective, for each number of links above four; as many again with sliders, and "
-      "as many again with slots or gears", 1e3, 1e12, NULL, NULL },
+      "number of evaluations of the objective, for each number of links above four; as many again with sliders, and as "
+      "many again with slots or gears", 1e3, 1e12, NULL, NULL },
     { "start-from", 0, CLI_INPUT, offsetof(settings, resume), "FILE", NULL,
-      "also start from the linkages in this file: results that an earlier fit wrote with -o or --json, or a linkage "
-      "of your own", 0, 0, NULL, NULL },
+      "also start from the linkages in this file: results that an earlier fit wrote with -o or --json, or a linkage of "
+      "your own", 0, 0, NULL, NULL },
     { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
       "also start from the coupler curves of a catalogue that are most like the target ('linkwright help catalogue "
       "curves')", 0, 0, NULL, NULL },
     { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
-      "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and "
-      "angle of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL,
-      NULL },
+      "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and angle "
+      "of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL, NULL },
     { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto|prescribed|free|none", "auto",
       "prescribed: each point belongs to the input angle in the target; free: only the order of the points counts; "
-      "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free", 0, 0,
-      NULL, NULL },
+      "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free",
+      0, 0, NULL, NULL },
     { "angle-from", 0, CLI_CHOICE, offsetof(settings, datum), "first|frame|plane", "first",
-      "zero of the prescribed input angles: at the first point, where the angle itself is found; the line through "
-      "the fixed pivots; or the x axis", 0, 0, NULL, NULL },
+      "zero of the prescribed input angles: at the first point, where the angle itself is found; the line through the "
+      "fixed pivots; or the x axis", 0, 0, NULL, NULL },
     { "point-links", 0, CLI_TEXT, offsetof(settings, point_links), "LINK,...", "any",
-      "links that carry the further points of the target (x2, ...), in their order: input, coupler, output, or any", 0,
-      0, NULL, NULL },
+      "links that carry the further points of the target (x2, ...), in their order: input, coupler, output, or any",
+      0, 0, NULL, NULL },
     { "weight-path", 0, CLI_REAL, offsetof(settings, weight_path), "A", "1",
       "weight A of squared distances [1/unit^2]", 0, 1e300, NULL, NULL },
     { "weight-angle", 0, CLI_REAL, offsetof(settings, weight_angle), "B", "1",
@@ -90,32 +86,28 @@ static const cli_option options[] = {
       "smallest transmission angle allowed during the motion [degrees]", 0, 89.9, NULL, NULL },
     { "max-acceleration", 0, CLI_REAL, offsetof(settings, max_acceleration), "A", NULL,
       "greatest acceleration of the point allowed, with respect to the input [unit/rad^2]; with --task function, of "
-      "the output angle", 0, 1e300,
-      NULL, NULL },
+      "the output angle", 0, 1e300, NULL, NULL },
     { "exact", 0, CLI_FLAG, offsetof(settings, exact), NULL, NULL,
       "find linkages that pass through every precision point exactly: 2 to 5 poses, 3 to 5 pairs of a function, or 2 "
-      "to 9 points. Linkages that can run through all points in order, without being taken apart, come first", 0, 0,
-      NULL, "links" },
+      "to 9 points. Linkages that can run through all points in order, without being taken apart, come first",
+      0, 0, NULL, "links" },
     { "solver", 0, CLI_TEXT, offsetof(settings, solver), "NAME", "lm",
       "local solver that improves each start; 'linkwright fit --solver help' lists them", 0, 0, NULL, NULL },
     { "starts", 0, CLI_INT, offsetof(settings, starts), "N", "0",
-      "number of starting points in each round, for each type and assembly mode; 0 lets the size of the problem "
-      "decide", 0, 3200, NULL, NULL },
+      "number of starting points in each round, for each type and assembly mode; 0 lets the size of the problem decide",
+      0, 3200, NULL, NULL },
     { "rounds", 0, CLI_INT, offsetof(settings, rounds), "N", "0",
       "greatest number of rounds; 0 lets the size of the problem decide", 0, 100000, NULL, NULL },
-    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10",
-      "greatest number of results", 1, 64,
-      NULL, NULL },
+    { "results", 0, CLI_INT, offsetof(settings, results), "N", "10", "greatest number of results", 1, 64, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "write linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder", 0, 0, NULL,
-      NULL },
+      "write linkages (JSON), pictures (SVG, PNG), an animation (GIF) and one index.html into this folder",
+      0, 0, NULL, NULL },
     { "closed", 0, CLI_FLAG, offsetof(settings, closed), NULL, NULL,
       "the target is a closed curve, whatever its file says", 0, 0, NULL, NULL },
     { "open", 0, CLI_FLAG, offsetof(settings, open), NULL, NULL,
       "the target is an open curve, whatever its file says", 0, 0, NULL, "closed" },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
-      "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0,
-      0, NULL, NULL },
+      "unit of the lengths in the target: m, mm, cm, in, ...; without it as the file says, else m", 0, 0, NULL, NULL },
     { "angle-unit", 0, CLI_TEXT, offsetof(settings, angle_unit), "rad|deg|turn", NULL,
       "unit of the angles in the target; without it as the file says, else rad", 0, 0, NULL, NULL },
     { .name = NULL }
@@ -123,7 +115,7 @@ static const cli_option options[] = {
 
 /* ---- what is asked for ------------------------------------------------------------------------ */
 
-/* One "r1=5:50". */
+/* Read one bound such as "r1=5:50". */
 static lw_status add_bound(const char *text, size_t n, const lw_units *u, lw_fit_spec *spec,
                            lw_error *e)
 {
@@ -180,13 +172,13 @@ static lw_timing timing_of(const settings *s, const lw_target *t)
     return s->timing == AUTO && t->angle ? LW_TIMING_PRESCRIBED : chosen[s->timing];
 }
 
-/* Was this said on the command line, or is there nobody else to say it? */
+/* Does the command line decide this option: it is given, or there is no task file that could give it? */
 static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
 {
     return !set->has_task_file || cli_given(&call->parsed, option);
 }
 
-/* Weights and ranges are in the user's unit, everything behind in SI. */
+/* Read the conditions. Weights and ranges are in the user's unit; everything after this is in SI units. */
 static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec *spec)
 {
     const settings *s = call->settings;
@@ -202,7 +194,7 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
         spec->min_transmission = s->min_transmission*LW_PI/180;
     if (mine(call, set, "max-acceleration"))
         spec->max_acceleration = s->max_acceleration*m;
-    if (spec->task == LW_TASK_FUNCTION)                              /* an angle's: it has no unit of length */
+    if (spec->task == LW_TASK_FUNCTION)                           /* the target is an angle: it has no unit of length */
         spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->task_file.units.metre;
     if (mine(call, set, "length-range")) {
         spec->length_lo = s->length_range[0]*m;
@@ -234,7 +226,7 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
     return st == LW_OK ? read_bounds(s->bounds, &t->units, spec, e) : st;
 }
 
-/* Are the names in --type types? */
+/* Check that the names in --type are types. */
 static lw_status check_types(const char *types, lw_error *e)
 {
     for (const char *at = types; *at;) {
@@ -252,7 +244,7 @@ static lw_status check_types(const char *types, lw_error *e)
     return LW_OK;
 }
 
-/* Is `name` a dimension of one of the wanted types? */
+/* Is `name` a dimension of one of the types? */
 static bool is_dimension(const char *types, const char *name)
 {
     if (strcmp(name, "input0") == 0 || strncmp(name, "tool", 4) == 0)
@@ -269,7 +261,7 @@ static bool is_dimension(const char *types, const char *name)
     return false;
 }
 
-/* What can be refused without a look at the target. */
+/* Check what needs no look at the target. */
 static lw_status check_conditions(const settings *s, bool range_given, lw_error *e)
 {
     lw_fit_spec spec = lw_fit_spec_default();
@@ -303,13 +295,13 @@ static void show(void *context, double done, double seconds, double best)
     cli_progress_show(&s->line, 100*done, 100, note);
 }
 
-/* What is said of them here, or else in the task. */
+/* A number from the command line, or else from the task file. */
 static int said(const cli_call *call, const char *option, int here, int in_task)
 {
     return in_task > 0 && !cli_given(&call->parsed, option) ? in_task : here;
 }
 
-/* Can there be mechanisms of so many freedoms, with all that is said beside?  links 0: not said. */
+/* Can mechanisms with this degree of freedom be searched, given the other options? links 0: not given. */
 static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e)
 {
     const settings *s = call->settings;
@@ -334,7 +326,7 @@ static lw_status check_dof(const cli_call *call, int dof, int links, lw_error *e
     return LW_OK;
 }
 
-/* Which mechanisms are searched for this target, and from which linkages. */
+/* Choose the mechanisms that are searched for this target, and the linkages from which searches start. */
 static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_search_options *o, lw_error *e)
 {
     const settings *s = call->settings;
@@ -382,13 +374,13 @@ static lw_status search(const cli_call *call, cli_fit_set *set, lw_error *e)
     o.fit.context = &progress;
     o.fit.budget = (long)s->budget;
     if (s->exact && !cli_given(&call->parsed, "type"))
-        o.fit.types = NULL;                              /* as their number suggests */
+        o.fit.types = NULL;                              /* chosen by the target's number of stations */
     st = s->exact ? cli_fit_exact(call, set, &o.fit, e) : lw_topology_search_run(&set->target, &o, &set->search, e);
     cli_progress_end(&progress.line);
     return st;
 }
 
-/* A candidate whose second simulation disagrees has a defect, or there is a fault in the program: say so. */
+/* If a candidate fails the second simulation, it has a defect or the program has a fault: report it. */
 static void note_left_out(const cli_call *call, const cli_fit_set *set)
 {
     for (int i = 0; i < set->search.results.n_left_out; i++) {
@@ -425,7 +417,7 @@ static void warn(const cli_call *call, const cli_fit_set *set)
                  set->target.units.length[0] ? set->target.units.length : "units");
 }
 
-/* A target, or a task file that brings or names one. */
+/* Read a target, or a task file that contains or names one. */
 static lw_status read_input(const char *path, const lw_target_options *o, cli_fit_set *set, lw_error *e)
 {
     size_t n = strlen(path);
@@ -533,7 +525,7 @@ static int check(const cli_call *call)
     return s->save ? cli_fit_check_folder(call, s->save, s->results) : CLI_DONE;
 }
 
-/* Fit every target; those that fail are said and passed over.  Returns the exit code. */
+/* Fit every target; report those that fail and go on. Returns the exit code. */
 static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
 {
     int code = CLI_DONE;
@@ -553,7 +545,7 @@ static int fit_targets(const cli_call *call, cli_fit_set *set, int *done)
     return code;
 }
 
-/* The output is opened first: a folder that cannot be written shall not cost a search. */
+/* Open the output first: a search must not be lost because a folder cannot be written. */
 static int fit_all(const cli_call *call)
 {
     lw_output o;

@@ -1,4 +1,4 @@
-/* linkwright plasma - from a link adjacency matrix and a target to dimensions, as PLASMA went about it. */
+/* linkwright plasma - from a link adjacency matrix and a target to dimensions, in the steps of PLASMA. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,26 +29,21 @@ static const cli_option options[] = {
       "number of the driven joint, a pin or a slider; without it the first joint at the ground from which all parts "
       "can be computed", 1, LW_JOINT_MAX, NULL, NULL },
     { "tracer-link", 0, CLI_INT, offsetof(settings, tracer), "PART", NULL,
-      "number of the part that carries the point; without it the first part that is not joined to the ground and "
-      "whose position depends on all parts", 1,
-      LW_LINK_MAX, NULL, NULL },
+      "number of the part that carries the point; without it the first part that is not joined to the ground and whose "
+      "position depends on all parts", 1, LW_LINK_MAX, NULL, NULL },
     { "first", 0, CLI_INT, offsetof(settings, first), "N", "200",
-      "the first dimensions are the best of N random ones that can be assembled", 1,
-      1e6, NULL, NULL },
+      "the first dimensions are the best of N random ones that can be assembled", 1, 1e6, NULL, NULL },
     { "points", 0, CLI_INT, offsetof(settings, points), "N", "50",
-      "number of rows in the tables of motion", 2, 10000, NULL,
-      NULL },
+      "number of rows in the tables of motion", 2, 10000, NULL, NULL },
     { "budget", 0, CLI_REAL, offsetof(settings, budget), "N", "3e5",
-      "number of evaluations of the objective", 1e3, 1e12, NULL,
-      NULL },
+      "number of evaluations of the objective", 1e3, 1e12, NULL, NULL },
     { "crank-only", 0, CLI_FLAG, offsetof(settings, crank_only), NULL, NULL,
-      "the input turns fully", 0, 0, NULL,
-      NULL },
+      "the input turns fully", 0, 0, NULL, NULL },
     { "length-unit", 0, CLI_TEXT, offsetof(settings, length_unit), "UNIT", NULL,
       "unit of the lengths in the target; without it as the file says, else m", 0, 0, NULL, NULL },
     { "save", 0, CLI_TEXT, offsetof(settings, save), "FOLDER", NULL,
-      "write first.adm, first.acf, final.adm, final.acf, first.json and final.json into this folder", 0, 0, NULL,
-      NULL },
+      "write first.adm, first.acf, final.adm, final.acf, first.json and final.json into this folder",
+      0, 0, NULL, NULL },
     { .name = NULL }
 };
 
@@ -57,7 +52,7 @@ typedef struct job {
     const settings *s;
     lw_lam          lam;
     lw_mechanism    m;
-    uint8_t         number[LW_JOINT_MAX];      /* in the matrix, of joint j                          */
+    uint8_t         number[LW_JOINT_MAX];      /* number of joint j in the matrix                    */
     lw_linkage      sketch, first;
     lw_family       family;
     lw_fit_spec     spec;
@@ -69,7 +64,7 @@ typedef struct job {
 
 static bool at_ground(const lw_mechanism *m, int j) { return m->link[j][0] == m->ground || m->link[j][1] == m->ground; }
 
-/* Parts that the point feels with this input and tracer; 0: cannot be worked out. */
+/* Number of links that move the point with this input and tracer; 0: it cannot be computed. */
 static int try_choice(job *b, int input, int tracer, lw_linkage *k)
 {
     lw_rng rng;
@@ -95,7 +90,7 @@ static int joint_of_number(const job *b, int number)
     return -1;
 }
 
-/* Joints in the order of their numbers, and named by them. */
+/* Sort the joints by their numbers in the matrix and name them so. */
 static void order_joints(const job *b, const lw_linkage *from, lw_linkage *k)
 {
     *k = *from;
@@ -122,7 +117,8 @@ static lw_status check_choice(const job *b, lw_error *e)
     return LW_OK;
 }
 
-/* Inputs at the ground, tracers away from it first; the first choice that needs all parts, else most of them. */
+/* Try inputs at the ground first and tracers away from it first. Take the first choice in which all links move the
+ * point, else the one with the most. */
 static lw_status choose(job *b, lw_error *e)
 {
     int best = 0;
@@ -181,7 +177,7 @@ static void make_spec(job *b)
     b->spec.crank_only = b->s->crank_only;
 }
 
-/* The posture of variables x, at an input at which it closes. */
+/* Write the pose of variables x into k, at an input at which it closes. */
 static bool put_posture(job *b, const lw_problem *p, const double *x, lw_linkage *k)
 {
     double dim[LW_VAR_MAX], mode[LW_MODE_MAX];
@@ -309,7 +305,7 @@ static lw_status run_first(job *b, lw_error *e)
     return st == LW_OK ? save(b, &b->first, "first", e) : st;
 }
 
-/* The best that a second simulation confirms. */
+/* The best candidate that a second simulation confirms. */
 static const lw_candidate *best_of(const job *b, const lw_fit *fit, lw_fit_report *r, lw_error *e, lw_status *st)
 {
     *st = LW_OK;
@@ -379,8 +375,8 @@ static lw_status run_all(job *b, lw_error *e)
     if (st != LW_OK)
         return st;
     if (b->target.n_also > 0)
-        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be one path; 'linkwright fit' takes several "
-                           "points");
+        return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0,
+                           "the target must be one path; 'linkwright fit' takes several points");
     if (!b->target.x)
         return lw_error_at(e, LW_E_ARG, b->s->target, 0, 0, "the target must be a path, with columns x and y");
     make_spec(b);
@@ -390,7 +386,7 @@ static lw_status run_all(job *b, lw_error *e)
     return st == LW_OK ? run_final(b, e) : st;
 }
 
-/* Before the search starts: can all files be written? */
+/* Before the search starts, check that all files can be written. */
 static int check_folder(const cli_call *call, const char *folder)
 {
     static const char *const name[] = { "first", "final" }, *const end[] = { "adm", "acf", "json" };

@@ -1,4 +1,4 @@
-/* cli/fit/fit_exact.c - fit --exact: linkages through precision points, with their defects. */
+/* cli/fit/fit_exact.c - fit --exact: find linkages through precision points, and their defects. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,12 +20,13 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
         s->spec.timing = LW_TIMING_FREE;
     here.spec = s->spec;
     lw_status st = lw_exact_run(&s->target, &here, &s->exact, e);
-    s->search.found.fit = s->exact.fit;                    /* it belongs to the set now */
+    s->search.found.fit = s->exact.fit;                    /* the set frees it from now on */
     memset(&s->exact.fit, 0, sizeof s->exact.fit);
     return st;
 }
 
-/* As a fit; a linkage on two circuits cannot be moved through its stations and is kept for what it is. */
+/* Verify as a fit does. A linkage with stations on two circuits cannot move through all of them; it is kept and listed
+ * with this defect. */
 lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e)
 {
     const lw_fit *fit = &s->search.found.fit;

@@ -1,4 +1,4 @@
-/* cli/fit/fit_print.c - results of a fit as a table and as JSON. */
+/* cli/fit/fit_print.c - print the results of a fit as a table and as JSON. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +59,7 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     cli_fit_points_row(s, i, f);
 }
 
-/* What the * behind a class means, if there is one. */
+/* Explain the * after a class, if there is one. */
 static void print_marks(const cli_fit_set *s, FILE *f)
 {
     for (int i = 0; i < s->search.results.n; i++)
@@ -70,7 +70,7 @@ static void print_marks(const cli_fit_set *s, FILE *f)
         }
 }
 
-/* Error against number of links. */
+/* Print the error for each number of links. */
 static void print_stages(const cli_fit_set *s, FILE *f)
 {
     for (int k = 0; k < s->search.n_links; k++) {
@@ -101,7 +101,7 @@ static void print_searched(const long state[LW_FIT_STATES], FILE *f)
     fputc('\n', f);
 }
 
-/* What was searched, and what was not, with the reason. */
+/* Print which topologies were searched and which were not, with the reason. */
 static void print_topologies(const cli_fit_set *s, FILE *f)
 {
     for (int k = 0; k < s->search.n_mechanisms; k++) {
@@ -200,7 +200,7 @@ static double input_value(const cli_fit_set *s, const lw_fit_report *r, double s
     return r->linkage.joint[r->linkage.input[0].joint].kind == LW_JOINT_SLIDER ? length(s, si) : si;
 }
 
-/* Where joints turn back; inputs as in `inputs`. */
+/* Print where joints reverse; inputs as in `inputs`. */
 static void json_reversals(const cli_fit_set *s, const lw_fit_report *r, bool limit, cli_json *j)
 {
     cli_json_array(j, limit ? "limits" : "dead_points");
@@ -217,7 +217,7 @@ static void json_reversals(const cli_fit_set *s, const lw_fit_report *r, bool li
     cli_json_end(j);
 }
 
-/* As the joint of the linkage turns. */
+/* Print inputs in the sense in which the linkage's joint turns. */
 static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     double *v = malloc(sizeof *v*s->target.n);
@@ -227,7 +227,7 @@ static void json_inputs(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     free(v);
 }
 
-/* Through limits: how many legs its motion has, and on which of them the stations are, by their assemblies. */
+/* For a motion through limits: the number of its legs, and the leg of each station, named by the assembly mode. */
 static void json_modes(const cli_fit_set *s, const lw_candidate *c, const lw_fit_report *r, cli_json *j)
 {
     if (!c->mode_of)

@@ -1,4 +1,4 @@
-/* cli/fit/fit_save.c - what a fit leaves in a folder: linkages, pictures, an animation, one page. */
+/* cli/fit/fit_save.c - write the results of a fit into a folder: linkages, pictures, an animation, one page. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* cli/fit/fit_start.c - linkages that a search starts from: of an earlier fit, drawn by hand, or of a catalogue. */
+/* cli/fit/fit_start.c - linkages from which a search starts: from an earlier fit, a file, or a catalogue. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +25,7 @@ lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e)
         lw_error why = { .text = "" };
         lw_status st = cli_read_linkage(path, which == 0 ? 0 : which + 1, &k, &why);
         if (st != LW_OK && which > 0)
-            break;                                       /* one linkage, or no more results        */
+            break;                                       /* a single linkage, or the last result was read */
         if (st != LW_OK) {
             *e = why;
             return st;

@@ -1,4 +1,4 @@
-/* cli/fit/plasma.c - the tables of PLASMA. */
+/* cli/fit/plasma.c - print the tables of PLASMA. */
 #include "cli/fit/plasma.h"
 
 #include <math.h>
@@ -34,7 +34,7 @@ void cli_plasma_joints(const lw_linkage *k, FILE *f)
     fputc('\n', f);
 }
 
-/* What the tables need of a linkage. */
+/* A linkage with what the tables need to evaluate it. */
 typedef struct moved { lw_plan plan; double dim[LW_DIM_MAX], mode[LW_MODE_MAX], input; lw_pose pose; } moved;
 
 static lw_status make(const lw_linkage *k, moved **out, lw_error *e)
@@ -76,7 +76,8 @@ static void law_at(const lw_export_law *law, double t, double u[3])
     u[2] = law->turns ? 0 : -law->half*w*w*sin(a);
 }
 
-/* Of place, velocity and acceleration by the input: by time, in the unit. */
+/* Turn position and its two derivatives by the input into position, velocity and acceleration in time, in the file's
+ * unit. */
 static void in_time(const lw_vec2 *p, const double *u, double metre, lw_vec2 out[3])
 {
     out[0] = lw_v2_scale(p[0], 1/metre);

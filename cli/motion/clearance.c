@@ -1,4 +1,4 @@
-/* cli/motion/clearance.c - the lists of the options of a sweep. */
+/* cli/motion/clearance.c - read the lists in the options of a sweep. */
 #include "cli/motion/clearance.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ static lw_status add(double **list, int *n, double v, const char *name, lw_error
 {
     if (*n == CLI_CLEARANCE_LIST_MAX)
         return lw_error_set(e, LW_E_ARG, "--%s lists more than %d numbers", name, CLI_CLEARANCE_LIST_MAX);
-    if ((*n & (*n - 1)) == 0) {                      /* room doubles */
+    if ((*n & (*n - 1)) == 0) {                      /* capacity doubles at powers of two */
         double *more = realloc(*list, sizeof **list*(size_t)(*n ? 2**n : 1));
         if (!more)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
@@ -35,7 +35,7 @@ static lw_status add_range(double **list, int *n, const double v[3], const char 
     return s;
 }
 
-/* One item: a number or FROM:TO:STEP */
+/* Read one item: a number or FROM:TO:STEP. */
 static lw_status add_item(double **list, int *n, char *item, const char *name, lw_error *e)
 {
     static const cli_option real = { .kind = CLI_REAL };
@@ -113,7 +113,7 @@ static lw_status positive(const double *v, int n, bool zero, const char *name, l
     return LW_OK;
 }
 
-/* The list of an option; empty without the option */
+/* Read the list of an option; empty if the option is not given. */
 static lw_status option_list(const char *name, const char *text, bool zero, double **list, int *n, lw_error *e)
 {
     *n = 0;

@@ -1,4 +1,4 @@
-/* cli/motion/clearance_print.c - tables and pictures of a sweep, and one run in full. */
+/* cli/motion/clearance_print.c - print and plot a sweep, or one run in full. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 static const char *joint_name(const cli_clearance *c, int joint) { return c->model->linkage.joint[joint].name; }
 
-/* A number, or nothing where there is none */
+/* Print a number, or nothing if it is not finite. */
 static void cell(FILE *f, double v)
 {
     fputc(',', f);
@@ -149,8 +149,8 @@ lw_status cli_clearance_plot(const cli_clearance *c, const char *path, lw_error 
     lw_series series[LW_SERIES_MAX];
     char name[LW_SERIES_MAX][64], label[64];
     int n_series = 0;
-    double *room = malloc(sizeof *room*(4*(size_t)c->sweep.n_row + 1)), *p = room;
-    if (!room)
+    double *numbers = malloc(sizeof *numbers*(4*(size_t)c->sweep.n_row + 1)), *p = numbers;
+    if (!numbers)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (lw_clearance_model m = LW_CLEARANCE_ZERO; m <= LW_CLEARANCE_LANKARANI; m++)
         for (int lost = 0; lost < 2; lost++) {
@@ -178,11 +178,12 @@ lw_status cli_clearance_plot(const cli_clearance *c, const char *path, lw_error 
     lw_plot plot = { .title = "Contact", .x_label = label, .y_label = "stiffness of the contact [N/m]", .log_y = true,
                      .n_series = n_series, .series = series };
     lw_status s = lw_draw_plot(&plot, path, e);
-    free(room);
+    free(numbers);
     return s == LW_NOTHING ? LW_OK : s;
 }
 
-/* Points of one law, touching or apart; x has room for them twice.  How many. */
+/* Collect the points of one contact law, in contact or not. x holds two numbers per point. Returns the number of
+ * points. */
 static size_t passes_of(const cli_clearance *c, int law, bool touching, double *x)
 {
     size_t n = 0;
@@ -203,14 +204,14 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
 {
     lw_series series[LW_SERIES_MAX];
     char name[LW_SERIES_MAX][64], label[64];
-    size_t room = 1;
+    size_t n_number = 1;
     int n_series = 0;
     if (2*c->sweep.n_law > LW_SERIES_MAX)
         return lw_error_set(e, LW_E_ARG, "--passes shows %d laws at most, the lists make %d", LW_SERIES_MAX/2,
                             c->sweep.n_law);
     for (int i = 0; i < c->sweep.n_row; i++)
-        room += 2*(size_t)c->sweep.row[i].n_pass;
-    double *x = malloc(room*sizeof *x), *p = x;
+        n_number += 2*(size_t)c->sweep.row[i].n_pass;
+    double *x = malloc(n_number*sizeof *x), *p = x;
     if (!x)
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     for (int law = 0; law < c->sweep.n_law; law++)
@@ -233,20 +234,20 @@ lw_status cli_clearance_passes(const cli_clearance *c, const char *path, lw_erro
     return s == LW_NOTHING ? LW_OK : s;
 }
 
-typedef struct samples { lw_clearance_sample *s; size_t n, room; } samples;
+typedef struct samples { lw_clearance_sample *s; size_t n, capacity; } samples;
 
 static lw_status keep(void *context, const lw_clearance_sample *s)
 {
     samples *l = context;
     if (cli_interrupted())
         return LW_STOPPED;
-    if (l->n == l->room) {
-        size_t room = 2*l->room + 1024;
-        lw_clearance_sample *more = realloc(l->s, room*sizeof *more);
+    if (l->n == l->capacity) {
+        size_t capacity = 2*l->capacity + 1024;
+        lw_clearance_sample *more = realloc(l->s, capacity*sizeof *more);
         if (!more)
             return LW_E_MEMORY;
         l->s = more;
-        l->room = room;
+        l->capacity = capacity;
     }
     l->s[l->n++] = *s;
     return LW_OK;
@@ -275,7 +276,7 @@ static lw_status write_history(const cli_clearance *c, const samples *l, const c
     return lw_output_commit(&o, e);
 }
 
-/* Path of the pin in its bush: while it settles, after that, and the circle on which surfaces touch [um] */
+/* Plot the path of the pin in its bush: while it settles, afterwards, and the circle of contact [um]. */
 static lw_status draw_path(const cli_clearance *c, const samples *l, const char *path, lw_error *e)
 {
     enum { ROUND = 361 };
@@ -334,7 +335,7 @@ lw_status cli_clearance_detail(cli_clearance *c, const char *history, const char
     o.every = o.every > 0 ? o.every : o.time/10000;
     lw_status s = lw_clearance_run(c->sweep.law[0].scene, &o, &r, e), run = s;
     if (l.n > 0)
-        s = LW_OK;                                   /* what there is of a run that broke off is written */
+        s = LW_OK;                                   /* a run that stopped early is written as far as it went */
     if (s == LW_OK && history)
         s = write_history(c, &l, history, e);
     if (s == LW_OK && path)

@@ -1,4 +1,4 @@
-/* linkwright classify - what the four lengths of a four-bar say about its motion. */
+/* linkwright classify - classify the motion of a four-bar by its four lengths. */
 #include "base/units.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"

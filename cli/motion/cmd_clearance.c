@@ -15,8 +15,8 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "speeds", 0, CLI_TEXT, offsetof(settings, speed), "LIST", NULL,
-      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it the speed "
-      "in the file", 0, 0, NULL, NULL },
+      "speeds of the input at the start: numbers and ranges FROM:TO:STEP, separated by commas; without it the speed in "
+      "the file", 0, 0, NULL, NULL },
     { "speed-unit", 0, CLI_CHOICE, offsetof(settings, unit), "rpm|rad/s|m/s", "rpm",
       "unit of the speeds; m/s for inputs that slide", 0, 0, NULL, NULL },
     { "stiffness", 'K', CLI_TEXT, offsetof(settings, stiffness), "LIST", NULL,
@@ -26,14 +26,13 @@ static const cli_option options[] = {
     { "model", 0, CLI_TEXT, offsetof(settings, model), "LIST", NULL,
       "models of the clearance to compare: zero, link, mlsd, impact, hunt-crossley, lankarani-nikravesh; instead of "
       "the one in the file", 0, 0, NULL, NULL },
-    { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25",
-      "end time of a run [s]", 1e-9, 1e9, NULL, NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, end), "T", "1.25", "end time of a run [s]", 1e-9, 1e9, NULL, NULL },
     { "settle", 0, CLI_REAL, offsetof(settings, settle), "T", "0.4",
       "time after which contact is judged [s]", 0, 1e9, NULL, NULL },
     { "start", 0, CLI_CHOICE, offsetof(settings, start), "closed|seated|crank", "closed",
       "closed: the pin is in the middle of its bush and all links have the speeds of the linkage without clearance; "
-      "seated: the pin is pressed into the bush by the reaction force; crank: only the driven link moves", 0, 0, NULL,
-      NULL },
+      "seated: the pin is pressed into the bush by the reaction force; crank: only the driven link moves",
+      0, 0, NULL, NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-9",
       "error allowed in a step, divided by the size of the linkage", 1e-14, 1e-3, NULL, NULL },
     { "limits", 0, CLI_FLAG, offsetof(settings, limits), NULL, NULL,
@@ -52,8 +51,8 @@ static const cli_option options[] = {
     { "history", 0, CLI_OUTPUT, offsetof(settings, history), "FILE", NULL,
       "table of path and force over time (CSV); for one speed and one model", 0, 0, NULL, NULL },
     { "every", 0, CLI_REAL, offsetof(settings, every), "T", NULL,
-      "time between rows and points of these files [s]; without it a ten-thousandth of the run", 1e-12, 1e9, NULL,
-      NULL },
+      "time between rows and points of these files [s]; without it a ten-thousandth of the run",
+      1e-12, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -103,7 +102,7 @@ static lw_status prepare(const cli_call *call, cli_clearance *c, lw_error *e)
     return cli_clearance_make(c, s->model, s->stiffness, s->damping, s->speed, e);
 }
 
-/* How the sweep went, as exit code; what failed is told. */
+/* Exit code of the sweep; report what failed. */
 static int judge(const cli_call *call, const cli_clearance *c)
 {
     int n_failed = 0, n_missing = 0;

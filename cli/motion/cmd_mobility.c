@@ -1,4 +1,4 @@
-/* linkwright mobility - how freely a linkage moves: counted, and found by moving it. */
+/* linkwright mobility - degrees of freedom of a linkage, counted by formula and found from its motion. */
 #include <math.h>
 #include <string.h>
 
@@ -14,11 +14,11 @@ typedef struct settings {
 
 static const cli_option options[] = {
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-12",
-      "a posture is closed if its joints fit to within E times the size of the linkage; use more than the default "
-      "for files whose numbers are rounded", 0, 1e-4, NULL, NULL },
+      "a posture is closed if its joints fit to within E times the size of the linkage; use more than the default for "
+      "files whose numbers are rounded", 0, 1e-4, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", NULL,
-      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best", 1, 1e9, NULL,
-      NULL },
+      "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best",
+      1, 1e9, NULL, NULL },
     { .name = NULL }
 };
 
@@ -60,7 +60,7 @@ static const char *verdict(const lw_mobility *m)
 static void write_freedoms(FILE *f, const lw_linkage *k, const lw_mobility *m)
 {
     if (m->least_freedom < m->freedom)
-        fprintf(f, "%-16s%d on another branch through the posture\n", "", m->least_freedom);
+        fprintf(f, "%-16s%d on another motion curve through the posture\n", "", m->least_freedom);
     int own = lw_linkage_free_inputs(k);
     if (own > 0)
         fprintf(f, "%-16s%d of %d freedom%s by %d input%s\n", "driven", m->driven, m->freedom,

@@ -1,4 +1,4 @@
-/* linkwright simulate - how a model moves under its loads, and what its joints carry. */
+/* linkwright simulate - motion of a model under its loads, and the forces in its joints. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,60 +18,52 @@ typedef struct settings {
     cli_linear  linear;
 } settings;
 
-#define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* the last of the choices below */
+#define ANALYSIS_LINEAR (LW_ANALYSIS_DYNAMIC + 1)    /* follows the analyses of the library */
 
 #define CHOICE(id, name, text) "|" #name
 #define HELP(id, name, text)   "  " #name " - " text "\n"
 static const cli_option options[] = {
     { "analysis", 'a', CLI_CHOICE, offsetof(settings, analysis),
-      "transient|static|quasistatic|kinematic|dynamic|linear",
-      "transient", "transient: motion in time, kinematic if every degree of freedom is driven, else dynamic; linear: small "
-      "vibrations", 0, 0,
-      NULL, NULL },
+      "transient|static|quasistatic|kinematic|dynamic|linear", "transient",
+      "transient: motion in time, kinematic if every degree of freedom is driven, else dynamic; linear: small "
+      "vibrations", 0, 0, NULL, NULL },
     { "formulation", 0, CLI_CHOICE, offsetof(settings, formulation), "auto" LW_FORMULATION_LIST(CHOICE), "auto",
       "equations and method, listed above; auto takes the first that suits, see --explain", 0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
       "print which formulation is used, why, and its number of unknowns", 0, 0, NULL, NULL },
-    { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0",
-      "start time [s]", 0, 0, NULL, NULL },
-    { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1",
-      "end time [s]", 0, 0, NULL, NULL },
+    { "from", 0, CLI_REAL, offsetof(settings, from), "T", "0", "start time [s]", 0, 0, NULL, NULL },
+    { "to", 0, CLI_REAL, offsetof(settings, to), "T", "1", "end time [s]", 0, 0, NULL, NULL },
     { "steps", 'n', CLI_INT, offsetof(settings, steps), "N", "100",
-      "number of time intervals; there is one row more", 1, 10000000,
-      NULL, NULL },
+      "number of time intervals; there is one row more", 1, 10000000, NULL, NULL },
     { "speed", 's', CLI_REAL, offsetof(settings, speed), "W", NULL,
       "drive the inputs without a motion at this constant speed [rad/s] or [m/s]", 0, 0, NULL, NULL },
     { "tolerance", 0, CLI_REAL, offsetof(settings, tolerance), "E", "1e-10",
       "error allowed in a step: of angles, and of lengths divided by the size of the linkage", 1e-14, 0.1, NULL, NULL },
     { "max-steps", 0, CLI_INT, offsetof(settings, max_steps), "N", "100000000",
-      "greatest number of steps of the integration", 1,
-      2e9, NULL, NULL },
+      "greatest number of steps of the integration", 1, 2e9, NULL, NULL },
     { "balance", 'b', CLI_FLAG, offsetof(settings, balance), NULL, NULL,
       "print counterweights that cancel the static shaking force, as JSON", 0, 0, NULL, NULL },
     { "plot", 'p', CLI_OUTPUT, offsetof(settings, plot), "FILE", NULL,
-      "plot columns over time as SVG, PDF or PNG", 0, 0,
-      NULL, NULL },
+      "plot columns over time as SVG, PDF or PNG", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, offsetof(settings, columns), "NAME,...", NULL,
-      "columns to plot: their names, or the part of the name before the point; without it the drives, or the "
-      "energies if there is no drive", 0, 0, "plot",
-      NULL },
+      "columns to plot: their names, or the part of the name before the point; without it the drives, or the energies "
+      "if there is no drive", 0, 0, "plot", NULL },
     { "gif", 'g', CLI_OUTPUT, offsetof(settings, gif), "FILE", NULL,
-      "animation of the motion, one frame for each row", 0, 0, NULL,
-      NULL },
+      "animation of the motion, one frame for each row", 0, 0, NULL, NULL },
     { "rest", 0, CLI_FLAG, offsetof(settings, linear.rest), NULL, NULL,
-      "with --analysis linear: vibrations about the static equilibrium near the posture of the file", 0, 0, NULL,
-      NULL },
+      "with --analysis linear: vibrations about the static equilibrium near the posture of the file",
+      0, 0, NULL, NULL },
     { "hold", 0, CLI_FLAG, offsetof(settings, linear.hold), NULL, NULL,
       "with --analysis linear: keep the inputs fixed; inputs with a motion always are", 0, 0, NULL, NULL },
     { "along", 0, CLI_INT, offsetof(settings, linear.along), "N", NULL,
-      "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn", 1,
-      1000000, NULL, NULL },
+      "with --analysis linear: in N + 1 postures from the first to the last value of the input, or over one turn",
+      1, 1000000, NULL, NULL },
     { "fft", 0, CLI_FLAG, offsetof(settings, linear.fft), NULL, NULL,
       "with --analysis linear: compare with the peaks in the spectrum of a small free vibration", 0, 0, NULL, NULL },
     { .name = NULL }
 };
 
-/* Inputs without a motion go at a constant speed from where they are. */
+/* Inputs without a prescribed motion move at constant speed from their values in the file. */
 static lw_status drive(const cli_call *call, lw_model *m, lw_error *e)
 {
     const settings *s = call->settings;
@@ -126,7 +118,7 @@ static void explain(const cli_call *call, const lw_dynamics_report *r)
              r->redundant == 1 ? "" : "s");
 }
 
-/* One row: the posture of rest. */
+/* Print one row: the rest position. */
 static lw_status rest(cli_simulate *c, double t, lw_error *e)
 {
     double q[LW_SYSTEM_Q_MAX];

@@ -1,4 +1,4 @@
-/* linkwright trace - what the tracers of a linkage do over every range of its input. */
+/* linkwright trace - motion of the tracers of a linkage over every range of its input. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,13 +20,13 @@ typedef struct settings {
 
 enum { MODE_BOTH, MODE_FILE };
 
-/* What all ways of tracing need. */
+/* What all kinds of trace need. */
 typedef struct job {
     const cli_call *call;
     const settings *s;
     const lw_model *m;
-    unsigned        tracers;          /* bit i: tracer i is wanted                                 */
-    double          until;            /* clock [s] at which to stop; 0: never                      */
+    unsigned        tracers;          /* bit i: tracer i is printed                                */
+    double          until;            /* wall time [s] at which to stop; 0: never                  */
 } job;
 
 static const cli_option options[] = {
@@ -34,8 +34,7 @@ static const cli_option options[] = {
       "number of intervals on each arc; the ends of an arc are exact", 1, 10000000, NULL, NULL },
     { "result", 'r', CLI_INT, offsetof(settings, result), "N", "0",
       "number of the result in a file that 'linkwright fit' wrote, 1 is the best; without it the best, or the one "
-      "linkage in the file", 0, 1000000, NULL,
-      NULL },
+      "linkage in the file", 0, 1000000, NULL, NULL },
     { "tracer", 0, CLI_TEXT, offsetof(settings, tracer), "NAME", NULL,
       "only this point (tracer); without it all of them", 0, 0, NULL, NULL },
     { "mode", 'm', CLI_CHOICE, offsetof(settings, mode), "both|file", "both",
@@ -49,11 +48,11 @@ static const cli_option options[] = {
       "follow the motion past the limits of the input until it closes, and print one closed curve with rows at equal "
       "distances", 0, 0, NULL, "input-range" },
     { "all-assemblies", 0, CLI_FLAG, offsetof(settings, all), NULL, NULL,
-      "search for every circuit, also if the linkage is not made of dyads; the search is random (--seed)", 0, 0, NULL,
-      NULL },
+      "search for every circuit, also if the linkage is not made of dyads; the search is random (--seed)",
+      0, 0, NULL, NULL },
     { "explain", 'e', CLI_FLAG, offsetof(settings, explain), NULL, NULL,
-      "print how the linkage would be solved, group by group, and which parts are not needed; then end", 0, 0, NULL,
-      NULL },
+      "print how the linkage would be solved, group by group, and which parts are not needed; then end",
+      0, 0, NULL, NULL },
     { "time-range", 0, CLI_TEXT, offsetof(settings, range), "T0:T1:DT", NULL,
       "move all inputs by their \"motion\" from time T0 to T1 [s], with a row every DT", 0, 0, NULL, "input-range" },
     { .name = NULL }
@@ -96,7 +95,7 @@ static void set_window(const settings *s, const cli_call *call, cli_trace *t)
     }
 }
 
-/* The tool of a tracer turns with its link: read their angle off the posture of the file. */
+/* The tool of a tracer turns with its link: read its angle from the pose in the file. */
 static void set_tools(cli_trace *t)
 {
     lw_pose pose;
@@ -112,7 +111,7 @@ static cli_rows make_rows(const job *j, const lw_linkage *k)
     return (cli_rows){ .k = k, .tracers = j->tracers, .stop = cli_stop_flag(), .until = j->until };
 }
 
-/* t->k, t->plan are made. */
+/* Needs t->k and t->plan. */
 static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
 {
     const settings *s = j->s;
@@ -137,7 +136,7 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
     return LW_OK;
 }
 
-/* Is not all of it printed?  Arcs that are left out are told. */
+/* Is something left out of the output? Report arcs that are left out. */
 static bool cut_short(const cli_call *call, const cli_rows *r, bool dropped, int most)
 {
     if (dropped)
@@ -189,7 +188,7 @@ static lw_status read_range(const settings *s, double range[3], lw_error *e)
     return LW_OK;
 }
 
-/* Errors of the library name no file. */
+/* Add the file's name to an error of the library. */
 static int fail_in(const cli_call *call, lw_error *e)
 {
     if (!e->file[0] && e->status != LW_E_MEMORY)
@@ -197,8 +196,8 @@ static int fail_in(const cli_call *call, lw_error *e)
     return cli_fail(call, e);
 }
 
-/* Only the stretch that holds the posture of the file. */
-static void keep_posture(cli_curve_trace *t)
+/* Keep only the stretch that contains the pose of the file. */
+static void keep_pose_stretch(cli_curve_trace *t)
 {
     double start = lw_motion_curve_start(t->curves.curve[0]);
     for (int i = 0; i < t->n_stretch; i++) {
@@ -323,7 +322,7 @@ static void free_curves(cli_curve_trace *t)
     free(t);
 }
 
-/* Ready to print; all: every circuit, not only that of the posture. */
+/* Prepare the curves. all: every circuit, not only that of the pose in the file. */
 static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace **out, lw_error *e)
 {
     cli_curve_trace *t = *out = calloc(1, sizeof *t);
@@ -340,11 +339,11 @@ static lw_status make_curves(const job *j, bool timed, bool all, cli_curve_trace
     t->groups = j->s->cycle ? NULL : cli_groups_make(t->k, j->tracers);
     cli_curve_stretches(t);
     if (j->s->mode == MODE_FILE)
-        keep_posture(t);
+        keep_pose_stretch(t);
     return LW_OK;
 }
 
-/* By range in time, or NULL. */
+/* Trace along curves; range: the range of time, or NULL. */
 static int run_curves(const job *j, const double *range)
 {
     cli_curve_trace *t;
@@ -368,11 +367,11 @@ static int explain(const cli_call *call, const lw_linkage *k, unsigned tracers)
     if ((st != LW_OK && st != LW_E_KIND) || cli_open(call, &o, &e) != LW_OK)
         return cli_fail(call, &e);
     if (st == LW_E_KIND)
-        fprintf(o.f, "traced along its curve of postures, all links at once: %s\n", e.text);
+        fprintf(o.f, "traced along its motion curve, all links at once: %s\n", e.text);
     else {
         lw_plan_explain(&plan, k, text, sizeof text);
         fprintf(o.f, "%straced %s\n", text, dyads ? "in closed form over all arcs, unless they pass change points"
-                : "along its curve of postures, which leads over limits; between its postures by these groups");
+                : "along its motion curve, which passes limits; between the poses of the curve by these groups");
     }
     return cli_close(call, &o, CLI_DONE);
 }
@@ -396,8 +395,9 @@ static int in_time(const job *j)
     return run_curves(j, range);
 }
 
-/* Dyad by dyad.  A mode of a dyad goes round the corner at a change point, where the linkage itself goes straight on
- * into the other mode: then along the curves, unless the posture is a branch point of too many branches. */
+/* Trace with the plan, dyad by dyad. At a change point an assembly mode of a dyad turns off, while the linkage itself
+ * goes straight on into the other mode: then trace along the curves, unless the pose is a branch point with too many
+ * branches. */
 static int by_plan(const job *j, cli_trace *t)
 {
     cli_curve_trace *c = NULL;
@@ -406,7 +406,7 @@ static int by_plan(const job *j, cli_trace *t)
     if (prepare(j, t, &e) != LW_OK)
         return cli_fail(j->call, &e);
     if (t->motion.change_point && make_curves(j, false, j->s->mode != MODE_FILE, &c, &e) == LW_OK) {
-        cli_note(j->call, "followed along its curves of postures, as it passes change points");
+        cli_note(j->call, "traced along its motion curves, because it passes change points");
         code = print_curves(j->call, c, NULL);
     } else {
         cli_note(j->call, "in closed form, dyad by dyad (%d)", t->plan.n_dyad);
@@ -442,7 +442,7 @@ static int choose_way(const job *j)
     if (st == LW_OK)
         code = by_plan(j, t);
     else if (st == LW_E_KIND) {
-        cli_note(call, "followed along its curve of postures, as it is not made of dyads (%s)", e.text);
+        cli_note(call, "traced along its motion curve, because it is not made of dyads (%s)", e.text);
         code = run_curves(j, NULL);
     } else
         code = cli_fail(call, &e);
@@ -450,7 +450,7 @@ static int choose_way(const job *j)
     return code;
 }
 
-/* Freedoms that reach no tracer need no input: they are held, and that is told. */
+/* Hold joints whose motion moves no tracer, so that they need no input, and report each. */
 static lw_status hold_idle(const cli_call *call, lw_linkage *k, lw_error *e)
 {
     uint64_t held = 0;

@@ -26,7 +26,7 @@ static void add(cli_simulate *s, const char *unit, double scale, const char *for
     c->scale = scale;
 }
 
-/* The order is that of cli_simulate_row. */
+/* The order is the same as in cli_simulate_row. */
 void cli_simulate_columns(cli_simulate *s)
 {
     const lw_linkage *k = &s->model->linkage;
@@ -157,16 +157,16 @@ static void fill(const cli_simulate *s, const lw_moment *m, double *row)
         row[c] *= s->column[c].scale;
 }
 
-static lw_status make_room(cli_simulate *s)
+static lw_status grow(cli_simulate *s)
 {
-    size_t n_q = (size_t)lw_dynamics_system(s->d)->n_q, room = s->room ? 2*s->room : 256;
-    double *row = realloc(s->row, room*(size_t)s->n_column*sizeof *row);
+    size_t n_q = (size_t)lw_dynamics_system(s->d)->n_q, capacity = s->capacity ? 2*s->capacity : 256;
+    double *row = realloc(s->row, capacity*(size_t)s->n_column*sizeof *row);
     if (row)
         s->row = row;
-    double *q = realloc(s->q, room*n_q*sizeof *q);
+    double *q = realloc(s->q, capacity*n_q*sizeof *q);
     if (q)
         s->q = q;
-    s->room = row && q ? room : s->room;
+    s->capacity = row && q ? capacity : s->capacity;
     return row && q ? LW_OK : LW_E_MEMORY;
 }
 
@@ -177,7 +177,7 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
     size_t n = (size_t)s->n_column, n_q = (size_t)lw_dynamics_system(s->d)->n_q;
     fill(s, m, row);
     if (s->keep) {
-        if (s->n_row == s->room && make_room(s) != LW_OK)
+        if (s->n_row == s->capacity && grow(s) != LW_OK)
             return LW_E_MEMORY;
         memcpy(s->row + s->n_row*n, row, n*sizeof *row);
         memcpy(s->q + s->n_row*n_q, m->q, n_q*sizeof *m->q);

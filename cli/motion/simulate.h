@@ -19,9 +19,9 @@ typedef struct cli_simulate {
     cli_json        j;
     int             n_column;
     cli_column      column[CLI_COLUMN_MAX];
-    size_t          n_row, room;
-    double         *row;                 /* (room * n_column)                                          */
-    double         *q;                   /* (room * n_q)                                               */
+    size_t          n_row, capacity;
+    double         *row;                 /* (capacity * n_column)                                          */
+    double         *q;                   /* (capacity * n_q)                                               */
     lw_dynamics_report       report;
 } cli_simulate;
 

@@ -1,4 +1,4 @@
-/* cli/motion/simulate_balance.c - counterweights as JSON. */
+/* cli/motion/simulate_balance.c - print counterweights as JSON. */
 #include "cli/motion/simulate.h"
 #include "mbs/dynamics/counterweights.h"
 

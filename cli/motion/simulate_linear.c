@@ -1,4 +1,4 @@
-/* cli/motion/simulate_linear.c - modes as tables. */
+/* cli/motion/simulate_linear.c - print modes as tables. */
 #include "cli/motion/simulate_linear.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ typedef struct linear {
     FILE     *out;
     cli_json  j;
     int       n_posture, n_heard;
-    double    worst;                     /* greatest difference of a peak from its eigenfrequency, relative */
+    double    worst;                     /* greatest relative difference between a peak and its eigenfrequency */
 } linear;
 
 /* ---- writing ------------------------------------------------------------------------------------- */
@@ -47,7 +47,7 @@ static void tail(linear *l)
     cli_json_end(&l->j);
 }
 
-/* Each link's place [m] and turn [rad] in the shape */
+/* Write each link's displacement [m] and rotation [rad] in the mode shape. */
 static void write_shape(linear *l, const lw_mode *m)
 {
     cli_json_array(&l->j, "shape");
@@ -126,7 +126,7 @@ static void compare(linear *l)
         }
 }
 
-/* The mode that grows fastest; NULL: none does */
+/* The mode that grows fastest; NULL: no mode grows. */
 static const lw_mode *growing(const lw_modes *m)
 {
     const lw_mode *most = NULL;
@@ -151,7 +151,7 @@ static lw_status one(linear *l, bool rest, lw_error *e)
     return LW_OK;
 }
 
-/* Input 0 from end to end; links that springs hold find their rest with the inputs held */
+/* Move input 0 from end to end. Links held by springs find their rest position with the inputs fixed. */
 static lw_status along(linear *l, lw_error *e)
 {
     const lw_input *in = &l->m->linkage.input[0];

@@ -6,7 +6,7 @@
 #include "catalogues/pages/draw.h"
 #include "cli/motion/simulate.h"
 
-/* Is the column wanted: by its name, or by what stands before the point. */
+/* Is the column in the list, by its name or by the part of its name before the point? */
 static bool wanted(const cli_simulate *s, int c, const char *list)
 {
     const char *name = s->column[c].name, *dot = strrchr(name, '.');
@@ -60,7 +60,7 @@ lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const ch
     return st;
 }
 
-/* Postures of the run as frames of a scene. */
+/* Use the poses of the run as frames of a scene. */
 static lw_status set_frames(const cli_simulate *s, lw_scene *scene, lw_error *e)
 {
     const lw_system *sys = lw_dynamics_system(s->d);

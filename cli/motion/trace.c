@@ -8,8 +8,8 @@
 
 /* ---- ranges ------------------------------------------------------------------------------------ */
 
-/* The input as a person counts it (directions in the plane, displacements by `value` of the file)
- * less the plan's (in the ground frame of the linkage). */
+/* Input as the user counts it (directions in the plane; displacements by `value` of the file) minus input of the plan
+ * (in the ground frame of the linkage). */
 static double offset(const cli_trace *t) { return t->k.input[0].value - t->input; }
 
 static double input_unit(const cli_trace *t)
@@ -24,7 +24,7 @@ static double shown_input(const cli_trace *t, double input)
 
 static double turn_of(const cli_trace *t) { return t->plan.input_is_slider ? 0 : 2*LW_PI; }
 
-/* The part first .. last of an arc, moved by whole turns for the reader. */
+/* Add the part first .. last of an arc, shifted by whole turns for display. */
 static void add_piece(cli_trace *t, int arc, double first, double last, double turns)
 {
     const lw_arc *a = &t->motion.arc[arc];
@@ -39,7 +39,7 @@ static void add_piece(cli_trace *t, int arc, double first, double last, double t
                                           { a->limit[0] && first == a->first, a->limit[1] && last == a->last } };
 }
 
-/* All of the arc: a full turn from 0, a range from within half a turn of 0. */
+/* Add a whole arc: a full turn starts at 0, a range starts within half a turn of 0. */
 static void whole_arc(cli_trace *t, int arc)
 {
     const lw_arc *a = &t->motion.arc[arc];
@@ -52,7 +52,7 @@ static void whole_arc(cli_trace *t, int arc)
         add_piece(t, arc, a->first, a->last, -ceil((a->first - zero - LW_PI)/turn_of(t)));
 }
 
-/* The arc cut to from .. to, as often as whole turns bring it there. */
+/* Add the parts of the arc in from .. to, once for each number of whole turns that brings it there. */
 static void cut_arc(cli_trace *t, int arc)
 {
     const lw_arc *a = &t->motion.arc[arc];
@@ -84,14 +84,14 @@ void cli_trace_pieces(cli_trace *t, bool only_file)
 
 /* ---- one row ----------------------------------------------------------------------------------- */
 
-/* The direction of the tool, in whole turns near that of the row before. */
+/* Angle of the tool, by whole turns near that of the row before. */
 static double tool_angle(const cli_trace *t, const lw_pose *pose, int tracer, const double *before)
 {
     double a = pose->angle[t->k.tracer[tracer].link][0] + t->tool[tracer];
     return before ? *before + remainder(a - *before, 2*LW_PI) : remainder(a, 2*LW_PI);
 }
 
-/* By the input's own unit: rad, or the length unit of the file; by time with --speed. */
+/* Derivatives are by the input in its own unit (rad, or the length unit of the file), or by time with --speed. */
 static void row_values(const cli_trace *t, const lw_pose *pose, int tracer, double angle, double *v)
 {
     lw_vec2 p[LW_ORDER_MAX + 1];
@@ -104,7 +104,7 @@ static void row_values(const cli_trace *t, const lw_pose *pose, int tracer, doub
     cli_row_values(&t->rows, p, a, angle, v);
 }
 
-/* Row `i` of `steps` of a piece.  angle[] carries the tool angles [rad] from row to row. */
+/* Print row `i` of `steps` of a piece. angle[] carries the tool angles [rad] from row to row. */
 static void put_row(cli_trace *t, const cli_piece *p, const char *mode, int i, double *angle)
 {
     cli_row r = { .arc = p->arc + 1, .mode = mode, .n_lead = 1 };

@@ -1,4 +1,4 @@
-/* Rows along curves of postures. */
+/* Rows of a trace along motion curves. */
 #include "cli/motion/trace_curve.h"
 
 #include <math.h>
@@ -59,15 +59,15 @@ static void add_stretch(cli_curve_trace *t, cli_stretch s)
         t->stretch[t->n_stretch++] = s;
 }
 
-/* A stretch cut to the wanted range of the input, moved by whole turns. */
+/* Add the parts of a stretch in the requested range of the input, shifted by whole turns. */
 static void cut_stretch(cli_curve_trace *t, cli_stretch s)
 {
     double low = fmin(s.first, s.last), high = fmax(s.first, s.last), turn = is_slider(t, 0) ? 0 : 2*LW_PI;
-    if (!t->whole && s.lap != 0) {
+    if (!t->whole && s.input_per_round != 0) {
         s.first = t->from;
         s.last = t->to;
     }
-    if (t->whole || s.lap != 0) {
+    if (t->whole || s.input_per_round != 0) {
         add_stretch(t, s);
         return;
     }
@@ -96,7 +96,7 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
     s.part[0].from = from;
     s.part[0].to = fmin(to, end);
     s.first = input_at(b, from);
-    if (to > end) {                                       /* over the end of a closed curve */
+    if (to > end) {                                       /* past the end of a closed curve */
         s.n_part = 2;
         s.part[1].to = to - end;
         s.part[1].more = input_at(b, end) - input_at(b, 0);
@@ -105,11 +105,12 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
         s.last = input_at(b, to);
     s.turns = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED && !limit0 && !limit1;
     s.zero = s.first;
-    s.lap = s.turns && lw_motion_curve_turns(b, -1) != 0 ? s.last - s.first : 0;
+    s.input_per_round = s.turns && lw_motion_curve_turns(b, -1) != 0 ? s.last - s.first : 0;
     cut_stretch(t, s);
 }
 
-/* From limit to limit; what lies before the first is, on a closed curve, what lies behind the last. */
+/* Divide a curve at its limits. On a closed curve, the part before the first limit continues the part after the last.
+ */
 static void cut_curve(cli_curve_trace *t, int curve)
 {
     lw_motion_curve *b = t->curves.curve[curve];
@@ -145,35 +146,36 @@ void cli_curve_stretches(cli_curve_trace *t)
 
 /* ---- rows -------------------------------------------------------------------------------------- */
 
-/* How often a closed curve has been gone round where the input of a stretch is u. */
+/* How many rounds of a closed curve are complete where the input of a stretch is u. */
 static double rounds_at(lw_motion_curve *b, const cli_stretch *s, double u)
 {
-    if (s->lap != 0)
-        return floor((u - s->zero)/s->lap);
+    if (s->input_per_round != 0)
+        return floor((u - s->zero)/s->input_per_round);
     return s->n_part > 1 && (u - input_at(b, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
 }
 
-/* Station of the curve where the input is u, on a stretch that holds it. */
+/* Station of the curve where the input is u; the stretch must contain u. */
 static double station_at(lw_motion_curve *b, const cli_stretch *s, double u, double rounds)
 {
-    int part = s->lap == 0 && rounds > 0;
-    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to, u - s->part[part].more - rounds*s->lap);
+    int part = s->input_per_round == 0 && rounds > 0;
+    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to,
+                                u - s->part[part].more - rounds*s->input_per_round);
 }
 
-/* In every lap of a closed curve links turn as often as they do until it closes. */
+/* Add the turns of the links: every round of a closed curve adds as many turns as the first. */
 static void count_turns(const cli_curve_trace *t, const lw_motion_curve *b, double rounds, double *q)
 {
     for (int body = 0; body < t->s.n_body; body++)
         q[3*body + 2] += 2*LW_PI*rounds*lw_motion_curve_turns(b, t->s.link[body]);
 }
 
-/* What derivatives are by: the free input in its own unit, or time. */
+/* Unit of what derivatives are taken by: the free input's own unit, or time. */
 static double rate_unit(const cli_curve_trace *t)
 {
     return t->timed ? t->speed : is_slider(t, 0) ? t->k->units.metre : 1;
 }
 
-/* The posture of a station and its derivatives; false where there are none. */
+/* Compute the pose at a station and its derivatives. False: there are no derivatives. */
 static bool fill_series(cli_curve_trace *t, lw_motion_curve *b, double station, double *series)
 {
     double motion[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
@@ -183,7 +185,7 @@ static bool fill_series(cli_curve_trace *t, lw_motion_curve *b, double station, 
     return good;
 }
 
-/* Row `i` of a stretch, where the input is u: on the curve. */
+/* Compute row `i` of a stretch, at input u, from the curve. */
 static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
 {
     lw_motion_curve *b = t->curves.curve[s->curve];
@@ -194,12 +196,12 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
     count_turns(t, b, rounds, series);
     cli_curve_values(t, series, i == 0, row);
     if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
-        t->groups->seeded = false;                            /* both sides of a limit are near it */
+        t->groups->seeded = false;                            /* both sides of a limit have nearly the same input */
     else if (t->groups)
         cli_groups_seed(t->groups, &t->s, series, u, &t->rows, row);
 }
 
-/* Behind a branch point a group may be in another assembly mode than its seed before it. */
+/* After a branch point a group may be in another assembly mode than its seed before that point. */
 static bool crosses(const lw_motion_curve *b)
 {
     int n;
@@ -246,7 +248,7 @@ static void cycle_rows(cli_curve_trace *t, int curve)
     }
 }
 
-/* ---- what is told of a curve ------------------------------------------------------------------- */
+/* ---- description of a curve -------------------------------------------------------------------- */
 
 static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *b, char text[128])
 {
@@ -270,7 +272,7 @@ static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *b, 
     return "is not at its end after the steps that are allowed";
 }
 
-/* The circuit that crosses `curve` at an event, -1 when none that was found does. */
+/* The circuit that crosses `curve` at an event; -1: no circuit that was found crosses there. */
 static int crossing_circuit(const cli_curve_trace *t, int curve, const lw_motion_curve_event *e)
 {
     double q[LW_SYSTEM_Q_MAX];
@@ -512,9 +514,9 @@ lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e)
     return s;
 }
 
-/* ---- rows between two postures by the groups ----------------------------------------------------- */
+/* ---- rows between two seeds, computed by groups ------------------------------------------------- */
 
-#define LEAST_MARGIN 1e-5              /* nearer to a dead point of a group the curve is asked       */
+#define LEAST_MARGIN 1e-5              /* nearer to a dead point of a group, use the curve           */
 
 cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers)
 {

@@ -44,7 +44,7 @@ typedef struct cli_stretch {
     int    curve;
     double first, last;               /* input [rad] or [m]                                        */
     bool   limit[2], turns;
-    double zero, lap;                 /* if turns: input at station 0, and its change once round; else 0 */
+    double zero, input_per_round;                 /* if turns: input at station 0, and its change once round; else 0 */
     int    n_part;
     struct { double from, to, more; } part[2];    /* stations; offset of the input from the curve's    */
 } cli_stretch;

@@ -1,4 +1,4 @@
-/* Rows of a trace: one tracer a line in CSV, one list a posture in JSON. */
+/* Rows of a trace: one line per tracer in CSV, one list per pose in JSON. */
 #include "cli/motion/trace_rows.h"
 
 #include <string.h>

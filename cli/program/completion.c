@@ -2,7 +2,7 @@
 #include <string.h>
 #include "cli/program/command.h"
 
-/* Names of options, -x and --name, apart by blanks. */
+/* Print the names of options, -x and --name, separated by blanks. */
 static void names(const cli_option *options, FILE *f)
 {
     for (const cli_option *o = options; o && o->name; o++) {
@@ -12,7 +12,7 @@ static void names(const cli_option *options, FILE *f)
     }
 }
 
-/* A case for each option that takes one of a few words, or a file. */
+/* Print a case for each option that takes one of a few words, or a file. */
 static void values(const cli_option *options, FILE *f)
 {
     for (const cli_option *o = options; o && o->name; o++) {

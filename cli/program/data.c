@@ -4,7 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Folder of the running program; "" when unknown. */
+/* Folder of the running program; "" if it is unknown. */
 static void program_folder(char *folder, size_t size)
 {
     ssize_t n = readlink("/proc/self/exe", folder, size - 1);
@@ -28,7 +28,7 @@ void cli_document_folder(char *path, size_t size)
 {
     char program[512];
     program_folder(program, sizeof program);
-    char *slash = strrchr(program, '/');           /* build/ of the sources, bin/ of what is installed */
+    char *slash = strrchr(program, '/');           /* build/ in the sources, bin/ when installed */
     if (slash)
         *slash = 0;
     snprintf(path, size, "%s/share/doc/linkwright", program);

@@ -28,7 +28,7 @@ static void string(FILE *f, const char *text)
     fputc('"', f);
 }
 
-/* comma, line and key in front of any value */
+/* Print the comma, line end and key before a value. */
 static void lead(cli_json *j, const char *key)
 {
     if (j->depth == 0)

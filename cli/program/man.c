@@ -1,8 +1,8 @@
-/* The commands as sections of the manual page, from the same rows as --help (docs/linkwright.1.in is
- * the rest of it). */
+/* Print the commands as sections of the manual page, from the same rows as --help; docs/linkwright.1.in is the rest of
+ * the page. */
 #include "cli/program/command.h"
 
-/* Text for roff: minus signs as such, backslashes, and no line that begins like a request. */
+/* Print text for roff: escape minus signs and backslashes; no line begins like a request. */
 static void roff(const char *text, FILE *f)
 {
     for (const char *c = text; *c; c++) {

@@ -1,4 +1,4 @@
-/* The bridge to jansson for what holds a linkage further inside. */
+/* Read linkages that are stored inside other JSON files (bridge to jansson). */
 #include "cli/program/model.h"
 
 #include <jansson.h>
@@ -8,7 +8,7 @@
 #include "cli/program/output.h"
 #include "grammar/model.h"
 
-/* The linkage of a result as text of its own; NULL with e filled.  Free with free(). */
+/* The linkage of a result as separate text; NULL with e filled. Free with free(). */
 static char *result_text(const json_t *results, const char *file, int which, lw_error *e)
 {
     size_t n = json_array_size(results), at = which > 0 ? (size_t)which - 1 : 0;
@@ -28,7 +28,7 @@ static char *result_text(const json_t *results, const char *file, int which, lw_
     return text;
 }
 
-/* Replace *text by the text of the wanted result when it holds results. */
+/* If *text holds results, replace it by the text of the requested result. */
 static lw_status unwrap(const char *file, int which, char **text, size_t *size, lw_error *e)
 {
     json_t *root = json_loadb(*text, *size, 0, NULL);
@@ -93,7 +93,7 @@ lw_status cli_linkage_text(const char *path, int which, char **text, size_t *siz
     return s == LW_OK ? lw_linkage_read(*text, *size, path, k, e) : s;
 }
 
-/* Of a read that was waited for: Ctrl-C ends it. */
+/* Status of a read that may have waited for input: Ctrl-C ends it. */
 static lw_status waited(const char *path, lw_status s, lw_error *e)
 {
     bool stopped = strcmp(path, "-") == 0 && cli_interrupted();

@@ -11,7 +11,7 @@ enum { TAG_TASK = 1, TAG_ANSWER };
 #define NO_TASK      UINT64_MAX
 #define KEPT_BY_RANK 64
 
-/* In front of every answer. */
+/* Precedes every answer. */
 typedef struct heading { uint64_t task; int64_t status; } heading;
 
 bool cli_mpi_available(void) { return true; }
@@ -28,7 +28,6 @@ void cli_mpi_end(void) { MPI_Finalize(); }
 
 static void send_task(int rank, uint64_t task) { MPI_Send(&task, 1, MPI_UINT64_T, rank, TAG_TASK, MPI_COMM_WORLD); }
 
-/* ---- the others ----------------------------------------------------------------------------------- */
 
 static void begin_answer(lw_bytes *answer, uint64_t task)
 {
@@ -36,10 +35,10 @@ static void begin_answer(lw_bytes *answer, uint64_t task)
     lw_bytes_free(answer);
     lw_bytes_add(answer, &h, sizeof h);
     if (answer->failed)
-        MPI_Abort(MPI_COMM_WORLD, 4);            /* no room to say that there is no room */
+        MPI_Abort(MPI_COMM_WORLD, 4);            /* no memory even for a message */
 }
 
-/* Ask for a task by sending the last answer, at first an empty one, until there is none. */
+/* Ask for a task by sending the last answer (at first an empty one), until no task is left. */
 static lw_status work_for_others(const cli_mpi_work *w)
 {
     lw_bytes answer = { 0 };
@@ -68,9 +67,9 @@ typedef struct kept { char *data; size_t size; bool here; } kept;
 
 typedef struct desk {
     const cli_mpi_work *w;
-    size_t    next, turn;             /* task to hand out; task whose answer is taken next          */
+    size_t    next, turn;             /* task to hand out next; task whose answer is taken next     */
     size_t    n_kept;
-    kept     *early;                  /* answers by task modulo n_kept                              */
+    kept     *early;                  /* answers that came early, at index task modulo n_kept       */
     int       n_idle, *idle;          /* processes without a task                                   */
     lw_status status;
 } desk;
@@ -81,7 +80,7 @@ static void note_status(desk *d, lw_status status)
         d->status = status;
 }
 
-/* Receive one answer, keep it, take all whose turn it is. */
+/* Receive one answer and keep it. Take all answers whose turn has come. */
 static void receive(desk *d)
 {
     MPI_Status from;
@@ -91,7 +90,7 @@ static void receive(desk *d)
     MPI_Get_count(&from, MPI_BYTE, &size);
     char *data = malloc((size_t)size);
     if (!data)
-        MPI_Abort(MPI_COMM_WORLD, 4);            /* nobody could be told in another way */
+        MPI_Abort(MPI_COMM_WORLD, 4);            /* the others can be told in no other way */
     MPI_Recv(data, size, MPI_BYTE, from.MPI_SOURCE, TAG_ANSWER, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     memcpy(&h, data, sizeof h);
     d->idle[d->n_idle++] = from.MPI_SOURCE;
@@ -109,14 +108,14 @@ static void receive(desk *d)
     }
 }
 
-/* Tasks for those who wait; goodbye when there are none.  Returns how many left. */
+/* Give tasks to idle processes; end them when no task is left. Returns how many were ended. */
 static int hand_out(desk *d)
 {
     int n_left = 0;
     while (d->n_idle > 0) {
         bool over = d->status != LW_OK || d->next == d->w->n_task;
         if (!over && d->next >= d->turn + d->n_kept)
-            break;                               /* too far ahead of an answer that is still to come */
+            break;                               /* too far ahead of an answer that is still missing */
         send_task(d->idle[--d->n_idle], over ? NO_TASK : d->next++);
         n_left += over;
     }

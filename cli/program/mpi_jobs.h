@@ -24,8 +24,8 @@ bool cli_mpi_available(void);
 int  cli_mpi_begin(void);
 void cli_mpi_end(void);
 
-/* Run all tasks.  Every process calls this exactly once.  n_task is read in process 0 only; 0 if it cannot continue.  The first
- * status of work or take that is not LW_OK ends the run; process 0 returns it. */
+/* Run all tasks. Every process calls this exactly once. n_task is read in process 0 only; 0 if it cannot continue. The
+ * first status of work or take that is not LW_OK ends the run; process 0 returns it. */
 lw_status cli_mpi_run(const cli_mpi_work *w);
 
 #endif

@@ -91,7 +91,7 @@ static lw_status seed_value(const char *name, const char *text, uint64_t *v, lw_
     return LW_OK;
 }
 
-/* two parts of text on either side of `mark`; false when there is none */
+/* Split text at `mark` into two parts. False: no such mark. */
 static bool split(const char *text, char mark, size_t size[2], const char *part[2])
 {
     const char *m = strchr(text, mark);
@@ -185,7 +185,7 @@ typedef struct parser {
     char            **argv;
 } parser;
 
-/* a found row, in one of the two tables */
+/* A row that was found in one of the two tables. */
 typedef struct found { const cli_option *row; void *value; uint64_t *given, bit; } found;
 
 static found place_of(parser *q, int own, int common)
@@ -232,7 +232,8 @@ static lw_status unknown_option(parser *q, const char *word, size_t size)
     return lw_error_set(q->e, LW_E_ARG, "there is no option --%s", name);
 }
 
-/* A letter means the same in every command, so most options have none: name those that begin with it. */
+/* Report an unknown letter. A letter means the same in every command, so most options have none: list the options that
+ * begin with it. */
 static lw_status unknown_letter(parser *q, char letter)
 {
     char names[256] = "";
@@ -250,7 +251,7 @@ static lw_status unknown_letter(parser *q, char letter)
 
 static bool is_number(const char *w) { return (w[1] >= '0' && w[1] <= '9') || w[1] == '.'; }
 
-/* `value` is the text after '=' or the letter, NULL when the next word is it */
+/* Take the value of an option: `value` is the text after '=' or the letter, or NULL if the value is the next word. */
 static lw_status take(parser *q, found f, const char *shown, const char *value)
 {
     if (*f.given & f.bit)
@@ -285,7 +286,7 @@ static lw_status long_option(parser *q, const char *word)
     return take(q, f, shown, value);
 }
 
-/* -abc: flags in a row, the last may take a value */
+/* Read -abc: several flags, of which the last may take a value. */
 static lw_status short_options(parser *q, const char *word)
 {
     for (const char *c = word + 1; *c; c++) {
@@ -357,7 +358,7 @@ bool cli_given(const cli_parsed *p, const char *name)
 #define HELP_COLUMN 30
 #define HELP_WIDTH  96
 
-/* text folded into lines that begin at column `left` */
+/* Print text folded into lines that begin at column `left`. */
 static void fold(const char *text, int left, FILE *f)
 {
     int at = left;

@@ -87,7 +87,7 @@ static const char *option_text(const cli_call *call, int i)
     return *(const char *const *)((const char *)call->settings + call->command->options[i].place);
 }
 
-/* The input of this run that is the file `st`, as the user spelt it; NULL when none is. */
+/* The input of this run that is the same file as `st`, as the user wrote it; NULL if none is. */
 static const char *input_that_is(const cli_call *call, const struct stat *st)
 {
     struct stat input;
@@ -116,7 +116,7 @@ int cli_may_write(const cli_call *call, const char *path)
     return CLI_DONE;
 }
 
-/* Do two paths name one file, which may not exist yet? */
+/* Do two paths name the same file, which may not exist yet? */
 static bool same_place(const char *a, const char *b)
 {
     char folder[2][PATH_MAX], real[2][PATH_MAX];
@@ -150,7 +150,7 @@ int cli_may_write_in(const cli_call *call, const char *folder, const char *forma
     return cli_may_write(call, path);
 }
 
-/* A file that is written at the end of a long run: can it be?  -o is opened by the command itself. */
+/* Check that a file written at the end of a long run can be written. The file of -o is opened by the command itself. */
 static int try_output(const cli_call *call, const char *path)
 {
     struct stat st;
@@ -178,7 +178,7 @@ int cli_check_outputs(const cli_call *call)
         for (int k = 0; k < i; k++)
             if (strcmp(path[i], "-") != 0 && same_place(path[i], path[k]))
                 return cli_usage(call, "%s and %s are one file, and both are written; name two", path[k], path[i]);
-        bool continued = cli_given(&call->parsed, "resume");         /* the listing so far is kept */
+        bool continued = cli_given(&call->parsed, "resume");         /* keep the listing so far */
         code = continued ? CLI_DONE : cli_may_write(call, path[i]);
         if (code == CLI_DONE && path[i] != call->common.output)
             code = try_output(call, path[i]);
@@ -215,7 +215,7 @@ int cli_make_folder(const cli_call *call, const char *folder)
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------ */
 
-/* the one piece of state a signal handler can reach */
+/* The only state that a signal handler changes. */
 static volatile sig_atomic_t interrupted;
 
 static void on_interrupt(int number)
@@ -224,7 +224,7 @@ static void on_interrupt(int number)
     interrupted = number;
     signal(number, SIG_DFL);
     if (nothing >= 0) {
-        dup2(nothing, STDIN_FILENO);             /* a read that waits there is restarted and finds the end */
+        dup2(nothing, STDIN_FILENO);             /* a waiting read is restarted and meets the end */
         close(nothing);
     }
 }

@@ -3,7 +3,7 @@
 #include <unistd.h>
 #include "base/clock.h"
 
-#define FIRST_AFTER 1.0       /* [s] nothing is shown for work shorter than this                   */
+#define FIRST_AFTER 1.0       /* [s] shorter work shows no progress                                */
 #define SHOW_EVERY  0.2       /* [s]                                                               */
 
 cli_progress cli_progress_begin(const cli_call *call, const char *what, const char *unit)

@@ -4,7 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The whole lines of a file: how many, where they end, where the last one begins. */
+/* The whole lines of a file: their number, where they end, where the last one begins. */
 typedef struct lines { uint64_t n; off_t end, last; } lines;
 
 static bool count_lines(FILE *f, lines *l)
@@ -35,13 +35,13 @@ static bool copy(FILE *from, FILE *to, off_t size)
     return fflush(to) == 0;
 }
 
-/* Cut f behind its first `size` bytes and go there. */
+/* Cut f to its first `size` bytes and move to the end. */
 static bool cut(FILE *f, off_t size)
 {
     return fflush(f) == 0 && ftruncate(fileno(f), size) == 0 && fseeko(f, size, SEEK_SET) == 0;
 }
 
-/* Leave in f the lines of `old` where those are more, else its own, and keep a copy of the last. */
+/* Leave in f the lines of `old` if `old` has more, else its own. Keep a copy of the last line. */
 static bool take_over(FILE *f, FILE *old, cli_resume *r)
 {
     lines mine, theirs = { 0, 0, 0 };
@@ -65,7 +65,7 @@ lw_status cli_resume_open(const cli_call *call, bool resume, lw_output *o, cli_r
     *r = (cli_resume){ 0, NULL, 0 };
     lw_status status = lw_output_open_partial(o, path, e);
     if (status != LW_OK || !o->temp[0])
-        return status;                           /* a pipe or device holds no lines */
+        return status;                           /* a pipe or device has no lines to continue */
     FILE *old = resume ? fopen(o->path, "rb") : NULL;
     bool good = resume ? take_over(o->f, old, r) : cut(o->f, 0);
     if (old)

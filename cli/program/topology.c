@@ -6,8 +6,8 @@
 
 #include "base/clock.h"
 
-/* Text comes in by portions, so that chains can be worked on while others are still being made; one that
- * takes more than PIECE_MAX has no end. */
+/* Text is read in portions, so that chains can be processed while others are still being made. A text longer than
+ * PIECE_MAX for one topology is an error. */
 #define PORTION   ((size_t)1 << 16)
 #define PIECE_MAX ((size_t)1 << 24)
 
@@ -15,9 +15,9 @@ typedef struct source {
     FILE         *f;
     const char   *path;
     char         *text;
-    size_t        room;
+    size_t        capacity;
     lw_topologies t;
-    bool          broken;         /* nothing more can be read */
+    bool          broken;         /* reading has failed */
 } source;
 
 static lw_status open_source(source *s, const char *path, lw_error *e)
@@ -39,7 +39,7 @@ static void close_source(source *s)
     free(s->text);
 }
 
-/* Keep what is not used yet and read on behind it. */
+/* Keep the unused text and read more after it. */
 static lw_status read_on(source *s, lw_error *e)
 {
     size_t left = s->t.size - s->t.at;
@@ -47,14 +47,14 @@ static lw_status read_on(source *s, lw_error *e)
         memmove(s->text, s->text + s->t.at, left);
     if (left > PIECE_MAX)
         return lw_error_at(e, LW_E_NOTATION, s->path, s->t.line, 1, "this topology does not end");
-    if (left + PORTION > s->room) {
+    if (left + PORTION > s->capacity) {
         char *more = realloc(s->text, 2*(left + PORTION));
         if (!more)
             return lw_error_set(e, LW_E_MEMORY, "out of memory");
         s->text = more;
-        s->room = 2*(left + PORTION);
+        s->capacity = 2*(left + PORTION);
     }
-    size_t n = fread(s->text + left, 1, s->room - left, s->f);
+    size_t n = fread(s->text + left, 1, s->capacity - left, s->f);
     if (ferror(s->f))
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "cannot be read: %s", strerror(errno));
     s->t.text = s->text;
@@ -96,7 +96,7 @@ int cli_topologies_each(const cli_call *call, const char *file, bool keep_going,
             continue;
         if (s == LW_STOPPED)
             break;
-        if (was_read && e.line == 0 && s != LW_E_IO) {      /* a fault of the piece as a whole */
+        if (was_read && e.line == 0 && s != LW_E_IO) {      /* the error concerns the piece as a whole */
             snprintf(e.file, sizeof e.file, "%s", from.path);
             e.line = from.t.first_line;
             e.column = 1;

@@ -1,4 +1,4 @@
-/* linkwright chains - every kinematic chain with P links and F freedoms, once. */
+/* linkwright chains - list every kinematic chain with P links and F degrees of freedom once. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -23,8 +23,7 @@ typedef struct settings {
 } settings;
 
 static const cli_option options[] = {
-    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "number of links", 3, LW_LINK_MAX, NULL, NULL },
+    { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL, "number of links", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom; 0 gives rigid chains (Baranov trusses)", 0, LW_DOF_MAX, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
@@ -37,17 +36,15 @@ static const cli_option options[] = {
     { "fractionated", 0, CLI_FLAG, offsetof(settings, fractionated), NULL, NULL,
       "also list chains that separate into two at a link or a joint, after the others", 0, 0, NULL, NULL },
     { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
-      "only chains with a planar graph", 0, 0, NULL,
-      "non-planar" },
+      "only chains with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
-      "only chains with a non-planar graph", 0, 0, NULL,
-      "filter" },
+      "only chains with a non-planar graph", 0, 0, NULL, "filter" },
     { "filter", 0, CLI_TEXT, offsetof(settings, filter), "NAME", NULL,
-      "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row)", 0, 0, NULL,
-      "planar" },
+      "only certain chains: planar, non-planar, asymmetric, or no-dyad (no two binary links in a row)",
+      0, 0, NULL, "planar" },
     { "part", 0, CLI_TEXT, offsetof(settings, part), "R/M", NULL,
-      "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete", 0, 0, NULL,
-      NULL },
+      "compute part R of M (R = 1 .. M); the parts have no chain in common and together are complete",
+      0, 0, NULL, NULL },
     { "resume", 0, CLI_FLAG, offsetof(settings, resume), NULL, NULL,
       "continue the listing in -o FILE that was interrupted", 0, 0, NULL, "count" },
     { "mpi", 0, CLI_FLAG, offsetof(settings, mpi), NULL, NULL,
@@ -55,7 +52,7 @@ static const cli_option options[] = {
     { .name = NULL }
 };
 
-/* What a run needs at hand. */
+/* Data of one run. */
 typedef struct task {
     const cli_call         *call;
     const settings         *s;
@@ -64,14 +61,14 @@ typedef struct task {
     lw_chain_walk           how;
     lw_output               out;
     uint64_t                n_listed, skip_fractionated;
-    double                  start, expected;              /* clock; chains, about               */
+    double                  start, expected;              /* wall time; expected number of chains */
     cli_progress            progress;
-    uint64_t                n_fractionated, n_bridged, at; /* `at` numbers those of all parts      */
-    cli_resume              before;                       /* an interrupted listing                */
-    bool                    compared;                     /* with its last line                    */
+    uint64_t                n_fractionated, n_bridged, at; /* `at` is the index over all parts     */
+    cli_resume              before;                       /* an interrupted listing that is continued */
+    bool                    compared;                     /* its last line was compared            */
     lw_chain_table          table;
     size_t                  n_task;                       /* under mpirun                          */
-    bool                    spread;                       /* the others have been served           */
+    bool                    served;                       /* the other processes have been served  */
 } task;
 
 static bool tick(void *context, double done)
@@ -91,7 +88,7 @@ static bool tick_structures(void *context, int loops, size_t found)
     return !cli_interrupted() && (limit <= 0 || lw_clock_wall() - t->start < limit);
 }
 
-/* "2/5" */
+/* Read a part such as "2/5". */
 static bool read_part(const char *text, lw_chain_walk *how)
 {
     char *end;
@@ -114,7 +111,7 @@ static int unknown_filter(const cli_call *call, const char *name)
                      near ? "'?" : "");
 }
 
-/* The settings that are more than a number; CLI_DONE when they are good. */
+/* Read the settings that are more than a number. CLI_DONE: they are valid. */
 static int read_settings(task *t)
 {
     const settings *s = t->s;
@@ -142,7 +139,7 @@ static int read_settings(task *t)
     return CLI_DONE;
 }
 
-/* Before anything large starts: how large, how long; LW_E_MEMORY when it cannot fit. */
+/* Report size and expected time before a large run starts. LW_E_MEMORY: it cannot fit. */
 static lw_status say_how_long(task *t, lw_error *error)
 {
     lw_estimate e;
@@ -170,7 +167,7 @@ static lw_status say_how_long(task *t, lw_error *error)
 
 /* ---- counting ------------------------------------------------------------------------------------- */
 
-/* Of the fractionated chains, those of the part that the filter wants. */
+/* Is this fractionated chain in our part of the work, and does it pass the filter? */
 static bool wanted(task *t, const lw_chain *c)
 {
     bool mine = t->at++ % (uint64_t)t->how.n_part == (uint64_t)t->how.part;
@@ -252,7 +249,7 @@ static void write_counts(task *t, const lw_chain_table *table)
         fprintf(t->out.f, "%llu\n", n);
 }
 
-/* Under mpirun a task is a part of the work, its answer the numbers of the rows of the table. */
+/* Under mpirun a task is a part of the work; its answer is the numbers in the rows of the table. */
 static lw_status work_count(void *context, size_t k, lw_bytes *answer)
 {
     task *t = context;
@@ -285,10 +282,10 @@ static lw_status take_count(void *context, size_t k, const char *answer, size_t 
 
 #define COUNT_TASKS 1000
 
-static lw_status spread_count(task *t)
+static lw_status remote_count(task *t)
 {
     lw_chain_walk nothing = t->how;
-    nothing.part = COUNT_TASKS - 1;              /* only for the rows of the table; counted again below */
+    nothing.part = COUNT_TASKS - 1;              /* only to get the rows of the table; counted again below */
     nothing.n_part = COUNT_TASKS;
     t->n_task = COUNT_TASKS;
     lw_status status = lw_chains_count(t->chains, &nothing, &t->table);
@@ -296,14 +293,14 @@ static lw_status spread_count(task *t)
         t->table.row[i].n = (lw_tally){ 0, 0 };
     t->table.total = (lw_tally){ 0, 0 };
     cli_mpi_work w = { COUNT_TASKS, work_count, take_count, t };
-    t->spread = true;
-    lw_status spread = cli_mpi_run(&w);
-    return status == LW_OK ? spread : status;
+    t->served = true;
+    lw_status run = cli_mpi_run(&w);
+    return status == LW_OK ? run : status;
 }
 
 static lw_status count_all(task *t)
 {
-    lw_status status = t->s->mpi ? spread_count(t) : lw_chains_count(t->chains, &t->how, &t->table);
+    lw_status status = t->s->mpi ? remote_count(t) : lw_chains_count(t->chains, &t->how, &t->table);
     if (status == LW_OK && t->s->fractionated)
         status = lw_fractionated_each(t->s->links, t->s->dof, count_fractionated, t, NULL);
     cli_progress_end(&t->progress);
@@ -317,7 +314,7 @@ static lw_status count_all(task *t)
 
 /* ---- listing -------------------------------------------------------------------------------------- */
 
-/* The text of a chain with its line end; graph6, in which lists are long, without a detour. */
+/* Write a chain and its line end; graph6, the format of long lists, is written directly. */
 static size_t print_chain(const task *t, const lw_chain *c, char *text, size_t most)
 {
     lw_mechanism m;
@@ -325,7 +322,7 @@ static size_t print_chain(const task *t, const lw_chain *c, char *text, size_t m
     if (t->notation == lw_notations)
         length = lw_graph6_print(c, text, most);
     else if (lw_mechanism_from_chain(c, &m) != LW_OK || t->notation->print(&m, text, most, &length) != LW_OK)
-        return 0;                                /* does not happen: chains can be written in every notation */
+        return 0;                                /* never happens: chains can be written in every notation */
     text[length] = '\n';
     return length + 1;
 }
@@ -335,7 +332,7 @@ static size_t print_item(void *context, const lw_chain_item *item, char *text, s
     return print_chain(context, item->chain, text, most);
 }
 
-/* Whole chains; the first text after a resumption begins with the last chain of before. */
+/* Write whole chains. The first text after a continuation begins with the last chain already listed. */
 static lw_status write_text(void *context, const char *text, size_t size)
 {
     task *t = context;
@@ -366,7 +363,7 @@ static lw_status write_fractionated(void *context, const lw_chain *c, int n_brid
     return status == LW_OK && !tick(t, 1) ? LW_STOPPED : status;
 }
 
-/* What is listed already is left out, but for its last chain, which comes once more to be compared. */
+/* Find where to continue: chains already listed are left out, except the last one, which is made again and compared. */
 static lw_status find_resume(task *t, lw_error *e)
 {
     t->n_listed = t->before.n_line;
@@ -387,12 +384,12 @@ static lw_status add_text(void *context, const char *text, size_t size)
     return LW_OK;
 }
 
-/* Under mpirun a task is a structure, its answer the text of its chains. */
-typedef struct spread_print { const task *t; lw_bytes *answer; } spread_print;
+/* Under mpirun a task is a structure; its answer is the text of its chains. */
+typedef struct remote_print { const task *t; lw_bytes *answer; } remote_print;
 
 static lw_status print_for_answer(void *context, const lw_chain_item *item)
 {
-    spread_print *p = context;
+    remote_print *p = context;
     char text[LW_NOTATION_SIZE];
     return add_text(p->answer, text, print_chain(p->t, item->chain, text, sizeof text));
 }
@@ -400,7 +397,7 @@ static lw_status print_for_answer(void *context, const lw_chain_item *item)
 static lw_status work_list(void *context, size_t k, lw_bytes *answer)
 {
     task *t = context;
-    spread_print p = { t, answer };
+    remote_print p = { t, answer };
     lw_chain_walk how = t->how;
     how.part = (int)k;
     how.n_part = (int)t->n_task;
@@ -415,12 +412,12 @@ static lw_status take_list(void *context, size_t k, const char *answer, size_t s
     return status == LW_OK && !tick(t, (double)(k + 1)/(double)t->n_task) ? LW_STOPPED : status;
 }
 
-static lw_status spread_list(task *t)
+static lw_status remote_list(task *t)
 {
     const lw_structures *set = lw_chains_structures(t->chains);
     t->n_task = set ? lw_structures_count(set, lw_structures_loops(set)) : 1;
     cli_mpi_work w = { t->n_task, work_list, take_list, t };
-    t->spread = true;
+    t->served = true;
     return cli_mpi_run(&w);
 }
 
@@ -428,7 +425,7 @@ static lw_status list_all(task *t, lw_error *e)
 {
     lw_status status = find_resume(t, e);
     if (status == LW_OK)
-        status = t->s->mpi ? spread_list(t)
+        status = t->s->mpi ? remote_list(t)
                : lw_chains_print(t->chains, &t->how, t->notation->most + 1, print_item, write_text, t);
     if (status == LW_OK && t->s->fractionated)
         status = lw_fractionated_each(t->s->links, t->s->dof, write_fractionated, t, NULL);
@@ -455,7 +452,7 @@ static int finish(task *t, lw_status status, const lw_error *e)
     return cli_close(t->call, &t->out, nothing ? CLI_NOTHING : cli_exit_code(status));
 }
 
-/* Structures first, then what was asked for; by process 0, when there are several. */
+/* Make the structures, then list or count; done by process 0 if there are several. */
 static int enumerate(task *t, lw_error *e)
 {
     lw_status status;
@@ -475,14 +472,14 @@ static int enumerate(task *t, lw_error *e)
     return finish(t, status, e);
 }
 
-/* The other processes: the same structures, then tasks of process 0. */
+/* Work of the other processes: the same structures, then tasks from process 0. */
 static void help_out(task *t)
 {
     if (lw_chains_create(t->s->links, t->s->dof, 1, &t->chains, NULL) == LW_OK)
-        (void)(t->s->count ? spread_count(t) : spread_list(t));
+        (void)(t->s->count ? remote_count(t) : remote_list(t));
 }
 
-/* For a process that cannot go on: answers that say so, or goodbye to the others. */
+/* Used by a process that cannot go on: its answers report the failure; process 0 ends the others. */
 static lw_status work_not(void *context, size_t k, lw_bytes *answer)
 {
     (void)context;
@@ -491,10 +488,10 @@ static lw_status work_not(void *context, size_t k, lw_bytes *answer)
     return LW_E_MEMORY;
 }
 
-static void end_spread(task *t)
+static void end_remote(task *t)
 {
     cli_mpi_work w = { 0, work_not, NULL, NULL };
-    if (!t->spread)
+    if (!t->served)
         (void)cli_mpi_run(&w);
     cli_mpi_end();
 }
@@ -513,7 +510,7 @@ static int run(const cli_call *call)
     else
         code = say_how_long(&t, &e) == LW_OK ? enumerate(&t, &e) : cli_fail(call, &e);
     if (t.s->mpi)
-        end_spread(&t);
+        end_remote(&t);
     free(t.before.last);
     lw_chain_table_free(&t.table);
     lw_chains_free(t.chains);

@@ -21,33 +21,29 @@ static const cli_option options[] = {
     { "sentence", 0, CLI_TEXT, offsetof(settings, from), "SENTENCE", NULL,
       "derive: the sentence that the rule is applied to", 0, 0, NULL, NULL },
     { "rule", 0, CLI_INT, offsetof(settings, rule), "N", NULL,
-      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at", 1, 4,
-      NULL,
-      "links" },
+      "derive: apply one rule; rules 1 and 2 make a first sentence, rules 3 and 4 extend --sentence at --at",
+      1, 4, NULL, "links" },
     { "at", 0, CLI_TEXT, offsetof(settings, at), "X,Y", NULL,
       "derive: the two parts between which the new string of links is put", 0, 0, "rule", NULL },
     { "word", 'w', CLI_INT, offsetof(settings, word), "N", NULL,
-      "derive: number of the word that is extended, from 1; without it the first that holds X and Y", 1, LW_WORD_MAX,
-      "at",
-      NULL },
+      "derive: number of the word that is extended, from 1; without it the first that holds X and Y",
+      1, LW_WORD_MAX, "at", NULL },
     { "joints", 0, CLI_TEXT, offsetof(settings, k), "KINDS", NULL,
       "derive: with --rule the kinds of the new joints in order (rule 4: three), with --links the kinds allowed: r "
-      "pin, t "
-      "slider; without it r", 0, 0, NULL, NULL },
+      "pin, t slider; without it r", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
-      "derive: all topologies with P links that the rules can make; coverage: greatest number of links", 3,
-      LW_LINK_MAX, NULL,
-      NULL },
+      "derive: all topologies with P links that the rules can make; coverage: greatest number of links",
+      3, LW_LINK_MAX, NULL, NULL },
     { "rules", 0, CLI_TEXT, offsetof(settings, rules), "LIST", "1,2,3,4",
       "derive: with --links, the rules that may be used", 0, 0, NULL, NULL },
     { "anywhere", 0, CLI_FLAG, offsetof(settings, anywhere), NULL, NULL,
       "derive: X and Y need not lie at the same region of the drawing", 0, 0, "links", NULL },
-    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL, "derive: print only the number", 0, 0, "links",
-      NULL },
+    { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
+      "derive: print only the number", 0, 0, "links", NULL },
     { .name = NULL }
 };
 
-/* What runs the visits of one call. */
+/* Data of one run. */
 typedef struct job {
     const cli_call    *call;
     const settings    *s;
@@ -83,7 +79,7 @@ static lw_status write_one(void *context, const lw_mechanism *m, lw_error *e)
     return s == LW_OK && !cli_watch_goes_on(&j->watch, (double)++j->n) ? LW_STOPPED : s;
 }
 
-/* Read topologies and say each again by `visit`. */
+/* Read topologies and print each again by `visit`. */
 static int each_of_input(job *j, cli_topology_visit *visit)
 {
     lw_error e = { 0 };
@@ -184,7 +180,7 @@ static int run_explain(const cli_call *call)
 
 /* ---- derive ------------------------------------------------------------------------------------ */
 
-/* "3,4" */
+/* Read a place such as "3,4". */
 static bool read_place(const char *text, lw_production *p)
 {
     char *end;

@@ -1,5 +1,5 @@
-/* linkwright mechanisms - ground, joint kinds, inputs and output of chains, each way once up to symmetry;
- * Assur groups; multiple joints. */
+/* linkwright mechanisms - choose ground, joint kinds, inputs and output of chains in all ways that differ by more than
+ * a symmetry; find Assur groups and multiple joints. */
 #include <string.h>
 
 #include "cli/program/json.h"
@@ -24,31 +24,26 @@ static const cli_option options[] = {
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", NULL,
       "use all chains with P links, instead of reading chains", 3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "degree of freedom of these chains", 1, LW_DOF_MAX,
-      NULL, NULL },
+      "degree of freedom of these chains", 1, LW_DOF_MAX, NULL, NULL },
     { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
-      "number of joints with two degrees of freedom in these chains", 0, LW_LINK_MAX,
-      "links", NULL },
+      "number of joints with two degrees of freedom in these chains", 0, LW_LINK_MAX, "links", NULL },
     { "no-ground", 0, CLI_FLAG, offsetof(settings, no_ground), NULL, NULL,
-      "do not choose a ground link", 0, 0, NULL,
-      "output-link" },
+      "do not choose a ground link", 0, 0, NULL, "output-link" },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", NULL,
       "kinds of joints: r pin and t slider (one degree of freedom), p pin in a slot and g gear pair (two); all "
-      "combinations that can move as wanted", 0, 0, NULL,
-      NULL },
+      "combinations that can move as wanted", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
       "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
-    { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL,
-      "choose an output link", 0, 0, NULL, NULL },
+    { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
       "print only the number after each step", 0, 0, NULL, NULL },
     { "void", 0, CLI_FLAG, offsetof(settings, void_ones), NULL, NULL,
       "list the combinations of joint kinds that are left out, with the reason", 0, 0, "joints", "count" },
     { "assur", 0, CLI_FLAG, offsetof(settings, assur), NULL, NULL,
-      "list the Assur groups of each mechanism in the order in which they are solved; requires --input", 0, 0, NULL,
-      "count" },
+      "list the Assur groups of each mechanism in the order in which they are solved; requires --input",
+      0, 0, NULL, "count" },
     { "assur-groups", 0, CLI_INT, offsetof(settings, assur_groups), "N", NULL,
-      "list all Assur groups of N links instead", 2, LW_LINK_MAX - 1, NULL, "links" },
+      "list all Assur groups of N links instead", 2, LW_LINK_MAX-1, NULL, "links" },
     { "multiple-joints", 0, CLI_FLAG, offsetof(settings, multiple), NULL, NULL,
       "list the chains with multiple joints instead (several links on one pin)", 0, 0, "links", "joints" },
     { "keep-going", 'k', CLI_FLAG, offsetof(settings, keep_going), NULL, NULL,
@@ -68,7 +63,7 @@ typedef struct job {
     lw_error             e;
 } job;
 
-/* "r,t" -> "rt"; false for anything but the four letters, each once. */
+/* Read kinds such as "r,t" into "rt". False: not a list of the four letters, each at most once. */
 static bool read_kinds(const char *text, char kinds[8])
 {
     int n = 0;
@@ -172,7 +167,7 @@ static void write_counts(job *j)
 
 /* ---- where chains come from -------------------------------------------------------------------- */
 
-/* The steps that m has not gone yet. */
+/* Apply the steps that m has not gone through yet. */
 static lw_status take_steps(job *j, const lw_mechanism *m)
 {
     lw_mechanism_steps steps = j->steps;
@@ -216,7 +211,7 @@ static lw_status from_higher(void *context, const lw_chain *c)
     return s == LW_OK ? take_steps(context, &m) : s;
 }
 
-/* Numbers of chains and grounds alone need no listing. */
+/* Numbers of chains and ground links can be counted without a listing. */
 static lw_status count_quickly(job *j, const lw_chains *chains, const lw_chain_walk *how)
 {
     lw_chain_table table;

@@ -6,14 +6,11 @@
 typedef struct settings { int dof, loops, n2; } settings;
 
 static const cli_option options[] = {
-    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
-      "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
+    { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1", "degree of freedom", 0, LW_DOF_MAX, NULL, NULL },
     { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
-      "number of independent loops; without it 1 to 4", 1,
-      LW_LOOP_MAX, NULL, NULL },
+      "number of independent loops; without it 1 to 4", 1, LW_LOOP_MAX, NULL, NULL },
     { "n2", 0, CLI_INT, offsetof(settings, n2), "K", "0",
-      "greatest number of joints with two degrees of freedom", 0, 3*LW_LOOP_MAX, NULL,
-      NULL },
+      "greatest number of joints with two degrees of freedom", 0, 3*LW_LOOP_MAX, NULL, NULL },
     { .name = NULL }
 };
 
@@ -65,7 +62,7 @@ static int run(const cli_call *call)
             lw_numbers n;
             lw_assortment a;
             if (lw_numbers_of(s->dof, l, n2, &n, &e) != LW_OK)
-                continue;                            /* no solution with so many: not a fault */
+                continue;                            /* no assortment has this many: not an error */
             for (bool more = lw_assortment_first(&n, &a); more; more = lw_assortment_next(&n, &a), n_row++)
                 (call->common.json ? write_json : write_row)(o.f, &n, &a);
         }

@@ -1,4 +1,4 @@
-/* linkwright structures - every Franke structure with L loops, grown by ears. */
+/* linkwright structures - list every Franke structure with L loops, built by adding ears. */
 #include <stdlib.h>
 #include <string.h>
 #include "base/clock.h"
@@ -19,14 +19,12 @@ static const cli_option options[] = {
     { "loops", 0, CLI_INT, offsetof(settings, loops), "L", NULL,
       "number of independent loops", 2, LW_LOOP_MAX, NULL, NULL },
     { "count", 'c', CLI_FLAG, offsetof(settings, count), NULL, NULL,
-      "print only the number of structures, for each number of circles (links with three or more joints)", 0, 0, NULL,
-      NULL },
+      "print only the number of structures, for each number of circles (links with three or more joints)",
+      0, 0, NULL, NULL },
     { "derive", 0, CLI_FLAG, offsetof(settings, derive), NULL, NULL,
-      "print how each structure grows from the first one", 0, 0, NULL,
-      "count" },
+      "print how each structure grows from the first one", 0, 0, NULL, "count" },
     { "planar", 0, CLI_FLAG, offsetof(settings, planar), NULL, NULL,
-      "only structures with a planar graph", 0, 0, NULL,
-      "non-planar" },
+      "only structures with a planar graph", 0, 0, NULL, "non-planar" },
     { "non-planar", 0, CLI_FLAG, offsetof(settings, non_planar), NULL, NULL,
       "only structures with a non-planar graph", 0, 0, NULL, NULL },
     { "replay", 0, CLI_TEXT, offsetof(settings, replay), "DERIVATION", NULL,
