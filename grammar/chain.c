@@ -110,8 +110,8 @@ uint32_t lw_chain_cut_links(const lw_chain *c)
 }
 
 /* ---- rigid subchains ---------------------------------------------------------------------------
- * Every link starts with three pebbles; an arc u -> v holds one pebble of u.  A pebble that lies on a
- * link reached from u can be brought to u by turning the arcs on the way round. */
+ * Every link starts with three pebbles; an arc u -> v holds one pebble of u.  A pebble on a link that can
+ * be reached from u moves to u when the arcs of the path from u to it are reversed. */
 typedef struct game {
     uint8_t  free[LW_LINK_MAX];                 /* pebbles that lie on the link          */
     uint8_t  arc[LW_LINK_MAX][LW_LINK_MAX];     /* number of arcs u -> v                 */
@@ -126,7 +126,7 @@ static void turn_arc(game *g, int u, int v)
         g->out[v] |= (uint32_t)1 << u;
 }
 
-/* Bring one more pebble to u, leaving those of v alone; *seen gets the links searched. */
+/* Bring one more pebble to u without taking those of v; *seen gets the links searched. */
 static bool fetch_pebble(game *g, int u, int v, uint32_t *seen)
 {
     int from[LW_LINK_MAX], queue[LW_LINK_MAX], head = 0, tail = 0;
@@ -152,8 +152,8 @@ static bool fetch_pebble(game *g, int u, int v, uint32_t *seen)
     return false;
 }
 
-/* Place one edge u - v.  It needs five of the six pebbles of its ends; if they cannot be gathered, the
- * links searched hold as many edges as they may: *links gets them. */
+/* Place one edge u - v.  It needs five of the six pebbles of its ends.  If they cannot be gathered, the
+ * links searched have as many edges as they can bear without becoming rigid: *links gets them. */
 static bool place_edge(game *g, int u, int v, uint32_t *links)
 {
     while (g->free[u] + g->free[v] < 5) {

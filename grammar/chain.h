@@ -1,7 +1,7 @@
 /* grammar/chain.h - a kinematic chain: links are vertices, joints are edges, nothing is fixed yet.
  *
- * Two links share one joint at most, so a bit per pair and kind of joint is enough.  Links are
- * numbered from 0 here; texts a person reads number them from 1.  Plain data of 260 bytes, copied
+ * Two links share at most one joint, so one bit for each pair and kind of joint is enough.  Links are
+ * numbered from 0 here, and from 1 in texts for people.  Plain data of 260 bytes, copied
  * with '='; nothing here allocates or needs freeing. */
 #ifndef LW_GRAMMAR_CHAIN_H
 #define LW_GRAMMAR_CHAIN_H
@@ -29,7 +29,7 @@ lw_status lw_chain_clear(lw_chain *c, int n_link);
  * no link, or they share a joint of the other kind.  Joining twice is harmless. */
 lw_status lw_chain_join(lw_chain *c, int i, int k, int freedom);
 
-/* Take the joint between i and k away, whatever its kind; harmless when there is none. */
+/* Remove the joint between i and k, whatever its kind; harmless when there is none. */
 void lw_chain_unjoin(lw_chain *c, int i, int k);
 
 /* Freedoms of the joint between i and k: 1 or 2; 0 when they share none. */
@@ -58,8 +58,8 @@ int lw_chain_count(const lw_chain *c, int freedom);
  * joint (LW_CHAIN_JOINT_MAX).  Returns their number. */
 int lw_chain_joints(const lw_chain *c, lw_chain_joint *joint);
 
-/* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2).  A count, not a proof: a rigid subchain hides
- * in the sum, see lw_chain_rigid. */
+/* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2).  A count, not a proof: the sum does not show a
+ * rigid subchain, see lw_chain_rigid. */
 int lw_chain_mobility(const lw_chain *c);
 
 /* The same count for the subchain of the given links and all joints between them. */
@@ -77,8 +77,8 @@ bool lw_chain_is_connected(const lw_chain *c);
  * fractionated when it has one: the two sides of a bridge joint are cut links too. */
 uint32_t lw_chain_cut_links(const lw_chain *c);
 
-/* Is there a subchain of two or more links with F <= 0?  `proper` leaves the whole chain out of the
- * question (Baranov trusses have F = 0 as a whole).  If so, *links (may be NULL) gets such a subchain.
+/* True if there is a subchain of two or more links with F <= 0; *links (may be NULL) then gets one.  With
+ * `proper` only subchains smaller than the whole count (Baranov trusses have F = 0 as a whole).
  * Pebble game of Lee & Streinu 2008 for (3,4)-sparsity, a joint of one freedom counted twice. */
 bool lw_chain_rigid(const lw_chain *c, bool proper, uint32_t *links);
 

@@ -21,7 +21,7 @@ bool lw_gf2_add(uint64_t *row_of, int *n_row, uint64_t row)
     return true;
 }
 
-/* Breadth first from v; among equal paths the one over the lower vertex. */
+/* Breadth-first search from v; among paths of equal length the one through the lower vertex. */
 static void paths_from(graph *g, int v)
 {
     uint8_t queue[LW_LINK_MAX];

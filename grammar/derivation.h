@@ -15,8 +15,8 @@
 /* One line without line end; returns the length as snprintf does. */
 size_t lw_derivation_print(const lw_derivation *d, char *buf, size_t size);
 
-/* Read one line, with or without line end, and replay it.  LW_E_NOTATION with the column: no seed, no such
- * rule, a circle or line that is not there at that step, too many ears. */
+/* Read one line, with or without line end, and replay it.  LW_E_NOTATION with the column: no seed, an unknown
+ * rule, a circle or line that does not exist at that step, too many ears. */
 lw_status lw_derivation_read(const char *text, size_t size, const char *file, lw_derivation *d, lw_error *e);
 
 /* "(3 3 4) 1-2 1-3 ...": lines at each circle, then the lines; no line end.  Length as snprintf does. */

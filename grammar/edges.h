@@ -17,13 +17,13 @@
 /* One line without line end; returns the length as snprintf does. */
 size_t lw_edges_print(const lw_mechanism *m, char *buf, size_t size);
 
-/* Read one line.  LW_E_NOTATION with the column: a link joined to itself, two links joined twice, a
- * letter that is no joint kind, a link number without joints, more than LW_JOINT_MAX joints. */
+/* Read one line.  LW_E_NOTATION with the column: a link joined to itself, two links joined twice, an
+ * unknown joint kind, a link number without joints, more than LW_JOINT_MAX joints. */
 lw_status lw_edges_read(const char *text, size_t size, const char *file, lw_mechanism *m,
                         lw_error *e);
 
 /* The graph for Graphviz (`dot`, `neato`); the ground link is a double circle, the output bold.  name
- * is what stands after "graph"; it must be an identifier. */
+ * follows the word "graph"; it must be an identifier. */
 size_t lw_dot_print(const lw_mechanism *m, const char *name, char *buf, size_t size);
 
 /* A whole GraphML document with data keys kind, driven, ground and output. */

@@ -16,7 +16,7 @@
 #include "grammar/expression_internal.h"
 #include "grammar/text_internal.h"
 
-#define DEPTH_MAX 100              /* brackets in brackets, signs before signs */
+#define DEPTH_MAX 100              /* nested brackets, repeated signs */
 #define WORD_SIZE 64
 
 typedef struct parser {
@@ -98,7 +98,7 @@ static size_t digits(const parser *p, size_t at)
 
 static lw_operand number(double v) { return (lw_operand){ -1, v }; }
 
-/* One more operation, or its value where that is known now.  `at`: where it stands in the text. */
+/* Append an operation, or compute its value if all operands are constants.  `at`: its place in the text. */
 static lw_status emit(parser *p, size_t at, lw_expression_node n, lw_operand *out)
 {
     lw_expression *x = p->x;
@@ -125,9 +125,9 @@ static lw_status unary_op(parser *p, size_t at, lw_op op, lw_operand a, lw_opera
     return emit(p, at, (lw_expression_node){ .op = op, .a = a, .b = number(0) }, out);
 }
 
-/* ---- functions that are spelt out --------------------------------------------------------------- */
+/* ---- functions expanded into operations --------------------------------------------------------------- */
 
-/* h0 (1 - r) + h1 r,  r the ramp of u = (x - x0)/(x1 - x0): both ends are met exactly. */
+/* h0 (1 - r) + h1 r,  r the ramp of u = (x - x0)/(x1 - x0).  This form gives h0 and h1 exactly at the ends. */
 static lw_status spell_ramp(parser *p, size_t at, lw_op ramp, const argument *a, lw_operand *out)
 {
     lw_operand x0 = a[1].o, x1 = a[3].o, top = x0, below = x1, r, rest;
@@ -222,7 +222,7 @@ static lw_status call(parser *p, size_t at, const struct function *f, const argu
 
 /* ---- grammar ------------------------------------------------------------------------------------ */
 
-/* After the opening bracket: arguments and the closing one.  *list grows; the caller frees it. */
+/* Read the arguments and the closing bracket; the opening one is read.  *list grows; the caller frees it. */
 static lw_status arguments(parser *p, const struct function *f, argument **list, int *n)
 {
     for (int room = 0;;) {
@@ -268,7 +268,7 @@ static lw_status function_call(parser *p, size_t at, const struct function *f, l
     return s;
 }
 
-/* After the opening bracket of a variable: its name, up to ')', without blanks around; or in '...'. */
+/* Read the name of a variable after its opening bracket: up to ')', without surrounding blanks, or in '...'. */
 static lw_status name_of(parser *p, char name[WORD_SIZE], size_t *name_at)
 {
     peek(p);
@@ -307,7 +307,7 @@ static lw_status unknown(const parser *p, const char *word, size_t at)
                  near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
 }
 
-/* The variable of the caller's number `id`: an operation that fetches it, once for each. */
+/* The operation that fetches the variable with the caller's number `id`; each variable has one. */
 static lw_status variable(parser *p, size_t at, int id, lw_operand *out)
 {
     lw_expression *x = p->x;
@@ -348,7 +348,7 @@ static lw_status word(parser *p, lw_operand *out)
     if (named) {
         p->at++;
         lw_status s = name_of(p, name, &name_at);
-        if (s != LW_OK)                                   /* the arguments of a misspelt function are no name */
+        if (s != LW_OK)                                   /* a misspelt function: its arguments are no name */
             return function ? unknown(p, text, at) : s;
     }
     int id = p->lookup ? p->lookup(p->context, text, named ? name : NULL, why) : -1;
@@ -451,7 +451,7 @@ static lw_status sum(parser *p, lw_operand *out)
     return s;
 }
 
-/* What stands behind a whole expression. */
+/* The error for text after a complete expression. */
 static lw_status left_over(parser *p)
 {
     char buf[24];

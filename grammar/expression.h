@@ -1,6 +1,6 @@
 /* grammar/expression.h - a number as a function of time and of the state of a linkage, as text:
  *
- *     "2*pi*t + step(t, 0, 0, 0.5, 0.1)"        "-k*x(P)"  is not known: constants are numbers
+ *     "2*pi*t + step(t, 0, 0, 0.5, 0.1)"        "-k*x(P)"  is refused: constants must be numbers
  *
  * Operators + - * / ^ and brackets; numbers; pi; t [s]; functions of docs/notation.md, "Expressions":
  * sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt abs sign min max mod hypot, and the motion
@@ -9,9 +9,9 @@
  *     havsin(x, x0, h0, x1, h1)   half a sine wave from h0 to h1
  *     poly(x, x0, a0, a1, ...)    sum of a_k (x - x0)^k
  *     table(x, x1, y1, x2, y2, ...)  natural cubic spline through the points, rising x; straight outside
- * Everything else of the form  word  or  word(name)  is a variable that the caller knows or refuses.
+ * Any other text of the form  word  or  word(name)  is a variable, which the caller accepts or refuses.
  *
- * An expression is immutable once parsed: threads may share it.  Angles in radians, all else in SI. */
+ * An expression is immutable once parsed: threads may share it.  Angles are in radians, other values in SI units. */
 #ifndef LW_GRAMMAR_EXPRESSION_H
 #define LW_GRAMMAR_EXPRESSION_H
 
@@ -23,30 +23,30 @@
 
 typedef struct lw_expression lw_expression;
 
-/* The caller's number (>= 0) of the variable `word` or `word(name)`, name NULL in the first case; -1
- * when there is none, with a text why in `why` (128 bytes) or "" for a plain "unknown".  `t` is asked
- * for too. */
+/* Returns the caller's number (>= 0) of the variable `word` (name is NULL) or `word(name)`.  Returns -1 for an
+ * unknown variable; `why` (128 bytes) then gets the reason, or "" for a plain "unknown".  The variable `t` is
+ * looked up in the same way. */
 typedef int lw_expression_lookup(void *context, const char *word, const char *name, char *why);
 
-/* LW_E_NOTATION with the column (from 1, in bytes) of the fault; LW_E_MEMORY. */
+/* LW_E_NOTATION with the column (from 1, in bytes) of the error; LW_E_MEMORY. */
 lw_status lw_expression_parse(const char *text, size_t size, lw_expression_lookup *lookup,
                               void *context, lw_expression **out, lw_error *e);
 void      lw_expression_free(lw_expression *x);
 
-/* The variables it depends on: their number, and the caller's numbers of them in the order of
- * first appearance.  A constant has none. */
+/* The variables of the expression: returns how many there are; *which gets the caller's numbers of them in the
+ * order of first appearance.  A constant has none. */
 int lw_expression_variables(const lw_expression *x, const int **which);
 
 /* Value at v[i], the value of the i-th variable of lw_expression_variables.  Outside the domain (sqrt
  * of a negative number) it is NaN, which the caller reports. */
 double lw_expression_value(const lw_expression *x, const double *v);
 
-/* Value, and dv[i] its derivative by the i-th variable. */
+/* Returns the value; dv[i] gets its derivative by the i-th variable. */
 double lw_expression_gradient(const lw_expression *x, const double *v, double *dv);
 
 /* Taylor coefficients: v[i*(order+1) + k] is coefficient k (k-th derivative over k!) of variable i along
- * some curve, out (order + 1) those of the expression.  order <= LW_SERIES_ORDER_MAX.  At a kink (abs,
- * min, ends of step) the right-hand branch is taken. */
+ * a curve; out (order + 1) gets the coefficients of the expression.  order <= LW_SERIES_ORDER_MAX.  At a kink
+ * (abs, min, ends of step) the derivatives are those from the right. */
 void lw_expression_series(const lw_expression *x, int order, const double *v, double *out);
 
 /* The text as it was given. */

@@ -1,9 +1,9 @@
 /* grammar/expression_internal.h - the compiled form of an expression: operations in the order in which
- * they are computed, each on constants or on results of operations before it.
+ * they are computed, each on constants or on results of earlier operations.
  *
- * What is constant is worked out while reading, so a step between fixed ends is five operations and a
- * plain number none.  step, havsin, poly and table are spelt out in operations; the three ramps below
- * are all that they need of their own. */
+ * Constant parts are computed while reading, so a step between fixed ends takes five operations and a
+ * number takes none.  step, havsin, poly and table are expanded into operations; only the three ramps
+ * LW_OP_CUBIC, LW_OP_HALF_SINE and LW_OP_SPLINE exist for them alone. */
 #ifndef LW_GRAMMAR_EXPRESSION_INTERNAL_H
 #define LW_GRAMMAR_EXPRESSION_INTERNAL_H
 
@@ -20,7 +20,7 @@ typedef enum lw_op {
     LW_OP_CUBIC,        /* 0 before 0, 3 u^2 - 2 u^3, 1 behind 1    */
     LW_OP_HALF_SINE,    /* 0 before 0, sin^2(pi u/2), 1 behind 1    */
     LW_OP_SPLINE,       /* the table of the node                   */
-    LW_OP_STEP, LW_OP_HAVSIN, LW_OP_POLY, LW_OP_TABLE     /* names only: spelt out while reading */
+    LW_OP_STEP, LW_OP_HAVSIN, LW_OP_POLY, LW_OP_TABLE     /* names only: expanded while reading */
 } lw_op;
 
 typedef struct lw_spline {         /* natural cubic spline; straight outside */
@@ -45,11 +45,11 @@ struct lw_expression {
     lw_expression_node     node[];
 };
 
-/* The result of one operation; b is not looked at by those with one operand. */
+/* The result of one operation; operations with one operand ignore b. */
 double lw_op_value(const lw_expression *x, const lw_expression_node *n, double a, double b);
 
-/* The cubic that LW_OP_CUBIC or LW_OP_SPLINE is at u and from there on in the direction (its sign):
- * p[0] + p[1] d + p[2] d^2 + p[3] d^3,  d = difference to u. */
+/* The cubic polynomial that LW_OP_CUBIC or LW_OP_SPLINE equals at u and beyond u in the direction given by the
+ * sign of `direction`:  p[0] + p[1] d + p[2] d^2 + p[3] d^3,  d = difference to u. */
 void lw_op_piece(const lw_expression *x, const lw_expression_node *n, double u, int direction, double p[4]);
 
 /* Second derivatives of the natural cubic spline through the n >= 2 points, x rising.  work (n). */

@@ -1,7 +1,7 @@
-/* grammar/expression_series.c - Taylor coefficients of every operation from those of its operands:
- * the recurrences of Griewank & Walther 2008, table 13.1 and 13.2, from  c' = f'(a) a'.
+/* grammar/expression_series.c - Taylor coefficients of every operation from those of its operands, by the
+ * recurrences of Griewank & Walther 2008, tables 13.1 and 13.2, which follow from  c' = f'(a) a'.
  *
- * A series here is LW_SERIES_ORDER_MAX + 1 numbers, of which order + 1 are in use. */
+ * A series here has LW_SERIES_ORDER_MAX + 1 numbers, of which order + 1 are used. */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static void constant(double value, series c)
     c[0] = value;
 }
 
-/* Coefficient k of a b, of which those of a from index `from` on count. */
+/* Coefficient k of a b, with the coefficients of a below index `from` taken as 0. */
 static double product_term(const series a, const series b, int from, int k)
 {
     double sum = 0;
@@ -50,7 +50,7 @@ static double integral_term(const series a, const series g, int k)
     return sum/k;
 }
 
-/* The sign of the first coefficient of a - at that is not 0: on which side of `at` the curve runs on. */
+/* The sign of the first nonzero coefficient of a - at: the side of `at` on which the curve continues. */
 static int side(int order, const series a, double at)
 {
     for (int k = 0; k <= order; k++) {
@@ -86,8 +86,8 @@ static int leading(int order, const series a)
     return m;
 }
 
-/* a^b, b no small whole number.  From 0 on, a = d^m (...): terms below d^(m b) vanish, the next is
- * infinite or, b m being whole, needs terms of a that are not at hand. */
+/* a^b, where b is no small whole number.  If a begins at 0, a = d^m (...): terms below d^(m b) vanish.  The
+ * next term is infinite or, if b m is whole, needs terms of a beyond the given order. */
 static void real_power(int order, const series a, double b, series c)
 {
     c[0] = pow(a[0], b);
@@ -105,7 +105,7 @@ static void logarithm(int order, const series a, series c)
 {
     c[0] = log(a[0]);
     for (int k = 1; k <= order; k++) {
-        c[k] = 0;                                          /* the term that is looked for stays out */
+        c[k] = 0;                                          /* leave out the term to be computed */
         c[k] = (a[k] - integral_term(c, a, k))/a[0];
     }
 }
@@ -134,7 +134,7 @@ static void power(int order, const series a, const lw_operand *exponent, const s
 static void root(int order, const series a, series c)
 {
     c[0] = sqrt(a[0]);
-    bool still = leading(order, a) > order;                /* sqrt(0) that stays */
+    bool still = leading(order, a) > order;                /* sqrt(0) with a constant 0 */
     for (int k = 1; k <= order; k++) {
         double sum = a[k];
         for (int j = 1; j < k; j++)
@@ -143,7 +143,7 @@ static void root(int order, const series a, series c)
     }
 }
 
-/* Where both begin with d^m so does their distance: d^m hypot(a/d^m, b/d^m), to the right of 0. */
+/* If both operands begin with d^m, so does the distance: d^m hypot(a/d^m, b/d^m), to the right of 0. */
 static void distance(int order, const series a, const series b, series c)
 {
     int m = leading(order, a), other = leading(order, b);
@@ -245,7 +245,7 @@ static void piecewise(const lw_expression *x, const lw_expression_node *n, int o
 {
     double p[4];
     series d, next;
-    /* the side matters at the ends of pieces only, and there the first difference decides */
+    /* the side matters only at the ends of pieces; there the first nonzero difference decides */
     copy(a, d);
     d[0] = 0;
     int direction = side(order, d, 0);
@@ -264,7 +264,7 @@ static void scale_into(int order, double factor, const series a, series c)
         c[k] = factor*a[k];
 }
 
-/* c[0] is there already. */
+/* c[0] is already set. */
 static void function(const lw_expression *x, const lw_expression_node *n, int order, const series a, series c)
 {
     series other;

@@ -1,5 +1,5 @@
-/* grammar/expression_value.c - value and gradient: one pass over the operations, for the gradient a
- * second one backwards (Griewank & Walther 2008, chapter 3). */
+/* grammar/expression_value.c - value and gradient.  The value is one pass over the operations; the gradient
+ * adds a pass backwards (Griewank & Walther 2008, chapter 3). */
 #include <math.h>
 #include <stdbool.h>
 #include "base/vec2.h"
@@ -156,7 +156,7 @@ static void power_partials(double a, double b, bool fixed, double f, double *da,
     *db = fixed || (a == 0 && b > 0) ? 0 : f*log(a);
 }
 
-/* At the origin the distance has no derivative; 0 is one of its subgradients. */
+/* hypot has no derivative at the origin; 0 is one of its subgradients. */
 static void hypot_partials(double a, double b, double f, double *da, double *db)
 {
     *da = f > 0 ? a/f : 0;
@@ -227,7 +227,7 @@ double lw_expression_gradient(const lw_expression *x, const double *v, double *d
     for (int i = x->n_node - 1; i >= 0; i--) {
         const lw_expression_node *n = &x->node[i];
         double da, db;
-        if (share[i] == 0)                                 /* the branch of max not taken: 0 times inf is no share */
+        if (share[i] == 0)                                 /* not chosen by max: avoids 0 times infinity */
             continue;
         if (n->op == LW_OP_VARIABLE) {
             dv[n->index] += share[i];

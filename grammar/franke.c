@@ -44,7 +44,7 @@ static lw_status lines_of(const lw_chain *c, uint32_t circles, const int *number
         int a = __builtin_ctz(m), weight, last;
         for (uint32_t to = lw_chain_neighbours(c, a); to; to &= to - 1) {
             int first = __builtin_ctz(to), b = follow(c, circles, a, first, &weight, &last);
-            /* each line is met from both of its ends; take it once */
+            /* each line is found from both of its ends; count it once */
             if ((b > a || (b == a && last > first)) && !insert_line(f, number[a], number[b], weight))
                 return LW_E_ARG;
         }
@@ -75,13 +75,13 @@ lw_status lw_franke_from_chain(const lw_chain *c, lw_franke *f)
     return LW_OK;
 }
 
-/* Add line l as a string of links that begins at `next`; NULL or what is wrong with it. */
+/* Add line l as a string of links that begins at `next`.  Returns NULL, or the error as text. */
 static const char *add_string(const lw_franke *f, int l, int *next, lw_chain *c)
 {
     int at = f->end[l][0], last = f->end[l][1], n = f->weight[l];
     if (*next + n > LW_LINK_MAX)
         return "the chain would have too many links";
-    if (f->n_circle == 0) {                       /* a ring: its first link plays both ends */
+    if (f->n_circle == 0) {                       /* a ring: its first link serves as both ends */
         at = last = (*next)++;
         n--;
     }
@@ -97,7 +97,7 @@ static const char *add_string(const lw_franke *f, int l, int *next, lw_chain *c)
     return lw_chain_join(c, at, last, 1) == LW_OK ? NULL : "this line cannot be strung";
 }
 
-/* NULL, or what is wrong; *line is where, or LW_FRANKE_LINE_MAX for the whole. */
+/* Returns NULL, or the error as text; *line gets the faulty line, LW_FRANKE_LINE_MAX for the whole. */
 static const char *build(const lw_franke *f, lw_chain *c, int *line)
 {
     int n_link = f->n_circle, next = f->n_circle;
@@ -158,7 +158,7 @@ size_t lw_franke_print(const lw_franke *f, char *buf, size_t size)
 
 /* ---- reading ----------------------------------------------------------------------------------- */
 
-/* What was read, and where each line stood (in the order of reading). */
+/* The text read so far, and the place of each line (in the order of reading). */
 typedef struct reading {
     lw_franke *f;
     int        said[LW_LINK_MAX];          /* number inside a circle */
@@ -234,7 +234,7 @@ static lw_status read_line(lw_cursor *c, reading *r)
     return LW_OK;
 }
 
-/* The last text place of a sorted line: among equal lines the later one is at fault. */
+/* The last place in the text of a sorted line: of equal lines the later one is reported. */
 static const lw_cursor *place_of(const reading *r, int l)
 {
     for (int k = r->n_read - 1; k > 0; k--)

@@ -4,8 +4,8 @@
  *     (3 3) 1-2:0 1-2:2 1-2:2        Watt: two circles of three joints, lines with 0, 2, 2 binary links
  *     () :4                          the four-bar: one closed line, no circle
  *
- * A line may begin and end at the same circle (a chain fractionated at that link).  Joints of two
- * freedoms have no sign in this notation. */
+ * A line may begin and end at the same circle (a chain fractionated at that link).  This
+ * notation cannot express joints of two freedoms. */
 #ifndef LW_GRAMMAR_FRANKE_H
 #define LW_GRAMMAR_FRANKE_H
 
@@ -16,9 +16,9 @@
 #define LW_FRANKE_SIZE     (LW_LINK_MAX*3 + LW_FRANKE_LINE_MAX*12)
 
 typedef struct lw_franke {
-    int     n_circle, n_line;                   /* n_circle 0: a ring, its one line closed      */
-    uint8_t end[LW_FRANKE_LINE_MAX][2];         /* circles from 0, the lower first; rows rise   */
-    uint8_t weight[LW_FRANKE_LINE_MAX];         /* binary links; rising among equal rows        */
+    int     n_circle, n_line;                   /* n_circle 0: a ring, its one line closed               */
+    uint8_t end[LW_FRANKE_LINE_MAX][2];         /* circles from 0, the lower first; rows in rising order */
+    uint8_t weight[LW_FRANKE_LINE_MAX];         /* binary links; in rising order among equal rows        */
 } lw_franke;
 
 /* Circles are numbered in the order of their links.  LW_E_KIND: joints of two freedoms; LW_E_ARG: not
@@ -34,7 +34,7 @@ lw_status lw_franke_chain(const lw_franke *f, lw_chain *c);
 size_t lw_franke_print(const lw_franke *f, char *buf, size_t size);
 
 /* Read one line and check it as lw_franke_chain does; lines may stand in any order.  LW_E_NOTATION with
- * the column; also when the number in a circle is not the number of lines that end there. */
+ * the column, also when the number given for a circle is not the number of lines that end there. */
 lw_status lw_franke_read(const char *text, size_t size, const char *file, lw_franke *f, lw_error *e);
 
 #endif

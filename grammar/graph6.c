@@ -3,7 +3,7 @@
 #include <string.h>
 #include "grammar/text_internal.h"
 
-/* Bit i goes to bit 31 - i. */
+/* Reverse the bits: bit i becomes bit 31 - i. */
 static uint32_t reversed(uint32_t v)
 {
     v = (v >> 1 & 0x55555555u) | (v & 0x55555555u) << 1;
@@ -12,8 +12,8 @@ static uint32_t reversed(uint32_t v)
     return __builtin_bswap32(v);
 }
 
-/* Column by column of the upper triangle, which as a row of the lower one is a word of bits; six a byte, the first the
- * highest. */
+/* Write the upper triangle column by column.  A column of it is a row of the lower triangle and so a word of bits;
+ * six bits make a byte, the first is the highest. */
 static void print_word(lw_text *t, int n, const uint32_t *one, const uint32_t *two)
 {
     uint64_t bits = 0;
@@ -39,7 +39,7 @@ size_t lw_graph6_print(const lw_chain *c, char *buf, size_t size)
     return t.length;
 }
 
-/* The next byte of a word as its six bits; -1 with e filled when the word ends or breaks off. */
+/* The next byte of a word as its six bits; -1 with e filled when the word ends too early. */
 static int six_bits(lw_cursor *c, int n_left)
 {
     int byte = lw_cursor_peek(c);
@@ -108,7 +108,7 @@ static void skip_header(lw_cursor *c)
     }
 }
 
-/* The second word, the joints of two freedoms, which must be among all joints. */
+/* Read the second word: the joints of two freedoms, each of which must be a joint of the first word. */
 static lw_status read_two(lw_cursor *c, lw_chain *out)
 {
     lw_cursor start = *c;

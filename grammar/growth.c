@@ -63,9 +63,9 @@ lw_status lw_growth_sentence(const lw_growth *g, int n_step, lw_sentence *s, lw_
     return status;
 }
 
-/* ---- taking away ------------------------------------------------------------------------------- */
+/* ---- removing lines ------------------------------------------------------------------------------- */
 
-/* What goes in one step back: links q[0 .. n-1] from x to y, in links of the mechanism. */
+/* The piece that one step back removes: links q[0 .. n-1] from x to y, as links of the mechanism. */
 typedef struct piece { int rule, n, x, y, q[2]; char kind[4]; } piece;
 
 static uint32_t neighbours(const lw_chain *c, uint32_t left, int i)
@@ -127,7 +127,7 @@ static bool is_ring(const lw_chain *c, uint32_t left)
     return true;
 }
 
-/* The seed that a ring is: read it round from the link behind the p, or from the lowest. */
+/* The seed that equals a ring: read the ring from the link behind the p, or from the lowest link. */
 static piece seed_of(const lw_mechanism *m, const lw_chain *c, uint32_t left, uint8_t *link_of)
 {
     int n = __builtin_popcount(left), at = __builtin_ctz(left);
@@ -173,7 +173,7 @@ static void write_steps(const piece *back, int n_back, const piece *seed, lw_gro
 
 /* ---- words ------------------------------------------------------------------------------------- */
 
-/* A region as the set of its joints, in the numbering of the whole mechanism in its own links. */
+/* A region as the set of its joints, numbered as in the whole mechanism. */
 typedef struct drawing { int n; uint64_t side[LW_REGION_MAX]; } drawing;
 
 static lw_status draw(const lw_mechanism *m, const lw_chain *c, drawing *d)
@@ -207,7 +207,7 @@ static uint64_t joints_of(const lw_mechanism *m, const piece *p)
     return set;
 }
 
-/* Take the piece out of the drawing: the two regions at it become one.  Returns that one's sides. */
+/* Remove the piece from the drawing: the two regions beside it become one.  Returns the sides of the merged one. */
 static uint64_t merge(drawing *d, uint64_t string)
 {
     int at[2] = { 0, 0 }, n = 0;
@@ -231,7 +231,7 @@ static uint64_t sides_of(const lw_mechanism *m, const lw_growth *g, const lw_sen
     return set;
 }
 
-/* Say for every step which word it works on, so that the words become the regions of the drawing. */
+/* Choose for every step the word it works on, so that the words become the regions of the drawing. */
 static lw_status choose_words(const lw_mechanism *m, drawing *d, const piece *back, int n_back,
                               lw_growth *g, lw_error *e)
 {
@@ -282,7 +282,7 @@ lw_status lw_growth_find(const lw_mechanism *m, lw_growth *g, lw_reach *reach, u
     return s == LW_OK ? choose_words(m, &d, back, n_back, g, e) : s;
 }
 
-/* ---- saying why -------------------------------------------------------------------------------- */
+/* ---- the reason as text -------------------------------------------------------------------------------- */
 
 /* The links where a subdivision of K5 or K3,3 branches. */
 static void name_witness(lw_text *t, const lw_chain *c)

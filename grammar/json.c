@@ -20,8 +20,8 @@ static bool is_blank(const char *text, size_t size)
     return true;
 }
 
-/* jansson tells the last byte of the token at which it gave up, and the token itself in its message:
- * the place that helps is the token's first byte. */
+/* jansson reports the last byte of the token at which it stopped, and the token itself in its message.  A user
+ * needs the first byte of the token. */
 static size_t fault_offset(const char *text, size_t size, const json_error_t *error)
 {
     size_t last = error->position > 0 ? (size_t)error->position - 1 : 0;
@@ -96,7 +96,7 @@ lw_json_node lw_json_element(const lw_json_node *array, size_t index)
                            .value = json_array_get(array->value, index) };
 }
 
-/* jansson walks through an object in the order of the text, so the count is the place there. */
+/* jansson iterates over an object in the order of the text, so the count is the position in the text. */
 bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *out)
 {
     const char *name;
@@ -115,21 +115,21 @@ bool lw_json_member(const lw_json_node *object, const char *key, lw_json_node *o
 /* ---- faults ------------------------------------------------------------------------------------ */
 
 /* "joints[2].links[1]" from the root down to n. */
-static int print_way(const lw_json_node *n, char *buf, size_t size, lw_json_way *way)
+static int print_path(const lw_json_node *n, char *buf, size_t size, lw_json_path *path)
 {
     if (!n->parent)
         return 0;
-    int used = print_way(n->parent, buf, size, way);
-    if (way->n < (int)(sizeof way->index/sizeof *way->index))
-        way->index[way->n++] = n->index;
+    int used = print_path(n->parent, buf, size, path);
+    if (path->n < (int)(sizeof path->index/sizeof *path->index))
+        path->index[path->n++] = n->index;
     if (used >= (int)size - 1)
         return used;
     return used + (n->key ? snprintf(buf + used, size - (size_t)used, "%s%s", used ? "." : "", n->key)
                           : snprintf(buf + used, size - (size_t)used, "[%zu]", n->index));
 }
 
-/* From the opening quote of a text to its byte `at`: an escape stands for one byte or, \uXXXX, for the one
- * to three of its character in UTF-8 (a pair of them for four: two each). */
+/* Distance from the opening quote of a text to its byte `at`.  An escape stands for one byte.  \uXXXX stands for
+ * the one to three bytes of its character in UTF-8; a pair of them for four bytes, counted as two each. */
 static size_t inside_text(const char *text, size_t size, size_t quote, size_t at)
 {
     size_t i = quote + 1;
@@ -150,12 +150,12 @@ static lw_status fault(const lw_json_node *n, fault_place place, size_t at, lw_e
                        va_list arg)
 {
     char where[160] = "", text[640];
-    lw_json_way way = { .n = 0 };
+    lw_json_path path = { .n = 0 };
     long line, column;
     const lw_json *j = n->json;
-    print_way(n, where, sizeof where, &way);
+    print_path(n, where, sizeof where, &path);
     vsnprintf(text, sizeof text, format, arg);
-    size_t offset = lw_json_locate(j->text, j->size, &way, place == AT_KEY);
+    size_t offset = lw_json_locate(j->text, j->size, &path, place == AT_KEY);
     if (place == AT_INSIDE)
         offset = inside_text(j->text, j->size, offset, at);
     lw_text_place(j->text, j->size, offset, &line, &column);

@@ -20,7 +20,7 @@ static void skip_string(scan *s)
     s->at++;
 }
 
-/* Over one value of any kind; brackets are counted, not recursed into. */
+/* Skip one value of any kind; brackets are counted, without recursion. */
 static void skip_value(scan *s)
 {
     long depth = 0;
@@ -42,7 +42,7 @@ static void skip_value(scan *s)
     } while (depth > 0 && s->at < s->size);
 }
 
-/* From the opening bracket to element `index` (or its key).  False when there are fewer. */
+/* Go from the opening bracket to element `index` (or its key).  False when there are fewer elements. */
 static bool enter(scan *s, size_t index, bool key)
 {
     bool object = peek(s) == '{';
@@ -70,14 +70,14 @@ static bool enter(scan *s, size_t index, bool key)
     }
 }
 
-size_t lw_json_locate(const char *text, size_t size, const lw_json_way *way, bool key)
+size_t lw_json_locate(const char *text, size_t size, const lw_json_path *path, bool key)
 {
     scan s = { text, size, 0 };
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
         s.at = 3;
     skip_blanks(&s);
-    for (int i = 0; i < way->n; i++)
-        if (!enter(&s, way->index[i], key && i == way->n - 1))
+    for (int i = 0; i < path->n; i++)
+        if (!enter(&s, path->index[i], key && i == path->n - 1))
             return size;
     return s.at < size ? s.at : size;
 }

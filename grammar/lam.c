@@ -40,7 +40,7 @@ size_t lw_lam_print(const lw_lam *a, char *buf, size_t size)
     return t.length;
 }
 
-/* What was read so far, and where each number stood. */
+/* The matrix read so far, and the place of each number. */
 typedef struct reading {
     lw_lam   *a;
     lw_cursor at[LW_LINK_MAX][LW_LINK_MAX];
@@ -110,7 +110,7 @@ static lw_status read_entry(lw_cursor *c, reading *r, int row, int column)
     return LW_OK;
 }
 
-/* One row; *n_entry 0 when only blanks or a comment stood there. */
+/* Read one row; *n_entry is 0 for a line of blanks or a comment only. */
 static lw_status read_row(lw_cursor *c, reading *r, int row, int *n_entry)
 {
     for (*n_entry = 0;; ++*n_entry) {
@@ -156,7 +156,7 @@ static lw_status read_rows(lw_cursor *c, reading *r)
     return LW_OK;
 }
 
-/* The mirror image below the diagonal, and numbers without a gap. */
+/* Check the mirror image below the diagonal, and that no number is missing. */
 static lw_status check_whole(const reading *r)
 {
     for (int i = 0; i < r->a->n_link; i++)

@@ -25,15 +25,15 @@ typedef struct lw_lam {
 /* Joints of a mechanism numbered row by row: joint k of m is number k + 1. */
 void lw_lam_from_mechanism(const lw_mechanism *m, lw_lam *a);
 
-/* The mechanism, nothing chosen.  number_of (LW_JOINT_MAX, may be NULL): the number in the matrix of
- * each of its joints. */
+/* The mechanism without ground, inputs and output.  number_of (LW_JOINT_MAX, may be NULL) gets the number in
+ * the matrix of each of its joints. */
 void lw_lam_mechanism(const lw_lam *a, lw_mechanism *m, uint8_t *number_of);
 
 /* Rows as lines, each ended by a newline; returns the length as snprintf does. */
 size_t lw_lam_print(const lw_lam *a, char *buf, size_t size);
 
-/* Read a square matrix: numbers apart by blanks, rows by line ends or ';', '#' begins a comment.
- * Below the diagonal stands 0 or the mirror image.  LW_E_NOTATION with line and column: rows of unequal
+/* Read a square matrix: blanks separate numbers, line ends or ';' separate rows, '#' begins a comment.
+ * Below the diagonal is 0 or the mirror image.  LW_E_NOTATION with line and column: rows of unequal
  * length, a link joined to itself, a number given twice, missing or above the number of joints,
  * unknown joint letters. */
 lw_status lw_lam_read(const char *text, size_t size, const char *file, lw_lam *a, lw_error *e);

@@ -1,4 +1,4 @@
-/* Mobility, inputs and the directions that a posture gives them. */
+/* grammar/linkage.c - mobility, inputs, and the values of inputs in the posture. */
 #include "grammar/linkage.h"
 
 #include <math.h>
@@ -34,13 +34,13 @@ double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre)
 
 static bool carries(const lw_joint *j, int link) { return j->link[0] == link || j->link[1] == link; }
 
-/* Does this joint put its slide line on the link, rather than a pin? */
+/* True if the slide line of this joint, and not its pin, is on the link. */
 static bool slides_on(const lw_joint *j, int link)
 {
     return lw_joint_slides(j->kind) && (lw_joint_holds_rotation(j->kind) || j->link[0] == link);
 }
 
-/* The x axis of a link as seen from one of its pins; not normalised. */
+/* The x axis of a link, from one of its pins; not normalised. */
 static lw_vec2 x_axis(const lw_linkage *k, int joint, int link)
 {
     lw_vec2 from = k->joint[joint].at;

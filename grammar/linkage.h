@@ -1,9 +1,10 @@
-/* grammar/linkage.h - a linkage as people draw one: links, joints with their place in one assembled
- * posture, the input, tracer points.
+/* grammar/linkage.h - a linkage as people draw one: links, joints with their positions in one assembled
+ * posture, inputs, tracer points.
  *
- * The posture holds every dimension: distances and angles between what a link carries.  A multiple
- * joint (several links on one pin) is several joints at one place.  Plain data, copied with '=';
- * nothing here allocates or needs freeing.  All in SI; `units` says only how a person wrote it. */
+ * The posture contains every dimension: the distances and angles between the joints and points of a link.  A
+ * multiple joint (several links on one pin) is written as several joints at one place.  Plain data, copied
+ * with '='; nothing here allocates or needs freeing.  All values are in SI units; `units` holds the units of the
+ * file it was read from. */
 #ifndef LW_GRAMMAR_LINKAGE_H
 #define LW_GRAMMAR_LINKAGE_H
 
@@ -34,14 +35,13 @@ typedef struct lw_joint {
  * ground frame instead.  For a slider it is the displacement [m] of link[1] relative to link[0]
  * along `along`, 0 in the given posture unless `value` says otherwise.
  *
- * A tied input does not move by itself but with the first one, `ratio` times as far from the posture: a second motor
- * that is told so, a belt or a train of gears at the frame.  Tied inputs stand after those that move by
- * themselves. */
+ * A tied input moves with the first input, `ratio` times as far from the posture: a second motor whose controller
+ * keeps the ratio, a belt, or a train of gears at the frame.  Free inputs come before tied ones. */
 typedef struct lw_input {
     int    joint;
     double value;              /* in the given posture                     [rad] or [m]         */
-    double first, last;        /* the motion wanted; first == last: all of it                    */
-    double ratio;              /* tied: its way over that of the first [rad/rad], [m/m], ...; 0: free */
+    double first, last;        /* range of motion; first == last: the whole possible range       */
+    double ratio;              /* tied: its motion over that of the first [rad/rad], [m/m], ...; 0: free */
 } lw_input;
 
 typedef struct lw_tracer {
@@ -65,60 +65,61 @@ typedef struct lw_linkage {
 /* F = 3 (P - 1) - 2 n1 - n2  (Makkonen 1999, eq. 2); a welded joint takes 3. */
 int lw_linkage_mobility(const lw_linkage *k);
 
-/* How many inputs move by themselves: the first so many; the others are tied. */
+/* The number of free inputs.  They come first; the others are tied. */
 int lw_linkage_free_inputs(const lw_linkage *k);
 
-/* Where tied input i is when the first one is at `first` [rad] or [m]. */
+/* Value of the tied input i when the first input is at `first` [rad] or [m]. */
 double lw_linkage_tied_input(const lw_linkage *k, int i, double first);
 
-/* What the ratio of input i counts in, `metre` the length unit: metre where it slides and the first one turns,
- * 1/metre the other way. */
+/* Unit of the ratio of input i, with `metre` the length unit: metre if it slides and the first input turns,
+ * 1/metre if it turns and the first slides, else 1. */
 double lw_linkage_tie_unit(const lw_linkage *k, int i, double metre);
 
-/* What a gear joint runs on.  Speeds are relative to the carrier, so the ratio is that of the turns, > 0
- * for an internal gear and < 0 for an external one; with a rack it is [m/rad] of the rack along its slide
- * line over the pinion if the rack is link[1], [rad/m] if it is link[0]. */
+/* The bearings of a gear joint.  Speeds are relative to the carrier, so the ratio is that of the rotations, > 0
+ * for an internal gear and < 0 for an external one.  With a rack it is the displacement of the rack along its
+ * slide line over the rotation of the pinion [m/rad] if the rack is link[1], and the inverse [rad/m] if it is
+ * link[0]. */
 typedef struct lw_gear {
     int     carrier;           /* the link on which both links turn or slide                   */
     int     slider[2];         /* joint in which link[i] slides on the carrier, -1: it turns   */
     double  way[2];            /* +1 where link[i] (or what is welded to it) is that joint's link[1], else -1 */
-    lw_vec2 centre[2];         /* where it turns; a point of its slide line [m]                */
+    lw_vec2 centre[2];         /* centre of rotation; a point of its slide line [m]            */
 } lw_gear;
 
-/* Find the carrier of gear joint `joint`.  Links on one pin (joints at the bit-same place) turn on each other,
- * links welded together are one.  Where several links carry both, the one on whose line of centres
- * the contact `at` divides by the ratio (to 1e-6 of the centres' distance).  LW_E_KIND: there is none (a
- * cam, say), or more than one. */
+/* Find the carrier of gear joint `joint`.  Links on one pin (joints at bit-equal places) turn on each other;
+ * links welded together count as one.  If several links carry both, the carrier is the one on whose line of
+ * centres the contact `at` divides by the ratio (to 1e-6 of the centres' distance).  LW_E_KIND: there is none (a
+ * cam, for example), or more than one. */
 lw_status lw_linkage_gear(const lw_linkage *k, int joint, lw_gear *g, lw_error *e);
 
-/* What a ratio counts in, `metre` the length unit: metre where link[1] is a rack, 1/metre where link[0] is. */
+/* Unit of a ratio, with `metre` the length unit: metre if link[1] is a rack, 1/metre if link[0] is, else 1. */
 double lw_linkage_gear_unit(const lw_gear *g, double metre);
 
-/* The pitch point of a gear: where both sides move alike; the middle of the centres for ratio 1. */
+/* The pitch point of a gear, where both sides have the same velocity; the middle of the centres for ratio 1. */
 lw_vec2 lw_linkage_contact(const lw_linkage *k, int joint, const lw_gear *g);
 
 #define LW_COORDINATE_MAX 1e100   /* larger ones overflow when squared: refused [m] */
 
-/* Check what a plan may rely on: indices in range, two different links a joint, connected, finite
+/* Check what a plan relies on: indices in range, two different links for each joint, a connected linkage, finite
  * numbers, unit directions, different names.  LW_E_ARG with a text naming the joint or link. */
 lw_status lw_linkage_check(const lw_linkage *k, lw_error *e);
 
-/* What an input counts in the given posture when nobody says otherwise.  A slider: 0 [m].  A pin [rad, in
- * (-pi, pi]]: the direction of the x axis of its driven link, which is the one of its two links that is
- * not the ground; when both move, that of link[1] less that of link[0].  The x axis runs from the
- * input pin to the first other joint of the link in the order of `joint` (gears, welds, and joints at
- * the same place, are passed over), or along that joint's slide line if it is a slider or the link
- * carries the slot; to the link's first tracer when it has no such joint; else along +x. */
+/* Default value of an input in the given posture.  A slider: 0 [m].  A pin [rad, in (-pi, pi]]: the direction of
+ * the x axis of its driven link, which is the one of its two links that is not the ground; if both move, the
+ * direction of link[1] minus that of link[0].  The x axis runs from the input pin to the first other joint of
+ * the link in the order of `joint` (gears, welds and joints at the same place are skipped), or along that
+ * joint's slide line if it is a slider or the link carries the slot.  If the link has no such joint, the axis
+ * runs to its first tracer, otherwise along +x. */
 double lw_linkage_posture_input(const lw_linkage *k, int joint);
 
 /* Read one linkage from JSON text (docs/notation.md, "Linkage").  `file` is for messages only.
- * LW_E_NOTATION with line and column, also for faults of meaning (a link that does not exist). */
+ * LW_E_NOTATION with line and column, also for errors of meaning (a link that does not exist). */
 lw_status lw_linkage_read(const char *text, size_t size, const char *file, lw_linkage *k,
                           lw_error *e);
 
-/* JSON text of a linkage, in k->units, every double written so that it reads back bit-equal (to
- * rounding of the unit conversion).  indent: blanks a level, ends with a newline; 0: one line without
- * a newline.  Free with free(); NULL when out of memory. */
+/* JSON text of a linkage, in k->units.  Every double is written so that it reads back bit-equal (up to the rounding
+ * of the unit conversion).  indent: blanks for each level, the text ends with a newline; 0: one line without a
+ * newline.  Free with free(); NULL when out of memory. */
 char *lw_linkage_write(const lw_linkage *k, int indent);
 
 #endif

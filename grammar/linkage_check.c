@@ -1,4 +1,4 @@
-/* What every user of a linkage may rely on. */
+/* grammar/linkage_check.c - the checks that every user of a linkage relies on. */
 #include "grammar/linkage_internal.h"
 
 #include <math.h>
@@ -52,8 +52,8 @@ static lw_status check_counts(const lw_linkage *k, lw_error *e)
     return LW_OK;
 }
 
-/* A slide line needs a direction of unit length, other joints must not have one: a nonzero
- * direction there means that someone meant another kind. */
+/* A slide line needs a direction of unit length.  Other joints must not have a direction: a nonzero one means that
+ * the writer meant another kind of joint. */
 static lw_status check_direction(const lw_joint *j, lw_error *e)
 {
     bool slides = lw_joint_slides(j->kind);
@@ -127,7 +127,7 @@ static lw_status check_tracer(const lw_linkage *k, const lw_tracer *t, lw_error 
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-/* Index of a link that no chain of joints ties to the ground, -1 if there is none. */
+/* Index of a link that no path of joints connects to the ground; -1 if there is none. */
 static int find_loose_link(const lw_linkage *k)
 {
     bool reached[LW_LINK_MAX] = { false }, more = true;

@@ -1,4 +1,4 @@
-/* Which link carries a gear pair or a rack and its pinion. */
+/* grammar/linkage_gear.c - finds the link that carries a gear pair, or a rack and its pinion. */
 #include "grammar/linkage.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ static uint32_t welded(const lw_linkage *k, int link)
 
 static bool same_place(lw_vec2 a, lw_vec2 b) { return a.x == b.x && a.y == b.y; }
 
-/* Links on the pin at `at` together with those in `set`: joints at one place make one pin. */
+/* The links in `set` and all links that share a pin with them at `at`: joints at one place make one pin. */
 static uint32_t on_pin(const lw_linkage *k, uint32_t set, lw_vec2 at)
 {
     uint32_t before = 0;
@@ -39,7 +39,7 @@ static uint32_t on_pin(const lw_linkage *k, uint32_t set, lw_vec2 at)
     return set;
 }
 
-/* Does a link of side i turn or slide on one of `carrier`, and where? */
+/* True if a link of side i turns or slides on a link of `carrier`; g gets the place. */
 static bool runs_on(const lw_linkage *k, uint32_t side, uint32_t carrier, int i, lw_gear *g)
 {
     for (int j = 0; j < k->n_joint; j++) {

@@ -1,5 +1,5 @@
-/* A linkage from JSON (docs/notation.md, "Linkage").  Shapes and names are looked at here, what a linkage
- * must be as a whole by lw_linkage_find_fault, whose answer gets its place in the text. */
+/* grammar/linkage_read.c - a linkage from JSON (docs/notation.md, "Linkage").  This file checks types and names;
+ * lw_linkage_find_fault checks the linkage as a whole, and its error gets a place in the text here. */
 #include "grammar/linkage.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "grammar/linkage_internal.h"
 #include "grammar/read_internal.h"
 
-/* The link that a node names, made known if it is new. */
+/* The link that a node names; a new name adds a link. */
 static lw_status meet_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
 {
     char name[LW_NAME_SIZE];
@@ -67,7 +67,7 @@ lw_status lw_read_units(const lw_json_node *root, lw_units *u, lw_error *e)
     return s;
 }
 
-/* One of "links": a name, or an object with the name and the masses that a model has. */
+/* An element of "links": a name, or an object with the name and the masses of a model. */
 static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
 {
     static const char *const known[] = { "name", "mass", "centre", "inertia" };
@@ -85,7 +85,7 @@ static lw_status read_link(const lw_json_node *n, lw_linkage *k, lw_error *e)
     return s;
 }
 
-/* Without "links" they are the ground and whatever the joints name, in that order. */
+/* Without "links" the links are the ground and all links that joints name, in that order. */
 static lw_status gather_links(const lw_json_node *root, lw_linkage *k, lw_error *e)
 {
     lw_json_node joints, links;
@@ -175,7 +175,7 @@ static lw_status read_kind(const lw_json_node *joint, lw_joint *j, lw_error *e)
     return LW_OK;
 }
 
-/* A vector made a unit vector.  One that is so to rounding keeps its bits: what was written by
+/* Normalise a vector.  A vector of unit length to rounding keeps its bits, so that text written by
  * lw_linkage_write reads back the same. */
 static lw_status read_unit_vector(const lw_json_node *n, lw_vec2 *out, lw_error *e)
 {
@@ -253,7 +253,7 @@ static lw_status read_joint(const lw_json_node *joint, lw_linkage *k, lw_joint *
     return s == LW_OK ? read_ratio(joint, j, e) : s;
 }
 
-/* The ratio of a rack holds a length; a contact that was left out is put where it must be. */
+/* Convert the ratio of a rack, which contains a length, and compute a contact point that was left out. */
 static lw_status finish_gear(const lw_json_node *joint, lw_linkage *k, int i, lw_error *e)
 {
     lw_json_node at, ratio;
@@ -272,7 +272,7 @@ static lw_status finish_gear(const lw_json_node *joint, lw_linkage *k, int i, lw
     return LW_OK;
 }
 
-/* A weld that says no place is where the other joints of its first link are. */
+/* A weld without a place is put where the other joints of its first link are. */
 static void finish_weld(lw_linkage *k, int i)
 {
     for (int j = 0; j < k->n_joint; j++)
@@ -313,7 +313,7 @@ static lw_status read_joints(const lw_json_node *root, lw_linkage *k, lw_error *
 
 /* ---- inputs and tracers ------------------------------------------------------------------------ */
 
-/* An input that goes with the first has no motion of its own. */
+/* A tied input has no motion of its own. */
 static lw_status read_tie(const lw_json_node *input, const lw_linkage *k, lw_input *in, lw_error *e)
 {
     static const char *const own[] = { "first", "last", "motion", "speed" };
@@ -407,7 +407,7 @@ static lw_status read_tracers(const lw_json_node *root, lw_linkage *k, lw_error 
 
 /* ---- the whole --------------------------------------------------------------------------------- */
 
-/* What the check found, with the place in the text where that part is written. */
+/* The error of the check, with the place of the faulty part in the text. */
 static lw_status fault_at(const lw_json_node *root, lw_linkage_place place, const char *text, lw_error *e)
 {
     static const char *const list[] = {

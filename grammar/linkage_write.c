@@ -1,4 +1,5 @@
-/* A linkage as JSON text: one joint or tracer a line, numbers as short as reads back the same. */
+/* grammar/linkage_write.c - a linkage as JSON text: one joint or tracer on each line, each number in the shortest
+ * form that reads back the same. */
 #include "grammar/linkage.h"
 
 #include <stdbool.h>
@@ -10,7 +11,7 @@
 typedef struct writer {
     FILE           *f;
     const lw_units *units;
-    int             indent;      /* blanks a level; 0: everything on one line */
+    int             indent;      /* blanks for each level; 0: everything on one line */
 } writer;
 
 static void put_line(const writer *w, int level)

@@ -10,7 +10,7 @@ lw_status lw_mechanism_clear(lw_mechanism *m, int n_link)
     return LW_OK;
 }
 
-/* Number of joints that stand before (i, k), i < k, in the order of the rows. */
+/* Number of joints before (i, k), i < k, in the order of the rows. */
 static int rank_of(const lw_mechanism *m, int i, int k)
 {
     int j = 0;

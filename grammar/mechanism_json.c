@@ -39,7 +39,7 @@ static lw_status read_whole(const lw_json_node *n, int least, int most, const ch
     return s;
 }
 
-/* Two different links at the head of a list of at least two. */
+/* Two different links at the beginning of a list of at least two elements. */
 static lw_status read_pair(const lw_json_node *list, int n_link, int pair[2], lw_error *e)
 {
     lw_status s = lw_json_expect(list, LW_JSON_ARRAY, e);
@@ -91,7 +91,7 @@ static lw_status read_joints(const lw_json_node *root, lw_mechanism *m, lw_error
     return s;
 }
 
-/* Driven joints in any order; kept rising. */
+/* Driven joints may come in any order; they are stored in rising order. */
 static lw_status read_inputs(const lw_json_node *root, lw_mechanism *m, lw_error *e)
 {
     lw_json_node list;

@@ -1,27 +1,27 @@
-/* grammar/model.h - a linkage with everything that makes it move and everything it has to carry:
- * motions of its inputs as functions of time, masses, springs, dampers, forces, friction, stops,
- * clearances, motors.
+/* grammar/model.h - a linkage with its drives and loads: motions of its inputs as functions of time, masses,
+ * springs, dampers, forces, friction, stops, clearances, motors.
  *
- * Read from the same JSON file as the linkage (docs/notation.md, "Model"); a file without any of it is
- * a model too.  All in SI.  Owned memory: _free.  Places are those in the drawn posture. */
+ * A model is read from the same JSON file as the linkage (docs/notation.md, "Model"); a file with a linkage alone
+ * is a model too.  All values are in SI units, positions are those in the drawn posture.  A model owns memory:
+ * lw_model_free. */
 #ifndef LW_GRAMMAR_MODEL_H
 #define LW_GRAMMAR_MODEL_H
 
 #include "grammar/expression.h"
 #include "grammar/linkage.h"
 
-#define LW_LOAD_MAX 64               /* springs, dampers, forces: of each at most                   */
+#define LW_LOAD_MAX 64               /* of springs, of dampers and of forces                        */
 
 typedef struct lw_body {
-    bool    given;                   /* a mass was written; else 0                                 */
+    bool    given;                   /* the file gives a mass; otherwise all is 0                  */
     double  mass;                    /* >= 0 [kg]                                                   */
     lw_vec2 centre;                  /* of mass [m]                                                 */
-    double  inertia;                 /* about it, >= 0 [kg m^2]                                     */
+    double  inertia;                 /* about the centre of mass, >= 0 [kg m^2]                     */
 } lw_body;
 
-/* Between a point of one link and a point of another.  Pull f along the line of the points, > 0 draws
- * together:  f = stiffness (l - free) + damping dl/dt,  or `law`, a function of the variables length
- * and rate (and t). */
+/* Between a point of one link and a point of another.  The force f along the line of the points is positive when
+ * it pulls them together:  f = stiffness (l - free) + damping dl/dt,  or `law`, a function of the variables
+ * length and rate (and t). */
 typedef struct lw_spring {
     char    name[LW_NAME_SIZE];
     int     link[2];
@@ -30,7 +30,7 @@ typedef struct lw_spring {
     lw_expression *law;                  /* NULL: linear                                           */
 } lw_spring;
 
-/* At a joint, against its displacement q [rad] or [m] from the posture, of link[1] against link[0]:
+/* At a joint, against the displacement q [rad] or [m] of link[1] relative to link[0] from the posture:
  * torque or force -(stiffness (q - free) + damping v), or `law` of displacement, rate, t. */
 typedef struct lw_joint_spring {
     char   name[LW_NAME_SIZE];
@@ -50,7 +50,7 @@ typedef struct lw_force {                /* on one link; the reaction goes to gr
 typedef struct lw_friction {             /* Coulomb, regularised: mu tanh(v/speed); of a joint     */
     double coefficient;                  /* 0: none                                                */
     double radius;                       /* of a pin [m]; torque mu radius |reaction|              */
-    double speed;                        /* where it is at 76 % [m/s]                               */
+    double speed;                        /* v at which the friction reaches 76 % [m/s]              */
 } lw_friction;
 
 typedef struct lw_joint_stop {           /* of a joint's displacement from the posture             */
@@ -101,8 +101,8 @@ typedef struct lw_model {
     lw_clearance    clearance[LW_JOINT_MAX];
 } lw_model;
 
-/* What a variable of an expression of a model counts: t; q, v: displacement and rate of a joint; x, y,
- * vx, vy: of a tracer, in the plane; angle, omega: turn of a link since the posture, and its rate. */
+/* The quantity of a variable in an expression: t; q, v: displacement and rate of a joint; x, y, vx, vy: position
+ * and velocity of a tracer; angle, omega: rotation of a link since the posture, and its rate. */
 typedef enum lw_quantity {
     LW_QUANTITY_T, LW_QUANTITY_Q, LW_QUANTITY_V, LW_QUANTITY_X, LW_QUANTITY_Y, LW_QUANTITY_VX,
     LW_QUANTITY_VY, LW_QUANTITY_ANGLE, LW_QUANTITY_OMEGA, LW_QUANTITY_LENGTH, LW_QUANTITY_RATE
@@ -111,12 +111,11 @@ typedef enum lw_quantity {
 /* A variable's number: quantity and the index of the joint, tracer or link it belongs to. */
 static inline int lw_variable(lw_quantity q, int index) { return 64*(int)q + index; }
 
-/* Read.  LW_E_NOTATION with line and column, for expressions the column inside the file's text;
- * m needs no _free after a failure. */
+/* Read a model.  LW_E_NOTATION with line and column, for expressions too; m needs no _free after a failure. */
 lw_status lw_model_read(const char *text, size_t size, const char *file, lw_model *m, lw_error *e);
 void      lw_model_free(lw_model *m);
 
-/* Give input i a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
+/* Give an input a motion, replacing the one it has.  LW_E_NOTATION with the column in e. */
 lw_status lw_model_drive(lw_model *m, int input, const char *motion, lw_error *e);
 
 /* A model of a linkage alone: no masses, no loads. */

@@ -1,5 +1,5 @@
-/* A model from JSON (docs/notation.md, "Model"): the linkage first, by its own reader, then what makes it
- * move and what it carries.  Places and angles are in the units of the file, all else is SI. */
+/* grammar/model_read.c - a model from JSON (docs/notation.md, "Model"): first the linkage, by its own reader, then
+ * drives and loads.  Positions and angles are in the units of the file, all other values in SI units. */
 #include "grammar/model.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
-/* A number of an object, in unit `unit`, that stays as it is when left out; in least .. most. */
+/* An optional number of an object, times `unit`, in least .. most; *out is unchanged if it is left out. */
 typedef struct number { const char *key; double unit, least, most, *out; bool *given; } number;
 
 static lw_status read_number(const lw_json_node *object, const number *want, lw_error *e)
@@ -44,7 +44,7 @@ static lw_status read_numbers(const lw_json_node *object, const number *want, in
 
 /* ---- expressions ------------------------------------------------------------------------------- */
 
-/* What the variables of an expression may be. */
+/* The variables that an expression may use. */
 typedef enum { OF_TIME, OF_STATE, OF_LENGTH, OF_DISPLACEMENT } scope;
 
 typedef struct look { const lw_linkage *k; scope scope; } look;
@@ -203,7 +203,7 @@ static lw_status read_motions(const lw_json_node *root, lw_model *m, lw_error *e
 
 /* ---- joints ------------------------------------------------------------------------------------ */
 
-/* The unit in which a joint's displacement is written. */
+/* The unit of a joint's displacement in the file. */
 static double joint_unit(const lw_model *m, int joint)
 {
     return lw_joint_turns(m->linkage.joint[joint].kind) ? m->linkage.units.radian : m->linkage.units.metre;
@@ -386,7 +386,7 @@ static lw_status read_ends(const lw_json_node *object, lw_model *m, lw_spring *p
     return s;
 }
 
-/* Between two points.  Without "free" it is as long as in the posture. */
+/* A spring between two points.  Without "free" its free length is that in the posture. */
 static lw_status read_line_spring(const lw_json_node *object, const char *what, size_t index, lw_model *m,
                                   lw_error *e)
 {

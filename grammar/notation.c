@@ -11,7 +11,7 @@
 
 /* ---- the rows ---------------------------------------------------------------------------------- */
 
-/* The chain of a text as a mechanism, which has fewer joints at most. */
+/* The chain of a text as a mechanism, whose limit of joints is lower. */
 static lw_status from_chain(const lw_chain *c, const char *file, lw_mechanism *m, lw_error *e)
 {
     if (lw_mechanism_from_chain(c, m) != LW_OK)
@@ -164,7 +164,7 @@ const lw_notation *lw_notation_of(const char *text, size_t size)
     return &lw_notations[i < size && text[i] == '-' ? EDGES : LAM];
 }
 
-/* Length of a piece that ends where its brackets close; to the end of the text when they do not. */
+/* Length of a piece that ends where its brackets close; up to the end of the text if they do not close. */
 static size_t bracketed(const char *text, size_t size, char open, char close, char comment)
 {
     int depth = 0;
@@ -223,7 +223,7 @@ static size_t piece_length(const lw_notation *n, const char *text, size_t size)
         length = bracketed(text, size, '{', '}', 0);
     else
         return line;
-    return length + line_length(text + length, size - length);   /* what follows belongs to the fault */
+    return length + line_length(text + length, size - length);   /* the rest of the line belongs to the fault */
 }
 
 lw_topologies lw_topologies_open(const char *text, size_t size, const char *file)

@@ -28,8 +28,8 @@ static int edge_count(int n, const uint32_t *adjacent)
     return twice/2;
 }
 
-/* Embed into *g, which the caller frees also after a failure.  A graph with more than 3n - 6 edges
- * is handed over too: the witness is wanted then as well. */
+/* Embed into *g, which the caller frees also after a failure.  A graph with more than 3n - 6 edges is passed to
+ * libplanarity too, because the caller may need the witness. */
 static lw_status embed(int n, const uint32_t *adjacent, graphP *g, bool *planar)
 {
     lw_status s = check_masks(n, adjacent);
@@ -48,7 +48,7 @@ static lw_status embed(int n, const uint32_t *adjacent, graphP *g, bool *planar)
     if (r != OK && r != NONEMBEDDABLE)
         return LW_E_MEMORY;
     *planar = r == OK;
-    return gp_SortVertices(*g) == OK ? LW_OK : LW_E_MEMORY;   /* our numbers again */
+    return gp_SortVertices(*g) == OK ? LW_OK : LW_E_MEMORY;   /* back to our numbering */
 }
 
 lw_status lw_planar_test(int n, const uint32_t *adjacent, bool *planar)
@@ -84,7 +84,7 @@ static void read_rings(graphP g, int n, uint8_t after[LW_LINK_MAX][LW_LINK_MAX])
     }
 }
 
-/* Walk along every side once: from v to w, then on to the neighbour of w that follows v. */
+/* Walk along every side once: from v to w, then to the neighbour of w that follows v. */
 static void trace_regions(int n, const uint32_t *adjacent,
                           uint8_t after[LW_LINK_MAX][LW_LINK_MAX], lw_regions *r)
 {
@@ -131,7 +131,7 @@ lw_status lw_planar_witness(int n, const uint32_t *adjacent, uint32_t *witness)
     lw_status s = embed(n, adjacent, &g, &planar);
     if (s == LW_OK && planar)
         s = LW_NOTHING;
-    if (s == LW_OK) {                        /* libplanarity leaves the witness alone in the graph */
+    if (s == LW_OK) {                        /* libplanarity leaves only the witness in the graph */
         memset(witness, 0, (size_t)n*sizeof *witness);
         for (int v = 0; v < n; v++)
             for (int e = gp_GetFirstArc(g, v + 1); gp_IsArc(e); e = gp_GetNextArc(g, e))

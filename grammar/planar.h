@@ -1,9 +1,9 @@
-/* grammar/planar.h - whether a graph is planar, its regions, and what stands in the way.
+/* grammar/planar.h - whether a graph is planar; its regions if it is, a witness if it is not.
  *
  * A bridge to libplanarity (Boyer & Myrvold 2004, edge addition).  A graph is given as a bit mask per
  * vertex: bit k of adjacent[i] and bit i of adjacent[k] are set when i and k are joined.  Parallel
- * lines and strings of binary links change nothing about planarity, so a chain may be asked through
- * its structure.  A planar *mechanism* moves in a plane; its graph need not be planar.
+ * lines and strings of binary links do not affect planarity, so a chain can be tested by its structure.
+ * A planar *mechanism* moves in a plane; its graph need not be planar.
  *
  * Reentrant; every call allocates and frees inside libplanarity. */
 #ifndef LW_GRAMMAR_PLANAR_H
@@ -19,16 +19,16 @@
 
 /* The regions of one drawing in the plane.  Region r is bounded by the closed walk
  * vertex[first[r]], ..., vertex[first[r+1]-1]; neighbours in the walk, and its last and first, are
- * joined.  Every edge is a side of the walks twice, once in each sense; a bridge is twice in the
- * same walk.  All regions are read in the same sense of turn seen from inside each of them. */
+ * joined.  The walks contain every edge twice, once in each direction; a bridge is twice in the same
+ * walk.  All walks go round their regions in the same sense, seen from inside each region. */
 typedef struct lw_regions {
     int     n_region;
     int     first[LW_REGION_MAX + 1];
     uint8_t vertex[LW_REGION_SIDE_MAX];
 } lw_regions;
 
-/* *planar tells whether the graph of n vertices (1 .. LW_LINK_MAX) is planar; it may fall apart into
- * pieces.  LW_E_ARG when a mask holds its own vertex or a vertex >= n, or is not symmetric. */
+/* *planar is set if the graph of n vertices (1 .. LW_LINK_MAX) is planar; the graph need not be connected.
+ * LW_E_ARG when a mask holds its own vertex or a vertex >= n, or is not symmetric. */
 lw_status lw_planar_test(int n, const uint32_t *adjacent, bool *planar);
 
 /* The regions of a connected planar graph with two vertices or more; v - e + a = 2 (Makkonen 1999,

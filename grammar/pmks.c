@@ -10,7 +10,7 @@
 
 #define TOKEN_MAX (LW_LINK_MAX + 8)
 
-/* A joint's pieces: what stands between commas and blanks. */
+/* The pieces of a joint, separated by commas and blanks. */
 typedef struct entry { int n; lw_cursor at[TOKEN_MAX]; size_t size[TOKEN_MAX]; } entry;
 
 /* ---- tokens ------------------------------------------------------------------------------------- */
@@ -28,7 +28,7 @@ static bool take_separator(lw_cursor *c)
     return true;
 }
 
-/* The pieces up to the end of the line or a bar, which is stepped over. */
+/* Read the pieces up to the end of the line or a bar, and skip that. */
 static lw_status split(lw_cursor *c, entry *t)
 {
     t->n = 0;
@@ -73,7 +73,7 @@ static bool is_flags(const entry *t, int i)
     return n == 4 && t->size[i] == 4;
 }
 
-/* PMKS writes small letters and takes these for the ground. */
+/* PMKS writes these words in small letters and takes them for the ground. */
 static lw_status join(lw_points *p, lw_point *q, const entry *t, int i)
 {
     static const char ground[] = "ground";
@@ -138,8 +138,7 @@ static lw_status read_entry(lw_points *p, const entry *t, const lw_cursor *end, 
     return read_numbers(t, kind + 1, end, metre, q);
 }
 
-/* Step over "mech=", and over the web address before it.  True when a whole line, a setting such as d=0, was
- * stepped over. */
+/* Skip "mech=" and the web address before it.  True if a whole line was skipped (a setting such as d=0). */
 static bool take_setting(lw_cursor *c)
 {
     lw_cursor ahead = *c;
@@ -161,7 +160,7 @@ static bool take_setting(lw_cursor *c)
     return true;
 }
 
-/* Nobody said what is driven: a link called input at the ground is. */
+/* If no joint is marked as driven, the joint of a link named "input" at the ground is. */
 static void default_input(lw_points *p)
 {
     for (int i = 0; i < p->n_point; i++)

@@ -5,14 +5,14 @@
  *     crank,rod,R,0,30,tfff
  *     ground,rod,RP,80,0,15,ffff
  *
- * One joint a line (or between bars, as in its web addresses): links, kind, x, y, angle of a slide line in degrees,
- * four letters t or f: position, velocity and acceleration are shown, the joint is driven. */
+ * One joint on each line (or between bars, as in web addresses of PMKS): links, kind, x, y, angle of a slide line in
+ * degrees, and four letters t or f: show position, show velocity, show acceleration, joint is driven. */
 #ifndef LW_GRAMMAR_PMKS_H
 #define LW_GRAMMAR_PMKS_H
 
 #include "grammar/linkage.h"
 
-/* As lw_pyslvs_read.  Without a driven joint the first between the ground and a link "input" is it. */
+/* As lw_pyslvs_read.  If no joint is marked as driven, the first one between the ground and a link named "input" is. */
 lw_status lw_pmks_read(const char *text, size_t size, const char *file, const lw_units *units,
                        lw_linkage *k, lw_error *e);
 

@@ -1,4 +1,4 @@
-/* grammar/points.c - points with their links to joints and back. */
+/* grammar/points.c - converts points with their links to joints, and back. */
 #include "grammar/points_internal.h"
 
 #include <ctype.h>
@@ -119,7 +119,7 @@ static lw_status add_point(const lw_points *p, int point, lw_linkage *k)
     return s;
 }
 
-/* The joint of point q, whose joints begin at `first`, that its input drives. */
+/* The joint that the input of point q drives; the joints of q begin at `first`. */
 static int driven_joint(const lw_linkage *k, const lw_point *q, int first)
 {
     for (int j = first; q->driven_link >= 0 && j < k->n_joint; j++)
@@ -200,7 +200,7 @@ static void note_input(const grouping *g, int joint, lw_point *q)
     q->driven_link = j->link[j->link[0] == g->k->ground || j->link[1] != g->k->ground];
 }
 
-/* Of several links on one driven pin the text says which one turns, against the ground if that is there. */
+/* If several links are on a driven pin, the text names the one that turns, relative to the ground if that is there. */
 static void check_input(grouping *g, const lw_point *q)
 {
     for (int i = 0; q->n_link > 2 && i < g->k->n_input; i++) {
@@ -211,8 +211,8 @@ static void check_input(grouping *g, const lw_point *q)
     }
 }
 
-/* Joints of this kind at the place of q that share a link with q (from `first` on) bring their other one.  A
- * driven pin stays out of a slot, of which nothing can be driven, and of another driven pin. */
+/* Joints of this kind at the place of q that share a link with q (from `first` on) add their other link to q.  A
+ * driven pin is not merged with a slot, which cannot be driven, nor with another driven pin. */
 static void gather(grouping *g, lw_joint_kind kind, int first, lw_point *q)
 {
     const lw_linkage *k = g->k;
@@ -246,7 +246,7 @@ static int slot_at(const grouping *g, const lw_joint *j)
     return -1;
 }
 
-/* The direction in degrees, round where it was written round: [deg]. */
+/* The direction in degrees, rounded to the number that the user is likely to have written [deg]. */
 static double angle_of(lw_vec2 along)
 {
     double angle = atan2(along.y, along.x)*180/LW_PI, plain = round(angle*1e9)/1e9;
@@ -269,13 +269,13 @@ static void group_joint(grouping *g, int joint, lw_points *p)
     gather(g, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE, q->type != LW_POINT_PIN, q);
     check_input(g, q);
     for (int i = 1; q->type == LW_POINT_PIN && q->n_link > 2 && i < q->n_link; i++)
-        if (q->link[i] == g->k->ground) {                  /* first, as it is when this is read again */
+        if (q->link[i] == g->k->ground) {                  /* first, as after reading */
             q->link[i] = q->link[0];
             q->link[0] = g->k->ground;
         }
 }
 
-/* A name that means something else: a kind, the ground, and where nothing is driven PMKS' driven link. */
+/* True for a reserved name: a kind, the ground and, if nothing is driven, the name of PMKS' driven link. */
 static bool is_word(const lw_linkage *k, const char *name)
 {
     static const char *const words[] = { "r", "p", "rp", "g", "ground", "gnd", "grnd" };
@@ -329,7 +329,8 @@ static lw_status points_from(const lw_linkage *k, lw_points *p, lw_error *e)
                                 k->joint[j].name);
     int own = lw_linkage_free_inputs(k);
     if (own < k->n_input)
-        return lw_error_set(e, LW_E_KIND, "the input at joint \"%s\" is tied to the first, which has no form in this notation",
+        return lw_error_set(e, LW_E_KIND,
+                            "the input at joint \"%s\" is tied to the first, which has no form in this notation",
                             k->joint[k->input[own].joint].name);
     for (int j = 0; j < k->n_joint; j++)
         while (!g.used[j] && k->joint[j].kind != LW_JOINT_FIXED)

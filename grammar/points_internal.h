@@ -1,5 +1,5 @@
-/* grammar/points_internal.h - what Pyslvs and PMKS share: a linkage as a list of points, each with the
- * links that meet there.
+/* grammar/points_internal.h - shared by the formats of Pyslvs and PMKS: a linkage as a list of points, each with
+ * the links that meet there.
  *
  *     pin       1 link: a tracer; 2 or more: pinned to each other
  *     slider    the first link carries the line, the second slides on it without turning; more are welded
@@ -23,8 +23,8 @@ typedef struct lw_point {
     double    angle;                   /* slider, slot: of the line [rad]                           */
     int       n_link, link[LW_LINK_MAX];
     bool      driven;
-    int       driven_link;             /* which link the input turns; -1: not said                  */
-    lw_cursor where;                   /* its text                                                  */
+    int       driven_link;             /* which link the input turns; -1: not given                 */
+    lw_cursor where;                   /* its place in the text                                     */
 } lw_point;
 
 typedef struct lw_points {
@@ -33,26 +33,26 @@ typedef struct lw_points {
     lw_point point[LW_POINTS_MAX];
 } lw_points;
 
-/* The next point, zeroed but for `where`; a fault there when there are too many. */
+/* Add a point, zeroed except for `where`.  An error at `where` when there are too many points. */
 lw_status lw_points_add(lw_points *p, const lw_cursor *where, lw_point **out);
 
-/* The link of this name (n bytes at `where`) joins point q; "ground" is the ground. */
+/* Add the link of this name (n bytes at `where`) to point q; "ground" is the ground. */
 lw_status lw_points_join(lw_points *p, lw_point *q, const lw_cursor *where, size_t n);
 
-/* Points to linkage; faults at the point.  Inputs have the value of the posture. */
+/* Points to linkage; errors name the place of the point.  Inputs get the value of the posture. */
 lw_status lw_points_linkage(const lw_points *p, const lw_units *units, const lw_cursor *end, lw_linkage *k);
 
-/* The linkage as points, in a text of the caller's format, which prints them; free() it.  Names become letters, digits
- * and underscores, different even without capitals, the ground "ground".  NULL, LW_E_KIND: gears, welds that are not
- * at a slider; LW_E_MEMORY. */
+/* Convert the linkage to points and let `print` write them; returns the text, to be freed with free().  Names are
+ * reduced to letters, digits and underscores, stay different if case is ignored, and the ground becomes "ground".
+ * NULL with e filled: LW_E_KIND for gears and for welds that are not at a slider, LW_E_MEMORY. */
 char *lw_points_text(const lw_linkage *k, void (*print)(FILE *f, const lw_points *p, double metre), lw_error *e);
 
-/* How both notations say a point's type, and its numbers: lengths in units of `metre`, the angle in degrees. */
+/* The type of a point in both notations, and its numbers as text: lengths in units of `metre`, the angle in degrees. */
 extern const char *const lw_point_type_text[3];
 typedef struct lw_point_numbers { char x[LW_NUMBER_SIZE], y[LW_NUMBER_SIZE], angle[LW_NUMBER_SIZE]; } lw_point_numbers;
 lw_point_numbers lw_point_print(const lw_point *q, double metre);
 
-/* A number in a text: bytes that may belong to one.  A fault at its place otherwise. */
+/* Read a number.  An error at its place if there is none. */
 lw_status lw_points_number(lw_cursor *c, const char *what, double *v);
 
 #endif

@@ -17,7 +17,7 @@ typedef struct reader {
 
 /* ---- comments ---------------------------------------------------------------------------------- */
 
-/* Behind "# input": two numbers of points. */
+/* Read the two numbers of points behind "# input". */
 static lw_status read_pair(reader *r, const lw_cursor *start)
 {
     int a, b;
@@ -35,7 +35,7 @@ static lw_status read_pair(reader *r, const lw_cursor *start)
     return LW_OK;
 }
 
-/* Blanks, lines and comments. */
+/* Skip blanks, line ends and comments. */
 static lw_status skip(reader *r)
 {
     lw_cursor *c = &r->c;
@@ -81,7 +81,7 @@ static lw_status want(reader *r, const char *token, const char *where)
     return LW_OK;
 }
 
-/* The letters, digits and underscores that come next; r->c stays before them. */
+/* Length of the letters, digits and underscores that come next; r->c does not move. */
 static size_t word(reader *r)
 {
     size_t n = 0;
@@ -116,7 +116,7 @@ static lw_status read_type(reader *r, lw_point *q)
     return lw_cursor_fail(&r->c, "a joint is R, P or RP%s%s", n ? ", not " : "", name);
 }
 
-/* color[NAME] or color[(r, g, b)]: of no meaning here. */
+/* Skip color[NAME] or color[(r, g, b)]. */
 static lw_status read_color(reader *r)
 {
     lw_cursor start = r->c;
@@ -152,7 +152,7 @@ static lw_status read_place(reader *r, lw_point *q)
     return s == LW_OK ? want(r, "]", "behind a place") : s;
 }
 
-/* After "X[": items by `item` with commas between and perhaps one behind, to the closing bracket. */
+/* Read a list after "X[" up to the closing bracket: items by `item`, separated by commas; a last comma is allowed. */
 static lw_status read_list(reader *r, lw_status (*item)(reader *r, lw_point *q), lw_point *q, const char *what)
 {
     char buf[24];
@@ -202,7 +202,8 @@ static lw_status read_joint(reader *r, lw_point *unused)
         s = read_type(r, q);
     if (s == LW_OK)
         s = want(r, ",", "behind the kind of a joint");
-    while (s == LW_OK && (s = skip(r)) == LW_OK && (lw_cursor_begins(&r->c, "A[") || lw_cursor_begins(&r->c, "color["))) {
+    while (s == LW_OK && (s = skip(r)) == LW_OK
+           && (lw_cursor_begins(&r->c, "A[") || lw_cursor_begins(&r->c, "color["))) {
         turned = turned || lw_cursor_begins(&r->c, "A[");
         s = lw_cursor_begins(&r->c, "A[") ? read_angle(r, q) : read_color(r);
         if (s == LW_OK)
@@ -221,7 +222,7 @@ static lw_status read_joint(reader *r, lw_point *unused)
     return s == LW_OK ? want(r, "]", "at the end of a joint") : s;
 }
 
-/* Which link a pair drives: one of the base that the other point is on, and not the ground. */
+/* The link that a pair drives: a link at the base, not the ground, that also has the other point. */
 static lw_status set_inputs(reader *r)
 {
     lw_points *p = r->p;
@@ -281,7 +282,7 @@ static void print_point(FILE *f, const lw_points *p, const lw_point *q, double m
     fputs("]]", f);
 }
 
-/* A point of the link beside point `base`, or base itself where there is none and for sliders. */
+/* Another point of the link than `base`; base itself if there is none, and for sliders. */
 static int tip_of(const lw_points *p, int base)
 {
     int link = p->point[base].driven_link;

@@ -1,4 +1,4 @@
-/* Pieces of what people write: pairs, lists, optional numbers, names of links and joints. */
+/* grammar/read.c - pairs, lists, optional numbers, names of links and joints. */
 #include "grammar/read_internal.h"
 
 #include <math.h>

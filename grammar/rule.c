@@ -63,7 +63,7 @@ static int find_part(const lw_sentence *s, int w, int part)
     return LW_NONE;
 }
 
-/* The word to work on; LW_NONE when none holds X and Y. */
+/* The word to which the rule applies; LW_NONE when no word contains X and Y. */
 static int find_word(const lw_sentence *s, const lw_production *p)
 {
     for (int w = 0; w < s->n_word; w++)
@@ -86,8 +86,8 @@ static void add_string(word *w, const lw_production *p, int next)
     add_atom(w, next + 1, p->kind[2]);
 }
 
-/* Split word w: the old string X .. Y gives way to the new one in `kept`; read back from Y to X and
- * closed by the new one it is `added`. */
+/* Split word w.  `kept` is the word with the new string in place of the old string X .. Y.  `added` is the old
+ * string read back from Y to X, closed by the new one. */
 static void split(const lw_sentence *s, const lw_production *p, int w, int next, word *kept,
                   word *added)
 {

@@ -6,20 +6,20 @@
  *     rule 3   between X and Y of one word: new string  X r Q p Y
  *     rule 4   between X and Y of one word: new string  X k Q1 k Q2 k Y        k = r or t
  *
- * The word keeps the new string in place of the old one that led from X to Y, and a word is put after
- * it: the old string read back from Y to X, closed by the new one.  New parts get the next numbers.  F
- * stays 1.  On an inner word the new word turns the other way than the source's "clockwise" asks;
- * readers of sentences take both. */
+ * In the word, the new string replaces the old one that led from X to Y.  A new word is inserted after it: the
+ * old string read back from Y to X, closed by the new one.  New parts get the next numbers.  F stays 1.  If the
+ * rule is applied to an inner word, the new word turns opposite to the "clockwise" of the source; readers of
+ * sentences accept both senses. */
 #ifndef LW_GRAMMAR_RULE_H
 #define LW_GRAMMAR_RULE_H
 
 #include "grammar/sentence.h"
 
 typedef struct lw_production {
-    int     rule;          /* 1 .. 4                                                              */
-    int     word;          /* 3, 4: which word, from 0; LW_NONE: the first one that holds X and Y */
-    uint8_t x, y;          /* 3, 4: parts as written, from 1                                      */
-    char    kind[4];       /* the k's in order: rule 1 two, rule 2 four, rule 4 three; r or t     */
+    int     rule;          /* 1 .. 4                                                                */
+    int     word;          /* 3, 4: which word, from 0; LW_NONE: the first with X and Y             */
+    uint8_t x, y;          /* 3, 4: parts as written, from 1                                        */
+    char    kind[4];       /* the k's in order: rule 1 two, rule 2 four, rule 4 three; r or t       */
 } lw_production;
 
 /* Number of k's in a rule; 0 for rule 3 and for numbers that are no rule. */
@@ -28,7 +28,7 @@ int lw_rule_kinds(int rule);
 /* Links a rule adds: 3, 4, 1, 2. */
 int lw_rule_links(int rule);
 
-/* A production with all k = r, at no place yet. */
+/* A production with all k = r; X, Y and the word are not set. */
 lw_production lw_production_of(int rule);
 
 /* Rule 1 or 2.  LW_E_ARG for another rule or a kind that is not r or t. */

@@ -7,7 +7,7 @@
 #include "grammar/planar.h"
 #include "grammar/text_internal.h"
 
-/* A closed walk over links; what becomes a word. */
+/* A closed walk over links, which becomes a word. */
 typedef struct walk { int n; uint8_t link[2*LW_JOINT_MAX]; } walk;
 
 /* 0-based links in the order of a cyclic shift, forwards or backwards. */
@@ -19,7 +19,7 @@ static walk turned(const walk *w, int start, bool backwards)
     return out;
 }
 
-/* The shift that reads smallest. */
+/* The lexicographically smallest shift. */
 static walk least_turn(const walk *w, bool backwards)
 {
     walk best = turned(w, 0, backwards);
@@ -49,8 +49,8 @@ static void add_word(const walk *w, const lw_mechanism *m, lw_sentence *s)
     s->first[++s->n_word] = at + w->n;
 }
 
-/* Which region lies outside is free, and so is the mirror image: take a longest region outside, and
- * among these choices the one whose outer word reads smallest. */
+/* The outer region and the mirror image can be chosen freely.  Choose a longest region as the outer one and, among
+ * these, the one whose outer word is lexicographically smallest. */
 static void choose_outer(const walk *region, int n, int *outer, bool *mirror)
 {
     walk best = { 0 };
@@ -65,8 +65,8 @@ static void choose_outer(const walk *region, int n, int *outer, bool *mirror)
         }
 }
 
-/* Regions are traced in one sense seen from inside each; the outer one is read from outside, so it
- * turns the other way in the same drawing (Makkonen 1999, paper F: all words clockwise). */
+/* Regions are traced in the same sense, each seen from inside.  The outer region is read from outside, so it turns
+ * the other way in the same drawing (Makkonen 1999, paper F: all words clockwise). */
 static void write_regions(const lw_regions *r, const lw_mechanism *m, lw_sentence *s)
 {
     walk region[LW_REGION_MAX] = { 0 }, inner[LW_REGION_MAX];
@@ -87,7 +87,7 @@ static void write_regions(const lw_regions *r, const lw_mechanism *m, lw_sentenc
         add_word(&inner[k], m, s);
 }
 
-/* Joints in no circuit: the ends fall apart without them. */
+/* Joints in no circuit: removing one separates its ends. */
 static bool is_bridge(const lw_chain_circuits *c, int a, int b)
 {
     for (int k = 0; k < c->n_circuit; k++)

@@ -29,7 +29,7 @@ static int after(const lw_sentence *s, int w, int i)
 
 static int link_at(const check *c, int i) { return c->s->part[i] - 1; }
 
-/* A fault of meaning at an atom, or at the whole word when atom is LW_NONE. */
+/* An error of meaning at an atom, or at the whole word when atom is LW_NONE. */
 __attribute__((format(printf, 4, 5)))
 static lw_status fault(const check *c, int word, int atom, const char *format, ...)
 {
@@ -55,7 +55,7 @@ static lw_status check_joint(check *c, int w, int i)
     if (!lw_joint_freedoms(kind))
         return fault(c, w, i, "a joint is r, t, p or g");
     if (b < 0 || b >= LW_LINK_MAX)
-        return LW_OK;                                      /* said when its turn comes */
+        return LW_OK;                                      /* reported when that word is checked */
     if (c->atom[a][b] && c->s->joint[c->atom[a][b] - 1] != kind)
         return fault(c, w, i, "the joint of parts %d and %d is %c here and %c elsewhere", a + 1,
                      b + 1, kind, c->s->joint[c->atom[a][b] - 1]);
@@ -87,7 +87,7 @@ static int word_of(const lw_sentence *s, int atom)
     return w;
 }
 
-/* All joints into c->m; parts without a gap, one piece. */
+/* Collect all joints in c->m; check that part numbers have no gap and that all is connected. */
 static lw_status collect(check *c)
 {
     lw_chain chain;
@@ -110,7 +110,7 @@ static lw_status collect(check *c)
     return LW_OK;
 }
 
-/* The corners that words make at a part must join its neighbours to one ring. */
+/* At each part, the corners of the words must connect its neighbours to one ring. */
 static lw_status check_ring(const check *c, int link)
 {
     uint32_t beside[LW_LINK_MAX] = { 0 }, all = 0, seen, front;
@@ -136,7 +136,7 @@ static lw_status check_ring(const check *c, int link)
                                "do not follow each other in one ring", link + 1);
 }
 
-/* Euler: v - e + a = 2 (Makkonen 1999, eq. 6), every joint a side of two regions. */
+/* Check Euler's v - e + a = 2 (Makkonen 1999, eq. 6), and that every joint is a side of two regions. */
 static lw_status check_regions(const check *c)
 {
     for (int j = 0; j < c->m.n_joint; j++) {

@@ -15,7 +15,7 @@ static void sketch_joint(const lw_mechanism *m, int i, lw_rng *rng, lw_joint *j)
     j->kind = (lw_joint_kind)m->kind[i];
     j->link[0] = m->link[i][0];
     j->link[1] = m->link[i][1];
-    if (j->link[1] == m->ground) {                       /* the ground first: an input counts from it */
+    if (j->link[1] == m->ground) {                       /* the ground first: an input is measured from it */
         j->link[0] = m->ground;
         j->link[1] = m->link[i][0];
     }

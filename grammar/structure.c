@@ -68,7 +68,7 @@ lw_status lw_structure_check(const lw_structure *s, lw_error *e)
     return LW_OK;
 }
 
-/* In a 2-connected graph a line u - v may go when no third circle then separates u from v. */
+/* In a 2-connected graph a line u - v is removable if no third circle then separates u from v. */
 bool lw_structure_removable(const lw_structure *s, int line)
 {
     if (lw_structure_loops(s) <= 2)
@@ -162,7 +162,7 @@ static bool ear_fits(const lw_structure *s, lw_ear ear)
     }
 }
 
-/* Put a new circle on a line that runs u - v and was taken away; returns its number. */
+/* Put a new circle on the line u - v, which the caller has removed; returns its number. */
 static int split(lw_structure *s, const uint8_t *line)
 {
     int circle = s->n_circle++;

@@ -32,12 +32,12 @@ void lw_structure_degrees(const lw_structure *s, uint8_t *degree);
 /* Circles next to each circle, as bits.  row (n_circle). */
 void lw_structure_rows(const lw_structure *s, uint32_t *row);
 
-/* Whether the structure is one: in range, sorted, degrees >= 3, 2-connected.  LW_E_ARG with the
+/* Check that the structure is valid: numbers in range, lines sorted, degrees >= 3, 2-connected.  LW_E_ARG with the
  * reason (circles numbered from 1). */
 lw_status lw_structure_check(const lw_structure *s, lw_error *e);
 
-/* Whether taking line `line` away leaves a structure with one loop less (circles left with two lines
- * become points of a line).  False for the theta structure, which has none. */
+/* True if removing line `line` leaves a structure with one loop less (a circle that keeps two lines becomes a point
+ * of a line).  False for every line of the theta structure. */
 bool lw_structure_removable(const lw_structure *s, int line);
 
 /* Rename circle i to to[i] and sort the lines again. */
@@ -45,9 +45,9 @@ void lw_structure_relabel(const lw_structure *s, const uint8_t *to, lw_structure
 
 bool lw_structure_same(const lw_structure *a, const lw_structure *b);
 
-/* The chain with weight[e] >= 0 binary links on line e.  Links 0 .. V-1 are the circles; then follow the
- * binary links line by line, from end[0] to end[1].  LW_E_ARG, *c unspecified, when there are more than
- * LW_LINK_MAX links or two parallel lines hold none. */
+/* The chain with weight[e] >= 0 binary links on line e.  Links 0 .. V-1 are the circles; the binary links follow
+ * line by line, from end[0] to end[1].  LW_E_ARG, *c unspecified, when there are more than LW_LINK_MAX links or
+ * two parallel lines have no binary link. */
 lw_status lw_structure_chain(const lw_structure *s, const uint8_t *weight, lw_chain *c);
 
 /* ---- ears: Whitney's decomposition as a grammar -------------------------------------------------

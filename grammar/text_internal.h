@@ -1,5 +1,5 @@
-/* grammar/text_internal.h - reading with a place, writing into the caller's memory: what all
- * notations of this folder share. */
+/* grammar/text_internal.h - shared by all notations of this folder: a reader that knows line and column, and a
+ * writer into the caller's memory. */
 #ifndef LW_GRAMMAR_TEXT_INTERNAL_H
 #define LW_GRAMMAR_TEXT_INTERNAL_H
 
@@ -22,26 +22,26 @@ lw_cursor lw_cursor_start(const char *text, size_t size, const char *file, lw_er
 int lw_cursor_peek(const lw_cursor *c);
 int lw_cursor_next(lw_cursor *c);
 
-/* Does what comes next begin with `word`? */
+/* True if the rest of the text begins with `word`. */
 bool lw_cursor_begins(const lw_cursor *c, const char *word);
 void lw_cursor_step(lw_cursor *c, size_t n);            /* n times _next */
 
-/* Step over blanks and tabs; with `lines` also over line ends and, where `comment` is not 0, over
- * what follows that byte on a line. */
+/* Skip blanks and tabs; with `lines` also line ends and, if `comment` is not 0, everything from that byte to the
+ * end of its line. */
 void lw_cursor_skip(lw_cursor *c, bool lines, char comment);
 
-/* An unsigned number of at most nine digits; false, nothing read, when the next byte is no digit or
- * there are more. */
+/* Read an unsigned number of at most nine digits.  False, nothing read, when the next byte is no digit or there are
+ * more digits. */
 bool lw_cursor_number(lw_cursor *c, int *value);
 
 /* LW_E_NOTATION with the place of `at`. */
 lw_status lw_cursor_fail(const lw_cursor *at, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* The byte as a person sees it in a message: 'x', "the end of the line", "byte 0x80".  buf (24). */
+/* The byte as text for a message: 'x', "the end of the line", "byte 0x80".  buf (24). */
 const char *lw_byte_name(int byte, char *buf);
 
-/* Text that grows in a buffer of fixed size and counts on when it is full, as snprintf does. */
+/* Text in a buffer of fixed size; when it is full, the length still counts, as with snprintf. */
 typedef struct lw_text { char *buf; size_t size, length; } lw_text;
 
 lw_text lw_text_start(char *buf, size_t size);

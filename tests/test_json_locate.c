@@ -10,10 +10,10 @@ static const char text[] =
 
 static void check_way(int n, const size_t *index, bool key, const char *want)
 {
-    lw_json_way way = { .n = n };
+    lw_json_path path = { .n = n };
     for (int i = 0; i < n; i++)
-        way.index[i] = index[i];
-    size_t at = lw_json_locate(text, sizeof text - 1, &way, key);
+        path.index[i] = index[i];
+    size_t at = lw_json_locate(text, sizeof text - 1, &path, key);
     CHECK_INT(at, strstr(text, want) - text);
 }
 
@@ -43,8 +43,8 @@ static void ways_that_lead_nowhere(void)
 {
     static const size_t wrong[][2] = { { 0, 7 }, { 3, 0 }, { 1, 0 }, { 2, 2 } };
     for (size_t i = 0; i < sizeof wrong/sizeof *wrong; i++) {
-        lw_json_way way = { .n = 2, .index = { wrong[i][0], wrong[i][1] } };
-        CHECK_INT(lw_json_locate(text, sizeof text - 1, &way, false), sizeof text - 1);
+        lw_json_path path = { .n = 2, .index = { wrong[i][0], wrong[i][1] } };
+        CHECK_INT(lw_json_locate(text, sizeof text - 1, &path, false), sizeof text - 1);
     }
 }
 
@@ -56,8 +56,8 @@ static void cut_texts_are_harmless(void)
         memcpy(copy, text, size);
         for (size_t i = 0; i < 4; i++)
             for (size_t j = 0; j < 8; j++) {
-                lw_json_way way = { .n = 3, .index = { i, j, 0 } };
-                CHECK(lw_json_locate(copy, size, &way, (i + j)%2 == 0) <= size);
+                lw_json_path path = { .n = 3, .index = { i, j, 0 } };
+                CHECK(lw_json_locate(copy, size, &path, (i + j)%2 == 0) <= size);
             }
         free(copy);
     }
