@@ -129,7 +129,7 @@ run-demo: $B/linkwright
 	$B/linkwright fit examples/*.csv --type all --results 5 --save $B/demo
 
 # ---- looking after it ----------------------------------------------------------------------------
-check: $B/$(SONAME)
+check: $B/$(SONAME) $B/liblinkwright.a
 	tests/check_layers.sh
 	@tests/check_headers.sh -D_GNU_SOURCE -DLW_VERSION='""' -I. $(INCS) -Wall -Wextra
 	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c tests/*.c tests/*/*.c); do \
