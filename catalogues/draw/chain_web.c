@@ -157,9 +157,9 @@ static void add_group(const lw_mechanism *m, const lw_embedding *embedding, cons
         memset(w->to[k], 255, sizeof w->to[k]);
         bool fits = true;
         for (int d = 0; d < embedding->rings.n_dart; d++) {
-            uint8_t *to = &w->to[k][w->vertex_of[d >> 1]], want = w->vertex_of[g.to[k][d] >> 1];
-            fits = fits && (*to == 255 || *to == want);
-            *to = want;
+            uint8_t *to = &w->to[k][w->vertex_of[d >> 1]], wanted = w->vertex_of[g.to[k][d] >> 1];
+            fits = fits && (*to == 255 || *to == wanted);
+            *to = wanted;
             if (w->end_of[embedding->rings.link[d]] != 255)
                 w->to[k][w->end_of[embedding->rings.link[d]]] = w->end_of[embedding->rings.link[g.to[k][d]]];
         }

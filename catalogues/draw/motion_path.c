@@ -8,21 +8,21 @@
 #define REACH 8.0                     /* a curve that does not close is followed this far, sizes of the linkage */
 #define PATIENCE 60                   /* random poses without a new curve after which the search ends */
 
-static double input_at(lw_motion_curve *b, double station)
+static double input_at(lw_motion_curve *motion, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(b, station, q, NULL);
-    return lw_motion_curve_input(b, q);
+    lw_motion_curve_pose(motion, station, q, NULL);
+    return lw_motion_curve_input(motion, q);
 }
 
 /* Stations of the nearest limits of the input before and after station `at`; the ends of the curve where there is none.
  * Returns the number of limits of the curve. */
-static int limits_around(const lw_motion_curve *b, double at, double around[2])
+static int limits_around(const lw_motion_curve *motion, double at, double around[2])
 {
     int n, found = 0;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
     around[0] = 0;
-    around[1] = lw_motion_curve_segments(b);
+    around[1] = lw_motion_curve_segments(motion);
     for (int i = 0; i < n; i++) {
         if (e[i].kind != LW_EVENT_LIMIT)
             continue;
@@ -37,16 +37,16 @@ static int limits_around(const lw_motion_curve *b, double at, double around[2])
 
 void lw_motion_path_choose(lw_motion_path *c, int curve)
 {
-    lw_motion_curve *b = c->curves.curve[curve];
-    double around[2], start = lw_motion_curve_start(b), length = lw_motion_curve_length(b);
+    lw_motion_curve *motion = c->curves.curve[curve];
+    double around[2], start = lw_motion_curve_start(motion), length = lw_motion_curve_length(motion);
     c->shown = curve;
-    c->loops = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
-    c->turns = c->loops ? abs(lw_motion_curve_turns(b, -1)) : 0;
-    bool even = limits_around(b, 0, around) == 0 && c->turns > 0;
+    c->loops = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;
+    c->turns = c->loops ? abs(lw_motion_curve_turns(motion, -1)) : 0;
+    bool even = limits_around(motion, 0, around) == 0 && c->turns > 0;
     c->pace = even ? LW_PACE_INPUT : LW_PACE_ARC;
-    c->from = input_at(b, 0);
-    c->to = input_at(b, lw_motion_curve_segments(b));
-    c->start = c->loops ? 0 : acos(1 - 2*fmin(fmax(lw_motion_curve_arc(b, start)/length, 0), 1))/LW_PI;
+    c->from = input_at(motion, 0);
+    c->to = input_at(motion, lw_motion_curve_segments(motion));
+    c->start = c->loops ? 0 : acos(1 - 2*fmin(fmax(lw_motion_curve_arc(motion, start)/length, 0), 1))/LW_PI;
 }
 
 lw_status lw_motion_path_along(const lw_linkage *linkage, bool all, lw_motion_path *c, lw_error *e)
@@ -100,37 +100,37 @@ void lw_motion_path_free(lw_motion_path *c)
  * is at station 0, so that its neighbourhood is at both ends of the stations. */
 static double station_of(const lw_motion_path *c, double u)
 {
-    lw_motion_curve *b = c->curves.curve[0];
-    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b);
-    double total = c->turns ? input_at(b, end) - input_at(b, 0) : 0;
-    int limits = limits_around(b, at, around);
-    if (lw_motion_curve_ended(b) != LW_MOTION_CURVE_CLOSED)
-        return lw_motion_curve_find(b, around[0], around[1], u);
-    double first = input_at(b, 0);
+    lw_motion_curve *motion = c->curves.curve[0];
+    double around[2], at = lw_motion_curve_start(motion), end = lw_motion_curve_segments(motion);
+    double total = c->turns ? input_at(motion, end) - input_at(motion, 0) : 0;
+    int limits = limits_around(motion, at, around);
+    if (lw_motion_curve_ended(motion) != LW_MOTION_CURVE_CLOSED)
+        return lw_motion_curve_find(motion, around[0], around[1], u);
+    double first = input_at(motion, 0);
     if (limits == 0)
-        return lw_motion_curve_find(b, 0, end, total != 0 ? u - total*floor((u - first)/total) : u);
+        return lw_motion_curve_find(motion, 0, end, total != 0 ? u - total*floor((u - first)/total) : u);
     if (u >= first)
-        return lw_motion_curve_find(b, 0, around[1], u);
-    limits_around(b, end, around);
-    return lw_motion_curve_find(b, around[0], end, u + input_at(b, end) - first);
+        return lw_motion_curve_find(motion, 0, around[1], u);
+    limits_around(motion, end, around);
+    return lw_motion_curve_find(motion, around[0], end, u + input_at(motion, end) - first);
 }
 
 /* The inputs at the limits next to the pose of curve 0, the smaller first. */
 static void input_limits(const lw_motion_path *c, double limit[2])
 {
-    lw_motion_curve *b = c->curves.curve[0];
-    double around[2], at = lw_motion_curve_start(b), end = lw_motion_curve_segments(b);
-    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
-    int n = limits_around(b, at, around);
+    lw_motion_curve *motion = c->curves.curve[0];
+    double around[2], at = lw_motion_curve_start(motion), end = lw_motion_curve_segments(motion);
+    bool closed = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;
+    int n = limits_around(motion, at, around);
     if (closed && n == 0) {
         limit[0] = -INFINITY;
         limit[1] = INFINITY;
         return;
     }
-    double a = input_at(b, around[0]), z = input_at(b, around[1]);
+    double a = input_at(motion, around[0]), z = input_at(motion, around[1]);
     if (closed) {
-        limits_around(b, end, around);
-        a = input_at(b, around[0]) - (input_at(b, end) - input_at(b, 0));
+        limits_around(motion, end, around);
+        a = input_at(motion, around[0]) - (input_at(motion, end) - input_at(motion, 0));
     }
     limit[0] = fmin(a, z);
     limit[1] = fmax(a, z);
@@ -161,8 +161,8 @@ static double first_input(const lw_system *s, const double *q)
 /* Station on the shown curve at t.  *input is set only where the pace prescribes it. */
 static double station_at(const lw_motion_path *c, double t, double *input)
 {
-    lw_motion_curve *b = c->curves.curve[c->shown];
-    double end = lw_motion_curve_segments(b), eased = 0.5 - 0.5*cos(LW_PI*t);
+    lw_motion_curve *motion = c->curves.curve[c->shown];
+    double end = lw_motion_curve_segments(motion), eased = 0.5 - 0.5*cos(LW_PI*t);
     if (c->pace == LW_PACE_RANGE) {
         *input = c->from + eased*(c->to - c->from);
         return station_of(c, *input);
@@ -170,8 +170,8 @@ static double station_at(const lw_motion_path *c, double t, double *input)
     if (t == 0 || t == 1)
         return t*end;
     if (c->pace == LW_PACE_INPUT)
-        return lw_motion_curve_find(b, 0, end, c->from + t*(c->to - c->from));
-    return lw_motion_curve_station(b, lw_motion_curve_length(b)*(c->loops ? t : eased));
+        return lw_motion_curve_find(motion, 0, end, c->from + t*(c->to - c->from));
+    return lw_motion_curve_station(motion, lw_motion_curve_length(motion)*(c->loops ? t : eased));
 }
 
 double lw_motion_path_at(lw_motion_path *c, double t, double *q)

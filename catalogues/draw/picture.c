@@ -42,7 +42,7 @@ static lw_status need_cairo(lw_error *e)
 {
     pthread_once(&loading, load);
     return not_loaded.status == LW_OK ? LW_OK
-         : lw_error_set(e, not_loaded.status, "pictures other than SVG want cairo: %s", not_loaded.text);
+         : lw_error_set(e, not_loaded.status, "pictures other than SVG need cairo: %s", not_loaded.text);
 }
 
 static void set_ink(cairo_t *c, lw_ink ink, double alpha)

@@ -64,8 +64,8 @@ static void print_marks(const cli_fit_set *s, FILE *f)
 {
     for (int i = 0; i < s->search.results.n; i++)
         if (cli_fit_near_change_point(&s->search.results.report[i])) {
-            fprintf(f, "* near a change point: it is nearer than %g perimeters, so small errors of the lengths make the "
-                    "motion another one\n", NEAR_CHANGE_POINT);
+            fprintf(f, "* near a change point: it is nearer than %g perimeters, so small errors of the lengths "
+                    "make the motion another one\n", NEAR_CHANGE_POINT);
             return;
         }
 }

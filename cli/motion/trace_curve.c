@@ -44,11 +44,11 @@ void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_
 
 /* ---- stretches --------------------------------------------------------------------------------- */
 
-static double input_at(lw_motion_curve *b, double station)
+static double input_at(lw_motion_curve *motion, double station)
 {
     double q[LW_SYSTEM_Q_MAX];
-    lw_motion_curve_pose(b, station, q, NULL);
-    return lw_motion_curve_input(b, q);
+    lw_motion_curve_pose(motion, station, q, NULL);
+    return lw_motion_curve_input(motion, q);
 }
 
 static void add_stretch(cli_curve_trace *t, cli_stretch s)
@@ -90,22 +90,22 @@ static void cut_stretch(cli_curve_trace *t, cli_stretch s)
 
 static void stretch_from_to(cli_curve_trace *t, int curve, double from, double to, bool limit0, bool limit1)
 {
-    lw_motion_curve *b = t->curves.curve[curve];
-    double end = lw_motion_curve_segments(b);
+    lw_motion_curve *motion = t->curves.curve[curve];
+    double end = lw_motion_curve_segments(motion);
     cli_stretch s = { .curve = curve, .limit = { limit0, limit1 }, .n_part = 1 };
     s.part[0].from = from;
     s.part[0].to = fmin(to, end);
-    s.first = input_at(b, from);
+    s.first = input_at(motion, from);
     if (to > end) {                                       /* past the end of a closed curve */
         s.n_part = 2;
         s.part[1].to = to - end;
-        s.part[1].more = input_at(b, end) - input_at(b, 0);
-        s.last = input_at(b, to - end) + s.part[1].more;
+        s.part[1].more = input_at(motion, end) - input_at(motion, 0);
+        s.last = input_at(motion, to - end) + s.part[1].more;
     } else
-        s.last = input_at(b, to);
-    s.turns = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED && !limit0 && !limit1;
+        s.last = input_at(motion, to);
+    s.turns = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED && !limit0 && !limit1;
     s.zero = s.first;
-    s.input_per_round = s.turns && lw_motion_curve_turns(b, -1) != 0 ? s.last - s.first : 0;
+    s.input_per_round = s.turns && lw_motion_curve_turns(motion, -1) != 0 ? s.last - s.first : 0;
     cut_stretch(t, s);
 }
 
@@ -113,12 +113,12 @@ static void stretch_from_to(cli_curve_trace *t, int curve, double from, double t
  */
 static void cut_curve(cli_curve_trace *t, int curve)
 {
-    lw_motion_curve *b = t->curves.curve[curve];
-    double first = -1, last = -1, end = lw_motion_curve_segments(b);
+    lw_motion_curve *motion = t->curves.curve[curve];
+    double first = -1, last = -1, end = lw_motion_curve_segments(motion);
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
-    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
-    if (lw_motion_curve_rests(b))
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
+    bool closed = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;
+    if (lw_motion_curve_rests(motion))
         return;
     for (int i = 0; i < n; i++) {
         if (e[i].kind != LW_EVENT_LIMIT)
@@ -147,26 +147,26 @@ void cli_curve_stretches(cli_curve_trace *t)
 /* ---- rows -------------------------------------------------------------------------------------- */
 
 /* How many rounds of a closed curve are complete where the input of a stretch is u. */
-static double rounds_at(lw_motion_curve *b, const cli_stretch *s, double u)
+static double rounds_at(lw_motion_curve *motion, const cli_stretch *s, double u)
 {
     if (s->input_per_round != 0)
         return floor((u - s->zero)/s->input_per_round);
-    return s->n_part > 1 && (u - input_at(b, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
+    return s->n_part > 1 && (u - input_at(motion, s->part[0].to) - s->part[0].more)*(s->last - s->first) > 0;
 }
 
 /* Station of the curve where the input is u; the stretch must contain u. */
-static double station_at(lw_motion_curve *b, const cli_stretch *s, double u, double rounds)
+static double station_at(lw_motion_curve *motion, const cli_stretch *s, double u, double rounds)
 {
     int part = s->input_per_round == 0 && rounds > 0;
-    return lw_motion_curve_find(b, s->part[part].from, s->part[part].to,
+    return lw_motion_curve_find(motion, s->part[part].from, s->part[part].to,
                                 u - s->part[part].more - rounds*s->input_per_round);
 }
 
 /* Add the turns of the links: every round of a closed curve adds as many turns as the first. */
-static void count_turns(const cli_curve_trace *t, const lw_motion_curve *b, double rounds, double *q)
+static void count_turns(const cli_curve_trace *t, const lw_motion_curve *motion, double rounds, double *q)
 {
     for (int body = 0; body < t->s.n_body; body++)
-        q[3*body + 2] += 2*LW_PI*rounds*lw_motion_curve_turns(b, t->s.link[body]);
+        q[3*body + 2] += 2*LW_PI*rounds*lw_motion_curve_turns(motion, t->s.link[body]);
 }
 
 /* Unit of what derivatives are taken by: the free input's own unit, or time. */
@@ -176,10 +176,10 @@ static double rate_unit(const cli_curve_trace *t)
 }
 
 /* Compute the pose at a station and its derivatives. False: there are no derivatives. */
-static bool fill_series(cli_curve_trace *t, lw_motion_curve *b, double station, double *series)
+static bool fill_series(cli_curve_trace *t, lw_motion_curve *motion, double station, double *series)
 {
-    double motion[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
-    bool good = lw_motion_curve_motion(b, station, CLI_ROW_ORDER, motion, series);
+    double rates[CLI_ROW_ORDER + 1] = { 0, rate_unit(t) };
+    bool good = lw_motion_curve_motion(motion, station, CLI_ROW_ORDER, rates, series);
     if (!good)
         memset(series + t->s.n_q, 0, (size_t)(CLI_ROW_ORDER*t->s.n_q)*sizeof *series);
     return good;
@@ -188,12 +188,12 @@ static bool fill_series(cli_curve_trace *t, lw_motion_curve *b, double station, 
 /* Compute row `i` of a stretch, at input u, from the curve. */
 static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u, cli_row *row)
 {
-    lw_motion_curve *b = t->curves.curve[s->curve];
+    lw_motion_curve *motion = t->curves.curve[s->curve];
     double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX];
     bool limit = (i == 0 && s->limit[0]) || (i == t->steps && s->limit[1]);
-    double rounds = rounds_at(b, s, u);
-    row->rates = fill_series(t, b, station_at(b, s, u, rounds), series) && !limit;
-    count_turns(t, b, rounds, series);
+    double rounds = rounds_at(motion, s, u);
+    row->rates = fill_series(t, motion, station_at(motion, s, u, rounds), series) && !limit;
+    count_turns(t, motion, rounds, series);
     cli_curve_values(t, series, i == 0, row);
     if (t->groups && (i == 0 || i == t->steps) && (s->limit[0] || s->limit[1]))
         t->groups->seeded = false;                            /* both sides of a limit have nearly the same input */
@@ -202,10 +202,10 @@ static void curve_row(cli_curve_trace *t, const cli_stretch *s, int i, double u,
 }
 
 /* After a branch point a group may be in another assembly mode than its seed before that point. */
-static bool crosses(const lw_motion_curve *b)
+static bool crosses(const lw_motion_curve *motion)
 {
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_CROSSING)
             return true;
@@ -215,10 +215,10 @@ static bool crosses(const lw_motion_curve *b)
 static void stretch_rows(cli_curve_trace *t, int index)
 {
     const cli_stretch *s = &t->stretch[index];
-    lw_motion_curve *b = t->curves.curve[s->curve];
+    lw_motion_curve *motion = t->curves.curve[s->curve];
     double middle = 0.5*(s->first + s->last);
-    int side = lw_motion_curve_side(b, station_at(b, s, middle, rounds_at(b, s, middle)));
-    bool groups = t->groups && !crosses(b);
+    int side = lw_motion_curve_side(motion, station_at(motion, s, middle, rounds_at(motion, s, middle)));
+    bool groups = t->groups && !crosses(motion);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         bool between = groups && i % CLI_GROUP_ROWS != 0 && i < t->steps;
         double u = i == t->steps ? s->last : s->first + (s->last - s->first)*i/t->steps;
@@ -232,17 +232,17 @@ static void stretch_rows(cli_curve_trace *t, int index)
 
 static void cycle_rows(cli_curve_trace *t, int curve)
 {
-    lw_motion_curve *b = t->curves.curve[curve];
-    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_motion_curve_length(b);
+    lw_motion_curve *motion = t->curves.curve[curve];
+    double series[(CLI_ROW_ORDER + 1)*LW_SYSTEM_Q_MAX], length = lw_motion_curve_length(motion);
     for (int i = 0; i <= t->steps && !cli_rows_stopped(&t->rows); i++) {
         cli_row row = { .arc = curve + 1, .n_lead = 2 };
         double arc = length*i/t->steps;
-        double station = i == t->steps ? lw_motion_curve_segments(b) : lw_motion_curve_station(b, arc);
-        int side = lw_motion_curve_side(b, station);
+        double station = i == t->steps ? lw_motion_curve_segments(motion) : lw_motion_curve_station(motion, arc);
+        int side = lw_motion_curve_side(motion, station);
         row.mode = side > 0 ? "+" : side < 0 ? "-" : "0";
-        row.rates = fill_series(t, b, station, series);
+        row.rates = fill_series(t, motion, station, series);
         row.lead[0] = arc;
-        row.lead[1] = lw_motion_curve_input(b, series)/cli_curve_unit(t, 0);
+        row.lead[1] = lw_motion_curve_input(motion, series)/cli_curve_unit(t, 0);
         cli_curve_values(t, series, i == 0, &row);
         cli_rows_put(&t->rows, &row);
     }
@@ -250,14 +250,14 @@ static void cycle_rows(cli_curve_trace *t, int curve)
 
 /* ---- description of a curve -------------------------------------------------------------------- */
 
-static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *b, char text[128])
+static const char *end_text(const cli_curve_trace *t, const lw_motion_curve *motion, char text[128])
 {
-    int turns = lw_motion_curve_turns(b, -1);
-    switch (lw_motion_curve_ended(b)) {
+    int turns = lw_motion_curve_turns(motion, -1);
+    switch (lw_motion_curve_ended(motion)) {
     case LW_MOTION_CURVE_CLOSED:
         if (turns != 0)
             snprintf(text, 128, "closes after %d turn%s of the input", abs(turns), abs(turns) == 1 ? "" : "s");
-        else if (lw_motion_curve_rests(b))
+        else if (lw_motion_curve_rests(motion))
             snprintf(text, 128, "closes, the input stands still");
         else
             snprintf(text, 128, "closes, the input swings%s", is_slider(t, 0) ? " to and fro" : "");
@@ -300,17 +300,17 @@ static void event_text(const cli_curve_trace *t, int curve, const lw_motion_curv
 
 static void csv_curve(cli_curve_trace *t, int curve)
 {
-    const lw_motion_curve *b = t->curves.curve[curve];
+    const lw_motion_curve *motion = t->curves.curve[curve];
     char text[128];
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
-    fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, b, text),
-            lw_motion_curve_length(b), lw_motion_curve_worst(b)/t->k->units.metre);
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
+    fprintf(t->rows.f, "# circuit %d: %s; arc length %.6g, residual %.2g\n", curve + 1, end_text(t, motion, text),
+            lw_motion_curve_length(motion), lw_motion_curve_worst(motion)/t->k->units.metre);
     for (int i = 0; i < n; i++) {
         event_text(t, curve, &e[i], text);
         fprintf(t->rows.f, "# circuit %d: %s, at input ", curve + 1, text);
         cli_row_number(t->rows.f, e[i].input/cli_curve_unit(t, 0));
-        fprintf(t->rows.f, ", arc %.10g\n", lw_motion_curve_arc(b, e[i].station));
+        fprintf(t->rows.f, ", arc %.10g\n", lw_motion_curve_arc(motion, e[i].station));
     }
 }
 
@@ -326,17 +326,17 @@ static void csv_stretch(cli_curve_trace *t, int index)
 
 static void json_events(cli_curve_trace *t, int curve)
 {
-    const lw_motion_curve *b = t->curves.curve[curve];
+    const lw_motion_curve *motion = t->curves.curve[curve];
     static const char *const kind[] = { "limit", "dead_point", "branch_point" };
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
     cli_json_array(t->rows.json, "events");
     for (int i = 0; i < n; i++) {
         cli_json_object(t->rows.json, NULL);
         cli_json_text(t->rows.json, "kind", kind[e[i].kind]);
         cli_json_text(t->rows.json, "joint", e[i].joint < 0 ? NULL : t->k->joint[e[i].joint].name);
         cli_json_real(t->rows.json, "input", e[i].input/cli_curve_unit(t, 0));
-        cli_json_real(t->rows.json, "along", lw_motion_curve_arc(b, e[i].station));
+        cli_json_real(t->rows.json, "along", lw_motion_curve_arc(motion, e[i].station));
         int other = crossing_circuit(t, curve, &e[i]);
         if (other >= 0)
             cli_json_int(t->rows.json, "circuit", other + 1);
@@ -348,14 +348,14 @@ static void json_events(cli_curve_trace *t, int curve)
 static void json_circuit(cli_curve_trace *t, int curve)
 {
     static const char *const end[] = { "closed", "far", "singular", "stopped" };
-    const lw_motion_curve *b = t->curves.curve[curve];
+    const lw_motion_curve *motion = t->curves.curve[curve];
     cli_json *j = t->rows.json;
     cli_json_object(j, NULL);
     cli_json_int(j, "circuit", curve + 1);
-    cli_json_text(j, "ends", end[lw_motion_curve_ended(b)]);
-    cli_json_int(j, "turns", lw_motion_curve_turns(b, -1));
-    cli_json_real(j, "length", lw_motion_curve_length(b));
-    cli_json_real(j, "residual", lw_motion_curve_worst(b)/t->k->units.metre);
+    cli_json_text(j, "ends", end[lw_motion_curve_ended(motion)]);
+    cli_json_int(j, "turns", lw_motion_curve_turns(motion, -1));
+    cli_json_real(j, "length", lw_motion_curve_length(motion));
+    cli_json_real(j, "residual", lw_motion_curve_worst(motion)/t->k->units.metre);
     json_events(t, curve);
     cli_json_end(j);
 }

@@ -1,8 +1,8 @@
 /* optimise/problem/circuit.c - see circuit.h.
  *
- * At a limit a linkage moves as the square root of the input's distance to it.  With  input = mid - half cos(psi)
- * that root is proportional to  sqrt(half) psi; each stroke gets a share of the phase in proportion to sqrt(half),
- * so that one stroke runs into the next with the same speed. */
+ * Near a limit the pose varies like the square root of the input's distance from the limit. With input = mid - half
+ * cos(psi) this root is proportional to sqrt(half) psi. Each stroke gets a part of the phase in proportion to
+ * sqrt(half), so that the speed is continuous from one stroke to the next. */
 #include "optimise/problem/circuit.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static void set_stroke(const lw_problem *p, lw_swing *s, int j, double mid, doub
     memcpy(s->stroke[j].mode, mode, sizeof *mode*(size_t)p->plan.n_dyad);
 }
 
-/* Where each stroke begins, and its angle psi by the phase. */
+/* Set where each stroke begins, and its angle psi as a function of the phase: psi = rate phase + shift. */
 static void share_phases(lw_swing *s)
 {
     double sum = 0, done = 0;
@@ -43,14 +43,14 @@ static bool to_and_fro(const lw_problem *p, lw_swing *s, double mid, double half
     return half > 0;
 }
 
-/* What inputs of a linkage's course are counted in: a slider's way scales with it. */
+/* Unit of the inputs of p->intended: a slider's travel scales with the linkage's first length; angles do not scale. */
 static double input_unit(const lw_problem *p, const double *x)
 {
     int size = p->plan.input_is_slider ? lw_problem_first_length(p) : -1;
     return size >= 0 ? x[size] : 1;
 }
 
-/* Four links, in closed form. */
+/* Range of a four-link family, in closed form. */
 static bool find_range(const lw_problem *p, const double *x, lw_swing *s)
 {
     static const double left = 1, right = -1;
@@ -113,7 +113,7 @@ bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w)
 
 /* ---- derivatives by the dimensions ------------------------------------------------------------------ */
 
-/* mid and half of both strokes alike, by central differences. */
+/* Derivatives of mid and half by central differences; the same for both strokes. */
 static void range_slopes(const lw_problem *p, const double *x, lw_swing *s)
 {
     double at[LW_VAR_MAX];
@@ -150,7 +150,7 @@ static void cycle_slopes(const lw_problem *p, const double *x, lw_work *w)
         }
 }
 
-/* How rate and shift of the strokes change when their halves do. */
+/* Derivatives of rate and shift of the strokes from those of their halves. */
 static void phase_slopes(const lw_problem *p, lw_swing *s)
 {
     double sum = 0;
@@ -202,7 +202,7 @@ double lw_circuit_drift(const lw_work *w, size_t k, size_t d)
     return s->mid_by[j][d] - s->half_by[j][d]*w->psi_c[k] + s->stroke[j].half*w->psi_s[k]*psi_by;
 }
 
-/* ---- places on it ----------------------------------------------------------------------------------- */
+/* ---- poses on the circuit ----------------------------------------------------------------------------- */
 
 lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase)
 {

@@ -1,4 +1,4 @@
-/* optimise/problem/constraint.c - the subsidiary conditions g(x) >= 0 of a fitting problem. */
+/* optimise/problem/constraint.c - the conditions g(x) >= 0 of a fitting problem. */
 #include "optimise/problem/constraint.h"
 
 #include <string.h>
@@ -8,13 +8,13 @@
 #include "optimise/problem/evaluate.h"
 #include "optimise/problem/residuals.h"
 
-/* Conditions on the motion are looked at in LW_CURVE_SAMPLES poses: over the turn when the input turns, else over
- * the motion from the first station to the last. The samples of a turn hold every multiple of 90 degrees of the
- * ground frame, where transmission angles of four-link chains have their extremes; other extremes are found
- * between the samples by a parabola. */
+/* Conditions on the motion are checked in LW_CURVE_SAMPLES poses: over the turn if the input turns fully, else from the
+ * first station to the last. The samples of a turn include every multiple of 90 degrees in the ground frame, where
+ * transmission angles of four-link chains have their extremes. Other extremes are found between the samples by a
+ * parabola. */
 enum {
     POSES = LW_CURVE_SAMPLES,
-    HALVINGS = 24                     /* of the straight line between two poses beside a box                */
+    HALVINGS = 24                     /* of the straight line between two poses near a box                  */
 };
 
 static void linear(const lw_problem *p, const double *x, double *g)
@@ -59,7 +59,7 @@ static void sample_motion(const lw_problem *p, lw_work *w)
     }
 }
 
-/* The poses at x; false when it cannot close. */
+/* Compute the poses at x. False: the linkage cannot close. */
 static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
 {
     if (p->intended.turns) {
@@ -75,7 +75,7 @@ static bool find_poses(const lw_problem *p, const double *x, lw_work *w)
     return true;
 }
 
-/* Does it go over a limit to the next sample? */
+/* Does the motion pass a limit on the way to the next sample? */
 static bool changes(const lw_problem *p, const lw_work *w, size_t k)
 {
     return lw_problem_has_modes(p) && k + 1 < POSES && w->check_leg[k] != w->check_leg[k + 1];
@@ -99,7 +99,7 @@ static void closure(const lw_problem *p, const double *x, lw_work *w, double *ma
     lw_problem_margin(p, &in, w, margin);
 }
 
-/* At a sample that is less than its neighbours the parabola through the three reaches lower. */
+/* Lower each sample that is less than both neighbours to the vertex of the parabola through the three. */
 static void look_between(bool round, double *g)
 {
     double before = round ? g[POSES - 1] : INFINITY, first = g[0];
@@ -123,7 +123,7 @@ static void tangents_of_mode(const lw_problem *p, const double *x, lw_work *w, s
     lw_batch_jacobian(&p->plan, &in, 0, w->batch, &j);
 }
 
-/* Tangents dP/d(input) with every input turned by `by`. */
+/* Tangents dP/d(input), with every input shifted by `by`. */
 static void tangents(const lw_problem *p, const double *x, lw_work *w, double by, double *tx,
                      double *ty)
 {
@@ -144,8 +144,8 @@ static void tangents(const lw_problem *p, const double *x, lw_work *w, double by
         }
 }
 
-/* 1 - |P''|^2 / limit^2; P'' is differenced from exact tangents 1e-4 rad apart (error 1e-8).  Of a function that of
- * the output angle psi: its tracer is one from the pin of the output, so that |P''|^2 = psi''^2 + |P'|^4. */
+/* 1 - |P''|^2 / limit^2. P'' is the difference of exact tangents 1e-4 rad apart (error 1e-8). For a function it is that
+ * of the output angle psi: the tracer has distance one from the output's pin, so |P''|^2 = psi''^2 + |P'|^4. */
 static void accelerations(const lw_problem *p, const double *x, lw_work *w, double *g)
 {
     const double h = 1e-4, limit2 = p->max_acceleration*p->max_acceleration;
@@ -157,12 +157,12 @@ static void accelerations(const lw_problem *p, const double *x, lw_work *w, doub
         double turn2 = !lw_task_has_place(p->task) ? pow(vx*vx + vy*vy, 2) : 0;
         g[k] = 1 - (ax*ax + ay*ay - turn2)/limit2;
     }
-    for (size_t k = 0; k < POSES; k++)                        /* over a dead point there is no end to it */
+    for (size_t k = 0; k < POSES; k++)                        /* at a dead point it is unbounded */
         if (changes(p, w, k))
             g[k] = g[k + 1] = fmin(-1, fmin(g[k], g[k + 1]));
 }
 
-/* ---- zones: where fixed pivots have to be, and where no pin and no tracer may come --------------------------- */
+/* ---- zones: where fixed pivots must be, and where no pin and no tracer may be -------------------------------- */
 
 static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, double *g)
 {
@@ -181,11 +181,11 @@ static double *pivot_conditions(const lw_zone *z, const lw_vec2 *at, int n, doub
     return g;
 }
 
-/* Scaled lengths have no need of hypot's care, which is a fifth of the time here. */
+/* Lengths are scaled, so hypot, which avoids overflow, is not needed: it costs a fifth of the time here. */
 static double length_of(lw_vec2 a) { return sqrt(lw_v2_dot(a, a)); }
 
-/* The least distance from a zone along the straight line from a to b.  The distance is convex along a line, and changes
- * by no more than the length of the line. */
+/* The least distance to a zone along the straight line from a to b. The distance is convex along a line and changes by
+ * at most the length of the line. */
 static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double enough)
 {
     lw_vec2 line = lw_v2_sub(b, a);
@@ -209,7 +209,7 @@ static double outside_between(const lw_zone *z, lw_vec2 a, lw_vec2 b, double eno
 
 typedef struct places { int n; lw_vec2 at[LW_JOINT_MAX + 1 + LW_ALSO_MAX]; } places;
 
-/* All pins that turn, and the tracers; none where it does not close. */
+/* Find all pins that turn, and the tracers; none if the linkage does not close. */
 static void find_places(const lw_problem *p, const double *x, const double *mode, double input, places *out)
 {
     lw_pose pose;
@@ -223,13 +223,14 @@ static void find_places(const lw_problem *p, const double *x, const double *mode
         out->at[out->n++] = pose.tracer[i][0];
 }
 
-/* How far a path may bulge out between its poses b and c, by its bend at b. */
+/* How far a path may leave the chord between its poses b and c, from its curvature at b. */
 static double bulge(lw_vec2 a, lw_vec2 b, lw_vec2 c)
 {
     return 0.125*length_of(lw_v2_sub(lw_v2_add(a, c), lw_v2_scale(b, 2)));
 }
 
-/* Between poses b and c, a the one before; 0 where one does not close, which is another condition. */
+/* Least distance between poses b and c, where a is the pose before b. 0 if one of them does not close; another
+ * condition covers that. */
 static double least_between(const lw_zone *z, const places *a, const places *b, const places *c)
 {
     double least = INFINITY;
@@ -240,7 +241,7 @@ static double least_between(const lw_zone *z, const places *a, const places *b, 
     return isfinite(least) ? least : 0;
 }
 
-/* The least distances of all pins and points from the forbidden zones, from pose to pose. */
+/* The least distances of all pins and points from the forbidden zones, between each pose and the next. */
 static void forbidden(const lw_problem *p, const double *x, const lw_work *w, double *const *g)
 {
     places earlier = { .n = 0 }, before = { .n = 0 }, now;
@@ -285,7 +286,7 @@ static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
     g += p->n_linear;
     if (m > 0 && !find_poses(p, x, w)) {
         for (size_t k = 0; k < m; k++)
-            g[k] = -1;                                   /* it has no poses: as violated as can be */
+            g[k] = -1;                                   /* without poses the condition counts as fully violated */
         return;
     }
     if (lw_problem_must_close(p)) {
@@ -307,7 +308,7 @@ static void values(const lw_problem *p, const double *x, double *g, lw_work *w)
     zones(p, x, w, g);
 }
 
-/* Central differences for the conditions on the motion, exact rows for the linear ones. */
+/* Central differences for the conditions on the motion, exact rows for the linear conditions. */
 static void derivatives(const lw_problem *p, const double *x, double *j, lw_work *w)
 {
     size_t m = lw_problem_constraint_count(p), nv = (size_t)p->n_var;

@@ -1,12 +1,12 @@
 #include "optimise/problem/family.h"
 
-/* Logarithmic between lo and hi: ratios of links matter, not their differences. */
+/* Logarithmic between lo and hi, because ratios of lengths matter and not differences. */
 static double ratio(double u, double lo, double hi)
 {
     return lo*exp(u*log(hi/lo));
 }
 
-/* An offset of either sign: most are small beside the links, some are not. */
+/* An offset of either sign, mostly small compared to the links, sometimes not. */
 static double offset(double u)
 {
     double v = 2*u - 1;
@@ -15,8 +15,8 @@ static double offset(double u)
 
 #define SLACK(u) ratio(u, 0.01, 30.0)
 
-/* One link of length one that is the shortest, three slacks: s[j] is what the sum of the two links other than
- * j is longer than link j and the shortest. */
+/* Draw four lengths, one of which is the shortest and equals one, by three slacks: s[j] is the amount by which the sum
+ * of the two links other than j exceeds link j plus the shortest. */
 static void grashof(const double *u, double *a, double *b, double *c)
 {
     double s0 = SLACK(u[0]), s1 = SLACK(u[1]), s2 = SLACK(u[2]);
@@ -45,7 +45,7 @@ static void draw_four_bar(const double *u, double *r)
     r[3] = ratio(u[2], 0.1, 20);
 }
 
-/* One link of length one, an offset, and a link longer than both together. */
+/* A link of length one, an offset, and a link longer than both together. */
 static void draw_long(const double *u, double *one, double *e, double *longer)
 {
     *one = 1;
@@ -85,8 +85,8 @@ static void draw_offsets(const double *u, double *s)
 #define FOUR { "r1", "r2", "r3", "r4" }
 #define NO_CONDITION { NULL }
 
-/* name, letters, turns, drag-link, shape, conditions, share, draws.  The turn of a yoke or an Oldham
- * coupling needs no condition. */
+/* name, letters, turns, drag-link, shape, conditions, share, draws. The input of a yoke or an Oldham coupling always
+ * turns fully and needs no condition. */
 #define ROW(...) { __VA_ARGS__, NULL, false, 0 }
 const lw_family lw_family_table[] = {
     ROW("crank-rocker", "RRRR", true, false, FOUR,

@@ -1,12 +1,12 @@
-/* optimise/problem/problem_make.c - from a target and what is asked for to a problem: stations scaled, the plan
- * of the family, variables with their bounds, linear conditions. */
+/* optimise/problem/problem_make.c - make a problem from a target and a specification: stations scaled, the plan of the
+ * family, variables with their bounds, linear conditions. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "optimise/problem/problem.h"
 #include "optimise/problem/tracers.h"
 
-/* "+r3+r4-r1-r2" into coefficients by variable. */
+/* Turn a text such as "+r3+r4-r1-r2" into coefficients of the variables. */
 static void linear_row(const lw_problem *p, const char *text, double *row)
 {
     while (*text) {
@@ -20,7 +20,7 @@ static void linear_row(const lw_problem *p, const char *text, double *row)
     }
 }
 
-/* Sums over the weighted points of the target, relative to its first. */
+/* Sums over the weighted points of the target, relative to its first point. */
 typedef struct moments { double weight, x, y; } moments;
 
 static void add_points(const lw_target *t, const double *x, const double *y, const double *weight, moments *m)
@@ -40,7 +40,7 @@ static double spread(const lw_problem *p, const double *x, const double *y, cons
     return sum;
 }
 
-/* Origin and unit: centre of all points and their mean distance from it. */
+/* Set origin and unit: centre of all points, and their mean distance from it. */
 static void find_scale(const lw_target *t, lw_problem *p)
 {
     moments m = { 0, 0, 0 };
@@ -66,7 +66,7 @@ static void scale_points(const lw_problem *p, const double *x, const double *y, 
     }
 }
 
-/* Arrays of a further point, five of n from a on: scaled places, angles; weights come later. */
+/* Set the arrays of a further point, five of length n from a on: scaled places and angles; weights are set later. */
 static void make_aim(const lw_target *t, const lw_also *from, const lw_problem *p, double *a, lw_aim *aim)
 {
     size_t n = p->n;
@@ -92,7 +92,8 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
     if (t->x)
         scale_points(p, t->x, t->y, p->x, p->y);
     for (size_t i = 0; i < n; i++) {
-        p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);   /* each way one half    */
+        /* one half for each direction of the comparison */
+        p->w[i] = t->weight[i]*(p->timing == LW_TIMING_NONE ? 0.5 : 1);
         if (p->theta)
             p->theta[i] = t->theta[i];
     }
@@ -102,8 +103,8 @@ static lw_status make_stations(const lw_target *t, lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
-/* Divide the prescribed inputs by p->plan.input_turns_per_period, as the plan counts them.  A timing of one turn may
- * lie in any turn of the period: the phases of the wheels, which are dimensions, decide which. */
+/* Divide the prescribed inputs by p->plan.input_turns_per_period, which is how the plan counts them. A timing of one
+ * turn may lie in any turn of the period: the phases of the wheels, which are dimensions, decide in which. */
 static void make_timing(const lw_target *t, lw_problem *p)
 {
     for (size_t i = 0; i < p->n; i++) {
@@ -130,13 +131,13 @@ static lw_status make_plan(const lw_target *t, const lw_fit_spec *s, lw_problem 
     return LW_OK;
 }
 
-/* Limits of link sizes relative to the path when nobody gave any: 1/1000 to 10 diagonals. */
+/* Limits of link lengths if the user gave none: 1/1000 to 10 diagonals of the path. */
 static void default_range(const lw_target *t, const lw_fit_spec *s, lw_fit_spec *out)
 {
     double d = t->x && t->extent > 0 ? t->extent : 1;
     *out = *s;
     if (!(s->length_hi > 0)) {
-        out->length_lo = t->x ? 1e-3*d : 0.02;       /* of a function: in frame lengths           */
+        out->length_lo = t->x ? 1e-3*d : 0.02;       /* for a function: in lengths of the frame   */
         out->length_hi = t->x ? 10*d : 50;
     }
     if (!(s->position_hi > s->position_lo)) {
@@ -183,7 +184,7 @@ static lw_status named_bound(lw_problem *p, const lw_bound *b, lw_error *e)
 {
     int i = lw_problem_index(p, b->name);
     if (i < 0)
-        return LW_OK;                                        /* a name of another type's dimension    */
+        return LW_OK;                                        /* a dimension of another type           */
     bool angle = i >= p->n_dim || p->plan.dim[i].kind == LW_DIM_ANGLE;
     double shift = i == p->plan.i_x0 ? p->origin.x : i == p->plan.i_y0 ? p->origin.y : 0;
     p->lo[i] = angle ? b->lo : (b->lo - shift)/p->unit;
@@ -212,19 +213,19 @@ static lw_status make_bounds(const lw_target *t, const lw_fit_spec *spec, lw_pro
         if (p->plan.dim[i].kind == LW_DIM_LENGTH) {
             if (!(p->hi[i] > 0))
                 return bad_bound(e, p->plan.dim[i].name, p->lo[i]*p->unit, p->hi[i]*p->unit);
-            p->lo[i] = fmax(p->lo[i], 1e-9*fmin(1, p->hi[i]));    /* a link has a length          */
+            p->lo[i] = fmax(p->lo[i], 1e-9*fmin(1, p->hi[i]));    /* a link length is positive    */
         }
     for (int i = 0; i < p->n_also; i++)
-        if (!p->also[i].x) {                                 /* where on its link does not matter      */
+        if (!p->also[i].x) {                                 /* its position on the link does not matter */
             fix(p, p->plan.i_cx[i + 1], 0);
             fix(p, p->plan.i_cy[i + 1], 0);
         }
-    if (!lw_task_has_place(p->task)) {                       /* place, size, tracer do not matter     */
+    if (!lw_task_has_place(p->task)) {                       /* place, size and tracer do not matter  */
         static const char *const idle[] = { "x0", "y0", "theta0", "cy" };
         for (int k = 0; k < 4; k++)
             fix(p, lw_problem_index(p, idle[k]), 0);
         fix(p, lw_problem_index(p, "cx"), 1);
-        if (!(spec->length_hi > 0))                          /* else any size in that range will do */
+        if (!(spec->length_hi > 0))                          /* else any size in that range is possible */
             fix(p, p->family->linkage ? lw_problem_first_length(p) : lw_problem_index(p, p->family->shape[0]), 1);
     }
     return LW_OK;
@@ -261,7 +262,7 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *s, lw_error *
     return LW_OK;
 }
 
-/* Can linkages of this family do it at all? */
+/* Check that linkages of this family can do the task. */
 static lw_status check_family(const lw_problem *p, lw_error *e)
 {
     if (p->plan.input_is_slider && p->timing == LW_TIMING_PRESCRIBED)
@@ -272,7 +273,7 @@ static lw_status check_family(const lw_problem *p, lw_error *e)
     return LW_OK;
 }
 
-/* Every length at most `ratio` times every other. */
+/* Add rows: every length is at most `ratio` times every other. */
 static lw_status ratio_rows(double ratio, lw_problem *p, lw_error *e)
 {
     for (int i = 0; i < p->n_dim && ratio > 0; i++)
@@ -300,7 +301,7 @@ static void scale_zones(const lw_fit_spec *s, lw_problem *p)
     }
 }
 
-/* f counts in units of the scaled target; the user's objective is scale * f. */
+/* Set scale and weights: f is in units of the scaled target; the user's objective is scale * f. */
 static void weigh(const lw_target *t, const lw_fit_spec *s, lw_problem *p)
 {
     bool function = !lw_task_has_place(p->task);

@@ -15,7 +15,7 @@ void lw_problem_margin(const lw_problem *p, const lw_lanes *in, lw_work *w, doub
     }
 }
 
-/* Lanes first .. last-1, all in one assembly mode. */
+/* Evaluate lanes first .. last-1, all in one assembly mode. */
 static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size_t first, size_t last,
                           const double *mode)
 {
@@ -30,7 +30,8 @@ static void lanes_of_mode(const lw_problem *p, const double *x, lw_work *w, size
     }
 }
 
-/* A circuit: run by run of one stroke; then derivatives by the phase. */
+/* Evaluate all lanes on a circuit, one run of lanes on the same stroke after the other; then turn derivatives by the
+ * input into derivatives by the phase. */
 static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_problem_has_modes(p))
@@ -51,7 +52,7 @@ static void lanes_of_circuit(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* All round, or from the first station's input to the last's. */
+/* Least margin over a full turn, or between the inputs of the first and the last station. */
 static double margin_of_range(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
@@ -74,7 +75,8 @@ static double margin_of_range(const lw_problem *p, const double *x, double shift
     return least;
 }
 
-/* Over limits: all along the circuit, over what it is next to a limit. */
+/* Least margin along the whole circuit. Near a limit the margin is divided by psi_s^2, since it vanishes there in any
+ * linkage. */
 static double margin_of_circuit(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     size_t n = LW_CURVE_SAMPLES;
@@ -95,14 +97,14 @@ static double margin_of_circuit(const lw_problem *p, const double *x, double shi
     return least;
 }
 
-/* Least margin in between, at samples put off by `shift` of one. */
+/* Least margin at samples shifted by `shift` of their distance. */
 static double margin_between(const lw_problem *p, const double *x, double shift, lw_work *w)
 {
     return lw_problem_has_modes(p) ? margin_of_circuit(p, x, shift, w) : margin_of_range(p, x, shift, w);
 }
 
-/* Nearer to a dead point of a dyad than its square root [rad], a linkage may leave its branch between two
- * samples. */
+/* If the margin of a dyad falls below this, its square root [rad] is so small that the linkage may change its assembly
+ * mode between two samples. */
 #define LEAST_MARGIN 1e-4
 
 bool lw_problem_stays(const lw_problem *p, const double *x, lw_work *w)
@@ -131,7 +133,7 @@ bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w)
 {
     if (!lw_circuit_find(p, x, w))
         return false;
-    bool samples_stand = p->intended.turns;                    /* their inputs are those of the turn       */
+    bool samples_stand = p->intended.turns;                    /* the inputs of the samples are then those of a turn */
     size_t n = samples_stand ? p->n : w->n_lane, rest = w->n_lane - n;
     lw_circuit_lanes(p, w, n);
     memcpy(w->c + n, w->turn_c, sizeof *w->c*rest);
@@ -151,7 +153,7 @@ void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Residuals of the stations: what f squares and adds. */
+/* Residuals of the stations, of which f is the weighted sum of squares. */
 static void station_residuals(const lw_problem *p, const double *x, lw_work *w)
 {
     double *res = w->res;
@@ -175,7 +177,7 @@ static void station_residuals(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* One row of derivatives: those of the plan, and by input0 and the tool's mounting angle (-1: none). */
+/* One row of derivatives: by the dimensions from the plan, by input0, and by the tool's mounting angle (-1: none). */
 static void component_rows(const lw_problem *p, lw_work *w, int row, const double *by_dim, const double *by_input,
                            const double *weight, int tool)
 {
@@ -208,8 +210,8 @@ static void station_rows(const lw_problem *p, lw_work *w)
     }
 }
 
-/* Derivatives of the samples' distances, whose normals (weighted) are nx, ny.  Where the limits of the
- * input move with the dimensions, samples stay at their phases. */
+/* Derivatives of the distances of the samples, whose weighted normals are nx, ny. Where the limits of the input depend
+ * on the dimensions, samples keep their phases. */
 static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const double *nx,
                         const double *ny)
 {
@@ -233,7 +235,7 @@ static void sample_rows(const lw_problem *p, const double *x, lw_work *w, const 
     }
 }
 
-/* Curve samples against the target polygon: distance to the nearest point of it (timing none). */
+/* Residuals of the curve samples: distance to the nearest point of the target polygon (timing none). */
 static void sample_residuals(const lw_problem *p, const double *x, lw_work *w, bool derivatives)
 {
     size_t ld = w->ld;

@@ -1,5 +1,5 @@
-/* optimise/problem/timing.c - which input belongs to which station when the timing is free: a monotone
- * assignment to samples of the curve by dynamic programming, then Newton steps along the curve. */
+/* optimise/problem/timing.c - find the input of each station when the timing is free: a monotone assignment to samples
+ * of the curve by dynamic programming, then Newton steps along the curve. */
 #include "optimise/problem/timing.h"
 
 #include <string.h>
@@ -35,7 +35,7 @@ void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* What a further point adds to the cost of station i at each sample. */
+/* Add the cost of a further point at station i for each sample. */
 static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim, size_t i, double *c)
 {
     double wa = aim->wa[i]*aim->wa[i], wb = aim->wb[i]*aim->wb[i];
@@ -49,7 +49,7 @@ static void add_costs(const double *x, const lw_also_work *a, const lw_aim *aim,
     }
 }
 
-/* What it costs to put station i at sample j. */
+/* Cost of assigning station i to sample j. */
 static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
 {
     for (size_t i = 0; i < p->n; i++) {
@@ -71,7 +71,7 @@ static void fill_costs(const lw_problem *p, const double *x, lw_work *w)
     }
 }
 
-/* Cheapest rising assignment with station 0 at sample `first`; order[] gets steps behind first. */
+/* Cheapest increasing assignment with station 0 at sample `first`; order[] gets the number of steps after `first`. */
 static double rising(const lw_problem *p, lw_work *w, int first, int stride, short *order)
 {
     double *best = w->best;
@@ -105,7 +105,7 @@ static double rising(const lw_problem *p, lw_work *w, int first, int stride, sho
     return n == 1 ? w->cost[first] : f;
 }
 
-/* Nearest samples without regard to order. */
+/* Assign each station to its nearest sample, in any order. */
 static void nearest(const lw_problem *p, lw_work *w)
 {
     for (size_t i = 0; i < p->n; i++) {
@@ -118,8 +118,8 @@ static void nearest(const lw_problem *p, lw_work *w)
     }
 }
 
-/* The curve in the sense of the run: the samples at which station 0 may start are the local minima
- * of its distance; each gives one dynamic programme. */
+/* Cheapest assignment in the direction of the input. Station 0 may start at the samples where its distance has a local
+ * minimum; each start needs one dynamic programme. */
 static bool monotone(const lw_problem *p, lw_work *w)
 {
     int stride = p->intended.sense > 0 ? 1 : M - 1, kept = -1;
@@ -141,8 +141,8 @@ static bool monotone(const lw_problem *p, lw_work *w)
     return kept >= 0;
 }
 
-/* Between samples: one Gauss-Newton step with the tangent differenced from the neighbours.  Not quite to
- * the middle, where a limit of motion may be: there the tangent is 0/0. */
+/* Move the inputs between samples: one Gauss-Newton step with the tangent from the differences to the neighbours. The
+ * step ends before the middle of two samples, where a limit of the motion may be: there the tangent is 0/0. */
 static void between_samples(const lw_problem *p, lw_work *w)
 {
     const double width = 2*LW_PI/M;
@@ -188,7 +188,7 @@ bool lw_timing_assign(const lw_problem *p, const double *x, lw_work *w)
     return found;
 }
 
-/* Blocks of stations at one input, in order: their mean and weight and how many they are. */
+/* Blocks of stations with the same input, in order: mean input, weight and number of stations. */
 typedef struct blocks { double *mean, *mass, *size; size_t n; } blocks;
 
 static void pool_blocks(const lw_problem *p, const double *theta, const double *weight, blocks *b)
@@ -208,7 +208,8 @@ static void pool_blocks(const lw_problem *p, const double *theta, const double *
     }
 }
 
-/* More than a turn: the last block and the first, a turn on, become one, and what they then run into. */
+/* If the blocks span more than a turn, merge the last with the first of the next turn, and with the blocks that the
+ * merged one overlaps. */
 static void pool_round_the_turn(blocks *b)
 {
     size_t lo = 0, hi = b->n - 1;
@@ -241,8 +242,8 @@ void lw_timing_order(const lw_problem *p, double *theta, const double *weight, d
             theta[i++] = p->intended.sense*b.mean[k];
 }
 
-/* Newton step of each station along the curve, with the second derivative by secant where two
- * evaluations give one. */
+/* Take a Newton step of each station along the curve. The second derivative is a secant if there are two evaluations
+ * and it is positive enough. */
 static void propose(const lw_problem *p, lw_work *w, bool have_old)
 {
     double *old = w->try_theta, *slope_old = old + w->ld, *curvature = old + 2*w->ld;
@@ -265,8 +266,8 @@ static void propose(const lw_problem *p, lw_work *w, bool have_old)
     }
 }
 
-/* No station farther than this from where it was; done after the order, since a mean of steps cut
- * short is no step of a block.  The longest move. */
+/* Limit the move of each station; returns the longest move. This comes after the ordering, because the mean of
+ * shortened steps is no step of a block. */
 static double shorten(const lw_problem *p, lw_work *w)
 {
     const double most = 0.3, *old = w->try_theta;
@@ -282,8 +283,8 @@ static double shorten(const lw_problem *p, lw_work *w)
 
 bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps)
 {
-    /* f so little above the least is as good: f is flat there, and going back to its least would keep only half the
-     * digits of the inputs */
+    /* An f this little above the least counts as equal: f is flat there, and a return to the inputs of the least would
+     * keep only half of their digits. */
     const double rounding = 1e-9;
     double least = INFINITY, *kept = w->keep_theta;
     bool back = false;
@@ -297,8 +298,9 @@ bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int step
         }
         if (i >= steps && (f <= least*(1 + rounding) || back))
             return true;
-        if (i >= steps) {                                /* Newton went astray: back to the best, once, */
-                                                         /* as groups that are followed give f but for rounding */
+        if (i >= steps) {
+            /* Newton's method diverged: return to the best inputs. Only once, because f of groups solved by
+             * continuation is not exactly reproducible. */
             memcpy(w->phase, kept, p->n*sizeof *kept);
             back = true;
             continue;
@@ -311,9 +313,10 @@ bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int step
     }
 }
 
-/* ---- both ways: curve to target ------------------------------------------------------------ */
+/* ---- both directions: curve to target ------------------------------------------------------- */
 
-/* Nearest points of the target polygon to M points, side after side so that the points vectorise. */
+/* Nearest points of the target polygon to M points, one side after the other so that the loop over points vectorises.
+ */
 static void feet_on_target(const lw_problem *p, const double *x, const double *y, double *fx,
                            double *fy)
 {
@@ -342,8 +345,8 @@ static void feet_on_target(const lw_problem *p, const double *x, const double *y
     }
 }
 
-/* An open target is met by a piece of the curve: the samples outside the piece that runs from the
- * first station's input to the last's, on the side where more stations lie, do not count. */
+/* An open target corresponds to a part of the curve, from the first station's input to the last's on the side with more
+ * stations. Samples outside this part do not count. */
 static bool outside_piece(const lw_problem *p, const lw_work *w, int sample, double from, double span)
 {
     if (p->closed || p->n < 2)

@@ -58,7 +58,7 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
         t2 += lw_problem_tangent(p, w, k, t);
         mass += p->w[k];
     }
-    bool still = !(t2 > 1e-13*mass);     /* its input moves nothing: at a cusp, found to half of the digits     */
+    bool still = !(t2 > 1e-13*mass);     /* the input moves nothing (at a cusp, found to half of the digits)    */
     if (!still)
         project(p, w, first, count, by, &slip);
     for (size_t q = 0; q < count; q++) {
@@ -68,7 +68,7 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
             continue;
         lw_problem_tangent(p, w, k, t);
         w->slip[k] = slip/t2;
-        bool limits_move = !w->swing.turning && w->rate[k] != 0;       /* and the input with them       */
+        bool limits_move = !w->swing.turning && w->rate[k] != 0;       /* then the input moves with the limits */
         for (size_t d = 0; d < nv; d++) {
             double drift = limits_move && d < (size_t)p->n_dim ? lw_circuit_drift(w, k, d)/w->rate[k] : 0;
             w->slide[d*ld + k] = by[d]/t2 + drift;
@@ -78,8 +78,8 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
     }
 }
 
-/* Stations at one input that would rather part: the blocks that their own first-order steps, put in order,
- * leave together. Sizes of these in w->pool + 2 ld; how many they are. */
+/* Split stations at one input whose steps differ: take the first-order step of each, put them in order, and
+ * keep those together that the ordering merges. Sizes of the groups go to w->pool + 2 ld; returns their number. */
 static size_t part(const lw_problem *p, lw_work *w, size_t first, size_t count)
 {
     double *mean = w->pool, *mass = mean + w->ld, *size = mass + w->ld, t[LW_PROBLEM_ROW_MAX];
@@ -107,7 +107,7 @@ void lw_variable_projection(const lw_problem *p, const double *x, lw_work *w)
     size_t n = p->n, start = 0, count;
     lw_circuit_slopes(p, x, w);
     while (start < n && lw_timing_joined(p, w, (n - start - 1) % n))
-        start++;                                         /* back to where a block begins          */
+        start++;                                         /* go back to the beginning of a block   */
     for (size_t done = 0; done < n; done += count) {
         size_t first = (n - start % n + done) % n;
         count = 1;

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Hand out 64-byte aligned pieces; with base NULL it only counts. */
+/* Take the next 64-byte aligned piece of memory; base NULL: count only. */
 static void *piece(char *base, size_t *at, size_t bytes)
 {
     size_t here = *at;
@@ -10,7 +10,7 @@ static void *piece(char *base, size_t *at, size_t bytes)
     return base ? base + here : NULL;
 }
 
-/* Lanes of one point, with the turn of its link when that is asked for. */
+/* Lay out the lanes of one point, with the turn of its link if requested. */
 static void lay_out_lanes(const lw_problem *p, size_t ld, bool turn, lw_jacobian *j, char *base, size_t *at)
 {
     double **each[] = { &j->x, &j->y, &j->u, &j->v, &j->margin, &j->tx, &j->ty, &j->tt };

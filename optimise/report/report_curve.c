@@ -18,17 +18,17 @@ typedef struct work {
 } work;
 
 /* Measure postures of the whole curve at equal steps of the input.  Each posture is the seed of its own pose. */
-static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_motion_curve *b, work *w,
-                        lw_motion_limits *limits)
+static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, lw_motion_curve *motion,
+                        work *w, lw_motion_limits *limits)
 {
-    double end = lw_motion_curve_segments(b), input, ends[2];
+    double end = lw_motion_curve_segments(motion), input, ends[2];
     for (int i = 0; i < 2; i++) {
-        lw_motion_curve_pose(b, i*end, w->q, NULL);
-        ends[i] = lw_motion_curve_input(b, w->q);
+        lw_motion_curve_pose(motion, i*end, w->q, NULL);
+        ends[i] = lw_motion_curve_input(motion, w->q);
     }
     for (int i = 0; i < STEPS; i++) {
-        double station = i ? lw_motion_curve_find(b, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
-        lw_motion_curve_pose(b, station, w->q, NULL);
+        double station = i ? lw_motion_curve_find(motion, 0, end, ends[0] + (ends[1] - ends[0])*i/STEPS) : 0;
+        lw_motion_curve_pose(motion, station, w->q, NULL);
         lw_system_write(&w->s, w->q, &w->k);
         if (lw_plan_read(plan, &w->k, w->dim, w->mode, &input, NULL) == LW_OK
             && lw_pose_solve(plan, c->dim, w->mode, input, 2, &w->pose) == LW_OK)
@@ -38,12 +38,12 @@ static void whole_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_cand
 
 /* The part of the curve from limit to limit that holds the start, as stations `from` and `to`; limit[end]: it ends at
  * a limit. On a closed curve the part may reach across the seam. */
-static void find_part(const lw_motion_curve *b, double *from, double *to, bool limit[2])
+static void find_part(const lw_motion_curve *motion, double *from, double *to, bool limit[2])
 {
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
-    double start = lw_motion_curve_start(b), end = lw_motion_curve_segments(b), lowest = NAN, highest = NAN;
-    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
+    double start = lw_motion_curve_start(motion), end = lw_motion_curve_segments(motion), lowest = NAN, highest = NAN;
+    bool closed = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;
     *from = 0;
     *to = end;
     limit[0] = limit[1] = false;
@@ -78,19 +78,19 @@ static double periods_to(double station, double end, double from, double to)
 }
 
 /* Add the range of the input and the reversals on that part, limits first. */
-static void add_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_report *r)
+static void add_reversals(lw_motion_curve *motion, double shift, work *w, lw_fit_report *r)
 {
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
-    double from, to, end = lw_motion_curve_segments(b), input[2];
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
+    double from, to, end = lw_motion_curve_segments(motion), input[2];
     bool limit[2];
     for (int i = 0; i < 2; i++) {
-        lw_motion_curve_pose(b, i*end, w->q, NULL);
-        input[i] = lw_motion_curve_input(b, w->q);
+        lw_motion_curve_pose(motion, i*end, w->q, NULL);
+        input[i] = lw_motion_curve_input(motion, w->q);
     }
-    bool closed = lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED;
+    bool closed = lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED;
     double period = closed ? input[1] - input[0] : 0;
-    find_part(b, &from, &to, limit);
+    find_part(motion, &from, &to, limit);
     double ends[2] = { limit[0] ? NAN : input[0] - shift, limit[1] ? NAN : input[1] - shift };
     for (int pass = 0; pass < 2; pass++)
         for (int i = 0; i < n; i++) {
@@ -105,14 +105,14 @@ static void add_reversals(lw_motion_curve *b, double shift, work *w, lw_fit_repo
     r->input_last = fmax(ends[0], ends[1]);
 }
 
-static bool turns_without_limit(const lw_motion_curve *b)
+static bool turns_without_limit(const lw_motion_curve *motion)
 {
     int n;
-    const lw_motion_curve_event *e = lw_motion_curve_events(b, &n);
+    const lw_motion_curve_event *e = lw_motion_curve_events(motion, &n);
     for (int i = 0; i < n; i++)
         if (e[i].kind == LW_EVENT_LIMIT)
             return false;
-    return lw_motion_curve_ended(b) == LW_MOTION_CURVE_CLOSED && lw_motion_curve_turns(b, -1) != 0;
+    return lw_motion_curve_ended(motion) == LW_MOTION_CURVE_CLOSED && lw_motion_curve_turns(motion, -1) != 0;
 }
 
 void lw_fit_report_curve(const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c, double from, double to,

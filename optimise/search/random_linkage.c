@@ -66,9 +66,10 @@ static void draw_point(drawing *d, const lw_step *s)
 static void step_point(drawing *d, const lw_step *s)
 {
     draw_point(d, s);
-    double complex arm = (s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0) + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
+    double complex lever_arm = (s->dim[0] >= 0 ? d->shape[s->dim[0]] : 0)
+                               + (s->dim[1] >= 0 ? I*d->shape[s->dim[1]] : 0);
     for (int k = 0; k < d->n; k++)
-        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + arm*d->reg[s->in[1]][k];
+        d->reg[s->out[0]][k] = d->reg[s->in[0]][k] + lever_arm*d->reg[s->in[1]][k];
 }
 
 static void step_line(drawing *d, const lw_step *s)

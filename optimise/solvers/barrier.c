@@ -5,17 +5,16 @@
 #include <string.h>
 #include "optimise/solvers/feasible.h"
 
-#define N_AGAIN     20           /* runs of a method in a stage                                   */
-#define PAYS        0.01         /* a further run follows one that lowered F by this part of k,   */
-                                 /* or of F where there is no k                                   */
+#define N_AGAIN     20           /* greatest number of runs of a method in a stage                */
+#define PAYS        0.01         /* run again if the last run lowered F by this part of k, or of F if k is 0 */
 #define N_STAGE     40
 #define F_TOL       1e-4         /* a stage is solved to this part of its k                       */
-#define EDGE        0.1          /* of the least g to be expected: k over the multipliers so far   */
+#define EDGE        0.1          /* of the least g to be expected: k / (multipliers so far)       */
 #define FIRST_STEP  0.1          /* variables are of order one                                    */
 #define MIN_STEP    1e-7
-#define WALL        1e3          /* above anything a sensible linkage scores, times 1 + f(start)  */
+#define WALL        1e3          /* above f of any useful linkage; times 1 + f(start)             */
 
-/* k ln(1/g), below `edge` its Taylor polynomial of second order at the edge. */
+/* k ln(1/g); below `edge` its second-order Taylor polynomial at the edge. */
 static double term(double k, double g, double edge, double *slope)
 {
     if (g >= edge) {
@@ -60,8 +59,8 @@ double lw_barrier_value(lw_record *r, double k, const double *x, double *grad)
     return barrier(r, k, 0.0, x, grad);
 }
 
-/* What stands for F outside.  grad comes in as the direction that lessens the opening, which is used
- * when no condition tells more. */
+/* Value that replaces F outside. On entry grad holds the direction that lets the linkage close better; it is used if no
+ * condition gives a better one. */
 static double wall_value(lw_barrier_stage *s, const double *x, double *grad)
 {
     size_t n = s->record->fn->n, m = s->record->fn->m;
@@ -116,7 +115,7 @@ static lw_barrier_stage new_stage(lw_record *r, double k)
     };
 }
 
-/* Is F lower below the edge than inside?  Then the edge is too far in: draw it back. */
+/* Is F lower below the edge than inside? Then the edge is too far inside: move it towards g = 0. */
 static bool draw_back_edge(lw_barrier_stage *s)
 {
     bool drawn = s->edge > 0.0 && s->lowest < s->best - PAYS*s->k;
@@ -126,7 +125,7 @@ static bool draw_back_edge(lw_barrier_stage *s)
     return drawn;
 }
 
-/* Run the method in the stage; leave the stage's best point in x. */
+/* Run the method in the stage; put the stage's best point into x. */
 static lw_stop run_stage(lw_barrier_stage *s, lw_minimise *method, bool again, double *x)
 {
     lw_stop why = LW_STOP_FAILED;
@@ -145,11 +144,11 @@ static lw_stop run_stage(lw_barrier_stage *s, lw_minimise *method, bool again, d
 lw_stop lw_single_run(lw_record *r, lw_minimise *method, double k, bool again, double *x)
 {
     lw_barrier_stage s = new_stage(r, k);
-    s.edge = EDGE*k;                                  /* multipliers of order one */
+    s.edge = EDGE*k;                                  /* for multipliers of order one */
     return run_stage(&s, method, again, x);
 }
 
-/* x becomes `other` when F of this stage is lower there. */
+/* Replace x by `other` if F of this stage is lower there. */
 static double take_lower(lw_barrier_stage *s, double here, const double *other, double *x)
 {
     double f = lw_barrier_value(s->record, s->k, other, NULL);
@@ -159,9 +158,9 @@ static double take_lower(lw_barrier_stage *s, double here, const double *other, 
     return f;
 }
 
-/* Where a stage starts: at the end x of the one before; or at the next optimum as guessed from the last
- * two, for the path x(k) is nearly straight at its end (Fiacco & McCormick 1968); or at the best
- * point so far, which a k too large may have left again.  Returns the way left to go. */
+/* Choose where a stage starts: at the end x of the stage before; or at the next optimum, extrapolated from the last
+ * two, since the path x(k) is nearly straight at its end (Fiacco & McCormick 1968); or at the best point so far, which
+ * a stage with too large a k may have left. Returns the expected distance to go. */
 static double choose_start(lw_barrier_stage *s, const double *older, double k_older, double k, double *x)
 {
     size_t n = s->record->fn->n;
@@ -180,8 +179,8 @@ static double choose_start(lw_barrier_stage *s, const double *older, double k_ol
     return fmin(fmax(way, MIN_STEP), FIRST_STEP);
 }
 
-/* Stages from k to its end, which is barrier_last of the best f: as many as barrier_ratio says, and one
- * for each time that f has fallen so far that the end has moved. */
+/* Number of stages from k to the last k, which is barrier_last times the best f: as given by barrier_ratio, and one
+ * more each time f has fallen so far that the last k has moved. */
 static int stages_left(const lw_record *r, double k, int planned)
 {
     if (k <= r->o->barrier_last*r->f*(1.0 + 1e-9))
@@ -201,7 +200,7 @@ lw_stop lw_barrier_run(lw_record *r, lw_minimise *method, double *x)
     for (int done = 0; done < N_STAGE && !r->stopped; done++) {
         int left = stages_left(r, k, planned - done);
         lw_barrier_stage s = new_stage(r, k);
-        if (left > 0) {                               /* an equal share of what is left */
+        if (left > 0) {                               /* an equal part of the remaining evaluations */
             s.f_tol = fmax(o->f_tol, F_TOL*k/r->f);
             s.last_eval = r->evals + (r->limit - r->evals)/(left + 1) + 1;
         }

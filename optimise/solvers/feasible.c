@@ -1,8 +1,8 @@
 /* optimise/solvers/feasible.c - see feasible.h.
  *
- * min h(x) = sum of max(0, margin - g_j(x))^2 within the bounds, by Levenberg's damping of Gauss-Newton
- * steps: with little damping the step is the shortest one that satisfies the violated conditions to
- * first order, which is what a repair wants. */
+ * min h(x) = sum of max(0, margin - g_j(x))^2 within the bounds, by Gauss-Newton steps with Levenberg's damping. With
+ * little damping this is the shortest step that satisfies the violated conditions to first order, so the repaired point
+ * stays near the given one. */
 #include "optimise/solvers/feasible.h"
 
 #include <math.h>
@@ -11,15 +11,15 @@
 #include "base/linalg.h"
 #include "base/rng.h"
 
-#define N_STEP     60          /* a step costs two evaluations of g, a rejected one               */
+#define N_STEP     60          /* a step costs two evaluations of g, also if it is rejected       */
 #define N_RANDOM   24
-#define INSIDE   1e-9          /* nearer to a condition, ln g of the barrier starts in a corner   */
+#define INSIDE   1e-9          /* closer to a condition, ln g of the barrier would be too steep   */
 
 typedef struct scratch {
     double a[LW_VAR_MAX*LW_VAR_MAX], diag[LW_VAR_MAX], b[LW_VAR_MAX], trial[LW_VAR_MAX];
 } scratch;
 
-/* h, and the least g. */
+/* Value of h; *least: the least g. */
 static double excess(lw_record *r, const double *x, double margin, double *least)
 {
     const double *g = lw_record_conditions(r, x, false);
@@ -36,8 +36,8 @@ static double excess(lw_record *r, const double *x, double margin, double *least
     return h;
 }
 
-/* Normal equations of the violated conditions at x; variables at a bound which they push outwards are
- * held. Returns the largest diagonal element. */
+/* Normal equations of the violated conditions at x. A variable at a bound that the step would cross stays fixed.
+ * Returns the largest diagonal element. */
 static double normal_equations(lw_record *r, const double *x, double margin, scratch *s)
 {
     size_t n = r->fn->n;
@@ -66,7 +66,7 @@ static double normal_equations(lw_record *r, const double *x, double margin, scr
     return largest;
 }
 
-/* One damped step from x to s->trial; false when the equations could not be solved. */
+/* One damped step from x to s->trial. False: the equations could not be solved. */
 static bool step(lw_record *r, const double *x, double margin, double damping, scratch *s)
 {
     size_t n = r->fn->n;
@@ -84,7 +84,7 @@ static bool step(lw_record *r, const double *x, double margin, double damping, s
     return true;
 }
 
-/* Lower h until every g >= enough; false when it gets stuck before. */
+/* Lower h until every g >= enough. False: no further progress before that. */
 static bool move_inside(lw_record *r, double *x, double margin, double enough, scratch *s)
 {
     double least, damping = 1e-10;
@@ -109,7 +109,7 @@ static bool move_inside(lw_record *r, double *x, double margin, double enough, s
     return least >= enough;
 }
 
-/* The largest margin that can be met from x. */
+/* Find the largest margin that can be reached from x. */
 static bool search_from(lw_record *r, double *x, scratch *s)
 {
     for (double margin = 1e-2; margin > 1e-12 && !lw_record_must_stop(r); margin *= 1e-2)

@@ -18,7 +18,7 @@ lw_lm_options lw_lm_options_default(void)
     return (lw_lm_options){ .max_steps = 300, .f_tol = 1e-10, .f_stop = 1e-30, .reassign = true };
 }
 
-/* The step's quadratic model over the variables that may move. */
+/* Quadratic model of f for the step, over the free variables. */
 typedef struct model {
     int    n, var[LW_QP_MAX];                       /* free variables                          */
     double h[LW_QP_MAX*LW_QP_MAX], g[LW_QP_MAX];    /* J'J (lower), J'r                        */
@@ -64,14 +64,14 @@ static void conditions(const lw_problem *p, const double *x, model *q)
     }
 }
 
-/* J'J and J'r from the rows. */
+/* Compute J'J and J'r from the rows. */
 static void normal_equations(const lw_problem *p, const lw_work *w, model *q)
 {
     lw_normal in = { q->n, w->n_row, q->var, w->row, w->res, (size_t)p->n_var, w->ld };
     lw_batch_normal(&p->plan, &in, q->h, q->g);
 }
 
-/* Solve for the damped step; returns the fall of f the model promises, or -1. */
+/* Solve for the damped step. Returns the decrease of f that the model predicts, or -1. */
 static double solve_step(model *q, double damping)
 {
     int n = q->n;
@@ -92,7 +92,7 @@ static double solve_step(model *q, double damping)
     return promise;
 }
 
-/* Inputs of free stations follow the step. */
+/* Move the inputs of free stations with the step. */
 static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
 {
     double *weight = w->try_theta;
@@ -109,7 +109,7 @@ static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
         lw_timing_order(p, w->phase, weight, w->pool);
 }
 
-/* f at x; jac and residuals are left in w. */
+/* f at x; residuals and Jacobian stay in w. */
 static double evaluate(const lw_problem *p, const double *x, lw_work *w)
 {
     if (p->timing == LW_TIMING_PRESCRIBED)
@@ -139,7 +139,7 @@ static void clip(const lw_problem *p, double *x)
         x[i] = fmin(fmax(x[i], p->lo[i]), p->hi[i]);
 }
 
-/* One accepted step, or none: LW_STOP_EVALS when it moved on, else why it cannot. */
+/* Try one step. LW_STOP_EVALS: a step was accepted; else the reason why none was. */
 static lw_stop advance(run *r, double *x)
 {
     const lw_problem *p = r->p;
@@ -179,7 +179,7 @@ static lw_stop advance(run *r, double *x)
     return LW_STOP_EVALS;
 }
 
-/* Asked to stop from outside? */
+/* Was a stop requested from outside? */
 static bool called_off(const run *r, lw_stop *why)
 {
     if (r->o->interrupt && *r->o->interrupt)
@@ -213,7 +213,7 @@ static lw_stop descend(run *r, double *x)
     return LW_STOP_EVALS;
 }
 
-/* A free station may belong elsewhere on the curve by now: assign anew, keep what is better. */
+/* Assign the free stations to the curve again, and keep the assignment if f is lower. */
 static bool reassigned(run *r, const double *x)
 {
     double *inputs = r->w->best_theta, f = r->f;
@@ -232,7 +232,7 @@ static bool reassigned(run *r, const double *x)
 double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
                      void *work, long *evals, lw_stop *stop)
 {
-    run r;                                               /* its model is too large to be cleared    */
+    run r;                                               /* not initialised: its model is too large to be cleared */
     bool closes = true;
     r.p = p;
     r.o = o;

@@ -1,4 +1,4 @@
-/* optimise/solvers/method.c - what all methods share: options, start, the last repair, the result. */
+/* optimise/solvers/method.c - what all methods share: options, start, final repair, result. */
 #include "optimise/solvers/method_internal.h"
 
 #include <math.h>
@@ -61,7 +61,7 @@ static lw_stop run_method(const lw_method *m, lw_record *r, double *x)
         return LW_STOP_X_TOL;
     if (!own_way && !m->global)
         return lw_barrier_run(r, m->minimise, x);
-    if (!isfinite(r->f) && r->fn->m > 0 && lw_feasible_start(r, x))     /* better than nothing */
+    if (!isfinite(r->f) && r->fn->m > 0 && lw_feasible_start(r, x))     /* better than no point */
         lw_record_value(r, x, NULL);
     double k = own_way ? 0.0 : r->o->barrier_last*(isfinite(r->f) ? r->f : 1.0);
     return lw_single_run(r, m->minimise, k, !m->global, x);
@@ -100,7 +100,7 @@ lw_status lw_method_run(const lw_method *m, const lw_function *fn, const lw_solv
 
 /* ---- a method on a fitting problem ------------------------------------------------------------------------ */
 
-/* f and g of a problem; work as for lw_problem_value, of this thread, initialised. */
+/* f and g of a problem. work is initialised and used by one thread, as for lw_problem_value. */
 typedef struct problem_call { const lw_problem *p; void *work; } problem_call;
 
 static double call_value(void *context, const double *x, double *grad)
@@ -131,8 +131,8 @@ static lw_function function_of(problem_call *call)
     };
 }
 
-/* Finite bounds for a search of the whole box: those of fn where finite, else lengths in [lo, 10],
- * coordinates in [-10, 10], angles in [-pi, pi] (scaled units, the target has size one); x is inside. */
+/* Finite bounds for a search of the whole box: those of fn where finite; else lengths in [lo, 10], coordinates in [-10,
+ * 10], angles in [-pi, pi] (scaled units, the target has size one). x lies inside. */
 static void search_box(const lw_problem *p, const double *x, double *lo, double *hi)
 {
     for (int i = 0; i < p->n_var; i++) {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* All three work column by column: the operations of one column do not wait for each other. */
+/* These functions work column by column, because the operations of one column do not depend on each other. */
 bool lw_qp_cholesky(int n, double *h)
 {
     double column[LW_QP_MAX];
@@ -47,8 +47,8 @@ static double dot(int n, const double *a, const double *b)
     return s;
 }
 
-/* The active conditions: rows L^-1 a as columns of an orthonormal q and a triangle r, remade from
- * scratch at every change: with so few unknowns that is cheaper than being clever. */
+/* The active conditions: rows L^-1 a as columns of an orthonormal matrix q and a triangle r. Both are recomputed at
+ * every change, which is cheap for so few unknowns. */
 typedef struct active {
     int    n, count;
     int    row[LW_QP_MAX];
@@ -76,7 +76,7 @@ static void remake(active *w, const double *l, const double *a)
     }
 }
 
-/* Split y = L^-1 a_p into its part z outside the active space and the multiplier change d. */
+/* Split y = L^-1 a_p into its part z outside the active space and the change d of the multipliers. */
 static double split(const active *w, const double *y, double *z, double *d)
 {
     int n = w->n;
@@ -109,8 +109,8 @@ static double gap_of(int n, int j, const double *a, const double *b, const doubl
     return dot(n, a + j*n, p) - b[j];
 }
 
-/* What rounding can make of a p on its way here, in condition j: p is known to a few units in the last
- * place in the metric of H only, where the way is at most `size` long. */
+/* Rounding error to expect in condition j: p is accurate to a few units in the last place only in the metric of H, in
+ * which the path to p is at most `size` long. */
 static double rounding(const active *w, int j, const double *l, const double *a, const double *b,
                        const double *p)
 {
@@ -154,7 +154,7 @@ static void grow(active *w, const double *l, const double *p)
     w->size = fmax(w->size, sqrt(y2));
 }
 
-/* Move p onto the active conditions, which it left by the rounding of its way. */
+/* Move p back onto the active conditions, which it left by the rounding of its path. */
 static void settle(const active *w, const double *l, const double *a, const double *b, double *p)
 {
     int n = w->n;
@@ -172,7 +172,7 @@ static void settle(const active *w, const double *l, const double *a, const doub
         p[c] += step[c];
 }
 
-/* Bring condition j in: move in primal and dual space until it holds. */
+/* Activate condition j: step in primal and dual space until it holds. */
 static bool bring_in(active *w, int j, double gap, const double *l, const double *a, double *p)
 {
     int n = w->n;
@@ -217,7 +217,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
 bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a, const double *b,
                  double *p)
 {
-    active w;                                   /* q and r are filled as far as they are read    */
+    active w;                                   /* q and r are set as far as they are read       */
     w.n = n;
     w.count = 0;
     for (int i = 0; i < n; i++)

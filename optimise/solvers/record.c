@@ -110,7 +110,7 @@ double lw_record_violation(lw_record *r, const double *x)
     return fmax(outside_bounds(r->fn, x), outside_conditions(r, x));
 }
 
-/* A better point: keep it, tell the caller. */
+/* Keep a better point and report it to the caller. */
 static void improve(lw_record *r, const double *x, double f)
 {
     r->f = f;
@@ -123,7 +123,7 @@ static void improve(lw_record *r, const double *x, double f)
 
 static void offer(lw_record *r, const double *x, double f)
 {
-    if (!(f < r->f))                                  /* the conditions are asked only when they matter */
+    if (!(f < r->f))                                  /* the conditions are evaluated only when they matter */
         return;
     double box = outside_bounds(r->fn, x), v = outside_conditions(r, x);
     if (box == 0.0 && v <= LW_FEASIBLE)

@@ -9,9 +9,9 @@
 
 /* ---- with line search: spectral projected gradient (Birgin, Martinez & Raydan 2000, SPG2) ----
  *
- * k is the step of Barzilai & Borwein 1988 from the last two gradients, the point is projected on the
- * bounds, and the way there is cut until F falls below the largest of its last MEMORY values
- * (Armijo's condition in the form of Grippo, Lampariello & Lucidi 1986). */
+ * k is the step of Barzilai & Borwein 1988 from the last two gradients. The point is projected on the bounds, and the
+ * step is shortened until F falls below the largest of its last MEMORY values (Armijo's condition in the form of
+ * Grippo, Lampariello & Lucidi 1986). */
 #define MEMORY     10
 #define PATIENCE   20            /* iterations without a new lowest F                             */
 #define ARMIJO     1e-4
@@ -21,14 +21,14 @@
 typedef struct descent {
     lw_barrier_stage *stage;
     size_t    n;
-    double    f, x[LW_VAR_MAX], g[LW_VAR_MAX];       /* present point                             */
-    double    d[LW_VAR_MAX];                         /* way to the projected gradient step        */
+    double    f, x[LW_VAR_MAX], g[LW_VAR_MAX];       /* current point                             */
+    double    d[LW_VAR_MAX];                         /* step to the projected gradient point      */
     double    slope;                                 /* g . d                                     */
     double    trial[LW_VAR_MAX], gt[LW_VAR_MAX];
     double    past[MEMORY];
 } descent;
 
-/* d = P(x - k g) - x; returns its largest component. */
+/* d = P(x - k g) - x. Returns its largest component. */
 static double direction(descent *s, double k)
 {
     const lw_function *fn = s->stage->record->fn;
@@ -42,7 +42,7 @@ static double direction(descent *s, double k)
     return largest;
 }
 
-/* Armijo along d; true with the new point in trial, gt and *f. */
+/* Armijo search along d. True: the new point is in trial, gt and *f. */
 static bool line_search(descent *s, double *f)
 {
     double reference = s->past[0], t = 1.0;
@@ -55,13 +55,13 @@ static bool line_search(descent *s, double *f)
         *f = lw_barrier_stage_value(s->stage, s->trial, s->gt);
         if (*f <= reference + ARMIJO*t*s->slope)
             return true;
-        double best = -0.5*t*t*s->slope/(*f - s->f - t*s->slope);      /* of the parabola */
+        double best = -0.5*t*t*s->slope/(*f - s->f - t*s->slope);      /* minimum of the parabola */
         t = best >= 0.1*t && best <= 0.9*t ? best : 0.5*t;
     }
     return false;
 }
 
-/* Step of Barzilai & Borwein for the next iteration; moves to the trial point. */
+/* Move to the trial point. Returns the step of Barzilai & Borwein for the next iteration. */
 static double accept(descent *s, double f, int iteration)
 {
     double ss = 0.0, sy = 0.0;
@@ -85,7 +85,7 @@ static lw_stop descend(descent *s)
         if (direction(s, 1.0) <= 1e-16*fmax(1.0, fabs(s->f)))
             return LW_STOP_GRADIENT;
         double f, move = direction(s, k);
-        if (move > 1.0)                               /* no variable moves further than one */
+        if (move > 1.0)                               /* no variable moves by more than one */
             direction(s, k/move);
         if (!line_search(s, &f))
             return lw_barrier_stage_over(s->stage) ? LW_STOP_EVALS : LW_STOP_X_TOL;
@@ -109,10 +109,10 @@ lw_stop lw_gradient(lw_barrier_stage *stage, const double *start)
     return descend(&s);
 }
 
-/* ---- literally: k is a number the user chose ----
+/* ---- literally: k is a number that the user chose ----
  *
- * Nothing is checked but the bounds: too large a k oscillates or leaves the set where F is defined,
- * which ends the run as failed; too small a k crawls. */
+ * Only the bounds are checked. If k is too large, x oscillates or leaves the set where F is defined, which ends the run
+ * as failed. If k is too small, progress is very slow. */
 lw_stop lw_gradient_fixed(lw_barrier_stage *stage, const double *start)
 {
     const lw_function *fn = stage->record->fn;

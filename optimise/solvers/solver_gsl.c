@@ -23,7 +23,7 @@
 
 #define N_ROUND     40
 #define N_STEP      200
-#define WELL_INSIDE 1e-11        /* conditions met; the repair does the rest                      */
+#define WELL_INSIDE 1e-11        /* violation of the conditions up to which the final repair does the rest */
 
 typedef struct lagrangian {
     lw_barrier_stage *stage;
@@ -32,7 +32,7 @@ typedef struct lagrangian {
     double   *res, *jac;                             /* of f (n_residual), (n_residual*n)         */
 } lagrangian;
 
-/* c_j(x): conditions first, then x - lo, hi - x; INFINITY where there is no bound. */
+/* c_j(x): conditions first, then x - lo, hi - x; INFINITY if there is no bound. */
 static double condition(const lagrangian *a, const double *x, const double *g, size_t j)
 {
     const lw_function *fn = a->stage->record->fn;
@@ -49,7 +49,7 @@ static const double *values(const gsl_vector *v, double *x)
     return x;
 }
 
-/* Residuals; where f is not defined, numbers so large that the step is refused. */
+/* Residuals; where f is not defined, numbers so large that the step is rejected. */
 static int residuals(const gsl_vector *at, void *data, gsl_vector *out)
 {
     lagrangian *a = data;
@@ -92,7 +92,7 @@ static int derivatives(const gsl_vector *at, void *data, gsl_matrix *out)
     return GSL_SUCCESS;
 }
 
-/* Minimise the sum for the present multipliers, from x; x gets the end. */
+/* Minimise the sum for the current multipliers, from x; x becomes the end point. */
 static lw_stop inner(lagrangian *a, gsl_multifit_nlinear_workspace *w, double *x)
 {
     const lw_solver_options *o = a->stage->record->o;
@@ -121,7 +121,7 @@ static lw_stop inner(lagrangian *a, gsl_multifit_nlinear_workspace *w, double *x
     return why;
 }
 
-/* New multipliers; returns the largest violation or unsettled multiplier. */
+/* Update the multipliers. Returns the largest violation or change of a multiplier. */
 static double update(lagrangian *a, const double *x)
 {
     const double *g = lw_record_conditions(a->stage->record, x, false);

@@ -1,10 +1,10 @@
-/* optimise/solvers/solver_nlopt.c - the methods of NLopt (Johnson, The NLopt nonlinear-optimization package),
- * the only file that knows it.
+/* optimise/solvers/solver_nlopt.c - the methods of NLopt (Johnson, The NLopt nonlinear-optimization package). No other
+ * file uses NLopt.
  *
- * Version 2.7.1: COBYLA and SLSQP may return a point that is not the best they saw, so the stage keeps
- * its own.  The random state is one a thread and seeded from the clock unless nlopt_srand was called in
- * that thread.  Stops are asked for by nlopt_force_stop; after it the objective answers at once, so
- * that methods which look at it late cost nothing. */
+ * In version 2.7.1 COBYLA and SLSQP may return a point that is not the best they saw, so the stage keeps its own best
+ * point. The random state belongs to the thread and is seeded from the clock unless nlopt_srand was called in that
+ * thread. Stops are requested by nlopt_force_stop. After a stop the objective returns at once, so methods that check
+ * for it late cost little. */
 #include <limits.h>
 #include <math.h>
 #include <nlopt.h>
@@ -13,9 +13,9 @@
 #include "optimise/solvers/feasible.h"
 #include "optimise/solvers/method_internal.h"
 
-/* What NLopt sees is F over the best f so far: Luksan's methods end at an absolute gradient of 1e-8,
- * long before an exact fit is exact. But their shortest step is 1e-10 times the gradient, so that
- * curvature has to stay well below 1e10. */
+/* NLopt minimises F divided by the best f so far, because Luksan's methods stop at an absolute gradient of 1e-8, long
+ * before an exact fit is exact. Their shortest step is 1e-10 times the gradient, so the curvature must stay well below
+ * 1e10. */
 #define SCALE_MAX 1e8
 
 typedef struct call { lw_barrier_stage *stage; nlopt_opt opt; double scale; } call;
@@ -47,7 +47,7 @@ static lw_stop reason(nlopt_result result, const lw_record *r)
     switch (result) {
     case NLOPT_STOPVAL_REACHED: return LW_STOP_F_TARGET;
     case NLOPT_SUCCESS:
-    case NLOPT_FAILURE:                                 /* Luksan's line search found nothing lower */
+    case NLOPT_FAILURE:                                 /* Luksan's line search found no lower point */
     case NLOPT_ROUNDOFF_LIMITED:
     case NLOPT_FTOL_REACHED:    return LW_STOP_F_TOL;
     case NLOPT_XTOL_REACHED:    return LW_STOP_X_TOL;
@@ -58,8 +58,8 @@ static lw_stop reason(nlopt_result result, const lw_record *r)
     }
 }
 
-/* First steps of the methods without gradient: a quarter of a narrow range at most, which BOBYQA
- * demands. Variables whose range is a point are left out by NLopt itself. */
+/* Set the first steps of the methods without gradient: at most a quarter of a narrow range, which BOBYQA demands. NLopt
+ * itself removes variables whose range is a point. */
 static nlopt_result set_steps(nlopt_opt opt, const lw_barrier_stage *s)
 {
     const lw_function *fn = s->record->fn;
@@ -71,7 +71,7 @@ static nlopt_result set_steps(nlopt_opt opt, const lw_barrier_stage *s)
     return nlopt_set_initial_step(opt, dx);
 }
 
-/* MLSL starts this one from the points that look good. */
+/* Set the local method that MLSL starts from promising points. */
 static nlopt_result set_local(nlopt_opt opt, unsigned n)
 {
     nlopt_opt local = nlopt_create(NLOPT_LD_SLSQP, n);
@@ -101,15 +101,15 @@ static bool set_up(nlopt_opt opt, steps kind, bool takes_constraints, call *c)
     bool ok = nlopt_set_lower_bounds(opt, fn->lo) > 0 && nlopt_set_upper_bounds(opt, fn->hi) > 0
            && nlopt_set_min_objective(opt, objective, c) > 0
            && nlopt_set_ftol_rel(opt, kind == BOX ? 0.0 : s->f_tol) > 0      /* a search of the box */
-           && nlopt_set_xtol_rel(opt, kind == BOX ? 0.0 : o->x_tol) > 0      /* uses all it is given */
+           && nlopt_set_xtol_rel(opt, kind == BOX ? 0.0 : o->x_tol) > 0      /* uses its whole budget */
            && nlopt_set_maxeval(opt, remaining_evals(s)) > 0;
-    if (ok && o->max_seconds > 0.0)                /* 0 would mean for ever */
+    if (ok && o->max_seconds > 0.0)                /* 0 would mean no limit */
         ok = nlopt_set_maxtime(opt, fmax(o->max_seconds - (lw_clock_wall() - r->started), 1e-6)) > 0;
     if (ok && kind == DESCENT)
         ok = nlopt_set_vector_storage(opt, 20) > 0;
     if (ok && kind == SIMPLE)
         ok = set_steps(opt, s) > 0;
-    if (ok && takes_constraints && fn->m > 0)      /* no tolerances: ours are applied by the record */
+    if (ok && takes_constraints && fn->m > 0)      /* no tolerances: the record applies ours */
         ok = nlopt_add_inequality_mconstraint(opt, (unsigned)fn->m, conditions, c, NULL) > 0;
     return ok;
 }

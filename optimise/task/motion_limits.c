@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#define TOLERANCE 1e-3            /* conditions are met to this part */
+#define TOLERANCE 1e-3            /* conditions are met to this relative accuracy */
 
 lw_motion_limits lw_motion_limits_begin(void)
 {
@@ -42,7 +42,7 @@ void lw_motion_limits_run(const lw_plan *plan, const lw_fit_spec *s, const doubl
             lw_motion_limits_pose(plan, s, &pose, w);
 }
 
-/* How far a fixed pivot is from where it has to be. */
+/* Distance of a fixed pivot from its zone. */
 static double astray(const lw_zone *z, lw_vec2 at)
 {
     if (z->kind == LW_ZONE_PIVOTS_BOX)

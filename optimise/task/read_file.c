@@ -20,7 +20,7 @@ lw_status lw_target_read_file(const char *path, const lw_target_options *o, lw_t
     return s;
 }
 
-/* The file named in a task lies beside it, unless its name begins at the root. */
+/* Path of a file named in a task: relative to the task's folder, unless the name is absolute. */
 static void beside(const char *path, const char *name, char *out, size_t size)
 {
     const char *slash = strrchr(path, '/');
@@ -28,7 +28,7 @@ static void beside(const char *path, const char *name, char *out, size_t size)
     snprintf(out, size, "%.*s%s", folder, path, name);
 }
 
-/* A target of a task: its own stations, or a file beside it. */
+/* Read a target of a task: its own stations, or a file named in it. */
 static lw_status read_source(const char *path, const char *name, const lw_target *own, const lw_target_options *o,
                              lw_target *read, const lw_target **part, lw_error *e)
 {

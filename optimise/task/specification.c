@@ -16,7 +16,7 @@ lw_fit_spec lw_fit_spec_default(void)
 
 enum { EDGES = 2 + 2*LW_ZONE_MAX };
 
-/* Does a forbidden zone hold the whole of a box? */
+/* Does a forbidden zone contain a whole box? */
 static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
 {
     if (no->kind == LW_ZONE_NO_BOX)
@@ -28,7 +28,7 @@ static bool swallows(const lw_zone *no, lw_vec2 lower, lw_vec2 upper)
 
 static double along(lw_vec2 p, bool y) { return y ? p.y : p.x; }
 
-/* Where a box is cut by the edges of the zones, in order, its own ends included. */
+/* Where the edges of the zones cut a box in one direction, in ascending order, with the box's own ends. */
 static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[EDGES])
 {
     double lo = along(box->at, y), hi = along(box->to, y);
@@ -52,7 +52,7 @@ static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[ED
     return n;
 }
 
-/* Is every piece of the box within one of the zones? */
+/* Is every piece of the box inside one of the zones? */
 static bool all_forbidden(const lw_fit_spec *s, const lw_zone *box)
 {
     double x[EDGES], y[EDGES];
@@ -69,7 +69,7 @@ static bool all_forbidden(const lw_fit_spec *s, const lw_zone *box)
     return true;
 }
 
-/* Is the square of the positions beside the place of the pivots? */
+/* Is the zone of the pivots outside the square of the permitted positions? */
 static bool out_of_range(const lw_fit_spec *s, const lw_zone *z)
 {
     double lo = s->position_lo, hi = s->position_hi, least = INFINITY, most = -INFINITY;

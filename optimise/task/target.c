@@ -24,7 +24,7 @@ double *lw_target_array(const lw_target *t, lw_target_field role)
     }
 }
 
-/* The arrays of further points; a weight that is not given is that of the stations. */
+/* Set the pointers to the arrays of further points. A point without weights uses those of the stations. */
 static void hand_out(lw_target *t, double *const p[LW_TARGET_FIELD_COUNT])
 {
     t->n_also = 0;
@@ -72,7 +72,7 @@ void lw_target_free(lw_target *t)
     *t = (lw_target){ .n = 0 };
 }
 
-/* Weights of the stations, or of a further point (from 0; -1: the first). */
+/* Check the weights of the stations, or of a further point (counted from 0; -1: the first point). */
 static lw_status check_weights(const lw_target *t, int point, lw_target_place *place, lw_error *e)
 {
     const double *weight = point < 0 ? t->weight : t->also[point].weight;
@@ -95,7 +95,7 @@ static double step(const double *x, const double *y, size_t i, size_t k)
     return hypot(x[k] - x[i], y[k] - y[i]);
 }
 
-/* The box made larger by n points; length of the polygon through them, not closed, and its longest side. */
+/* Extend the box by n points. Returns the length of the open polygon through them; *longest: its longest side. */
 static double run_along(const double *x, const double *y, size_t n, lw_vec2 *lo, lw_vec2 *hi, double *longest)
 {
     double length = 0;
@@ -109,8 +109,9 @@ static double run_along(const double *x, const double *y, size_t n, lw_vec2 *lo,
     return length;
 }
 
-/* Bounding box, closed or not (by guess: the gap is no longer than one and a half of the longest step,
- * or than a twentieth of the path: dense curves need not end at their beginning), length. */
+/* Set bounding box, length, and whether the path is closed. If `closed` is not given, the path is closed if the gap is
+ * at most one and a half of the longest step, or a twentieth of the path (dense curves need not end where they begin).
+ */
 static void measure(lw_target *t, int closed)
 {
     lw_vec2 lo = { t->x[0], t->y[0] }, hi = lo;

@@ -1,4 +1,5 @@
-/* optimise/task/target_dxf.c - the curve of a DXF file: groups of a code and a value, a line each (R12 to 2018). */
+/* optimise/task/target_dxf.c - read the curve of a DXF file: groups of a code and a value, one line each (R12 to 2018).
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +10,7 @@
 
 #define PIECE_MAX 20000
 
-/* What an entity says; a code that is not there is 0. */
+/* Values of an entity; 0 if a code is missing. */
 typedef struct entity {
     char   kind[16];
     double v[100];                     /* numbers by code, 10 .. 59 and 70                         */
@@ -44,7 +45,7 @@ static void take_line(lw_cursor *c, const char **text, size_t *size)
         --*size;
 }
 
-/* False at the end of the text; a code that is no number is a fault. */
+/* Read a group. *more false: end of the text. A code that is no number is an error. */
 static lw_status take_group(lw_cursor *c, group *g, bool *more)
 {
     const char *text;
@@ -86,7 +87,7 @@ static lw_status number(const reader *r, const group *g, double *v)
 
 static lw_vec2 point(const entity *n, int code) { return lw_v2(n->v[code], n->v[code + 10]); }
 
-/* A vertex of a polyline; the bulge of the one before, tan of a quarter of its sweep, bends the way to it. */
+/* Add a vertex of a polyline. The bulge of the vertex before, tan(sweep/4), makes the segment to this one an arc. */
 static void vertex(reader *r, lw_vec2 p, double bulge, long line)
 {
     lw_outline *c = &r->out;
@@ -100,7 +101,7 @@ static void vertex(reader *r, lw_vec2 p, double bulge, long line)
     r->bulge = bulge;
 }
 
-/* The end of a polyline: the way back to its beginning. */
+/* End a polyline; a closed one gets the segment back to its beginning. */
 static void close_polyline(reader *r, bool closed)
 {
     if (closed && r->out.n > 1) {
@@ -173,7 +174,7 @@ static void turn_round(lw_outline *c)
     }
 }
 
-/* Lines and arcs that meet end to end, in whatever order they stand. */
+/* Join lines and arcs that meet end to end, in any order of the file. */
 static lw_status join_pieces(reader *r)
 {
     lw_outline *c = &r->piece[0];
@@ -215,7 +216,7 @@ static lw_status join_pieces(reader *r)
 
 /* ---- entities ---------------------------------------------------------------------------------------------- */
 
-/* An entity is complete when the next begins. */
+/* Add an entity; it is complete when the next one begins. */
 static lw_status finish_entity(reader *r, const entity *n)
 {
     if (strcmp(n->kind, "LINE") == 0 || strcmp(n->kind, "ARC") == 0 || strcmp(n->kind, "CIRCLE") == 0)
@@ -230,7 +231,7 @@ static lw_status finish_entity(reader *r, const entity *n)
     return LW_OK;
 }
 
-/* One polyline is the target; which of two would be meant? */
+/* Begin a polyline. The target must be one polyline: of two it is not clear which is meant. */
 static lw_status begin_polyline(reader *r, const group *g)
 {
     if (r->n_outline++ == 0)
@@ -255,7 +256,7 @@ static lw_status begin_entity(reader *r, const group *g, entity *n, bool *closes
     return s;
 }
 
-/* The x of a vertex of an LWPOLYLINE ends the vertex before. */
+/* Take a value of an entity. The x of a vertex of an LWPOLYLINE ends the vertex before it. */
 static lw_status take_value(reader *r, const group *g, entity *n, int *vertices)
 {
     double v;
@@ -311,7 +312,7 @@ static lw_status set_unit(reader *r, const group *g)
     return s;
 }
 
-/* Up to and through the section of entities. */
+/* Read up to the section of entities and through it. */
 static lw_status read_sections(reader *r)
 {
     bool more = true, unit = false, section = false;

@@ -1,4 +1,4 @@
-/* What the comments and the header line of a target say: columns, units, closed or not. */
+/* Read the comments and the header line of a target: columns, units, closed or not. */
 #include "optimise/task/target_internal.h"
 
 #include <stdio.h>
@@ -19,7 +19,7 @@ static const struct { const char *name; char kind; } columns[] = {
     [COL_WEIGHT] = { "weight", '1' },
 };
 #define COLUMN_COUNT COUNT(columns)
-#define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* and of further points: x2 is COLUMN_COUNT + COL_X */
+#define NUMBERED_COUNT (COLUMN_COUNT*(1 + LW_ALSO_MAX))      /* further points: x2 is COLUMN_COUNT + COL_X */
 
 static const char *quote(lw_text_span s, char buf[48])
 {
@@ -29,8 +29,8 @@ static const char *quote(lw_text_span s, char buf[48])
 
 /* ---- units ------------------------------------------------------------------------------------- */
 
-/* Take a unit for lengths or angles, whichever it is; who says so is remembered for the message when
- * somebody else disagrees. */
+/* Take a unit for lengths or angles. who: where the unit is given, for the message when another place gives a different
+ * unit. */
 static lw_status take_unit(lw_header *h, const char *unit, const char *who, long line, long column, lw_error *e)
 {
     lw_units u = h->units;
@@ -68,7 +68,7 @@ static const char *find_unit(lw_text_span word)
     return NULL;
 }
 
-/* "mm deg" behind "# units:" */
+/* Read "mm deg" after "# units:". */
 static lw_status read_units(lw_header *h, const lw_lines *l, lw_text_span value, lw_error *e)
 {
     const char *start = l->line.s;
@@ -88,7 +88,7 @@ static lw_status read_units(lw_header *h, const lw_lines *l, lw_text_span value,
 
 /* ---- comments ---------------------------------------------------------------------------------- */
 
-/* The value of a comment "key: value". */
+/* Value of a comment "key: value". */
 static bool has_key(lw_text_span comment, const char *key, lw_text_span *value)
 {
     const char *colon = comment.s ? memchr(comment.s, ':', comment.n) : NULL;
@@ -119,7 +119,7 @@ static lw_status read_closed(lw_header *h, const lw_lines *l, lw_text_span value
     return LW_OK;
 }
 
-/* What the command line says overrules the comments, but not the names of columns. */
+/* Apply the options of the command line: they override comments, but not the names of columns. */
 static lw_status take_options(lw_header *h, const lw_target_options *o, lw_error *e)
 {
     if (o->closed >= 0)
@@ -154,7 +154,7 @@ lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines 
 /* ---- columns ----------------------------------------------------------------------------------- */
 
 typedef struct seen {
-    int     at[NUMBERED_COUNT];          /* column of the file, -1: not there */
+    int     at[NUMBERED_COUNT];          /* column of the file, -1: missing */
     long    place[NUMBERED_COUNT];       /* its byte in the header line, from 1 */
     lw_text_span name[NUMBERED_COUNT];
 } seen;
@@ -164,7 +164,7 @@ static bool of_a_point(int column)
     return column == COL_X || column == COL_Y || column == COL_THETA || column == COL_WEIGHT;
 }
 
-/* "theta", or "theta2" for the second point. */
+/* Find a column such as "theta", or "theta2" for the second point. */
 static int find_column(lw_text_span name)
 {
     int number = name.n > 1 && name.s[name.n - 1] > '0' && name.s[name.n - 1] <= '1' + LW_ALSO_MAX
@@ -176,7 +176,7 @@ static int find_column(lw_text_span name)
     return -1;
 }
 
-/* "x_mm" is x in mm; "theta_in" is a name of its own, not an angle in inches. */
+/* Split a unit off a name: "x_mm" is x in mm; "theta_in" is a name by itself, not an angle in inches. */
 static int split_name(lw_text_span name, const char **unit)
 {
     int found = find_column(name);
@@ -205,9 +205,9 @@ static lw_status unknown_column(const lw_header *h, lw_text_span name, long line
     snprintf(word, sizeof word, "%.*s", name.n < 31 ? (int)name.n : 31, name.s);
     const char *near = lw_suggest(word, names, COLUMN_COUNT);
     return lw_error_at(e, LW_E_NOTATION, h->file, line, place, "unknown column %s%s%s%s; columns are x, y, theta, "
-                       "angle or t, weight, lengths and angles also with their unit (x_mm, angle_deg); those of further "
-                       "points have their number, x2 .. x%d, theta2, weight2", quote(name, text), near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "",
-                       1 + LW_ALSO_MAX);
+                       "angle or t, weight, lengths and angles also with their unit (x_mm, angle_deg); those of "
+                       "further points have their number, x2 .. x%d, theta2, weight2", quote(name, text),
+                       near ? ", did you mean \"" : "", near ? near : "", near ? "\"?" : "", 1 + LW_ALSO_MAX);
 }
 
 static lw_status take_column(lw_header *h, seen *f, lw_text_span name, long line, long place, lw_error *e)
@@ -252,8 +252,8 @@ static void assign(lw_header *h, const seen *f, lw_target_field role, int c)
     h->factor[role] = kind == 'l' ? h->units.metre : kind == 'a' ? h->units.radian : 1;
 }
 
-/* Which of angle, theta, theta_in, t is the input and which the tool: `angle` is the input unless
- * theta_in is there. */
+/* Decide which of angle, theta, theta_in, t is the input and which the tool: `angle` is the input unless theta_in is
+ * there. */
 static lw_status assign_angles(lw_header *h, const seen *f, long line, lw_error *e)
 {
     const int *at = f->at;
@@ -289,11 +289,13 @@ static lw_status check_complete(const lw_header *h, long line, lw_error *e)
                        "angle (input) and theta (output)", missing);
 }
 
-/* Columns of a further point (from 0): x and y both, or theta, or all; after those of the points before it. */
+/* Assign the columns of a further point (counted from 0): x and y, or theta, or all three; they follow those of the
+ * points before it. */
 static lw_status assign_also(lw_header *h, const seen *f, int point, long line, lw_error *e)
 {
     static const struct { int column; lw_target_field role; } own[] = {
-        { COL_X, LW_TARGET_FIELD_X }, { COL_Y, LW_TARGET_FIELD_Y }, { COL_THETA, LW_TARGET_FIELD_THETA }, { COL_WEIGHT, LW_TARGET_FIELD_WEIGHT }
+        { COL_X, LW_TARGET_FIELD_X }, { COL_Y, LW_TARGET_FIELD_Y },
+        { COL_THETA, LW_TARGET_FIELD_THETA }, { COL_WEIGHT, LW_TARGET_FIELD_WEIGHT }
     };
     int base = (point + 1)*COLUMN_COUNT, number = point + 2, any = -1;
     for (int i = 0; i < COUNT(own); i++)
@@ -316,7 +318,8 @@ static lw_status assign_also(lw_header *h, const seen *f, int point, long line, 
                            "point %d; points are numbered without gaps", number, number - 1);
     if (c[0] >= 0 && h->column[LW_TARGET_FIELD_X] < 0)
         return lw_error_at(e, LW_E_NOTATION, h->file, line, f->place[base + COL_X], "there are x%d and y%d but no x "
-                           "and y; let the point with a path be the first, and its output angle theta2", number, number);
+                           "and y; let the point with a path be the first, and its output angle theta2", number,
+                           number);
     return LW_OK;
 }
 

@@ -1,10 +1,10 @@
-/* Several targets of one number of rows as one target of several points. */
+/* Join targets with the same number of rows into one target with several points. */
 #include "optimise/task/target_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* May part k be joined to the first? */
+/* Check that part k can be joined to the first one. */
 static lw_status check_part(const lw_target *first, const lw_target *part, int k, lw_error *e)
 {
     if (part->n != first->n)

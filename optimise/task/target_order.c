@@ -1,4 +1,4 @@
-/* Input angles of the stations: one point for one angle, in cyclic order. */
+/* Check and order the input angles of the stations: one point for one angle, in cyclic order. */
 #include "mbs/plan/plan.h"
 #include "optimise/task/target_internal.h"
 
@@ -7,10 +7,10 @@
 #include <stdlib.h>
 
 #define TURN      (2*LW_PI)
-#define ANGLE_EPS 1e-9       /* angles nearer than this are the same [rad]; so are points nearer than
-                              * this part of the size of the path */
+/* angles closer than this are equal [rad]; so are points closer than this part of the path's size */
+#define ANGLE_EPS 1e-9
 
-/* "line 7" of the file, or "station 6" when there was none. */
+/* "line 7" of the file, or "station 6" if there was no file. */
 static const char *where(const lw_target *t, size_t i, char buf[40])
 {
     if (t->line[i] > 0)
@@ -58,7 +58,7 @@ static lw_status repeated(const lw_target *t, size_t i, size_t k, lw_target_plac
                         where(t, first, text));
 }
 
-/* Turns of the input that a timing goes over: what comes again in another of them need not be the same. */
+/* Turns of the input over which a timing extends: an angle that occurs again in another turn may have another point. */
 static double span(const lw_target *t)
 {
     double least = INFINITY, most = -INFINITY;
@@ -82,7 +82,7 @@ static lw_status check_repeats(const lw_target *t, lw_target_place *place, lw_er
     for (size_t i = 0; s == LW_OK && i + 1 < t->n; i++)
         if (c[i+1].angle - c[i].angle <= ANGLE_EPS && !same_station(t, c[i].i, c[i+1].i))
             s = repeated(t, c[i].i, c[i+1].i, place, e);
-    size_t last = t->n - 1;                      /* just below a full turn is just above none */
+    size_t last = t->n - 1;                      /* just below a full turn equals just above 0 */
     if (s == LW_OK && once && last > 0 && c[0].angle + TURN - c[last].angle <= ANGLE_EPS &&
         !same_station(t, c[0].i, c[last].i))
         s = repeated(t, c[0].i, c[last].i, place, e);
@@ -92,8 +92,8 @@ static lw_status check_repeats(const lw_target *t, lw_target_place *place, lw_er
 
 /* ---- cyclic order ------------------------------------------------------------------------------ */
 
-/* Where the angles turn back when followed in the direction of `sense`, for the first time and for the
- * second; n when they never do. */
+/* Find the first and the second station where the angles go back when followed in the direction of `sense`; n if there
+ * is none. */
 static void find_turns(const lw_target *t, int sense, size_t turn[2])
 {
     int found = 0;
@@ -103,8 +103,8 @@ static void find_turns(const lw_target *t, int sense, size_t turn[2])
             turn[found++] = i;
 }
 
-/* With the part behind turn[0] moved by a full turn: is that a step forwards, and all one turn or less?  Or do they go on
- * throughout, over as many turns as gears may take to come back? */
+/* If the part after turn[0] is moved by a full turn: is that a step forwards, and is the whole at most one turn? Or do
+ * the angles always go forwards, over at most as many turns as gears may take to repeat? */
 static bool fits(const lw_target *t, int sense, const size_t turn[2])
 {
     const double *a = t->angle;
@@ -118,14 +118,14 @@ static bool fits(const lw_target *t, int sense, const size_t turn[2])
 
 static lw_status unsorted(const lw_target *t, int sense, const size_t turn[2], lw_target_place *place, lw_error *e)
 {
-    /* a step back by half a turn or more is taken for the wrap that is allowed */
+    /* a step back by half a turn or more counts as the one permitted wrap */
     bool wraps = turn[1] < t->n && fabs(t->angle[turn[0]] - t->angle[turn[0]-1]) >= LW_PI;
     size_t i = turn[wraps];
     char text[40];
     *place = (lw_target_place){ i < t->n ? i : t->n - 1, LW_TARGET_FIELD_ANGLE };
     if (i == t->n)
-        return lw_error_set(e, LW_E_ARG, "the input angles run over %.4g turns; a target is %d turns of the input at most, "
-                            "without turning back", span(t), LW_INPUT_TURNS_PER_PERIOD_MAX);
+        return lw_error_set(e, LW_E_ARG, "the input angles run over %.4g turns; a target is %d turns of the input at "
+                            "most, without turning back", span(t), LW_INPUT_TURNS_PER_PERIOD_MAX);
     return lw_error_set(e, LW_E_ARG, "the input angles %s up to %s and turn back here, from %.9g to %.9g %s; put the "
                         "lines in the order of their angles, or leave the column out if the timing does not matter",
                         sense > 0 ? "rise" : "fall", where(t, i - 1, text), t->angle[i-1]/t->units.radian,

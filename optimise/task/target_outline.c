@@ -1,4 +1,4 @@
-/* optimise/task/target_outline.c - from the points of a drawn curve to stations. */
+/* optimise/task/target_outline.c - make stations from the points of a drawn curve. */
 #include "optimise/task/target_outline_internal.h"
 
 #include <math.h>
@@ -37,14 +37,14 @@ void lw_outline_arc(lw_outline *c, lw_vec2 at, double sweep, lw_vec2 end, long l
     int n = (int)ceil(fmin(fabs(sweep)/(2*LW_PI), 1)*LW_OUTLINE_ARCS) + 1;
     if (c->n == 0)
         return;
-    lw_vec2 arm = lw_v2_sub(c->p[c->n - 1], at);
+    lw_vec2 radius = lw_v2_sub(c->p[c->n - 1], at);
     c->curved = true;
     for (int i = 1; i < n; i++)
-        lw_outline_add(c, lw_v2_add(at, lw_v2_turn(arm, lw_v2_polar(1, sweep*i/n))), line);
+        lw_outline_add(c, lw_v2_add(at, lw_v2_turn(radius, lw_v2_polar(1, sweep*i/n))), line);
     lw_outline_add(c, end, line);
 }
 
-/* Points in equal steps along the polygon, which is closed by its first point. */
+/* Place points at equal steps along the polygon; a closed one ends at its first point. */
 static lw_status spread(lw_outline *c, bool closed, lw_error *e)
 {
     size_t n = LW_OUTLINE_STATIONS, at = 0, last = c->n - (closed ? 0 : 1);
@@ -59,16 +59,16 @@ static lw_status spread(lw_outline *c, bool closed, lw_error *e)
     for (size_t i = 0; i < last; i++)
         length += lw_v2_norm(lw_v2_sub(c->p[(i + 1) % c->n], c->p[i]));
     for (size_t i = 0; i < n; i++) {
-        double want = length*(double)i/(double)(closed ? n : n - 1), step = 0;
+        double at_length = length*(double)i/(double)(closed ? n : n - 1), step = 0;
         for (; at < last; at++) {
             step = lw_v2_norm(lw_v2_sub(c->p[(at + 1) % c->n], c->p[at]));
-            if (before + step >= want)
+            if (before + step >= at_length)
                 break;
             before += step;
         }
         at = at < last ? at : last - 1;
         lw_vec2 a = c->p[at], b = c->p[(at + 1) % c->n];
-        double u = step > 0 ? fmin(1, (want - before)/step) : 0;
+        double u = step > 0 ? fmin(1, (at_length - before)/step) : 0;
         p[i] = lw_v2_add(a, lw_v2_scale(lw_v2_sub(b, a), u));
         line[i] = c->line[at];
     }

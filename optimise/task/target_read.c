@@ -1,4 +1,4 @@
-/* A target from CSV text (docs/notation.md, "Target"). */
+/* Read a target from CSV text (docs/notation.md, "Target"). */
 #include "optimise/task/target_internal.h"
 
 #include <math.h>
@@ -9,8 +9,9 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------- */
 
-/* A fault of the field that stands for `role`. */
-static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, lw_error *e)
+/* Report an error in the field of `role`. */
+static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field,
+                            lw_error *e)
 {
     long column = (long)(field.s - l->line.s) + 1;
     int n = field.n > 40 ? 40 : (int)field.n;
@@ -31,8 +32,8 @@ static lw_status bad_number(const lw_header *h, lw_target_field role, const lw_l
                        field.s, hint);
 }
 
-static lw_status read_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field, double *out,
-                             lw_error *e)
+static lw_status read_number(const lw_header *h, lw_target_field role, const lw_lines *l, lw_text_span field,
+                             double *out, lw_error *e)
 {
     double v, most = lw_field_most(role);
     if (lw_number_parse(field.s, field.n, &v) != LW_OK)
@@ -73,7 +74,7 @@ static lw_status read_row(const lw_header *h, const lw_lines *l, lw_target *t, s
     return s == LW_OK && n < h->n_column ? wrong_count(h, l, n, at, e) : s;
 }
 
-/* Byte at which the number of a role stands in the line of a station, for faults found later. */
+/* Byte at which the number of a role stands in the line of a station, for errors found later. */
 static long find_place(const lw_header *h, lw_lines l, long line, lw_target_field role)
 {
     size_t at = 0;

@@ -1,4 +1,4 @@
-/* optimise/task/target_svg.c - the first curve of an SVG file (paths: SVG 1.1, chapter 8). */
+/* optimise/task/target_svg.c - read the first curve of an SVG file (paths: SVG 1.1, chapter 8). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,10 +14,10 @@ typedef struct matrix { double a, b, c, d, e, f; } matrix;     /* x' = a x + c y
 
 typedef struct reader {
     lw_cursor  c;                      /* in the file                                              */
-    int        depth, hidden;          /* open elements; depth from which on nothing is shown, or 0 */
+    int        depth, hidden;          /* open elements; depth from which elements are hidden, or 0 */
     matrix     m[DEPTH_MAX];
     lw_outline out;
-    double     width, view;            /* of the root: in millimetres, in units; 0: not said       */
+    double     width, view;            /* of the root: in millimetres, in units; 0: not given      */
     bool       found;
 } reader;
 
@@ -45,7 +45,7 @@ static void skip_digits(lw_cursor *c)
         lw_cursor_next(c);
 }
 
-/* "1.5-2.25.5e3" are three: each ends where it can go on no more. */
+/* Read a number. "1.5-2.25.5e3" is three numbers: each ends where it cannot continue. */
 static lw_status take_number(lw_cursor *c, double *v)
 {
     skip_space(c, true);
@@ -81,7 +81,7 @@ static lw_status take_numbers(lw_cursor *c, double *v, int n)
     return s;
 }
 
-/* 0 or 1, which need nothing between them. */
+/* Read a flag, 0 or 1; flags need no separator. */
 static lw_status take_flag(lw_cursor *c, bool *flag)
 {
     skip_space(c, true);
@@ -97,12 +97,12 @@ static lw_status take_flag(lw_cursor *c, bool *flag)
 typedef struct pen {
     lw_outline *out;
     matrix      m;
-    lw_vec2     at, start, handle;     /* here, of the subpath, the last control point             */
+    lw_vec2     at, start, handle;     /* current point, start of the subpath, last control point  */
     int         last;                  /* command, in capitals; 0: none                            */
-    bool        drawn;                 /* something since the first M                              */
+    bool        drawn;                 /* something was drawn since the first M                    */
 } pen;
 
-/* To the page, and y turned up. */
+/* Point on the page, with y up. */
 static lw_vec2 on_page(const matrix *m, lw_vec2 p)
 {
     return lw_v2(m->a*p.x + m->c*p.y + m->e, -(m->b*p.x + m->d*p.y + m->f));
@@ -128,7 +128,7 @@ static void bezier(pen *p, lw_vec2 b, lw_vec2 c, lw_vec2 d, long line)
     line_to(p, d, line);
 }
 
-/* From ends to centre (SVG 1.1, F.6.5); radii that are too short are lengthened. */
+/* Convert an arc from end points to its centre (SVG 1.1, F.6.5); radii that are too short are enlarged. */
 static void arc_to(pen *p, lw_vec2 r, double turn, bool large, bool sweep, lw_vec2 to, long line)
 {
     lw_vec2 u = lw_v2_polar(1, turn), h = lw_v2_unturn(lw_v2_scale(lw_v2_sub(p->at, to), 0.5), u), start = p->at;
@@ -174,7 +174,7 @@ static lw_status do_curve(lw_cursor *c, pen *p, int command, lw_vec2 base, long 
     if (s != LW_OK)
         return s;
     p->handle = cubic ? d : b;
-    if (!cubic) {                              /* the cubic that is the same curve */
+    if (!cubic) {                              /* replace it by the equal cubic curve */
         d = lw_v2_scale(lw_v2_add(to, lw_v2_scale(b, 2)), 1.0/3);
         b = lw_v2_scale(lw_v2_add(p->at, lw_v2_scale(b, 2)), 1.0/3);
     }
@@ -199,7 +199,7 @@ static lw_status do_arc(lw_cursor *c, pen *p, lw_vec2 base, long line)
     return s;
 }
 
-/* Numbers of one command; the first has been looked for already. */
+/* Read the numbers of one command; the caller has found the first one. */
 static lw_status do_command(lw_cursor *c, pen *p, int command, bool relative)
 {
     lw_vec2 base = relative ? p->at : lw_v2(0, 0), q = p->at;
@@ -233,7 +233,7 @@ static lw_status do_command(lw_cursor *c, pen *p, int command, bool relative)
     return s;
 }
 
-/* One curve: a second M after something was drawn is a fault, for which of them is meant? */
+/* Read one curve. A second M after something was drawn is an error: it is not clear which curve is meant. */
 static lw_status read_path(lw_cursor *c, pen *p)
 {
     lw_status s = LW_OK;
@@ -267,7 +267,7 @@ static lw_status read_path(lw_cursor *c, pen *p)
     return s;
 }
 
-/* points="x,y x,y ..." */
+/* Read points="x,y x,y ...". */
 static lw_status read_points(lw_cursor *c, pen *p)
 {
     lw_status s = LW_OK;
@@ -345,7 +345,7 @@ static lw_status read_transform(lw_cursor *c, matrix *m)
 typedef struct element {
     char      name[24];
     lw_cursor at;
-    lw_cursor d, points, transform, width, view;    /* values; text NULL: not there              */
+    lw_cursor d, points, transform, width, view;    /* values; text NULL: missing                */
     bool      ends, empty;                          /* </x>, <x/>                                */
 } element;
 
@@ -396,7 +396,7 @@ static lw_status take_attribute(lw_cursor *c, element *el)
     return LW_OK;
 }
 
-/* The next tag; found false at the end of the text. */
+/* Read the next tag; *found false at the end of the text. */
 static lw_status take_element(lw_cursor *c, element *el, bool *found)
 {
     *found = false;
@@ -437,7 +437,7 @@ static lw_status take_element(lw_cursor *c, element *el, bool *found)
     return s;
 }
 
-/* width="120mm" over viewBox="x y 120 h" */
+/* Read the scale from width="120mm" and viewBox="x y 120 h". */
 static void read_scale(reader *r, const element *el)
 {
     static const struct { const char *unit; double mm; } rows[] = {

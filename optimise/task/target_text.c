@@ -1,4 +1,4 @@
-/* Lines and fields of a table written by people and spreadsheets. */
+/* Lines and fields of tables, as people and spreadsheets write them. */
 #include "optimise/task/target_internal.h"
 
 #include <string.h>
@@ -63,7 +63,7 @@ bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *
         if (i == line.n)
             return false;
     } else if (i > line.n) {
-        return false;                      /* the field behind the last separator was the last */
+        return false;                      /* the field after the last separator was the last one */
     }
     size_t start = i;
     while (i < line.n && (separator == ' ' ? !is_blank(line.s[i]) : line.s[i] != separator))

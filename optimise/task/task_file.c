@@ -10,9 +10,9 @@
 
 /* ---- pieces --------------------------------------------------------------------------------------------- */
 
-/* One of some words; *out is left alone when the key is not there. */
-static lw_status read_word(const lw_json_node *o, const char *key, const char *const *words, int n, int *out, bool *given,
-                           lw_error *e)
+/* Read one of several words; *out is unchanged if the key is missing. */
+static lw_status read_word(const lw_json_node *o, const char *key, const char *const *words, int n, int *out,
+                           bool *given, lw_error *e)
 {
     lw_json_node node;
     if (given)
@@ -30,7 +30,7 @@ static lw_status read_text(const lw_json_node *o, const char *key, char *out, si
     return lw_json_member(o, key, &node) ? lw_json_name(&node, out, size, e) : LW_OK;
 }
 
-/* true, false; -1 when it is not there. */
+/* Read true or false; -1 if the key is missing. */
 static lw_status read_yes(const lw_json_node *o, const char *key, int *out, lw_error *e)
 {
     lw_json_node node;
@@ -40,9 +40,9 @@ static lw_status read_yes(const lw_json_node *o, const char *key, int *out, lw_e
     return *out >= 0 ? LW_OK : lw_json_fault(&node, e, "true or false is expected here");
 }
 
-/* A number in least .. most, in a unit; left alone when it is not there. */
-static lw_status read_bounded(const lw_json_node *o, const char *key, double unit, double least, double most, double *out,
-                              lw_error *e)
+/* Read a number in least .. most, in a unit; unchanged if the key is missing. */
+static lw_status read_bounded(const lw_json_node *o, const char *key, double unit, double least, double most,
+                              double *out, lw_error *e)
 {
     bool given;
     lw_json_node node;
@@ -93,7 +93,7 @@ static lw_status read_positions(const lw_json_node *root, lw_task_file *b, lw_er
     return s;
 }
 
-/* [[x, y], [x, y]] with the lower left corner first. */
+/* Read [[x, y], [x, y]], the lower left corner first. */
 static lw_status read_box(const lw_json_node *n, double metre, lw_zone *z, lw_error *e)
 {
     lw_status s = lw_read_list(n, 2, 2, e);
@@ -102,7 +102,8 @@ static lw_status read_box(const lw_json_node *n, double metre, lw_zone *z, lw_er
         s = lw_read_pair(&corner, metre, i ? &z->to : &z->at, e);
     }
     if (s == LW_OK && !(z->at.x < z->to.x && z->at.y < z->to.y))
-        s = lw_json_fault(n, e, "the first corner must lie below and to the left of the second: this box holds nothing");
+        s = lw_json_fault(n, e, "the first corner must lie below and to the left of the second: this box holds "
+                          "nothing");
     return s;
 }
 
@@ -145,7 +146,7 @@ static lw_status add_zone(const lw_json_node *n, lw_task_file *b, lw_zone z, lw_
     return LW_OK;
 }
 
-/* {"box": ...} or, forbidden, {"circle": ...}, for pivots {"line": ..., "within": ...}. */
+/* Read {"box": ...}; or, if forbidden, {"circle": ...}; or, for pivots, {"line": ..., "within": ...}. */
 static lw_status read_zone(const lw_json_node *o, bool forbidden, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "box", "circle", "line", "within" };
@@ -203,7 +204,8 @@ static lw_status read_dwell(const lw_json_node *o, lw_task_file *b, lw_error *e)
         && (s = read_bounded(o, "weight", 1, 1e-9, 1e9, &d->weight, e)) == LW_OK && lw_json_member(o, "at", &n))
         s = lw_read_pair(&n, b->units.metre, &d->at, e);
     if (s == LW_OK && !(d->from < d->to))
-        s = lw_json_fault(o, e, "a dwell goes from a smaller to a greater input; from %g to %g holds nothing", d->from, d->to);
+        s = lw_json_fault(o, e, "a dwell goes from a smaller to a greater input; from %g to %g holds nothing", d->from,
+                          d->to);
     d->from *= angle;
     d->to *= angle;
     d->points = (int)points;
@@ -240,7 +242,7 @@ static double column_unit(const lw_task_file *b, int column)
          : f == LW_TARGET_FIELD_THETA || f == LW_TARGET_FIELD_ANGLE ? b->units.radian : 1;
 }
 
-/* {"x": 1, "y": 2, ...}; every station has the same keys as the first. */
+/* Read {"x": 1, "y": 2, ...}; every station has the same keys as the first. */
 static lw_status read_station(const lw_json_node *o, const lw_task_file *b, bool first, bool has[LW_TARGET_FIELD_COUNT],
                               double v[LW_TARGET_FIELD_COUNT], lw_error *e)
 {
@@ -253,17 +255,17 @@ static lw_status read_station(const lw_json_node *o, const lw_task_file *b, bool
         if (first)
             has[c] = given;
         if (given != has[c])
-            s = lw_json_fault(o, e, "every station has the same numbers as the first one: \"%s\" is %s", column_names[c],
-                              given ? "new here" : "missing");
+            s = lw_json_fault(o, e, "every station has the same numbers as the first one: \"%s\" is %s",
+                              column_names[c], given ? "new here" : "missing");
         else if (given && (s = lw_json_number(&n, &v[c], e)) == LW_OK)
             v[c] *= column_unit(b, c);
     }
     return s;
 }
 
-/* The further points among columns; *n_also of them. */
-static lw_status gather_also(const lw_json_node *list, double *const column[LW_TARGET_FIELD_COUNT], lw_also also[LW_ALSO_MAX],
-                             int *n_also, lw_error *e)
+/* Collect the further points among the columns; *n_also of them. */
+static lw_status gather_also(const lw_json_node *list, double *const column[LW_TARGET_FIELD_COUNT],
+                             lw_also also[LW_ALSO_MAX], int *n_also, lw_error *e)
 {
     *n_also = 0;
     for (int i = 0; i < LW_ALSO_MAX; i++) {
@@ -278,7 +280,8 @@ static lw_status gather_also(const lw_json_node *list, double *const column[LW_T
     return LW_OK;
 }
 
-static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size_t n, double *v, lw_target *t, lw_error *e)
+static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size_t n, double *v, lw_target *t,
+                           lw_error *e)
 {
     bool has[LW_TARGET_FIELD_COUNT] = { false };
     double one[LW_TARGET_FIELD_COUNT], *column[LW_TARGET_FIELD_COUNT];
@@ -296,15 +299,15 @@ static lw_status read_rows(const lw_json_node *list, const lw_task_file *b, size
     lw_error why = { .text = "" };
     if (s == LW_OK)
         s = gather_also(list, column, also, &n_also, e);
-    if (s == LW_OK && lw_target_make_all(n, column[LW_TARGET_FIELD_X], column[LW_TARGET_FIELD_Y], column[LW_TARGET_FIELD_THETA],
-                                         column[LW_TARGET_FIELD_ANGLE], column[LW_TARGET_FIELD_WEIGHT], also, n_also, b->closed, t,
-                                         &why) != LW_OK)
+    if (s == LW_OK && lw_target_make_all(n, column[LW_TARGET_FIELD_X], column[LW_TARGET_FIELD_Y],
+                                         column[LW_TARGET_FIELD_THETA], column[LW_TARGET_FIELD_ANGLE],
+                                         column[LW_TARGET_FIELD_WEIGHT], also, n_also, b->closed, t, &why) != LW_OK)
         s = lw_json_fault(list, e, "%.300s", why.text);
     t->units = b->units;
     return s;
 }
 
-/* A target in the task itself. */
+/* Read a target that is written in the task itself. */
 static lw_status read_stations(const lw_json_node *from, const lw_task_file *b, lw_target *t, lw_error *e)
 {
     lw_json_node list;
@@ -321,7 +324,8 @@ static lw_status read_stations(const lw_json_node *from, const lw_task_file *b, 
     return s;
 }
 
-static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char *target, lw_target *stations, lw_error *e)
+static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char *target, lw_target *stations,
+                             lw_error *e)
 {
     lw_status s = read_text(o, "target", target, LW_TASK_FILE_TEXT, e);
     if (s == LW_OK)
@@ -334,7 +338,7 @@ static lw_status read_source(const lw_json_node *o, const lw_task_file *b, char 
 
 static const char *const carrier_names[] = { "any", "input", "coupler", "output" };
 
-/* "tracers": the first point and further ones, each with its target and, but the first, its link. */
+/* Read "tracers": the first point and further points, each with its target; the further ones also with a link. */
 static lw_status read_tracers(const lw_json_node *list, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = { "target", "stations", "link" };
@@ -357,7 +361,7 @@ static lw_status read_tracers(const lw_json_node *list, lw_task_file *b, lw_erro
     return s;
 }
 
-/* "point_links": of further points that are columns of the target. */
+/* Read "point_links": the links of further points that are columns of the target. */
 static lw_status read_carriers(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     lw_json_node list;
@@ -373,7 +377,7 @@ static lw_status read_carriers(const lw_json_node *root, lw_task_file *b, lw_err
     return s;
 }
 
-/* Where the points come from: "tracers", or one target with all columns. */
+/* Read where the points come from: "tracers", or one target with all columns. */
 static lw_status read_sources(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const other[] = { "target", "stations", "point_links" };
@@ -417,7 +421,8 @@ static bool links_suit(const lw_task_file *b)
 
 static lw_status links_fault(const lw_json_node *root, const lw_task_file *b, lw_error *e)
 {
-    static const char *const links[] = { "one freedom and pins have 4, 6, 8 or 10", "two freedoms and pins have 5, 7 or 9",
+    static const char *const links[] = { "one freedom and pins have 4, 6, 8 or 10",
+                                         "two freedoms and pins have 5, 7 or 9",
                                          "three freedoms and pins have 8 or 10" };
     lw_json_node o;
     if (!lw_json_member(root, "links", &o))
@@ -462,8 +467,9 @@ static lw_status read_conditions(const lw_json_node *root, lw_task_file *b, lw_e
 static lw_status read_root(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     static const char *const known[] = {
-        "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task", "timing", "links", "dof", "joints",
-        "topology", "crank", "weights", "transmission", "acceleration", "lengths", "positions", "pivots", "forbidden", "dwell"
+        "linkwright-task", "$schema", "name", "units", "target", "stations", "tracers", "point_links", "closed", "task",
+        "timing", "links", "dof", "joints", "topology", "crank", "weights", "transmission", "acceleration", "lengths",
+        "positions", "pivots", "forbidden", "dwell"
     };
     lw_json_node version;
     double number;
@@ -545,7 +551,7 @@ static lw_status add_dwell(const lw_dwell *d, const lw_target *from, station *s,
     return LW_OK;
 }
 
-/* The target with the stations of its dwells. */
+/* Make the target with the stations of its dwells. */
 static lw_status add_dwells(const lw_task_file *b, const lw_target *from, lw_target *t, lw_error *e)
 {
     enum { COLUMNS = LW_TARGET_FIELD_ALSO };
@@ -585,8 +591,8 @@ lw_status lw_task_file_target(const lw_task_file *b, const lw_target *from, lw_t
     if (b->n_dwell > 0 && !from->angle)
         return lw_error_set(e, LW_E_ARG, "a dwell needs the input angles of the stations (angle)");
     if (b->n_dwell > 0 && from->n_also > 0)
-        return lw_error_set(e, LW_E_ARG, "a dwell says where one point rests, and the target has %d; write the stations of "
-                            "the dwell out", 1 + from->n_also);
+        return lw_error_set(e, LW_E_ARG, "a dwell says where one point rests, and the target has %d; write the "
+                            "stations of the dwell out", 1 + from->n_also);
     lw_status st = b->n_dwell > 0 ? add_dwells(b, from, t, e) : lw_target_join(&from, 1, t, e);
     if (st != LW_OK)
         return st;

@@ -111,8 +111,8 @@ static bool best_input(chain_job *job, const lw_mechanism *m, lw_packed_mechanis
             bool ground = m->link[j][0] == m->ground || m->link[j][1] == m->ground;
             lw_packed_mechanism f = *best;
             int n;
-            if (!ground || !lw_joint_can_drive(m->kind[j]) || lw_joint_turns(m->kind[j]) != !pass || !try_input(job, j, &f, &n)
-                || (found && f.turn >= best->turn))
+            if (!ground || !lw_joint_can_drive(m->kind[j]) || lw_joint_turns(m->kind[j]) != !pass
+                || !try_input(job, j, &f, &n) || (found && f.turn >= best->turn))
                 continue;
             found = true;
             *links = n;
@@ -389,16 +389,16 @@ bool lw_mechanism_set_name(void *context, const lw_linkage *k, char *name, size_
 {
     const lw_mechanism_set *set = context;
     unsigned outline = outline_of_linkage(k);
-    lw_graph want, have;
+    lw_graph form, other_form;
     lw_linkage l;
-    if (!lw_linkage_canonical_form(k, &want))
+    if (!lw_linkage_canonical_form(k, &form))
         return true;
     for (int i = 0; i < set->n; i++)
         for (int n = 0; set->stage[i].links == k->n_link && n < set->stage[i].n_family; n++) {
             const lw_packed_mechanism *f = &set->stage[i].family[n];
             const lw_numbered_chain *c = &set->stage[i].list[f->chain];
             if (outline_of(c, f) == outline && lw_packed_mechanism_sketch(c, f, &set->ratio, &l) == LW_OK
-                && lw_linkage_canonical_form(&l, &have) && memcmp(&want, &have, sizeof want) == 0) {
+                && lw_linkage_canonical_form(&l, &other_form) && memcmp(&form, &other_form, sizeof form) == 0) {
                 lw_packed_mechanism_name(c, f, &set->ratio, false, name, size);
                 return true;
             }
