@@ -1,10 +1,10 @@
-/* Which instruction set serves the batch, and how much scratch it needs. */
+/* Choose the instruction set for the batch, and count the scratch it needs. */
 #include "mbs/batch/kernels_internal.h"
 
 #ifdef __x86_64__
 extern const lw_kernels lw_kernels_x86_64, lw_kernels_x86_64_v3, lw_kernels_x86_64_v4;
 
-/* The features of the psABI's level 4 and 3 that compilers make use of in these loops. */
+/* The features of levels 4 and 3 of the x86-64 psABI that compilers use in these loops. */
 static bool runs_v4(void)
 {
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
@@ -34,15 +34,15 @@ extern const lw_kernels lw_kernels_native;
 const lw_kernels *lw_kernels_supported(int rank) { return rank == 0 ? &lw_kernels_native : NULL; }
 #endif
 
-/* Registers and their adjoints (two numbers each), margin, zeros and a row to throw away; a root's
- * reciprocal a dyad; cosine and sine an angle; dimensions and modes spread over the lanes, derivatives by
- * the dimensions. */
+/* Rows of a block: registers and their adjoints (two numbers each); margin and three spare rows; the reciprocal of a
+ * root for each dyad; cosine and sine of each angle; dimensions and modes copied to every lane; derivatives by the
+ * dimensions. */
 size_t lw_lane_rows(const lw_plan *p)
 {
     return 4*(size_t)p->n_reg + 4 + (size_t)p->n_dyad + (size_t)p->n_mode + 2*(size_t)p->n_angle + 2*(size_t)p->n_dim;
 }
 
-/* The padded last group of inputs and outputs; eight accumulators a sum. */
+/* Rows of the padded last group of inputs and outputs, and eight accumulators for each sum. */
 static size_t group_rows(const lw_plan *p) { return 16 + 4*(size_t)p->n_dim + (size_t)p->n_mode; }
 
 size_t lw_inverse_rows(const lw_plan *p)
@@ -53,14 +53,12 @@ size_t lw_inverse_rows(const lw_plan *p)
     return rows;
 }
 
-/* Registers of eight lanes. */
 size_t lw_continuation_size(const lw_plan *p)
 {
     return (lw_lane_rows(p) + group_rows(p))*LW_GROUP;
 }
 
-/* Beside the lanes' own: for higher groups their inverses, where they are in a chunk of lanes, and what it
- * takes to follow them. */
+/* Higher groups add their inverses, their poses in a chunk of lanes, and the rows to follow them. */
 size_t lw_batch_work_size(const lw_plan *p)
 {
     size_t n = lw_lane_rows(p)*LW_BLOCK + group_rows(p)*LW_GROUP;

@@ -1,25 +1,25 @@
-/* mbs/batch/batch.h - many poses at once, laid out so that one instruction serves eight of them.
+/* mbs/batch/batch.h - many poses at once, laid out so that one instruction computes eight of them.
  *
- * A lane is one pose.  Arrays over lanes are contiguous.  Dimensions are either one set for all
- * lanes (a linkage over many inputs) or one set a lane (many candidates): `dim_stride` is 0 or the
- * distance between dim[d] of lane k and dim[d+1] of lane k, dim[d*dim_stride + k].  Modes likewise.
+ * A lane is one pose.  Arrays over lanes are contiguous.  Dimensions are either one set for all lanes (a linkage over
+ * many inputs; dim_stride is 0) or one set a lane (many candidates): dimension d of lane k is dim[d*dim_stride + k].
+ * Modes have mode_stride in the same way.
  *
- * Outputs must not overlap inputs: some lanes may be worked out twice, with the same bits.
+ * Outputs must not overlap inputs, because some lanes may be computed twice, with the same bits.
  *
- * Lanes that cannot close are answered by the nearest pose that nearly closes (square root of a
- * negative number taken as 0) and tell so in `margin`; no NaN as long as lengths and coordinates lie
- * below 1e70 (their fourth power must be a number); below 1e-70 they count as 0.
- *     margin = least over the dyads of  the squared sine of the angle at which its two circles or
- *              lines meet at the solution, negative when they do not meet [1]
- * so sqrt(margin) is the sine of the transmission angle of an RRR dyad, 0 at a dead point.
+ * For a lane that cannot close, the result is the nearest pose that almost closes (the square root of a negative number
+ * is replaced by 0), and `margin` is negative.  No result is NaN while lengths and coordinates are below 1e70, so that
+ * their fourth power is finite.  Lengths below 1e-70 count as 0.
+ *     margin = least over the dyads of  the squared sine of the angle between the two circles or lines at the point
+ *              where they meet; negative when they do not meet [1]
+ * so sqrt(margin) is the sine of the transmission angle of an RRR dyad; it is 0 at a dead point.
  *
  * Higher groups (mbs/plan/plan.h).  Their margin is n over the squared Frobenius norm of the inverse Jacobian with
- * unit columns, n unknowns: of a dyad it is the same number.  With mode_stride 0 the lanes are followed from
- * the seed, in their order when their inputs rise or fall (then also over more than a turn), else in the order
- * of the input; steps in between are as short as it takes for the Jacobian to stay regular over each.  With
- * dim_stride or mode_stride each lane is followed from its own seed.  A lane that is not reached has the last
- * posture on the way and the margin minus how far its input lies beyond [rad, or over lw_plan_size]; -1 when
- * there is no posture near the seed.  The way ends at limits and at branch points of a group. */
+ * unit columns, for n unknowns; for a dyad this is the same number.  With mode_stride 0 the lanes are followed from the
+ * seed: in their own order when their inputs only rise or only fall (then also over more than a turn), else in the
+ * order of the input.  The steps are so short that the Jacobian stays regular over each.  With dim_stride or
+ * mode_stride each lane is followed from its own seed.  The continuation ends at limits and at branch points of a
+ * group.  A lane beyond gets the last posture before that point, and as margin minus the distance of its input from
+ * there [rad, or over lw_plan_size]; the margin is -1 when there is no posture near the seed. */
 #ifndef LW_MBS_BATCH_BATCH_H
 #define LW_MBS_BATCH_BATCH_H
 
@@ -30,43 +30,44 @@ typedef struct lw_lanes {
     const double *c, *s;        /* input: cos, sin in the ground frame; or displacement [m], unused */
     const double *dim;          /* (n_dim) or (n_dim * dim_stride)                                */
     size_t        dim_stride;
-    const double *mode;         /* (n_mode), or (n_mode * mode_stride), see mbs/plan/plan.h            */
+    const double *mode;         /* (n_mode), or (n_mode * mode_stride), see mbs/plan/plan.h       */
     size_t        mode_stride;
 } lw_lanes;
 
-/* Bytes of scratch for the calls below, whatever n; 64-byte aligned scratch is fastest. */
+/* Bytes of scratch for the calls below; they do not depend on n.  Scratch aligned to 64 bytes is fastest. */
 size_t lw_batch_work_size(const lw_plan *plan);
 
-/* Positions of output `which` [m] (and direction of its link as unit vector, when u, v are given) of
- * every lane, in the plane (x0, y0, theta0 applied).  u and v may be NULL, both; margin may be NULL. */
+/* Compute for every lane the position (x, y) of output `which` [m] and the direction (u, v) of its link as a unit
+ * vector, in the plane (moved by x0, y0, theta0).  u and v may both be NULL; margin may be NULL. */
 void lw_batch_point(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *x, double *y, double *u, double *v, double *margin);
 
-/* The same in the ground frame of the linkage, not moved by x0, y0, theta0, for the link's ORIGIN
- * and direction: what a linear fit of place, size and tracer needs,
+/* The same for the link's ORIGIN and direction in the ground frame of the linkage, not moved by x0, y0, theta0.  A
+ * linear fit of place, size and tracer uses them:
  *     P = z0 + a (o + c d),   z0, a, c complex. */
 void lw_batch_frame(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     double *ox, double *oy, double *dx, double *dy, double *margin);
 
-/* Positions and their exact derivatives, dim_stride = mode_stride = 0 only.  jx[d*ld + k] is d x / d dim[d] of lane
- * k; jt: of the angle of the output's link [rad], may be NULL.  tx, ty, tt: derivative of x, y, angle by the input. */
+/* Compute positions and their exact derivatives, for dim_stride = mode_stride = 0 only.  jx[d*ld + k] is the derivative
+ * of x by dim[d] in lane k; jy of y; jt of the angle of the output's link [rad], may be NULL.  tx, ty, tt: derivatives
+ * of x, y and the angle by the input; may be NULL. */
 typedef struct lw_jacobian { double *x, *y, *u, *v, *margin, *jx, *jy, *jt, *tx, *ty, *tt; size_t ld; } lw_jacobian;
 void lw_batch_jacobian(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                        const lw_jacobian *out);
 
-/* f = sum over lanes of w |P - T|^2 (w NULL: 1) and its gradient by every dimension in one pass; one set
- * of dimensions.  Returns f; *margin the least margin, may be NULL.  The fits use the Jacobian instead; this function
- * carries the figure "3 ns a point with sum of squares and gradient by nine dimensions"
+/* Return f = sum over lanes of w |P - T|^2 (w NULL: 1) and its gradient by every dimension, in one pass, for one set of
+ * dimensions.  *margin is the least margin; it may be NULL.  The fits use the Jacobian instead.  The benchmark
+ * "3 ns a point with sum of squares and gradient by nine dimensions" measures this function
  * (tests/bench/bench_kernel.c). */
 double lw_batch_sum(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                     const double *tx, const double *ty, const double *w, double *grad, double *margin);
 
-/* The normal equations of a least-squares step: from rows over lanes, column v of component r at
- * row[(r*row_step + v)*ld], component r of the residual at res[r*ld], to the lower triangle of J'J,
+/* Compute the normal equations of a least-squares step.  Column v of component r is the row over lanes at
+ * row[(r*row_step + v)*ld], component r of the residual that at res[r*ld].  The lower triangle of J'J is
  *     h[i*n + j] = sum over components and lanes of column[i] times column[j],  j <= i,
- * and g[i], the same with the residual.  ld: a multiple of 8, rows 0 beyond the last lane. */
+ * and g[i] = J'r is the same sum with the residual.  ld is a multiple of 8; rows are 0 beyond the last lane. */
 typedef struct lw_normal {
-    int           n, n_row;     /* columns taken, components                                      */
+    int           n, n_row;     /* number of columns, of components                               */
     const int    *column;       /* (n)                                                            */
     const double *row, *res;
     size_t        row_step, ld;

@@ -1,4 +1,4 @@
-/* Lanes in blocks: from the caller's arrays through the steps of the plan to the caller's arrays. */
+/* Run the steps of a plan over blocks of lanes, from the caller's arrays to the caller's arrays. */
 #include "mbs/batch/kernel_run_internal.h"
 
 /* ---- lanes in blocks ----------------------------------------------------------------------------------- */
@@ -8,8 +8,8 @@ static void set_ground(const run *k, int which)
     ground_rows(k, k->plan->output_fast_dyad[which].applies ? 0 : k->nb);
 }
 
-/* Points of a fast-dyad plan with one set of dimensions need no rows of their own: all lanes are one block.
- * Frames over candidates need none but zeros, when all their numbers come from the caller. */
+/* Lanes per block.  Points of a fast-dyad plan with one set of dimensions use no rows of the block: all lanes are one
+ * block.  Frames of many candidates read only zeros beside the caller's numbers. */
 static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, const rows *out, int frame)
 {
     const lw_fast_dyad *f = &plan->output_fast_dyad[which];
@@ -20,7 +20,7 @@ static size_t block_size(const lw_plan *plan, const lw_lanes *in, int which, con
     return frame && f->beta < 0 && in->dim_stride && in->mode_stride ? LW_ZEROS : LW_BLOCK;
 }
 
-/* One set of numbers copied to every lane. */
+/* Copy one set of numbers to every lane. */
 static void spread(double *to, const double *from, int count, size_t nb)
 {
     for (int d = 0; d < count; d++)
@@ -28,7 +28,7 @@ static void spread(double *to, const double *from, int count, size_t nb)
             to[(size_t)d*nb + i] = from[d];
 }
 
-/* Dimensions and modes of the lanes: both shared, or both per lane. */
+/* Set dimensions and modes of the lanes: both shared, or both per lane.  Returns whether they are per lane. */
 static int set_numbers(run *k, const lw_lanes *in, size_t first)
 {
     int per_lane = in->dim_stride || in->mode_stride;
@@ -51,7 +51,7 @@ static int set_numbers(run *k, const lw_lanes *in, size_t first)
     return per_lane;
 }
 
-/* Inputs, and group_poses of higher groups, from lane `first` on. */
+/* Set the inputs and the poses of higher groups, from lane `first` on. */
 static void at_lanes(run *k, const lw_lanes *in, size_t first)
 {
     k->c = in->c + first;
@@ -60,7 +60,7 @@ static void at_lanes(run *k, const lw_lanes *in, size_t first)
     k->group_pose_row = LW_CHUNK + LW_GROUP;
 }
 
-/* The lanes from `first` on, fewer than a group, as a full group: the last one repeated. */
+/* Copy the lanes from `first` on, fewer than a group, to a full group that repeats the last lane. */
 static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
 {
     const lw_plan *p = k->plan;
@@ -79,7 +79,7 @@ static lw_lanes pad(const run *k, const lw_lanes *in, size_t first)
     return out;
 }
 
-/* Where a padded group puts its outputs, after its inputs: row i. */
+/* Row i of the outputs of a padded group, behind its inputs. */
 static double *tail_row(const run *k, size_t i)
 {
     return k->tail + (2 + (size_t)k->plan->n_mode + (size_t)k->plan->n_dim + i)*LW_GROUP;
@@ -100,7 +100,7 @@ static double *at(double *row, size_t first) { return row ? row + first : NULL; 
 
 /* ---- points and frames ----------------------------------------------------------------------------------- */
 
-/* Turned by theta0 and, points, shifted by x0, y0 into the plane. */
+/* Move into the plane: turn by theta0, and shift points by x0, y0. */
 LW_INLINE void move(const run *k, size_t n, const double *px, const double *py, double *restrict x, double *restrict y,
                     const int per_lane, const int shift)
 {
@@ -190,7 +190,7 @@ static void points(const lw_plan *plan, const lw_lanes *in, int which, void *wor
     }
 }
 
-/* What is wanted of the chunks of a plan with higher groups. */
+/* Arguments of `points` for the chunks of a plan with higher groups. */
 typedef struct chunk_points { const lw_plan *plan; int which, frame; const rows *out; } chunk_points;
 
 static void points_of_chunk(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses)
@@ -222,7 +222,8 @@ static void kernel_frame(const lw_plan *plan, const lw_lanes *in, int which, voi
 
 /* ---- Jacobian --------------------------------------------------------------------------------------------- */
 
-/* One component: seeds on the output's point or direction, derivatives to `row`, by the input to `input`. */
+/* Derivatives of one component of the output.  seed, turn: adjoints of its point and direction; derivatives by the
+ * dimensions go to `row`, by the input to `input`. */
 static void component(run *k, int which, size_t n, lw_vec2 seed, double turn, double *row, size_t ld, double *input)
 {
     const lw_plan *p = k->plan;
@@ -345,7 +346,7 @@ static void kernel_jacobian(const lw_plan *plan, const lw_lanes *in, int which, 
 
 /* ---- sum of squares with gradient ---------------------------------------------------------------------------- */
 
-/* Eight sums, lane by lane number modulo eight, so that vector width does not change their order. */
+/* Add lane i to sum i modulo eight, so that the vector width does not change the order of additions. */
 static void accumulate(double *acc, const double *row, size_t n)
 {
     double a0 = acc[0], a1 = acc[1], a2 = acc[2], a3 = acc[3], a4 = acc[4], a5 = acc[5], a6 = acc[6], a7 = acc[7];
@@ -367,7 +368,7 @@ static double total(const double *acc)
     return ((acc[0] + acc[4]) + (acc[2] + acc[6])) + ((acc[1] + acc[5]) + (acc[3] + acc[7]));
 }
 
-/* Residuals to seeds: the adjoint of the point in the ground frame, the place's share, and f. */
+/* From the residuals: f, its derivatives by x0, y0, theta0, and the adjoint of the point in the ground frame. */
 LW_INLINE void seed_sum(const run *k, int which, size_t n, const target *t, double *restrict f, const int weighted)
 {
     const lw_plan *p = k->plan;
@@ -416,13 +417,13 @@ static void keep_least(double *restrict acc, const double *margin, size_t n)
             acc[j] = lw_at_most(margin[i + j], acc[j]);
 }
 
-/* The sums of a fast-dyad plan to their dimensions: twice, the square's derivative. */
+/* Write the sums of a fast-dyad plan to the gradient by its dimensions; 2 comes from the square. */
 static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
 {
     const lw_fast_dyad *f = &p->output_fast_dyad[which];
     const struct { int dim; const double *acc; } to[] = {
         { f->r2, a->r2 }, { f->e_in, a->e_in }, { f->b, a->b }, { f->e, a->e },
-            { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
+        { f->beta < 0 ? -1 : p->angle[f->beta], a->beta },
         { f->d1, a->d1 }, { f->d2, a->d2 }, { p->i_cx[which], a->cx }, { p->i_cy[which], a->cy },
         { p->i_x0, a->x0 }, { p->i_y0, a->y0 }, { p->i_theta0, a->turn }
     };
@@ -433,7 +434,7 @@ static void scatter(const lw_plan *p, int which, const sums *a, double *grad)
             grad[to[i].dim] = 2*total(to[i].acc);
 }
 
-/* The targets of a padded group; weight 0 for the padding. */
+/* Targets of a padded group; the padding has weight 0. */
 static target pad_target(const run *k, const target *t, size_t first, size_t rest)
 {
     double *x = tail_row(k, 0), *y = tail_row(k, 1), *w = tail_row(k, 2);

@@ -1,69 +1,69 @@
-/* mbs/batch/kernel_certified_step_internal.h - one certified step of the continuation of higher groups: eight
- * postures are tried, and it is proved which of them lie on the motion curve.  Included by kernel_continuation.c alone.
+/* mbs/batch/kernel_certified_step_internal.h - one step of the continuation of higher groups: try eight postures and
+ * prove which of them lie on the motion curve.  Included by kernel_continuation.c alone.
  *
- * Eight inputs, each further along than the one before, are tried at once; each starts from a polynomial through the
- * postures behind.  The step between two neighbouring postures is certified when Newton's method has converged at both
- * and no posture near the curve between them is singular.  One end proves it for its half of the step, the other end
- * for the other half.  With J the Jacobian at one end, K a quarter turn of every loop's two rows and B = J^-1 K
- * J, a column of the Jacobian that is turned by t changes J^-1 J' by  sin t B_j - (1 - cos t) e_j  and no more; so
- * in a box |x' - x| <= r, with z second order in r,
+ * The eight inputs follow each other along the path.  Newton's method starts at each from a polynomial through the
+ * postures before.  The step between two neighbouring postures is certified when Newton's method has converged at both
+ * and no posture near the curve between them is singular.  Each end proves this for its half of the step.
+ *
+ * Let J be the Jacobian at one end, K a quarter turn of every loop's two rows and B = J^-1 K J.  Turning column j of
+ * the Jacobian by t changes J^-1 J' by  sin t B_j - (1 - cos t) e_j.  All Jacobians in a box |x' - x| <= r are regular,
+ * and the box has at most one solution, when
  *     |J^-1 (J' - J)| r <= |B| z(r) + r t^2/2 <= CONTRACTION r < r
- * (Krawczyk 1969; Neumaier 1990, section 5.1) keeps all of its Jacobians regular and its solutions apart; where the
- * input is a joint of the group, what it alone turns or moves of a column Q adds |J^-1 dQ| r.  r is half
- * the movement, what it bends, and how far the polynomial was wrong at the further end, which bounds its error in
- * between; it is widened where that helps. */
+ * with z of second order in r (Krawczyk 1969; Neumaier 1990, section 5.1).  If the input is a joint of the group, it
+ * changes the columns by dQ of its own, which adds |J^-1 dQ| r.  The box r holds half the movement, its curvature, and
+ * the error of the polynomial at the far end, which bounds the error in between.  It is widened when that helps. */
 #ifndef LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_CERTIFIED_STEP_INTERNAL_H
 
 #include "mbs/batch/kernel_newton_internal.h"
 
-#define PAST 16                            /* postures kept behind                                    */
-#define NODES 6                            /* postures a polynomial goes through                      */
-#define COARSE 1e-10                       /* squared step of Newton's method after which one more,   */
-#define COARSE_LAST 1e-14                  /* with the old inverse, is enough when as short as this   */
-#define FINE 1e-24                         /* where none follows                                      */
-#define ROUNDING 1e-30                     /* over the margin: what rounding leaves of a squared step */
+#define PAST 16                            /* postures kept from the steps before                     */
+#define NODES 6                            /* postures that a polynomial passes through               */
+#define COARSE 1e-10                       /* after this squared step of Newton's method one more step */
+#define COARSE_LAST 1e-14                  /* with the old inverse follows, which must be this short   */
+#define FINE 1e-24                         /* after this squared step none follows                     */
+#define ROUNDING 1e-30                     /* divided by the margin: squared step left by rounding     */
 #define CONTRACTION 0.7
-#define GEARED_MOST 0.5                    /* a turn in a group with gears, as far as boxes go        */
+#define GEARED_MOST 0.5                    /* largest turn in a box of a group with gears             */
 
 /* A posture of the higher groups. */
 typedef struct place { double t, row[LW_GROUP_ROW_MAX]; } place;
 
-/* How far the way has been gone. */
-typedef struct stand {
+/* The progress of the continuation. */
+typedef struct progress {
     place   past[PAST];                    /* a ring; the newest at `head`                            */
     int     head, n_past;
-    double  stride;                        /* step to try next, > 0                                   */
+    double  stride;                        /* next step to try, > 0                                   */
     lw_vec2 known[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];     /* known directions of slides                */
     double  bend[LW_INVERSE_MAX];          /* |B| of each group                                       */
     double  push[LW_INVERSE_MAX];          /* |J^-1 dQ| of each column, by the input                  */
-} stand;
+} progress;
 
 typedef struct follower {
-    stand   at;
+    progress   at;
     run     k;                             /* eight lanes                                             */
     const lw_plan *plan;
     double  size;
-    bool    past_seed;                        /* past the seed                                           */
+    bool    past_seed;                     /* false while Newton's method looks for the seed posture  */
     bool    pushed;                        /* the input is a joint of a group                         */
-    bool    tight;                         /* a group or dyad is near its limit: lane by lane         */
+    bool    tight;                         /* near the limit of a group or dyad: do not interpolate   */
     bool    lost;                          /* no posture near the seed                                */
-    bool    fine;                          /* postures are wanted to rounding, with their inverses    */
-    int     at_lane;                       /* of the last trial: the present                          */
+    bool    fine;                          /* converge to rounding, with an inverse at the solution   */
+    int     at_lane;                       /* the last posture accepted is this one of the last try   */
     pack    c, s;
-    pack    row[LW_GROUP_ROW_MAX];               /* of the last trial                                       */
-    pack    guess[LW_GROUP_ROW_MAX];             /* where it began                                          */
+    pack    row[LW_GROUP_ROW_MAX];         /* rows of the last try                                    */
+    pack    guess[LW_GROUP_ROW_MAX];       /* its first guess                                         */
     pack    bend[LW_INVERSE_MAX], push[LW_INVERSE_MAX];
     pack    known_x[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX], known_y[LW_HIGHER_MAX][LW_HIGHER_DIR_MAX];
-    mask    sure;
-    pack    margin;                        /* of its groups, the least                                */
-    pack    need;                          /* room it takes over what there is                        */
+    mask    certified;
+    pack    margin;                        /* the least of all groups                                 */
+    pack    need;                          /* size needed for the box over its size, <= 1: certified  */
     eight   group[LW_HIGHER_MAX];
 } follower;
 
-static const place *back(const stand *a, int n) { return &a->past[(a->head + n)%PAST]; }
+static const place *back(const progress *a, int n) { return &a->past[(a->head + n)%PAST]; }
 
-/* ---- one trial in eight lanes ---------------------------------------------------------------------------- */
+/* ---- postures at eight inputs ---------------------------------------------------------------------------- */
 
 static void set_input(follower *f, pack t)
 {
@@ -78,10 +78,10 @@ static void set_input(follower *f, pack t)
     f->s = get8(s);
 }
 
-/* A posture a polynomial goes through: row r is row[r*step]. */
+/* A posture that a polynomial passes through: row r is row[r*step]. */
 typedef struct node { double t; const double *row; size_t step; } node;
 
-/* Of the polynomial through n nodes what does not depend on where it is taken. */
+/* The constants of the polynomial through n nodes: products of 1/(t_a - t_b). */
 static void constants(const node *at, int n, double *by)
 {
     for (int a = 0; a < n; a++) {
@@ -92,7 +92,7 @@ static void constants(const node *at, int n, double *by)
     }
 }
 
-/* Weights of n nodes in the polynomial through them, at t. */
+/* Weights of the n nodes in the polynomial through them, at t. */
 LW_INLINE void weights(const node *at, int n, const double *by, pack t, pack *weight)
 {
     pack before = all8(1), after = all8(1);
@@ -106,8 +106,8 @@ LW_INLINE void weights(const node *at, int n, const double *by, pack t, pack *we
     }
 }
 
-/* Those behind that are as far apart as the step is long. */
-static int nodes_behind(const stand *a, double longest, node *to)
+/* Select earlier postures whose distances suit the length of the step. */
+static int nodes_behind(const progress *a, double longest, node *to)
 {
     static const double reach[NODES] = { 0, 0.25, 0.5, 0.6, 0.8, 1 };
     double now = back(a, 0)->t;
@@ -120,7 +120,7 @@ static int nodes_behind(const stand *a, double longest, node *to)
     return n;
 }
 
-/* Row by row the nodes' weighted sum, directions made unit vectors (near: they are so but for a thousandth). */
+/* The weighted sum of the nodes, with directions made unit vectors.  near: their lengths are within 0.001 of 1. */
 LW_INLINE void blend(const lw_higher *g, const node *at, int n, const pack *weight, const int near, pack *row)
 {
     int first = g->first_row, turned = first + 2*g->n_turn;
@@ -170,7 +170,7 @@ static void keep_rows(follower *f, const eight *w)
     }
 }
 
-/* How many lanes from the first on have steps that are short, or shrink. */
+/* The number of lanes, from the first on, whose steps are short or become shorter. */
 static int shrinking(pack last, pack before, int n)
 {
     mask not = ~((mask)(last <= 0.25) & (mask)(last <= more8(0.25*before, all8(COARSE_LAST))));
@@ -180,16 +180,16 @@ static int shrinking(pack last, pack before, int n)
     return n;
 }
 
-/* Newton's method until its steps are short.  A lane whose steps do not shrink is given up, and those behind it, which
- * could not be sure either; `last` is then infinite, else the squared length of the last step. */
-LW_INLINE void arrive(const int n, eight *w, bool past_seed, bool fine, pack *last)
+/* Apply Newton's method until its steps are short.  A lane whose steps do not become shorter is given up, with all
+ * lanes behind it, which could not be certified.  *last: squared length of the last step; infinite where given up. */
+LW_INLINE void converge(const int n, eight *w, bool past_seed, bool fine, pack *last)
 {
     pack before = all8(INFINITY);
     int alive = LW_GROUP;
     for (int i = 0; i < (past_seed ? 8 : 40); i++) {
         double now = 0;
         newton_of(n, w);
-        *last = go(w);
+        *last = apply_step(w);
         if (past_seed)
             alive = shrinking(*last, before, alive);
         for (int j = 0; j < alive; j++)
@@ -203,13 +203,13 @@ LW_INLINE void arrive(const int n, eight *w, bool past_seed, bool fine, pack *la
         measure(w);
     } else {
         newton_again_of(n, w);
-        *last = go(w);
+        *last = apply_step(w);
     }
     for (int j = alive; j < LW_GROUP; j++)
         (*last)[j] = INFINITY;
 }
 
-/* Where the inverse of a group begins. */
+/* The index at which the inverse of a group begins. */
 static size_t inverse_at(const follower *f, const lw_higher *g)
 {
     size_t at = 0;
@@ -218,9 +218,9 @@ static size_t inverse_at(const follower *f, const lw_higher *g)
     return at;
 }
 
-/* ---- what is sure ----------------------------------------------------------------------------------------- */
+/* ---- certificates ----------------------------------------------------------------------------------------- */
 
-/* By how much a group has moved since the lane before, and at most how far off its polynomial was. */
+/* moved: movement of each unknown since the lane before; off: bound of the error of its polynomial. */
 static void movement(const follower *f, const lw_higher *g, pack *moved, pack *off)
 {
     const double *present = back(&f->at, 0)->row + g->first_row;
@@ -236,7 +236,7 @@ static void movement(const follower *f, const lw_higher *g, pack *moved, pack *o
     }
 }
 
-/* What moves the columns beside the unknowns: the input where it is a joint of the group, slides on known links. */
+/* Other movements that change columns: the input, if it is a joint of the group, and turns of slides on known links. */
 typedef struct drift { pack input, known[LW_HIGHER_DIR_MAX]; } drift;
 
 static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
@@ -254,7 +254,7 @@ static void drifts(const follower *f, const lw_higher *g, pack t, drift *to)
     }
 }
 
-/* z: by how much each column changes in a box of sides r, times r. */
+/* z: the change of each column in a box of sides r, times r. */
 LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
 {
     const lw_higher *g = w->g;
@@ -275,7 +275,7 @@ LW_INLINE void bend(const eight *w, const drift *by, const pack *r, pack *z)
     }
 }
 
-/* |J^-1 (J' - J)| r but for the second order: |B| z, and what the input does beside. */
+/* to = |B| z and the part of the input: |J^-1 (J' - J)| r without the term r t^2/2. */
 LW_INLINE void bent(const int n, const eight *w, const pack *b, const pack *push, const drift *by, const pack *r,
                     const pack *z, pack *to)
 {
@@ -287,6 +287,7 @@ LW_INLINE void bent(const int n, const eight *w, const pack *b, const pack *push
             to[i] += push[i*n + c]*r[c]*by->input;
     }
 }
+
 /* B = J^-1 K J, where K turns the rows of loops. */
 LW_INLINE void quarter_rows(const int n, const eight *w, const int loops, pack *b)
 {
@@ -299,8 +300,8 @@ LW_INLINE void quarter_rows(const int n, const eight *w, const int loops, pack *
         }
 }
 
-/* The rows G of gears stay as they are when a column is turned, so that of its second order, (1 - cos t) e_j, a part
- * J^-1 (0, G) is missing: at most t/4 of it and t^2 for turns below GEARED_MOST, which are all that are let. */
+/* The rows G of gears do not change when a column is turned.  So the second order (1 - cos t) e_j lacks a part
+ * J^-1 (0, G), of which t/4 is an upper bound for turns t below GEARED_MOST; larger turns are rejected. */
 LW_INLINE void quarter_of(const int n, const eight *w, pack *b)
 {
     if (!w->g->n_gear) {
@@ -318,15 +319,15 @@ LW_INLINE void quarter_of(const int n, const eight *w, pack *b)
         }
 }
 
-/* Add |J^-1 dQ| where dQ, in column c, has (x, y) in the two rows of a loop. */
+/* Add |J^-1 dQ|, where dQ has (x, y) in column c and the two rows of a loop. */
 LW_INLINE void push_loop(const eight *w, const int n, int loop, int c, pack x, pack y, pack *push)
 {
     for (int r = 0; r < n; r++)
         push[r*n + c] += abs8(w->inv[r*n + 2*loop]*x + w->inv[r*n + 2*loop + 1]*y);
 }
 
-/* By 1 of the input: a turn of what it turns (a quarter of its second order too, for steps below 1/2), the columns
- * that have its displacement. */
+/* |J^-1 dQ| for a change of the input by 1: the input turns some columns (a quarter of the second order is added, for
+ * steps below 1/2) and displaces others. */
 LW_INLINE void pushes_of(const int n, const eight *w, pack *push)
 {
     const lw_higher *g = w->g;
@@ -354,10 +355,9 @@ LW_INLINE void pushes_of(const int n, const eight *w, pack *push)
 }
 LW_BY_SIZE(pushes, (const eight *w, pack *push), w, push)
 
-/* Are the Jacobians in the box, or in a wider one, regular?  The room that it takes over what there is, <= 1. */
+/* Test whether all Jacobians in the box, or in a wider one, are regular: *need <= 1. */
 LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack *push, const drift *by,
-                          const pack *box,
-                          pack *need)
+                          const pack *box, pack *need)
 {
     pack r[LW_UNKNOWN_MAX], z[LW_UNKNOWN_MAX], s[LW_UNKNOWN_MAX];
     for (int i = 0; i < n; i++)
@@ -381,7 +381,8 @@ LW_INLINE void regular_of(const int n, const eight *w, const pack *b, const pack
 LW_BY_SIZE(regular, (const eight *w, const pack *b, const pack *push, const drift *by, const pack *box, pack *need),
            w, b, push, by, box, need)
 
-LW_INLINE void compare(const int n, follower *f, const eight *w, pack t)
+/* Certify the steps of the eight lanes, each from the lane before. */
+LW_INLINE void certify(const int n, follower *f, const eight *w, pack t)
 {
     const lw_higher *g = w->g;
     drift by;
@@ -404,15 +405,15 @@ LW_INLINE void compare(const int n, follower *f, const eight *w, pack t)
     regular(w, b, push, &by, r, &here);
     regular(w, b_before, push_before, &by, r, &there);
     f->need = more8(more8(here, there), f->need);
-    f->need = choose8(f->sure, f->need, all8(INFINITY));
-    f->sure &= (mask)(f->need <= 1);
+    f->need = choose8(f->certified, f->need, all8(INFINITY));
+    f->certified &= (mask)(f->need <= 1);
 }
 
-/* Group w in the eight lanes. */
+/* Solve group w in the eight lanes. */
 LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
 {
     pack last, row = { 0 }, most = all8(COARSE_LAST);
-    arrive(n, w, f->past_seed, f->fine, &last);
+    converge(n, w, f->past_seed, f->fine, &last);
     if (!f->fine)
         measure_of(n, w);
     f->margin = less8(w->margin, f->margin);
@@ -423,15 +424,16 @@ LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
     quarter_of(n, w, f->bend + inverse_at(f, w->g));
     if (w->driven)
         pushes(w, f->push + inverse_at(f, w->g));
-    for (int c = 0; c < n; c++)                              /* of what is singular, 0 */
+    for (int c = 0; c < n; c++)                              /* 0 for a singular Jacobian */
         row += w->inv[c]*w->inv[c];
-    f->sure &= (mask)(last <= most) & (mask)(row > 0);
+    f->certified &= (mask)(last <= most) & (mask)(row > 0);
     if (f->past_seed)
-        compare(n, f, w, t);
+        certify(n, f, w, t);
 }
 LW_BY_SIZE(solve, (eight *w, follower *f, pack t), w, f, t)
 
-static void trial(follower *f, pack t)
+/* Find the postures at eight inputs; certified, need, margin and row tell about each. */
+static void try_steps(follower *f, pack t)
 {
     node behind[NODES];
     pack weight[NODES];
@@ -441,7 +443,7 @@ static void trial(follower *f, pack t)
     constants(behind, n, by);
     weights(behind, n, by, t, weight);
     set_input(f, t);
-    f->sure = ~(mask){ 0 };
+    f->certified = ~(mask){ 0 };
     f->need = (pack){ 0 };
     f->margin = all8(1);
     put8(f->k.margin, all8(1));
@@ -460,10 +462,10 @@ static void trial(follower *f, pack t)
     }
 }
 
-/* Lanes first .. last of the trial become the past. */
+/* Accept the first `count` postures of the last try. */
 static void accept(follower *f, pack t, int count)
 {
-    stand *a = &f->at;
+    progress *a = &f->at;
     for (int j = 0; j < count; j++) {
         if (a->n_past == 0 || back(a, 0)->t != t[j]) {
             a->head = (a->head + PAST - 1)%PAST;

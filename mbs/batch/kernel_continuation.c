@@ -1,26 +1,26 @@
-/* Continuation: the higher groups of a plan are followed from their seed along the input, lane by lane.
+/* Continuation: follow the higher groups of a plan from their seed along the input, lane by lane.
  *
  * Eight postures are tried at once (kernel_certified_step_internal.h) and accepted up to the first that is not
- * certified.  Lanes closer together than a step are interpolated.  At a limit of motion the steps shrink; the
+ * certified.  Lanes closer together than a step are interpolated.  At a limit of motion the steps become shorter; the
  * continuation ends when they are shorter than END. */
 #include "mbs/batch/kernel_certified_step_internal.h"
 
-#define STRIDE_FIRST 0.05                  /* step the way begins with: [rad], or times the size      */
+#define STRIDE_FIRST 0.05                  /* first step: [rad], or times the size                    */
 #define STRIDE_MAX 0.35                    /* longest step                                            */
-#define STRIDE_BETWEEN 0.06                /* lanes nearer to each other are put in between           */
-#define TIGHT 0.1                          /* margin of a dyad below which nothing is put in between, */
-#define TIGHT_GROUP 0.03                   /* and of a group                                          */
-#define END 1e-6                           /* a step as short as this ends the way                    */
+#define STRIDE_BETWEEN 0.06                /* lanes closer to each other are interpolated             */
+#define TIGHT 0.1                          /* margin of a dyad, and of a group, below which no lane   */
+#define TIGHT_GROUP 0.03                   /* is interpolated                                         */
+#define END 1e-6                           /* a shorter step ends the continuation                    */
 #define END_FINE 1e-12
 
-/* ---- the way -------------------------------------------------------------------------------------------- */
+/* ---- a path of inputs ------------------------------------------------------------------------------------- */
 
 static double unit_of(const follower *f)
 {
     return f->plan->input_is_slider ? f->size : 1.0/f->plan->input_turns_per_period;
 }
 
-/* work: lw_continuation_size doubles. */
+/* Start at the seed in mode[].  f->lost: there is no posture near it.  work: lw_continuation_size doubles. */
 static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim, const double *mode, bool fine,
                              double *work)
 {
@@ -60,19 +60,19 @@ static void follow_from_seed(follower *f, const lw_plan *plan, const double *dim
         load_angles(&f->k, &f->group[g]);
         load_meshes(&f->k, h, 0, 0, &f->group[g].mesh);
     }
-    trial(f, all8(input));
-    f->lost = !f->sure[0];
+    try_steps(f, all8(input));
+    f->lost = !f->certified[0];
     f->past_seed = true;
     if (!f->lost)
         accept(f, all8(input), 1);
 }
 
-/* Inputs to go through: from t[first] on, `count` of them, up or down the array. */
+/* Inputs to follow: `count` of them from t[first] on, up or down the array (step 1 or -1). */
 typedef struct input_path { const double *t; size_t first, step, count; } input_path;
 
 static double path_at(const input_path *path, size_t i) { return path->t[path->first + i*path->step]; }
 
-/* Eight inputs along the way, and how many of the way's own are behind each. */
+/* Eight inputs to try, and the number of inputs of the path that each one has passed. */
 typedef struct route { pack t; size_t passed[LW_GROUP]; int n; } route;
 
 static void lay_route(const follower *f, const input_path *path, size_t i, route *r)
@@ -117,10 +117,10 @@ static size_t follow_path(follower *f, const input_path *path, const chunk *q)
         int n = 0;
         lay_route(f, path, i, &r);
         double gap = fabs(r.t[0] - back(&f->at, 0)->t);
-        trial(f, r.t);
-        while (n < r.n && f->sure[n])
+        try_steps(f, r.t);
+        while (n < r.n && f->certified[n])
             n++;
-        if (r.passed[r.n - 1] > i + (size_t)r.n && near_limit(f, r.n)) {           /* some would be put in between */
+        if (r.passed[r.n - 1] > i + (size_t)r.n && near_limit(f, r.n)) {           /* then interpolate none        */
             f->tight = true;
             continue;
         }
@@ -144,21 +144,21 @@ static size_t follow_path(follower *f, const input_path *path, const chunk *q)
     return i;
 }
 
-/* To the input t; false when it ends before, at a limit. */
+/* Follow the groups to input `to`; false when a limit comes first. */
 static bool advance(follower *f, double to) { return follow_path(f, &(input_path){ &to, 0, 1, 1 }, NULL) == 1; }
 
 /* ---- a chunk of lanes ------------------------------------------------------------------------------------ */
 
 struct chunk {
-    size_t  n, row;                        /* lanes, doubles from row to row of the group_poses             */
-    double *group_pose;
-    double  t[LW_CHUNK + LW_GROUP];        /* input, in the order gone                                */
-    unsigned short lane[LW_CHUNK + LW_GROUP];
-    bool    ordered, falls;                /* the lanes were in order, from the greatest down         */
+    size_t  n, row;                        /* lanes; doubles in a row of group_pose                   */
+    double *group_pose;                    /* n_row rows, then the distance out of reach              */
+    double  t[LW_CHUNK + LW_GROUP];        /* inputs in the order in which they are followed          */
+    unsigned short lane[LW_CHUNK + LW_GROUP];        /* lane of each of these                         */
+    bool    ordered, falls;                /* inputs only rise or only fall; most of them fall        */
     bool    in_place;                      /* lane[i] is i                                            */
 };
 
-/* Lane j of the last trial, as a lane that is reached. */
+/* Store posture j of the last try as lane `at`, which is reached. */
 static void put_trial(const follower *f, const chunk *q, size_t at, int j)
 {
     for (int r = 0; r < f->plan->n_row; r++)
@@ -166,6 +166,7 @@ static void put_trial(const follower *f, const chunk *q, size_t at, int j)
     q->group_pose[(size_t)f->plan->n_row*q->row + at] = 0;
 }
 
+/* Store the present posture as lane `at`. */
 static void put_group_pose(const follower *f, const chunk *q, size_t at, double out_of_reach)
 {
     for (int r = 0; r < f->plan->n_row; r++)
@@ -173,7 +174,7 @@ static void put_group_pose(const follower *f, const chunk *q, size_t at, double 
     q->group_pose[(size_t)f->plan->n_row*q->row + at] = out_of_reach;
 }
 
-/* Inputs of the lanes as one run of numbers: each lane of a pin at most half a turn from the one before. */
+/* Write the inputs of the lanes as continuous numbers: the angle of a pin changes by at most half a turn per lane. */
 static void unroll(const follower *f, const lw_lanes *in, chunk *q)
 {
     const double *c = in->c, *s = in->s;
@@ -200,7 +201,7 @@ static void unroll(const follower *f, const lw_lanes *in, chunk *q)
     q->in_place = q->ordered && !q->falls;
 }
 
-/* Lanes in no order: by their input within a turn of the present. */
+/* Sort lanes that are in no order by their inputs within half a turn of the present one. */
 static void sort_lanes(const follower *f, chunk *q)
 {
     double now = back(&f->at, 0)->t;
@@ -219,7 +220,7 @@ static void sort_lanes(const follower *f, chunk *q)
     }
 }
 
-static void turn_round(chunk *q)
+static void reverse_lanes(chunk *q)
 {
     for (size_t i = 0; i < q->n/2; i++) {
         double t = q->t[i];
@@ -231,7 +232,7 @@ static void turn_round(chunk *q)
     }
 }
 
-/* Where a polynomial goes through: nodes of which lanes are not far. */
+/* An interpolating polynomial: its nodes and their constants. */
 typedef struct between { const node *at; int n; double by[NODES]; } between;
 
 LW_INLINE void between_at(const follower *f, const between *b, pack t, pack *row)
@@ -243,7 +244,7 @@ LW_INLINE void between_at(const follower *f, const between *b, pack t, pack *row
     row[f->plan->n_row] = (pack){ 0 };
 }
 
-/* `count` lanes from `first` on, eight or more, in the order of the way or the other: the last eight once more. */
+/* Interpolate `count` lanes from `first` on, eight or more; the last eight may overlap those before. */
 static void put_block(const follower *f, const chunk *q, const between *b, size_t first, size_t count)
 {
     pack row[LW_GROUP_ROW_MAX + 1];
@@ -255,7 +256,7 @@ static void put_block(const follower *f, const chunk *q, const between *b, size_
     }
 }
 
-/* Lanes i .. end-1 of the way, between nodes of which they are not far. */
+/* Interpolate lanes i .. end-1 of the path between nearby nodes. */
 static void put_between(const follower *f, const chunk *q, const input_path *path, const node *near, int n, size_t i,
                         size_t end)
 {
@@ -279,7 +280,7 @@ static void put_between(const follower *f, const chunk *q, const input_path *pat
     }
 }
 
-/* Lanes from i on that the first `count` inputs of a trial have passed. */
+/* Store the lanes from i on that the first `count` inputs tried have passed. */
 static void put_passed(const follower *f, const chunk *q, const input_path *path, const route *r, size_t i, int count)
 {
     node all[3 + LW_GROUP];
@@ -300,8 +301,8 @@ static void put_passed(const follower *f, const chunk *q, const input_path *path
     }
 }
 
-/* The lanes from `first` on, in this direction (1 or -1), until the way ends. */
-static void go_along(follower *f, chunk *q, size_t first, size_t step)
+/* Follow the lanes from `first` on in one direction (1 or -1); lanes beyond the end get the last posture. */
+static void follow_lanes(follower *f, chunk *q, size_t first, size_t step)
 {
     const input_path path = { q->t, first, step, step == 1 ? q->n - first : first + 1 };
     for (size_t i = follow_path(f, &path, q); i < path.count; i++) {
@@ -310,8 +311,8 @@ static void go_along(follower *f, chunk *q, size_t first, size_t step)
     }
 }
 
-/* A copy of what of a stand is in use. */
-static void copy_stand(stand *to, const stand *from, const lw_plan *plan)
+/* Copy the parts of the progress that are in use. */
+static void copy_progress(progress *to, const progress *from, const lw_plan *plan)
 {
     to->head = from->head;
     to->n_past = from->n_past;
@@ -329,17 +330,17 @@ static void copy_stand(stand *to, const stand *from, const lw_plan *plan)
     memcpy(to->push, from->push, lw_inverse_rows(plan)*sizeof *to->push);
 }
 
-/* All lanes of a chunk that share dimensions and seed.  When more follow, f goes on from where it stands and is left at
- * the last lane when the lanes are in order, else where it was. */
+/* Follow all lanes of a chunk that share dimensions and seed.  When more chunks come, f is left at the last lane if the
+ * lanes are in order, else where it started. */
 static void follow_chunk(follower *f, const lw_lanes *in, bool more, chunk *q)
 {
     size_t first = 0;
-    stand here;
+    progress here;
     unroll(f, in, q);
     if (!q->ordered)
         sort_lanes(f, q);
     else if (q->falls)
-        turn_round(q);
+        reverse_lanes(q);
     if (q->ordered && !f->plan->input_is_slider) {
         double shift = 2*LW_PI*nearbyint((back(&f->at, 0)->t - 0.5*(q->t[0] + q->t[q->n - 1]))/(2*LW_PI));
         for (size_t i = 0; i < q->n; i++)
@@ -350,18 +351,18 @@ static void follow_chunk(follower *f, const lw_lanes *in, bool more, chunk *q)
     bool down_last = q->falls || !q->ordered, both = first > 0 && first < q->n;
     bool none_last = first == (down_last ? 0 : q->n);
     if (both || more)
-        copy_stand(&here, &f->at, f->plan);
-    go_along(f, q, down_last ? first : first - 1, down_last ? 1 : (size_t)-1);
+        copy_progress(&here, &f->at, f->plan);
+    follow_lanes(f, q, down_last ? first : first - 1, down_last ? 1 : (size_t)-1);
     if (both || (more && none_last))
-        copy_stand(&f->at, &here, f->plan);
-    go_along(f, q, down_last ? first - 1 : first, down_last ? (size_t)-1 : 1);
+        copy_progress(&f->at, &here, f->plan);
+    follow_lanes(f, q, down_last ? first - 1 : first, down_last ? (size_t)-1 : 1);
     if (more && !q->ordered)
-        copy_stand(&f->at, &here, f->plan);
+        copy_progress(&f->at, &here, f->plan);
     else if (more && none_last)
         advance(f, q->t[down_last ? 0 : q->n - 1]);
 }
 
-/* Lanes with dimensions or seeds of their own, each for itself. */
+/* Follow one lane that has dimensions or a seed of its own. */
 static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, size_t at, double *work, chunk *q)
 {
     double dim[LW_DIM_MAX], mode[LW_MODE_MAX];
@@ -378,7 +379,7 @@ static void follow_lane(follower *f, const lw_plan *plan, const lw_lanes *in, si
     put_group_pose(f, q, at, out);
 }
 
-/* Seats of all lanes of a chunk (in), the last one repeated to a full group. */
+/* Find the poses of the groups in all lanes of a chunk; repeat the last lane to a full group. */
 static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lanes *in, bool more, double *work,
                                  chunk *q)
 {
@@ -396,7 +397,7 @@ static void group_poses_of_chunk(follower *f, const lw_plan *plan, const lw_lane
             q->group_pose[(size_t)r*q->row + i] = q->group_pose[(size_t)r*q->row + in->n - 1];
 }
 
-/* One posture for mbs/batch/pose.c. */
+/* The pose of the groups at one input, for mbs/batch/pose.c. */
 void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                         lw_group_pose *group_pose)
 {
@@ -420,7 +421,7 @@ void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *
     }
 }
 
-/* The lanes of a plan with higher groups in chunks, each with its groups followed first. */
+/* The lanes of a plan with higher groups, in chunks. */
 typedef struct chunks { follower f; chunk q; lw_lanes part; size_t first, next; double *lane_work; } chunks;
 
 static lw_lanes part_of(const lw_lanes *in, size_t first, size_t n)

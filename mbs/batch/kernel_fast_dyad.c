@@ -1,25 +1,25 @@
-/* One loop for all steps of the commonest plans (lw_fast_dyad in mbs/plan/plan.h), from the same dyad formulas as the
- * loops of single steps.
+/* All steps of the most frequent plans (lw_fast_dyad in mbs/plan/plan.h) in one loop, with the same dyad formulas as
+ * the loops of single steps.
  *
- * `pin` (crank or slider input) and `dyad` are constants wherever these functions are inlined. */
+ * `pin` (is the input a crank, not a slider?) and `dyad` are constants wherever these functions are inlined. */
 #include "mbs/batch/kernel_run_internal.h"
 
-/* The line of RRP along x, at a distance; or through the origin, turned. */
-enum { SHORT_RRR, SHORT_RRP, SHORT_RRP_TURNED, SHORT_RPR };
+/* The slide line of RRP is parallel to x, or turned and through the origin (FAST_RRP_TURNED). */
+enum { FAST_RRR, FAST_RRP, FAST_RRP_TURNED, FAST_RPR };
 
 static int fast_kind(const lw_fast_dyad *f)
 {
-    return f->dyad == LW_STEP_RRR ? SHORT_RRR : f->dyad == LW_STEP_RPR ? SHORT_RPR
-         : f->beta < 0 ? SHORT_RRP : SHORT_RRP_TURNED;
+    return f->dyad == LW_STEP_RRR ? FAST_RRR : f->dyad == LW_STEP_RPR ? FAST_RPR
+         : f->beta < 0 ? FAST_RRP : FAST_RRP_TURNED;
 }
 
-/* The dimensions of one lane; beta as cosine and sine. */
+/* The dimensions of one lane; wc, ws and ct, st are the cosines and sines of beta and theta0. */
 typedef struct numbers { double r2, e_in, b, e, wc, ws, d1, d2, cx, cy, x0, y0, ct, st, mode; } numbers;
 
-/* One lane solved: tracer = a + arm. */
+/* The solution of one lane; the tracer is a + arm. */
 typedef struct lane { lw_vec2 a, u, arm, tip; double y, margin; } lane;
 
-/* Rows the numbers come from: one number when lanes share it, else one a lane. */
+/* Rows of the dimensions: one number that all lanes share, or one a lane. */
 typedef struct number_rows {
     const double *r2, *e_in, *b, *e, *wc, *ws, *d1, *d2, *cx, *cy, *x0, *y0, *ct, *st, *mode;
 } number_rows;
@@ -44,8 +44,7 @@ static number_rows fast_rows(const run *k, int which)
 LW_INLINE numbers numbers_at(const number_rows *r, size_t i)
 {
     return (numbers){ r->r2[i], r->e_in[i], r->b[i], r->e[i], r->wc[i], r->ws[i], r->d1[i], r->d2[i], r->cx[i],
-                      r->cy[i],
-                      r->x0[i], r->y0[i], r->ct[i], r->st[i], r->mode[i] };
+                      r->cy[i], r->x0[i], r->y0[i], r->ct[i], r->st[i], r->mode[i] };
 }
 
 LW_INLINE lane fast_solve(double c, double s, const numbers *g, double flat, const int pin, const int dyad)
@@ -53,13 +52,13 @@ LW_INLINE lane fast_solve(double c, double s, const numbers *g, double flat, con
     lane z;
     z.a = pin ? lw_v2(g->r2*c, g->r2*s) : lw_v2(c, g->e_in);
     z.tip = z.a;
-    if (dyad == SHORT_RRR) {
+    if (dyad == FAST_RRR) {
         lw_rrr d = lw_rrr_solve(z.a, lw_v2(g->b, 0), g->d1, g->d2, g->mode);
         z.u = lw_rrr_first(&d);
         z.y = d.y;
         z.margin = lw_rrr_margin(&d, flat);
-    } else if (dyad == SHORT_RRP || dyad == SHORT_RRP_TURNED) {
-        lw_rrp d = dyad == SHORT_RRP ? lw_rrp_solve(g->e - z.a.y, g->d1, g->mode)
+    } else if (dyad == FAST_RRP || dyad == FAST_RRP_TURNED) {
+        lw_rrp d = dyad == FAST_RRP ? lw_rrp_solve(g->e - z.a.y, g->d1, g->mode)
                                      : lw_rrp_solve_along(z.a, lw_v2(0, 0), lw_v2(g->wc, g->ws), g->d1, g->mode);
         z.u = lw_rrp_direction(&d);
         z.y = d.y;
@@ -81,10 +80,10 @@ LW_INLINE lw_vec2 fast_point(const lane *z, const numbers *g)
     return lw_v2(p.x + g->x0, p.y + g->y0);
 }
 
-/* Derivatives of one scalar. */
+/* Derivatives of one scalar by the dimensions and the input. */
 typedef struct bars { double r2, e_in, b, e, beta, d1, d2, cx, cy, input; } bars;
 
-/* From the adjoint of the tracer in the ground frame and of the link's angle. */
+/* The derivatives, from the adjoints of the tracer in the ground frame (bar) and of the link's angle. */
 LW_INLINE bars fast_back(double c, double s, const numbers *g, const lane *z, double inv, double by_d2,
                           lw_vec2 bar, double angle, const int pin, const int dyad)
 {
@@ -93,15 +92,15 @@ LW_INLINE bars fast_back(double c, double s, const numbers *g, const lane *z, do
     double turn = lw_v2_cross(z->arm, bar) + angle;
     o.cx = lw_v2_dot(bar, z->u);
     o.cy = lw_v2_dot(bar, lw_v2_perp(z->u));
-    if (dyad == SHORT_RRR) {
+    if (dyad == FAST_RRR) {
         lw_vec2 tip = lw_v2_add(z->a, lw_v2_scale(z->u, g->d1));
         lw_vec2 u2 = lw_v2_scale(lw_v2(tip.x - g->b, tip.y), by_d2);
         pull = lw_rrr_back(z->u, u2, g->d1, g->d2, inv, turn, 0, &o.d1, &o.d2);
-    } else if (dyad == SHORT_RRP) {                      /* w along x, for which mbs/plan/dyad_internal.h gives */
+    } else if (dyad == FAST_RRP) {                      /* lw_rrp_back with w along x */
         double k = turn*inv;
         o.d1 = -k*z->u.y;
         pull = lw_v2(0, k);
-    } else if (dyad == SHORT_RRP_TURNED) {
+    } else if (dyad == FAST_RRP_TURNED) {
         lw_vec2 w = lw_v2(g->wc, g->ws);
         pull = lw_rrp_back(z->u, w, lw_v2_dot(z->tip, w), inv, turn, &o.d1, &o.beta);
     } else
@@ -117,7 +116,7 @@ LW_INLINE bars fast_back(double c, double s, const numbers *g, const lane *z, do
 
 /* ---- loops ------------------------------------------------------------------------------------------------- */
 
-/* What a loop over points puts out. */
+/* The outputs of a loop over points. */
 enum { PLACE, PLACE_MARGIN, PLACE_TURN, PLACE_TURN_MARGIN, FRAME, FRAME_MARGIN };
 
 LW_INLINE void fast_points(const run *k, const number_rows *r, size_t n, const rows *out, const int per_lane,
@@ -145,7 +144,7 @@ LW_INLINE void fast_points(const run *k, const number_rows *r, size_t n, const r
     }
 }
 
-/* Rows of the Jacobian by the names of lw_fast_dyad; spare ones where the plan has no such dimension. */
+/* Rows of the Jacobian by the names of lw_fast_dyad; a spare row where the plan has no such dimension. */
 typedef struct bar_rows { double *r2, *e_in, *b, *e, *beta, *d1, *d2, *cx, *cy, *turn, *input; } bar_rows;
 
 static bar_rows fast_bars(const run *k, int which, double *base, size_t ld, double *input)
@@ -167,14 +166,14 @@ LW_INLINE void put_bars(const bar_rows *r, const bars *o, double turn, size_t i,
         r->r2[i] = o->r2;
     else
         r->e_in[i] = o->e_in;
-    if (dyad == SHORT_RRP)
+    if (dyad == FAST_RRP)
         r->e[i] = o->e;
-    else if (dyad == SHORT_RRP_TURNED)
+    else if (dyad == FAST_RRP_TURNED)
         r->beta[i] = o->beta;
     else
         r->b[i] = o->b;
     r->d1[i] = o->d1;
-    if (dyad == SHORT_RRR)
+    if (dyad == FAST_RRR)
         r->d2[i] = o->d2;
     r->cx[i] = o->cx;
     r->cy[i] = o->cy;
@@ -188,7 +187,7 @@ LW_INLINE double fast_inverse(const lane *z)
     return (firm ? 1.0 : 0.0)/(firm ? z->y : 1.0);
 }
 
-/* u, v, margin and rows of dimensions the plan does not have may be spare. */
+/* u, v, margin and rows of missing dimensions may be spare rows. */
 LW_INLINE void fast_jacobian(const run *k, const number_rows *r, size_t n, const rows *out, const bar_rows bar[3],
                               const int angle, const int pin, const int dyad)
 {
@@ -225,14 +224,14 @@ LW_INLINE void add_bars(sums *a, const bars *o, size_t j, const int pin, const i
         a->r2[j] += o->r2;
     else
         a->e_in[j] += o->e_in;
-    if (dyad == SHORT_RRP)
+    if (dyad == FAST_RRP)
         a->e[j] += o->e;
-    else if (dyad == SHORT_RRP_TURNED)
+    else if (dyad == FAST_RRP_TURNED)
         a->beta[j] += o->beta;
     else
         a->b[j] += o->b;
     a->d1[j] += o->d1;
-    if (dyad == SHORT_RRR)
+    if (dyad == FAST_RRR)
         a->d2[j] += o->d2;
     a->cx[j] += o->cx;
     a->cy[j] += o->cy;
@@ -265,13 +264,13 @@ LW_INLINE void fast_sum(const run *k, const number_rows *r, size_t n, const targ
     *total = a;
 }
 
-/* One copy of a loop for each input and dyad. */
+/* One copy of a loop for each kind of input and dyad. */
 #define LW_EACH_DYAD(f, loop, pin, ...)                                                        \
     switch (fast_kind(f)) {                                                                   \
-    case SHORT_RRR:        loop(__VA_ARGS__, pin, SHORT_RRR); break;                           \
-    case SHORT_RRP:        loop(__VA_ARGS__, pin, SHORT_RRP); break;                           \
-    case SHORT_RRP_TURNED: loop(__VA_ARGS__, pin, SHORT_RRP_TURNED); break;                    \
-    default:               loop(__VA_ARGS__, pin, SHORT_RPR);                                  \
+    case FAST_RRR:        loop(__VA_ARGS__, pin, FAST_RRR); break;                           \
+    case FAST_RRP:        loop(__VA_ARGS__, pin, FAST_RRP); break;                           \
+    case FAST_RRP_TURNED: loop(__VA_ARGS__, pin, FAST_RRP_TURNED); break;                    \
+    default:               loop(__VA_ARGS__, pin, FAST_RPR);                                  \
     }
 #define LW_EACH_FAST_DYAD(f, loop, ...)                                                            \
     do {                                                                                       \
@@ -311,7 +310,7 @@ void lw_fast_sum(const run *k, int which, size_t n, const target *t, sums *a)
         LW_EACH_FAST_DYAD(f, fast_sum, k, &r, n, t, a, 0);
 }
 
-/* Dimensions the output does not depend on: derivative 0. */
+/* Set the derivatives by dimensions that the output does not depend on to 0. */
 static void clear_others(const lw_plan *p, int which, size_t n, const lw_jacobian *out)
 {
     const lw_fast_dyad *f = &p->output_fast_dyad[which];
@@ -337,7 +336,7 @@ void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out)
     const number_rows r = fast_rows(k, which);
     rows to = { out->x, out->y, out->u ? out->u : k->spare, out->v ? out->v : k->spare + k->nb,
                 out->margin ? out->margin : k->margin };
-    if (p->n_output > 1 || p->n_link > 4)                  /* else there are none */
+    if (p->n_output > 1 || p->n_link > 4)                  /* otherwise it depends on all */
         clear_others(p, which, n, out);
     bar_rows bar[3] = { fast_bars(k, which, out->jx, out->ld, out->tx),
                         fast_bars(k, which, out->jy, out->ld, out->ty) };

@@ -1,14 +1,14 @@
 /* mbs/batch/kernel_gear_internal.h - gears among the equations of a higher group, eight lanes at a time.
  *
- * A row is an angle that has to be 0, linear in the turns and displacements, of which only the direction is known: the
- * product of the unit vectors to their powers.  So its sine is what is left, and its derivatives are those of the angle
- * itself, which it is at the solution. */
+ * A gear's row is an angle that must be 0 and is linear in the turns and displacements.  The product of the unit
+ * vectors to their powers has this angle.  The residual is the sine of the angle; the Jacobian holds the derivatives of
+ * the angle, which are those of the sine at the solution. */
 #ifndef LW_MBS_BATCH_KERNEL_GEAR_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_GEAR_INTERNAL_H
 
 #include "mbs/batch/kernel_pack_internal.h"
 
-/* What rows have of the lanes' dimensions: cosine and sine of the phase, or of a rack where it is. */
+/* Dimensions of the gears in the lanes: cosine and sine of the phase for wheels; 1/rho, shift and middle for racks. */
 typedef struct meshes {
     pack c[LW_HIGHER_GEAR_MAX], s[LW_HIGHER_GEAR_MAX];
     pack by_rho[LW_HIGHER_GEAR_MAX], shift[LW_HIGHER_GEAR_MAX], middle[LW_HIGHER_GEAR_MAX];
@@ -35,7 +35,7 @@ static void load_meshes(const run *k, const lw_higher *g, size_t i, int per_lane
     }
 }
 
-/* The angle by which a rack has turned its pinion. */
+/* The turn of the pinion when its rack is at displacement d. */
 LW_INLINE pack rolled(const meshes *m, int a, pack d) { return (d - m->shift[a])*m->by_rho[a]; }
 
 LW_INLINE void multiply(pack *x, pack *y, pack ux, pack uy)
@@ -55,7 +55,7 @@ static void multiply_power(pack *x, pack *y, pack ux, pack uy, int power)
     }
 }
 
-/* What is left of row a: the angle's sine, beyond a quarter turn what goes on rising. */
+/* The residual of row a: the sine of the angle; beyond a quarter turn a function that keeps rising. */
 static pack mesh_left(const lw_higher_gear *q, const meshes *m, int a, const pack *ux, const pack *uy, const pack *d)
 {
     pack x = all8(1), y = { 0 };
@@ -75,7 +75,7 @@ static pack mesh_left(const lw_higher_gear *q, const meshes *m, int a, const pac
     return choose8((mask)(x > 0), y, far)*(1.0/q->count);
 }
 
-/* How far a rack is from its ends, 1 in the middle, 0 there; nothing where the input slides, which no turn repeats. */
+/* The margin of the racks: 1 in the middle, 0 at the ends. */
 static pack rack_room(const lw_higher *g, const meshes *m, const pack *d)
 {
     pack room = all8(1);

@@ -1,8 +1,8 @@
-/* Higher groups as steps of a plan, eight lanes at a time.  The continuation gives a nearby posture; Newton's method
- * takes it to rounding; then its derivatives are worked out. */
+/* Higher groups as steps of a plan, eight lanes at a time: Newton's method converges to rounding from the nearby
+ * posture of the continuation; then derivatives are computed. */
 #include "mbs/batch/kernel_newton_internal.h"
 
-/* ---- as a step of the plan ---------------------------------------------------------------------------- */
+/* ---- forwards ----------------------------------------------------------------------------------------- */
 
 static double *inverse_rows(const run *k, const lw_higher *g)
 {
@@ -25,9 +25,9 @@ static void take_group_pose(const run *k, eight *w, size_t i)
     turn_directions(w);
 }
 
-#define ASTRAY 0.03                        /* a step as long leaves the group_pose: [rad], or times the size */
+#define ASTRAY 0.03                        /* a step this long leads to another posture: [rad], or times the size */
 
-/* Lanes whose step is too long, where it is made 0. */
+/* Set steps that are too long to 0.  Returns their lanes. */
 LW_INLINE mask hold_astray(const int n, eight *w, mask within)
 {
     mask near = within;
@@ -38,12 +38,11 @@ LW_INLINE mask hold_astray(const int n, eight *w, mask within)
     return within & ~near;
 }
 
-/* From the group_pose, which is right to 1e-10 or so, or to a part of a thousandth between others, to rounding; lanes out of
- * reach stay where they are.  A group_pose from which that would be a long way is none: that lane counts as out of reach
- * too. */
+/* Converge from the group pose to rounding.  Its error is about 1e-10, or below 0.001 in interpolated lanes.  Lanes out
+ * of reach do not move.  A lane whose step is too long counts as out of reach. */
 LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int outputs)
 {
-    const double enough = outputs == WITH_ROOTS ? 1e-20 : 1e-16;      /* squared; inverses are those before the step */
+    const double enough = outputs == WITH_ROOTS ? 1e-20 : 1e-16;      /* squared step; inverses are from before it   */
     const pack beyond = get8(out_of_reach);
     mask astray = { 0 };
     for (int i = 0; i < 5; i++) {
@@ -51,7 +50,7 @@ LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int 
         if (outputs >= WITH_MARGIN)
             measure_of(n, w);
         astray |= hold_astray(n, w, (mask)(beyond <= 0));
-        if (!(most8(go(w)) >= enough))
+        if (!(most8(apply_step(w)) >= enough))
             break;
     }
     w->margin = choose8(astray, all8(-BEYOND_LEAST), w->margin);
@@ -59,7 +58,7 @@ LW_INLINE void settle_of(const int n, eight *w, const double *out_of_reach, int 
 }
 LW_BY_SIZE(settle, (eight *w, const double *out_of_reach, int outputs), w, out_of_reach, outputs)
 
-/* What displacements are measured by, from the dimensions of lane i. */
+/* The unit of length for displacements, from the dimensions of lane i. */
 static double size_at(const run *k, size_t i)
 {
     double dim[LW_DIM_MAX];
@@ -104,7 +103,7 @@ void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, i
 
 /* ---- backwards ---------------------------------------------------------------------------------------- */
 
-/* F = 0 gives J dx = -dF: with J' lambda = bar, whatever moves F adds -lambda dF. */
+/* F = 0 gives J dx = -dF.  With J' lambda = bar, a change dF adds -lambda dF; w->f becomes -lambda. */
 static void multipliers(const run *k, eight *w, size_t i)
 {
     const lw_higher *g = w->g;
@@ -120,7 +119,7 @@ static void multipliers(const run *k, eight *w, size_t i)
 
 LW_INLINE void add8(double *to, pack v) { put8(to, get8(to) + v); }
 
-/* Turns of the directions, from the last to those known or given. */
+/* Pass the adjoints of directions on to the directions, dimensions and registers that turn them, last to first. */
 static void back_directions(const run *k, eight *w, size_t i, pack *turn)
 {
     const lw_higher *g = w->g;
@@ -135,7 +134,7 @@ static void back_directions(const run *k, eight *w, size_t i, pack *turn)
     }
 }
 
-/* What phases, racks and known directions do to the rows of gears. */
+/* Adjoints of phases, racks and directions from the rows of gears. */
 static void back_gears(const run *k, const eight *w, size_t i, pack *turn)
 {
     const lw_higher *g = w->g;

@@ -1,20 +1,17 @@
-/* mbs/batch/kernel_newton_internal.h - higher groups, eight lanes at a time: their loops and Newton's method on them.
+/* mbs/batch/kernel_newton_internal.h - the loops of higher groups and Newton's method on them, eight lanes at a time.
  *
- * The unknowns' columns of the Jacobian are turned vectors, so that a column's length tells how much its
- * unknown counts.  With the columns made unit vectors (N),
- *     margin = n / |N^-1|^2  (Frobenius),  n the number of unknowns:
- * the harmonic mean of the squared singular values of N, 1 for orthogonal columns, 0 at a singular posture;
- * of a dyad it is the squared sine by which dyads are measured.  A turn by delta changes a column by at most
- * |delta|; so while  sum of delta^2 < 1/|N^-1|^2 = margin/n  the Jacobian stays regular and there is no second
- * solution (mean value theorem): steps are kept to a half of that. */
+ * The columns of the Jacobian are turned vectors of the loops.  With the columns scaled to unit vectors (N),
+ *     margin = n / |N^-1|^2  (Frobenius norm),  n the number of unknowns.
+ * This is the harmonic mean of the squared singular values of N: 1 for orthogonal columns, 0 at a singular posture.
+ * For a dyad it is the squared sine of mbs/batch/batch.h. */
 #ifndef LW_MBS_BATCH_KERNEL_NEWTON_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_NEWTON_INTERNAL_H
 
 #include "mbs/batch/kernel_gear_internal.h"
 
-/* name(parameters) does what name##_of(n, ...) does; each of the commonest numbers of unknowns n has a function of its
- * own, in which n is a constant and the loops over the unknowns are unrolled.  They are kept apart because the compiler
- * takes minutes over one function that holds them all. */
+/* Define name(parameters), which calls name##_of(n, ...).  The most frequent numbers of unknowns n have functions of
+ * their own, in which n is a constant and the loops over the unknowns are unrolled.  These functions are not inlined,
+ * because the compiler takes minutes for one function that holds them all. */
 #define LW_APART static __attribute__((noinline))
 #define LW_BY_SIZE(name, parameters, ...)                                       \
     LW_APART void name##_2 parameters { name##_of(2, __VA_ARGS__); }            \
@@ -31,35 +28,36 @@
         }                                                                       \
     }
 
-#define BEYOND_LEAST 1e-12                 /* by how much a lane out of reach is so, at least         */
+#define BEYOND_LEAST 1e-12                 /* least distance of a lane that is out of reach           */
 
-/* Loops over the unknowns whose values stay in registers, for the commonest sizes. */
+/* Unroll loops over the unknowns, so that their values stay in registers. */
 #if defined(__clang__)
 #define LW_UNROLL _Pragma("clang loop unroll(full)")
 #else
 #define LW_UNROLL _Pragma("GCC unroll 4")
 #endif
 
+/* A higher group in eight lanes. */
 typedef struct eight {
     const lw_higher *g;
     int    n;                                                        /* unknowns                      */
     double size;
     pack   ux[LW_HIGHER_DIR_MAX], uy[LW_HIGHER_DIR_MAX];             /* directions                    */
-    pack   vx[LW_HIGHER_DIR_MAX], vy[LW_HIGHER_DIR_MAX];             /* what turns them               */
-    pack   d[LW_UNKNOWN_MAX + 1];
+    pack   vx[LW_HIGHER_DIR_MAX], vy[LW_HIGHER_DIR_MAX];             /* turns of directions from base */
+    pack   d[LW_UNKNOWN_MAX + 1];                                    /* displacements                 */
     pack   cx[LW_HIGHER_TERM_MAX], cy[LW_HIGHER_TERM_MAX];           /* sums of vectors, by entry     */
-    pack   k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];
+    pack   k[LW_UNKNOWN_MAX], f[LW_UNKNOWN_MAX], step[LW_UNKNOWN_MAX];     /* constant part, residual */
     pack   jac[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX], inv[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];      /* row by row */
     pack   margin;
-    meshes mesh;                                                     /* its gears                     */
+    meshes mesh;                                                     /* dimensions of its gears       */
     int    at[LW_UNKNOWN_MAX];                                       /* direction of each turn        */
-    int    order[LW_UNKNOWN_MAX];                                    /* rows by the pivots they give  */
-    bool   driven;                                                   /* the input is a joint of it    */
-    bool   ends;                                                     /* racks do: the input turns     */
-    bool   moves[LW_HIGHER_DIR_MAX];                                 /* directions that it turns      */
+    int    order[LW_UNKNOWN_MAX];                                    /* rows in the order of pivots   */
+    bool   driven;                                                   /* is the input a joint of it?   */
+    bool   ends;                                                     /* do racks have ends? (the input turns) */
+    bool   moves[LW_HIGHER_DIR_MAX];                                 /* does the input turn these directions? */
 } eight;
 
-/* ---- what the lanes have ------------------------------------------------------------------------------ */
+/* ---- data of the lanes -------------------------------------------------------------------------------- */
 
 /* Number of the direction of unknown turn a: the only one without a base and with this root. */
 static int direction_of(const lw_higher *g, int a)
@@ -100,7 +98,7 @@ LW_INLINE void load_vectors(const run *k, eight *w, size_t i, const int per_lane
     }
 }
 
-/* Angles that do not differ from lane to lane. */
+/* Angles that are the same in all lanes. */
 static void load_angles(const run *k, eight *w)
 {
     for (int a = 0; a < w->g->n_dir; a++) {
@@ -162,7 +160,7 @@ LW_INLINE void add_turned(eight *w, const int n, int loop, int root, pack x, pac
     j[n] += x;
 }
 
-/* The rows of gears, past those of the loops. */
+/* The rows of gears, behind those of the loops. */
 static void gear_equations(eight *w, int n, bool both)
 {
     const lw_higher *g = w->g;
@@ -178,7 +176,7 @@ static void gear_equations(eight *w, int n, bool both)
     }
 }
 
-/* Residuals f, and their Jacobian (both). */
+/* Residuals f; with `both` also their Jacobian. */
 LW_INLINE void equations(const int n, eight *w, const int both)
 {
     const lw_higher *g = w->g;
@@ -214,9 +212,10 @@ LW_INLINE void equations(const int n, eight *w, const int both)
 
 /* ---- the inverse -------------------------------------------------------------------------------------- */
 
-#define PIVOT_LEAST 0.1                    /* a pivot over the largest that there was to choose from  */
+#define PIVOT_LEAST 0.1                    /* least ratio of a pivot to the largest candidate         */
 
-/* Gauss and Jordan in place, rows taken in the order kept; lanes in which a pivot was weak are spoilt, and told. */
+/* Invert by Gauss-Jordan elimination in place, with the rows in w->order.  The inverse is wrong in the lanes in which a
+ * pivot is weak; *weak_lanes marks them. */
 LW_INLINE void invert_in_order_of(const int n, eight *w, mask *weak_lanes)
 {
     pack a[LW_UNKNOWN_MAX*LW_UNKNOWN_MAX];
@@ -249,7 +248,7 @@ LW_INLINE void invert_in_order_of(const int n, eight *w, mask *weak_lanes)
 }
 LW_BY_SIZE(invert_in_order, (eight *w, mask *weak_lanes), w, weak_lanes)
 
-/* The same in lane j alone, each pivot the largest there is, whose order is kept for other lanes; with a pivot of 0 the
+/* Invert in lane j alone, with the largest pivots; store their order for the other lanes.  With a pivot of 0 the
  * inverse is 0. */
 static void invert_lane(eight *w, int n, int j)
 {
@@ -292,7 +291,7 @@ static void invert_lane(eight *w, int n, int j)
         memcpy(w->order, order, (size_t)n*sizeof *order);
 }
 
-/* The lanes in which the order of rows that was good for others gave a weak pivot. */
+/* Invert again where a pivot was weak: first in the order of the first weak lane, then lane by lane. */
 LW_APART void invert_weak(eight *w, mask weak)
 {
     int j = 0;
@@ -305,8 +304,8 @@ LW_APART void invert_weak(eight *w, mask weak)
             invert_lane(w, w->n, j);
 }
 
-/* Rows of gears count angles, those of loops lengths: what makes the ones the others, squared, is the mean square of
- * the vectors that turn. */
+/* Rows of gears are angles, rows of loops are lengths.  The squared factor between them is the mean square of the
+ * vectors that turn. */
 static pack gear_weight(const eight *w, int n)
 {
     const lw_higher *g = w->g;
@@ -318,7 +317,7 @@ static pack gear_weight(const eight *w, int n)
     return choose8(some, sum*(1.0/(g->n_turn ? g->n_turn : 1)), all8(1));
 }
 
-/* Margin at the Jacobian and inverse of w; weight (2): of the first `loops` rows, of those after them. */
+/* The margin from the Jacobian and its inverse.  weight: squared factor of the rows behind the first `loops` rows. */
 LW_INLINE void measure_rows(eight *w, const int n, const int loops, pack weight)
 {
     pack sum = { 0 }, by_weight = 1/weight;
@@ -351,7 +350,7 @@ LW_BY_SIZE(measure, (eight *w), w)
 
 /* ---- Newton's method ---------------------------------------------------------------------------------- */
 
-/* How far to go, from f and the inverse. */
+/* The step from the residual and the inverse. */
 LW_INLINE void newton_step(const int n, eight *w)
 {
     for (int r = 0; r < n; r++) {
@@ -362,7 +361,7 @@ LW_INLINE void newton_step(const int n, eight *w)
     }
 }
 
-/* A step of Newton's method by the inverse of the Jacobian here. */
+/* The step of Newton's method, with the Jacobian at this posture. */
 LW_INLINE void newton_of(const int n, eight *w)
 {
     mask weak;
@@ -374,7 +373,7 @@ LW_INLINE void newton_of(const int n, eight *w)
 }
 LW_BY_SIZE(newton, (eight *w), w)
 
-/* The same by the last inverse. */
+/* The same with the last inverse. */
 LW_INLINE void newton_again_of(const int n, eight *w)
 {
     equations(n, w, 0);
@@ -383,8 +382,8 @@ LW_INLINE void newton_again_of(const int n, eight *w)
 
 LW_INLINE pack within8(pack a, pack most) { return more8(less8(a, most), -most); }
 
-/* Go the step, at most half a radian or half the size; the square of its length. */
-LW_INLINE pack go(eight *w)
+/* Apply the step, at most half a radian or half the size.  Returns the square of its length. */
+LW_INLINE pack apply_step(eight *w)
 {
     const lw_higher *g = w->g;
     double by_size = 1/w->size;

@@ -1,16 +1,16 @@
-/* J'J and J'r of rows over lanes, several products side by side.
+/* J'J and J'r from rows over lanes, several products at a time.
  *
- * Every product is eight sums, lane number modulo eight, added up in one order: the same bits however many are worked
- * on at a time. */
+ * Every product has eight sums (lane number modulo eight), added in a fixed order.  So the bits do not depend on the
+ * number of products computed at a time. */
 #include "mbs/batch/kernel_pack_internal.h"
 
 #if defined(__AVX512F__)
-#define ABREAST 4                          /* products whose sums stay in registers                   */
+#define ABREAST 4                          /* products at a time: their sums stay in registers        */
 #else
 #define ABREAST 2
 #endif
 
-/* Columns a and b[0 .. count-1] multiplied; from one component to the next are a_step and b_step. */
+/* Products of column a with columns b[0 .. count-1].  a_step, b_step: distance between components. */
 LW_INLINE void products(const lw_normal *q, const double *a, size_t a_step, const double *const *b, size_t b_step,
                         const int count, double *to)
 {

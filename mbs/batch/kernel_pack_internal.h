@@ -1,6 +1,6 @@
-/* mbs/batch/kernel_pack_internal.h - a number of each of eight lanes as one value: where arrays would go through memory
- * from loop to loop, these stay in registers.  One instruction with AVX-512, two with AVX2, four with SSE2, the same
- * bits. */
+/* mbs/batch/kernel_pack_internal.h - one number of each of eight lanes as one value.  It stays in registers, where
+ * arrays would pass through memory from loop to loop.  An operation is one instruction with AVX-512, two with AVX2,
+ * four with SSE2; the bits are the same. */
 #ifndef LW_MBS_BATCH_KERNEL_PACK_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_PACK_INTERNAL_H
 
@@ -8,7 +8,7 @@
 
 typedef double pack __attribute__((vector_size(64)));
 typedef double pack_anywhere __attribute__((vector_size(64), aligned(8), may_alias));
-typedef long long mask __attribute__((vector_size(64)));          /* of comparisons: -1 or 0 */
+typedef long long mask __attribute__((vector_size(64)));          /* result of a comparison: -1 or 0 */
 
 LW_INLINE pack get8(const double *from) { return *(const pack_anywhere *)from; }
 LW_INLINE void put8(double *to, pack v) { *(pack_anywhere *)to = v; }
@@ -43,7 +43,7 @@ LW_INLINE double most8(pack a)
     return m;
 }
 
-/* Of the lane before; of the first, `first`. */
+/* The number of the lane before; for the first lane it is `first`. */
 LW_INLINE pack before8(pack a, double first)
 {
     return __builtin_shufflevector(all8(first), a, 0, 8, 9, 10, 11, 12, 13, 14);

@@ -1,9 +1,9 @@
 /* mbs/batch/kernel_run_internal.h - the registers of a block of lanes, the loops over it, and the functions that the
- * files of the kernel offer each other.
+ * kernel files share.
  *
  * Every mbs/batch/kernel*.c is compiled once per instruction set (LW_ISA, see the Makefile).  Functions with external
- * linkage carry the instruction set in their names; everything else is static, so that no instruction of one set leaks
- * into another. */
+ * linkage have the instruction set in their names.  All others are static, so that no code of one set runs in
+ * another. */
 #ifndef LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
 #define LW_MBS_BATCH_KERNEL_RUN_INTERNAL_H
 
@@ -26,8 +26,8 @@
 #define lw_fast_jacobian     LW_OF_ISA(lw_fast_jacobian, LW_ISA)
 #define lw_fast_sum          LW_OF_ISA(lw_fast_sum, LW_ISA)
 
-/* Whole groups of lanes, which spares the compiler the loop's rest.  Lanes do not depend on each other:
- * nothing a lane writes is read by another. */
+/* A loop over whole groups of lanes, so that the compiler needs no code for a remainder.  Lanes are independent: no
+ * lane reads a number that another one writes. */
 #if defined(__clang__)
 #define LW_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -35,27 +35,27 @@
 #endif
 #define LW_LANES(n) LW_INDEPENDENT for (size_t i = 0, end = (n)/LW_GROUP*LW_GROUP; i < end; i++)
 
-/* A block of lanes.  Rows are nb doubles long; dimension d of lane i is dim[d*dim_row + i], or dim[d] when
- * the lanes share one set (then dim_row is 1). */
+/* A block of lanes.  Rows have nb doubles.  Dimension d of lane i is dim[d*dim_row + i], or dim[d] when the lanes share
+ * one set (then dim_row is 1). */
 typedef struct run {
     const lw_plan *plan;
     size_t nb;
     const double *c, *s;
     const double *dim, *mode;
     size_t dim_row, mode_row;
-    double *reg, *margin, *spare;            /* registers: x row, y row                     */
-    double *aux;                             /* a row a dyad: reciprocal of its root        */
-    double *turn;                            /* cosines, sines of the angles                */
+    double *reg, *margin, *spare;            /* registers: a row of x, a row of y          */
+    double *aux;                             /* for each dyad: reciprocals of its root     */
+    double *turn;                            /* cosines and sines of the angles            */
     size_t turn_row;
-    double *bar;                             /* adjoints of the registers                   */
-    double *row;                             /* derivatives by the dimensions               */
+    double *bar;                             /* adjoints of the registers                  */
+    double *row;                             /* derivatives by the dimensions              */
     size_t row_row;
-    double *spread_dim, *spread_mode;        /* one set copied to every lane                */
-    double *tail;                            /* the padded last group                       */
-    double *inverse;                         /* of the higher groups' Jacobians             */
-    const double *group_poses;                     /* the same of the chunk's first lane          */
-    const double *group_pose;                      /* where the higher groups are in these lanes: n_row rows, then by */
-    size_t group_pose_row;                         /* how much the input is out of reach, 0: not at all */
+    double *spread_dim, *spread_mode;        /* one set copied to every lane               */
+    double *tail;                            /* the padded last group                      */
+    double *inverse;                         /* inverse Jacobians of the higher groups             */
+    const double *group_poses;               /* poses of the higher groups in the lanes of a chunk */
+    const double *group_pose;                /* the same from this block on: n_row rows, then a row of the  */
+    size_t group_pose_row;                   /* distance by which the input is out of reach, else 0; row length */
 } run;
 
 LW_INLINE double *reg_x(const run *k, int r) { return k->reg + 2*(size_t)r*k->nb; }
@@ -69,7 +69,7 @@ LW_INLINE const double *mode_of(const run *k, int dyad) { return k->mode + (size
 LW_INLINE const double *cos_of(const run *k, int angle) { return k->turn + 2*(size_t)angle*k->turn_row; }
 LW_INLINE const double *sin_of(const run *k, int angle) { return cos_of(k, angle) + k->turn_row; }
 
-/* Points or directions over the lanes. */
+/* Two rows that hold a point or a direction. */
 typedef struct in_rows { const double *x, *y; } in_rows;
 typedef struct out_rows { double *x, *y; } out_rows;
 
@@ -89,7 +89,7 @@ LW_INLINE void add_to(out_rows r, size_t i, lw_vec2 v)
     r.y[i] += v.y;
 }
 
-/* Where places go, and where they are wanted (w NULL: weight 1). */
+/* Rows of results; rows of target points and weights (w NULL: weight 1). */
 typedef struct rows { double *x, *y, *u, *v, *margin; } rows;
 typedef struct target { const double *x, *y, *w; } target;
 
@@ -99,14 +99,14 @@ static inline void fill(double *row, double v, size_t n)
         row[i] = v;
 }
 
-/* What a forward sweep leaves beside the registers. */
+/* What a forward pass stores besides the registers: nothing; margins; margins and the reciprocals for derivatives. */
 enum { POSE_ONLY, WITH_MARGIN, WITH_ROOTS };
 
 /* ---- a block of lanes ---------------------------------------------------------------------------------- */
 
 static inline size_t round_up(size_t n) { return (n + LW_GROUP - 1)/LW_GROUP*LW_GROUP; }
 
-/* Share out the work memory; rows are as short as n allows, to stay in cache. */
+/* Divide the work memory into rows.  They are as short as n allows, to stay in cache. */
 static inline run start(const lw_plan *plan, size_t n, void *work)
 {
     run k = { .plan = plan, .nb = n >= LW_BLOCK ? LW_BLOCK : round_up(n) };
@@ -127,7 +127,7 @@ static inline run start(const lw_plan *plan, size_t n, void *work)
     return k;
 }
 
-/* Origin and x axis of the ground frame, which steps read as registers; clean rows to throw away. */
+/* Set the registers of the ground frame (origin and x axis); clear the spare rows. */
 static inline void ground_rows(const run *k, size_t n)
 {
     double *ox = reg_x(k, 0), *oy = reg_y(k, 0), *ux = reg_x(k, 1), *uy = reg_y(k, 1);
@@ -138,7 +138,7 @@ static inline void ground_rows(const run *k, size_t n)
     memset(k->spare, 0, 3*n*sizeof(double));
 }
 
-/* Cosine and sine of n angles; those far beyond a turn by the library. */
+/* Cosines and sines of n angles.  Angles outside the range of lw_sincos are left to the C library. */
 static inline void turns(const double *angle, size_t n, double *restrict c, double *restrict s)
 {
     int far = 0;
@@ -160,7 +160,7 @@ static inline lw_vec2 turn(double angle)
     return fabs(angle) < LW_SINCOS_MAX ? lw_sincos(angle) : lw_v2(cos(angle), sin(angle));
 }
 
-/* Those of the first n_angle angles among the dimensions; theta0 is the last. */
+/* Cosines and sines of the first n_angle angles among the dimensions; theta0 is the last. */
 static inline void set_turns(run *k, int n_angle, int per_lane, size_t n)
 {
     k->turn_row = per_lane ? k->nb : 1;
@@ -177,32 +177,32 @@ static inline void set_turns(run *k, int n_angle, int per_lane, size_t n)
     }
 }
 
-/* ---- what the files of the kernel offer each other ------------------------------------------------------- */
+/* ---- functions that the kernel files share ----------------------------------------------------------------- */
 
-/* All steps that output `which` depends on, over n lanes; outputs: what to leave beside the registers.  One step of a plan
- * whose lanes share their dimensions, with margins, not for higher groups.  kernel_steps.c */
+/* Evaluate all steps that output `which` depends on, over n lanes; outputs: POSE_ONLY, ...  lw_forward_step evaluates
+ * one step with margins, for lanes that share their dimensions; not for higher groups.  kernel_steps.c */
 void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs);
 void lw_forward_step(const run *k, const lw_step *s, size_t n);
 
-/* From the adjoints of output `which`, set in k->bar, to k->row and the input's row.  kernel_steps.c */
+/* Derivatives of output `which`, backwards: from the adjoints in k->bar to k->row and to the row of the input.
+ * kernel_steps.c */
 void lw_backward(const run *k, int which, size_t n, double *input_bar);
 
 /* The step of a higher group.  kernel_higher.c */
 void lw_higher_forward(const run *k, const lw_step *s, size_t n, int per_lane, int outputs);
 void lw_higher_backward(const run *k, const lw_step *s, size_t n);
 
-/* For plans with higher groups: follow these over the lanes of `in`, chunk by chunk, and call `work_on` with each
- * chunk: its lanes, the number of its first lane, scratch for its own rows, and where its groups are.
- * kernel_continuation.c */
+/* For plans with higher groups: follow the groups over the lanes of `in`, chunk by chunk, and call `work_on` for each
+ * chunk with its lanes, the number of its first lane, scratch, and the poses of its groups.  kernel_continuation.c */
 typedef void lw_chunk_work(void *caller, const lw_lanes *part, size_t first, void *work, const double *group_poses);
 void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_work *work_on, void *caller);
 void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                    lw_group_pose *group_pose);
+                          lw_group_pose *group_pose);
 
 /* J'J and J'r.  kernel_normal.c */
 void lw_kernel_normal(const lw_normal *in, double *h, double *g);
 
-/* Plans of the commonest kind (lw_fast_dyad), all steps in one loop.  kernel_fast_dyad.c */
+/* Plans of the form lw_fast_dyad, all steps in one loop.  kernel_fast_dyad.c */
 void lw_fast_points(const run *k, int which, size_t n, const rows *out, int per_lane, int frame);
 void lw_fast_jacobian(const run *k, int which, size_t n, const lw_jacobian *out);
 
@@ -212,6 +212,6 @@ typedef struct sums {
            cx[LW_GROUP], cy[LW_GROUP], x0[LW_GROUP], y0[LW_GROUP], turn[LW_GROUP], f[LW_GROUP], margin[LW_GROUP];
 } sums;
 void lw_fast_sum(const run *k, int which, size_t n, const target *t, sums *a);
-#define LW_ZEROS 1024                    /* lanes for which an absent dimension has zeros to read         */
+#define LW_ZEROS 1024                    /* lanes that an absent dimension has zeros for                  */
 
 #endif

@@ -1,8 +1,8 @@
-/* Each step of a plan as one loop over a block, forwards and backwards. */
+/* Each kind of step as one loop over a block of lanes, forwards and backwards. */
 #include "mbs/batch/kernel_run_internal.h"
 
 /* ---- steps forwards ----------------------------------------------------------------------------------
- * per_lane: dimensions and modes differ from lane to lane; a constant wherever these are inlined. */
+ * per_lane: do dimensions and modes differ between lanes?  It is a constant wherever these functions are inlined. */
 
 static void input_pin(const run *k, const lw_step *s, size_t n)
 {
@@ -40,7 +40,7 @@ LW_INLINE void line(const run *k, const lw_step *s, size_t n, const int per_lane
     }
 }
 
-/* The least margin so far, and the reciprocal that the derivatives need, 0 where they do not exist. */
+/* Keep the least margin, and the reciprocal that derivatives need (0 where they do not exist). */
 LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, const int outputs)
 {
     if (outputs >= WITH_MARGIN)
@@ -49,8 +49,8 @@ LW_INLINE void keep_margin(double *margin, double *aux, double m, double y, cons
         *aux = (m > LW_MARGIN_FLAT ? 1.0 : 0.0)/(m > LW_MARGIN_FLAT ? y : 1.0);
 }
 
-/* Lanes of an RRR dyad, of which out[0] and out[1] are kept when `turns` says so (1, 2).  met: all circles are
- * known to meet; false when some do not. */
+/* RRR dyads.  turns: bits 1 and 2 tell whether out[0] and out[1] are stored.  met: are all circles assumed to meet?
+ * Returns false if that is wrong. */
 LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs,
                          const int turns, const int met)
 {
@@ -79,7 +79,7 @@ LW_INLINE bool rrr_lanes(const run *k, const lw_step *s, size_t n, const int per
     return !(met && open);
 }
 
-/* Mostly all circles meet, which is cheaper to work out; the lanes that have done so then keep their bits. */
+/* Try first the cheaper loop for circles that all meet.  Both loops give the same bits in lanes whose circles meet. */
 LW_INLINE void rrr(const run *k, const lw_step *s, size_t n, const int per_lane, const int outputs, const int turns)
 {
     if (!rrr_lanes(k, s, n, per_lane, outputs, turns, 1))
@@ -152,7 +152,7 @@ static void times(const out_rows o, in_rows u, double sign, size_t n)
     }
 }
 
-/* e^{i phase} u^m v^n: small whole numbers, so one product after the other. */
+/* e^{i phase} u^m v^n by repeated products; m and n are small. */
 LW_INLINE void gear(const run *k, const lw_step *s, size_t n, const int per_lane)
 {
     const out_rows o = out_reg(k, s->out[0]);
@@ -197,7 +197,7 @@ LW_INLINE void rack(const run *k, const lw_step *s, size_t n, const int per_lane
     }
 }
 
-/* One copy of each loop for every constant combination: dimensions shared or per lane, and what is kept. */
+/* One copy of each loop for each combination of per_lane and outputs. */
 LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, const int per_lane, const int outputs)
 {
     switch (s->kind) {
@@ -219,7 +219,7 @@ LW_INLINE void step_forward(const run *k, const lw_step *s, int keep, size_t n, 
     case LW_STEP_RPR:         rpr(k, s, n, per_lane, outputs); break;
     case LW_STEP_PRP:
     case LW_STEP_PPR:         prp(k, s, n, outputs); break;
-    case LW_STEP_HIGHER:      break;                       /* see forward */
+    case LW_STEP_HIGHER:      break;                       /* see lw_forward */
     case LW_STEP_TURN:        turn_step(k, s, n); break;
     case LW_STEP_SLIDE:       slide_step(k, s, n); break;
     case LW_STEP_GEAR:        gear(k, s, n, per_lane); break;
@@ -262,7 +262,7 @@ void lw_forward(const run *k, int which, size_t n, int per_lane, int outputs)
 }
 
 /* ---- steps backwards: see mbs/plan/dyad_internal.h --------------------------------------------------
- * Several adjoints may be one register, which is read again after it is written. */
+ * Several inputs of a step may be one register, so that its adjoint is read again after it is written. */
 
 static void back_input_pin(const run *k, const lw_step *s, size_t n, double *input_bar)
 {
@@ -316,7 +316,7 @@ static void back_line(const run *k, const lw_step *s, size_t n)
     }
 }
 
-/* The adjoint of the tip goes to the pin it was reached from, less the pull, which goes to the other. */
+/* Add `pull` to the adjoint of b, and the adjoint of the tip minus `pull` to that of a. */
 LW_INLINE void share_pull(out_rows a_bar, out_rows b_bar, size_t i, lw_vec2 tip, lw_vec2 pull)
 {
     add_to(a_bar, i, lw_v2_sub(tip, pull));
@@ -458,7 +458,7 @@ static void back_roll(const run *k, const lw_step *s, size_t n)
     }
 }
 
-/* The middle chooses a turn and moves nothing. */
+/* The middle of a rack has no derivative: it only selects a turn. */
 static void back_rack(const run *k, const lw_step *s, size_t n)
 {
     const double *d_bar = bar_x(k, s->out[0]), *d = reg_x(k, s->out[0]);

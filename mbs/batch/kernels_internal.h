@@ -1,22 +1,21 @@
-/* mbs/batch/kernels_internal.h - the loops of mbs/batch/batch.h, compiled once per instruction set from
- * mbs/batch/kernel.c.
+/* mbs/batch/kernels_internal.h - the table of loops of mbs/batch/batch.h, which each instruction set has.
  *
- * Every instruction set gives the same bits: no contraction, no reassociation, sums in eight accumulators
+ * Every instruction set gives the same bits: sums are neither contracted nor reordered, and have eight accumulators
  * (lane number modulo eight).  Internal to mbs. */
 #ifndef LW_MBS_BATCH_KERNELS_INTERNAL_H
 #define LW_MBS_BATCH_KERNELS_INTERNAL_H
 
 #include "mbs/batch/batch.h"
 
-#define LW_BLOCK 128          /* lanes worked on at a time: registers of a small plan stay in the first cache */
-#define LW_GROUP 8            /* lanes are worked on in multiples of this; the rest is padded                 */
+#define LW_BLOCK 128          /* lanes per pass: the registers of a small plan stay in the first-level cache  */
+#define LW_GROUP 8            /* lanes come in multiples of this; the last group is padded                    */
 
-#define LW_CHUNK 1024         /* lanes whose higher groups are followed at a time, and a group of lanes more  */
+#define LW_CHUNK 1024         /* lanes per pass of the continuation; the last pass has up to LW_GROUP - 1 more */
 
-/* Where the higher groups of a plan are at one input: a row x, y for each turn's direction and d for each
- * displacement; inverse Jacobian of each, one after the other; least margin. */
-#define LW_GROUP_ROW_MAX     (2*LW_MODE_MAX)
-#define LW_INVERSE_MAX (LW_HIGHER_MAX*LW_UNKNOWN_MAX*LW_UNKNOWN_MAX)
+/* The pose of the higher groups of a plan at one input: in row[] x, y for the direction of each turn and d for each
+ * displacement; the inverse Jacobians of the groups one after the other; the least margin. */
+#define LW_GROUP_ROW_MAX (2*LW_MODE_MAX)
+#define LW_INVERSE_MAX   (LW_HIGHER_MAX*LW_UNKNOWN_MAX*LW_UNKNOWN_MAX)
 typedef struct lw_group_pose {
     double row[LW_GROUP_ROW_MAX], inverse[LW_INVERSE_MAX], margin;
 } lw_group_pose;
@@ -31,16 +30,16 @@ typedef struct lw_kernels {
     double (*sum)(const lw_plan *plan, const lw_lanes *in, int which, void *work,
                   const double *tx, const double *ty, const double *w, double *grad, double *margin);
     void (*normal)(const lw_normal *in, double *h, double *g);
-    /* The higher groups at one input, followed there from the seed; work of lw_continuation_size. */
+    /* Follow the higher groups from the seed to one input.  work: lw_continuation_size doubles. */
     void (*group_pose)(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
-                 lw_group_pose *group_pose);
+                       lw_group_pose *group_pose);
 } lw_kernels;
 
-/* Doubles of scratch: registers and so forth of n lanes; inverses a lane; to follow the higher groups. */
+/* Doubles of scratch: rows of the block for each lane; inverse Jacobians for each lane; to follow the higher groups. */
 size_t lw_lane_rows(const lw_plan *plan);
 size_t lw_inverse_rows(const lw_plan *plan);
 size_t lw_continuation_size(const lw_plan *plan);
-#define LW_CONTINUATION_MAX 40000   /* the most lw_continuation_size can be                                       */
+#define LW_CONTINUATION_MAX 40000   /* upper bound of lw_continuation_size */
 
 /* The tables this processor can run, best first; NULL past the last. */
 const lw_kernels *lw_kernels_supported(int rank);

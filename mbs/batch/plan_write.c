@@ -1,5 +1,5 @@
-/* The other way of lw_plan_read: a linkage put into the posture of a plan, and the seeds of a plan's higher groups put
- * to another posture. */
+/* The inverse of lw_plan_read: move a linkage into a posture of its plan; move the seeds of higher groups to another
+ * posture. */
 #include "mbs/batch/kernels_internal.h"
 #include "mbs/batch/pose.h"
 #include "mbs/plan/dyad_internal.h"
@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* The new posture: registers moved into the plane. */
+/* The new posture. */
 typedef struct placed { const lw_plan *p; lw_vec2 o[LW_LINK_MAX], d[LW_LINK_MAX], reg[LW_REG_MAX], turn; } placed;
 
 static void place(const lw_plan *p, const double *dim, placed *q)
@@ -27,8 +27,8 @@ static lw_vec2 in_plane(const placed *q, const double *dim, int reg)
     return lw_v2_add(lw_v2(dim[q->p->i_x0], dim[q->p->i_y0]), lw_v2_turn(q->reg[reg], q->turn));
 }
 
-/* A slide line keeps its place on the path when it was drawn at the pin; otherwise its distance from
- * the path and its place along it, in the frame of link[0]. */
+/* The new place of a slide point.  A point at the pin stays at the pin.  Any other point keeps its distance from the
+ * path of the pin and its place along the path, in the frame of link[0]. */
 static lw_vec2 move_slide(const lw_linkage *k, const lw_frames *f, const placed *q, const double *dim, int j)
 {
     const lw_plan *p = q->p;
@@ -59,7 +59,7 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
     }
 }
 
-/* Ratios of racks; contacts of gears, once the pins of their wheels stand. */
+/* Set the ratios of racks, and the contacts of gears from the new pins of their wheels. */
 static void move_gears(const lw_plan *p, const double *dim, lw_linkage *k)
 {
     lw_gear g;

@@ -1,6 +1,6 @@
-/* One pose through the steps of the plan, and its derivatives by truncated Taylor arithmetic: every
- * number is replaced by its Taylor coefficients in the input, sums and products by theirs
- * (Griewank & Walther 2008, ch. 13), so that the derivatives are exact to rounding. */
+/* Evaluate one pose step by step, and its derivatives in truncated Taylor arithmetic: every number is replaced by its
+ * Taylor coefficients in the input, every operation by that on the coefficients (Griewank & Walther 2008, ch. 13).  The
+ * derivatives are exact to rounding. */
 #include "mbs/batch/pose.h"
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/batch/kernels_internal.h"
@@ -40,7 +40,7 @@ static lw_vec2 solve_gear(const lw_step *s, const double *dim, const lw_vec2 *re
     return s->in[1] < 0 ? u : times_power(u, reg[s->in[1]], s->power[1]);
 }
 
-/* The displacement of a rack; returns its margin. */
+/* Compute the displacement of a rack.  Returns its margin. */
 static double solve_rack(const lw_step *s, const double *dim, lw_vec2 *reg)
 {
     lw_vec2 a = lw_v2_unturn(reg[s->in[0]], reg[s->in[1]]);
@@ -49,7 +49,7 @@ static double solve_rack(const lw_step *s, const double *dim, lw_vec2 *reg)
     return lw_rack_margin(off);
 }
 
-/* One step; returns the margin of a dyad, 1 for other steps. */
+/* Evaluate one step.  Returns the margin of a dyad or rack, 1 for other steps. */
 static double solve_step(const lw_step *s, const double *dim, const double *mode, double input, lw_vec2 *reg)
 {
     const int *in = s->in, *out = s->out;
@@ -110,7 +110,7 @@ static double solve_step(const lw_step *s, const double *dim, const double *mode
     return 1;
 }
 
-/* Directions and displacements of a higher group from its group_pose. */
+/* Copy the directions and displacements of a higher group to the registers. */
 static void take_group_pose(const lw_higher *g, const lw_group_pose *group_pose, lw_vec2 *reg)
 {
     const double *row = group_pose->row + g->first_row;
@@ -128,7 +128,7 @@ static double find_group_pose(const lw_plan *plan, const double *dim, const doub
     return group_pose->margin;
 }
 
-/* group_pose: where the higher groups are, for plans that have some. */
+/* Evaluate all steps.  group_pose: pose of the higher groups, unused without them.  Returns the least margin. */
 static double registers(const lw_plan *plan, const double *dim, const double *mode, double input,
                         const lw_group_pose *group_pose,
                         lw_vec2 *reg)
@@ -291,7 +291,7 @@ static jet2 jet_gear(const lw_step *s, const double *dim, const jet2 *reg)
     return s->in[1] < 0 ? u : jet_times_power(u, reg[s->in[1]], s->power[1]);
 }
 
-/* Angle of a direction, from that of its first coefficients on: u' = i angle' u, u a unit vector. */
+/* The angle of a direction u, given its value: u' = i angle' u for a unit vector u. */
 static jet jet_angle(const jet2 *u, double first)
 {
     jet a = constant(first);
@@ -360,11 +360,11 @@ static void jet_step(const lw_step *s, const double *dim, const double *mode, do
     }
 }
 
-/* ---- a higher group: order after order, with the one inverse Jacobian ------------------------------------- */
+/* ---- a higher group: one order after the other, with the same inverse Jacobian ---------------------------- */
 
 typedef struct closing { const lw_higher *g; jet2 dir[LW_HIGHER_DIR_MAX]; jet turn[LW_UNKNOWN_MAX]; } closing;
 
-/* Directions turned from others. */
+/* Known directions, and directions turned from others. */
 static void jet_turned(closing *q, const double *dim, const jet2 *reg)
 {
     for (int a = 0; a < q->g->n_dir; a++) {
@@ -378,7 +378,7 @@ static void jet_turned(closing *q, const double *dim, const jet2 *reg)
     }
 }
 
-/* Coefficient m of the loops. */
+/* Coefficient m of the residuals of the loops. */
 static void jet_loops(const closing *q, const double *dim, const jet2 *reg, int m, double *f)
 {
     const lw_higher *g = q->g;
@@ -403,7 +403,7 @@ static void jet_loops(const closing *q, const double *dim, const jet2 *reg, int 
     }
 }
 
-/* The same of the rows of gears, m > 0: phases and the place of a rack are of order 0. */
+/* Coefficient m > 0 of the residuals of gears; phases and shifts are constants. */
 static void jet_gears(const closing *q, const double *dim, const jet2 *reg, int m, double *f)
 {
     const lw_higher *g = q->g;
@@ -418,7 +418,7 @@ static void jet_gears(const closing *q, const double *dim, const jet2 *reg, int 
     }
 }
 
-/* Coefficient m of direction a from its turn's coefficients: u' = i turn' u. */
+/* Coefficient m of the direction of a turn: u' = i turn' u. */
 static void jet_direction(closing *q, int a, int m)
 {
     jet2 *u = &q->dir[a];
@@ -463,7 +463,7 @@ static void jet_higher(const lw_higher *g, const double *inverse, const double *
             reg[g->turn_reg[g->dir[a].root]] = q.dir[a];
 }
 
-/* All steps, from a pose without derivatives. */
+/* Evaluate all steps in Taylor arithmetic, from a pose without derivatives. */
 static void jet_steps(const lw_plan *plan, const double *dim, const double *mode, double input,
                       const lw_group_pose *group_pose, jet2 *reg)
 {
@@ -480,7 +480,7 @@ static void jet_steps(const lw_plan *plan, const double *dim, const double *mode
     }
 }
 
-/* ---- into the pose ------------------------------------------------------------------------------------ */
+/* ---- results ------------------------------------------------------------------------------------------ */
 
 typedef struct sink { int order; lw_vec2 z0, turn; double theta0; } sink;
 
@@ -523,7 +523,7 @@ static void put_all(const lw_plan *plan, const sink *k, const jet2 *reg, lw_pose
         put_point(k, &reg[plan->output_point[o]], pose->tracer[o]);
 }
 
-/* Places alone, without jets. */
+/* The pose without derivatives. */
 static void put_places(const lw_plan *plan, const sink *k, const lw_vec2 *reg, lw_pose *pose)
 {
     for (int j = 0; j < LW_JOINT_MAX; j++)
@@ -569,7 +569,7 @@ lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mo
         reg[r] = constant2(flat[r].x, flat[r].y);
     if (pose->margin > LW_MARGIN_FLAT)
         jet_steps(plan, dim, mode, input, &group_pose, reg);
-    /* a dyad that closes by rounding in one of the two ways of reckoning and not in the other */
+    /* by rounding a dyad may close in `registers` and not in Taylor arithmetic: no derivatives then */
     if (!all_finite(reg, plan->n_reg))
         for (int r = 0; r < plan->n_reg; r++)
             reg[r] = constant2(flat[r].x, flat[r].y);

@@ -1,5 +1,5 @@
-/* mbs/batch/pose.h - one pose of one linkage in full: joints, links, and their derivatives by the input up
- * to the third order.  Exact (truncated Taylor arithmetic through the plan), not differenced. */
+/* mbs/batch/pose.h - one full pose of a linkage: joints, links and tracers with their derivatives by the input up to
+ * the third order.  The derivatives are exact (truncated Taylor arithmetic), not difference quotients. */
 #ifndef LW_MBS_BATCH_POSE_H
 #define LW_MBS_BATCH_POSE_H
 
@@ -15,24 +15,24 @@ typedef struct lw_pose {
     lw_vec2 tracer[LW_TRACER_MAX][LW_ORDER_MAX + 1];
 } lw_pose;
 
-/* Solve for the pose and its derivatives up to `order`.  LW_OPEN when it cannot close at this input:
- * then positions are those of the nearest pose and derivatives are 0.  At a dead point (margin 0)
- * derivatives do not exist and are set to 0; margin tells. */
+/* Solve for the pose and its derivatives up to `order`.  LW_OPEN when the linkage cannot close at this input; the
+ * positions are then those of the nearest pose and the derivatives are 0.  At a dead point (margin 0) derivatives do
+ * not exist and are set to 0. */
 lw_status lw_pose_solve(const lw_plan *plan, const double *dim, const double *mode, double input,
                         int order, lw_pose *pose);
 
-/* Every register of the plan at this input, in the ground frame; returns the margin.  reg: plan->n_reg. */
+/* Compute every register of the plan at this input, in the ground frame.  reg: (plan->n_reg).  Returns the margin. */
 double lw_pose_registers(const lw_plan *plan, const double *dim, const double *mode, double input,
                          lw_vec2 reg[LW_REG_MAX]);
 
-/* The opposite of lw_plan_read: put the posture at `input` with these dimensions into k, which brings the topology
- * and names.  Needs a plan with all_joints.  LW_OPEN when it cannot close there (k untouched).
- * Tracers without an output, tool angles and the places of slide lines go with their links; the
- * input's value moves by as much as the input. */
-lw_status lw_plan_write(const lw_plan *plan, const double *dim, const double *mode, double input, lw_linkage *k);
+/* The inverse of lw_plan_read: move `linkage`, of the topology of the plan, into the posture at `input` with these
+ * dimensions.  The plan must have all_joints.  LW_OPEN when the linkage cannot close there; it is then unchanged.
+ * Tracers without an output, tool angles and the points of slide lines move with their links.  The input's value
+ * changes as much as the input. */
+lw_status lw_plan_write(const lw_plan *plan, const double *dim, const double *mode, double input, lw_linkage *linkage);
 
-/* Put a new seed into mode: the posture at this input, reached from the old seed.  LW_OPEN, mode untouched,
- * when it cannot be reached.  Nothing to do for plans without higher groups. */
+/* Replace the seed in mode by the posture at this input, reached from the old seed.  LW_OPEN when it cannot be reached;
+ * mode is then unchanged.  Plans without higher groups have no seed. */
 lw_status lw_plan_seed(const lw_plan *plan, const double *dim, double input, double *mode);
 
 #endif
