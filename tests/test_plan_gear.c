@@ -1,5 +1,5 @@
-/* Gear pairs in plans: against the loop equations of mbs/constraints/newton.h over whole periods, the law of the wheels by hand,
- * derivatives against differences. */
+/* Gear pairs in plans: postures over whole periods against the loop equations of mbs/constraints/newton.h, wheels
+ * against their law, derivatives against differences. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -188,15 +188,18 @@ static void cylinder(lw_linkage *k, double ratio)
 
 typedef void maker(lw_linkage *k, double ratio);
 static const struct { maker *make; double ratio; int input_turns_per_period, n_higher, n_rack; } cases[] = {
-    { five_bar, -1, 1, 0, 0 },      { five_bar, 2, 1, 0, 0 },     { five_bar, -0.5, 2, 0, 0 },   { five_bar, 1.0/3, 3, 0, 0 },
-    { five_bar, -2.0/3, 3, 0, 0 },  { planetary, -1, 1, 0, 0 },   { planetary, 2, 1, 0, 0 },     { planetary, -0.5, 2, 0, 0 },
-    { planetary, 3, 1, 0, 0 },      { trochoid, -1, 1, 0, 0 },    { trochoid, 0.5, 1, 0, 0 },    { trochoid, 3, 3, 0, 0 },
-    { trochoid, -2, 2, 0, 0 },      { on_coupler, 1, 1, 0, 0 },   { on_coupler, -2, 1, 0, 0 },   { on_coupler, 3, 1, 0, 0 },
-    { on_coupler, 0.5, 2, 1, 0 },   { on_coupler, -2.0/3, 3, 1, 0 }, { floating, -1, 1, 1, 0 },  { floating, 2, 1, 1, 0 },
-    { floating, -0.5, 2, 1, 0 },    { driven_inside, -1, 1, 1, 0 }, { driven_inside, 1.5, 6, 1, 0 }, { train, -1, 1, 0, 0 },
-    { train, -0.5, 2, 0, 0 },       { two_floating, -1, 1, 1, 0 }, { two_floating, 2, 1, 1, 0 }, { two_floating, 0.5, 2, 1, 0 },
-    { rolling, 2, 1, 0, 1 },        { rack_turns, 18, 1, 0, 1 },  { rack_turns, -25, 1, 0, 1 },  { rack_moves, 12, 1, 0, 1 },
-    { rack_moves, -9, 1, 0, 1 },    { rack_floats, 14, 1, 1, 1 }, { rack_floats, -21, 1, 1, 1 }, { cylinder, 17, 1, 1, 1 },
+    { five_bar, -1, 1, 0, 0 },        { five_bar, 2, 1, 0, 0 },         { five_bar, -0.5, 2, 0, 0 },
+    { five_bar, 1.0/3, 3, 0, 0 },     { five_bar, -2.0/3, 3, 0, 0 },    { planetary, -1, 1, 0, 0 },
+    { planetary, 2, 1, 0, 0 },        { planetary, -0.5, 2, 0, 0 },     { planetary, 3, 1, 0, 0 },
+    { trochoid, -1, 1, 0, 0 },        { trochoid, 0.5, 1, 0, 0 },       { trochoid, 3, 3, 0, 0 },
+    { trochoid, -2, 2, 0, 0 },        { on_coupler, 1, 1, 0, 0 },       { on_coupler, -2, 1, 0, 0 },
+    { on_coupler, 3, 1, 0, 0 },       { on_coupler, 0.5, 2, 1, 0 },     { on_coupler, -2.0/3, 3, 1, 0 },
+    { floating, -1, 1, 1, 0 },        { floating, 2, 1, 1, 0 },         { floating, -0.5, 2, 1, 0 },
+    { driven_inside, -1, 1, 1, 0 },   { driven_inside, 1.5, 6, 1, 0 },  { train, -1, 1, 0, 0 },
+    { train, -0.5, 2, 0, 0 },         { two_floating, -1, 1, 1, 0 },    { two_floating, 2, 1, 1, 0 },
+    { two_floating, 0.5, 2, 1, 0 },   { rolling, 2, 1, 0, 1 },          { rack_turns, 18, 1, 0, 1 },
+    { rack_turns, -25, 1, 0, 1 },     { rack_moves, 12, 1, 0, 1 },      { rack_moves, -9, 1, 0, 1 },
+    { rack_floats, 14, 1, 1, 1 },     { rack_floats, -21, 1, 1, 1 },    { cylinder, 17, 1, 1, 1 },
 };
 enum { CASES = sizeof cases/sizeof *cases };
 

@@ -1,6 +1,7 @@
-/* mbs/kinematics/closed_motion.c - from limit to limit until the cycle closes. */
+/* mbs/kinematics/closed_motion.c - follow the legs from limit to limit until the motion closes. */
 #include "mbs/kinematics/closed_motion.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "mbs/batch/batch.h"
@@ -15,14 +16,14 @@ typedef struct walk {
     const lw_plan *plan;
     const double  *dim;
     void          *batch;
-    const lw_step *step[LW_DYAD_MAX];            /* of the dyads that count, in the order of the plan */
+    const lw_step *step[LW_DYAD_MAX];            /* the dyads that outputs depend on, in order       */
     int            n_step;
-    double         reach;                        /* a turn, or as far as a slide is followed        */
-    bool           touches;                      /* a dyad that goes on all but reached its limit   */
+    double         reach;                        /* length of input searched: a turn, or of a slide */
+    bool           touches;                      /* a margin came close to 0 without reaching it    */
 } walk;
 
-/* What a sample says: open there and before, closed there. */
-typedef struct bracket { double open, shut; } bracket;
+/* A limit lies between these inputs: the linkage closes at `inside` and does not close at `outside`. */
+typedef struct bracket { double inside, outside; } bracket;
 
 static void set_walk(walk *w, const lw_plan *plan, const double *dim, void *batch)
 {
@@ -44,7 +45,7 @@ static void set_walk(walk *w, const lw_plan *plan, const double *dim, void *batc
 
 /* ---- margins ------------------------------------------------------------------------------------- */
 
-/* Margins of n <= BLOCK postures, in lanes whose dimensions are `stride` apart (0: one set). */
+/* Margins of n <= BLOCK postures; stride: as dim_stride of mbs/batch/batch.h. */
 static void lane_margins(const walk *w, const double *dim, size_t stride, const double *mode, size_t n,
                          const double *input, double *margin)
 {
@@ -63,9 +64,10 @@ static void lane_margins(const walk *w, const double *dim, size_t stride, const 
     }
 }
 
-/* The margin of dyad *which at one input; -1: of the first that does not close there, else of the nearest to that,
- * whose number is put there.  Margins of dyads behind one that is shut mean nothing. */
-static double one_margin(const walk *w, const double *mode, double input, int *which, bool *shut)
+/* The margin of dyad *which at one input.  If *which is -1, or a dyad before it does not close, *which becomes the
+ * first dyad that does not close, or else the one of least margin.  *outside: some dyad does not close.  Margins of
+ * dyads behind such a dyad have no meaning. */
+static double one_margin(const walk *w, const double *mode, double input, int *which, bool *outside)
 {
     lw_vec2 reg[LW_REG_MAX];
     double m[LW_DYAD_MAX];
@@ -79,7 +81,7 @@ static double one_margin(const walk *w, const double *mode, double input, int *w
         if (m[i] < m[least])
             least = i;
     }
-    *shut = first >= 0;
+    *outside = first >= 0;
     if (*which < 0 || (first >= 0 && first != *which))
         *which = first >= 0 ? first : least;
     return m[*which];
@@ -87,8 +89,8 @@ static double one_margin(const walk *w, const double *mode, double input, int *w
 
 /* ---- limits -------------------------------------------------------------------------------------- */
 
-/* Three samples, all open, fall towards 0 in the middle: is it shut somewhere between them?  Looked at closer and
- * closer as long as a parabola through the lowest three says so. */
+/* The linkage closes at three samples, and the margin is least at the middle one.  Find an input between them where it
+ * does not close; sample closer as long as a parabola through the lowest three comes near 0. */
 static bool dips(walk *w, const double *mode, const double *at, const double *m, bracket *b)
 {
     double input[BLOCK], margin[BLOCK], first = at[0], last = at[2], v[3] = { m[0], m[1], m[2] };
@@ -116,8 +118,8 @@ static bool dips(walk *w, const double *mode, const double *at, const double *m,
     return false;
 }
 
-/* The first limit on the way from an open posture or a limit, by samples as dense near it as the square root asks for.
- * false: there is none. */
+/* Bracket the first limit between `from`, a posture or a limit, and from + reach.  Samples are dense near `from`, where
+ * postures vary like the square root of the input.  false: there is none. */
 static bool next_limit(walk *w, const double *mode, double from, double reach, bracket *b)
 {
     double at[BLOCK + 2] = { from, from }, m[BLOCK + 2] = { 0, 0 };
@@ -141,41 +143,43 @@ static bool next_limit(walk *w, const double *mode, double from, double reach, b
     return false;
 }
 
-/* The limit in a bracket: a root of the margin of the dyad that is shut first, by regula falsi with the weights of
- * Illinois (Dowell & Jarratt 1971).  Which dyad that is may change while the bracket shrinks. */
+/* The limit in a bracket: a root of the margin of the first dyad that does not close, by regula falsi with the Illinois
+ * weights (Dowell & Jarratt 1971).  That dyad may change while the bracket becomes smaller. */
 static double limit_in(const walk *w, const double *mode, bracket b, int *which)
 {
-    bool shut;
+    bool outside;
     int side = 0;
     *which = -1;
-    double f_shut = one_margin(w, mode, b.shut, which, &shut), f_open = one_margin(w, mode, b.open, which, &shut);
+    double f_outside = one_margin(w, mode, b.outside, which, &outside);
+    double f_inside = one_margin(w, mode, b.inside, which, &outside);
     for (int i = 0; i < 100; i++) {
         int dyad = *which;
-        double m = b.open + (b.shut - b.open)*f_open/(f_open - f_shut);
-        if (!(f_open > 0 && f_shut < 0) || (i & 15) == 15)         /* and now and then to be sure     */
-            m = 0.5*(b.open + b.shut);
-        double f = one_margin(w, mode, m, &dyad, &shut);
-        if (m == b.open || m == b.shut || f == 0)
+        double m = b.inside + (b.outside - b.inside)*f_inside/(f_inside - f_outside);
+        if (!(f_inside > 0 && f_outside < 0) || (i & 15) == 15)         /* and sometimes, against slow progress */
+            m = 0.5*(b.inside + b.outside);
+        double f = one_margin(w, mode, m, &dyad, &outside);
+        if (m == b.inside || m == b.outside || f == 0)
             return m;
         if (dyad != *which) {
             *which = dyad;
-            f_open = one_margin(w, mode, b.open, which, &shut);
-            shut = true;
+            f_inside = one_margin(w, mode, b.inside, which, &outside);
+            outside = true;
             side = 0;
         }
-        double *held = shut ? &f_open : &f_shut;             /* halved when it stays the second time     */
-        *held *= side == (shut ? -1 : 1) ? 0.5 : 1;
-        side = shut ? -1 : 1;
-        *(shut ? &b.shut : &b.open) = m;
-        *(shut ? &f_shut : &f_open) = f;
+        double *held = outside ? &f_inside : &f_outside;             /* halved when this end stays again         */
+        *held *= side == (outside ? -1 : 1) ? 0.5 : 1;
+        side = outside ? -1 : 1;
+        *(outside ? &b.outside : &b.inside) = m;
+        *(outside ? &f_outside : &f_inside) = f;
     }
-    return 0.5*(b.open + b.shut);
+    return 0.5*(b.inside + b.outside);
 }
 
-/* ---- the cycle ----------------------------------------------------------------------------------- */
+/* ---- legs ---------------------------------------------------------------------------------------- */
 
-/* Is the way from `from` to a limit shut somewhere, seen from its end, where samples have been far between? */
-static bool shut_before(const walk *w, const double *mode, double from, double end, bracket *b)
+/* Find an input between `from` and the limit `end` where the linkage does not close, by samples that are dense near the
+ * end; those of next_limit are far apart there. */
+static bool outside_before(const walk *w, const double *mode, double from, double end, bracket *b)
 {
     double at[BLOCK], m[BLOCK];
     for (int i = 0; i < BLOCK; i++) {
@@ -185,33 +189,34 @@ static bool shut_before(const walk *w, const double *mode, double from, double e
     lane_margins(w, w->dim, 0, mode, BLOCK, at, m);
     *b = (bracket){ from, end };
     for (int i = 0; i < BLOCK; i++) {
-        b->shut = at[i];
+        b->outside = at[i];
         if (m[i] < 0)
             return true;
-        b->open = at[i];
+        b->inside = at[i];
     }
     return false;
 }
 
-/* The end of the leg from here: where it is and whose limit. false: it has none. */
+/* The end of the leg that begins at `from`, and the dyad whose limit it is.  limit: is `from` a limit?  false: there is
+ * no end. */
 static bool leg_end(walk *w, const double *mode, double from, double reach, bool limit, double *end, int *which)
 {
     bracket b = { from, from };
-    for (int tries = 0; tries < 3 && b.open == from; tries++) {      /* short ones ask for closer looks  */
+    for (int tries = 0; tries < 3 && b.inside == from; tries++) {      /* sample a short leg closer        */
         if (!next_limit(w, mode, from, reach, &b))
             return false;
-        reach = b.shut - from;
+        reach = b.outside - from;
     }
-    if (limit && b.open == from)
+    if (limit && b.inside == from)
         return false;
     *end = limit_in(w, mode, b, which);
-    for (int tries = 0; tries < 3 && shut_before(w, mode, from, *end, &b); tries++)
+    for (int tries = 0; tries < 3 && outside_before(w, mode, from, *end, &b); tries++)
         *end = limit_in(w, mode, b, which);
     return true;
 }
 
-/* An open input of this assembly: `input`, or that of the samples to both sides which is nearest. */
-static bool open_near(const walk *w, const double *mode, double *input)
+/* Move *input to the nearest sample where the linkage closes in this assembly mode; false: it closes at none. */
+static bool find_inside(const walk *w, const double *mode, double *input)
 {
     double at[BLOCK], m[BLOCK], middle = *input;
     for (int block = 0; block < N_SAMPLE/BLOCK; block++) {
@@ -229,15 +234,15 @@ static bool open_near(const walk *w, const double *mode, double *input)
     return false;
 }
 
-/* Is `end` the limit below the start, which lies in this bracket, some whole turns off? */
+/* Is `end` the limit below the start, which lies in the bracket, apart from whole turns (*gain)? */
 static bool is_below(const walk *w, bracket below, double end, double *gain)
 {
-    double turns = w->plan->input_is_slider ? 0 : round((end - below.open)/(2*LW_PI)), near = 1e-12*w->reach;
-    *gain = 2*LW_PI*turns + 0.0;                             /* never -0                                 */
-    return end - *gain >= below.shut - near && end - *gain <= below.open + near;
+    double turns = w->plan->input_is_slider ? 0 : round((end - below.inside)/(2*LW_PI)), near = 1e-12*w->reach;
+    *gain = 2*LW_PI*turns + 0.0;                             /* + 0.0: not -0                            */
+    return end - *gain >= below.outside - near && end - *gain <= below.inside + near;
 }
 
-/* One more leg, from here to there. */
+/* Add a leg that ends at a limit of dyad `which`, and change the mode of that dyad. */
 static void add_leg(const walk *w, double *mode, double end, int which, lw_closed_motion *c)
 {
     lw_leg *leg = &c->leg[c->n++];
@@ -248,7 +253,7 @@ static void add_leg(const walk *w, double *mode, double end, int which, lw_close
 }
 
 lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const double *mode, double input, void *batch,
-                        lw_closed_motion *c)
+                                lw_closed_motion *c)
 {
     walk w;
     bracket below;
@@ -260,7 +265,7 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
     if (plan->n_higher > 0 || plan->n_output == 0)
         return LW_E_KIND;
     set_walk(&w, plan, dim, batch);
-    if (!open_near(&w, mode, &input))
+    if (!find_inside(&w, mode, &input))
         return LW_OPEN;
     bool up = leg_end(&w, mode, input, w.reach, false, &end, &which);
     bool down = next_limit(&w, mode, input, -w.reach, &below);
@@ -272,7 +277,7 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
     add_leg(&w, now, end, which, c);
     while (c->n < LW_LEG_MAX && leg_end(&w, now, end, c->n % 2 ? -w.reach : w.reach, true, &end, &which)) {
         add_leg(&w, now, end, which, c);
-        if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides that become parallel              */
+        if (now[c->leg[c->n - 1].dyad] == 0)                 /* slides become parallel                   */
             return LW_STOPPED;
         if (c->n % 2 == 0 && memcmp(now, mode, modes) == 0 && is_below(&w, below, end, &c->gain))
             return w.touches ? LW_STOPPED : LW_OK;
@@ -282,14 +287,15 @@ lw_status lw_closed_motion_find(const lw_plan *plan, const double *dim, const do
 
 /* ---- derivatives --------------------------------------------------------------------------------- */
 
+/* Does dimension d change the shape of the linkage, not only its place or a tracer? */
 static bool shapes(const lw_plan *plan, int d)
 {
     lw_dim_role role = plan->dim[d].role;
     return role < LW_ROLE_CX && d != plan->i_theta0;
 }
 
-/* Next to another dyad's limit everything goes as the square root of the distance to it: the least margin, at a leg's
- * end, of those dyads whose limit it is not. */
+/* The least margin at a leg's end of the dyads whose limit it is not.  Near a limit of another dyad all numbers vary
+ * like the square root of the distance to it. */
 static double other_margin(const walk *w, const lw_leg *leg)
 {
     lw_vec2 reg[LW_REG_MAX];
@@ -303,12 +309,13 @@ static double other_margin(const walk *w, const lw_leg *leg)
     return least;
 }
 
-/* The margin's derivatives at a leg's end by the dimensions which[n], -1: by the input.  `step`: of the differences,
- * for what is of size one. */
+/* Derivatives of the margin at a leg's end by the dimensions which[n] (-1: by the input), 0 < n <= BLOCK/2, as central
+ * differences.  step: their step, relative to dimensions above 1. */
 static void margin_slopes(const walk *w, const lw_leg *leg, double step, const int *which, int n, double *slope)
 {
     const lw_plan *plan = w->plan;
     double dim[LW_DIM_MAX*BLOCK], input[BLOCK], margin[BLOCK], h[BLOCK/2];
+    assert(n > 0 && n <= BLOCK/2);
     for (int d = 0; d < plan->n_dim; d++)
         for (int i = 0; i < 2*n; i++)
             dim[d*BLOCK + i] = w->dim[d];

@@ -1,15 +1,15 @@
 /* mbs/kinematics/cognate.c - the three four-bars of one coupler curve (Roberts 1875).
  *
- * With c = (cx + i cy)/r3 the coupler point is P = A + c (B - A), and all three stand on the corners
- * of a triangle similar to the coupler: A0, B0 and C0 = A0 + c (B0 - A0).  Opening the parallelograms
- * A0 A P and B0 B P gives their moving pins; divided by the size of its frame, each cognate is the
- * given quadrilateral A0 A B B0 with two neighbouring sides exchanged (Dijksman 1976):
+ * With c = (cx + i cy)/r3 the coupler point is P = A + c (B - A).  The ground pins of the three four-bars are the
+ * corners of a triangle similar to the coupler: A0, B0 and C0 = A0 + c (B0 - A0).  Parallelograms on A0 A P and B0 B P
+ * give the moving pins.  Divided by the size of its frame, each cognate is the given quadrilateral A0 A B B0 with two
+ * neighbouring sides exchanged (Dijksman 1976):
  *
  *     out[0]   frame C0 B0, factor 1 - c:   A0, A, A + (B0 - B), B0      coupler and output exchanged
  *     out[1]   frame A0 C0, factor c:       A0, A0 + (B - A), B, B0      crank and coupler exchanged
  *
- * Exchanging coupler and output mirrors the triangle A B B0 in the middle of A B0: the mode changes
- * sign in every posture. */
+ * Exchanging coupler and output mirrors the triangle A B B0 at the perpendicular bisector of A B0, so that the mode
+ * changes its sign in every posture. */
 #include "mbs/kinematics/fourbar.h"
 #include <string.h>
 #include "base/vec2.h"
@@ -19,8 +19,8 @@ static lw_vec2 divide(lw_vec2 a, lw_vec2 b)
     return lw_v2_scale(lw_v2_unturn(a, b), 1.0/lw_v2_dot(b, b));
 }
 
-/* Four lengths times |factor|, on a frame from `origin` along `frame`; the tracer is `ratio` of the
- * coupler. */
+/* Write the nine numbers of a four-bar: its four lengths times |factor|, with the ground from `origin` along `frame`
+ * and the tracer at `ratio` times the coupler. */
 static void build(double g, double a, double b, double h, lw_vec2 factor, lw_vec2 ratio,
                   lw_vec2 origin, lw_vec2 frame, double out[9])
 {
@@ -31,7 +31,7 @@ static void build(double g, double a, double b, double h, lw_vec2 factor, lw_vec
     memcpy(out, numbers, sizeof numbers);
 }
 
-/* Coupler direction (unit) of the four-bar at an input angle from its frame, origin A0, and B. */
+/* The place of B (origin A0) and the unit direction of the coupler at an input angle, both in the frame. */
 static lw_status close_loop(const double r[4], double mode, double angle, lw_vec2 *b, lw_vec2 *coupler)
 {
     lw_vec2 a = lw_v2_polar(r[1], angle), line = lw_v2_sub(lw_v2(r[0], 0.0), a);

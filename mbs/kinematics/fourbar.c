@@ -1,14 +1,14 @@
 /* mbs/kinematics/fourbar.c - class, limits and transmission angle of a four-bar from its four lengths.
  *
- * Every question about a four-bar's extreme postures is one about a triangle: two links in line
- * leave three sides.  With the half-angle formula an angle of the triangle is the quotient of signed
- * sums of the four lengths, nine of which occur (Heron's factors):
+ * In an extreme posture of a four-bar two links are in line, so that the four links form a triangle.  By the half-angle
+ * formula an angle of the triangle is a quotient of signed sums of the four lengths (Heron's factors).  Eight sums
+ * occur:
  *
  *     all = g + a + b + h                                g frame, a input, b coupler, h output
- *     less[i]: link i counted negative                   > 0 for all i when it can be assembled
- *     pair[i]: frame and link i against the other two    0 at a change point
+ *     less[i]: all with link i negative                  > 0 for all i when it can be assembled
+ *     pair[i]: frame plus link i minus the other two     0 at a change point
  *
- * acos would lose half the digits near a change point; these lose none. */
+ * Near a change point acos would lose half the digits; these quotients lose none. */
 #include "mbs/kinematics/fourbar.h"
 #include <math.h>
 #include <stdio.h>
@@ -38,20 +38,20 @@ static sums make_sums(const double r[4], double tolerance)
     return s;
 }
 
-/* sign of pair[i], 0 within the tolerance */
+/* The sign of pair[i]; 0 within the tolerance. */
 static int sign(const sums *s, int i)
 {
     return s->pair[i] > s->equal ? 1 : s->pair[i] < -s->equal ? -1 : 0;
 }
 
-/* the angle t in [0, pi] with  tan^2(t/2) = (n1 n2)/(d1 d2) */
+/* The angle t in [0, pi] with  tan^2(t/2) = (n1 n2)/(d1 d2). */
 static double half_angle(double n1, double n2, double d1, double d2)
 {
     return 2.0*atan2(sqrt(fabs(n1))*sqrt(fabs(n2)), sqrt(fabs(d1))*sqrt(fabs(d2)));
 }
 
-/* The diagonal d from crank pin to rocker pivot is at most b + h and at least |b - h|: the input
- * has an outer limit when g + a > b + h and an inner one when |g - a| < |b - h|. */
+/* The diagonal from the crank pin to the rocker pivot is at most b + h and at least |b - h|.  So the input has an outer
+ * limit when g + a > b + h and an inner limit when |g - a| < |b - h|. */
 static bool outer_limit(const sums *s, double *t)
 {
     *t = half_angle(s->less[G], s->less[A], s->pair[A], s->all);
@@ -64,7 +64,7 @@ static bool inner_limit(const sums *s, double *t)
     return sign(s, H)*sign(s, B) < 0;
 }
 
-/* The same two questions for the output, which stands as the input does with a and h exchanged. */
+/* Has the output neither limit?  Exchange a and h in the conditions for the input. */
 static bool output_turns(const sums *s)
 {
     return sign(s, H) <= 0 && sign(s, A)*sign(s, B) >= 0;
@@ -97,7 +97,7 @@ static void find_ranges(const sums *s, lw_fourbar_class *c)
         c->limit[c->n_limit++] = out;
 }
 
-/* t and -t, once where they are the same angle */
+/* Add t and -t, but only once where they are the same angle. */
 static int add_pair(double *list, int n, double t)
 {
     if (t > 0.0 && t < LW_PI)
@@ -112,9 +112,9 @@ static int compare(const void *x, const void *y)
     return (a > b) - (a < b);
 }
 
-/* Crank and coupler in line: drawn out they and g, h make a triangle when a + b <= g + h, folded
- * when |a - b| >= |g - h|.  The equal signs belong to change points, where the line is the frame's.
- * Folded with a = b (then g = h) the rocker's pin sits on the crank's pivot at any angle: no point. */
+/* Dead points: crank and coupler are in line.  Extended, they form a triangle with g and h when a + b <= g + h; folded,
+ * when |a - b| >= |g - h|.  Equality is a change point, where they lie along the frame.  With a = b (then g = h) the
+ * folded links leave the rocker pin on the crank pivot at any angle, which is no dead point. */
 static void find_dead_points(const sums *s, const double r[4], lw_fourbar_class *c)
 {
     int n = 0, drawn = sign(s, H), fold_a = sign(s, A), fold_b = sign(s, B);
@@ -130,8 +130,8 @@ static void find_dead_points(const sums *s, const double r[4], lw_fourbar_class 
     c->n_dead = n;
 }
 
-/* cos of the angle falls with the diagonal, whose extremes are those of the frame and input in line,
- * or else limits of motion, where coupler and output are in line. */
+/* The transmission angle grows with the diagonal.  The diagonal is extreme where frame and input are in line, or else
+ * at limits of motion, where coupler and output are in line. */
 static void find_transmission(const sums *s, lw_fourbar_class *c)
 {
     c->transmission[0] = sign(s, H)*sign(s, B) <= 0 ? 0.0
@@ -157,7 +157,7 @@ static const struct { const char *symbol, *name; } class_table[15] = {
     [14] = { "CP3X",  "triple change point, all links equal" },
 };
 
-/* Barker's number, from the links in rising order and the sign of s + l - p - q. */
+/* Barker's number of the class, from the links sorted by length and the sign of s + l - p - q. */
 static int class_number(const double r[4], const int order[4], int excess, double equal)
 {
     if (excess < 0)
@@ -181,7 +181,7 @@ static void sort_links(const double r[4], int order[4])
     }
 }
 
-/* s + l - p - q, which is one of the pairs: the one of the frame and its partner. */
+/* s + l - p - q (shortest plus longest minus the other two): the pair of the frame and its partner, or its negative. */
 static double change_sum(const sums *s, const int order[4])
 {
     bool outer = order[0] == G || order[3] == G;
@@ -223,7 +223,7 @@ lw_status lw_fourbar_classify(const double r[4], double tolerance, lw_fourbar_cl
     if (status != LW_OK)
         return status;
 
-    frexp(r[order[3]], &shift);           /* a power of two: sizes of 1 without rounding */
+    frexp(r[order[3]], &shift);           /* scale to size 1 by a power of two: no rounding */
     double unit[4];
     for (int i = 0; i < 4; i++)
         unit[i] = ldexp(r[i], -shift);

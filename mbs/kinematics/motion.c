@@ -1,5 +1,5 @@
-/* mbs/kinematics/motion.c - the ranges of a linkage's input: dyad after dyad cuts the input's way into pieces,
- * in each of its modes; what is left when all close are the arcs. */
+/* mbs/kinematics/motion.c - the ranges of a linkage's input.  One dyad after the other, in each of its modes, cuts the
+ * input's range into the pieces where it closes.  The pieces where all dyads close are the arcs. */
 #include "mbs/kinematics/motion_internal.h"
 #include <string.h>
 
@@ -8,9 +8,9 @@ typedef struct walk {
     const double  *dim;
     lw_motion     *motion;
     const lw_step *step[LW_DYAD_MAX];
-    lw_motion_span        span[LW_DYAD_MAX];
-    double         reach;                       /* of a slider input, to either side              */
-    lw_motion_piece       piece[LW_ARC_MAX];           /* of each arc                                    */
+    lw_motion_span span[LW_DYAD_MAX];
+    double         reach;                       /* where a slider input is cut, to either side    */
+    lw_motion_piece piece[LW_ARC_MAX];          /* of each arc                                    */
     bool           full;                        /* there are more arcs than LW_ARC_MAX            */
 } walk;
 
@@ -21,7 +21,7 @@ static lw_mark limit(const lw_motion_span *s, double v, int dyad)
     return (lw_mark){ s->centre + v, dyad };
 }
 
-/* The ranges of the input which the span allows, one turn of them; 0 when there is no bound. */
+/* The ranges of the input in one turn that a span allows.  Returns their number; 0 when there is no bound. */
 static int span_ranges(const walk *w, int dyad, lw_mark range[2][2])
 {
     const lw_motion_span *s = &w->span[dyad];
@@ -47,13 +47,14 @@ static int span_ranges(const walk *w, int dyad, lw_mark range[2][2])
     return 2;
 }
 
-/* at, moved by whole turns to lie in (-pi, pi] */
+/* The same angle in (-pi, pi]. */
 static double wrapped(double at)
 {
     double a = remainder(at, 2.0*LW_PI);
     return a <= -LW_PI ? LW_PI : a;
 }
 
+/* Add a touch to the piece if it lies in it, apart from whole turns. */
 static void keep_touch(const walk *w, lw_motion_piece *p, double at, int dyad)
 {
     int turns = w->plan->input_is_slider ? 0 : 2;
@@ -66,7 +67,7 @@ static void keep_touch(const walk *w, lw_motion_piece *p, double at, int dyad)
     }
 }
 
-/* p with only those of its touches that lie in it */
+/* Remove the touches that do not lie in the piece. */
 static void sift_touches(const walk *w, lw_motion_piece *p)
 {
     lw_motion_piece old = *p;
@@ -75,7 +76,7 @@ static void sift_touches(const walk *w, lw_motion_piece *p)
         keep_touch(w, p, old.touch[i].at, old.touch[i].dyad);
 }
 
-/* What `range` moved by `shift` leaves of the whole; false when nothing. */
+/* The part of `whole` in `range` moved by `shift`; false when it is empty. */
 static bool overlap(const lw_motion_piece *whole, const lw_mark range[2], double shift, lw_motion_piece *p)
 {
     lw_mark lo = { range[0].at + shift, range[0].dyad }, hi = { range[1].at + shift, range[1].dyad };
@@ -167,7 +168,7 @@ static bool same_input(const walk *w, double a, double b)
     return fabs(gap) < 1e-9;
 }
 
-/* The dyad whose mode alone is different, -1 when it is not just one. */
+/* The only dyad whose mode differs between two arcs; -1 when there is not exactly one. */
 static int flipped(const walk *w, int p, int q)
 {
     int dyad = -1, n = 0;
@@ -200,8 +201,7 @@ static bool share_touch(const walk *w, int p, int q, int dyad)
     return false;
 }
 
-/* Arcs of one circuit get one number; it is the number of the circuit's first arc until all are
- * joined. */
+/* Join two circuits.  Until all are joined, the number of a circuit is that of its first arc. */
 static void join(lw_motion *m, int p, int q)
 {
     int a = m->arc[p].circuit, b = m->arc[q].circuit, keep = a < b ? a : b;
@@ -210,7 +210,7 @@ static void join(lw_motion *m, int p, int q)
             m->arc[i].circuit = keep;
 }
 
-/* Arcs belong together that share a limit or a touch of the one dyad in which they differ. */
+/* Join the circuits of two arcs when they differ in one dyad only and share a limit or touch of this dyad. */
 static void join_circuits(walk *w)
 {
     lw_motion *m = w->motion;
@@ -277,6 +277,7 @@ lw_status lw_motion_find(const lw_plan *plan, const double *dim, lw_motion *m)
     return w.full ? LW_STOPPED : m->n_arc == 0 ? LW_OPEN : LW_OK;
 }
 
+/* The distance of the input from an arc, apart from whole turns; 0 inside. */
 static double distance_to(const lw_plan *plan, const lw_arc *a, double input)
 {
     if (a->turns)
@@ -286,7 +287,7 @@ static double distance_to(const lw_plan *plan, const lw_arc *a, double input)
     return fmax(0.0, fabs(away) - half);
 }
 
-/* Are the modes of an arc the same, where modes matter? */
+/* Are the modes equal for all dyads that have modes? */
 static bool same_modes(const lw_plan *plan, const double *a, const double *b)
 {
     for (int i = 0; i < plan->n_step; i++) {

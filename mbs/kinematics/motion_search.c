@@ -1,15 +1,15 @@
-/* mbs/kinematics/motion_search.c - where one dyad closes along a piece of the input's way, by samples.
+/* mbs/kinematics/motion_search.c - the parts of a piece of the input's range where a dyad closes, by samples.
  *
- * Towards a limit of an earlier dyad everything behaves as the square root of the distance to it;
- * with  input = middle - half cos(pi s)  the margin is a smooth function of s in [0, 1] up to both
- * ends, and samples even in s are dense there. */
+ * Near a limit of an earlier dyad postures vary like the square root of the distance to it.  With
+ *     input = middle - half cos(pi s)
+ * the margin is a smooth function of s in [0, 1] up to both ends, and samples at equal steps of s are dense there. */
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/batch/pose.h"
 #include "mbs/plan/plan_internal.h"
 
 enum { N_SAMPLE = 256 };
 
-static const double touch_margin = 1e-13;          /* squared sine that counts as touching 0 */
+static const double touch_margin = 1e-13;          /* a margin this small touches 0 */
 
 typedef struct track {
     const lw_plan  *plan;
@@ -45,7 +45,7 @@ static double angle_at(const track *k, double s)
     return 2.0*atan2(sqrt(fmax(o.less, 0.0)), sqrt(fmax(o.more, 0.0)));
 }
 
-/* The place of the least sign*f in [lo, hi], by golden sections; *f is there. */
+/* The s in [lo, hi] of the least sign*of, by golden sections; *f is the value there. */
 static double extreme(const track *k, double (*of)(const track *, double), double sign, double lo,
                       double hi, double *f)
 {
@@ -67,14 +67,14 @@ static double extreme(const track *k, double (*of)(const track *, double), doubl
     return fa < fb ? a : b;
 }
 
-/* Where the margin changes sign between lo and hi, to the last bit. */
-static double root(const track *k, double lo, double hi, bool open_at_lo)
+/* The root of the margin between lo and hi, by bisection to the last bit. */
+static double root(const track *k, double lo, double hi, bool outside_at_lo)
 {
     for (;;) {
         double s = 0.5*(lo + hi);
         if (s <= lo || s >= hi)
             return s;
-        if ((margin_at(k, s) < 0.0) == open_at_lo)
+        if ((margin_at(k, s) < 0.0) == outside_at_lo)
             lo = s;
         else
             hi = s;
@@ -85,7 +85,7 @@ static double root(const track *k, double lo, double hi, bool open_at_lo)
 
 typedef struct findings {
     int    n_root, n_touch;
-    double root[LW_PIECE_MAX], touch[LW_MARK_MAX];         /* s, rising */
+    double root[LW_PIECE_MAX], touch[LW_MARK_MAX];         /* rising s */
 } findings;
 
 static void add_root(findings *f, double s)
@@ -94,14 +94,14 @@ static void add_root(findings *f, double s)
         f->root[f->n_root++] = s;
 }
 
-/* Between samples lo and hi the margin, of one sign at both, comes near 0: through it, or just to it? */
-static void look_closer(const track *k, findings *f, double lo, double hi, bool open)
+/* The margin has one sign at lo and hi and an extremum near 0 between them: add two roots, or a touch. */
+static void look_closer(const track *k, findings *f, double lo, double hi, bool outside)
 {
-    double least, s = extreme(k, margin_at, open ? -1.0 : 1.0, lo, hi, &least);
-    if ((least < 0.0) != open && fabs(least) > touch_margin) {
-        add_root(f, root(k, lo, s, open));
-        add_root(f, root(k, s, hi, !open));
-    } else if (!open && fabs(least) <= touch_margin && f->n_touch < LW_MARK_MAX)
+    double least, s = extreme(k, margin_at, outside ? -1.0 : 1.0, lo, hi, &least);
+    if ((least < 0.0) != outside && fabs(least) > touch_margin) {
+        add_root(f, root(k, lo, s, outside));
+        add_root(f, root(k, s, hi, !outside));
+    } else if (!outside && fabs(least) <= touch_margin && f->n_touch < LW_MARK_MAX)
         f->touch[f->n_touch++] = s;
 }
 
@@ -114,11 +114,11 @@ static void find_roots(const track *k, findings *f)
     for (int j = 0; j <= N_SAMPLE; j++) {
         bool inside = k->piece->turns || (j > 0 && j < N_SAMPLE);
         double before = m[j > 0 ? j - 1 : N_SAMPLE - 1], after = m[j < N_SAMPLE ? j + 1 : 1];
-        bool open = m[j] < 0.0, same = (before < 0.0) == open && (after < 0.0) == open;
+        bool outside = m[j] < 0.0, same = (before < 0.0) == outside && (after < 0.0) == outside;
         if (inside && j < N_SAMPLE && same && fabs(m[j]) <= fabs(before) && fabs(m[j]) < fabs(after))
-            look_closer(k, f, (j - 1)*h, (j + 1)*h, open);
-        if (j < N_SAMPLE && (after < 0.0) != open)
-            add_root(f, root(k, j*h, (j + 1)*h, open));
+            look_closer(k, f, (j - 1)*h, (j + 1)*h, outside);
+        if (j < N_SAMPLE && (after < 0.0) != outside)
+            add_root(f, root(k, j*h, (j + 1)*h, outside));
     }
 }
 
@@ -129,7 +129,7 @@ static lw_mark mark_at(const track *k, double s, int dyad)
     return (lw_mark){ input_at(k->piece, s), dyad };
 }
 
-/* `whole` with the touches found along it; the caller sifts those that a part keeps. */
+/* The whole piece with the touches found in it.  The caller removes those that do not lie in a part. */
 static lw_motion_piece with_touches(const track *k, const findings *f, int dyad)
 {
     lw_motion_piece p = *k->piece;
@@ -145,7 +145,7 @@ int lw_piece_search(const lw_plan *plan, const double *dim, int dyad, const lw_s
     findings f;
     find_roots(&k, &f);
     lw_motion_piece touched = with_touches(&k, &f, dyad);
-    bool round = whole->turns && f.n_root > 0;              /* the last root is followed by the first */
+    bool round = whole->turns && f.n_root > 0;              /* the first root follows the last        */
     int n = 0, n_gap = round ? f.n_root : f.n_root + 1;
     for (int i = 0; i < n_gap && n < LW_PIECE_MAX; i++) {
         bool from_start = !round && i == 0, to_end = !round && i == f.n_root;
@@ -165,7 +165,7 @@ int lw_piece_search(const lw_plan *plan, const double *dim, int dyad, const lw_s
     return n;
 }
 
-/* At its own limits and touches the angle is 0 or pi, which samples reach to half the digits only. */
+/* At limits and touches of this dyad the angle is exactly 0 or pi; samples have only half of the digits. */
 static void snap(double at, double range[2])
 {
     if (at < 0.5*LW_PI)

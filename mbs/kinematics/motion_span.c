@@ -1,10 +1,10 @@
-/* mbs/kinematics/motion_span.c - where one dyad closes whose outer joints are moved by the input link alone.
+/* mbs/kinematics/motion_span.c - the inputs at which a dyad closes, in closed form, when only the input link moves its
+ * outer joints.
  *
- * Driven by a pin, the outer joints come as near and as far as the sides of a triangle with one angle
- * v: the square of their distance, or the distance of a pin from a line, is constant minus a multiple
- * of cos v.  The dyad bounds it on one or both sides, so that limits are cosines; with the half-angle
- * formula  tan^2(v/2) = (1 - cos v)/(1 + cos v)  they are quotients of sums of lengths.  Driven by a
- * slider, v is a displacement and the distance is |w + i v|. */
+ * With a pin input, the squared distance of the outer joints, or the distance of a pin from a line, is a constant minus
+ * a multiple of cos v, where v is the input measured from `centre`.  The dyad bounds this distance on one or both
+ * sides, so that limits are given by cos v.  By the half-angle formula  tan^2(v/2) = (1 - cos v)/(1 + cos v)  they are
+ * quotients of sums of lengths.  With a slider input, v is a displacement and the distance is |w + i v|. */
 #include "mbs/kinematics/motion_internal.h"
 #include "mbs/plan/sincos_internal.h"
 #include "base/sum.h"
@@ -12,16 +12,17 @@
 #include "mbs/plan/dyad_internal.h"
 #include "mbs/plan/plan_internal.h"
 
-static const double change_tolerance = 1e-14;
+static const double change_tolerance = 1e-14;      /* of the size: nearer counts as a change point */
 
 /* ---- what moves with what ---- */
 
-/* Whether a register stands still, moves with the input link as one body, or otherwise. */
+/* Does a register stand still, move with the input link as one body, or move otherwise? */
 typedef enum moves { STILL, DRIVEN, OTHER } moves;
 
 static moves both(moves a, moves b) { return a > b ? a : b; }
 
-/* A point carried by the frame (o, d): with a driven direction only about the input's own pivot. */
+/* The movement of a point in the frame (o, d).  If o stands still and d moves with the input link, the point moves with
+ * that link only when o is its pivot. */
 static moves carried(const lw_plan *plan, const lw_step *s, const moves *reg)
 {
     moves o = reg[s->in[0]], d = reg[s->in[1]];
@@ -41,7 +42,7 @@ static void find_moves(const lw_plan *plan, moves *reg)
         switch (s->kind) {
         case LW_STEP_INPUT_PIN:
         case LW_STEP_INPUT_SLIDE: reg[s->out[0]] = DRIVEN; break;
-        case LW_STEP_LINE:        reg[s->out[1]] = reg[s->in[1]];    /* and its point: */
+        case LW_STEP_LINE:        reg[s->out[1]] = reg[s->in[1]];    /* the point follows */
                                   __attribute__((fallthrough));
         case LW_STEP_POINT:       reg[s->out[0]] = carried(plan, s, reg); break;
         default: break;
@@ -49,14 +50,14 @@ static void find_moves(const lw_plan *plan, moves *reg)
     }
 }
 
-/* The dyad at the input's zero. */
+/* The posture at input 0. */
 typedef struct scene {
     const lw_plan *plan;
     const lw_step *step;
     moves          reg_moves[LW_REG_MAX];
     lw_vec2        reg[LW_REG_MAX];
-    lw_vec2        pivot;             /* of a pin input                                          */
-    lw_vec2        along;             /* of a slider input                                       */
+    lw_vec2        pivot;             /* pivot of a pin input                                    */
+    lw_vec2        along;             /* direction of a slider input                             */
 } scene;
 
 static void set_scene(scene *c, const lw_plan *plan, const double *dim, const lw_step *step)
@@ -84,7 +85,7 @@ static double half_angle(double n1, double n2, double d1, double d2)
 
 static int sign(double x, double equal) { return x > equal ? 1 : x < -equal ? -1 : 0; }
 
-/* RPR: a distance with  d^2 = p^2 + q^2 - 2 p q cos v  not less than `least`. */
+/* RPR: the distance d,  d^2 = p^2 + q^2 - 2 p q cos v,  is at least `least`. */
 static lw_motion_span ring_of_offset(double centre, double p, double q, double least)
 {
     lw_motion_span s = { .kind = p + q <= least ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
@@ -96,7 +97,7 @@ static lw_motion_span ring_of_offset(double centre, double p, double q, double l
     return s;
 }
 
-/* RRR: the same distance between |r1 - r2| and r1 + r2, by the sums of four lengths. */
+/* RRR: the same distance is between |r1 - r2| and r1 + r2; limits by sums of the four lengths. */
 static lw_motion_span ring_of_links(double centre, double p, double q, double r1, double r2)
 {
     lw_motion_span s = { .kind = LW_SPAN_RING, .centre = centre };
@@ -117,7 +118,7 @@ static lw_motion_span ring_of_links(double centre, double p, double q, double r1
     return s;
 }
 
-/* RRP: the distance  e - p cos v  between -r and r. */
+/* RRP: the distance  e - p cos v  is between -r and r. */
 static lw_motion_span ring_of_line(double centre, double e, double p, double r)
 {
     lw_motion_span s = { .kind = LW_SPAN_RING, .centre = centre };
@@ -136,7 +137,7 @@ static lw_motion_span ring_of_line(double centre, double e, double p, double r)
     return s;
 }
 
-/* |w + i v| between least (negative: no bound) and most, v a displacement. */
+/* The distance |w + i v| is between least (negative: no bound) and most; v is a displacement. */
 static lw_motion_span ring_of_slide(double centre, double w, double least, double most)
 {
     lw_motion_span s = { .kind = w >= most ? LW_SPAN_NEVER : LW_SPAN_RING, .centre = centre };
@@ -156,7 +157,7 @@ static lw_motion_span constant(bool closes)
 
 /* ---- dyads ---- */
 
-/* RRR and RPR: pins a, b whose distance the dyad bounds. */
+/* RRR and RPR: the dyad bounds the distance of pins a and b. */
 static lw_motion_span span_of_pins(const scene *c, const double *dim)
 {
     const lw_step *s = c->step;
@@ -180,7 +181,7 @@ static lw_motion_span span_of_pins(const scene *c, const double *dim)
     return rrr ? ring_of_links(centre, p, q, r1, r2) : ring_of_offset(centre, p, q, least);
 }
 
-/* RRP: pin a, and the line (q, w) that its link's other pin is on. */
+/* RRP: the dyad bounds the distance of pin a from the line (q, w). */
 static lw_motion_span span_of_pin_and_line(const scene *c, const double *dim)
 {
     const lw_step *s = c->step;
@@ -198,13 +199,13 @@ static lw_motion_span span_of_pin_and_line(const scene *c, const double *dim)
             return constant(fabs(away) <= r);
         return ring_of_slide(-away/rate, 0.0, -1.0, r/fabs(rate));
     }
-    /* the pin on a circle about the pivot, seen from the line; or the line turning, seen from itself */
+    /* the pin moves on a circle about the pivot, or the line turns: measured in the frame of the line */
     lw_vec2 arm = lw_v2_sub(a, c->pivot);
     double foot = lw_v2_cross(w, lw_v2_sub(q, c->pivot)), turn = angle(w) + 0.5*LW_PI - angle(arm);
     return ring_of_line(ma == DRIVEN ? turn : -turn, foot, lw_v2_norm(arm), r);
 }
 
-/* PRP: slides that must not be parallel.  PPR's stand at a fixed angle. */
+/* PRP and PPR: the slides must not be parallel.  Those of PPR have a constant angle. */
 static lw_motion_span span_of_slides(const scene *c)
 {
     const lw_step *s = c->step;
@@ -232,7 +233,7 @@ lw_motion_span lw_dyad_span(const lw_plan *plan, const double *dim, const lw_ste
     }
 }
 
-/* How far a slide without end is followed (mbs/kinematics/motion.h). */
+/* Where a range of a slider without end is cut (mbs/kinematics/motion.h). */
 static double slide_end(const lw_plan *plan, const double *dim)
 {
     double sum = 0.0;

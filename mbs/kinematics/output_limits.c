@@ -1,3 +1,4 @@
+/* mbs/kinematics/output_limits.c - sign changes of the speed of links at the ground. */
 #include "mbs/kinematics/output_limits.h"
 
 #include <math.h>
@@ -5,17 +6,17 @@
 
 #define N_SAMPLE 256
 
-/* speed of one link in its ground joint, and its derivative, as functions of the input */
+/* A link at the ground. */
 typedef struct output {
     const lw_plan    *plan;
     const lw_linkage *k;
     const double     *dim, *mode;
     int               joint, link;
-    int               pin;        /* for a slide: a pin the link carries, else -1                  */
-    double            still;      /* speeds up to this are rounding: the link stands still          */
+    int               pin;        /* for a slider: a pin of the link, else -1                      */
+    double            still;      /* speeds up to this are rounding                                 */
 } output;
 
-/* order 1: speed, 2: acceleration; NAN where the linkage does not close. */
+/* The speed (order 1) or acceleration (2) of the link by the input; NAN where the linkage does not close. */
 static double rate(const output *o, double input, int order)
 {
     lw_pose pose;
@@ -26,8 +27,8 @@ static double rate(const output *o, double input, int order)
     return lw_v2_dot(pose.joint[o->pin][order], o->k->joint[o->joint].along);
 }
 
-/* Zero of rate between a and b, where it has the signs of fa and -fa: bisection to neighbouring
- * numbers, because a turning is printed, not iterated on. */
+/* The zero of `rate` between a, where its sign is that of fa, and b, where it is the opposite; bisection to
+ * neighbouring numbers. */
 static double zero(const output *o, double a, double b, double fa, int order)
 {
     for (int i = 0; i < 200; i++) {
@@ -52,9 +53,9 @@ static int add(const output *o, double first, double last, double input, lw_outp
     return n;
 }
 
-/* Turnings are changes of sign of the speed from one sample to the next that is not still: a link that
- * never moves has none. */
-static int turnings_of(const output *o, double first, double last, lw_output_limits *out, int n, int max)
+/* Find the changes of sign of the speed between samples where the link does not stand still; a link that never moves
+ * has none. */
+static int limits_of(const output *o, double first, double last, lw_output_limits *out, int n, int max)
 {
     double step = (last - first)/N_SAMPLE;
     double a = first, fa = NAN, ga = NAN;
@@ -65,7 +66,7 @@ static int turnings_of(const output *o, double first, double last, lw_output_lim
             continue;
         if (fa*fb < 0) {
             n = add(o, first, last, zero(o, a, b, fa, 1), out, n, max);
-        } else if (fa*fb > 0 && ga*gb < 0 && fa*ga < 0) {      /* the speed dips towards zero */
+        } else if (fa*fb > 0 && ga*gb < 0 && fa*ga < 0) {      /* the speed has a minimum     */
             double dip = zero(o, a, b, ga, 2), fd = rate(o, dip, 1);
             if (fd*fa < 0 && fabs(fd) > o->still) {
                 n = add(o, first, last, zero(o, a, dip, fa, 1), out, n, max);
@@ -77,7 +78,7 @@ static int turnings_of(const output *o, double first, double last, lw_output_lim
     return n;
 }
 
-/* Diagonal of the box around the joints [m]. */
+/* The diagonal of the box around the joints [m]. */
 static double size_of(const lw_linkage *k)
 {
     lw_vec2 lo = k->joint[0].at, hi = lo;
@@ -97,7 +98,7 @@ static int pin_on(const lw_linkage *k, int link)
 }
 
 int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double *dim, const double *mode,
-                    double first, double last, lw_output_limits *out, int max)
+                          double first, double last, lw_output_limits *out, int max)
 {
     int n = 0;
     double size = size_of(k), by = plan->input_is_slider ? size : 1;
@@ -112,7 +113,7 @@ int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double
             o.still *= size;
         }
         if (lw_joint_turns(q->kind) || o.pin >= 0)
-            n = turnings_of(&o, first, last, out, n, max);
+            n = limits_of(&o, first, last, out, n, max);
     }
     return n;
 }
