@@ -129,8 +129,9 @@ run-demo: $B/linkwright
 	$B/linkwright fit examples/*.csv --type all --results 5 --save $B/demo
 
 # ---- looking after it ----------------------------------------------------------------------------
-check: $B/$(SONAME) $B/liblinkwright.a
+check: $B/$(SONAME) $B/linkwright
 	tests/check_layers.sh
+	@tests/check_docs.sh $B/linkwright
 	@tests/check_headers.sh -D_GNU_SOURCE -DLW_VERSION='""' -I. $(INCS) -Wall -Wextra
 	@for f in $(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c) cli/*.c cli/*/*.c tests/*.c tests/*/*.c); do \
 	    case "$$f $(PEER_BIN)" in */peer_mujoco.c*peers/mujoco*) ;; */peer_mujoco.c*) continue ;; esac; \

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Every command and option that a page of the documentation shows exists in the program.  $1: the program.
+set -u
+cd "$(dirname "$0")/.."
+program=${1:-build/linkwright}
+bad=0
+declare -A help
+while IFS= read -r line; do
+    place=${line%%	*}
+    words=${line#*	}
+    command=$(awk '{ print $2 }' <<< "$words")
+    [ -n "$command" ] && [[ $command =~ ^[a-z]+$ ]] || continue
+    action=$(awk '{ print $3 }' <<< "$words")
+    key=$command
+    case $command in catalogue|grammar|bench) key="$command $action" ;; help) continue ;; esac
+    if [ -z "${help[$key]+known}" ]; then
+        help[$key]=$($program help $key 2> /dev/null || $program help $command 2> /dev/null || echo none)
+    fi
+    if [ "${help[$key]}" = none ]; then
+        echo "$place: linkwright $key: no such command"
+        bad=1
+        continue
+    fi
+    for option in $(grep -oE -- ' --[a-z][a-z-]*' <<< "$words"); do
+        grep -qE -- "(^|[ ,])$option([ ,=]|\$)" <<< "${help[$key]}" ||
+            { echo "$place: $key has no option $option"; bad=1; }
+    done
+done < <(grep -nE '^ +(\$ )?linkwright [a-z]|\| linkwright [a-z]|`linkwright [a-z]' README.md docs/*.md examples/README.md |
+         sed -E 's/^([^:]*:[0-9]*):/\1\t/' |
+         awk -F'\t' '{ n = split($2, part, "linkwright "); for (i = 2; i <= n; i++) {
+             s = part[i]; sub(/[|#`].*/, "", s); sub(/ ([a-z]+)? *\(.*$/, "", s); print $1 "\tlinkwright " s } }')
+[ $bad -eq 0 ] && echo "docs: fine"
+exit $bad
