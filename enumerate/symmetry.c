@@ -5,6 +5,21 @@
 #include "enumerate/canon.h"
 
 /* Ties tell kinds and driven joints apart, colours the ground and the output. */
+/* Joints that may be exchanged have the same number. */
+static int tie_of(lw_joint_kind kind, bool kinds)
+{
+    if (!kinds)
+        return lw_joint_freedoms(kind);
+    switch (kind) {
+    case LW_JOINT_REVOLUTE: return 1;
+    case LW_JOINT_SLOT:     return 2;
+    case LW_JOINT_SLIDER:   return 3;
+    case LW_JOINT_GEAR:     return 4;
+    case LW_JOINT_FIXED:    break;
+    }
+    return 0;
+}
+
 static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
 {
     memset(g, 0, sizeof *g);
@@ -12,9 +27,7 @@ static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
     for (int i = 0; i < m->n_link; i++)
         g->colour[i] = (uint8_t)((i == m->ground) + 2*(i == m->output));
     for (int j = 0; j < m->n_joint; j++) {
-        int a = m->link[j][0], b = m->link[j][1], tie = lw_joint_freedoms(m->kind[j]);
-        if (kinds && (m->kind[j] == LW_JOINT_SLIDER || m->kind[j] == LW_JOINT_GEAR))
-            tie += 2;
+        int a = m->link[j][0], b = m->link[j][1], tie = tie_of(m->kind[j], kinds);
         if (memchr(m->input, j, (size_t)m->n_input))
             tie += 4;
         g->tie[a][b] = g->tie[b][a] = (uint8_t)tie;

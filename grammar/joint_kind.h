@@ -14,10 +14,12 @@ typedef enum lw_joint_measure {
     LW_MEASURE_LENGTH    /* the displacement along the slide line through `at` along `along`   [m] */
 } lw_joint_measure;
 
-/* letter, name, word for people, degrees of freedom, coordinate; held at rest relative to each other: the points of both
- * links at `at`, the rotations of both links; does it couple two motions by a ratio (see lw_linkage_gear)?
+/* Columns: the letter, the constant, a word for people, the degrees of freedom, the coordinate; do the links keep one
+ * point at `at` in common; do they keep their angle to each other; does the joint couple two motions by a ratio (see
+ * lw_linkage_gear)?
  *
- *     slot: the pin of link[1] moves in a slot of link[0];  fixed: in linkages only, never in a chain */
+ * The last four columns determine the constraint equations: two for a common point, one for a slide line, one for the
+ * angle, one for a ratio.  A weld stands in linkages only, never in a chain. */
 #define LW_JOINT_LIST(X)                                                                   \
     X('r', LW_JOINT_REVOLUTE, "revolute",    1, LW_MEASURE_ANGLE,  true,  false, false)    \
     X('t', LW_JOINT_SLIDER,   "prismatic",   1, LW_MEASURE_LENGTH, false, true,  false)    \
@@ -58,6 +60,16 @@ static inline int lw_joint_equations(lw_joint_kind kind) { return 3 - lw_joint_f
 /* Is it a pin, whose coordinate is an angle?  Does it have a slide line, along which its coordinate is a length? */
 static inline bool lw_joint_turns(lw_joint_kind kind)  { return lw_joint_measure_of(kind) == LW_MEASURE_ANGLE; }
 static inline bool lw_joint_slides(lw_joint_kind kind) { return lw_joint_measure_of(kind) == LW_MEASURE_LENGTH; }
+
+/* A slide line: do both links carry it (a block on a rail), or does a pin of link[1] move in a slot of link[0]? */
+static inline bool lw_joint_translates(lw_joint_kind kind)
+{
+    return lw_joint_slides(kind) && lw_joint_holds_rotation(kind);
+}
+static inline bool lw_joint_has_slot(lw_joint_kind kind)
+{
+    return lw_joint_slides(kind) && !lw_joint_holds_rotation(kind);
+}
 
 /* Does it have a position of its own?  That of a gear follows from its links, that of a weld does not matter. */
 static inline bool lw_joint_has_position(lw_joint_kind kind) { return lw_joint_measure_of(kind) != LW_MEASURE_NONE; }

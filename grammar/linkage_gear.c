@@ -47,9 +47,9 @@ static bool runs_on(const lw_linkage *k, uint32_t side, uint32_t carrier, int i,
         uint32_t a = 1u << q->link[0], b = 1u << q->link[1];
         bool touches = (a | b) & side;
         g->centre[i] = q->at;
-        g->slider[i] = q->kind == LW_JOINT_SLIDER ? j : -1;
+        g->slider[i] = lw_joint_translates(q->kind) ? j : -1;
         g->way[i] = b & side ? 1.0 : -1.0;
-        if (q->kind == LW_JOINT_SLIDER && ((a & side && b & carrier) || (b & side && a & carrier)))
+        if (lw_joint_translates(q->kind) && ((a & side && b & carrier) || (b & side && a & carrier)))
             return true;
         if (lw_joint_turns(q->kind) && touches && on_pin(k, side & (a | b), q->at) & carrier)
             return true;

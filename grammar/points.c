@@ -253,6 +253,16 @@ static double angle_of(lw_vec2 along)
     return fabs(angle - plain) < 1e-13*(1 + fabs(angle)) ? plain : angle;
 }
 
+static lw_point_type type_of(lw_joint_kind kind)
+{
+    switch (kind) {
+    case LW_JOINT_SLIDER: return LW_POINT_SLIDER;
+    case LW_JOINT_SLOT:   return LW_POINT_SLOT;
+    case LW_JOINT_REVOLUTE: case LW_JOINT_GEAR: case LW_JOINT_FIXED: break;
+    }
+    return LW_POINT_PIN;
+}
+
 static void group_joint(grouping *g, int joint, lw_points *p)
 {
     const lw_joint *j = &g->k->joint[joint];
@@ -265,7 +275,7 @@ static void group_joint(grouping *g, int joint, lw_points *p)
                      .link = { j->link[0], j->link[1] }, .driven_link = -1 };
     g->used[joint] = true;
     note_input(g, joint, q);
-    q->type = j->kind == LW_JOINT_SLIDER ? LW_POINT_SLIDER : j->kind == LW_JOINT_SLOT ? LW_POINT_SLOT : LW_POINT_PIN;
+    q->type = type_of(j->kind);
     gather(g, q->type == LW_POINT_SLIDER ? LW_JOINT_FIXED : LW_JOINT_REVOLUTE, q->type != LW_POINT_PIN, q);
     check_input(g, q);
     for (int i = 1; q->type == LW_POINT_PIN && q->n_link > 2 && i < q->n_link; i++)

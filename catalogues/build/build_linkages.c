@@ -244,7 +244,7 @@ static lw_status describe(const job *j, entry *x)
     lw_store_linkage *r = &x->row;
     for (int i = 0; i < x->k.n_joint; i++) {
         x->kinds[i] = (char)x->k.joint[i].kind;
-        r->sliders += x->k.joint[i].kind == LW_JOINT_SLIDER;
+        r->sliders += lw_joint_translates(x->k.joint[i].kind);
     }
     r->hash = x->hash;
     r->json = x->json;

@@ -4,7 +4,7 @@
 static bool has_pin(const lw_joint *j, int link)
 {
     return (lw_joint_turns(j->kind) && (j->link[0] == link || j->link[1] == link))
-        || (j->kind == LW_JOINT_SLOT && j->link[1] == link);
+        || (lw_joint_has_slot(j->kind) && j->link[1] == link);
 }
 
 static bool is_welded(const lw_joint *j, int link)
@@ -54,7 +54,7 @@ static double spread(const lw_linkage *k, const lw_joint *line)
 
 static int choose_guide(const lw_linkage *k, const lw_joint *j)
 {
-    if (j->kind == LW_JOINT_SLOT || j->link[0] == k->ground)
+    if (lw_joint_has_slot(j->kind) || j->link[0] == k->ground)
         return 0;
     if (j->link[1] == k->ground)
         return 1;
@@ -83,11 +83,11 @@ static lw_vec2 crossing(const lw_joint *a, const lw_joint *b)
 static lw_vec2 block_place(const lw_linkage *k, int j, int block)
 {
     const lw_joint *line = &k->joint[j];
-    int pin = line->kind == LW_JOINT_SLOT ? j : nearest_pin(k, block, line);
+    int pin = lw_joint_has_slot(line->kind) ? j : nearest_pin(k, block, line);
     if (pin >= 0)
         return foot(line, k->joint[pin].at);
     for (int i = 0; i < k->n_joint; i++)
-        if (i != j && k->joint[i].kind == LW_JOINT_SLIDER
+        if (i != j && lw_joint_translates(k->joint[i].kind)
             && (k->joint[i].link[0] == block || k->joint[i].link[1] == block))
             return crossing(line, &k->joint[i]);
     return line->at;
@@ -134,7 +134,7 @@ bool lw_body_shapes_cylinder(const lw_scene *s, int j, lw_cylinder *c)
     bool input = false;
     for (int i = 0; i < k->n_input; i++)
         input = input || k->input[i].joint == j;
-    if (!input || line->kind != LW_JOINT_SLIDER || line->link[0] == k->ground || line->link[1] == k->ground)
+    if (!input || !lw_joint_translates(line->kind) || line->link[0] == k->ground || line->link[1] == k->ground)
         return false;
     int g = choose_guide(k, line), tube = line->link[g], rod = line->link[1 - g];
     int pin[2] = { nearest_pin(k, tube, line), nearest_pin(k, rod, line) };

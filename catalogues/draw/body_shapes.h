@@ -16,7 +16,7 @@ typedef struct lw_slide {
                                 * travel of the block and feet of the guide's own pins             */
 } lw_slide;
 
-/* Joint j of the scene's linkage, LW_JOINT_SLIDER or LW_JOINT_SLOT.  The ground is always the guide;
+/* Joint j of the scene's linkage, a slider or a pin in a slot.  The ground is always the guide;
  * else the block is the link whose pin lies nearer to the line, then the one without a tracer. */
 lw_slide lw_body_shapes_slide(const lw_scene *s, int j);
 

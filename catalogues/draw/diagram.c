@@ -78,7 +78,7 @@ static void draw_guide(sketch *k, int joint)
     const lw_box page = { -2*k->d->width, -2*k->d->height, 3*k->d->width, 3*k->d->height };
     if (!clip_line(&page, &a, &b))
         return;
-    if (l->joint[joint].kind == LW_JOINT_SLOT)
+    if (lw_joint_has_slot(l->joint[joint].kind))
         lw_symbol_slot(k->d, carrier, a, b, link_ink(l, w.guide), u);
     else if (w.guide == l->ground) {
         if (b.x < a.x || (b.x == a.x && b.y < a.y)) {      /* hatching below or left of the line */
@@ -253,7 +253,7 @@ static void draw_pins(sketch *k)
     const lw_linkage *l = linkage(k);
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
-        if (!lw_joint_turns(j->kind) && j->kind != LW_JOINT_SLOT)
+        if (!lw_joint_turns(j->kind) && !lw_joint_has_slot(j->kind))
             continue;
         lw_vec2 at = pixel_of(k, 0, j->at);
         lw_symbol_pin(k->d, bearer(l, i, on_ground(l, j) ? l->ground : j->link[1]), at, k->u);
@@ -318,10 +318,11 @@ static void sketch_linkage(sketch *k)
         if (i != l->ground)
             draw_link(k, i);
     for (int i = 0; i < l->n_joint; i++)
-        if (l->joint[i].kind == LW_JOINT_SLIDER)
-            draw_block(k, i);
-        else if (l->joint[i].kind == LW_JOINT_FIXED)
-            draw_weld(k, i);
+        switch (l->joint[i].kind) {
+        case LW_JOINT_SLIDER: draw_block(k, i); break;
+        case LW_JOINT_FIXED:  draw_weld(k, i);  break;
+        case LW_JOINT_REVOLUTE: case LW_JOINT_SLOT: case LW_JOINT_GEAR: break;
+        }
     for (int i = 0; i < l->n_input; i++)
         draw_input(k, i);
     draw_pins(k);
@@ -355,7 +356,7 @@ static void label_points(sketch *k)
     }
     for (int i = 0; i < l->n_joint; i++) {
         const lw_joint *j = &l->joint[i];
-        bool slides = j->kind == LW_JOINT_SLIDER;
+        bool slides = lw_joint_translates(j->kind);
         lw_slide w = slides ? lw_body_shapes_slide(k->s, i) : (lw_slide){ .at = j->at };
         lw_cylinder c;
         if (slides && lw_body_shapes_cylinder(k->s, i, &c)) {

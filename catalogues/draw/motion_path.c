@@ -154,7 +154,7 @@ static double first_input(const lw_system *s, const double *q)
     if (s->n_input == 0)
         return 0;
     int joint = s->input_joint[0];
-    double unit = lw_joint_turns(s->joint[joint].kind) ? 1 : s->unit;
+    double unit = lw_system_joint_unit(s, joint);
     return s->input_value[0] + unit*lw_system_measure(s, joint, q, NULL);
 }
 

@@ -80,7 +80,7 @@ static void put_joint_marker(writer *w, int j, int side)
     const lw_joint *p = &w->k->joint[j];
     char name[LW_NAME_SIZE + 8];
     lw_vec2 across = lw_v2_perp(p->along);
-    const lw_vec2 *z = p->kind == LW_JOINT_SLIDER ? &p->along : p->kind == LW_JOINT_SLOT ? &across : NULL;
+    const lw_vec2 *z = lw_joint_translates(p->kind) ? &p->along : lw_joint_has_slot(p->kind) ? &across : NULL;
     snprintf(name, sizeof name, "%s %c", p->name, side ? 'j' : 'i');
     w->at[j][side] = put_marker(w, p->link[side], p->at, z, 0, name);
 }
@@ -107,15 +107,26 @@ static void put_parts(writer *w)
 
 /* ---- joints ---------------------------------------------------------------------------------------- */
 
+static const char *joint_statement(lw_joint_kind kind)
+{
+    switch (kind) {
+    case LW_JOINT_REVOLUTE: return ", REVOLUTE";
+    case LW_JOINT_SLIDER:   return ", TRANSLATIONAL";
+    case LW_JOINT_SLOT:     return ", INPLANE";
+    case LW_JOINT_FIXED:    return ", FIXED";
+    case LW_JOINT_GEAR:     break;                /* a COUPLER instead */
+    }
+    return "";
+}
+
 /* The movement of marker I relative to J is the movement of the joint (lw_input). */
 static void put_joint(writer *w, int j)
 {
     const lw_joint *p = &w->k->joint[j];
-    bool turned = p->kind == LW_JOINT_REVOLUTE && p->link[1] == w->k->ground;
+    bool turned = lw_joint_turns(p->kind) && p->link[1] == w->k->ground;
     put_name(w, p->name, "");
-    put_id(w, p->kind == LW_JOINT_SLOT ? "JPRIM/" : "JOINT/", j + 1, 2);
-    put(w, p->kind == LW_JOINT_REVOLUTE ? ", REVOLUTE" : p->kind == LW_JOINT_SLIDER ? ", TRANSLATIONAL"
-         : p->kind == LW_JOINT_SLOT ? ", INPLANE" : ", FIXED");
+    put_id(w, lw_joint_has_slot(p->kind) ? "JPRIM/" : "JOINT/", j + 1, 2);
+    put(w, joint_statement(p->kind));
     put_id(w, ", I = ", w->at[j][turned ? 0 : 1], 4);
     put_id(w, ", J = ", w->at[j][turned ? 1 : 0], 4);
     put(w, "\n");

@@ -71,8 +71,8 @@ static bool is_input(const lw_linkage *k, int joint)
 static int rank_of(const lw_linkage *k, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = k->joint[joint].kind;
-    return kind == LW_JOINT_GEAR ? -1 : is_input(k, joint) ? 0 : at_gear[joint] ? 1 : kind == LW_JOINT_FIXED ? 2
-         : kind == LW_JOINT_REVOLUTE ? 4 : 3;
+    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) ? 0 : at_gear[joint] ? 1 : lw_joint_freedoms(kind) == 0 ? 2
+         : lw_joint_turns(kind) ? 4 : 3;
 }
 
 static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)
@@ -80,10 +80,10 @@ static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)
     for (int j = 0; j < k->n_joint; j++) {
         int joint[2];
         double sign[2];
-        lw_status s = k->joint[j].kind == LW_JOINT_GEAR ? lw_export_gear(k, j, joint, sign, e) : LW_OK;
+        lw_status s = lw_joint_has_ratio(k->joint[j].kind) ? lw_export_gear(k, j, joint, sign, e) : LW_OK;
         if (s != LW_OK)
             return s;
-        if (k->joint[j].kind == LW_JOINT_GEAR)
+        if (lw_joint_has_ratio(k->joint[j].kind))
             at_gear[joint[0]] = at_gear[joint[1]] = true;
     }
     return LW_OK;
@@ -137,7 +137,7 @@ static bool root_tree(writer *w)
 static double count_sign(const lw_linkage *k, int joint, int child)
 {
     const lw_joint *p = &k->joint[joint];
-    bool turned = p->kind == LW_JOINT_REVOLUTE && p->link[1] == k->ground;
+    bool turned = lw_joint_turns(p->kind) && p->link[1] == k->ground;
     return (p->link[turned ? 0 : 1] == child) ? 1 : -1;
 }
 
@@ -173,10 +173,10 @@ static void put_joint(writer *w, int depth, int child)
     int j = w->joint[child];
     const lw_joint *p = &k->joint[j];
     double sign = count_sign(k, j, child);
-    bool slot = p->kind == LW_JOINT_SLOT, carries = slot && p->link[0] == child;
-    if (p->kind == LW_JOINT_SLIDER || (slot && !carries))
+    bool slot = lw_joint_has_slot(p->kind), carries = slot && p->link[0] == child;
+    if (lw_joint_translates(p->kind) || (slot && !carries))
         put_slide(w, depth, j, sign, slot ? " slide" : "");
-    if (p->kind == LW_JOINT_REVOLUTE || slot) {
+    if (lw_joint_turns(p->kind) || slot) {
         put_indent(w, depth);
         put(w, "<joint type=\"hinge\"");
         put_name(w, "name", p->name, slot ? " turn" : "");
@@ -210,7 +210,7 @@ static void put_shape(writer *w, int depth, int link)
     bool any = false;
     for (int j = 0; j < k->n_joint; j++) {
         const lw_joint *p = &k->joint[j];
-        if ((p->link[0] != link && p->link[1] != link) || j == w->joint[link] || p->kind == LW_JOINT_GEAR)
+        if ((p->link[0] != link && p->link[1] != link) || j == w->joint[link] || lw_joint_has_ratio(p->kind))
             continue;
         lw_vec2 to = lw_v2_sub(p->at, w->origin[link]);
         if (lw_v2_norm(to) < 1e-9*w->size)

@@ -126,7 +126,7 @@ static void collect(writer *w)
         w->rail[j][0] = point_of(w, p->link[0], lw_v2_sub(p->at, lw_v2_scale(half, 2)));
         w->rail[j][1] = point_of(w, p->link[0], lw_v2_add(p->at, lw_v2_scale(half, 2)));
         w->block[j][0] = point_of(w, p->link[1], p->at);
-        w->block[j][1] = p->kind == LW_JOINT_SLOT ? w->block[j][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
+        w->block[j][1] = lw_joint_has_slot(p->kind) ? w->block[j][0] : point_of(w, p->link[1], lw_v2_add(p->at, half));
     }
     for (int t = 0; t < k->n_tracer; t++)
         point_of(w, k->tracer[t].link, k->tracer[t].at);

@@ -204,7 +204,7 @@ static void add_pin(lw_layers *l, lw_vec2 at, int a, int b, int owner)
 static lw_slide slide_of(const lw_scene *s, int j)
 {
     const lw_joint *p = &s->linkage.joint[j];
-    if (p->kind == LW_JOINT_SLOT)
+    if (lw_joint_has_slot(p->kind))
         return (lw_slide){ .guide = p->link[0], .block = p->link[1], .at = p->at, .along = p->along };
     return lw_body_shapes_slide(s, j);
 }
@@ -230,7 +230,7 @@ static void travel(const lw_scene *s, const lw_slide *q, double *lo, double *hi)
 static void add_slide(const lw_scene *s, int j, lw_layers *l)
 {
     lw_slide q = slide_of(s, j);
-    double lo, hi, apart = s->linkage.joint[j].kind == LW_JOINT_SLOT ? 0 : l->radius;
+    double lo, hi, apart = lw_joint_has_slot(s->linkage.joint[j].kind) ? 0 : l->radius;
     travel(s, &q, &lo, &hi);
     for (int side = apart > 0 ? -1 : 1; side <= 1; side += 2) {
         lw_vec2 at = lw_v2_add(q.at, lw_v2_scale(q.along, side*apart));

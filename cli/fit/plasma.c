@@ -19,6 +19,16 @@ void cli_plasma_matrix(const lw_lam *a, FILE *f)
     fprintf(f, "\nParts: %d Joints: %d\n\n", a->n_link, a->n_joint);
 }
 
+static int type_number(lw_joint_kind kind)
+{
+    switch (kind) {
+    case LW_JOINT_REVOLUTE: return 11;
+    case LW_JOINT_SLIDER:   return 12;
+    case LW_JOINT_SLOT: case LW_JOINT_GEAR: case LW_JOINT_FIXED: break;
+    }
+    return 13;
+}
+
 void cli_plasma_joints(const lw_linkage *k, FILE *f)
 {
     int marker[LW_LINK_MAX] = { 0 };
@@ -26,10 +36,9 @@ void cli_plasma_joints(const lw_linkage *k, FILE *f)
     for (int n = 1; n <= k->n_joint; n++) {
         const lw_joint *p = &k->joint[n - 1];
         int a = p->link[0], b = p->link[1];
-        int type = p->kind == LW_JOINT_REVOLUTE ? 11 : p->kind == LW_JOINT_SLIDER ? 12 : 13;
         fprintf(f, "%5d %5d %5d %5d %5d %5d %11.5g %11.5g %7.4g\n", n, a + 1, b + 1, 100*(a + 1) + ++marker[a],
-                100*(b + 1) + ++marker[b], type, p->at.x/k->units.metre, p->at.y/k->units.metre,
-                p->kind == LW_JOINT_REVOLUTE ? 0 : atan2(p->along.y, p->along.x));
+                100*(b + 1) + ++marker[b], type_number(p->kind), p->at.x/k->units.metre, p->at.y/k->units.metre,
+                lw_joint_turns(p->kind) ? 0 : atan2(p->along.y, p->along.x));
     }
     fputc('\n', f);
 }

@@ -95,8 +95,8 @@ static void write_posture(linear *l)
 {
     double input = NAN;
     if (l->s.n_input > 0) {
-        bool pin = lw_joint_turns(l->s.joint[l->s.input_joint[0]].kind);
-        input = l->s.input_value[0] + (pin ? 1.0 : l->s.unit)*lw_system_measure(&l->s, l->s.input_joint[0], l->q, NULL);
+        int j = l->s.input_joint[0];
+        input = l->s.input_value[0] + lw_system_joint_unit(&l->s, j)*lw_system_measure(&l->s, j, l->q, NULL);
     }
     l->n_posture++;
     if (l->call->common.json) {

@@ -49,7 +49,7 @@ static void move_joints(const lw_frames *f, const placed *q, const double *dim, 
     for (int j = 0; j < k->n_joint; j++) {
         if (lw_joint_has_ratio(k->joint[j].kind))
             continue;
-        if (k->joint[j].kind != LW_JOINT_SLIDER) {
+        if (!lw_joint_translates(k->joint[j].kind)) {
             k->joint[j].at = in_plane(q, dim, q->p->joint_point[j]);
             continue;
         }
@@ -98,7 +98,7 @@ static lw_status write_wide(const lw_plan *p, const double *dim, const double *m
         return s;
     for (int j = 0; j < k->n_joint; j++)
         if ((p->joint_point[j] < 0 && !lw_joint_has_ratio(k->joint[j].kind))
-            || (k->joint[j].kind == LW_JOINT_SLIDER && p->slider_dir[j] < 0))
+            || (lw_joint_translates(k->joint[j].kind) && p->slider_dir[j] < 0))
             return LW_E_ARG;
     if (lw_pose_registers(p, dim, mode, input, q.reg) < 0)
         return LW_OPEN;

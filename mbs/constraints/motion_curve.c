@@ -233,7 +233,7 @@ double lw_motion_curve_find(lw_motion_curve *b, double first, double last, doubl
         lo = floor(x[0]) + 1.0;
         last = x[1];
     }
-    double unit = lw_joint_turns(b->s->joint[b->s->input_joint[b->input]].kind) ? 1.0 : b->s->unit;
+    double unit = lw_system_joint_unit(b->s, b->s->input_joint[b->input]);
     int kept = -1;
     for (int i = 0; i < 100 && fabs(x[1] - x[0]) > 1e-16*fmax(1.0, x[1]); i++) {       /* Illinois */
         double at = x[1] - g[1]*(x[1] - x[0])/(g[1] - g[0]);
@@ -271,7 +271,7 @@ const lw_motion_curve_event *lw_motion_curve_events(const lw_motion_curve *b, in
 double lw_motion_curve_input(const lw_motion_curve *b, const double *q)
 {
     int joint = b->s->input_joint[b->input];
-    double unit = lw_joint_turns(b->s->joint[joint].kind) ? 1.0 : b->s->unit;
+    double unit = lw_system_joint_unit(b->s, joint);
     return b->s->input_value[b->input] + unit*lw_system_measure(b->s, joint, q, NULL);
 }
 

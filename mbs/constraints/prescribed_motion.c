@@ -32,11 +32,6 @@ struct lw_prescribed_motion {
     double          *pose;                  /* differ from those where the next step starts            */
 };
 
-static double unit_of(const lw_prescribed_motion *d, int input)
-{
-    return lw_joint_turns(d->s->joint[d->s->input_joint[input]].kind) ? 1.0 : d->s->unit;
-}
-
 /* Series of the inputs at t, relative to the posture; false if a motion is not a number. */
 static bool counts(const lw_prescribed_motion *d, double t, int order, double *u)
 {
@@ -45,7 +40,7 @@ static bool counts(const lw_prescribed_motion *d, double t, int order, double *u
     for (int i = 0; i < d->s->n_input; i++) {
         u[i*(order + 1)] -= d->s->input_value[i];
         for (int k = 0; k <= order; k++) {
-            u[i*(order + 1) + k] /= unit_of(d, i);
+            u[i*(order + 1) + k] /= lw_system_joint_unit(d->s, d->s->input_joint[i]);
             good = good && isfinite(u[i*(order + 1) + k]);
         }
     }

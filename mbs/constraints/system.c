@@ -211,7 +211,7 @@ void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
 {
     for (int j = 0; j < s->n_joint; j++) {
         const lw_system_joint *p = &s->joint[j];
-        int end = p->kind == LW_JOINT_SLOT ? 1 : 0;
+        int end = lw_joint_has_slot(p->kind) ? 1 : 0;
         int body = lw_joint_has_ratio(p->kind) ? p->carrier : p->body[end];
         k->joint[j].at = lw_system_point(s, body, p->arm[end], q);
         if (lw_joint_slides(p->kind))
@@ -222,7 +222,7 @@ void lw_system_write(const lw_system *s, const double *q, lw_linkage *k)
         k->tracer[i].angle += turn_of(s->tracer_body[i], q);
     }
     for (int i = 0; i < s->n_input + s->n_tie; i++) {
-        bool pin = lw_joint_turns(s->joint[s->input_joint[i]].kind);
-        k->input[i].value = s->input_value[i] + lw_system_measure(s, s->input_joint[i], q, NULL)*(pin ? 1.0 : s->unit);
+        int j = s->input_joint[i];
+        k->input[i].value = s->input_value[i] + lw_system_measure(s, j, q, NULL)*lw_system_joint_unit(s, j);
     }
 }

@@ -91,6 +91,12 @@ void lw_system_series(const lw_system *s, int order, const double *q, double *ph
 double lw_system_measure(const lw_system *s, int j, const double *q, double *row);
 void   lw_system_measure_series(const lw_system *s, int j, int order, const double *q, double *out);
 
+/* Unit of that displacement: 1 [rad] for a pin, s->unit [m] for others. */
+static inline double lw_system_joint_unit(const lw_system *s, int joint)
+{
+    return lw_joint_turns(s->joint[joint].kind) ? 1.0 : s->unit;
+}
+
 /* Position [m] of a point fixed to a body (-1: ground; arm: in its frame, scaled), and its series (coefficient k is the
  * derivative divided by k!). */
 lw_vec2 lw_system_point(const lw_system *s, int body, lw_vec2 arm, const double *q);

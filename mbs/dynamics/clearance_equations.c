@@ -179,7 +179,7 @@ static void write_series(lw_clearance_work *w, const double *du)
 static lw_status wanted_motion(const lw_clearance_work *w, int i, double t, double m[3])
 {
     const lw_clearance_scene *c = w->c;
-    double scale = lw_joint_turns(c->s.joint[c->s.input_joint[i]].kind) ? 1.0 : c->s.unit;
+    double scale = lw_system_joint_unit(&c->s, c->s.input_joint[i]);
     m[0] = w->held ? w->held[i] : 0.0;
     m[1] = m[2] = 0.0;
     if (w->held)

@@ -143,7 +143,7 @@ static void read_input(lw_clearance_work *w, double *value, double *rate)
     *value = *rate = 0.0;
     if (s->n_input == 0)
         return;
-    double scale = lw_joint_turns(s->joint[s->input_joint[0]].kind) ? 1.0 : s->unit;
+    double scale = lw_system_joint_unit(s, s->input_joint[0]);
     *value = s->input_value[0] + scale*lw_system_measure(s, s->input_joint[0], w->q, w->row);
     for (int k = 0; k < s->n_q; k++)
         *rate += scale*w->row[k]*w->v[k];

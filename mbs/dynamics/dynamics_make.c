@@ -177,7 +177,7 @@ static double speed_off(const lw_dynamics *d, int i)
     if (!d->model->has_speed[i])
         return 0;
     lw_system_measure(&d->s, j, d->start_q, row);
-    double off = -d->model->speed[i]/(lw_joint_turns(d->s.joint[j].kind) ? 1 : d->s.unit);
+    double off = -d->model->speed[i]/lw_system_joint_unit(&d->s, j);
     for (int c = 0; c < d->n_q; c++)
         off += row[c]*d->start_v[c];
     return fabs(off);
@@ -203,7 +203,7 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
         if (!d->model->has_speed[i])
             continue;
         lw_system_measure(&d->s, j, d->start_q, r.a + n*d->n_q);
-        d->rhs[n++] = d->model->speed[i]/(lw_joint_turns(d->s.joint[j].kind) ? 1 : d->s.unit);
+        d->rhs[n++] = d->model->speed[i]/lw_system_joint_unit(&d->s, j);
     }
     lw_rank_factor(&r, LW_RANK_TOLERANCE);
     lw_rank_solve_transposed(&r, d->rhs, d->start_v);

@@ -92,7 +92,7 @@ static void note(void *context, int i, double t, bool impact, double rate)
     lw_run *run = context;
     lw_dynamics_report *r = run->r;
     const lw_rigid_stop *p = &run->d->stop[i];
-    double unit = lw_joint_turns(run->d->s.joint[p->joint].kind) ? 1 : run->d->s.unit;
+    double unit = lw_system_joint_unit(&run->d->s, p->joint);
     if (r->n_event < LW_REPORT_EVENT_MAX)
         r->event[r->n_event++] = (lw_run_event){ t, p->joint, p->sign < 0, impact, rate*unit };
     r->n_event_seen++;

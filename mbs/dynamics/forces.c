@@ -88,7 +88,7 @@ void lw_forces_make(const lw_model *m, const lw_system *s, const lw_caller_force
 lw_status lw_input_motion(const lw_model *m, const lw_system *s, int i, double t, double out[3])
 {
     double series[3] = { t, 1, 0 };
-    double scale = lw_joint_turns(s->joint[s->input_joint[i]].kind) ? 1 : 1/s->unit;
+    double scale = 1/lw_system_joint_unit(s, s->input_joint[i]);
     lw_expression_series(m->motion[i], 2, series, out);
     out[0] = (out[0] - s->input_value[i])*scale;
     out[1] *= scale;

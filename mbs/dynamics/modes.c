@@ -289,7 +289,7 @@ lw_status lw_modes_move_input(const lw_forces *f, double t, int input, double va
 {
     const lw_system *s = f->system;
     int joint = s->input_joint[input];
-    double scale = lw_joint_turns(s->joint[joint].kind) ? 1.0 : s->unit, next[LW_SYSTEM_Q_MAX];
+    double scale = lw_system_joint_unit(s, joint), next[LW_SYSTEM_Q_MAX];
     double from = lw_system_measure(s, joint, q, NULL), to = (value - s->input_value[input])/scale;
     int n = (int)fmin(1e6, ceil(fabs(to - from)/0.05));
     lw_vibration v;

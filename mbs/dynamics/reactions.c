@@ -36,7 +36,7 @@ void lw_reactions_joints(const lw_dynamics *d, const lw_moment *m, lw_reaction *
 
 static double input_unit(const lw_system *s, int input)
 {
-    return lw_joint_turns(s->joint[s->input_joint[input]].kind) ? 1 : s->unit;
+    return lw_system_joint_unit(s, s->input_joint[input]);
 }
 
 void lw_reactions_driving(const lw_dynamics *d, const lw_moment *m, double *out)

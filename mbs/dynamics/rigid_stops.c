@@ -11,7 +11,7 @@ int lw_rigid_stops_find(const lw_model *m, const lw_system *s, lw_rigid_stop *st
     int n = 0;
     for (int j = 0; j < s->n_joint; j++) {
         const lw_joint_stop *p = &m->stop[j];
-        double scale = lw_joint_turns(s->joint[j].kind) ? 1 : 1/s->unit;
+        double scale = 1/lw_system_joint_unit(s, j);
         if (p->stiffness > 0)
             continue;
         if (p->has_least)

@@ -108,7 +108,7 @@ int lw_output_limits_find(const lw_plan *plan, const lw_linkage *k, const double
             continue;
         int link = q->link[0] == k->ground ? q->link[1] : q->link[0];
         output o = { plan, k, dim, mode, j, link, -1, 1e-12/by };
-        if (q->kind == LW_JOINT_SLIDER) {
+        if (lw_joint_translates(q->kind)) {
             o.pin = pin_on(k, link);
             o.still *= size;
         }

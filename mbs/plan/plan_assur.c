@@ -167,7 +167,7 @@ static void build(graph *g)
         bool driven = j == t->input_joint && t->driven < 0;
         if (lw_plan_is_pin(t, j) && t->pin[j] == j)
             add_pin(g, j);
-        if (q->kind == LW_JOINT_SLIDER) {
+        if (lw_joint_translates(q->kind)) {
             add_parallel(g, q);
             add_line(g, q);
         }

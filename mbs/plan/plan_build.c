@@ -101,7 +101,7 @@ static int next_joint(const lw_topology *t, int link, int pin)
         if (t->slot[j] >= 0 && lw_joint_has(&k->joint[t->slot[j]], link))
             return t->slot[j];
         if (j != pin && !lw_joint_has_ratio(q->kind) && lw_joint_has(q, link) &&
-            (q->kind == LW_JOINT_SLIDER || q->at.x != at.x || q->at.y != at.y))
+            (lw_joint_translates(q->kind) || q->at.x != at.x || q->at.y != at.y))
             return j;
     }
     return -1;

@@ -19,7 +19,7 @@ typedef struct lw_builder {
 
 static inline bool lw_build_is_slider(const lw_builder *b, int j)
 {
-    return b->t->k->joint[j].kind == LW_JOINT_SLIDER;
+    return lw_joint_translates(b->t->k->joint[j].kind);
 }
 
 /* Add a register, a step, a dimension.  A dimension that exists already is returned again. */

@@ -30,7 +30,7 @@ static int other_pin(const lw_topology *t, const lw_cluster *c, int link, int no
 static int other_slider(const lw_topology *t, int link, int not)
 {
     for (int j = 0; j < t->k->n_joint; j++)
-        if (j != not && t->k->joint[j].kind == LW_JOINT_SLIDER && lw_joint_has(&t->k->joint[j], link))
+        if (j != not && lw_joint_translates(t->k->joint[j].kind) && lw_joint_has(&t->k->joint[j], link))
             return j;
     return -1;
 }

@@ -135,8 +135,14 @@ static lw_status check_joints(const lw_linkage *k, lw_plan_kind plan_kind, lw_er
     const bool higher = plan_kind >= LW_PLAN_HIGHER, gears = plan_kind == LW_PLAN_GEARED;
     for (int j = 0; j < k->n_joint; j++) {
         lw_joint_kind kind = k->joint[j].kind;
-        if (lw_joint_can_drive(kind) || (higher && kind == LW_JOINT_SLOT)
-            || (gears && lw_joint_has_ratio(kind)))
+        bool known = false;
+        switch (kind) {
+        case LW_JOINT_REVOLUTE: case LW_JOINT_SLIDER: known = true; break;
+        case LW_JOINT_SLOT:  known = higher; break;
+        case LW_JOINT_GEAR:  known = gears;  break;
+        case LW_JOINT_FIXED: break;
+        }
+        if (known)
             continue;
         return lw_error_set(e, LW_E_KIND, "joint \"%s\" is of kind '%c'; %s plans know pins ('r')%s sliders ('t')%s",
                             k->joint[j].name, (char)kind, higher ? "the" : "closed-form", higher ? "," : " and",

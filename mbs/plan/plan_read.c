@@ -52,7 +52,7 @@ static lw_status frame_axis(const lw_plan *p, const lw_linkage *k, int link, lw_
     lw_vec2 d = lw_v2(1, 0);
     if (r->axis < 0 && r->axis_tracer >= 0)
         d = unit(lw_v2_sub(k->tracer[r->axis_tracer].at, f->o[link]));
-    if (r->axis >= 0 && k->joint[r->axis].kind == LW_JOINT_SLIDER)
+    if (r->axis >= 0 && lw_joint_translates(k->joint[r->axis].kind))
         d = lw_plan_slide_direction(p, k, r->axis);
     else if (r->axis >= 0) {
         d = lw_v2_sub(k->joint[r->axis].at, f->o[link]);
@@ -73,7 +73,7 @@ static lw_status check_same(const lw_plan *p, const lw_linkage *k, lw_error *e)
     for (int j = 0; j < k->n_joint; j++)
         size = fmax(size, lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[0].at)));
     for (int j = 0; j < k->n_joint; j++) {
-        if (p->joint_pin[j] < 0 || (k->joint[j].kind == LW_JOINT_SLIDER) != (p->slider_base[j] >= 0))
+        if (p->joint_pin[j] < 0 || (lw_joint_translates(k->joint[j].kind)) != (p->slider_base[j] >= 0))
             return lw_error_set(e, LW_E_ARG, "joint \"%s\" is not of the topology of the plan", k->joint[j].name);
         if (lw_v2_norm(lw_v2_sub(k->joint[j].at, k->joint[p->joint_pin[j]].at)) > 1e-12*size)
             return lw_error_set(e, LW_E_ARG,
@@ -179,7 +179,7 @@ static double read_mode(const lw_plan *p, const lw_linkage *k, const lw_step *s)
     double side = 1;
     if (s->kind == LW_STEP_RRR)
         side = lw_v2_cross(lw_v2_sub(b, a), lw_v2_sub(c, a));
-    if (s->kind == LW_STEP_RRP && k->joint[j[0]].kind == LW_JOINT_SLIDER)
+    if (s->kind == LW_STEP_RRP && lw_joint_translates(k->joint[j[0]].kind))
         side = lw_v2_dot(lw_v2_sub(c, b), lw_plan_slide_direction(p, k, j[0]));
     else if (s->kind == LW_STEP_RRP)
         side = lw_v2_dot(lw_v2_sub(c, a), lw_plan_slide_direction(p, k, j[2]));

@@ -62,7 +62,7 @@ static void set_joint(lw_linkage *k, const posture *p, int i)
         j->link[0] = 0;
         j->link[1] = 3;
     }
-    if (j->kind == LW_JOINT_SLIDER)
+    if (lw_joint_translates(j->kind))
         j->along = lw_v2_polar(1, p->slide[i]);
 }
 

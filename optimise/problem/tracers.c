@@ -32,7 +32,7 @@ bool lw_tracers_only_slides(const lw_linkage *k, int link)
 {
     for (int j = 0; j < k->n_joint; j++)
         for (int side = 0; side < 2; side++)
-            if (k->joint[j].kind == LW_JOINT_SLIDER && k->joint[j].link[side] == link
+            if (lw_joint_translates(k->joint[j].kind) && k->joint[j].link[side] == link
                 && k->joint[j].link[!side] == k->ground)
                 return true;
     return false;
