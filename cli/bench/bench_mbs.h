@@ -7,20 +7,20 @@
 
 struct lw_model;
 
-/* One solver at one tolerance (other programs: accuracy, or length of the step in s). */
+/* Result of one solver at one tolerance (other programs: accuracy, or step size in s). */
 typedef struct cli_mbs_row {
     const char *problem;
     char        solver[40];
     double      tolerance;
-    double      make, seconds;           /* processor time to set up, to run: best of several; NAN: not measured */
-    double      error;                   /* greatest, against the reference; NAN: none                 */
-    double      off;                     /* off-branch measure [m]; NAN: none                          */
+    double      make, seconds;         /* processor time of set-up and of the run, best of several; NAN: not measured */
+    double      error;                   /* greatest error against the reference; NAN: none            */
+    double      off;                     /* distance from the right assembly mode [m]; NAN: none       */
     double      energy;                  /* greatest error of the energy over its scale; NAN: unknown   */
     long        steps, rates;
-    char        note[160];               /* why it failed, ""                                          */
+    char        note[160];               /* why it failed; "": it did not                              */
 } cli_mbs_row;
 
-/* Places of the bodies at each moment: x, y of the centre of mass [m], turn [rad]; place[3*(k*n_body + b)]. */
+/* Positions of the bodies at each moment: x, y of the centre of mass [m], angle [rad]; place[3*(k*n_body + b)]. */
 typedef struct cli_mbs_motion { int n_moment, n_body; double *place; } cli_mbs_motion;
 
 /* A file of numbers: value[k*n_column + c]. */
@@ -34,7 +34,7 @@ typedef struct cli_mbs_problem {
     double    (*measure)(const cli_mbs_motion *m, const cli_mbs_reference *r, double *off);
 } cli_mbs_problem;
 
-#define CLI_MBS_TOO_SLOW  1.0             /* [s] a run: its solver is not asked for tighter tolerances   */
+#define CLI_MBS_TOO_SLOW  1.0             /* [s] for a run: the solver gets no tighter tolerances        */
 #define CLI_MBS_PEER_TIME 300.0           /* [s] for all rows of another program on one problem         */
 #define CLI_MBS_PEER_MAX  8
 
@@ -42,7 +42,7 @@ extern const cli_mbs_problem cli_mbs_problems[];       /* name NULL ends        
 
 typedef struct cli_mbs {
     const cli_call *call;
-    double          time;                /* for the repeats of one row [s]                              */
+    double          time;                /* for repeating one row [s]                                   */
     int             loosest, tightest;   /* tolerances 1e-loosest to 1e-tightest                       */
     uint64_t        wanted;              /* bit i: problem i                                            */
     int             n, capacity;

@@ -18,22 +18,22 @@ typedef struct lw_flexible_crank {
     double m1, m2, m3, j1, j2;                   /* masses of crank, coupler, slider; inertias [kg m^2]      */
     double density, speed;                       /* of the coupler [kg/m^3]; of the crank [rad/s]            */
     double mass[4][4], stiffness[4][4];          /* of the elastic coordinates                              */
-    double b[4][4], c1[4], c2[4], c12[4], c21[4];   /* what couples them to the turning coupler              */
+    double b[4][4], c1[4], c2[4], c12[4], c21[4];   /* coupling to the rotation of the coupler               */
 } lw_flexible_crank;
 
-/* The published numbers, literally: pi of eight digits, and the mass of stretching without its factor 1/15, which the
- * published end values need (Mazzia & Magherini 2008, problem "slider crank"). */
+/* The published numbers, unchanged: pi with eight digits, and the mass of stretching without its factor 1/15, because
+ * the published end values need this (Mazzia & Magherini 2008, problem "slider crank"). */
 void lw_flexible_crank_published(lw_flexible_crank *c);
 
-/* (7 x 7, symmetric); forces of stiffness and of velocities (7). */
+/* Mass matrix (7 x 7, symmetric); forces of stiffness and of velocities (7). */
 void lw_flexible_crank_mass(const lw_flexible_crank *c, const double *p, double *m);
 void lw_flexible_crank_force(const lw_flexible_crank *c, const double *p, const double *v, double *f);
 
-/* Phi (3), G (3 x 7) when given. */
+/* Phi (3), and G (3 x 7) unless it is NULL. */
 void lw_flexible_crank_rows(const lw_flexible_crank *c, double t, const double *p, double *phi, double *g);
 
 typedef enum lw_flexible_method {
-    LW_FLEXIBLE_EXPLICIT,                        /* elastic coordinates alone: order 8                       */
+    LW_FLEXIBLE_EXPLICIT,                        /* elastic coordinates alone, order 8                       */
     LW_FLEXIBLE_ADAMS, LW_FLEXIBLE_BDF,          /* the same by CVODE                                       */
     LW_FLEXIBLE_GGL                              /* all with multipliers, stabilised index 2, by IDA          */
 } lw_flexible_method;
@@ -43,8 +43,8 @@ const char *lw_flexible_method_name(lw_flexible_method m);
 
 typedef struct lw_flexible_run { double p[LW_FLEXIBLE_N], v[LW_FLEXIBLE_N]; long steps, rates; } lw_flexible_run;
 
-/* From the published start (elastic coordinates as printed, the others from the loop) to t = `to`.  Failures of the
- * integrator. */
+/* Integrate from the published start (elastic coordinates as printed, the others from the loop) to t = `to`. Returns
+ * errors of the integrator. */
 lw_status lw_flexible_crank_run(const lw_flexible_crank *c, lw_flexible_method method, double tolerance, double to,
                                 lw_flexible_run *r, lw_error *e);
 

@@ -1,4 +1,4 @@
-/* cli/fit/fit.h - the parts of the fit command: what was found for one target, printed and drawn. */
+/* cli/fit/fit.h - the parts of the fit command: the results for one target, printed and drawn. */
 #ifndef CLI_FIT_FIT_H
 #define CLI_FIT_FIT_H
 
@@ -8,7 +8,7 @@
 #include "optimise/precision/exact.h"
 #include "optimise/topology/topology_search.h"
 
-/* Linkages to start from. */
+/* Linkages from which a search starts. */
 typedef struct cli_fit_start {
     int         n;
     lw_linkage *linkage;           /* (n) owned */
@@ -23,7 +23,7 @@ typedef struct cli_fit_set {
     bool        has_task_file;        /* the target is a task file                                     */
     lw_task_file    task_file;
     cli_fit_start start;
-    lw_topology_search search;    /* with --exact only its candidates and results, which are those of ... */
+    lw_topology_search search;    /* with --exact only candidates and results, which come from ... */
     bool        is_exact;
     lw_exact    exact;            /* ... these precision points                                    */
     uint64_t    seed;
@@ -41,16 +41,16 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
 /* The name of a target's results in --save: its file name without folder and ending, "target" for standard input. */
 void cli_fit_name(const char *path, char *name, size_t size);
 
-/* Before the search: make the folder, and ask for each file that may go into it whether it may be written there.
- * `results` at most for each target.  The exit code, CLI_DONE when all is well. */
+/* Before the search: make the folder, and check for each file that may go into it (at most `results` for each target)
+ * that it may be written. Returns the exit code, CLI_DONE if all is well. */
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results);
 
-/* Pictures of the best result and linkages of all into a folder; and one page for all targets. */
+/* Write pictures of the best result and the linkages of all results into a folder; and one page for all targets. */
 lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e);
 lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_error *e);
 
-/* --exact (fit_exact.c): linkages through all stations instead of the best ones; then as a fit, with what is said
- * of their defects. */
+/* --exact (fit_exact.c): find linkages through all stations instead of the best ones; then print as for a fit, with
+ * their defects. */
 lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_options *o, lw_error *e);
 lw_status cli_fit_exact_verify(const cli_call *call, cli_fit_set *s, lw_error *e);
 void      cli_fit_exact_row(const cli_fit_set *s, int i, FILE *f);
@@ -58,17 +58,17 @@ void      cli_fit_exact_summary(const cli_fit_set *s, FILE *f);
 void      cli_fit_exact_json_row(const cli_fit_set *s, int i, cli_json *j);
 void      cli_fit_exact_json(const cli_fit_set *s, cli_json *j);
 
-/* Further points of the target (fit_print.c): "coupler,any" to the links that they lie on; lines below a row of the
- * table; a member of its JSON object. */
+/* Further points of the target (fit_print.c): read "coupler,any" as the links on which they lie; print lines below a
+ * row of the table; print a member of its JSON object. */
 lw_status cli_fit_carriers(const char *text, const lw_target *t, lw_carrier carrier[LW_ALSO_MAX], lw_error *e);
 void cli_fit_points_summary(const cli_fit_set *s, FILE *f);
 void cli_fit_points_row(const cli_fit_set *s, int i, FILE *f);
 void cli_fit_points_json(const cli_fit_set *s, int i, cli_json *j);
 
-/* Add the linkages of a file as cli_read_linkage takes it, all results of it (fit_start.c). */
+/* Add the linkages of a file that cli_read_linkage accepts, all results in it (fit_start.c). */
 lw_status cli_fit_start_read(const char *path, cli_fit_start *s, lw_error *e);
 
-/* Add the linkages of a catalogue, with so many links at most, whose curves are nearest to a target with points. */
+/* Add the linkages of a catalogue, with at most `links` links, whose curves are nearest to a target with points. */
 lw_status cli_fit_start_nearest(const char *path, const lw_target *t, int links, cli_fit_start *s, lw_error *e);
 
 /* Candidate of result i. */

@@ -1,4 +1,4 @@
-/* cli/fit/plasma.h - what PLASMA prints (Makkonen 1999, paper F section 7). */
+/* cli/fit/plasma.h - the tables that PLASMA prints (Makkonen 1999, paper F section 7). */
 #ifndef CLI_FIT_PLASMA_H
 #define CLI_FIT_PLASMA_H
 
@@ -13,7 +13,7 @@ void cli_plasma_matrix(const lw_lam *a, FILE *f);
  * data set; types 11 pin, 12 slider, 13 pin in a slot; F the direction of a slide [rad].  Lengths in k->units. */
 void cli_plasma_joints(const lw_linkage *k, FILE *f);
 
-/* Dimensions by name. */
+/* Print the dimensions by name. */
 lw_status cli_plasma_dimensions(const lw_linkage *k, FILE *f, lw_error *e);
 
 /* PNT Time PosX PosY VelM VelX VelY AccM AccX AccY of the tracer over a second, as the data set drives it; then PNT and

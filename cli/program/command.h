@@ -14,11 +14,11 @@ typedef struct cli_call {
     const struct cli_command *command;
     const void               *settings;     /* the command's own struct, filled                    */
     cli_common                common;
-    cli_parsed                parsed;       /* words, and what was given                           */
-    const char               *line;         /* the whole command as one would type it in a shell   */
+    cli_parsed                parsed;       /* words, and which options were given                 */
+    const char               *line;         /* the whole command as typed in a shell               */
 } cli_call;
 
-/* What a command does is chosen by its first word, if it has actions: "catalogue build FILE". */
+/* If a command has actions, its first word chooses one: "catalogue build FILE". */
 typedef struct cli_action {
     const char *name;                       /* "build"; NULL ends the list                         */
     const char *words;                      /* "FILE --links P"                                    */

@@ -20,18 +20,18 @@
 
 typedef struct cli_json {
     FILE *f;
-    int   indent;                       /* spaces a level; 0: all on one line                      */
+    int   indent;                       /* spaces per level; 0: all on one line                    */
     int   depth;
     char  close[CLI_JSON_DEPTH];        /* '}' or ']' of each open level                           */
-    bool  any[CLI_JSON_DEPTH];          /* the level holds something already                       */
-    bool  flat[CLI_JSON_DEPTH];         /* this level stands on one line                           */
+    bool  any[CLI_JSON_DEPTH];          /* the level already holds a value                         */
+    bool  flat[CLI_JSON_DEPTH];         /* this level is written on one line                       */
 } cli_json;
 
 cli_json cli_json_begin(FILE *f, int indent);
 
 void cli_json_object(cli_json *j, const char *key);
 void cli_json_array(cli_json *j, const char *key);
-void cli_json_end(cli_json *j);                        /* the last one ends the line too           */
+void cli_json_end(cli_json *j);                        /* the last one also ends the line          */
 
 void cli_json_text(cli_json *j, const char *key, const char *text);          /* NULL: null         */
 void cli_json_real(cli_json *j, const char *key, double v);

@@ -5,23 +5,24 @@
 #include "grammar/linkage.h"
 #include "optimise/task/read_file.h"
 
-/* A linkage from a file ("-" is standard input): one linkage as in docs/notation.md, or an object
- * with `results` as `linkwright fit --json` prints it, of which `linkage` of result number `which`
- * (1 is the best) is taken.  which 0: the first, and files without results are fine. */
+/* Read a linkage from a file ("-" is standard input). The file holds one linkage as in docs/notation.md, or an object
+ * with `results` as `linkwright fit --json` prints it; result number `which` (1 is the best) is taken. which 0: the
+ * first result; files without results are accepted too. */
 lw_status cli_read_linkage(const char *path, int which, lw_linkage *k, lw_error *e);
 
-/* The same with motions, masses and loads (grammar/model.h), cli_free_model it; NULL: e tells why. */
+/* The same with motions, masses and loads (grammar/model.h). Free it with cli_free_model. NULL: see e. */
 struct lw_model;
 struct lw_model *cli_read_model(const char *path, int which, lw_error *e);
 void             cli_free_model(struct lw_model *m);               /* NULL is fine */
 
-/* The same from text that is already in memory (malloc); *text is replaced if it holds results. */
+/* The same from text in memory (malloc); *text is replaced if it holds results. */
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
 
-/* CSV, or the curve of a drawing when the name ends in .svg or .dxf. */
+/* Read CSV, or the curve of a drawing if the name ends in .svg or .dxf. */
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
-/* A task file, and its target: stations of its own, or the CSV file it names, beside it; with its dwells. */
+/* Read a task file and its target: its own stations, or the CSV file named in it, relative to its folder; with its
+ * dwells. */
 lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_task_file *b, lw_target *t, lw_error *e);
 
 #endif

@@ -15,8 +15,8 @@ typedef struct cli_progress {
 
 cli_progress cli_progress_begin(const cli_call *call, const char *what, const char *unit);
 
-/* done of total (total 0: unknown); `note` (or NULL) is printed at the end of the line.  It may be
- * called often, but from one thread only. */
+/* Show done of total (total 0: unknown); `note` (or NULL) is printed at the end of the line. May be called often, but
+ * from one thread only. */
 void cli_progress_show(cli_progress *p, double done, double total, const char *note);
 
 void cli_progress_end(cli_progress *p);       /* wipes the line */

@@ -7,17 +7,17 @@
 
 #include "optimise/problem/work.h"
 
-/* Inputs of the lanes from their phases.  false when the linkage x closes nowhere. */
+/* Compute the inputs of the lanes from their phases. False: the linkage x closes nowhere. */
 bool lw_problem_turn_stations(const lw_problem *p, const double *x, lw_work *w);
 
 /* Inputs of the stations from x, for a prescribed timing. */
 void lw_problem_prescribe(const lw_problem *p, const double *x, lw_work *w);
 
-/* Poses of all lanes at their inputs, with derivatives.  false when a lane cannot close. */
+/* Compute the poses of all lanes at their inputs, with derivatives. False: a lane cannot close. */
 bool lw_problem_lanes(const lw_problem *p, const double *x, lw_work *w);
 
-/* Residuals of the lanes, and their derivatives when asked for.  Where the input of a station is free, the part of its
- * derivatives for which a change of the input makes up is taken out (variable_projection.h).  Returns f. */
+/* Residuals of the lanes and, if requested, their derivatives. Where the input of a station is free, the part of the
+ * derivatives that a change of this input can compensate is removed (variable_projection.h). Returns f. */
 double lw_problem_rows(const lw_problem *p, const double *x, lw_work *w, bool derivatives);
 
 /* Margin of each lane of `in` (mbs/batch/batch.h), the least over all points; as many lanes as w->pose_m has.

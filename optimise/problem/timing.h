@@ -1,24 +1,25 @@
-/* optimise/problem/timing.h - which input belongs to which station when the timing is not prescribed.
+/* optimise/problem/timing.h - find the input of each station when the timing is not prescribed.
  *
- * First an assignment of the stations to curve samples (monotone by dynamic programming where the stations have an
- * order, else the nearest), then Newton steps along the curve. */
+ * First the stations are assigned to curve samples (monotone by dynamic programming if the stations have an order, else
+ * the nearest), then the inputs are improved by Newton steps along the curve. */
 #ifndef LW_OPTIMISE_PROBLEM_TIMING_H
 #define LW_OPTIMISE_PROBLEM_TIMING_H
 
 #include "optimise/problem/work.h"
 
-/* Find the curves of all points at LW_CURVE_SAMPLES inputs. */
+/* Compute the curves of all points at LW_CURVE_SAMPLES inputs. */
 void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w);
 
-/* Inputs of the stations from scratch: the best assignment to curve samples.  false: the linkage closes nowhere. */
+/* Find the inputs of the stations anew: the best assignment to curve samples. False: the linkage closes nowhere. */
 bool lw_timing_assign(const lw_problem *p, const double *x, lw_work *w);
 
-/* Improve the inputs by Newton steps that keep the order, until the inputs rest or `steps` are used up.  The best
- * inputs are kept, and the lanes (work.h) are at these inputs afterwards.  false: the linkage cannot close there. */
+/* Improve the inputs by Newton steps that keep the order, until the inputs do not change or `steps` are used up. The
+ * best inputs are kept, and the lanes (work.h) are at these inputs afterwards. False: the linkage cannot close there.
+ */
 bool lw_timing_refine(const lw_problem *p, const double *x, lw_work *w, int steps);
 
-/* Move the phases theta (n) to the nearest ones in order, one turn at most from first to last: least weighted squares
- * by pooling adjacent violators, also round the turn.  scratch: 3 n numbers. */
+/* Move the phases theta (n) to the nearest ones in order, with at most one turn from first to last: least weighted
+ * squares by pooling adjacent violators, also across the end of the turn. scratch: 3 n numbers. */
 void lw_timing_order(const lw_problem *p, double *theta, const double *weight, double *scratch);
 
 /* Without timing: nearest points of the target polygon to the curve samples x, y (LW_CURVE_SAMPLES each). */

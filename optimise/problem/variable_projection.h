@@ -1,7 +1,7 @@
 /* optimise/problem/variable_projection.h - derivatives of f with the inputs of free stations eliminated.
  *
- * Of the rows is kept what no change of the stations' own inputs can make up for (variable projection, Kaufman 1975).
- * Stations that the order holds at one input have one input to give, and are taken together. */
+ * The part of the rows that a change of the stations' own inputs can compensate is removed (variable projection,
+ * Kaufman 1975). Stations that the order keeps at one input have one common input and are treated together. */
 #ifndef LW_OPTIMISE_PROBLEM_VARIABLE_PROJECTION_H
 #define LW_OPTIMISE_PROBLEM_VARIABLE_PROJECTION_H
 
@@ -13,7 +13,7 @@ void lw_variable_projection(const lw_problem *p, const double *x, lw_work *w);
 /* Derivatives t of the weighted residuals of station k by its phase.  Returns the sum of their squares. */
 double lw_problem_tangent(const lw_problem *p, const lw_work *w, size_t k, double t[LW_PROBLEM_ROW_MAX]);
 
-/* Does the order hold station k and the next one (after the last: the first, a turn on) at one input? */
+/* Does the order keep station k and the next one (after the last: the first, a turn later) at one input? */
 bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k);
 
 #endif

@@ -1,9 +1,8 @@
-/* optimise/solvers/lm.h - Levenberg-Marquardt for linkages: the local workhorse.
+/* optimise/solvers/lm.h - Levenberg-Marquardt for linkages, the default local solver.
  *
- * Residuals' derivatives are exact; the inputs of free stations are eliminated from each step and
- * moved along with it; bounds and linear conditions are kept by solving the step as a quadratic
- * program (Goldfarb & Idnani 1983), so that optima on a bound or on the Grashof limit are reached
- * to rounding.  Damping after Nielsen 1999.  No allocation. */
+ * Derivatives of the residuals are exact. The inputs of free stations are eliminated from each step and moved with it.
+ * Bounds and linear conditions are kept by solving the step as a quadratic program (Goldfarb & Idnani 1983), so that
+ * optima on a bound or on the Grashof limit are reached to rounding. Damping after Nielsen 1999. No allocation. */
 #ifndef LW_OPTIMISE_SOLVERS_LM_H
 #define LW_OPTIMISE_SOLVERS_LM_H
 
@@ -11,11 +10,11 @@
 
 typedef struct lw_lm_options {
     int    max_steps;      /* trial steps                                                          */
-    double f_tol;          /* stop when a step lessens f by less than this part of it, three times */
-    double f_stop;         /* good enough                                                          */
+    double f_tol;          /* stop when three steps lower f by less than this part of it */
+    double f_stop;         /* stop when f is at most this                                          */
     double f_hopeless;     /* give up when f is above this after `patience` steps; 0: never        */
     int    patience;
-    bool   reassign;       /* at the end, look for a better assignment of free stations and go on  */
+    bool   reassign;       /* at the end, assign the free stations again; go on if f is lower      */
     double until;          /* wall clock (base/clock.h) at which to stop; 0: never                 */
     const volatile int *interrupt;               /* not NULL and *interrupt != 0: stop             */
     void (*improved)(void *context, long evals, double f);     /* after each step; may be NULL     */
@@ -23,22 +22,22 @@ typedef struct lw_lm_options {
 } lw_lm_options;
 lw_lm_options lw_lm_options_default(void);
 
-/* Improve x (n_var), which must meet bounds and linear conditions (see lw_lm_feasible), in place.
- * `keep_inputs`: the inputs of free stations in work are a good start for x; otherwise they are
- * assigned from scratch.  Returns f; INFINITY, x untouched, when the linkage cannot close at x. */
+/* Improve x (n_var) in place; x must meet bounds and linear conditions (see lw_lm_feasible). keep_inputs: the inputs of
+ * free stations in work are a good start for x; otherwise they are assigned anew. Returns f; INFINITY, x unchanged, if
+ * the linkage cannot close at x. */
 double lw_lm_improve(const lw_problem *p, const lw_lm_options *o, double *x, bool keep_inputs,
                      void *work, long *evals, lw_stop *stop);
 
-/* lw_lm_improve, and from where it ends SLSQP when conditions on the motion (transmission angle,
- * acceleration, closure) are violated there.  INFINITY when no point that meets them was seen. */
+/* Run lw_lm_improve; if its result violates conditions on the motion (transmission angle, acceleration, closure),
+ * continue with SLSQP. INFINITY: no point that meets the conditions was seen. */
 double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x, void *work,
                          long *evals, lw_stop *stop);
 
-/* Move x to the nearest point that meets bounds and linear conditions (in the metric of the
- * variables' own sizes).  false when they contradict each other. */
+/* Move x to the nearest point that meets bounds and linear conditions; distances are relative to the size of each
+ * variable. False: the conditions contradict each other. */
 bool lw_lm_feasible(const lw_problem *p, double *x);
 
-/* What the row `lm` of the solver table runs. */
+/* Run the row `lm` of the solver table. */
 lw_status lw_lm_run(const lw_problem *p, const lw_solver_options *o, double *x,
                     lw_solver_result *r);
 

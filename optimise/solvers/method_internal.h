@@ -1,14 +1,14 @@
-/* optimise/solvers/method_internal.h - the methods behind the rows of the solver table, on any lw_function.
+/* optimise/solvers/method_internal.h - the methods behind the rows of the solver table, for any lw_function.
  *
- * A row is one line of the list: a method that lowers F of a stage, and whether it searches the whole
- * box and takes conditions itself.  The others run inside the barrier. */
+ * A row is one line of the list: a method that lowers F of a stage, whether it searches the whole box, and whether it
+ * takes conditions itself. Methods that do not take conditions run inside the barrier. */
 #ifndef LW_OPTIMISE_SOLVERS_METHOD_INTERNAL_H
 #define LW_OPTIMISE_SOLVERS_METHOD_INTERNAL_H
 
 #include "optimise/solvers/barrier.h"
 
-/* id, name, searches the box, takes conditions, takes gradients, method, source; in this order in the
- * table of solvers. */
+/* id, name, searches the box, takes conditions, takes gradients, method, source; in the order of the table of solvers.
+ */
 #define LW_METHOD_LIST(X)                                                                          \
     X(lm_gsl, "lm-gsl", false, true, true, lw_gsl_lm,                                            \
       "Levenberg 1944, Marquardt 1963, GSL; conditions by augmented Lagrangian")                 \
@@ -39,15 +39,15 @@ typedef struct lw_method {
     lw_minimise *minimise;
 } lw_method;
 
-/* The whole run: start, stages, the last repair, the result.  Returns as lw_solver.run does. */
+/* The whole run: start, stages, final repair, result. Returns as lw_solver.run does. */
 lw_status lw_method_run(const lw_method *m, const lw_function *fn, const lw_solver_options *o,
                         double *x, lw_solver_result *result);
 
-/* Improve x of a fitting problem by a method; allocates its scratch.  Returns as lw_solver.run does. */
+/* Improve x of a fitting problem by a method; allocates the scratch. Returns as lw_solver.run does. */
 lw_status lw_method_solve(const lw_method *m, const lw_problem *p, const lw_solver_options *o, double *x,
                           lw_solver_result *result);
 
-/* The method of a row of the table that is built on one; NULL for other names. */
+/* The method of the row of the table with this name; NULL: the row has none, or there is no such row. */
 const lw_method *lw_method_find(const char *name);
 
 lw_minimise lw_gsl_lm, lw_gradient, lw_gradient_fixed;

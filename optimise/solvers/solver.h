@@ -1,7 +1,6 @@
 /* optimise/solvers/solver.h - a solver is a row of a table: one call improves one starting point.
  *
- * Every solver sees the same lw_problem.  The best feasible point seen is kept by the caller's
- * record, whatever the method returns. */
+ * Every solver gets the same lw_problem. A record keeps the best feasible point seen, whatever the method returns. */
 #ifndef LW_OPTIMISE_SOLVERS_SOLVER_H
 #define LW_OPTIMISE_SOLVERS_SOLVER_H
 
@@ -11,11 +10,11 @@ typedef enum lw_stop {
     LW_STOP_F_TOL,       /* the objective no longer falls                  */
     LW_STOP_X_TOL,       /* the variables no longer move                   */
     LW_STOP_GRADIENT,    /* the (projected) gradient is zero to rounding   */
-    LW_STOP_F_TARGET,    /* good enough: f <= f_target                     */
+    LW_STOP_F_TARGET,    /* f <= f_target                                  */
     LW_STOP_EVALS,       /* limit of evaluations                           */
     LW_STOP_TIME,        /* limit of seconds                               */
-    LW_STOP_USER,        /* asked to stop                                  */
-    LW_STOP_FAILED       /* the method gave up; the best point is kept     */
+    LW_STOP_USER,        /* the caller requested a stop                    */
+    LW_STOP_FAILED       /* the method failed; the best point is kept      */
 } lw_stop;
 const char *lw_stop_text(lw_stop s);
 
@@ -47,10 +46,10 @@ typedef struct lw_solver {
     const char *name;            /* "slsqp": what --solver takes                                  */
     const char *source;          /* "Kraft 1994, NLopt"                                           */
     bool        global;          /* searches the whole box, needs finite bounds                   */
-    bool        takes_constraints;   /* gets g(x) >= 0 itself; the others run inside the barrier  */
+    bool        takes_constraints;   /* takes g(x) >= 0 itself; the others run inside the barrier */
     bool        takes_gradient;
-    /* Improve x (n_var) in place.  LW_OK; LW_STOPPED by evaluations, time or user; LW_NOTHING when no
-     * feasible point was seen.  That and failures < 0 leave x untouched. Thread-safe. */
+    /* Improve x (n_var) in place. LW_OK; LW_STOPPED: by evaluations, time or user; LW_NOTHING: no feasible point was
+     * seen. LW_NOTHING and errors (< 0) leave x unchanged. Thread-safe. */
     lw_status (*run)(const lw_problem *p, const lw_solver_options *o, double *x,
                      lw_solver_result *r);
 } lw_solver;
