@@ -170,7 +170,7 @@ static void few_points(run *k, const lw_lanes *in, int which, const rows *out, i
     copy_out(out->margin, to.margin, in->n);
 }
 
-/* Whole groups in blocks; what is left over as one more group that reaches back into the last one. */
+/* Compute whole groups in blocks.  The remaining lanes are computed as one more group, which overlaps the last one. */
 static void points(const lw_plan *plan, const lw_lanes *in, int which, void *work, const double *group_poses,
                    const rows *out, int frame)
 {

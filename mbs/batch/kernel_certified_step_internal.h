@@ -432,7 +432,7 @@ LW_INLINE void solve_of(const int n, eight *w, follower *f, pack t)
 }
 LW_BY_SIZE(solve, (eight *w, follower *f, pack t), w, f, t)
 
-/* Find the postures at eight inputs; certified, need, margin and row tell about each. */
+/* Find the postures at eight inputs; f->certified, need, margin and row hold the results. */
 static void try_steps(follower *f, pack t)
 {
     node behind[NODES];

@@ -199,7 +199,7 @@ void lw_in_chunks(const lw_plan *plan, const lw_lanes *in, void *work, lw_chunk_
 void lw_kernel_group_pose(const lw_plan *plan, const double *dim, const double *mode, double input, void *work,
                           lw_group_pose *group_pose);
 
-/* J'J and J'r.  kernel_normal.c */
+/* The normal equations J'J and J'r.  kernel_normal.c */
 void lw_kernel_normal(const lw_normal *in, double *h, double *g);
 
 /* Plans of the form lw_fast_dyad, all steps in one loop.  kernel_fast_dyad.c */

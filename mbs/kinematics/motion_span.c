@@ -14,7 +14,7 @@
 
 static const double change_tolerance = 1e-14;      /* of the size: nearer counts as a change point */
 
-/* ---- what moves with what ---- */
+/* ---- movement of registers ---- */
 
 /* Does a register stand still, move with the input link as one body, or move otherwise? */
 typedef enum moves { STILL, DRIVEN, OTHER } moves;
