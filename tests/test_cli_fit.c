@@ -58,10 +58,31 @@ static void open_targets_over_limits_have_legs_and_modes(void)
     json_decref(root);
 }
 
+/* Without timing half of the objective is the distance of the curve from the target: the second simulation computes
+ * both halves, and comes to the same. */
+static void both_simulations_come_to_one_objective(void)
+{
+    static const char *const run[] = {
+        "$P fit examples/letters/S.csv --timing none --rounds 1 --json -q",
+        "$P fit examples/letter-s.csv --timing none --rounds 1 --json -q",
+    };
+    for (size_t k = 0; k < sizeof run/sizeof *run; k++) {
+        json_t *root = json_of(run[k]), *r;
+        size_t i;
+        json_array_foreach(json_object_get(root, "results"), i, r) {
+            CHECK(json_is_true(json_object_get(r, "verified")) && json_is_null(json_object_get(r, "sense")));
+            CHECK_NEAR(member(r, "verified_objective"), member(r, "objective"), 0, 1e-8);
+        }
+        CHECK(i > 0);
+        json_decref(root);
+    }
+}
+
 int main(void)
 {
     RUN(inputs_of_sliders_have_the_unit_of_the_target);
     RUN(four_bars_near_a_change_point_are_marked);
     RUN(open_targets_over_limits_have_legs_and_modes);
+    RUN(both_simulations_come_to_one_objective);
     return check_end();
 }

@@ -261,7 +261,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     cli_json_real(j, "transmission_max", r->transmission_max);
     cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
                                                                          : length(s, r->acceleration_max));
-    cli_json_int(j, "sense", c->intended.sense);
+    cli_json_real(j, "sense", s->spec.timing == LW_TIMING_NONE ? NAN : c->intended.sense);   /* null: no order */
     cli_json_real(j, "input0", r->input_turns_per_period*c->input0);
     cli_json_real(j, "tool0", c->tool0);
     json_inputs(s, c, r, j);

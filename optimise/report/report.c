@@ -111,7 +111,7 @@ static void errors_of_further(const lw_also *a, double n, const sums *sum, lw_al
     r->angle_max = a->theta ? sum->angle_max : NAN;
 }
 
-/* at: positions, n of each point. */
+/* at: positions, n of each point; then those of the curve samples. */
 static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c,
                                 const lw_plan *plan, lw_vec2 *at, lw_fit_report *r)
 {
@@ -123,6 +123,14 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
         if (lw_pose_solve(plan, c->dim, modes, c->input[i], 0, &pose) != LW_OK)
             return LW_OPEN;
         add_station(t, s, c, &r->linkage, i, &pose, at, sum);
+    }
+    for (int j = 0; j < c->n_sample; j++) {                /* without timing, which has one point */
+        double modes[LW_MODE_MAX];
+        lw_pose pose;
+        modes_at(c, plan, t->n + (size_t)j, modes);
+        if (lw_pose_solve(plan, c->dim, modes, c->input[t->n + (size_t)j], 0, &pose) != LW_OK)
+            return LW_OPEN;
+        at[t->n + (size_t)j] = pose.tracer[0][0];
     }
     r->objective = sum[0].f;
     errors_of_first(t, s, &sum[0], r);
@@ -136,7 +144,7 @@ static lw_status station_errors(const lw_target *t, const lw_fit_spec *s, const 
 
 /* ---- the motion ----------------------------------------------------------------------------- */
 
-static double distance_to_target(const lw_target *t, lw_vec2 p)
+double lw_fit_report_distance(const lw_target *t, lw_vec2 p)
 {
     double least = hypot(p.x - t->x[0], p.y - t->y[0]);
     size_t last = t->closed ? t->n : t->n - 1;
@@ -156,7 +164,7 @@ static void measure_distance(const lw_target *t, const lw_plan *plan, const lw_c
     lw_pose pose;
     for (int k = 0; k <= SAMPLES; k++)
         if (lw_pose_solve(plan, c->dim, modes, from + (to - from)*k/SAMPLES, 0, &pose) == LW_OK)
-            r->curve_max = fmax(r->curve_max, distance_to_target(t, pose.tracer[0][0]));
+            r->curve_max = fmax(r->curve_max, lw_fit_report_distance(t, pose.tracer[0][0]));
 }
 
 /* The arc that holds station 0; -1: none. */
@@ -386,7 +394,7 @@ lw_status lw_fit_report_make(const lw_target *t, const lw_fit_spec *s, const lw_
         r->dim_kind[i] = plan.dim[i].kind;
     }
     modes_at(c, &plan, 0, modes);
-    lw_vec2 *at = malloc(sizeof *at*t->n*(size_t)(1 + t->n_also));
+    lw_vec2 *at = malloc(sizeof *at*(t->n*(size_t)(1 + t->n_also) + (size_t)c->n_sample));
     if (!at)
         return lw_error_set(e, LW_E_MEMORY, "no memory for a report on %zu stations", t->n);
     r->input_turns_per_period = plan.input_turns_per_period;

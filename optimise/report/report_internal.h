@@ -20,6 +20,9 @@ bool lw_fit_report_cycle(const lw_plan *plan, const lw_candidate *c, const doubl
 size_t lw_fit_report_cycle_points(const lw_plan *plan, const lw_candidate *c, const lw_closed_motion *cycle,
                                   size_t most, lw_vec2 *curve);
 
+/* Distance of a place from the polygon of the target. */
+double lw_fit_report_distance(const lw_target *t, lw_vec2 p);
+
 /* Add a reversal, unless there are LW_REVERSAL_MAX. */
 void lw_fit_report_reversal(lw_fit_report *r, bool limit, int joint, double input);
 

@@ -203,8 +203,7 @@ static double allowed(const replay *v)
     return TOLERANCE*size_of(v) + 256*DBL_EPSILON*reach;
 }
 
-/* Does the objective that the search stated agree, if each station differs by `off` at most?  Without timing the
- * stations are half of the objective, or less. */
+/* Does the objective that the search stated agree, if each station differs by `off` at most? */
 static bool claim_holds(const replay *v, double f, double off)
 {
     double weight = 0, also = 0, claim = v->c->objective;
@@ -215,9 +214,21 @@ static bool claim_holds(const replay *v, double f, double off)
     }
     double a = !lw_task_has_place(v->s->task) ? 0 : v->s->a, b = !lw_task_has_angle(v->s->task) ? 0 : v->s->b;
     double slack = off*sqrt(a*(weight + also)) + TOLERANCE*sqrt(b*weight + v->s->b*also) + TOLERANCE*sqrt(f);
-    if (v->s->timing == LW_TIMING_NONE && lw_task_has_place(v->s->task))
-        return sqrt(0.5*f) <= sqrt(claim) + slack;
     return fabs(sqrt(f) - sqrt(claim)) <= slack;
+}
+
+/* Without timing the stations are half of the objective, the distances of the curve's samples from the target the
+ * other half. */
+static bool add_samples(replay *v, const lw_vec2 *at)
+{
+    v->r->verified_objective *= 0.5;
+    for (size_t i = v->t->n; i < v->t->n + (size_t)v->c->n_sample; i++) {
+        if (!go_to(v, i, at))
+            return false;
+        double away = lw_fit_report_distance(v->t, v->now.tracer[0].at);
+        v->r->verified_objective += v->s->a*v->c->sample_weight*away*away;
+    }
+    return true;
 }
 
 static void judge(const replay *v, bool followed)
@@ -257,6 +268,8 @@ void lw_verify(const lw_target *t, const lw_fit_spec *s, const lw_candidate *c, 
         r->verified_objective += square_error(v, i, &distance);
         r->verified_mean += distance/(double)t->n;
     }
+    if (t->n_also == 0 && s->timing == LW_TIMING_NONE && lw_task_has_place(s->task))
+        followed = followed && add_samples(v, at);
     lw_newton_free(v->newton);
     lw_motion_curve_free(v->curve);
     judge(v, followed);

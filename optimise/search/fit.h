@@ -48,9 +48,11 @@ typedef struct lw_candidate {
     double  input0, tool0;       /* 0 where the task has none                                       */
     double  tool[LW_ALSO_MAX];   /* mounting angles of further points [rad]; 0 where there is none  */
     double  objective;           /* eq. 17 in SI                                                    */
-    double *input;               /* of each station [rad] or [m]                     (n_station)    */
-    double *mode_of;             /* assembly mode of each dyad at each station; NULL: intended.mode everywhere
-                                  *                                                  (n_station*n_dyad) */
+    int     n_sample;            /* without timing: curve samples whose distance from the target is in the objective */
+    double  sample_weight;       /* of each, as lw_target.weight                                    */
+    double *input;               /* of each station and sample [rad] or [m]   (n_station + n_sample) */
+    double *mode_of;             /* assembly mode of each dyad there; NULL: intended.mode everywhere
+                                  *                                 ((n_station + n_sample)*n_dyad) */
     int     n_dyad;
     long    evals;               /* of the start and improvement that led here                      */
     double  seconds;             /* when it was found                                               */

@@ -12,6 +12,7 @@
 #define SAME_CURVE 0.03         /* so do samples, as far as polygons through samples can tell           */
 enum { PULLS = 20 };            /* each twice as far as the one before                               */
 #define FIRST_PULL 1e-16        /* parts of a stroke                                                  */
+#define ON_TARGET 1e-12         /* a sample nearer than this adds nothing; the target has size one    */
 #define SAME_RATIO 1e-4         /* relative, of two lengths of the same function generator              */
 
 /* The positions of a find at the stations, and samples of its curve. */
@@ -107,14 +108,21 @@ static bool give_family(const lw_search *s, int candidate, lw_candidate *out)
     return (out->own || !s->o->families) && lw_search_family(s, candidate, out->own, &out->family) == LW_OK;
 }
 
-/* Rounding may put a station at a limit just beyond it: move it back inside by the least step that closes. */
-static void pull_inside(const lw_problem *p, const lw_work *w, size_t k, lw_candidate *c)
+/* Put input k and its assembly mode into the candidate.  Rounding may put a station at a limit just beyond it: it is
+ * moved back inside by the least step that closes. */
+static void put_input(const lw_problem *p, const lw_work *w, size_t k, double input, int leg, double psi_c,
+                      lw_candidate *c)
 {
-    double mode[LW_MODE_MAX], from = c->input[k];
-    double unit = p->plan.input_is_slider ? p->unit : 1;
-    double step = copysign(FIRST_PULL*w->swing.stroke[w->leg[k]].half, w->psi_c[k])*unit;
+    double mode[LW_MODE_MAX], unit = p->plan.input_is_slider ? p->unit : 1, from = c->input[k] = input*unit;
+    size_t dyads = (size_t)c->n_dyad;
     lw_pose pose;
-    memcpy(mode, c->mode_of + k*(size_t)c->n_dyad, sizeof *mode*(size_t)c->n_dyad);
+    if (!c->mode_of)
+        return;
+    lw_circuit_put_mode(p, w, leg, c->mode_of + k*dyads, 1);
+    if (w->swing.turning)
+        return;
+    double step = copysign(FIRST_PULL*w->swing.stroke[leg].half, psi_c)*unit;
+    memcpy(mode, c->mode_of + k*dyads, sizeof *mode*dyads);
     for (int i = 0; i < PULLS && lw_pose_solve(&p->plan, c->dim, mode, c->input[k], 0, &pose) != LW_OK; i++, step *= 2)
         c->input[k] = from + step;
 }
@@ -135,19 +143,23 @@ static bool fill_candidate(lw_search *s, const lw_found *c, lw_candidate *out)
     for (int i = 0; i < p->n_also; i++)
         out->tool[i] = p->also[i].i_tool >= 0 ? c->x[p->also[i].i_tool] : 0;
     bool both_modes = lw_problem_has_modes(p);
-    out->input = malloc(sizeof *out->input*p->n);
+    size_t most = lw_problem_lane_count(p);
+    out->input = malloc(sizeof *out->input*most);
     size_t dyads = (size_t)(out->n_dyad = p->plan.n_dyad);
-    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*p->n*dyads) : NULL;
+    out->mode_of = both_modes ? malloc(sizeof *out->mode_of*most*dyads) : NULL;
     if (!out->input || (both_modes && !out->mode_of) || !give_family(s, c->candidate, out)) {
         lw_candidate_free(out);
         return false;
     }
     for (size_t k = 0; k < p->n; k++)
-        out->input[k] = w->input[k]*(p->plan.input_is_slider ? p->unit : 1);
-    for (size_t k = 0; both_modes && k < p->n; k++) {
-        lw_circuit_put_mode(p, w, w->leg[k], out->mode_of + k*dyads, 1);
-        if (!w->swing.turning)
-            pull_inside(p, w, k, out);
+        put_input(p, w, k, w->input[k], both_modes ? w->leg[k] : 0, both_modes ? w->psi_c[k] : 0, out);
+    out->sample_weight = most > p->n ? w->sample_weight : 0;
+    for (size_t k = p->n; k < most; k++) {
+        size_t j = k - p->n;
+        if (!(hypot(w->jac.x[k] - w->foot_x[j], w->jac.y[k] - w->foot_y[j]) > ON_TARGET))
+            continue;
+        lw_cycle_point at = lw_circuit_point(p, w, w->turn[j]);
+        put_input(p, w, p->n + (size_t)out->n_sample++, at.input, at.leg, at.psi_c, out);
     }
     return true;
 }
