@@ -35,6 +35,29 @@ static void driven(void)
     expect("$P simulate " PENDULUM " --speed 2 --balance", 0, "\"balanced\": true", NULL);
 }
 
+/* A parallelogram driven for a turn: two rows on the flat posture, where the joints' forces have no limit. */
+static void through_flat_postures(void)
+{
+    expect("cat > $D/flat.json <<'EOF'\n"
+           "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"a\", \"mass\": 1, \"centre\": [0, 0.5]},\n"
+           "{\"name\": \"b\", \"mass\": 2, \"centre\": [2, 1], \"inertia\": 0.3}, {\"name\": \"c\", \"mass\": 1.5, \"centre\": "
+           "[4, 0.5]}],\n"
+           "\"joints\": [{\"name\": \"A\", \"links\": [\"ground\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", \"links\": [\"a\", "
+           "\"b\"], \"at\": [0, 1]},\n"
+           "{\"name\": \"C\", \"links\": [\"b\", \"c\"], \"at\": [4, 1]}, {\"name\": \"D\", \"links\": [\"ground\", \"c\"], \"at\": "
+           "[4, 0]}],\n\"input\": {\"joint\": \"A\"}, \"gravity\": [0, -9.81]}\nEOF\n"
+           "for n in 36 97 100 400; do $P simulate $D/flat.json --speed 6.283185307179586 -n $n --json | python3 -c '\n"
+           "import json, math, sys\n"
+           "d = json.load(sys.stdin); rows = [dict(zip(d[\"columns\"], r)) for r in d[\"rows\"]]\n"
+           "off = max(abs(r[\"A.drive\"] - 9.81*3.25*math.cos(r[\"A.input\"])) for r in rows)\n"
+           "print(len(rows), d[\"complete\"], d[\"rows_without_forces\"], max(abs(r[\"b.turn\"]) for r in rows) < 1e-9, "
+           "off < 1e-8, [r[\"t\"] for r in rows if r[\"B.fx\"] is None])'; done", 0,
+           "37 True 2 True True [0.25, 0.75]\n98 True 0 True True []\n101 True 2 True True [0.25, 0.75]\n"
+           "401 True 2 True True [0.25, 0.75]\n", "without a limit");
+    expect("$P simulate $D/flat.json --speed 6.283185307179586 -n 4 | tail -1", 0,
+           "# singular posture in 2 rows, first at t = 0.25", NULL);
+}
+
 /* Counterweights by --balance, put on the links: no shaking force is left.  Six-bars with two and three links at the ground
  * and Jansen's leg, half as many weights as links, also on links that float. */
 static void balanced(void)
@@ -111,6 +134,7 @@ int main(void)
     RUN(rows_and_report);
     RUN(rest);
     RUN(driven);
+    RUN(through_flat_postures);
     RUN(balanced);
     RUN(wrong);
     RUN(starts_that_do_not_fit);

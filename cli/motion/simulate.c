@@ -234,6 +234,10 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     if (!s->f)
         return;
     if (!s->json) {
+        if (s->report.without_forces)
+            fprintf(s->f, "# singular posture in %ld row%s, first at t = %.12g s: forces without a limit there are "
+                    "left empty\n", s->report.without_forces, s->report.without_forces == 1 ? "" : "s",
+                    s->report.without_forces_t);
         if (status != LW_OK)
             fprintf(s->f, "# incomplete: ended at t = %.12g s: %s\n", s->report.t, e->text);
         return;
@@ -245,6 +249,7 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     if (status != LW_OK)
         cli_json_text(&s->j, "ended", e->text);
     cli_json_real(&s->j, "t", r->t);
+    cli_json_int(&s->j, "rows_without_forces", r->without_forces);
     cli_json_int(&s->j, "steps", r->steps);
     cli_json_int(&s->j, "evaluations", r->rates);
     cli_json_int(&s->j, "redundant", r->redundant);
@@ -277,6 +282,9 @@ void cli_simulate_report(const cli_simulate *s)
     char text[1024];
     if (r->period > 0)
         cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them", r->period);
+    if (r->without_forces)
+        cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
+                 "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);
     if (r->moved > 1e-9)
         cli_note(c, "the posture of the file violates the constraints by %.3g of its size and was closed", r->moved);
     if (r->moved_rate > 1e-9)

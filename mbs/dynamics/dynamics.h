@@ -65,7 +65,7 @@ lw_dynamics_options lw_dynamics_options_default(void);
 typedef struct lw_moment {
     double t;
     const double *q, *v, *a;     /* (n_q) */
-    const double *l;             /* (n_c) multipliers */
+    const double *l;             /* (n_c) multipliers; in a singular posture NaN where they have no limit */
     double kinetic, potential;   /* [J] */
     double work;                 /* done since the start by forces without potential [J] */
     double off, off_rate;        /* greatest residual of the constraints, scaled, and of their rates */
@@ -97,6 +97,9 @@ typedef struct lw_dynamics_report {
     int    n_event, n_event_seen;            /* events kept, and all */
     lw_run_event event[LW_REPORT_EVENT_MAX];
     double t;                    /* time reached */
+    long   samples;              /* handed out; intervals + 1 where the run succeeds */
+    long   without_forces;       /* samples in singular postures in which some force has no limit, */
+    double without_forces_t;     /* and the time of the first */
 } lw_dynamics_report;
 
 typedef struct lw_dynamics lw_dynamics;

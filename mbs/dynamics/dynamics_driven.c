@@ -1,6 +1,12 @@
-/* mbs/dynamics/dynamics_driven.c - every freedom is driven: postures by Newton's method from a prediction of second
- * order, in steps short enough to keep the correction small; velocities, accelerations and all forces from the same
- * factors.  Steps go over singular postures (change points): the prediction goes on with the velocity. */
+/* mbs/dynamics/dynamics_driven.c - every freedom is driven: postures on the certified motion of the inputs
+ * (mbs/constraints/prescribed_motion.h), which does not depend on the samples; velocities, accelerations and forces
+ * from the factors of the rows.
+ *
+ * Near a branch point these lose digits: at the distance x [rad] from it rounding is magnified by 1/x^4.  There all
+ * quantities are interpolated in time from places on both sides.  Postures are analytic, and multipliers have at most a
+ * simple pole, so the product of multiplier and time from the branch point is analytic too.  Its value there is the
+ * strength of the pole; where that is 0, its derivative is the limit of the multiplier.  The power of a moving input
+ * is finite, so its drive has a limit; reactions often have none. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
 #include <math.h>
@@ -8,7 +14,36 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double longest_step = 0.05;          /* of a coordinate in one step, scaled or [rad] */
+enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
+
+/* Places of a window as fractions of half its length: Chebyshev's points for an interval with a gap in the middle. */
+static const double node[N_SIDE] = { 0.280, 0.447, 0.640, 0.808, 0.929, 0.992 };
+static const double longest_half = 0.3;        /* half of a window, scaled: about radians */
+static const double beside = 0.1;            /* weakest pivot at which a branch point is looked for */
+static const double agreed = 1e-6;           /* greatest difference of two interpolations of a window, relative */
+static const double enough = 1e-9;           /* such a difference that a shorter window need not improve */
+static const double no_pole = 1e-8;          /* strength of a pole that counts as 0, relative */
+static const double at_pole = 1e-7;          /* distance from a pole, over half the window, without a value */
+
+/* Samples around one branch point: q, v, a, then the time from it times the multipliers. */
+typedef struct window {
+    double at, half;                         /* time of the branch point; half the length [s]; 0: no window */
+    double off;                              /* difference of two interpolations */
+    double x[N_NODE], *values;               /* times from `at`; (N_NODE x width) */
+} window;
+
+typedef struct driven {
+    lw_run     *run;
+    lw_dynamics *d;
+    lw_system   system;                      /* with the driven inputs only */
+    lw_prescribed_motion *motion;
+    int         width;
+    window      found, tried;
+    bool        made;                        /* `found` has been looked for at found.at */
+    double      clear_from, clear_to;        /* no branch point between these times */
+    double      middle[2*LW_SYSTEM_Q_MAX + LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
+    double      rough[3*LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
+} driven;
 
 static double greatest(const double *x, int n)
 {
@@ -18,71 +53,236 @@ static double greatest(const double *x, int n)
     return most;
 }
 
-/* Advance y = (q, v) and a from t by h.  LW_OPEN: the step must be shorter. */
-static lw_status advance(lw_dynamics *d, double t, double h, double *y, double *a, double *to)
+/* ---- one moment ---------------------------------------------------------------------------------------- */
+
+/* Accelerations d->a and multipliers d->l at (t, q, v); without inertia those of a linkage at rest. */
+static lw_status forces_at(lw_dynamics *d, double t, const double *q, const double *v)
 {
-    int n = d->n_q;
-    for (int i = 0; i < n; i++)
-        to[i] = y[i] + h*(y[n + i] + 0.5*h*a[i]);
-    double distance = h*greatest(y + n, n);
-    lw_status s = lw_mbs_project_q(d, t + h, to, 0.3*distance + 0.5*h*h*greatest(a, n) + 1e-9);
-    memcpy(to + n, y + n, (size_t)n*sizeof *to);
+    static const double still[LW_SYSTEM_Q_MAX];
+    lw_status s = lw_mbs_rows(d, t, q);
     if (s == LW_OK)
-        s = lw_mbs_project_v(d, t + h, to + n);
-    return s;
+        s = lw_mbs_factor(d, d->rank < d->n_c || d->o.analysis == LW_ANALYSIS_QUASISTATIC);
+    if (s == LW_OK)
+        s = lw_mbs_solve(d, t, q, v, d->a, d->l, NULL);
+    if (s != LW_OK || d->o.analysis != LW_ANALYSIS_QUASISTATIC)
+        return s;
+    lw_forces_apply(&d->f, t, q, still, d->force, NULL, NULL, NULL);
+    lw_rank_solve(&d->rank_of, d->force, d->l);
+    return LW_OK;
 }
 
-/* Advance from t to end. */
-static lw_status go_to(lw_run *run, double t, double end, double *y, double *a)
+/* Velocities v at (t, q). */
+static lw_status velocities_at(lw_dynamics *d, double t, const double *q, double *v)
 {
-    lw_dynamics *d = run->d;
-    int n = d->n_q, tries = 0;
-    lw_status s = LW_OK;
-    while (s == LW_OK && t < end) {
-        double distance = greatest(y + n, n), h = end - t;
-        if (h*distance > longest_step)
-            h /= ceil(h*distance/longest_step);
-        if (h*h*greatest(a, n) > longest_step)
-            h = fmin(h, sqrt(longest_step/greatest(a, n)));
-        for (tries = 0; tries < 30; tries++, h *= 0.7) {
-            s = advance(d, t, h, y, a, run->y);
-            if (s == LW_OK)
-                s = lw_mbs_accelerate(d, t + h, run->y, run->y + n, d->a, d->l, NULL);
-            if (s != LW_OPEN)
-                break;
+    memset(v, 0, (size_t)d->n_q*sizeof *v);
+    lw_status s = lw_mbs_rows(d, t, q);
+    if (s == LW_OK)
+        s = lw_mbs_factor(d, false);
+    return s == LW_OK ? lw_mbs_project_v(d, t, v) : s;
+}
+
+/* Distance of all rows from dependence at q, about radians from a singular posture. */
+static double apart(lw_dynamics *d, double t, const double *q)
+{
+    if (lw_mbs_rows(d, t, q) != LW_OK || lw_mbs_factor(d, true) != LW_OK)
+        return 0;
+    return d->rank_of.weakest;
+}
+
+/* ---- around a branch point ------------------------------------------------------------------------------ */
+
+/* Value (width) at x from the branch point, from `n` of the places on either side beginning with the outermost; if
+ * slope, the derivative at x instead. */
+static void interpolate(const window *w, int width, int n, double x, bool slope, double *out)
+{
+    memset(out, 0, (size_t)width*sizeof *out);
+    for (int i = N_SIDE - n; i < N_SIDE + n; i++) {
+        double product = 1, sum = 0;
+        for (int j = N_SIDE - n; j < N_SIDE + n; j++) {
+            if (j == i)
+                continue;
+            double step = 1/(w->x[i] - w->x[j]), other = step;
+            for (int k = N_SIDE - n; slope && k < N_SIDE + n; k++)
+                other *= k == i || k == j ? 1 : (x - w->x[k])/(w->x[i] - w->x[k]);
+            sum += other;
+            product *= (x - w->x[j])*step;
         }
-        if (s != LW_OK)
-            break;
-        run->r->steps++;
-        t = h == end - t ? end : t + h;
-        memcpy(y, run->y, 2*(size_t)n*sizeof *y);
-        memcpy(a, d->a, (size_t)n*sizeof *a);
+        for (int c = 0; c < width; c++)
+            out[c] += (slope ? sum : product)*w->values[i*width + c];
     }
+}
+
+/* Greatest value of part k at the places: q, v, a, multipliers. */
+static double scale(const driven *z, const window *w, int k)
+{
+    int n = z->d->n_q;
+    double most = 0;
+    for (int i = 0; i < N_NODE; i++)
+        most = fmax(most, greatest(w->values + i*z->width + k*n, k < 3 ? n : z->d->n_c));
+    return most;
+}
+
+/* Go to the places of the window w, whose `at` and `half` are set, and compare two interpolations at its middle. */
+static lw_status fill(driven *z, window *w)
+{
+    lw_dynamics *d = z->d;
+    int n = d->n_q;
+    for (int i = 0; i < N_NODE; i++) {
+        double *to = w->values + i*z->width;
+        w->x[i] = i < N_SIDE ? -w->half*node[N_SIDE - 1 - i] : w->half*node[i - N_SIDE];
+        lw_status s = lw_prescribed_motion_to(z->motion, w->at + w->x[i]);
+        if (s == LW_OK) {
+            memcpy(to, lw_prescribed_motion_pose(z->motion), (size_t)n*sizeof *to);
+            s = velocities_at(d, w->at + w->x[i], to, to + n);
+        }
+        if (s == LW_OK)
+            s = forces_at(d, w->at + w->x[i], to, to + n);
+        if (s != LW_OK)
+            return s;
+        memcpy(to + 2*n, d->a, (size_t)n*sizeof *to);
+        for (int c = 0; c < d->n_c; c++)
+            to[3*n + c] = d->l[c]*w->x[i];
+    }
+    w->off = 0;
+    for (int slope = 0; slope < 2; slope++) {
+        interpolate(w, z->width, N_SIDE, 0, slope, z->middle);
+        interpolate(w, z->width, N_SIDE - 1, 0, slope, z->rough);
+        for (int c = 0; c < z->width; c++)
+            z->rough[c] -= z->middle[c];
+        for (int k = 0; k < 4; k++)
+            w->off = fmax(w->off, greatest(z->rough + k*n, k < 3 ? n : d->n_c)*(slope ? w->half : 1)
+                                  /fmax(scale(z, w, k), 1e-300));
+    }
+    return LW_OK;
+}
+
+/* A window around the branch point at `at`: the length whose interpolations agree best. */
+static void make_window(driven *z, double at, double half)
+{
+    window *best = &z->found, *next = &z->tried;
+    best->half = 0;
+    best->off = INFINITY;
+    for (int k = 0; k < 5 && best->off > enough; k++, half *= 0.5) {
+        next->at = at;
+        next->half = half;
+        if (fill(z, next) != LW_OK || !(next->off < best->off))
+            continue;
+        window was = *best;
+        *best = *next;
+        *next = was;
+    }
+    if (!(best->off < agreed))
+        best->half = 0;
+    best->at = at;
+}
+
+/* Is there a branch point within `half` [s] of t?  Leaves the motion at another time. */
+static bool look_around(driven *z, double t, double half, double *at)
+{
+    double last;
+    int before = lw_prescribed_motion_crossings(z->motion, &last);
+    if (before > 0 && fabs(last - t) < half)
+        return *at = last, true;
+    for (int side = 1; side >= -1; side -= 2) {
+        if (lw_prescribed_motion_to(z->motion, t + side*half) != LW_OK)
+            lw_prescribed_motion_to(z->motion, t);
+        if (lw_prescribed_motion_crossings(z->motion, &last) > before && fabs(last - t) < half)
+            return *at = last, true;
+        lw_prescribed_motion_to(z->motion, t);
+    }
+    z->clear_from = t - half;
+    z->clear_to = t + half;
+    return false;
+}
+
+/* Fill q and v (y), d->a and d->l at t from the window.  A multiplier without a limit is NaN. */
+static void from_window(driven *z, double t, double *y)
+{
+    const window *w = &z->found;
+    lw_dynamics *d = z->d;
+    int n = d->n_q;
+    double x = t - w->at, most = scale(z, w, 3), *pole = z->middle;
+    bool near = fabs(x) < at_pole*w->half;
+    interpolate(w, z->width, N_SIDE, 0, false, pole);
+    interpolate(w, z->width, N_SIDE, near ? 0 : x, false, z->rough);
+    memcpy(y, z->rough, 2*(size_t)n*sizeof *y);
+    memcpy(d->a, z->rough + 2*n, (size_t)n*sizeof *d->a);
+    for (int c = 0; c < d->n_c && !near; c++) {
+        double strength = fabs(pole[3*n + c]) < no_pole*most ? pole[3*n + c] : 0;
+        d->l[c] = (z->rough[3*n + c] - strength)/x;
+    }
+    if (!near)
+        return;
+    interpolate(w, z->width, N_SIDE, 0, true, z->rough);
+    for (int c = 0; c < d->n_c; c++)
+        d->l[c] = fabs(pole[3*n + c]) < no_pole*most ? z->rough[3*n + c] : NAN;
+}
+
+static bool within(const window *w, double t) { return fabs(t - w->at) < node[0]*w->half; }
+
+/* ---- samples --------------------------------------------------------------------------------------------- */
+
+static lw_status lost(driven *z, lw_status s, double t)
+{
+    lw_error *e = z->run->e;
+    double end = lw_prescribed_motion_time(z->motion);
     if (s == LW_OPEN)
-        return lw_error_set(run->e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.9g s: it stands "
-                            "at a limit of its motion", t);
-    return s;
+        return lw_error_set(e, LW_E_NUMERIC, "the linkage cannot follow its inputs beyond t = %.12g s: it stands at a "
+                            "limit of its motion", end);
+    return lw_error_set(e, LW_E_NUMERIC, "the motion is lost between t = %.12g s and %.12g s: an input jumps or is not "
+                        "a number there, or no step is short enough to stay on the motion curve", end, t);
+}
+
+/* Posture and velocities y, accelerations and multipliers at t.  LW_OPEN: the forces are not known. */
+static lw_status moment_at(driven *z, double t, double *y)
+{
+    lw_dynamics *d = z->d;
+    int n = d->n_q;
+    if (z->found.half > 0 && within(&z->found, t))
+        return from_window(z, t, y), LW_OK;
+    lw_status s = lw_prescribed_motion_to(z->motion, t);
+    if (s != LW_OK)
+        return lost(z, s, t);
+    memcpy(y, lw_prescribed_motion_pose(z->motion), (size_t)n*sizeof *y);
+    double series[2*LW_SYSTEM_Q_MAX], half, at;
+    bool near = apart(d, t, y) < beside && !(t > z->clear_from && t < z->clear_to)
+             && lw_prescribed_motion_rates(z->motion, 1, series) && greatest(series + n, n) > 0;
+    if (near && look_around(z, t, half = longest_half/greatest(series + n, n), &at)) {
+        if (!z->made || fabs(z->found.at - at) > 0.1*half)
+            make_window(z, at, half);
+        z->made = true;
+        if (z->found.half > 0 && within(&z->found, t))
+            return from_window(z, t, y), LW_OK;
+    }
+    if (near && (s = lw_prescribed_motion_to(z->motion, t)) != LW_OK)
+        return lost(z, s, t);
+    s = velocities_at(d, t, y, y + n);
+    if (s == LW_OPEN && lw_prescribed_motion_rates(z->motion, 1, series))
+        memcpy(y + n, series + n, (size_t)n*sizeof *y);
+    return s == LW_OK ? forces_at(d, t, y, y + n) : s;
 }
 
 /* The energy balance is not checked: nothing is integrated, and the work of the driving torques, from their powers
  * at the samples, would be known to second order only. */
-static lw_status run_all(lw_run *run, double *y, double *a)
+static lw_status run_all(driven *z, double *y)
 {
-    lw_dynamics *d = run->d;
-    int n = d->n_q;
-    lw_dynamics_start(d, y, y + n);
-    lw_status s = lw_mbs_accelerate(d, d->o.from, y, y + n, a, d->l, NULL);
+    lw_run *run = z->run;
+    lw_dynamics *d = z->d;
+    lw_status s = LW_OK;
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
-        if (k > 0)
-            s = go_to(run, lw_run_time(d, k - 1), t, y, a);
-        if (s != LW_OK)
-            break;
-        if (d->o.analysis == LW_ANALYSIS_QUASISTATIC)
-            s = lw_run_show_slow(run, t, y);
-        else
-            s = lw_run_show(run, t, y);
+        s = moment_at(z, t, y);
+        if (s == LW_OPEN)
+            for (int i = 0; i < d->n_q || i < d->n_c; i++) {
+                if (i < d->n_q)
+                    d->a[i] = NAN;
+                if (i < d->n_c)
+                    d->l[i] = NAN;
+            }
         if (s == LW_OK || s == LW_OPEN)
+            s = lw_run_show_solved(run, t, y);
+        run->r->steps++;
+        if (s == LW_OK)
             s = lw_run_limits(run, t, k);
     }
     return s;
@@ -90,13 +290,26 @@ static lw_status run_all(lw_run *run, double *y, double *a)
 
 static lw_status run_driven(lw_run *run)
 {
-    size_t n = (size_t)run->d->n_q;
-    double *y = calloc(5*n + 2, sizeof *y);
-    if (!y)
-        return lw_error_set(run->e, LW_E_MEMORY, "out of memory");
-    run->y = y + 3*n;
+    lw_dynamics *d = run->d;
+    size_t n = (size_t)d->n_q, width = 3*n + (size_t)d->n_c;
+    driven *z = calloc(1, sizeof *z);
+    double *y = calloc(2*n + 2*N_NODE*width, sizeof *y);
     run->has_work = false;
-    lw_status s = run_all(run, y, y + 2*n);
+    lw_status s = z && y ? LW_OK : lw_error_set(run->e, LW_E_MEMORY, "out of memory");
+    if (s == LW_OK) {
+        z->run = run;
+        z->d = d;
+        z->width = (int)width;
+        z->found.values = y + 2*n;
+        z->tried.values = z->found.values + N_NODE*width;
+        z->clear_from = z->clear_to = -INFINITY;
+        s = lw_mbs_follow(d, &z->system, &z->motion, run->e);
+    }
+    if (s == LW_OK)
+        s = run_all(z, y);
+    if (z)
+        lw_prescribed_motion_free(z->motion);
+    free(z);
     free(y);
     return s;
 }

@@ -603,7 +603,7 @@ lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q)
 
 /* ---- moments ----------------------------------------------------------------------------------- */
 
-lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
+lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
 {
     lw_status s = lw_mbs_rows(d, t, q);
     *m = (lw_moment){ .t = t, .q = q, .v = v, .a = d->a, .l = d->l, .work = work };
@@ -619,6 +619,12 @@ lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double 
     m->kinetic = lw_forces_kinetic(&d->f, v);
     m->potential = lw_forces_potential(&d->f, q);
     m->unique = d->rank == d->n_c;
+    return s;
+}
+
+lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m)
+{
+    lw_status s = lw_mbs_measure(d, t, q, v, work, m);
     if (s == LW_OK)
         s = lw_mbs_factor(d, !m->unique);
     return s == LW_OK ? lw_mbs_solve(d, t, q, v, d->a, d->l, NULL) : s;

@@ -9,6 +9,7 @@
 #define LW_MBS_DYNAMICS_DYNAMICS_EQUATIONS_INTERNAL_H
 
 #include "base/rank.h"
+#include "mbs/constraints/prescribed_motion.h"
 #include "mbs/constraints/system_internal.h"
 #include "mbs/dynamics/dynamics.h"
 #include "mbs/dynamics/friction.h"
@@ -92,6 +93,10 @@ lw_status lw_mbs_accelerate(lw_dynamics *d, double t, const double *q, const dou
 lw_status lw_mbs_solve(lw_dynamics *d, double t, const double *q, const double *v, double *a, double *l,
                        double *power);
 
+/* Follow the motions of all driven inputs, which leave no freedom, from the posture of the file to where they begin at
+ * d->o.from and on.  s becomes the system with these inputs only; it must outlive the motion. */
+lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e);
+
 /* Put q, then v on the constraints, by the least change in the metric of the masses or, by rank, of the coordinates.
  * LW_OPEN: a step of q would be longer than `far`. */
 lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest);
@@ -106,7 +111,10 @@ double lw_mbs_impulse(lw_dynamics *d, const double *g, double *change);
 /* Find rows in force, basis, pattern and rank anew, after the rows have changed or those kept became dependent. */
 lw_status lw_mbs_arrange(lw_dynamics *d, double t, const double *q);
 
-/* Fill a moment at (t, q, v), reactions of least norm. */
+/* Fill a moment at (t, q, v): residuals and energies; a and l are those in d->a and d->l.  Rows are those at q. */
+lw_status lw_mbs_measure(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
+
+/* The same with accelerations and reactions, of least norm.  LW_OPEN: a singular posture, which has none. */
 lw_status lw_mbs_moment(lw_dynamics *d, double t, const double *q, const double *v, double work, lw_moment *m);
 
 /* x and l of M x + J^T l = force, J x = rhs; factored.  force NULL: 0. */

@@ -138,6 +138,47 @@ static lw_status move_inputs_to_start(lw_dynamics *d, double *q)
     return s;
 }
 
+/* The inputs with a motion, in the order of context's list. */
+static void driven_inputs(void *context, double t, int order, double *u)
+{
+    const lw_dynamics *d = context;
+    double at[LW_SERIES_ORDER_MAX + 1] = { t, 1 };
+    for (int i = 0; i < d->n_driven; i++)
+        lw_expression_series(d->model->motion[d->driven[i]], order, at, u + i*(order + 1));
+}
+
+lw_status lw_mbs_follow(const lw_dynamics *d, lw_system *s, lw_prescribed_motion **out, lw_error *e)
+{
+    *s = d->s;
+    if (d->s.n_tie && d->driven[0] != 0)
+        return lw_error_set(e, LW_E_KIND, "inputs are tied to input 1, which needs a \"motion\"");
+    for (int i = 0; i < d->n_driven; i++) {
+        s->input_joint[i] = d->s.input_joint[d->driven[i]];
+        s->input_value[i] = d->s.input_value[d->driven[i]];
+    }
+    s->n_input = d->n_driven;
+    for (int i = 0; i < d->s.n_tie; i++) {
+        s->input_joint[s->n_input + i] = d->s.input_joint[d->s.n_input + i];
+        s->input_value[s->n_input + i] = d->s.input_value[d->s.n_input + i];
+    }
+    return lw_prescribed_motion_create(s, driven_inputs, (void *)(uintptr_t)d, d->o.from, out, e);
+}
+
+/* Where every freedom is driven, the start is on the motion that a run follows. */
+static lw_status start_on_motion(lw_dynamics *d, double *q, lw_error *e)
+{
+    lw_prescribed_motion *motion;
+    lw_system *system = malloc(sizeof *system);
+    if (!system)
+        return lw_error_set(e, LW_E_MEMORY, "out of memory");
+    lw_status s = lw_mbs_follow(d, system, &motion, e);
+    if (s == LW_OK)
+        memcpy(q, lw_prescribed_motion_pose(motion), (size_t)d->n_q*sizeof *q);
+    lw_prescribed_motion_free(motion);
+    free(system);
+    return s == LW_OK ? lw_mbs_arrange(d, d->o.from, q) : s;
+}
+
 static lw_status find_posture(lw_dynamics *d, lw_error *e)
 {
     double *q = d->start_q;
@@ -161,6 +202,8 @@ static lw_status find_posture(lw_dynamics *d, lw_error *e)
     if (s == LW_OK && d->rank < rank + driven)
         return lw_error_set(e, LW_E_ARG, "%d inputs have a motion but only %d can be moved independently; leave "
                             "motions out", driven, d->rank - rank);
+    if (s == LW_OK && driven && d->freedom == 0)
+        return start_on_motion(d, q, e);
     if (s == LW_OK && driven)
         s = move_inputs_to_start(d, q);
     if (s == LW_OPEN)

@@ -86,16 +86,41 @@ void lw_run_watch(lw_run *run, const double *y)
     }
 }
 
+/* Every sample of a run is handed out here. */
+static lw_status hand_out(lw_run *run, const lw_moment *m)
+{
+    lw_dynamics_report *r = run->r;
+    bool known = true;
+    for (int i = 0; i < run->d->n_c; i++)
+        known = known && isfinite(m->l[i]);
+    if (!known && r->without_forces++ == 0)
+        r->without_forces_t = m->t;
+    r->samples++;
+    r->worst_off = fmax(r->worst_off, m->off);
+    r->worst_off_rate = fmax(r->worst_off_rate, m->off_rate);
+    return run->sink ? run->sink(run->context, m) : LW_OK;
+}
+
 lw_status lw_run_show(lw_run *run, double t, const double *y)
 {
     lw_dynamics *d = run->d;
     lw_moment m;
     lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
-    if (s != LW_OK)
-        return s;
-    run->r->worst_off = fmax(run->r->worst_off, m.off);
-    run->r->worst_off_rate = fmax(run->r->worst_off_rate, m.off_rate);
-    return run->sink ? run->sink(run->context, &m) : LW_OK;
+    if (s == LW_OPEN) {
+        for (int i = 0; i < d->n_q; i++)
+            d->a[i] = NAN;
+        for (int i = 0; i < d->n_c; i++)
+            d->l[i] = NAN;
+    }
+    return s == LW_OK || s == LW_OPEN ? hand_out(run, &m) : s;
+}
+
+lw_status lw_run_show_solved(lw_run *run, double t, const double *y)
+{
+    lw_dynamics *d = run->d;
+    lw_moment m;
+    lw_status s = lw_mbs_measure(d, t, y, y + d->n_q, run->has_work ? y[2*d->n_q] : 0, &m);
+    return s == LW_OK ? hand_out(run, &m) : s;
 }
 
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context)
@@ -106,29 +131,10 @@ lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void 
         if (at > t)
             break;
         s = state_at(context, at, run->y);
-        if (s == LW_OK)
+        if (s == LW_OK || s == LW_OPEN)
             s = lw_run_show(run, at, run->y);
-        s = s == LW_OPEN ? LW_OK : s;
     }
     return s;
-}
-
-/* J^T l = Q(t, q, 0) */
-lw_status lw_run_show_slow(lw_run *run, double t, const double *y)
-{
-    static const double still[LW_SYSTEM_Q_MAX];
-    lw_dynamics *d = run->d;
-    lw_moment m;
-    lw_status s = lw_mbs_moment(d, t, y, y + d->n_q, 0, &m);
-    if (s == LW_OK)
-        s = lw_mbs_factor(d, true);
-    if (s != LW_OK)
-        return s;
-    lw_forces_apply(&d->f, t, y, still, d->force, NULL, NULL, NULL);
-    lw_rank_solve(&d->rank_of, d->force, d->l);
-    run->r->worst_off = fmax(run->r->worst_off, m.off);
-    run->r->worst_off_rate = fmax(run->r->worst_off_rate, m.off_rate);
-    return run->sink ? run->sink(run->context, &m) : LW_OK;
 }
 
 lw_status lw_run_begin(lw_run *run, const double *y)

@@ -32,14 +32,14 @@ double lw_run_time(const lw_dynamics *d, int k);
 /* Numbers of the start, and the first sample. */
 lw_status lw_run_begin(lw_run *run, const double *y);
 
-/* Hand the moment at (t, y) to the sink and keep the greatest residuals.  LW_OPEN: a singular posture. */
+/* Hand the moment at (t, y) to the sink and keep the greatest residuals.  In a singular posture accelerations and
+ * multipliers are NaN. */
 lw_status lw_run_show(lw_run *run, double t, const double *y);
 
-/* The same without inertia: forces are those at rest. */
-lw_status lw_run_show_slow(lw_run *run, double t, const double *y);
+/* The same with the accelerations d->a and multipliers d->l of the caller, NaN where they do not exist. */
+lw_status lw_run_show_solved(lw_run *run, double t, const double *y);
 
-/* Hand out the samples that are due up to time t; state_at fills y (n) at the time of each.  Samples in a singular
- * posture, which has no accelerations, are left out. */
+/* Hand out the samples that are due up to time t; state_at fills y (n) at the time of each. */
 typedef lw_status lw_run_state_at(void *context, double t, double *y);
 lw_status lw_run_samples(lw_run *run, double t, lw_run_state_at *state_at, void *context);
 

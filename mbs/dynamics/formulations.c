@@ -115,6 +115,9 @@ lw_status lw_dynamics_run(lw_dynamics *d, lw_moment_sink *sink, void *context, l
     if (s == LW_OPEN)
         s = lw_error_set(run.e, LW_E_NUMERIC, "at t = %.9g s the linkage stands in a singular posture, from "
                          "which it can go on in several ways", r->t);
+    if (s == LW_OK && r->samples != d->o.intervals + 1L)
+        s = lw_error_set(run.e, LW_E_NUMERIC, "the run ended at t = %.9g s after %ld of %ld samples", r->t, r->samples,
+                         d->o.intervals + 1L);
     if (s < 0 && !run.e->text[0])
         lw_error_set(run.e, s, "the run ended at t = %.9g s: %s", r->t, lw_status_text(s));
     return s;

@@ -1,0 +1,160 @@
+/* Random models with singular postures, run on several grids: not one difference from the exact motion or between
+ * formulations goes without a word.  A run gives all its samples, or a status. */
+#include <stdarg.h>
+#include "base/rng.h"
+#include "mbs/dynamics/reactions.h"
+#include "tests/dynamics_run.h"
+
+static drun d;
+static lw_rng rng;
+static char text[8000];
+static int  used;
+
+static double between(double a, double b) { return lw_rng_range(&rng, a, b); }
+
+static void put(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void put(const char *format, ...)
+{
+    va_list arg;
+    va_start(arg, format);
+    used += vsnprintf(text + used, sizeof text - (size_t)used, format, arg);
+    va_end(arg);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+}
+
+static void put_link(const char *name, double x, double y)
+{
+    put(", {'name': '%s', 'mass': %.17g, 'centre': [%.17g, %.17g], 'inertia': %.17g}", name, between(0.5, 2),
+        x + between(-0.2, 0.2), y + between(-0.2, 0.2), between(0.05, 0.5));
+}
+
+static void put_pin(const char *name, const char *first, const char *second, double x, double y)
+{
+    put("%s{'name': '%s', 'links': ['%s', '%s'], 'at': [%.17g, %.17g]}", *name == 'A' ? "" : ", ", name, first, second,
+        x, y);
+}
+
+/* A parallelogram with `cranks` cranks, whose bars never turn; or a slider-crank with equal crank and rod, whose rod
+ * turns as much as the crank, the other way.  Cranks of length 1 at the angle `start`. */
+static void write_linkage(bool slider, int cranks, double start)
+{
+    double x = cos(start), y = sin(start), at[4] = { 0, between(1.5, 4), 0, 0 };
+    char bar[] = "b0", crank[] = "c0", pin[] = "A0";
+    at[2] = at[1] + between(0.5, 3);
+    used = 0;
+    put("{'linkwright': 1, 'links': ['ground'");
+    if (slider) {
+        put_link("c0", x/2, y/2);
+        put_link("b0", 1.5*x, y/2);
+        put_link("slider", 2*x, 0);
+        put("], 'joints': [");
+        put_pin("A0", "ground", "c0", 0, 0);
+        put_pin("B0", "c0", "b0", x, y);
+        put_pin("C0", "b0", "slider", 2*x, 0);
+        put(", {'name': 'D', 'kind': 't', 'links': ['ground', 'slider'], 'at': [%.17g, 0], 'along': [1, 0]}]", 2*x);
+        return;
+    }
+    for (int i = 0; i < cranks; i++)
+        crank[1] = (char)('0' + i), put_link(crank, at[i] + x/2, y/2);
+    for (int i = 0; i + 1 < cranks; i++)
+        bar[1] = (char)('0' + i), put_link(bar, (at[i] + at[i + 1])/2 + x, y);
+    put("], 'joints': [");
+    for (int i = 0; i < cranks; i++) {
+        pin[0] = 'A', pin[1] = crank[1] = (char)('0' + i);
+        put("%s", i ? ", " : "");
+        put_pin(pin, "ground", crank, at[i], 0);
+        for (int side = -1; side <= 0; side++)
+            if (i + side >= 0 && i + side < cranks - 1) {
+                pin[0] = side ? 'C' : 'B', bar[1] = (char)('0' + i + side);
+                put_pin(pin, crank, bar, at[i] + x, y);
+            }
+    }
+    put("]");
+}
+
+/* ---- driven ---------------------------------------------------------------------------------------- */
+
+typedef struct exact {
+    const lw_dynamics *d;
+    bool   slider;
+    int    n_crank, n_row, without;
+    double start, off, power;
+} exact;
+
+static lw_status compare(void *context, const lw_moment *m)
+{
+    exact *z = context;
+    const lw_system *s = lw_dynamics_system(z->d);
+    const lw_forces *f = lw_dynamics_forces(z->d);
+    double force[LW_SYSTEM_Q_MAX], drive[LW_INPUT_MAX], turn = m->q[2], need = 0, most = 0;
+    for (int b = 1; b < s->n_body; b++) {
+        double should = z->slider ? b == 1 ? -turn : 0 : b < z->n_crank ? turn : 0;
+        z->off = fmax(z->off, fabs(m->q[3*b + 2] - should));
+        should = z->slider ? b == 1 ? -m->v[2] : 0 : b < z->n_crank ? m->v[2] : 0;
+        z->off = fmax(z->off, fabs(m->v[3*b + 2] - should)/fmax(1, fabs(m->v[2])));
+    }
+    lw_forces_apply(f, m->t, m->q, m->v, force, NULL, NULL, NULL);
+    for (int i = 0; i < s->n_q; i++) {
+        need += (f->mass[i]*m->a[i] - force[i])*m->v[i];
+        most += fabs((f->mass[i]*m->a[i] - force[i])*m->v[i]);
+    }
+    lw_reactions_driving(z->d, m, drive);
+    if (fabs(m->v[2]) > 1e-3)
+        z->power = fmax(z->power, isfinite(drive[0]) ? fabs(drive[0]*m->v[2] - need)/most : INFINITY);
+    bool known = true;
+    for (int i = 0; i < s->n_row; i++)
+        known = known && isfinite(m->l[i]);
+    z->without += !known;
+    z->n_row++;
+    return LW_OK;
+}
+
+/* Parallelograms of two and three cranks and slider-cranks with equal crank and rod, driven over singular postures at
+ * constant and at varying speed: all samples of every grid are on the exact motion, and the drive gives the power. */
+static void driven(void)
+{
+    static const int grid[] = { 7, 36, 97, 100, 360 };
+    int without = 0;
+    for (int k = 0; k < 24; k++) {
+        lw_rng_seed(&rng, 11, (uint64_t)k);
+        bool slider = k%3 == 2;
+        exact z = { .slider = slider, .n_crank = 2 + k%3 };
+        z.start = k%4 != 1 ? between(0.3, 1.2) : LW_PI/2*(slider ? 0.5 : 1);
+        write_linkage(slider, z.n_crank, z.start);
+        put(", 'gravity': [0, -9.81], 'input': {'joint': 'A0', 'motion': '");
+        double f = k%5 ? 1 : 0.001, value = slider || k%4 != 1 ? z.start : LW_PI/2;
+        if (k%2)
+            put("%.17g + %.17g*t'}}", value, 2*LW_PI*f);
+        else
+            put("%.17g + %.17g*sin(%.17g*t)'}}", value, between(1, 9), 2*LW_PI*f);
+        drun_read_text(&d, text);
+        for (int g = 0; g < 5; g++)
+            for (int slow = 0; slow < (g == 1 ? 2 : 1); slow++) {
+                lw_dynamics *made = NULL;
+                d.o.analysis = slow ? LW_ANALYSIS_QUASISTATIC : LW_ANALYSIS_KINEMATIC;
+                d.o.to = 1/f;
+                d.o.intervals = grid[g];
+                z.n_row = 0, z.off = z.power = 0;
+                d.e.text[0] = 0;
+                lw_status s = lw_dynamics_make(&d.model, &d.o, &made, &d.e);
+                z.d = made;
+                if (s == LW_OK)
+                    s = lw_dynamics_run(made, compare, &z, &d.report, &d.e);
+                CHECK_INT(s, LW_OK);
+                CHECK_INT(z.n_row, grid[g] + 1);
+                CHECK(z.off < 1e-8);
+                CHECK(slow || z.power < 1e-8);
+                lw_dynamics_free(made);
+            }
+        without += z.without;
+        lw_model_free(&d.model);
+    }
+    CHECK(without > 0);
+}
+
+int main(void)
+{
+    RUN(driven);
+    return check_end();
+}
