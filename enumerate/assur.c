@@ -22,7 +22,7 @@ static bool is_driven(const lw_mechanism *m, int joint)
     return memchr(m->input, joint, (size_t)m->n_input) != NULL;
 }
 
-/* Let `link` own one more condition, if need be by handing one of its own to the other end. */
+/* Let `link` own one more condition; if necessary it passes one of its own to the other end. */
 static bool make_room(ownership *o, int link, uint32_t *tried)
 {
     if (link == o->ground || *tried >> link & 1)
@@ -79,7 +79,7 @@ static void depend(const ownership *o, int n_link, uint32_t *reach)
 
 /* ---- class ------------------------------------------------------------------------------------- */
 
-/* A group with p and g as binary links, and with links that a driven joint inside ties together as one. */
+/* A group with p and g as binary links, in which links connected by a driven joint inside count as one. */
 typedef struct body { int n, outer; uint32_t row[LW_LINK_MAX]; int inner[LW_LINK_MAX]; } body;
 
 static void join_inside(body *b, int i, int k)
@@ -90,7 +90,7 @@ static void join_inside(body *b, int i, int k)
     b->inner[k]++;
 }
 
-/* number[i]: the body of link i; links tied by a driven joint inside share one. */
+/* number[i]: the body of link i; links connected by a driven joint inside share a body. */
 static int number_bodies(const lw_mechanism *m, const lw_assur_group *g, int *number)
 {
     uint8_t tied[LW_LINK_MAX];
@@ -114,7 +114,7 @@ static int number_bodies(const lw_mechanism *m, const lw_assur_group *g, int *nu
     return n;
 }
 
-/* False when the expanded group has too many links to look at. */
+/* False when the expanded group has too many links. */
 static bool expand(const lw_mechanism *m, const lw_assur_group *g, body *b)
 {
     int number[LW_LINK_MAX];
@@ -158,7 +158,7 @@ static int class_of(const body *b)
 /* Baranov trusses by graph6 and the number of their assembly modes over the complex numbers, counted by
  * following the solutions of the loop equations around random loops in the space of dimensions
  * (monodromy) until no new one appeared; for 3, 5 and 7 links known since Innocenti and Rojas & Thomas 2011.
- * Which link is taken away does not matter: the numbers are of the truss. */
+ * The numbers belong to the truss, whichever link is removed. */
 static const struct { const char *truss; int n_mode; } known_modes[] = {
     { "Bw", 2 }, { "D]o", 6 }, { "FqLH_", 16 }, { "FFqb?", 14 }, { "F?o~_", 18 }, { "HQo_`S[", 44 },
     { "Hr`?XOS", 38 }, { "HLgG?lQ", 36 }, { "HEgORHa", 40 }, { "HKAhqGP", 44 }, { "HcQAHWq", 46 },
@@ -169,7 +169,7 @@ static const struct { const char *truss; int n_mode; } known_modes[] = {
     { "HG@DKww", 48 }, { "HQBECpg", 48 },
 };
 
-/* The group with everything outside as one link, if it is of pins and fits. */
+/* The group with everything outside as one link.  False unless all joints are pins and the links fit. */
 static bool truss_of(const lw_mechanism *m, const lw_assur_group *g, lw_chain *truss)
 {
     int number[LW_LINK_MAX], n = number_bodies(m, g, number);
@@ -264,7 +264,7 @@ lw_status lw_assur_decompose(const lw_mechanism *m, lw_assur *a, lw_error *e)
     *a = (lw_assur){ 0 };
     for (solved = 1u << m->ground; solved != all;)
         for (int i = 0; i < m->n_link; i++) {
-            uint32_t links = 0;                       /* i and what it depends on that depends on it */
+            uint32_t links = 0;                       /* i, and the links that i depends on and that depend on i */
             if (solved >> i & 1)
                 continue;
             for (uint32_t r = reach[i]; r; r &= r - 1)

@@ -27,7 +27,7 @@ void lw_graph_of_structure(const lw_structure *s, lw_graph *g)
 
 /* ---- refinement --------------------------------------------------------------------------------- */
 
-/* A list of ties is quicker to walk than the matrix. */
+/* A list of ties is faster to traverse than the matrix. */
 typedef struct tie_list {
     int      n, n_neighbour[LW_GRAPH_MAX];
     uint8_t  neighbour[LW_GRAPH_MAX][LW_GRAPH_MAX], tie[LW_GRAPH_MAX][LW_GRAPH_MAX];
@@ -58,7 +58,7 @@ static uint64_t mix(uint64_t x)
     return x ^ x >> 31;
 }
 
-/* One round: each vertex takes in the colours of its neighbours, in no order. */
+/* One round: combine the colour of each vertex with those of its neighbours, independent of their order. */
 static void refine_once(const tie_list *t, uint64_t *colour)
 {
     uint64_t next[LW_GRAPH_MAX];
@@ -83,7 +83,7 @@ static int count_colours(const uint64_t *colour, int n)
     return distinct;
 }
 
-/* Rounds until the number of colours stays the same; returns that number. */
+/* Repeat rounds until the number of colours stays the same; returns that number. */
 static int refine(const tie_list *t, uint64_t *colour)
 {
     int before = 0, now = count_colours(colour, t->n);
@@ -96,7 +96,7 @@ static int refine(const tie_list *t, uint64_t *colour)
     return now;
 }
 
-/* How many vertices lie at each distance: tells vertices of regular graphs apart. */
+/* Colour vertices by the number of vertices at each distance; this distinguishes vertices of regular graphs. */
 static uint64_t distance_colour(const tie_list *t, int vertex)
 {
     uint32_t seen = (uint32_t)1 << vertex, layer = seen;
@@ -123,7 +123,7 @@ static int start_colours(const lw_graph *g, const tie_list *t, uint64_t *colour)
     return refine(t, colour);
 }
 
-/* Tell vertices apart by what the whole graph looks like when one of them is singled out. */
+/* Distinguish vertices by the colours of the whole graph when one vertex is singled out. */
 static int single_out(const tie_list *t, uint64_t *colour)
 {
     uint64_t seen_from[LW_GRAPH_MAX], trial[LW_GRAPH_MAX];
@@ -160,7 +160,7 @@ static void rank_colours(const uint64_t *colour, int n, uint8_t *rank)
     }
 }
 
-/* The colours that both ways start from; true when they tell all vertices apart. */
+/* The colours from which both methods start; true when all vertices have different colours. */
 static bool tell_apart(const lw_graph *g, uint8_t *rank)
 {
     tie_list t;
@@ -176,13 +176,13 @@ static bool tell_apart(const lw_graph *g, uint8_t *rank)
 /* ---- BLISS through igraph ----------------------------------------------------------------------- */
 
 /* igraph keeps its error handler and its stack of half-built objects in process-wide variables. */
-#ifdef PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP    /* calls last microseconds: spin before sleeping, where the system can */
+#ifdef PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP    /* calls last microseconds, so spin before sleeping if possible */
 static pthread_mutex_t igraph_lock = PTHREAD_ADAPTIVE_MUTEX_INITIALIZER_NP;
 #else
 static pthread_mutex_t igraph_lock = PTHREAD_MUTEX_INITIALIZER;
 #endif
 
-/* Loaded with the first graph that needs it (base/library.h): most of what the program does needs none. */
+/* Loaded with the first graph that needs it (base/library.h); most commands need none. */
 #if IGRAPH_VERSION_MAJOR == 0 && IGRAPH_VERSION_MINOR == 10
 #define IGRAPH_FILE "libigraph.so.3"
 #else
@@ -256,7 +256,7 @@ static void bliss_close(bliss *b)
     igraph.vector_int_destroy(&b->colour);
 }
 
-/* place[i] = new number of vertex i; igraph 0.10 says so, 1.0 gives the inverse (test_canon would tell). */
+/* place[i] = new number of vertex i, as in igraph 0.10; igraph 1.0 gives the inverse (test_canon would fail). */
 static igraph_error_t bliss_label(const lw_graph *g, const uint8_t *rank, uint8_t *to)
 {
     bliss b;
@@ -312,7 +312,7 @@ static igraph_error_t bliss_group(const lw_graph *g, const uint8_t *rank, lw_sym
     return error;
 }
 
-/* The labelling or the group, whichever is asked for; the other is NULL. */
+/* Compute the labelling or the group; the pointer to the other is NULL. */
 static lw_status ask_bliss(const lw_graph *g, const uint8_t *rank, uint8_t *to, lw_symmetry_group *group)
 {
     pthread_mutex_lock(&igraph_lock);
@@ -396,7 +396,7 @@ void lw_symmetry_group_free(lw_symmetry_group *group)
 
 #define ELEMENT_MAX ((size_t)1 << 24)
 
-/* Elements found so far, and a table of their numbers + 1 for finding them again. */
+/* Elements found so far, and a hash table of their numbers + 1. */
 typedef struct element_set {
     uint8_t (*element)[LW_GRAPH_MAX];
     size_t   n, room;

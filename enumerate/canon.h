@@ -1,15 +1,15 @@
 /* enumerate/canon.h - canonical form and symmetry of small coloured graphs.
  *
- * Chains and structures come here as one shape: vertices with a colour, and a tie (0 none, 1 .. 255)
- * between any two; a tie of a chain is the freedoms of the joint, of a structure the number of
- * parallel lines.  Two graphs are isomorphic exactly when their canonical forms are equal.
+ * Chains and structures have one common form: vertices with a colour, and a tie (0 none, 1 .. 255) between any
+ * two.  A tie of a chain is the number of freedoms of the joint; a tie of a structure is the number of parallel
+ * lines.  Two graphs are isomorphic exactly when their canonical forms are equal.
  *
- * Method: colour refinement with 64-bit colours, first from each vertex's surroundings, then with one
- * vertex after the other singled out.  Where this tells all vertices apart, which it does for nearly
- * every graph without symmetry, sorting the colours is the canonical labelling and the group is
- * trivial; a collision of colours could only send a graph to the second way.  That second way is
- * BLISS (Junttila & Kaski 2007) through igraph.  igraph is not thread-safe, so calls to it queue at a
- * lock; its error handler is exchanged for one that returns, and put back, under the same lock. */
+ * Method: colour refinement with 64-bit colours, first from the neighbourhood of each vertex, then with one vertex
+ * after the other singled out.  If all vertices get different colours, as in nearly every graph without symmetry,
+ * sorting the colours gives the canonical labelling, and the group is trivial.  Otherwise BLISS (Junttila & Kaski
+ * 2007) is called through igraph; a collision of colours has no other effect than this call.  igraph is not
+ * thread-safe, so a lock admits one call at a time.  Under the same lock its error handler is replaced by one that
+ * returns, and restored afterwards. */
 #ifndef LW_ENUMERATE_CANON_H
 #define LW_ENUMERATE_CANON_H
 
@@ -32,12 +32,12 @@ typedef struct lw_graph {
 void lw_graph_of_chain(const lw_chain *c, lw_graph *g);
 void lw_graph_of_structure(const lw_structure *s, lw_graph *g);
 
-/* Colours that do not depend on the numbering: vertices of one orbit have equal colours (not always
- * the other way round).  colour (g->n). */
+/* Colours that do not depend on the numbering.  Vertices of one orbit have equal colours; the converse need not hold.
+ * colour (g->n). */
 void lw_graph_refine(const lw_graph *g, uint64_t *colour);
 
 /* Canonical labelling: vertex i has place to[i] in the canonical form.  to (g->n).
- * LW_E_MEMORY; LW_E_IO: igraph, which is loaded when it is first needed, is not there. */
+ * LW_E_MEMORY; LW_E_IO: igraph, which is loaded when it is first needed, is not installed. */
 lw_status lw_graph_label(const lw_graph *g, uint8_t *to);
 
 /* The canonical form itself, for chains and for structures. */

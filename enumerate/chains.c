@@ -1,4 +1,4 @@
-/* enumerate/chains.c - see chains.h: the set, the walk over it, visiting. */
+/* enumerate/chains.c - see chains.h: the set of structures, the walk over it, visiting. */
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/chains_internal.h"
@@ -46,7 +46,7 @@ int lw_chain_item_orbits(const lw_chain_item *item, uint8_t *lowest)
 {
     if (item->structure)
         return lw_weighting_orbits(item->weighting, item->weight, lowest);
-    memset(lowest, 0, (size_t)item->chain->n_link);      /* links of a ring are alike */
+    memset(lowest, 0, (size_t)item->chain->n_link);      /* all links of a ring are equivalent */
     return 1;
 }
 

@@ -7,10 +7,10 @@
  *     lw_chains_each(all, &how, print_chain, NULL);          230 calls
  *     lw_chains_free(all);
  *
- * Order: structures as in structures.h, of each structure the weightings as in weighting.h; links
- * numbered as lw_structure_chain does.  A part r of m is structures r, r + m, r + 2m, ...; parts are
- * disjoint, keep the order, and together are the whole.  With L = 1 there is one chain, a ring of F + 3
- * links, in part 0.  F = 0: Baranov trusses. */
+ * Order: structures as in structures.h, and the weightings of each as in weighting.h.  Links are numbered as by
+ * lw_structure_chain.  Part r of m contains the structures r, r + m, r + 2m, ...; parts are disjoint, keep the
+ * order, and together give all chains.  With L = 1 there is one chain, a ring of F + 3 links, in part 0.  F = 0
+ * gives the Baranov trusses. */
 #ifndef LW_ENUMERATE_CHAINS_H
 #define LW_ENUMERATE_CHAINS_H
 
@@ -20,12 +20,12 @@
 #include "enumerate/synthesis.h"
 #include "enumerate/weighting.h"
 
-/* The structures that chains of P links and F freedoms have.  Read-only once made. */
+/* The structures of the chains with P links and F freedoms.  Read-only once made. */
 typedef struct lw_chains lw_chains;
 
-/* n_thread < 1: one per core.  LW_E_ARG with the equation when P and F do not go together; LW_E_MEMORY. */
+/* n_thread < 1: one per core.  LW_E_ARG with the equation when no chain has P links and F freedoms; LW_E_MEMORY. */
 lw_status lw_chains_create(int n_link, int dof, int n_thread, lw_chains **chains, lw_error *e);
-/* The same, stopped by tick as lw_structures_create_while says: LW_STOPPED. */
+/* The same; tick can stop it with LW_STOPPED, as for lw_structures_create_while. */
 lw_status lw_chains_create_while(int n_link, int dof, int n_thread, lw_structures_tick *tick, void *context,
                                  lw_chains **chains, lw_error *e);
 void      lw_chains_free(lw_chains *chains);
@@ -42,36 +42,36 @@ typedef struct lw_chain_item {
     const lw_weighting *weighting;        /* for lw_chain_item_orbits                                   */
 } lw_chain_item;
 
-/* Links alike up to symmetry, as lw_weighting_orbits gives them. */
+/* Links equivalent by symmetry, as from lw_weighting_orbits. */
 int lw_chain_item_orbits(const lw_chain_item *item, uint8_t *lowest);
 
 /* How to walk. */
 typedef struct lw_chain_walk {
     int              part, n_part;        /* 0 <= part < n_part                                         */
     const lw_filter *filter;              /* NULL: all chains                                           */
-    uint64_t         skip;                /* leave out so many chains at the front (of this walk)       */
+    uint64_t         skip;                /* number of chains to leave out at the beginning of the walk */
     int              n_thread;            /* < 1: one per core                                          */
-    /* Called now and then with the share done, 0 .. 1; false ends the walk with LW_STOPPED.  One call at
-     * a time, from any thread.  NULL: none. */
+    /* Called from time to time with the fraction done, 0 .. 1; false ends the walk with LW_STOPPED.  One
+     * call at a time, from any thread.  NULL: none. */
     bool           (*tick)(void *context, double done);
     void            *tick_context;
 } lw_chain_walk;
 
-/* Everything, all cores, no tick. */
+/* All chains, all cores, no tick. */
 lw_chain_walk lw_chain_walk_default(void);
 
-/* Visit the chains in order, from the calling thread.  Anything but LW_OK from visit ends the walk and is
+/* Visit the chains in order, from the calling thread.  A status of visit other than LW_OK ends the walk and is
  * returned. */
 typedef lw_status lw_chain_visit(void *context, const lw_chain_item *item);
 lw_status lw_chains_each(const lw_chains *chains, const lw_chain_walk *how, lw_chain_visit *visit, void *context);
 
-/* The text of each chain: `print` writes at most `most` bytes to text and returns how many.  It is called
- * from several threads at once; `sink` gets the whole in order (ordered.h). */
+/* Print each chain: `print` writes at most `most` bytes to text and returns how many.  It is called from several
+ * threads at once; `sink` gets the texts in order (ordered.h). */
 typedef size_t lw_chain_print(void *context, const lw_chain_item *item, char *text, size_t most);
 lw_status lw_chains_print(const lw_chains *chains, const lw_chain_walk *how, size_t most, lw_chain_print *print,
                           lw_text_sink *sink, void *context);
 
-/* How many, in all and by assortment (in the order of synthesis.h). */
+/* Numbers of chains, in all and for each assortment (in the order of synthesis.h). */
 typedef struct lw_chain_row { lw_assortment links; lw_tally n; } lw_chain_row;
 typedef struct lw_chain_table {
     lw_tally      total;

@@ -1,4 +1,4 @@
-/* enumerate/chains_internal.h - the walk over structures that visiting, printing and counting share. */
+/* enumerate/chains_internal.h - the walk over structures, shared by visiting, printing and counting. */
 #ifndef LW_ENUMERATE_CHAINS_INTERNAL_H
 #define LW_ENUMERATE_CHAINS_INTERNAL_H
 
@@ -11,14 +11,14 @@ struct lw_chains {
 
 lw_status lw_walk_check(const lw_chain_walk *how);
 
-/* Structures of the part, the ring counting as one; and the k-th of them. */
+/* Number of structures of the part (a ring counts as one), and the index of the k-th of them. */
 size_t lw_walk_size(const lw_chains *chains, const lw_chain_walk *how);
 static inline size_t lw_walk_index(const lw_chain_walk *how, size_t k)
 {
     return (size_t)how->part + k*(size_t)how->n_part;
 }
 
-/* Visit the chains of the k-th structure of the part that the filter wants.  w is scratch. */
+/* Visit the chains of the k-th structure of the part that pass the filter.  w is scratch. */
 lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
                             lw_chain_visit *visit, void *context);
 
@@ -26,7 +26,7 @@ lw_status lw_walk_structure(const lw_chains *chains, const lw_chain_walk *how, s
 lw_status lw_walk_count(const lw_chains *chains, const lw_chain_walk *how, size_t k, lw_weighting *w,
                         lw_tally *tally);
 
-/* Where how->skip ends: the structure, and the chains still to be left out there. */
+/* Where how->skip ends: the structure, and the number of chains to leave out there. */
 typedef struct lw_walk_start { size_t structure; uint64_t skip; } lw_walk_start;
 lw_status lw_walk_find_start(const lw_chains *chains, const lw_chain_walk *how, lw_walk_start *start);
 

@@ -1,11 +1,11 @@
-/* enumerate/chains_parallel.c - see chains.h: printing and counting with threads, a structure or a block of
- * structures a job. */
+/* enumerate/chains_parallel.c - see chains.h: printing and counting with threads.  A job is one structure or a block
+ * of structures. */
 #include <stdlib.h>
 #include <string.h>
 #include "base/parallel.h"
 #include "enumerate/chains_internal.h"
 
-/* What the threads share. */
+/* Data shared by the threads. */
 typedef struct crew {
     const lw_chains     *chains;
     const lw_chain_walk *how;
@@ -41,7 +41,7 @@ static void crew_close(crew *c)
     pthread_mutex_destroy(&c->lock);
 }
 
-/* A job of n structures is through; returns the status of all. */
+/* Record that a job of n structures is finished; returns the status of all jobs. */
 static lw_status crew_report(crew *c, size_t n, lw_status status)
 {
     pthread_mutex_lock(&c->lock);
@@ -86,7 +86,7 @@ static lw_status print_item(void *context, const lw_chain_item *item)
     }
     char *text = lw_piece_space(&p->piece, p->all->most);
     if (!text)
-        return LW_STOPPED;                       /* the reason stands in the ordered output */
+        return LW_STOPPED;                       /* the ordered output holds the reason */
     lw_piece_add(&p->piece, p->all->print(p->all->context, item, text, p->all->most));
     return LW_OK;
 }

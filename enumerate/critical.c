@@ -3,7 +3,7 @@
 #include <string.h>
 #include "enumerate/critical.h"
 
-/* The walk over all sets takes circles in or leaves them out, highest number first. */
+/* The search over all sets includes or excludes one circle after the other, highest number first. */
 typedef struct walk {
     const lw_structure *s;
     lw_critical_list   *list;
@@ -48,7 +48,7 @@ static int by_size(const void *a, const void *b)
     return size ? size : (p->circles > q->circles) - (p->circles < q->circles);
 }
 
-/* Leave out sets that hold a kept one with the same need; fill in the lines of the others. */
+/* Drop sets that contain a kept set with the same need; fill in the lines of the others. */
 static void thin_out(const lw_structure *s, lw_critical_list *list, uint32_t exempt)
 {
     int kept = 0;

@@ -81,8 +81,8 @@ static lw_status with_kinds(growth *g, const lw_mechanism *from, lw_production p
     return s;
 }
 
-/* A rule at all pairs X, Y.  Rule 4 read from Y to X is rule 4 with its k's turned, so X < Y is enough
- * there. */
+/* Apply a rule at all pairs X, Y.  Rule 4 read from Y to X is rule 4 with its k's reversed, so X < Y suffices for
+ * it. */
 static lw_status everywhere(growth *g, const lw_mechanism *from, int rule)
 {
     lw_production p = lw_production_of(rule);

@@ -6,8 +6,8 @@
 #include "enumerate/synthesis.h"
 #include "enumerate/weighting.h"
 
-#define SAMPLE_LOOPS 6          /* the most loops that are looked at                */
-#define SAMPLE       96         /* structures of one level that are looked at       */
+#define SAMPLE_LOOPS 6          /* the largest number of loops that is sampled      */
+#define SAMPLE       96         /* number of structures sampled of one level        */
 
 /* Structures with L loops.  Known up to 8; there the ratio of neighbours is 4.3, 6.9, 10.2, 14.3, 18.2 and
  * keeps growing by about 4. */
@@ -20,7 +20,7 @@ static double structure_count(int loops)
     return n;
 }
 
-/* What a sample of one level says of a structure of that level, on average. */
+/* Means over a sample of the structures of one level. */
 typedef struct level_mean { double chains, count_seconds, list_seconds; } level_mean;
 
 static lw_status nothing(void *context, const uint8_t *weight)
@@ -59,7 +59,7 @@ static lw_status sample_level(const lw_structures *set, int loops, int dof, leve
     return status;
 }
 
-/* Means at `loops`, carried on from two levels below when it is out of reach. */
+/* Means at `loops`; if that level is too large to sample, extrapolated from two levels below. */
 static lw_status mean_at(const lw_structures *set, int loops, int dof, level_mean *mean)
 {
     int top = lw_structures_loops(set);

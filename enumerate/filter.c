@@ -18,7 +18,7 @@ static bool chain_planar(const lw_chain *c)
     return rows_planar(c->n_link, row);
 }
 
-/* Binary links and parallel lines change nothing about planarity. */
+/* Binary links and parallel lines do not affect planarity. */
 static bool structure_planar(const lw_structure *s)
 {
     uint32_t row[LW_CIRCLE_MAX];

@@ -1,5 +1,5 @@
-/* enumerate/filter.h - which chains are wanted.  A filter is a row of a table: to add one, write its
- * predicate and its row in filter.c; the command line and the tests find it there. */
+/* enumerate/filter.h - filters that select chains.  A filter is a row of a table: to add one, write its predicate
+ * and its row in filter.c; the command line and the tests find it there. */
 #ifndef LW_ENUMERATE_FILTER_H
 #define LW_ENUMERATE_FILTER_H
 
@@ -8,9 +8,9 @@
 
 typedef struct lw_filter {
     const char *name, *text;                        /* "planar", "the graph can be drawn without crossings" */
-    bool (*chain)(const lw_chain *c);               /* is this chain wanted?                                */
-    bool (*structure)(const lw_structure *s);       /* NULL, or the same answer for all chains of a structure
-                                                       at once: then counting stays quick               */
+    bool (*chain)(const lw_chain *c);               /* true: keep this chain                                */
+    bool (*structure)(const lw_structure *s);       /* NULL, or the answer if it is the same for all chains of a
+                                                       structure; then counting needs no listing            */
 } lw_filter;
 
 /* The rows; the last has name NULL. */

@@ -65,8 +65,8 @@ typedef struct hanging { uint8_t p, f; uint32_t index; } hanging;
 
 typedef lw_status take_rooted(void *context, const rooted *r);
 
-/* Distribution of bouquets with p links and f freedoms in all over the links of a block, up to those
- * automorphisms that keep `root` (-1: all). */
+/* Distribution of bouquets with p links and f freedoms in total over the links of a block, up to the automorphisms
+ * that keep `root` (-1: all automorphisms). */
 typedef struct dressing {
     const nursery  *y;
     const lw_chain *block;
@@ -90,7 +90,7 @@ static int compare(const hanging *a, const hanging *b)
     return (a->index > b->index) - (a->index < b->index);
 }
 
-/* Is no image of the distribution larger? */
+/* True if no image of the distribution is larger. */
 static bool largest(const dressing *d)
 {
     for (size_t g = 1; g < d->n_element; g++) {
@@ -117,7 +117,7 @@ static lw_status finish_dressing(const dressing *d)
     return d->take(d->context, &r);
 }
 
-/* Links link .. of the block share bouquets with p links and f freedoms in all. */
+/* Distribute bouquets with p links and f freedoms in total over the links from `link` on of the block. */
 static lw_status dress(dressing *d, int link, int p, int f)
 {
     if (link == d->block->n_link)
@@ -138,7 +138,7 @@ static lw_status dress(dressing *d, int link, int p, int f)
     return status;
 }
 
-/* The same with the block's symmetry worked out; all roots up to symmetry when `rooted_too`. */
+/* The same after computing the block's symmetry; with `rooted_too` for all roots up to symmetry. */
 static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
 {
     lw_graph g;
@@ -162,7 +162,7 @@ static lw_status dress_block(dressing *d, bool rooted_too, int p, int f)
     return status;
 }
 
-/* A bridge joint as block; its links must not hang loose. */
+/* A bridge joint as block; each of its links must have another joint. */
 static lw_status dress_bridge(dressing *d, bool rooted_too, int p, int f)
 {
     static const lw_chain bridge = { .n_link = 2, .one = { 2, 1 } };
@@ -233,8 +233,8 @@ static lw_status grow_branches(nursery *y, int p, int f)
     return status;
 }
 
-/* All multisets of branches with p links and f freedoms in all, no branch larger than `limit`, at least
- * `least` of them; branches in falling order of (p, f, index), `before` the last one taken. */
+/* All multisets of at least `least` branches with p links and f freedoms in total, no branch larger than `limit`.
+ * Branches are taken in falling order of (p, f, index); `before` is the last one taken. */
 typedef struct gathering {
     const nursery *y;
     int            limit, least;

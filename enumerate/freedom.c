@@ -15,8 +15,8 @@ typedef struct splitting {
 
 /* ---- matroid union ----------------------------------------------------------------------------- */
 
-/* In the tree of forest f that holds link `from`: the condition by which each link is reached first;
- * -1 for the root, -2 for links not in the tree. */
+/* For the tree of forest f that contains link `from`: the condition by which each link is reached first; -1 for the
+ * root, -2 for links not in the tree. */
 static void reach(const splitting *s, int f, int from, short *by)
 {
     uint8_t queue[LW_LINK_MAX];
@@ -38,8 +38,8 @@ static void reach(const splitting *s, int f, int from, short *by)
     }
 }
 
-/* Breadth first over the conditions that would have to move when condition `fresh` comes in.  Returns the
- * one that fits into *forest as it is, or -1; from[c]: who wants the place of c. */
+/* Breadth-first search over the conditions that would have to change their forest if condition `fresh` is added.
+ * Returns the one that fits into *forest directly, or -1.  from[c]: the condition that takes the place of c. */
 static int search(const splitting *s, int fresh, short *from, int *forest)
 {
     short queue[CONDITION_MAX], by[LW_LINK_MAX];
@@ -73,7 +73,7 @@ static int search(const splitting *s, int fresh, short *from, int *forest)
     return -1;
 }
 
-/* Would the condition be independent of those in s?  `keep` puts it there. */
+/* True if the condition is independent of those in s; with `keep` it is added to s. */
 static bool add(splitting *s, int a, int b, bool turning, bool keep)
 {
     short from[CONDITION_MAX];
@@ -94,7 +94,7 @@ static bool add(splitting *s, int a, int b, bool turning, bool keep)
 
 /* ---- joints as conditions ---------------------------------------------------------------------- */
 
-/* The conditions of joint j; false at the first that depends. */
+/* Add the conditions of joint j; false at the first dependent one. */
 static bool add_joint(splitting *s, const lw_mechanism *m, int j)
 {
     int a = m->link[j][0], b = m->link[j][1];
@@ -103,7 +103,7 @@ static bool add_joint(splitting *s, const lw_mechanism *m, int j)
         && (lw_joint_freedoms(m->kind[j]) == 2 || add(s, a, b, false, true));
 }
 
-/* Is every freedom of joint j used: would a condition that takes it away be independent? */
+/* True if every freedom of joint j is used: a condition that blocks it would be independent. */
 static bool is_used(splitting *s, const lw_mechanism *m, int j)
 {
     int a = m->link[j][0], b = m->link[j][1];
@@ -140,7 +140,7 @@ static uint64_t slider_path(const lw_mechanism *m, int a, int b, int n)
     return way[b];
 }
 
-/* Loops of sliders with at most one other joint: quick, and the reasons a person sees at once. */
+/* Loops of sliders with at most one other joint.  This test is fast, and its reasons are the easiest to understand. */
 static lw_void slider_loops(const lw_mechanism *m, uint64_t *joints)
 {
     uint8_t above[LW_LINK_MAX];

@@ -3,7 +3,7 @@
 #include "enumerate/canon.h"
 #include "enumerate/grow.h"
 
-/* What is known of the parent before any ear is tried. */
+/* Data of the parent, computed before any ear is tried. */
 typedef struct nursery {
     const lw_structure *parent;
     uint8_t             degree[LW_CIRCLE_MAX];
@@ -38,8 +38,8 @@ static int line_measure(int degree_a, int degree_b)
     return degree_a < degree_b ? degree_a*256 + degree_b : degree_b*256 + degree_a;
 }
 
-/* Does some line of the parent, untouched by the ear, beat a new line of the given measure?  The lines
- * that may be taken from the parent may be taken from the child: an ear keeps it 2-connected. */
+/* True if a line of the parent that the ear does not touch beats a new line of the given measure.  A removable line
+ * of the parent is removable from the child too, since an ear keeps the graph 2-connected. */
 static bool beaten_by_parent(const nursery *n, const uint8_t *degree, uint64_t touched, int measure)
 {
     for (uint64_t rest = n->removable & ~touched; rest; rest &= rest - 1) {
@@ -57,7 +57,7 @@ static uint64_t line_colour(const lw_graph *g, const uint64_t *colour, const uin
     return (a + b)*0x9e3779b97f4a7c15u + (a ^ b) + g->tie[end[0]][end[1]];
 }
 
-/* Is the line a - b of the child the best of those that can be taken away?  Ties count as best. */
+/* True if the line a - b is a best removable line of the child; ties count as best. */
 static bool best_of_child(const lw_structure *child, int a, int b)
 {
     lw_graph g;
@@ -132,8 +132,8 @@ static lw_status grow_circle_line(const growth *w)
     return status;
 }
 
-/* Two lines that are parallel to others in the same way give the same child: one of each kind is tried,
- * and for two lines of one set the first two. */
+/* Parallel lines give the same child, so only the first line of each set of parallel lines is tried, and for two lines
+ * of one set the first two. */
 static lw_status grow_lines(const growth *w)
 {
     const nursery *n = w->n;

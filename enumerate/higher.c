@@ -16,7 +16,7 @@ typedef struct marking {
 /* The two links beside a binary link. */
 static uint32_t beside(const lw_chain *c, int link) { return lw_chain_neighbours(c, link); }
 
-/* May link i be marked beside those marked already: no touch, no second joint between two links. */
+/* True if link i can be marked too: it touches no marked link and makes no second joint between two links. */
 static bool fits(const lw_chain *c, uint32_t marks, int i)
 {
     uint32_t pair = beside(c, i);
@@ -44,7 +44,7 @@ static lw_status find_symmetry(marking *k)
     return s;
 }
 
-/* Is this set the first of those alike: does it hold the lowest link in which they differ? */
+/* True if this set is the first of its equivalent sets: it contains the lowest link in which they differ. */
 static bool is_first(const marking *k, uint32_t marks)
 {
     for (size_t g = 1; g < k->n_symmetry; g++) {

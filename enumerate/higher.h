@@ -1,11 +1,10 @@
 /* enumerate/higher.h - chains with joints of two freedoms (pins in slots, gears, cams).
  *
- * A joint of two freedoms moves as two joints of one freedom with a binary link between, and blocks as much.  So
- * the chains with P links and n2 such joints are the chains of P + n2 links and joints of one freedom alone,
- * n2 of whose binary links are marked and shrink to a joint.  Marked links do not touch each other, and two links
- * get one joint at most.  Subchains keep their mobility, so nothing gets rigid; two results are isomorphic
- * exactly when a symmetry carries the one set of marks into the other, so no canonical form is
- * needed. */
+ * A joint of two freedoms moves like two joints of one freedom with a binary link between them, and blocks as much.
+ * So the chains with P links and n2 such joints are the chains of P + n2 links with joints of one freedom, in which
+ * n2 binary links are marked and shrink to a joint.  Marked links are not adjacent, and two links get at most one
+ * joint.  Subchains keep their mobility, so nothing becomes rigid.  Two results are isomorphic exactly when a
+ * symmetry maps one set of marks to the other, so no canonical form is needed. */
 #ifndef LW_ENUMERATE_HIGHER_H
 #define LW_ENUMERATE_HIGHER_H
 

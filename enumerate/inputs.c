@@ -18,7 +18,7 @@ lw_status lw_grounds_each(const lw_mechanism *m, lw_mechanism_visit *visit, void
     return s;
 }
 
-/* Order of sets: by their lowest joint that differs. */
+/* Order of sets: by the lowest joint in which they differ. */
 static bool set_before(uint64_t a, uint64_t b)
 {
     uint64_t differ = a ^ b;

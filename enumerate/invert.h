@@ -1,7 +1,7 @@
 /* enumerate/invert.h - ground links of a chain up to symmetry (its kinematic inversions).
  *
- * For any chain.  Chains that come from a listing know their symmetry already and are quicker through
- * lw_chain_item_orbits (chains.h), which gives the same classes. */
+ * For any chain.  For chains from a listing, whose symmetry is known, lw_chain_item_orbits (chains.h) gives the same
+ * classes faster. */
 #ifndef LW_ENUMERATE_INVERT_H
 #define LW_ENUMERATE_INVERT_H
 
@@ -9,7 +9,7 @@
 #include "base/status.h"
 #include "grammar/chain.h"
 
-/* lowest[i] = the lowest link alike to link i; lowest (P).  *n_class (may be NULL) gets the number of
+/* lowest[i] = the lowest link equivalent to link i; lowest (P).  *n_class (may be NULL) gets the number of
  * classes, which is the number of different mechanisms by choice of the ground link.  LW_E_MEMORY. */
 lw_status lw_chain_orbits(const lw_chain *c, uint8_t *lowest, int *n_class);
 

@@ -21,7 +21,7 @@ static lw_status read_alphabets(const char *kinds, const lw_mechanism *m, alphab
     return LW_OK;
 }
 
-/* Is the choice the first of those that symmetries make of it? */
+/* True if the choice is the first among its images under the symmetries. */
 static bool is_first(const lw_symmetry *s, const uint8_t *choice)
 {
     for (size_t k = 1; k < s->n; k++) {

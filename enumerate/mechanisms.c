@@ -14,7 +14,7 @@ lw_mechanism_steps lw_mechanism_steps_default(void)
     return (lw_mechanism_steps){ .ground = true };
 }
 
-/* Each of these counts a mechanism that came out of one step and hands it to the next step taken. */
+/* Each of these functions counts a result of one step and passes it to the next step. */
 
 static lw_status finished(void *context, const lw_mechanism *m)
 {

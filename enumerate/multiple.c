@@ -26,7 +26,7 @@ static void sort_pins(lw_multiple *m) { qsort(m->pin, (size_t)m->n_pin, sizeof *
 
 /* ---- does it move ------------------------------------------------------------------------------ */
 
-/* Is it in one piece without the links in `gone` and without pin `lost` (or LW_NONE)? */
+/* True if the chain is connected without the links in `gone` and without pin `lost` (or LW_NONE). */
 static bool holds_together(const lw_multiple *m, uint32_t gone, int lost)
 {
     uint32_t all = (uint32_t)(((uint64_t)1 << m->n_link) - 1) & ~gone, seen = all & -all;
@@ -50,7 +50,7 @@ static bool is_whole(const lw_multiple *m)
     return whole;
 }
 
-/* Two links on two pins, or a link on one pin only? */
+/* True if two links share two pins or a link has only one pin. */
 static bool is_simple(const lw_multiple *m)
 {
     int n_pin[LW_LINK_MAX] = { 0 };
@@ -67,7 +67,7 @@ static bool is_simple(const lw_multiple *m)
     return true;
 }
 
-/* No choice of middles for pins k, k + 1, ... gives a rigid chain; c holds the stars of the pins before. */
+/* True if no choice of star centres for pins k, k + 1, ... gives a rigid chain; c has the stars of earlier pins. */
 static bool is_free(const lw_multiple *m, int k, lw_chain *c)
 {
     if (k == m->n_pin)
@@ -80,7 +80,7 @@ static bool is_free(const lw_multiple *m, int k, lw_chain *c)
         bool free_here = is_free(m, k + 1, c);
         for (uint32_t o = others; o; o &= o - 1)
             lw_chain_unjoin(c, middle, __builtin_ctz(o));
-        if (!free_here || on_pin(m, k) == 2)             /* two links: either middle is the same */
+        if (!free_here || on_pin(m, k) == 2)             /* two links: both centres give the same star */
             return free_here;
     }
     return true;
@@ -186,7 +186,7 @@ typedef struct laying {
 static lw_status offer(laying *l, const lw_multiple *m)
 {
     lw_multiple form;
-    if (on_pin(m, 0) == 2 || !is_whole(m))              /* nothing is rigid: lay saw to it */
+    if (on_pin(m, 0) == 2 || !is_whole(m))              /* nothing is rigid: checked while merging */
         return LW_OK;
     lw_status s = make_room(&l->seen);
     if (s == LW_OK)
@@ -201,10 +201,10 @@ static lw_status offer(laying *l, const lw_multiple *m)
     return l->visit(l->context, m);
 }
 
-/* What is laid together so far: pins made around links 0 .. at-1, and the joints that are still simple. */
+/* The state of merging: pins made around links 0 .. at-1, and the joints that are still simple. */
 typedef struct stage { lw_multiple pins; uint32_t left[LW_LINK_MAX]; } stage;
 
-/* The pins, and what was not laid together as simple joints. */
+/* The pins, together with the joints that stayed simple. */
 static lw_multiple whole_of(const stage *s)
 {
     lw_multiple m = s->pins;
@@ -215,8 +215,8 @@ static lw_multiple whole_of(const stage *s)
     return m;
 }
 
-/* Lay joints of link `at` together: the lowest of `todo` with any set of the others, or alone.  What is rigid
- * stays so when more is laid together, and is left at once. */
+/* Merge joints of link `at`: the lowest of `todo` with any set of the others, or alone.  A rigid chain stays rigid
+ * when more joints are merged, so it is left at once. */
 static lw_status lay(laying *l, const stage *s, int at, uint32_t todo)
 {
     lw_status status = LW_OK;

@@ -1,11 +1,11 @@
 /* enumerate/multiple.h - chains with multiple joints: two or more pins on one axis.
  *
  * Such a chain is a bipartite graph of links and pins; a pin that holds d links counts as d - 1 joints of one
- * freedom, so F = 3 (P - 1) - 2 sum of (d - 1).  Putting one of the d links in the middle of a star makes a
- * chain of simple joints out of it.  Every set of links counts rightly in the star around one of its own
- * links, so nothing is rigid exactly when no choice of middles gives a rigid chain; and some choice gives one that is
- * not fractionated.  So all chains with multiple joints come from the simple chains of the same P and F by
- * laying joints of one link together, and are told apart by canonical form. */
+ * freedom, so F = 3 (P - 1) - 2 sum of (d - 1).  Replacing the pin by a star of simple joints around
+ * one of the d links makes a simple chain.  For every set of links the star around one of its own links gives the
+ * right count.  So nothing is rigid exactly when no choice of star centres gives a rigid chain; and some choice gives
+ * a chain that is not fractionated.  So all chains with multiple joints arise from the simple chains of the same P
+ * and F by merging joints of one link; canonical forms identify duplicates. */
 #ifndef LW_ENUMERATE_MULTIPLE_H
 #define LW_ENUMERATE_MULTIPLE_H
 
@@ -17,11 +17,11 @@ typedef struct lw_multiple {
     uint32_t pin[LW_JOINT_MAX];     /* links on each pin, as bits: two or more; falling by number, then by bits */
 } lw_multiple;
 
-/* F, every pin counted with its links less one. */
+/* F, where a pin counts as the number of its links minus one. */
 int lw_multiple_mobility(const lw_multiple *m);
 
-/* A closed chain that can move and is not fractionated: no two links share two pins, every link has two pins, no
- * set of links has F <= 0, and it stays in one piece without any one link or pin. */
+/* True for a closed chain that can move and is not fractionated: no two links share two pins, every link has at least
+ * two pins, no set of links has F <= 0, and the chain stays connected without any one link or pin. */
 bool lw_multiple_moves(const lw_multiple *m);
 
 /* Canonical form: the same for isomorphic chains and for no others.  LW_E_ARG when links and multiple
@@ -33,8 +33,8 @@ size_t lw_multiple_print(const lw_multiple *m, char *buf, size_t size);
 
 typedef lw_status lw_multiple_visit(void *context, const lw_multiple *m);
 
-/* Every chain with n_link links, F = dof and one multiple joint at least once, not fractionated.  In the order in
- * which the simple chains come (chains.h).  Keeps all forms in memory, 264 bytes each.  LW_E_ARG with the
+/* Visit once every chain with n_link links, F = dof and at least one multiple joint, not fractionated, in the order of
+ * the simple chains (chains.h).  Keeps all forms in memory, 264 bytes each.  LW_E_ARG with the
  * equation, LW_E_MEMORY. */
 lw_status lw_multiple_each(int n_link, int dof, int n_thread, lw_multiple_visit *visit, void *context,
                            lw_error *e);

@@ -24,7 +24,7 @@ lw_status lw_ordered_close(lw_ordered *o)
 static void stop_locked(lw_ordered *o, lw_status status)
 {
     if (o->status == LW_OK)
-        __atomic_store_n(&o->status, status, __ATOMIC_RELAXED);      /* lw_piece_space looks without the lock */
+        __atomic_store_n(&o->status, status, __ATOMIC_RELAXED);      /* lw_piece_space reads it without the lock */
     pthread_cond_broadcast(&o->moved);
 }
 
@@ -47,7 +47,7 @@ static void pass_on_locked(lw_ordered *o, lw_ordered_part *p)
 
 void lw_piece_begin(lw_ordered_part *p, lw_ordered *o, size_t job) { *p = (lw_ordered_part){ .to = o, .job = job }; }
 
-/* Wait for the job's turn and pass on what it has. */
+/* Wait for the job's turn and output its text so far. */
 static void empty_piece(lw_ordered_part *p)
 {
     lw_ordered *o = p->to;
@@ -74,11 +74,11 @@ char *lw_piece_space(lw_ordered_part *p, size_t most)
         p->text = text;
         p->room = room;
     }
-    /* without the lock: a stop seen late costs some text that goes nowhere */
+    /* without the lock: a stop seen late only costs some text that is discarded */
     return __atomic_load_n(&p->to->status, __ATOMIC_RELAXED) == LW_OK ? p->text + p->size : NULL;
 }
 
-/* The turn goes to the next job, and on past all that are parked. */
+/* Give the turn to the next job, and output the parked texts that follow. */
 static void advance_locked(lw_ordered *o)
 {
     o->turn++;

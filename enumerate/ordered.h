@@ -1,8 +1,8 @@
-/* enumerate/ordered.h - text made by parallel jobs comes out in the order of the jobs.
+/* enumerate/ordered.h - outputs the text of parallel jobs in the order of the jobs.
  *
- * Jobs 0, 1, 2, ... must be started in rising order (base/parallel.h does).  A job that is through early
- * leaves its text parked, up to 64 of them; one whose text outgrows a megabyte waits for its turn and
- * then passes it on as it comes.  So memory stays bounded however unequal the jobs are. */
+ * Jobs 0, 1, 2, ... must be started in rising order, as base/parallel.h does.  The text of a job that finishes early
+ * is parked, up to 64 of them.  A job whose text exceeds a megabyte waits for its turn and then passes the text on
+ * as it comes.  So memory stays bounded however unequal the jobs are. */
 #ifndef LW_ENUMERATE_ORDERED_H
 #define LW_ENUMERATE_ORDERED_H
 
@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include "base/status.h"
 
-/* Gets the whole text piece by piece, in order, one call at a time, from any of the threads.  Anything but
+/* Receives the whole text piece by piece, in order, one call at a time, from any of the threads.  A status other than
  * LW_OK stops all jobs. */
 typedef lw_status lw_text_sink(void *context, const char *text, size_t size);
 
@@ -26,7 +26,7 @@ typedef struct lw_ordered_part {
 typedef struct lw_ordered {
     pthread_mutex_t lock;
     pthread_cond_t  moved;
-    size_t          turn;                        /* the job whose text goes out now               */
+    size_t          turn;                        /* the job whose text is being output            */
     lw_ordered_part        parked[LW_PARKED_MAX];       /* by job modulo the size; text NULL: empty      */
     bool            is_parked[LW_PARKED_MAX];
     lw_text_sink   *sink;
@@ -35,10 +35,11 @@ typedef struct lw_ordered {
 } lw_ordered;
 
 void      lw_ordered_open(lw_ordered *o, lw_text_sink *sink, void *context);
-lw_status lw_ordered_close(lw_ordered *o);       /* what stopped it, or LW_OK */
+lw_status lw_ordered_close(lw_ordered *o);       /* the status that stopped it, or LW_OK */
 
-/* A job's text: begin; make room for some bytes, write up to that many there, add what was written, as often
- * as needed; end.  lw_piece_space gives NULL when all is stopped: then end.  Every job must begin and end. */
+/* To output the text of a job, call begin; then, as often as needed, reserve space for some bytes, write up to that
+ * many, and add the number written; then end.  lw_piece_space returns NULL when all jobs are stopped; call end then.
+ * Every job must begin and end. */
 void  lw_piece_begin(lw_ordered_part *p, lw_ordered *o, size_t job);
 char *lw_piece_space(lw_ordered_part *p, size_t most);
 static inline void lw_piece_add(lw_ordered_part *p, size_t size) { p->size += size; }

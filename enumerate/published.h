@@ -1,11 +1,11 @@
-/* enumerate/published.h - published counts of chains and their kin, and the recount of each.
+/* enumerate/published.h - published counts of chains, structures and mechanisms, and the recount of each.
  *
  * The table is comma-separated values with the header
  *
  *     family,dof,links,loops,what,count,source,verified_by
  *
- * `what` says in words what was counted; a row whose verified_by begins with "refuted" is a known erratum of its
- * source.  What is counted how stands in recount.c, one row a wording. */
+ * `what` describes in words what was counted.  A row whose verified_by begins with "refuted" is a known erratum of
+ * its source.  A table in recount.c assigns a way of counting to each wording. */
 #ifndef LW_ENUMERATE_PUBLISHED_H
 #define LW_ENUMERATE_PUBLISHED_H
 
@@ -44,12 +44,12 @@ typedef struct lw_recount_result {
     double     seconds;                   /* estimated, of LW_TOO_LONG                               */
 } lw_recount_result;
 
-/* What was counted already; rows about the same chains share it.  NULL when out of memory. */
+/* Counts made so far, shared by rows about the same chains.  lw_recount_create: NULL when out of memory. */
 typedef struct lw_recount lw_recount;
 lw_recount *lw_recount_create(int n_thread);
 void        lw_recount_free(lw_recount *r);
 
-/* Count what the row says, if the estimate is within `seconds`.  LW_E_MEMORY. */
+/* Recount the row if the estimated time is within `seconds`.  LW_E_MEMORY. */
 lw_status lw_recount_row(lw_recount *r, const lw_published *row, double seconds, lw_recount_result *result);
 
 #endif

@@ -1,5 +1,5 @@
-/* enumerate/recount.c - what the rows of the published table say, counted again.  To recount another wording, add a
- * row to `wordings` or a family to `families`. */
+/* enumerate/recount.c - recounts the rows of the published table.  To recount another wording, add a row to
+ * `wordings` or a family to `families`. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 
 #define FRACTIONATED_MAX 4096
 
-/* Everything about the chains with one P and F, each part when it is first wanted. */
+/* All counts for the chains with one P and F; each part is computed when first needed. */
 typedef struct chain_numbers {
     struct chain_numbers *next;
     int            n_link, dof;
@@ -106,7 +106,7 @@ static lw_status count_filtered(lw_recount *r, chain_numbers *n, const char *fil
     return s;
 }
 
-/* Seconds that a part takes; 0 when it is there. */
+/* Estimated seconds for a part; 0 if it is already computed. */
 static double seconds_of(const chain_numbers *n, enum part part)
 {
     lw_estimate e;
@@ -217,7 +217,7 @@ static uint64_t number_of(const chain_numbers *n, number which, const char *what
     return 0;
 }
 
-/* What a family gives back: a number, or one of these. */
+/* The result of a family: a number, or one of these. */
 enum { NO_WAY = -1, TOO_LONG = -2 };
 
 typedef struct job { lw_recount *r; const lw_published *row; double limit, seconds; long long n; } job;
@@ -402,7 +402,8 @@ static lw_status with_sliders(job *j)
 
 static const struct { const char *name; lw_status (*count)(job *j); } families[] = {
     { "simple-joint", simple_chains },   { "Baranov truss", simple_chains },      { "Assur group", assur_groups },
-    { "contracted graph", structures },  { "multiple-joint", multiple_joints },   { "lower+higher pairs", higher_pairs },
+    { "contracted graph", structures },  { "multiple-joint", multiple_joints },
+    { "lower+higher pairs", higher_pairs },
     { "R/P labelled", with_sliders },
 };
 

@@ -41,12 +41,12 @@ void lw_structures_get(const lw_structures *set, int loops, size_t index, lw_str
 {
     lw_derivation d;
     lw_structures_derive(set, loops, index, &d);
-    (void)lw_derivation_replay(&d, s);      /* holds: every ear in the set fitted when it was found */
+    (void)lw_derivation_replay(&d, s);      /* cannot fail: every ear in the set was valid when found */
 }
 
-/* ---- candidates: what one block of parents brings ----------------------------------------------- */
+/* ---- candidates: the children of one block of parents ----------------------------------------------- */
 
-#define BLOCK 32          /* parents a job          */
+#define BLOCK 32          /* parents in one job     */
 #define WAVE  64          /* blocks before a merge  */
 
 typedef struct candidate {

@@ -1,9 +1,9 @@
 /* enumerate/structures.h - all Franke structures, each once, with a derivation.
  *
- * Grown level by level from the theta structure with the ears of grow.h, pruned by canonical form
- * after every step.  Order, and numbering of circles, do not depend on the number of threads nor
- * on the library behind canon.h: fewer circles first, then the parent's place, then the
- * ear (rule, a, b); of isomorphic children the first stays.
+ * They are grown level by level from the theta structure with the ears of grow.h; duplicates are removed by
+ * canonical form after every step.  The order and the numbering of circles do not depend on the number of threads
+ * nor on the library behind canon.h: fewer circles first, then by parent, then by ear (rule, a, b).  Of isomorphic
+ * children the first is kept.
  *
  * Numbers for 2 .. 8 loops: 1, 4, 17, 118, 1198, 17133, 311757. */
 #ifndef LW_ENUMERATE_STRUCTURES_H
@@ -13,15 +13,15 @@
 #include <stddef.h>
 #include "grammar/structure.h"
 
-/* Levels 2 .. loops; eight bytes a structure, which is its last ear and its parent.  Read-only once made,
- * so threads share it. */
+/* Levels 2 .. loops.  A structure takes eight bytes: its last ear and its parent.  Read-only once made, so threads
+ * can share it. */
 typedef struct lw_structures lw_structures;
 
 /* loops 2 .. LW_LOOP_MAX.  n_thread < 1: one per core.  LW_E_ARG, LW_E_MEMORY. */
 lw_status lw_structures_create(int loops, int n_thread, lw_structures **set);
 
-/* The same, asking now and then, in the calling thread, whether to go on: `loops` is the level at work, `found`
- * what it has so far.  LW_STOPPED, nothing made, when the answer is false. */
+/* The same; tick is called from time to time in the calling thread, with the level at work and the number of
+ * structures found there.  If it returns false: LW_STOPPED, nothing made. */
 typedef bool lw_structures_tick(void *context, int loops, size_t found);
 lw_status lw_structures_create_while(int loops, int n_thread, lw_structures_tick *tick, void *context,
                                      lw_structures **set);

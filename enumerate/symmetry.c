@@ -4,7 +4,6 @@
 #include <string.h>
 #include "enumerate/canon.h"
 
-/* Ties tell kinds and driven joints apart, colours the ground and the output. */
 /* Joints that may be exchanged have the same number. */
 static int tie_of(lw_joint_kind kind, bool kinds)
 {
@@ -20,6 +19,7 @@ static int tie_of(lw_joint_kind kind, bool kinds)
     return 0;
 }
 
+/* Ties distinguish kinds and driven joints; colours distinguish the ground and the output. */
 static void graph_of(const lw_mechanism *m, bool kinds, lw_graph *g)
 {
     memset(g, 0, sizeof *g);

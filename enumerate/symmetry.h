@@ -1,5 +1,5 @@
-/* enumerate/symmetry.h - the symmetries of a mechanism: renamings of its links that change nothing
- * that was chosen, and what they do to its joints. */
+/* enumerate/symmetry.h - the symmetries of a mechanism: permutations of its links that keep joints, ground, inputs
+ * and output, and the resulting permutations of its joints. */
 #ifndef LW_ENUMERATE_SYMMETRY_H
 #define LW_ENUMERATE_SYMMETRY_H
 
@@ -18,12 +18,12 @@ typedef struct lw_symmetry {
 lw_status lw_symmetry_of(const lw_mechanism *m, bool kinds, lw_symmetry *s);
 void      lw_symmetry_free(lw_symmetry *s);
 
-/* lowest[i] = the lowest link that some symmetry, kinds kept, carries link i to; lowest (n_link).  Needs no
- * list of the symmetries.  LW_E_MEMORY. */
+/* lowest[i] = the lowest link to which a symmetry that keeps the kinds maps link i; lowest (n_link).  Does not list
+ * the symmetries.  LW_E_MEMORY. */
 lw_status lw_mechanism_orbits(const lw_mechanism *m, uint8_t *lowest);
 
-/* The mechanism in canonical form: two are isomorphic, choices and all, exactly when their forms are the
- * same.  LW_E_MEMORY. */
+/* The mechanism in canonical form.  Two mechanisms are isomorphic, including ground, inputs and output, exactly when
+ * their forms are equal.  LW_E_MEMORY. */
 lw_status lw_mechanism_canonical(const lw_mechanism *m, lw_mechanism *form);
 
 #endif

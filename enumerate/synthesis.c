@@ -54,7 +54,7 @@ bool lw_assortment_first(const lw_numbers *numbers, lw_assortment *a)
     return fill(a, numbers->n_loop + 1, 2*(numbers->n_loop - 1), numbers->n_link);
 }
 
-/* Take one away from the smallest link that allows it and fill up with smaller ones. */
+/* Reduce the smallest link that allows it by one, and fill up with smaller links. */
 bool lw_assortment_next(const lw_numbers *numbers, lw_assortment *a)
 {
     int rest = 0, room = a->n_with[2];

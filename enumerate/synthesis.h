@@ -4,7 +4,7 @@
  *     L  = n1 + n2 - P + 1              eq. 10
  *     2j = sum of i P_i                 eq. 8, handshake
  *
- * so that P = F + 2 L + 1 - n2 and n1 = F + 3 L - 2 n2: given F, L and n2 the rest follows.  A chain with
+ * so that P = F + 2 L + 1 - n2 and n1 = F + 3 L - 2 n2: F, L and n2 determine the rest.  A chain with
  * L loops that is not fractionated has no link with more than L + 1 joints (a cut link may have 2 L). */
 #ifndef LW_ENUMERATE_SYNTHESIS_H
 #define LW_ENUMERATE_SYNTHESIS_H
@@ -26,15 +26,15 @@ typedef struct lw_numbers {
  * no solution with P >= 2 and n1 >= 0, or one with more than LW_LINK_MAX links. */
 lw_status lw_numbers_of(int dof, int n_loop, int n2, lw_numbers *numbers, lw_error *e);
 
-/* The same from P, F and n2.  The error for a P that cannot be shows the equation. */
+/* The same from P, F and n2.  The error for an impossible P shows the equation. */
 lw_status lw_numbers_for_links(int n_link, int dof, int n2, lw_numbers *numbers, lw_error *e);
 
 /* How many links have i joints: n_with[2] binary, n_with[3] ternary, ... up to n_with[L + 1].  For chains that
  * are not fractionated. */
 typedef struct lw_assortment { int n_with[LW_LOOP_MAX + 2]; } lw_assortment;
 
-/* Assortments one after the other, those with the largest links first (by P_{L+1}, then P_L, ...).  Start
- * with _first; false when there is none (more). */
+/* Assortments one after the other, those with the largest links first (by P_{L+1}, then P_L, ...).  False when there
+ * is none, or no further one. */
 bool lw_assortment_first(const lw_numbers *numbers, lw_assortment *a);
 bool lw_assortment_next(const lw_numbers *numbers, lw_assortment *a);
 

@@ -1,4 +1,4 @@
-/* enumerate/weighting.c - see weighting.h: making ready, listing, symmetry of one weighting. */
+/* enumerate/weighting.c - see weighting.h: preparation, listing, symmetry of one weighting. */
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/synthesis.h"
@@ -69,7 +69,7 @@ lw_status lw_weighting_prepare(lw_weighting *w, const lw_structure *s, int dof)
     w->s = *s;
     w->dof = dof;
     w->n_binary = n_binary;
-    /* F = 1: the whole needs all binary links, none idle, which is the same as w_e <= 2 */
+    /* F = 1: the whole needs all binary links, which is the same as w_e <= 2 */
     w->most = dof < 2 ? dof + 1 : n_binary;
     for (int e = 0; e < s->n_line; e++)
         w->parallel[e] = e > 0 && memcmp(s->end[e - 1], s->end[e], 2) == 0;
@@ -87,7 +87,7 @@ typedef struct listing {
     uint8_t             weight[LW_LINE_MAX];
 } listing;
 
-/* Is no image of the weighting lexicographically larger? */
+/* True if no image of the weighting is lexicographically larger. */
 static bool largest_of_orbit(const lw_weighting *w, const uint8_t *weight)
 {
     for (size_t g = 1; g < w->n_element; g++) {
@@ -106,7 +106,7 @@ static lw_status list_one(listing *l)
     return largest_of_orbit(l->w, l->weight) ? l->visit(l->context, l->weight) : LW_OK;
 }
 
-/* Earlier lines first, more binary links first: weightings fall. */
+/* Earlier lines first, larger weights first: so weightings come in falling order. */
 static lw_status list_from(listing *l, const lw_weighting_state *s)
 {
     const lw_weighting_search *search = &l->search;
@@ -162,7 +162,7 @@ static bool keeps_weighting(const lw_weighting *w, size_t g, const uint8_t *weig
     return true;
 }
 
-/* Put links i and k, and all that are alike to them, into one class. */
+/* Merge the classes of links i and k. */
 static void join_classes(uint8_t *lowest, int n_link, int i, int k)
 {
     uint8_t a = lowest[i], b = lowest[k];
@@ -173,7 +173,7 @@ static void join_classes(uint8_t *lowest, int n_link, int i, int k)
             lowest[j] = a < b ? a : b;
 }
 
-/* Parallel lines with equally many binary links are alike, link by link. */
+/* Parallel lines with equal weights are equivalent, link by link. */
 static void join_parallels(const lw_weighting *w, const uint8_t *weight, const uint8_t *start, int n_link,
                            uint8_t *lowest)
 {

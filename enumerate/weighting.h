@@ -2,20 +2,20 @@
  *
  * A chain with V circles, E lines and F freedoms has B = F + 3 + 2 E - 3 V binary links.  A weighting
  * w_e >= 0 with sum B gives a chain without rigid subchain exactly when no critical set of circles is
- * overfull (critical.h); two weightings give isomorphic chains exactly when an automorphism of the
- * structure carries one into the other.  So no chain needs a canonical form: of each orbit the
- * lexicographically largest weighting is kept, and structures without symmetry need no test at all.
+ * overfull (critical.h).  Two weightings give isomorphic chains exactly when an automorphism of the structure maps
+ * one to the other.  So no chain needs a canonical form: the lexicographically largest weighting of each orbit is
+ * kept, and structures without symmetry need no test at all.
  *
- * F = 0 (Baranov trusses): the whole has F = 0, so the set of all circles is exempt, and w_e <= 1, for a
- * line with two binary links could be dropped and leave a rigid proper subchain. */
+ * F = 0 (Baranov trusses): the whole chain has F = 0, so the set of all circles is exempt.  w_e <= 1, because
+ * removing a line with two binary links would leave a rigid proper subchain. */
 #ifndef LW_ENUMERATE_WEIGHTING_H
 #define LW_ENUMERATE_WEIGHTING_H
 
 #include <stddef.h>
 #include "grammar/structure.h"
 
-/* One structure made ready for one F.  Create once per thread, prepare for one structure after the other;
- * const functions may be called from several threads. */
+/* One structure prepared for one F.  Create one for each thread and prepare it for one structure after the other.
+ * Functions with a const argument may be called from several threads. */
 typedef struct lw_weighting lw_weighting;
 
 lw_weighting *lw_weighting_create(void);                   /* NULL when out of memory */
@@ -27,21 +27,22 @@ lw_status lw_weighting_prepare(lw_weighting *w, const lw_structure *s, int dof);
 const lw_structure *lw_weighting_structure(const lw_weighting *w);
 int lw_weighting_binary(const lw_weighting *w);            /* B; negative: the structure has no chain */
 
-/* One chain: weight[e] of each line.  Anything but LW_OK ends the walk and is returned by it. */
+/* One chain: weight[e] of each line.  A status other than LW_OK ends the walk and is returned by it. */
 typedef lw_status lw_weighting_visit(void *context, const uint8_t *weight);
 
-/* Every chain once, weightings lexicographically falling. */
+/* Visit every chain once, weightings in falling lexicographic order. */
 lw_status lw_weighting_each(const lw_weighting *w, lw_weighting_visit *visit, void *context);
 
 /* Chains of the structure, and ways to choose a ground link of them up to symmetry. */
 typedef struct lw_tally { uint64_t n_chain, n_ground; } lw_tally;
 
-/* Both numbers without visiting each chain: weightings, and pairs of weighting and link, that each automorphism
- * leaves as they are, averaged (Burnside's lemma); the last binary link in closed form.  LW_E_MEMORY. */
+/* Both numbers without visiting each chain, by Burnside's lemma: the mean over all automorphisms of the number of
+ * weightings, and of pairs of weighting and link, that the automorphism leaves unchanged.  The last binary link is
+ * counted in closed form.  LW_E_MEMORY. */
 lw_status lw_weighting_count(const lw_weighting *w, lw_tally *tally);
 
-/* Links of the chain that are alike up to symmetry: lowest[i] is the lowest link alike to link i, links
- * numbered as lw_structure_chain does.  lowest (P).  Returns the number of classes. */
+/* Links of the chain that are equivalent by symmetry: lowest[i] is the lowest link equivalent to link i, links
+ * numbered as by lw_structure_chain.  lowest (P).  Returns the number of classes. */
 int lw_weighting_orbits(const lw_weighting *w, const uint8_t *weight, uint8_t *lowest);
 
 #endif

@@ -1,8 +1,8 @@
-/* enumerate/weighting_count.c - see weighting.h: chains of a structure counted, not listed.
+/* enumerate/weighting_count.c - see weighting.h: counts the chains of a structure without listing them.
  *
- * Burnside: the number of orbits is the mean, over the automorphisms g, of the weightings that g leaves as
- * they are.  For ground links the same mean runs over pairs (weighting, link) that g leaves as they are, a
- * link being a circle or a place on a line; parallel lines of equal weight count once. */
+ * Burnside's lemma: the number of orbits is the mean, over the automorphisms g, of the number of weightings that g
+ * leaves unchanged.  For ground links the same mean runs over pairs (weighting, link) that g leaves unchanged, where
+ * a link is a circle or a place on a line; parallel lines of equal weight count once. */
 #include "enumerate/weighting_internal.h"
 
 typedef struct tally {
@@ -10,7 +10,7 @@ typedef struct tally {
     uint64_t  n_chain, n_place;           /* weightings; fixed places on lines, summed over them */
 } tally;
 
-/* Places on a line with n binary links that the automorphism keeps, new ones only. */
+/* Places on a line with n binary links that the automorphism keeps; only those not counted before. */
 static int fixed_places(const lw_weighting_search *t, int k, int n, int before)
 {
     const lw_unknown *x = &t->x[k];
@@ -19,12 +19,12 @@ static int fixed_places(const lw_weighting_search *t, int k, int n, int before)
     return x->turned ? n & 1 : n;
 }
 
-/* One binary link is left: every candidate of one line can take it. */
+/* One binary link is left: every candidate with one line can take it. */
 static void count_last(tally *t, const lw_weighting_state *s, uint64_t can, int n_place)
 {
     can &= t->search.single;
     uint64_t n = (uint64_t)__builtin_popcountll(can);
-    bool alike = s->before == 1 && (can & t->search.tied);       /* parallel to one that holds one too */
+    bool alike = s->before == 1 && (can & t->search.tied);       /* parallel to a line with one too */
     t->n_chain += n;
     t->n_place += n*(uint64_t)(n_place + 1) - alike;
 }
