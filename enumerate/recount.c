@@ -19,7 +19,7 @@
 typedef struct chain_numbers {
     struct chain_numbers *next;
     int            n_link, dof;
-    bool           have[4];                             /* by lw_part below                             */
+    bool           have[4];                             /* by `enum part` below                         */
     lw_chains     *chains;
     lw_chain_table table;
     lw_tally       nonplanar, asymmetric;

@@ -1,4 +1,4 @@
-/* test_chains.c - all chains: known counts (the published table: test_recount.c), all graphs on few links with a
+/* test_chains.c - all chains: known counts (the published table: test_published.c), all graphs on few links with a
  * test of all 2^n subchains, nauty's geng where installed; parts, threads, order, filters, stopping. */
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static lw_chain_walk one_thread(void)
     return how;
 }
 
-/* ---- counts beyond the table of test_recount.c --------------------------------------------------------- */
+/* ---- counts beyond the table of test_published.c ------------------------------------------------------- */
 
 static lw_status count_fractionated(void *context, const lw_chain *c, int n_bridge)
 {
