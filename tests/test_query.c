@@ -110,7 +110,7 @@ static void faults(void)
     refused("links", 6, "wants a value");
     refused("links=", 7, "a value is wanted here");
     refused("links=six", 7, "a number is wanted, not 'six'");
-    refused("links=6 and", 12, "ends where a field is wanted");
+    refused("links=6 and", 12, "ends where a field should follow");
     refused("links=6 links=7", 9, "and, or, or the end");
     refused("(links=6", 1, "'(' has no ')'");
     refused("links=6)", 8, "closes nothing");

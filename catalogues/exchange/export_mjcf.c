@@ -71,8 +71,8 @@ static bool is_input(const lw_linkage *k, int joint)
 static int rank_of(const lw_linkage *k, int joint, const bool *at_gear)
 {
     lw_joint_kind kind = k->joint[joint].kind;
-    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) ? 0 : at_gear[joint] ? 1 : lw_joint_freedoms(kind) == 0 ? 2
-         : lw_joint_turns(kind) ? 4 : 3;
+    return lw_joint_has_ratio(kind) ? -1 : is_input(k, joint) ? 0 : at_gear[joint] ? 1
+         : lw_joint_freedoms(kind) == 0 ? 2 : lw_joint_turns(kind) ? 4 : 3;
 }
 
 static lw_status mark_gears(const lw_linkage *k, bool *at_gear, lw_error *e)

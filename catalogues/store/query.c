@@ -184,7 +184,7 @@ static lw_status add_text(reader *r, const char *at, size_t n, bool part)
 {
     char *to = r->q->text + r->n_text;
     if (r->n_text + n + 2 > sizeof r->q->text)
-        return fault(r, at, "the question is too long at '%.*s'", at, n);
+        return fault(r, at, "the query is too long at '%.*s'", at, n);
     if (part)
         *to++ = '*';
     memcpy(to, at, n);
@@ -350,7 +350,7 @@ static lw_status read_test(reader *r)
 {
     const token t = r->next;
     if (t.kind == END)
-        return fault(r, t.at, "the question ends where a field is wanted%.*s", "", 0);
+        return fault(r, t.at, "the query ends where a field should follow%.*s", "", 0);
     const lw_query_field *f = t.kind == WORD ? find_field(t.at, t.n) : NULL;
     if (t.kind != WORD)
         return fault(r, t.at, "a field is wanted, not '%.*s'", t.at, t.n);
@@ -520,7 +520,7 @@ lw_status lw_query_compile(const char *text, const lw_query_options *o, lw_query
     reader r = { .text = text, .at = text, .o = o, .q = q, .e = e ? e : &ignored };
     memset(q, 0, sizeof *q);
     if (strlen(text) >= LW_QUERY_TEXT_MAX)
-        return lw_error_set(r.e, LW_E_NOTATION, "the question is longer than %d bytes", LW_QUERY_TEXT_MAX - 1);
+        return lw_error_set(r.e, LW_E_NOTATION, "the query is longer than %d bytes", LW_QUERY_TEXT_MAX - 1);
     lw_status s = compile(&r, text);
     if (s != LW_OK)
         return s;

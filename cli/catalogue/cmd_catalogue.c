@@ -9,11 +9,11 @@
 
 static const cli_option options[] = {
     { "links", 'l', CLI_INT, PLACE(links), "P", NULL,
-      "build: number of links; curves: 4 or 6, without it 4; html: only chains with so many links",
+      "build: number of links; curves: 4 or 6, without it 4; html: only chains with P links",
       3, LW_LINK_MAX, NULL, NULL },
     { "dof", 'd', CLI_INT, PLACE(dof), "F", "1", "build: degree of freedom", 1, LW_DOF_MAX, NULL, NULL },
     { "joints", 0, CLI_TEXT, PLACE(joints), "KINDS", "r",
-      "build: kinds of joints, r for pins and r,t for pins and sliders; all combinations that can move as wanted",
+      "build: kinds of joints: r pins; r,t pins and sliders, in all combinations that have F degrees of freedom",
       0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, PLACE(input), "ground|any", "ground",
       "build: which joints may be driven, those at the ground or all", 0, 0, NULL, NULL },
@@ -23,22 +23,21 @@ static const cli_option options[] = {
     { "type", 0, CLI_TEXT, PLACE(types), "NAME,...", "fourbar",
       "curves: types of four-link mechanisms, named as in 'linkwright fit', or all", 0, 0, NULL, NULL },
     { "curves", 0, CLI_CHOICE, PLACE(curves), "both|closed|open", "both",
-      "curves: closed curves, open parts of them, or both in turn", 0, 0, NULL, NULL },
+      "curves: closed curves, open parts of closed curves, or both by turns", 0, 0, NULL, NULL },
     { "shape", 0, CLI_CHOICE, PLACE(shape), "file|closed|open", "file",
       "nearest: take the target as a closed or as an open curve; file: as its file says", 0, 0, NULL, NULL },
     { "results", 0, CLI_INT, PLACE(results), "N", NULL,
       "nearest: number of curves to print, without it 20; query, export: greatest number of rows; html: greatest "
       "number of chains", 1, 2e9, NULL, NULL },
     { "list", 0, CLI_CHOICE, PLACE(list), "any|chains|mechanisms|linkages|structures", "any",
-      "query, export: what is listed; any takes the first of these that has all fields of the question",
-      0, 0, NULL, NULL },
+      "query, export: which list; any: the first of these lists that has all fields of the query", 0, 0, NULL, NULL },
     { "columns", 0, CLI_TEXT, PLACE(columns), "NAME,...", NULL, "query: fields to print", 0, 0, NULL, NULL },
     { "sort", 0, CLI_TEXT, PLACE(sort), "FIELDS", NULL,
       "query, export: sort by these fields; a minus sign before a field reverses its order", 0, 0, NULL, NULL },
     { "format", 'f', CLI_CHOICE, PLACE(format), "table|json|csv|graph6|lam|sentence|franke|edges|dot|graphml", "table",
       "query: table, json or csv; export: notation of chains and mechanisms, all but table and csv", 0, 0, NULL, NULL },
     { "sql", 0, CLI_FLAG, PLACE(sql), NULL, NULL,
-      "query: the question is an SQL SELECT on the tables of docs/catalogue.md", 0, 0, NULL, NULL },
+      "query: the query is an SQL SELECT on the tables of docs/catalogue.md", 0, 0, NULL, NULL },
     { "fields", 0, CLI_FLAG, PLACE(fields), NULL, NULL,
       "query: list the names of all fields and end", 0, 0, NULL, "sql" },
     { "wait", 0, CLI_REAL, PLACE(wait), "SECONDS", "5",
@@ -74,14 +73,14 @@ static const cli_action actions[] = {
       "Finds the coupler curves that are most like a target, at any place, size and angle, in either direction\n"
       "and mirrored, and prints their linkages, moved and scaled onto the target.\n",
       2, 2, cli_catalogue_nearest },
-    { "query", "FILE ['QUESTION']",
-      "Prints the rows that answer a question. A question compares fields with = != < <= > >= ~ (pattern) and in\n"
-      "(a, b), or with a range 4..8, and joins comparisons by and, or, not and parentheses. 'query FILE --fields'\n"
-      "lists the fields.\n",
+    { "query", "FILE ['QUERY']",
+      "Prints the rows that match a query. A query compares fields with = != < <= > >= ~ (pattern), with a list, as\n"
+      "in (a, b), or with a range, as 4..8. It joins comparisons by and, or, not and parentheses.\n"
+      "'query FILE --fields' lists the fields.\n",
       1, 2, cli_catalogue_query },
-    { "export", "FILE ['QUESTION']",
-      "Writes the chains or mechanisms that answer a question, one a line in a notation; linkages in the form\n"
-      "that 'add' reads.\n",
+    { "export", "FILE ['QUERY']",
+      "Writes the chains or mechanisms that match a query, one per line in a notation; linkages in the form that\n"
+      "'add' reads.\n",
       1, 2, cli_catalogue_export },
     { "check", "[FILE or TABLE.csv]",
       "With a catalogue: checks every page and reference of the database, every label, and all published counts.\n"

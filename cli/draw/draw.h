@@ -16,7 +16,7 @@ typedef struct cli_draw_settings {
 /* Values of --caption. */
 enum { CLI_CAPTION_NUMBER, CLI_CAPTION_GRAPH6, CLI_CAPTION_JOINTS, CLI_CAPTION_ASSORTMENT, CLI_CAPTION_NONE };
 
-/* Sheets of the topologies in `file` (NULL: standard input).  Returns the exit code. */
+/* Draw sheets of the topologies in `file` (NULL: standard input). Returns the exit code. */
 int cli_draw_chains(const cli_call *call, const char *file, lw_draw_kind kind);
 
 #endif

@@ -224,9 +224,9 @@ const cli_command cli_mobility_command = {
         "  linkwright mobility rounded.json --tolerance 1e-6          coordinates with six digits\n",
     .about =
         "'count' is the number of Gruebler's formula. 'freedom' is found by moving the linkage: it is displaced\n"
-        "along its first-order motions, and its joints are closed again. If it is then in another place, again\n"
-        "and again, it moves; if it returns every time, it is shaky. Ranks are computed at postures that were\n"
-        "reached in this way, so that a special posture is distinguished from special dimensions. 'redundant'\n"
+        "along its first-order motions, and its joints are closed again. If this gives a new posture every time,\n"
+        "the linkage moves; if it always returns to the same posture, it is shaky. Ranks are computed at the new\n"
+        "postures, so that a special posture is distinguished from special dimensions. 'redundant'\n"
         "names constraints that follow from those before them in the file: x and y of a pin, across and turn of a\n"
         "slider. 'idle' degrees of freedom do not move any tracer (without tracers: any other link). For a\n"
         "linkage that cannot move, 'misfit' is how far its joints must open so that it moves by 1/20 of its size.\n",

@@ -1,4 +1,4 @@
-/* cli/motion/simulate.h - a run as rows of named columns: CSV, JSON, plots, frames of a GIF. */
+/* cli/motion/simulate.h - print a run as rows of named columns: CSV, JSON, plots, frames of a GIF. */
 #ifndef CLI_MOTION_SIMULATE_H
 #define CLI_MOTION_SIMULATE_H
 
@@ -14,8 +14,8 @@ typedef struct cli_simulate {
     const cli_call *call;
     lw_model       *model;
     lw_dynamics    *d;
-    FILE           *f;                   /* where rows go; NULL: nowhere                               */
-    bool            json, keep;          /* keep: rows and postures stay in memory                     */
+    FILE           *f;                   /* where rows are written; NULL: nowhere                      */
+    bool            json, keep;          /* keep: rows and poses stay in memory                        */
     cli_json        j;
     int             n_column;
     cli_column      column[CLI_COLUMN_MAX];
@@ -28,21 +28,21 @@ typedef struct cli_simulate {
 /* Name the columns of a model. */
 void cli_simulate_columns(cli_simulate *s);
 
-/* The head: lines of units, then names.  After all rows: the end. */
+/* Print the head (units, then names of columns); after all rows, print the end. */
 void cli_simulate_head(cli_simulate *s);
 void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e);
 
-/* One row: a sink of lw_dynamics_run, context the cli_simulate. */
+/* Take one row: the sink of lw_dynamics_run; context: the cli_simulate. */
 lw_status cli_simulate_row(void *context, const lw_moment *m);
 
-/* What was measured, on standard error. */
+/* Print the measured errors on standard error. */
 void cli_simulate_report(const cli_simulate *s);
 
-/* Plot columns whose names begin with one of a list (NULL: energies, or drives where inputs have motions). */
+/* Plot the columns whose names begin with one of a list (NULL: drives if an input has a motion, else energies). */
 lw_status cli_simulate_plot(const cli_simulate *s, const char *columns, const char *path, lw_error *e);
 lw_status cli_simulate_gif(const cli_simulate *s, const char *path, lw_error *e);
 
-/* Counterweights that hold the common centre of mass still, from the kept postures. */
+/* Print counterweights that keep the common centre of mass at rest, computed from the poses kept. */
 lw_status cli_simulate_balance(cli_simulate *s, FILE *f, lw_error *e);
 
 void cli_simulate_free(cli_simulate *s);

@@ -19,11 +19,11 @@ typedef struct cli_trace {
     lw_linkage k;
     lw_plan    plan;
     lw_motion  motion;
-    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the posture of the file        */
-    double     tool[LW_TRACER_MAX];     /* tool direction less the direction of its link [rad]     */
-    bool       whole;                   /* all of the input, else from .. to                       */
+    double     dim[LW_DIM_MAX], mode[LW_MODE_MAX], input;     /* of the pose in the file           */
+    double     tool[LW_TRACER_MAX];     /* tool direction minus direction of its link [rad]        */
+    bool       whole;                   /* whole input range, else from .. to                      */
     double     from, to;                /* in the angle convention of the file [rad] or [m]        */
-    bool       timed;                   /* derivatives by time, input speed                        */
+    bool       timed;                   /* derivatives by time, at the given input speed           */
     double     speed;                   /* [rad/s] or [m/s]                                        */
     int        steps;
     bool       dropped;                 /* more pieces than CLI_PIECE_MAX                          */
@@ -33,7 +33,7 @@ typedef struct cli_trace {
     const char *line;                   /* the command                                             */
 } cli_trace;
 
-/* Cut the arcs; only_file: only the arc that contains the posture of the file. */
+/* Cut the arcs into pieces; only_file: only the arc that contains the pose of the file. */
 void cli_trace_pieces(cli_trace *t, bool only_file);
 
 /* Print every piece; stops after a row when t->rows says so. */

@@ -9,9 +9,9 @@
 #include "mbs/constraints/circuits.h"
 #include "mbs/constraints/prescribed_motion.h"
 
-/* Rows of a trace between two postures of its curve, from the plan of its groups (mbs/plan/plan.h).  The plan starts
- * from a posture on the curve, and gives the next rows in a fraction of the time, to the same rounding. */
-#define CLI_GROUP_ROWS 16              /* rows from seed to seed                                     */
+/* The plan of the linkage's groups (mbs/plan/plan.h) computes the rows between two poses of the curve. It starts from a
+ * pose on the curve and gives the next rows in a fraction of the time, with the same rounding error. */
+#define CLI_GROUP_ROWS 16              /* rows from one seed to the next                             */
 
 typedef struct cli_groups {
     lw_plan    plan;
@@ -24,15 +24,14 @@ typedef struct cli_groups {
     lw_pose    pose;
 } cli_groups;
 
-/* NULL if the linkage has no plan, or memory ran out; the curve alone then gives the rows.  Free with free(). */
+/* Returns NULL if the linkage has no plan or memory ran out; then the curve alone gives all rows. Free with free(). */
 cli_groups *cli_groups_make(const lw_linkage *k, unsigned tracers);
 
-/* Start the next rows from posture q of s, which was printed as `row` at input u. */
+/* Start the next rows from pose q of s, which was printed as `row` at input u. */
 void cli_groups_seed(cli_groups *g, const lw_system *s, const double *q, double u, const cli_rows *rows,
                      const cli_row *row);
 
-/* Values of the row at input u; by: input rate that scales the derivatives.  False if the plan is
- * too near a dead point. */
+/* Compute the row at input u; by: input rate that scales the derivatives. False: the plan is too near a dead point. */
 bool cli_groups_row(cli_groups *g, double u, double by, const cli_rows *rows, cli_row *row);
 
 #define CLI_STRETCH_MAX 1024
@@ -44,7 +43,7 @@ typedef struct cli_stretch {
     int    curve;
     double first, last;               /* input [rad] or [m]                                        */
     bool   limit[2], turns;
-    double zero, input_per_round;                 /* if turns: input at station 0, and its change once round; else 0 */
+    double zero, input_per_round;     /* if turns: input at station 0, and its change once round; else 0 */
     int    n_part;
     struct { double from, to, more; } part[2];    /* stations; offset of the input from the curve's    */
 } cli_stretch;
@@ -55,9 +54,9 @@ typedef struct cli_curve_trace {
     lw_system   s;
     lw_circuits   curves;
     cli_rows    rows;
-    cli_groups *groups;               /* of linkages that have a plan, else NULL                   */
+    cli_groups *groups;               /* NULL: the linkage has no plan                             */
     const char *line;
-    bool        whole;                /* all of the input, else from .. to [rad] or [m]            */
+    bool        whole;                /* whole input range, else from .. to [rad] or [m]           */
     double      from, to;
     bool        timed;                /* derivatives by time                                       */
     double      speed;                /* of the input [rad/s] or [m/s]                             */
@@ -74,11 +73,11 @@ void cli_curve_stretches(cli_curve_trace *t);
 /* Print all stretches; with `cycle` each curve as a whole, at equal distances along it. */
 void cli_curve_print(cli_curve_trace *t, bool cycle);
 
-/* Print rows in time from range[0] to range[1] in steps of range[2], inputs moving by their motions.  LW_OPEN and
+/* Print rows in time from range[0] to range[1] in steps of range[2]; the inputs move by their motions. LW_OPEN and
  * LW_E_NUMERIC: the rows end early; e has the reason. */
 lw_status cli_time_print(cli_curve_trace *t, const double range[3], lw_error *e);
 
-/* Shared: values of all tracers from a series of postures (4 x n_q), into row. */
+/* Compute the values of all tracers from a series of a pose (4 x n_q) into row. */
 void cli_curve_values(cli_curve_trace *t, const double *series, bool first, cli_row *row);
 double cli_curve_unit(const cli_curve_trace *t, int input);       /* metre or radian of the file       */
 const char *cli_curve_unit_name(const cli_curve_trace *t, int input);

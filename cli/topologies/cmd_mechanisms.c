@@ -31,7 +31,7 @@ static const cli_option options[] = {
       "do not choose a ground link", 0, 0, NULL, "output-link" },
     { "joints", 0, CLI_TEXT, offsetof(settings, joints), "KINDS", NULL,
       "kinds of joints: r pin and t slider (one degree of freedom), p pin in a slot and g gear pair (two); all "
-      "combinations that can move as wanted", 0, 0, NULL, NULL },
+      "combinations that have F degrees of freedom", 0, 0, NULL, NULL },
     { "input", 'i', CLI_CHOICE, offsetof(settings, input), "none|ground|any", "none",
       "choose F driven joints: from the joints at the ground, or from all", 0, 0, NULL, NULL },
     { "output-link", 0, CLI_FLAG, offsetof(settings, output), NULL, NULL, "choose an output link", 0, 0, NULL, NULL },
