@@ -69,7 +69,7 @@ static void options_are_strict(void)
     expect("$P classify -5 2 4 4", 3, NULL, "positive");
 }
 
-/* One row of each kind of theory.md, section 5: (frame, input, coupler, output). */
+/* One row of each kind of docs/theory.md, "Four-bars": (frame, input, coupler, output). */
 static void classify_table(void)
 {
     static const struct { const char *lengths; int number; const char *symbol; } row[] = {

@@ -6,7 +6,7 @@
 
 static void close_to_the_count(void)
 {
-    /* counts: OEIS A233288; theory.md section 3; (17, 2) recounted by listing */
+    /* counts: OEIS A233288; docs/theory.md, "Numbers"; (17, 2) recounted by listing */
     static const struct { int n_link, dof; double structures, chains, factor; } known[] = {
         { 4, 1, 0, 1, 1 },        { 6, 1, 1, 2, 1 },        { 10, 1, 17, 230, 1 },   { 12, 1, 118, 6856, 1 },
         { 13, 2, 118, 27496, 1 }, { 9, 0, 17, 28, 1 },      { 14, 1, 1198, 318162, 1.25 },

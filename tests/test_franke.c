@@ -12,7 +12,7 @@ static void check_text(const lw_chain *c, const char *want)
 }
 
 /* The variants {2,2,0} and {2,1,1} of thesis line 425; of the four printed there only these have the
- * sum 4 that six links need (docs/theory.md, errata). */
+ * sum 4 that six links need. */
 static void six_links(void)
 {
     lw_chain watt = watt_chain(), stephenson = stephenson_chain(), four = ring_of(4);
