@@ -70,8 +70,12 @@ void lw_target_stations(const lw_target *target, const double **x, const double 
 
 /* ---- what is asked for ------------------------------------------------------------------------------------------ */
 
-static const char *const tasks[] = { "auto", "path", "function", "motion", NULL };
-static const char *const timings[] = { "auto", "prescribed", "free", "none", NULL };
+#define X(id, name, place, angle, prescribed) name,
+static const char *const tasks[] = { "auto", LW_TASK_LIST(X) NULL };
+#undef X
+#define X(id, name) name,
+static const char *const timings[] = { "auto", LW_TIMING_LIST(X) NULL };
+#undef X
 static const char *const datums[] = { "first", "frame", "plane", NULL };
 
 lw_fit_request lw_fit_request_default(void)
@@ -155,7 +159,7 @@ static lw_status make_spec(const lw_target *t, const lw_fit_request *r, lw_fit_s
         || r->n_zone > LW_ZONE_MAX)
         return lw_error_set(e, LW_E_ARG, "at most %d bounds and %d zones",
                             (int)(sizeof spec->bound/sizeof *spec->bound), LW_ZONE_MAX);
-    spec->task = task > 0 ? (lw_task)(task - 1) : !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
+    spec->task = task > 0 ? (lw_task)(task - 1) : lw_task_suggested(t);
     spec->timing = timing > 0 ? (lw_timing)(timing - 1) : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     spec->datum = (lw_datum)datum;
     if (datum > 0 && spec->timing != LW_TIMING_PRESCRIBED)
@@ -284,7 +288,7 @@ lw_status lw_fit_precision_points(const lw_target *target, const lw_fit_request 
         return s;
     }
     o.types = strcmp(request->types, lw_fit_request_default().types) == 0 ? NULL : request->types;
-    if (o.spec.task != LW_TASK_FUNCTION)
+    if (!lw_task_table[o.spec.task].prescribed)
         o.spec.timing = LW_TIMING_FREE;
     r->is_exact = true;
     s = lw_exact_run(target, &o, &r->exact, error);

@@ -53,10 +53,10 @@ static const cli_option options[] = {
     { "atlas", 0, CLI_INPUT, offsetof(settings, atlas), "FILE", NULL,
       "also start from the coupler curves of a catalogue that are most like the target ('linkwright help catalogue "
       "curves')", 0, 0, NULL, NULL },
-    { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto|path|function|motion", "auto",
+    { "task", 0, CLI_CHOICE, offsetof(settings, task), "auto" LW_TASK_WORDS, "auto",
       "what is wanted: a point on a path, a function (output angle for each input angle), or a motion (point and angle "
       "of a body). auto: function without columns x and y, motion with a column theta, else path", 0, 0, NULL, NULL },
-    { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto|prescribed|free|none", "auto",
+    { "timing", 0, CLI_CHOICE, offsetof(settings, timing), "auto" LW_TIMING_WORDS, "auto",
       "prescribed: each point belongs to the input angle in the target; free: only the order of the points counts; "
       "none: only the shape of the path counts. auto: prescribed if the target has input angles, else free",
       0, 0, NULL, NULL },
@@ -157,21 +157,6 @@ static lw_status read_bounds(const char *text, const lw_units *u, lw_fit_spec *s
     return st;
 }
 
-static lw_task task_of(const settings *s, const lw_target *t)
-{
-    static const lw_task chosen[] = { LW_TASK_PATH, LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION };
-    if (s->task != AUTO)
-        return chosen[s->task];
-    return !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
-}
-
-static lw_timing timing_of(const settings *s, const lw_target *t)
-{
-    static const lw_timing chosen[] = { LW_TIMING_FREE, LW_TIMING_PRESCRIBED, LW_TIMING_FREE,
-                                        LW_TIMING_NONE };
-    return s->timing == AUTO && t->angle ? LW_TIMING_PRESCRIBED : chosen[s->timing];
-}
-
 /* Does the command line decide this option: it is given, or there is no task file that could give it? */
 static bool mine(const cli_call *call, const cli_fit_set *set, const char *option)
 {
@@ -194,7 +179,7 @@ static void conditions(const cli_call *call, const cli_fit_set *set, lw_fit_spec
         spec->min_transmission = s->min_transmission*LW_PI/180;
     if (mine(call, set, "max-acceleration"))
         spec->max_acceleration = s->max_acceleration*m;
-    if (spec->task == LW_TASK_FUNCTION)                           /* the target is an angle: it has no unit of length */
+    if (!lw_task_has_place(spec->task))                           /* the target is an angle: it has no unit of length */
         spec->max_acceleration /= mine(call, set, "max-acceleration") ? m : set->task_file.units.metre;
     if (mine(call, set, "length-range")) {
         spec->length_lo = s->length_range[0]*m;
@@ -214,9 +199,10 @@ static lw_status make_spec(const cli_call *call, const cli_fit_set *set, lw_fit_
     const lw_target *t = &set->target;
     *spec = set->has_task_file ? set->task_file.spec : lw_fit_spec_default();
     if (mine(call, set, "task") || !set->task_file.has_task)
-        spec->task = task_of(s, t);
+        spec->task = s->task == AUTO ? lw_task_suggested(t) : (lw_task)(s->task - 1);
     if (mine(call, set, "timing") || !set->task_file.has_timing)
-        spec->timing = timing_of(s, t);
+        spec->timing = s->timing != AUTO ? (lw_timing)(s->timing - 1)
+                     : t->angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     spec->datum = (lw_datum[]){ LW_DATUM_FREE, LW_DATUM_FRAME, LW_DATUM_PLANE }[s->datum];
     conditions(call, set, spec);
     if (s->datum != 0 && spec->timing != LW_TIMING_PRESCRIBED)

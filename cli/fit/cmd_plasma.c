@@ -171,7 +171,7 @@ static void make_spec(job *b)
 {
     double m = b->target.units.metre;
     b->spec = lw_fit_spec_default();
-    b->spec.task = b->target.theta ? LW_TASK_MOTION : LW_TASK_PATH;
+    b->spec.task = lw_task_suggested(&b->target);
     b->spec.timing = b->target.angle ? LW_TIMING_PRESCRIBED : LW_TIMING_FREE;
     b->spec.a = 1/(m*m);
     b->spec.crank_only = b->s->crank_only;

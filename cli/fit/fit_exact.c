@@ -13,10 +13,10 @@ lw_status cli_fit_exact(const cli_call *call, cli_fit_set *s, const lw_fit_optio
 {
     lw_fit_options here = *o;
     s->is_exact = true;
-    if (s->spec.task != LW_TASK_FUNCTION && s->target.angle)
+    if (!lw_task_table[s->spec.task].prescribed && s->target.angle)
         cli_note(call, "%s: its input angles are ignored; linkages through precision points find their own",
                  s->path);
-    if (s->spec.task != LW_TASK_FUNCTION)
+    if (!lw_task_table[s->spec.task].prescribed)
         s->spec.timing = LW_TIMING_FREE;
     here.spec = s->spec;
     lw_status st = lw_exact_run(&s->target, &here, &s->exact, e);

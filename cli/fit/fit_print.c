@@ -32,9 +32,6 @@ bool cli_fit_near_change_point(const lw_fit_report *r)
 
 /* ---- table ------------------------------------------------------------------------------------ */
 
-static const char *const timing_names[] = { "prescribed", "free", "none" };
-static const char *const task_names[] = { "path", "function", "motion" };
-
 static void table_row(const cli_fit_set *s, int i, FILE *f)
 {
     const lw_fit_report *r = &s->search.results.report[i];
@@ -44,7 +41,7 @@ static void table_row(const cli_fit_set *s, int i, FILE *f)
     if (r->has_class)
         snprintf(class, sizeof class, "%s%s", r->barker.symbol, cli_fit_near_change_point(r) ? "*" : "");
     fprintf(f, "%3d  %-16s %-6s", i + 1, lw_family_title(c->family), class);
-    if (s->spec.task == LW_TASK_FUNCTION)
+    if (!lw_task_has_place(s->spec.task))
         fprintf(f, " %9.4g %9.4g @%-4zu", r->angle_mean*deg, r->angle_max*deg, r->worst + 1);
     else
         fprintf(f, " %9.3g%% %9.4g %9.4g @%-4zu", r->error_percent, length(s, r->error_mean),
@@ -80,7 +77,7 @@ static void print_stages(const cli_fit_set *s, FILE *f)
         fprintf(f, "best with up to %d links: ", l->links);
         if (l->best < 0)
             fprintf(f, "none");
-        else if (s->spec.task == LW_TASK_FUNCTION)
+        else if (!lw_task_has_place(s->spec.task))
             fprintf(f, "%.4g deg in the mean", s->search.results.report[l->best].angle_mean*180/LW_PI);
         else
             fprintf(f, "%.4g %% of the path", s->search.results.report[l->best].error_percent);
@@ -127,9 +124,9 @@ static void print_topologies(const cli_fit_set *s, FILE *f)
 
 void cli_fit_table(const cli_fit_set *s, FILE *f)
 {
-    fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, task_names[s->spec.task],
-            timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
-    if (s->spec.task == LW_TASK_FUNCTION)
+    fprintf(f, "%s: %s, timing %s, %zu points, %s\n", s->path, lw_task_table[s->spec.task].name,
+            lw_timing_names[s->spec.timing], s->target.n, s->target.closed ? "closed" : "open");
+    if (!lw_task_has_place(s->spec.task))
         fprintf(f, "  #  type             class  mean[deg]  max[deg] @point   objective  transm.    "
                 "input  dimensions\n");
     else
@@ -188,7 +185,7 @@ static void json_errors(const cli_fit_set *s, const lw_fit_report *r, cli_json *
     cli_json_real(j, "error_curve", length(s, r->curve_max));
     cli_json_real(j, "chamfer", r->likeness.chamfer);
     cli_json_real(j, "ordered", r->likeness.ordered);
-    if (s->spec.task != LW_TASK_PATH) {
+    if (lw_task_has_angle(s->spec.task)) {
         cli_json_real(j, "angle_error_mean", r->angle_mean);
         cli_json_real(j, "angle_error_max", r->angle_max);
     }
@@ -259,7 +256,7 @@ static void json_motion(const cli_fit_set *s, const lw_candidate *c, const lw_fi
     json_modes(s, c, r, j);
     cli_json_real(j, "transmission_min", r->transmission_min);
     cli_json_real(j, "transmission_max", r->transmission_max);
-    cli_json_real(j, "acceleration_max", s->spec.task == LW_TASK_FUNCTION ? r->acceleration_max
+    cli_json_real(j, "acceleration_max", !lw_task_has_place(s->spec.task) ? r->acceleration_max
                                                                          : length(s, r->acceleration_max));
     cli_json_real(j, "sense", s->spec.timing == LW_TIMING_NONE ? NAN : c->intended.sense);   /* null: no order */
     cli_json_real(j, "input0", r->input_turns_per_period*c->input0);
@@ -374,8 +371,8 @@ void cli_fit_json(const cli_fit_set *s, const cli_call *call, FILE *f, int inden
     cli_json_real(&j, "path_length", length(s, s->target.length));
     cli_json_text(&j, "length_unit", s->target.units.length);
     cli_json_end(&j);
-    cli_json_text(&j, "task", task_names[s->spec.task]);
-    cli_json_text(&j, "timing", timing_names[s->spec.timing]);
+    cli_json_text(&j, "task", lw_task_table[s->spec.task].name);
+    cli_json_text(&j, "timing", lw_timing_names[s->spec.timing]);
     if (s->is_exact)
         cli_fit_exact_json(s, &j);
     cli_json_array(&j, "results");

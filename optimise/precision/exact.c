@@ -25,28 +25,34 @@ typedef struct exact_run {
     long        *drawn;
 } exact_run;
 
+/* Exact synthesis for one objective. */
+typedef struct method {
+    size_t      least, most;                 /* numbers of stations that four links can pass through        */
+    size_t      finite;                      /* fewer stations: infinitely many linkages, some are drawn    */
+    const char *stations;                    /* what they are called                                        */
+    const char *types;                       /* types tried by default where the linkages are finitely many */
+    lw_status (*run)(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *e);
+} method;
+
 /* ---- checks of the target --------------------------------------------------------------------------------- */
 
-static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, lw_error *e)
+static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, const method *m, lw_error *e)
 {
-    lw_task task = spec->task;
-    static const struct { lw_task task; size_t least, most; const char *what; } range[] = {
-        { LW_TASK_MOTION, 2, 5, "poses (points with a tool angle)" },
-        { LW_TASK_FUNCTION, 3, 5, "pairs of angles" },
-        { LW_TASK_PATH, 2, 9, "points" }
-    };
-    for (int i = 0; i < 3; i++)
-        if (range[i].task == task && (t->n < range[i].least || t->n > range[i].most))
-            return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the "
-                                "target has %zu; without --exact it is fitted as well as can be", range[i].least,
-                                range[i].most, range[i].what, t->n);
-    if (task == LW_TASK_FUNCTION && !(t->angle && t->theta))
-        return lw_error_set(e, LW_E_ARG, "a function needs columns angle,theta");
-    if (task == LW_TASK_MOTION && !(t->x && t->theta))
-        return lw_error_set(e, LW_E_ARG, "a motion needs columns x,y,theta");
-    if (task == LW_TASK_PATH && !t->x)
-        return lw_error_set(e, LW_E_ARG, "a path needs columns x,y");
-    if (task == LW_TASK_FUNCTION && spec->n_zone > 0)
+    const lw_task_row *task = &lw_task_table[spec->task];
+    if (!m->run)
+        return lw_error_set(e, LW_E_ARG, "no exact method is known for the %s task; fit without --exact", task->name);
+    if (t->n_also > 0)
+        return lw_error_set(e, LW_E_ARG, "linkages through precision points have one point; the target has %d: leave "
+                            "its columns x2, ... out, or fit without --exact", 1 + t->n_also);
+    if (t->n < m->least || t->n > m->most)
+        return lw_error_set(e, LW_E_ARG, "a linkage of four links goes through %zu to %zu %s exactly, and the target "
+                            "has %zu; without --exact it is fitted as well as can be", m->least, m->most, m->stations,
+                            t->n);
+    if ((task->prescribed && !t->angle) || (task->place && !t->x) || (task->angle && !t->theta))
+        return lw_error_set(e, LW_E_ARG, "a %s needs columns %s%s%s%s", task->name, task->prescribed ? "angle," : "",
+                            task->place ? "x,y" : "", task->place && task->angle ? "," : "",
+                            task->angle ? "theta" : "");
+    if (!task->place && spec->n_zone > 0)
         return lw_error_set(e, LW_E_ARG, "a function has no place in the plane: places of pivots and forbidden zones "
                             "mean nothing to it; leave them out");
     return LW_OK;
@@ -54,10 +60,10 @@ static lw_status check_task(const lw_target *t, const lw_fit_spec *spec, lw_erro
 
 static lw_status check_distinct(const lw_target *t, lw_task task, lw_error *e)
 {
-    for (size_t i = 0; i < t->n && task != LW_TASK_FUNCTION; i++)
+    for (size_t i = 0; i < t->n && lw_task_has_place(task); i++)
         for (size_t k = 0; k < i; k++) {
             double d = hypot(t->x[i] - t->x[k], t->y[i] - t->y[k]);
-            double turn = task == LW_TASK_MOTION ? fabs(remainder(t->theta[i] - t->theta[k], 2*LW_PI)) : 0;
+            double turn = lw_task_has_angle(task) ? fabs(remainder(t->theta[i] - t->theta[k], 2*LW_PI)) : 0;
             if (d <= SAME*t->size && turn < SAME)
                 return lw_error_set(e, LW_E_ARG, "stations %zu and %zu are the same; leave one of them out", k + 1,
                                     i + 1);
@@ -186,7 +192,7 @@ static void run_job(void *context, size_t job, int thread)
     if (!x->of[job] || stopped(x))
         return;
     lw_rng_seed(&rng, x->o->seed, x->first_job + job);
-    if (x->o->spec.task == LW_TASK_MOTION)
+    if (lw_task_has_angle(x->o->spec.task))
         draw_poses(x, &rng, x->of[job], &x->drawn[job]);
     else if (x->t->n > 5)
         draw_many(x, &rng, x->of[job], &x->drawn[job]);
@@ -282,36 +288,32 @@ static lw_status run_path(exact_run *x, lw_ranking *r, lw_exact *out, lw_error *
     return st;
 }
 
-/* Are there infinitely many linkages? */
-static bool is_family(const lw_target *t, lw_task task)
-{
-    return (task == LW_TASK_MOTION && t->n < 5) || (task == LW_TASK_PATH && t->n < 9);
-}
+static const method methods[LW_TASKS] = {
+    [LW_TASK_PATH]     = { 2, 9, 9, "points", "fourbar", run_path },
+    [LW_TASK_FUNCTION] = { 3, 5, 3, "pairs of angles", "fourbar", run_function },
+    [LW_TASK_MOTION]   = { 2, 5, 5, "poses (points with a tool angle)", "all", run_motion }
+};
 
 lw_status lw_exact_run(const lw_target *t, const lw_fit_options *o, lw_exact *out, lw_error *e)
 {
     lw_fit_options own = *o;
     exact_run x = { .t = t, .o = &own, .started = lw_clock_wall() };
-    lw_task task = o->spec.task;
+    const method *m = &methods[o->spec.task];
     lw_ranking *r = NULL;
     memset(out, 0, sizeof *out);
     if (!own.types)
-        own.types = task == LW_TASK_MOTION && t->n == 5 ? "all" : "fourbar";
-    lw_status st = t->n_also == 0 ? check_task(t, &o->spec, e)
-                                  : lw_error_set(e, LW_E_ARG, "linkages through precision points have one point; the "
-                                                 "target has %d: leave its columns x2, ... out, or fit without --exact",
-                                                 1 + t->n_also);
+        own.types = t->n < m->finite ? "fourbar" : m->types;
+    lw_status st = check_task(t, &o->spec, m, e);
     if (st == LW_OK)
-        st = check_distinct(t, task, e);
+        st = check_distinct(t, o->spec.task, e);
     if (st == LW_OK)
-        st = lw_ranking_open(t, &own, is_family(t, task), &r, e);
+        st = lw_ranking_open(t, &own, t->n < m->finite, &r, e);
     if (st != LW_OK)
         return st;
     for (size_t i = 0; i < t->n && t->x; i++)
         x.p[i] = lw_v2(t->x[i], t->y[i]);
     x.slides = lw_ranking_slides(r);
-    st = task == LW_TASK_FUNCTION ? run_function(&x, r, out, e)
-       : task == LW_TASK_MOTION ? run_motion(&x, r, out, e) : run_path(&x, r, out, e);
+    st = m->run(&x, r, out, e);
     bool early = stopped(&x);
     if (st == LW_OK)
         st = lw_ranking_finish(r, out);

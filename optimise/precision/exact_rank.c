@@ -350,7 +350,7 @@ static bool same(const lw_ranking *r, const entry *a, const entry *b)
 static bool same_curve(const lw_ranking *r, const entry *a, const entry *b)
 {
     double other[2][9], mode[2];
-    if (r->o->spec.task != LW_TASK_PATH || strcmp(a->c.family->type, "RRRR") != 0
+    if (lw_task_has_angle(r->o->spec.task) || strcmp(a->c.family->type, "RRRR") != 0
         || lw_fourbar_cognates(a->c.dim, a->c.intended.mode[0], other, mode) != LW_OK)
         return false;
     for (int i = 0; i < 3; i++) {
@@ -448,18 +448,18 @@ static double objective(const lw_ranking *r, const kind *w, const lw_candidate *
 {
     const lw_target *t = r->t;
     const lw_fit_spec *s = &r->o->spec;
-    bool function = s->task == LW_TASK_FUNCTION;
+    bool place = lw_task_has_place(s->task);
     double f = 0;
     for (size_t i = 0; i < t->n; i++) {
         double mode[LW_DYAD_MAX] = { c->mode_of[i] };
         lw_pose pose;
         lw_pose_solve(&w->plan, c->dim, mode, c->input[i], 0, &pose);
-        if (!function) {
+        if (place) {
             double d = hypot(pose.tracer[0][0].x - t->x[i], pose.tracer[0][0].y - t->y[i]);
             f += s->a*t->weight[i]*d*d;
         }
-        if (s->task != LW_TASK_PATH) {
-            double d = remainder(pose.angle[function ? 3 : 2][0] + c->tool0 - t->theta[i], 2*LW_PI);
+        if (lw_task_has_angle(s->task)) {
+            double d = remainder(pose.angle[place ? 2 : 3][0] + c->tool0 - t->theta[i], 2*LW_PI);
             f += s->b*t->weight[i]*d*d;
         }
     }
@@ -487,7 +487,7 @@ static bool complete(lw_ranking *r, const kind *w, int link, double angle, entry
     lw_pose pose;
     if (!judge(r, w, now))
         return false;
-    if (r->o->spec.task != LW_TASK_PATH && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
+    if (lw_task_has_angle(r->o->spec.task) && lw_pose_solve(&w->plan, now->c.dim, mode, r->input[0], 0, &pose) == LW_OK)
         now->c.tool0 = remainder(angle - pose.angle[link][0], 2*LW_PI);
     return own_arrays(r, now) && reaches(r, w, now);
 }

@@ -126,7 +126,7 @@ void lw_family_linkage(const lw_family *f, lw_task task, lw_linkage *k)
         return;
     }
     lw_type_linkage(lw_type_find(f->type), k);
-    if (task == LW_TASK_FUNCTION)                          /* the output is the link at the ground   */
+    if (!lw_task_has_place(task))                          /* the output is the link at the ground   */
         k->tracer[0].link = 3;
 }
 

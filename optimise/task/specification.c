@@ -2,11 +2,17 @@
 
 #include <math.h>
 
-const lw_task_row lw_task_table[LW_TASKS] = {
-    [LW_TASK_PATH]     = { "path",     .place = true },
-    [LW_TASK_FUNCTION] = { "function", .angle = true, .prescribed = true },
-    [LW_TASK_MOTION]   = { "motion",   .place = true, .angle = true }
-};
+#define X(id, name, place, angle, prescribed) { name, place, angle, prescribed },
+const lw_task_row lw_task_table[LW_TASKS] = { LW_TASK_LIST(X) };
+#undef X
+#define X(id, name) name,
+const char *const lw_timing_names[LW_TIMINGS] = { LW_TIMING_LIST(X) };
+#undef X
+
+lw_task lw_task_suggested(const lw_target *t)
+{
+    return !t->x ? LW_TASK_FUNCTION : t->theta ? LW_TASK_MOTION : LW_TASK_PATH;
+}
 
 lw_fit_spec lw_fit_spec_default(void)
 {

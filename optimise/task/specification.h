@@ -9,22 +9,38 @@
 
 #define LW_ZONE_MAX 8
 
-/* The objective: path, function or motion generation.  Each has a row of lw_task_table. */
-typedef enum lw_task { LW_TASK_PATH, LW_TASK_FUNCTION, LW_TASK_MOTION, LW_TASKS } lw_task;
+/* The objectives: path, function and motion generation.  The columns are the name in task files and options, and:
+ *   place       it compares places of the first point; without places, the output is the last link at the ground
+ *   angle       it compares angles of the link that carries the first point
+ *   prescribed  its timing is always prescribed */
+#define LW_TASK_LIST(X)                          \
+    X(PATH,     "path",     true,  false, false) \
+    X(FUNCTION, "function", false, true,  true)  \
+    X(MOTION,   "motion",   true,  true,  false)
 
-typedef struct lw_task_row {
-    const char *name;                  /* as task files and options write it                     */
-    bool        place, angle;          /* compares places of the first point; angles of its link */
-    bool        prescribed;            /* the timing is always prescribed                        */
-} lw_task_row;
+/* How inputs belong to stations: as the target says; in the order of the stations; nearest points both ways. */
+#define LW_TIMING_LIST(X) X(PRESCRIBED, "prescribed") X(FREE, "free") X(NONE, "none")
+
+#define X(id, name, place, angle, prescribed) LW_TASK_##id,
+typedef enum lw_task { LW_TASK_LIST(X) LW_TASKS } lw_task;
+#undef X
+#define X(id, name) LW_TIMING_##id,
+typedef enum lw_timing { LW_TIMING_LIST(X) LW_TIMINGS } lw_timing;
+#undef X
+
+/* "|path|function|motion" and "|prescribed|free|none", the choices of an option. */
+#define LW_TASK_WORD(id, name, place, angle, prescribed) "|" name
+#define LW_TASK_WORDS LW_TASK_LIST(LW_TASK_WORD)
+#define LW_TIMING_WORD(id, name) "|" name
+#define LW_TIMING_WORDS LW_TIMING_LIST(LW_TIMING_WORD)
+
+typedef struct lw_task_row { const char *name; bool place, angle, prescribed; } lw_task_row;
 
 extern const lw_task_row lw_task_table[LW_TASKS];
+extern const char *const lw_timing_names[LW_TIMINGS];
 
 static inline bool lw_task_has_place(lw_task task) { return lw_task_table[task].place; }
 static inline bool lw_task_has_angle(lw_task task) { return lw_task_table[task].angle; }
-
-/* How inputs belong to stations: as the target says; in the order of the stations; nearest points both ways. */
-typedef enum lw_timing { LW_TIMING_PRESCRIBED, LW_TIMING_FREE, LW_TIMING_NONE } lw_timing;
 
 /* From where the angles of a prescribed timing count. */
 typedef enum lw_datum {
@@ -64,6 +80,9 @@ typedef struct lw_fit_spec {
 } lw_fit_spec;
 
 lw_fit_spec lw_fit_spec_default(void);
+
+/* The objective that the columns of a target suggest: a function without x and y, a motion with theta, else a path. */
+lw_task lw_task_suggested(const lw_target *t);
 
 /* Is it a zone that no pin and no tracer may enter? */
 static inline bool lw_zone_forbids(const lw_zone *zone)

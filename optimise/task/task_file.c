@@ -395,13 +395,12 @@ static lw_status read_sources(const lw_json_node *root, lw_task_file *b, lw_erro
 static lw_status read_wanted(const lw_json_node *root, lw_task_file *b, lw_error *e)
 {
     const char *tasks[LW_TASKS];
-    static const char *const timings[] = { "prescribed", "free", "none" };
     int task = 0, timing = 0;
     for (int i = 0; i < LW_TASKS; i++)
         tasks[i] = lw_task_table[i].name;
     lw_status s = read_word(root, "task", tasks, LW_TASKS, &task, &b->has_task, e);
     if (s == LW_OK)
-        s = read_word(root, "timing", timings, 3, &timing, &b->has_timing, e);
+        s = read_word(root, "timing", lw_timing_names, LW_TIMINGS, &timing, &b->has_timing, e);
     if (b->has_task)
         b->spec.task = (lw_task)task;
     if (b->has_timing)

@@ -143,7 +143,7 @@ static lw_status run_stage(const lw_target *t, const lw_fit_options *o, const lw
     *r = (lw_stage_result){ .links = stage->links, .best = INFINITY };
     if (!more)
         return lw_error_set(e, LW_E_MEMORY, "no memory for linkages to grow");
-    if (stage->families.make && before > 0 && o->spec.task == LW_TASK_PATH)
+    if (stage->families.make && before > 0 && !lw_task_has_angle(o->spec.task))
         grow(t, o, stage, &out->fit, before, more);
     r->n_grown = more->n;
     lw_families_pair pair = { stage->families, lw_families_of(more->family, more->n) };
