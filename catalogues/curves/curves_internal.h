@@ -12,9 +12,9 @@
  * link of the tracer. Commas of the name become semicolons. */
 typedef struct lw_curve_topology {
     char       name[64];
-    lw_linkage linkage;               /* of this topology, anywhere                                 */
+    lw_linkage linkage;               /* of this topology, with any dimensions                      */
     lw_family  family;
-    lw_problem problem;               /* from which linkages are drawn                              */
+    lw_problem problem;               /* from which random linkages are drawn                       */
 } lw_curve_topology;
 
 /* LW_E_ARG: too long for a text. */
@@ -24,8 +24,8 @@ lw_status lw_curve_topology_text(const char *name, const lw_linkage *k, char tex
 lw_status lw_curve_topology_make(const char *text, lw_curve_topology **t, lw_error *e);
 void      lw_curve_topology_free(lw_curve_topology *t);
 
-/* The linkage that belongs to a key: dim (n_dim) with the tracer, mode (n_dyad), and the range of its input. turns:
- * the input must turn fully. false: there is none. work: 64-byte aligned. */
+/* The linkage of a key: dim (n_dim) with the tracer, mode (n_dyad), and the range of its input. turns: the input must
+ * turn fully. False: the key gives no linkage. work: 64-byte aligned. */
 size_t lw_curve_topology_work_size(const lw_curve_topology *t);
 bool   lw_curve_topology_draw(const lw_curve_topology *t, const uint32_t key[2], bool turns, void *work, double *dim,
                               double *mode, lw_range *range);

@@ -13,9 +13,9 @@
 
 typedef struct lw_atlas_html_options {
     const char *title;             /* of the overview                                  ("Atlas of mechanisms") */
-    int         links;             /* only chains with so many; 0: all                                     (0) */
-    int         limit;             /* only the first so many chains; 0: all                                (0) */
-    int         jobs;              /* threads; 0: one a core                                               (0) */
+    int         links;             /* only chains with this number of links; 0: all (0) */
+    int         limit;             /* greatest number of chains; 0: all (0) */
+    int         jobs;              /* threads; 0: one per core (0) */
     int         n_linkage;         /* moving linkages shown for a chain, the best first                   (12) */
     bool      (*goes_on)(void *context, double done, double total);   /* after each chain; NULL         (NULL) */
     void       *context;

@@ -1,27 +1,27 @@
-/* optimise/problem/circuit.h - the motion of the input: round and round, or stroke by stroke between its limits.
+/* optimise/problem/circuit.h - the motion of the input: in full turns, or stroke by stroke between its limits.
  *
- * One phase describes a place on the circuit.  It runs smoothly through the limits, where the assembly mode changes.
- * Where the ends of the range are no limits (slides become parallel, or nobody looked for limits) the input goes to
- * and fro in one assembly mode. */
+ * One phase describes a position on the circuit. The motion is smooth in the phase also at the limits, where the
+ * assembly mode changes. If the ends of the range are no limits (slides become parallel, or limits were not searched
+ * for), the input moves back and forth in one assembly mode. */
 #ifndef LW_OPTIMISE_PROBLEM_CIRCUIT_H
 #define LW_OPTIMISE_PROBLEM_CIRCUIT_H
 
 #include "optimise/problem/work.h"
 
-/* Fill w->swing, the circuit of the linkage x.  false when the linkage closes nowhere, or a stroke has no length. */
+/* Fill w->swing, the circuit of the linkage x. False: the linkage closes nowhere, or a stroke has no length. */
 bool lw_circuit_find(const lw_problem *p, const double *x, lw_work *w);
 
 /* Derivatives of the strokes by the dimensions at x. */
 void lw_circuit_slopes(const lw_problem *p, const double *x, lw_work *w);
 
-/* Derivative of the input of lane k by dimension d while its phase stays; needs the slopes. */
+/* Derivative of the input of lane k by dimension d at constant phase; needs the slopes. */
 double lw_circuit_drift(const lw_work *w, size_t k, size_t d);
 
-/* The place of a phase; the assembly mode of a stroke into mode[dyad*stride]. */
+/* The point of the circuit at a phase; write the assembly mode of a stroke into mode[dyad*stride]. */
 lw_cycle_point lw_circuit_point(const lw_problem *p, const lw_work *w, double phase);
 void lw_circuit_put_mode(const lw_problem *p, const lw_work *w, int leg, double *mode, size_t stride);
 
-/* Put lanes 0 .. n - 1 at their phases. */
+/* Set lanes 0 .. n - 1 to their phases. */
 void lw_circuit_lanes(const lw_problem *p, lw_work *w, size_t n);
 
 /* End index of the run of lanes, of n, on the same stroke as lane `first`. */

@@ -1,4 +1,4 @@
-/* optimise/problem/constraint.h - the subsidiary conditions g(x) >= 0 in the scratch of a thread. */
+/* optimise/problem/constraint.h - the conditions g(x) >= 0, computed in the scratch of a thread. */
 #ifndef LW_OPTIMISE_PROBLEM_CONSTRAINT_H
 #define LW_OPTIMISE_PROBLEM_CONSTRAINT_H
 
@@ -7,8 +7,8 @@
 /* Are all conditions met at x, g >= -tolerance? */
 bool lw_problem_admissible(const lw_problem *p, const double *x, double tolerance, lw_work *w);
 
-/* The input at `part` (0 .. 1) of the motion from the first station to the last, or of the whole turn.  Also its
- * assembly mode (mode[dyad]) and its stroke. */
+/* The input at `part` (0 .. 1) of the motion from the first station to the last, or of the whole turn. Also its
+ * assembly modes (mode[dyad]) and its stroke. */
 double lw_problem_input_at(const lw_problem *p, const lw_work *w, double part, double *mode, int *leg);
 
 #endif

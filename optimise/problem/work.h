@@ -1,4 +1,4 @@
-/* optimise/problem/work.h - the scratch of one thread for one problem, laid out in memory of the caller. */
+/* optimise/problem/work.h - the scratch of one thread for one problem; the caller provides the memory. */
 #ifndef LW_OPTIMISE_PROBLEM_WORK_H
 #define LW_OPTIMISE_PROBLEM_WORK_H
 
@@ -6,41 +6,41 @@
 #include "mbs/kinematics/closed_motion.h"
 #include "optimise/problem/problem.h"
 
-/* Of a further point: its lanes, and its curve at the samples. */
+/* For a further point: its lanes, and its curve at the samples. */
 typedef struct lw_also_work { lw_jacobian jac; double *curve_x, *curve_y, *curve_u, *curve_v; } lw_also_work;
 
-/* The circuit of a linkage whose input does not turn fully, stroke by stroke.  Odd strokes go down.  On stroke j, from
- * phase `from` on:  input = mid - half cos(psi),  psi = rate phase + shift  in [j pi, (j + 1) pi]. */
+/* The circuit of a linkage whose input does not turn fully, stroke by stroke. On odd strokes the input decreases. On
+ * stroke j, from phase `from` on: input = mid - half cos(psi), psi = rate phase + shift in [j pi, (j + 1) pi]. */
 typedef struct lw_stroke { double from, mid, half, rate, shift, mode[LW_DYAD_MAX]; } lw_stroke;
 typedef struct lw_swing {
-    bool      known, closes, has_slopes;   /* for the dimensions `of`: worked out; closes somewhere; slopes too   */
+    bool      known, closes, has_slopes;   /* for the dimensions `of`: computed; closes somewhere; slopes computed */
     double    of[LW_DIM_MAX];
     bool      turning;                     /* the phase is the input, in the mode of stroke 0          */
     int       n;
-    double    gain;                        /* of the input over all strokes: whole turns, of a pin       */
+    double    gain;                        /* change of the input over all strokes: whole turns of a pin */
     lw_stroke stroke[LW_LEG_MAX];
-    double    mid_by[LW_LEG_MAX][LW_DIM_MAX], half_by[LW_LEG_MAX][LW_DIM_MAX];   /* by the dimensions     */
+    double    mid_by[LW_LEG_MAX][LW_DIM_MAX], half_by[LW_LEG_MAX][LW_DIM_MAX];   /* derivatives by the dimensions */
     double    rate_by[LW_LEG_MAX][LW_DIM_MAX], shift_by[LW_LEG_MAX][LW_DIM_MAX];
 } lw_swing;
 
-/* A place on the circuit: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the
- * phase, the stroke, the phase within the first turn of it, cos and sin of psi. */
+/* A point of the circuit: cos, sin (or displacement) of the input, the input [rad] or [m] and its derivative by the
+ * phase, the stroke, the phase within its first turn, cos and sin of psi. */
 typedef struct lw_cycle_point { double c, s, input, rate, around, psi_c, psi_s; int leg; } lw_cycle_point;
 
 typedef struct lw_work {
-    size_t  n, n_lane, ld;       /* stations; lanes (and curve samples when both ways count)       */
-    double *phase;               /* where each lane is on its circuit [rad]; the input if that turns */
+    size_t  n, n_lane, ld;       /* stations; lanes (with curve samples for timing none)           */
+    double *phase;               /* phase of each lane on its circuit [rad]; if the input turns fully, the input */
     double *input, *rate;        /* its input [rad] or [m], and the input's derivative by the phase */
-    double *mode;                /* assembly of each lane, where they have their own: mode[dyad*ld + lane] */
+    double *mode;                /* modes of each lane, if lanes have their own: mode[dyad*ld + lane] */
     short  *leg;                 /* its stroke                                                     */
-    double *around, *psi_c, *psi_s;      /* as of lw_cycle_point                                          */
+    double *around, *psi_c, *psi_s;      /* as in lw_cycle_point                                          */
     double *c, *s;               /* cosine and sine of the input                                   */
     lw_jacobian jac;             /* of every lane                                                  */
     lw_also_work also[LW_ALSO_MAX];
     double *row;                 /* derivatives of residuals, row[(k*n_var + d)*ld + lane]         */
     double *res;                 /* residuals, res[k*ld + lane]                                    */
-    int     n_row;               /* residuals a lane                                               */
-    bool   *tie;                 /* station whose input moves nothing: not eliminated              */
+    int     n_row;               /* residuals per lane                                             */
+    bool   *tie;                 /* stations whose input moves nothing: not eliminated             */
     double *slide, *slip;        /* eliminated: change of phase = -(slip[k] + sum slide[d*ld+k] dx[d]) */
     double *keep_theta, *best_theta;   /* inputs before a trial step, before an assignment         */
     double *try_theta, *pool;    /* three arrays of ld each for the refinement of inputs           */
@@ -65,7 +65,7 @@ typedef struct lw_work {
 
 static inline const lw_jacobian *lw_work_jac(const lw_work *w, int k) { return k > 0 ? &w->also[k - 1].jac : &w->jac; }
 
-/* Work out again what the scratch keeps of the intended motion, after that of p has changed. */
+/* Recompute what depends on p->intended, after that has changed. */
 void lw_problem_work_intended(const lw_problem *p, lw_work *w);
 
 #endif

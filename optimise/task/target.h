@@ -22,13 +22,13 @@
 #include "base/units.h"
 
 #define LW_STATION_MAX 100000
-#define LW_ALSO_MAX 3             /* further points                                                  */
+#define LW_ALSO_MAX 3             /* greatest number of further points                               */
 
-/* What a further point of the linkage does at the stations of the first. */
+/* Positions and angles of a further point of the linkage at the stations of the first point. */
 typedef struct lw_also {
-    double *x, *y;              /* [m]; NULL when only the angle of its link is asked for   (n)    */
-    double *theta;              /* tool or output angle [rad]; NULL when not given          (n)    */
-    double *weight;             /* that of the stations when not given                      (n)    */
+    double *x, *y;              /* [m]; NULL: only the angle of its link is given (n)              */
+    double *theta;              /* tool or output angle [rad]; NULL: not given (n)                 */
+    double *weight;             /* that of the stations if not given (n)                           */
     double  length;             /* of its polygon, closed if the target is [m]; 0 without points   */
 } lw_also;
 
@@ -55,18 +55,18 @@ typedef struct lw_target {
  * empty and needs no _free. */
 lw_status lw_target_read(const char *text, size_t size, const char *file,
                          const lw_target_options *o, lw_target *t, lw_error *e);
-/* From arrays in SI (copied). x and y both or, for a function, neither; theta, angle, weight may be NULL;
- * closed as in the options.  The same conditions as for a file, LW_E_ARG when they are not met. */
+/* Make a target from arrays in SI units (copied). x and y are both given or, for a function, both NULL; theta, angle,
+ * weight may be NULL; closed as in the options. LW_E_ARG: a condition that also holds for files is not met. */
 lw_status lw_target_make(size_t n, const double *x, const double *y, const double *theta,
                          const double *angle, const double *weight, int closed, lw_target *t,
                          lw_error *e);
-/* The same with further points; also[i].length is not looked at. */
+/* The same with further points; also[i].length is ignored. */
 lw_status lw_target_make_all(size_t n, const double *x, const double *y, const double *theta,
                              const double *angle, const double *weight, const lw_also *also, int n_also,
                              int closed, lw_target *t, lw_error *e);
-/* Targets of one point each that belong together row by row as one target, each point with its own weights; one part
- * alone is copied.  Input angles of one part are those of all.  LW_E_ARG, naming the tracer: other numbers of rows,
- * input angles that disagree, too many. */
+/* Join targets of one point each, row by row, into one target; each point keeps its own weights. A single part is
+ * copied. If one part has input angles, they hold for all. LW_E_ARG, naming the tracer: different numbers of rows,
+ * input angles that disagree, too many parts. */
 lw_status lw_target_join(const lw_target *const *part, int n_part, lw_target *t, lw_error *e);
 void      lw_target_free(lw_target *t);
 

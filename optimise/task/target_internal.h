@@ -1,4 +1,4 @@
-/* optimise/task/target_internal.h - what the parts of the target reader share. */
+/* optimise/task/target_internal.h - shared by the parts of the target reader. */
 #ifndef LW_OPTIMISE_TASK_TARGET_INTERNAL_H
 #define LW_OPTIMISE_TASK_TARGET_INTERNAL_H
 
@@ -7,20 +7,20 @@
 
 #define LW_ANGLE_MAX 1e6     /* larger angles have lost the digits that matter [rad] */
 
-/* What a number of a row means once the header is understood.  Further points have four more roles each, in the
- * order x, y, theta, weight. */
+/* Role of a number in a row, known once the header is read. Each further point has four more roles, in the order x, y,
+ * theta, weight. */
 typedef enum lw_target_field {
     LW_TARGET_FIELD_X, LW_TARGET_FIELD_Y, LW_TARGET_FIELD_THETA, LW_TARGET_FIELD_ANGLE, LW_TARGET_FIELD_WEIGHT,
     LW_TARGET_FIELD_ALSO, LW_TARGET_FIELD_COUNT = LW_TARGET_FIELD_ALSO + 4*LW_ALSO_MAX
 } lw_target_field;
 
-/* The role of a further point's number, that of the first point given; point from 0. */
+/* The role of a further point's number, from the role of the first point; point from 0. */
 static inline lw_target_field lw_field_also(lw_target_field role, int point)
 {
     return (lw_target_field)(LW_TARGET_FIELD_ALSO + 4*point + (role == LW_TARGET_FIELD_WEIGHT ? 3 : (int)role));
 }
 
-/* The other way: what it would be of the first point. */
+/* The inverse: the corresponding role of the first point. */
 static inline lw_target_field lw_field_first(lw_target_field role)
 {
     int k = (int)role - LW_TARGET_FIELD_ALSO;
@@ -41,9 +41,9 @@ typedef struct lw_text_span { const char *s; size_t n; } lw_text_span;
 typedef struct lw_lines {
     const char *text;
     size_t      size, at;
-    long        number;          /* of the line that was read last, from 1 */
+    long        number;          /* of the line read last, from 1 */
     lw_text_span     line;            /* without its end and without a comment  */
-    lw_text_span     comment;         /* behind '#', blanks trimmed; s NULL if there is none */
+    lw_text_span     comment;         /* after '#', without blanks at the ends; s NULL: none */
 } lw_lines;
 
 lw_lines lw_lines_start(const char *text, size_t size);
@@ -52,8 +52,8 @@ bool     lw_span_blank(lw_text_span s);
 lw_text_span  lw_span_trim(lw_text_span s);              /* blanks at both ends */
 bool     lw_span_is(lw_text_span s, const char *word);   /* capitals do not count */
 
-/* The next field of a line from *at on, blanks and quotes trimmed; separator ' ' stands for runs of
- * blanks.  False when the line has no more. */
+/* Read the next field of a line from *at on, without blanks and quotes at its ends; separator ' ' means any number of
+ * blanks. False: end of the line. */
 bool lw_field_next(lw_text_span line, char separator, size_t *at, lw_text_span *field);
 
 /* ---- the header and the comments (target_header.c) ---- */
@@ -63,32 +63,31 @@ typedef struct lw_header {
     char        separator;
     int         n_column;
     lw_target_field     role[LW_TARGET_FIELD_COUNT];      /* by column of the file             */
-    int         column[LW_TARGET_FIELD_COUNT];    /* by role, -1: not there            */
+    int         column[LW_TARGET_FIELD_COUNT];    /* by role, -1: missing              */
     char        name[LW_TARGET_FIELD_COUNT][16];  /* as the file calls it, by role     */
     double      factor[LW_TARGET_FIELD_COUNT];    /* to SI, by role                    */
-    int         closed;                   /* 1, 0, -1: nobody said             */
+    int         closed;                   /* 1, 0, -1: not given               */
     lw_units    units;
-    char        length_by[48], angle_by[48];   /* who gave the unit; "": nobody did */
+    char        length_by[48], angle_by[48];   /* where the unit was given; "": nowhere */
 } lw_header;
 
-/* Fill h (zeroed but for file, closed -1, units SI) from all comments of the file, then from the
- * header line. */
+/* Fill h (zeroed except for file, closed -1, units SI) from all comments of the file, then from the header line. */
 lw_status lw_header_comments(lw_header *h, const lw_target_options *o, lw_lines l, lw_error *e);
 lw_status lw_header_columns(lw_header *h, lw_text_span line, long number, lw_error *e);
 
 /* ---- stations (target.c, target_order.c) ---- */
 
-/* The station and number to which a message of the checks belongs. */
+/* The station and number to which an error message refers. */
 typedef struct lw_target_place { size_t station; lw_target_field role; } lw_target_place;
 
-/* Room for n stations with the arrays that `has` names; weight is 1, line 0. */
+/* Make arrays for n stations with the numbers that `has` names; weight is 1, line 0. */
 lw_status lw_target_allocate(lw_target *t, size_t n, const bool has[LW_TARGET_FIELD_COUNT], lw_error *e);
 double   *lw_target_array(const lw_target *t, lw_target_field role);       /* NULL: not given */
 
-/* Weights, order of the angles, then closed, length, size.  closed as in the options. */
+/* Check weights and order of the angles, then set closed, length, size. closed as in the options. */
 lw_status lw_target_finish(lw_target *t, int closed, lw_target_place *place, lw_error *e);
 
-/* Angles in cyclic order, one point for one angle; a wrap at the full turn is undone. */
+/* Check that the angles are in cyclic order, with one point for each angle; undo a wrap at the full turn. */
 lw_status lw_target_order(lw_target *t, lw_target_place *place, lw_error *e);
 
 #endif

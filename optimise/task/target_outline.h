@@ -16,7 +16,8 @@
 
 #define LW_OUTLINE_STATIONS 60
 
-/* LW_E_NOTATION with line and column; LW_E_ARG for options; t as lw_target_read leaves it. */
+/* Read a target from a drawing. LW_E_NOTATION with line and column; LW_E_ARG for options; t is set as by
+ * lw_target_read. */
 lw_status lw_target_read_svg(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,
                              lw_error *e);
 lw_status lw_target_read_dxf(const char *text, size_t size, const char *file, const lw_target_options *o, lw_target *t,

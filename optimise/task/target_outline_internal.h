@@ -1,4 +1,4 @@
-/* optimise/task/target_outline_internal.h - a curve as it is read from a drawing, point by point. */
+/* optimise/task/target_outline_internal.h - a curve that is read from a drawing, point by point. */
 #ifndef LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
 #define LW_OPTIMISE_TASK_TARGET_OUTLINE_INTERNAL_H
 
@@ -11,8 +11,8 @@
 typedef struct lw_outline {
     size_t   n, room;
     lw_vec2 *p;                       /* malloc; in the drawing's units                             */
-    long    *line;                    /* where each stood                                           */
-    bool     curved;                  /* some of it is bent                                         */
+    long    *line;                    /* line of the file of each point                             */
+    bool     curved;                  /* a part of it is curved                                     */
     bool     closed;                  /* the file says so                                           */
     bool     failed;                  /* no memory, or more than LW_OUTLINE_MAX                     */
 } lw_outline;
@@ -20,10 +20,10 @@ typedef struct lw_outline {
 void lw_outline_free(lw_outline *c);
 void lw_outline_add(lw_outline *c, lw_vec2 p, long line);        /* a repeated point is passed over  */
 
-/* From the last point of c along an arc about `at` by `sweep` [rad, either way]; it ends at `end` exactly. */
+/* Add an arc from the last point of c about `at` by `sweep` [rad, either direction]; it ends exactly at `end`. */
 void lw_outline_arc(lw_outline *c, lw_vec2 at, double sweep, lw_vec2 end, long line);
 
-/* Stations in metres; unit: what a length unit of the drawing is called.  Frees c. */
+/* Make stations in metres; unit: name of the drawing's length unit. Frees c. */
 lw_status lw_outline_target(lw_outline *c, const char *file, const char *unit, const lw_target_options *o, lw_target *t,
                             lw_error *e);
 

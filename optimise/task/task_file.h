@@ -1,4 +1,4 @@
-/* optimise/task/task_file.h - a task file: what is wanted of a linkage, and under which conditions, as one JSON object
+/* optimise/task/task_file.h - a task file: the task and the conditions of a linkage as one JSON object
  * (docs/notation.md, "Task"). */
 #ifndef LW_OPTIMISE_TASK_TASK_FILE_H
 #define LW_OPTIMISE_TASK_TASK_FILE_H
@@ -8,16 +8,16 @@
 #define LW_DWELL_MAX  8
 #define LW_TASK_FILE_TEXT 256
 
-/* The output rests while the input goes from `from` to `to`: as `points` stations more. */
+/* A dwell: the output rests while the input moves from `from` to `to`. It adds `points` stations. */
 typedef struct lw_dwell {
     double from, to;            /* input [rad]                                                     */
-    double theta;               /* output or tool angle [rad], where the task has one              */
-    lw_vec2 at;                 /* point [m], where the task has one                               */
+    double theta;               /* output or tool angle [rad], if the task has one                 */
+    lw_vec2 at;                 /* point [m], if the task has one                                  */
     int    points;
     double weight;
 } lw_dwell;
 
-/* What a further point has to do. */
+/* Targets of a further point. */
 typedef struct lw_task_file_tracer {
     char      target[LW_TASK_FILE_TEXT];        /* as those of lw_task_file                                */
     lw_target stations;
@@ -29,25 +29,25 @@ typedef struct lw_task_file {
     lw_target   stations;                   /* given in the task itself; n 0: none                 */
     int         n_also;
     lw_task_file_tracer also[LW_ALSO_MAX];      /* further points, row by row with these (lw_target_join) */
-    int         closed;                     /* 1, 0, -1: not said                                  */
+    int         closed;                     /* 1, 0, -1: not given                                 */
     lw_fit_spec spec;
-    bool        has_task, has_timing;       /* said, else as the target's columns suggest          */
-    int         links, dof;                 /* 0: not said                                         */
-    char        joints[16], topology[LW_TASK_FILE_TEXT];      /* "": not said                           */
+    bool        has_task, has_timing;       /* given; else the target's columns decide             */
+    int         links, dof;                 /* 0: not given                                        */
+    char        joints[16], topology[LW_TASK_FILE_TEXT];      /* "": not given                          */
     int         n_dwell;
     lw_dwell    dwell[LW_DWELL_MAX];
     lw_units    units;
     long        zone_line[LW_ZONE_MAX];     /* of the file, for messages                           */
 } lw_task_file;
 
-/* Read a task.  LW_E_NOTATION with line and column, also for conditions that contradict each other;
- * LW_E_MEMORY.  b needs no _free after a failure. */
+/* Read a task. LW_E_NOTATION with line and column, also if conditions contradict each other; LW_E_MEMORY. After a
+ * failure b needs no _free. */
 lw_status lw_task_file_read(const char *text, size_t size, const char *file, lw_task_file *b, lw_error *e);
 void      lw_task_file_free(lw_task_file *b);
 
-/* The stations of the target (of all points, joined) with those of the dwells among them, in order of the input.
- * LW_E_ARG: a dwell without input angles in the target or beside further points, or a station inside a forbidden
- * zone.  t is new. */
+/* Make a target t from the stations of the target (of all points, joined) and those of the dwells, in order of the
+ * input. LW_E_ARG: a dwell in a target without input angles or with further points, or a station inside a forbidden
+ * zone. */
 lw_status lw_task_file_target(const lw_task_file *b, const lw_target *from, lw_target *t, lw_error *e);
 
 #endif
