@@ -405,7 +405,7 @@ LW_API double    lw_kinematics_input(const lw_kinematics *kinematics);
 /* Turns of the linkage's input in one turn here: more than 1 with gears of fractional ratio. */
 LW_API int       lw_kinematics_turns(const lw_kinematics *kinematics);
 
-/* Dimensions: "r1", "cx", "theta0", ... (docs/theory.md).  Changing one keeps the topology and the assembly mode. */
+/* Dimensions: "r1", "cx", "theta0", ... (docs/conventions.md).  Changing one keeps the topology and the assembly mode. */
 LW_API int         lw_kinematics_n_dimension(const lw_kinematics *kinematics);
 LW_API const char *lw_kinematics_dimension_name(const lw_kinematics *kinematics, int i);
 LW_API double      lw_kinematics_dimension(const lw_kinematics *kinematics, int i);
