@@ -16,7 +16,7 @@ typedef struct lw_fit_options {
     lw_fit_spec spec;
     const char *types;           /* names or letters of mbs/plan/types.h with commas between, or "all" ("fourbar") */
     const lw_families *families; /* search in these by successive halving instead of in types; NULL: in types */
-    long        budget;          /* with `families`: no round begins after so many evaluations of f.  An evaluation of a
+    long        budget;          /* with `families`: no round begins after this many evaluations.  An evaluation of a
                                   * linkage with higher groups counts as LW_HIGHER_COST.  0: 1000000 */
     long        sweep;           /* with `families`: evaluations that the first look of the first sweep may cost, and
                                   * the same number for its halvings; each further sweep costs twice as much as the

@@ -312,8 +312,8 @@ static int best_of_types(const lw_search *s, const lw_found **best)
     return n_type;
 }
 
-/* List the round's best finds, each linkage once, and the best of every type: who allows several types wants to see
- * them all. */
+/* List the round's best finds, each linkage once, and the best of every type, because a user who allows several types
+ * compares them. */
 static void pick(lw_search *s, polish_list *list)
 {
     lw_pool *raw = &s->raw;

@@ -22,7 +22,7 @@ lw_status lw_ratio_list_read(const char *name, const char *text, lw_ratio_list *
 /* The ratios of gear pairs and of tied inputs that a packed mechanism refers to. */
 typedef struct lw_ratio_choices { lw_ratio_list gear, tie; } lw_ratio_choices;
 
-/* A chain and its place in the list of chains with so many links. */
+/* A chain and its index in the list of chains with its number of links. */
 typedef struct lw_numbered_chain {
     lw_mechanism m;            /* nothing is chosen on it                                         */
     int          number, n2;   /* place in the list, from 1; number of joints of two freedoms     */

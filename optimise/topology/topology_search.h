@@ -11,7 +11,7 @@
  *     }
  *
  * The search goes through stages in a fixed order: the four-link types; mechanisms of pins with six, eight, ...
- * links, and with them the starting linkages with so many links; mechanisms with sliders; mechanisms with slots and
+ * links, and with them the starting linkages of that size; mechanisms with sliders; mechanisms with slots and
  * gears.  A stage is the same search whatever follows it.  The best linkages of a stage with two links fewer, and a
  * dyad added, are starts of the next stage, so more links are never worse than fewer.  Same seed, same answer, for
  * any number of threads. */
@@ -44,8 +44,8 @@ lw_topology_search_options lw_topology_search_options_default(void);
 /* What was searched with one number of links, and the best that came of it. */
 typedef struct lw_links_summary {
     int    links;
-    int    n_stage;              /* stages with so many links that were searched                    */
-    int    best;                 /* result with the least objective and up to so many links; -1: none */
+    int    n_stage;              /* stages with this number of links that were searched            */
+    int    best;                 /* result with the least objective and at most this many links; -1: none */
     int    n_grown;              /* starts that are a smaller result with a dyad added              */
     int    n_point_choice;       /* choices of links for the target's further points                */
     long   starts, improved;     /* starting points; local fits                                     */
