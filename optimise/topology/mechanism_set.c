@@ -293,7 +293,7 @@ static lw_status visit_pair(void *context, const lw_mechanism *m)
         return LW_STOPPED;
     lw_status st = lw_inputs_each(m, job->request->dof, false, count_input, job);
     for (int j = 0; j < m->n_joint; j++)
-        slots += m->kind[j] == 'p';
+        slots += lw_joint_has_slot(m->kind[j]);
     lw_graph *form = malloc(sizeof *form << slots);
     if (!form)
         return LW_E_MEMORY;

@@ -175,7 +175,7 @@ static int higher_title(const lw_numbered_chain *c, const lw_packed_mechanism *p
     unsigned bit = 1;
     int n = snprintf(name, size, "%d-link %d.%d %.*s", m.n_link, c->n2, c->number, m.n_joint, m.kind);
     for (int j = 0; j < m.n_joint; j++)
-        if (m.kind[j] == 'p') {
+        if (lw_joint_has_slot(m.kind[j])) {
             n += snprintf(name + n, size - (size_t)n, "%s%d", bit == 1 ? ", slot " : "+",
                           m.link[j][(p->turned & bit) != 0] + 1);
             bit <<= 1;
