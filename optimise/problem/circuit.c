@@ -5,6 +5,7 @@
  * sqrt(half), so that the speed is continuous from one stroke to the next. */
 #include "optimise/problem/circuit.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "mbs/kinematics/motion.h"
@@ -70,6 +71,7 @@ static bool find_cycle(const lw_problem *p, const double *x, lw_work *w)
     if (lw_closed_motion_find(&p->plan, x, p->intended.mode, p->intended.mid*input_unit(p, x), w->batch, c) != LW_OK)
         return false;
     s->turning = c->n == 0;
+    assert(c->n <= LW_LEG_MAX);
     s->n = c->n;
     s->gain = c->gain;
     for (int j = 0; j < c->n; j++) {

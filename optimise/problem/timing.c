@@ -2,6 +2,7 @@
  * of the curve by dynamic programming, then Newton steps along the curve. */
 #include "optimise/problem/timing.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "optimise/problem/circuit.h"
@@ -9,6 +10,9 @@
 #include "optimise/problem/variable_projection.h"
 
 enum { M = LW_CURVE_SAMPLES };
+static_assert((M & (M - 1)) == 0, "sample numbers wrap by a mask");
+
+#define SMALL_MOVE 1e-13   /* a shorter move of an input [rad] is rounding: no secant is taken over it */
 
 void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w)
 {
@@ -254,7 +258,7 @@ static void propose(const lw_problem *p, lw_work *w, bool have_old)
             slope += t[i]*w->res[(size_t)i*w->ld + k];
         double bend = t2 + 1e-30;
         double moved = w->phase[k] - old[k];
-        if (have_old && fabs(moved) > 1e-13) {
+        if (have_old && fabs(moved) > SMALL_MOVE) {
             double secant = (slope - slope_old[k])/moved;
             if (secant > 0.02*t2)
                 bend = secant;
@@ -270,7 +274,7 @@ static void propose(const lw_problem *p, lw_work *w, bool have_old)
  * shortened steps is no step of a block. */
 static double shorten(const lw_problem *p, lw_work *w)
 {
-    const double most = 0.3, *old = w->try_theta;
+    const double most = LW_TIMING_MOVE_MAX, *old = w->try_theta;
     double longest = 0;
     for (size_t k = 0; k < p->n; k++) {
         double move = w->phase[k] - old[k];

@@ -7,6 +7,8 @@
 
 #include "optimise/problem/work.h"
 
+#define LW_TIMING_MOVE_MAX 0.3      /* longest move of the input of a free station in one step [rad] */
+
 /* Compute the curves of all points at LW_CURVE_SAMPLES inputs. */
 void lw_timing_sample(const lw_problem *p, const double *x, lw_work *w);
 

@@ -31,6 +31,10 @@ bool lw_timing_joined(const lw_problem *p, const lw_work *w, size_t k)
                         : w->phase[k] == p->intended.sense*(p->intended.sense*w->phase[0] + 2*LW_PI);
 }
 
+/* At a cusp the input moves nothing, and is not eliminated: the squared derivative of the residuals by the input, over
+ * the weight, is below this (a cusp is known to half of the digits). */
+#define CUSP 1e-13
+
 /* Products of a block's tangent with each column of its rows, and with its residuals. */
 static void project(const lw_problem *p, const lw_work *w, size_t first, size_t count, double *by,
                     double *slip)
@@ -58,7 +62,7 @@ static void eliminate_block(const lw_problem *p, lw_work *w, size_t first, size_
         t2 += lw_problem_tangent(p, w, k, t);
         mass += p->w[k];
     }
-    bool still = !(t2 > 1e-13*mass);     /* the input moves nothing (at a cusp, found to half of the digits)    */
+    bool still = !(t2 > CUSP*mass);
     if (!still)
         project(p, w, first, count, by, &slip);
     for (size_t q = 0; q < count; q++) {

@@ -1,5 +1,6 @@
 #include "optimise/solvers/lm.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +13,16 @@
 #include "optimise/solvers/qp.h"
 
 enum { ROW_MAX = 2*LW_QP_MAX + LW_LINEAR_MAX };
+
+#define DAMPING_FIRST  1e-3      /* of a run                                                                     */
+#define DAMPING_LEAST  1e-14     /* below this a step is a Gauss-Newton step                                     */
+#define DAMPING_RETRY  1e-12     /* least damping that grows after a step that failed                            */
+#define DAMPING_MOST   1e12      /* with more, steps are below rounding: x no longer moves                       */
+#define DIAGONAL_LEAST 1e-10     /* least diagonal of J'J in the damping, relative to the largest                */
+#define RIDGE          1e-15     /* added to the diagonal, relative to the largest: keeps J'J positive definite  */
+#define PROMISE_LEAST  1e-16     /* a smaller relative fall is rounding: the gradient is zero                    */
+#define REASSIGN_GAIN  1e-7      /* least relative fall of f for which a new assignment of inputs is kept        */
+#define MARGIN         1e-12     /* conditions may be violated by this much, which is rounding                   */
 
 lw_lm_options lw_lm_options_default(void)
 {
@@ -38,6 +49,7 @@ static void choose_variables(const lw_problem *p, model *q)
 /* sign step[i] >= b */
 static void bound_row(model *q, int i, double sign, double b)
 {
+    assert(q->m < ROW_MAX);
     double *a = q->a + q->m*q->n;
     memset(a, 0, sizeof *a*(size_t)q->n);
     a[i] = sign;
@@ -58,6 +70,7 @@ static void conditions(const lw_problem *p, const double *x, model *q)
         double now = 0;
         for (int v = 0; v < p->n_var; v++)
             now += p->linear[j][v]*x[v];
+        assert(q->m < ROW_MAX);
         for (int i = 0; i < q->n; i++)
             q->a[q->m*q->n + i] = p->linear[j][q->var[i]];
         q->b[q->m++] = LW_LINEAR_LEAST - now;
@@ -80,7 +93,7 @@ static double solve_step(model *q, double damping)
     for (int i = 0; i < n; i++)
         most = fmax(most, q->h[i*n + i]);
     for (int i = 0; i < n; i++)
-        l[i*n + i] += damping*fmax(q->h[i*n + i], 1e-10*most) + 1e-15*most + 1e-300;
+        l[i*n + i] += damping*fmax(q->h[i*n + i], DIAGONAL_LEAST*most) + RIDGE*most + 1e-300;
     if (!lw_qp_cholesky(n, l) || !lw_qp_solve(n, l, q->g, q->m, q->a, q->b, q->step))
         return -1;
     for (int i = 0; i < n; i++) {
@@ -103,7 +116,7 @@ static void move_inputs(const lw_problem *p, lw_work *w, const model *q)
         double d = w->slip[k];
         for (int i = 0; i < q->n; i++)
             d += w->slide[(size_t)q->var[i]*w->ld + k]*q->step[i];
-        w->phase[k] -= fmax(-0.3, fmin(0.3, d));
+        w->phase[k] -= fmax(-LW_TIMING_MOVE_MAX, fmin(LW_TIMING_MOVE_MAX, d));
     }
     if (p->timing == LW_TIMING_FREE)
         lw_timing_order(p, w->phase, weight, w->pool);
@@ -150,7 +163,7 @@ static lw_stop advance(run *r, double *x)
     memcpy(keep, r->w->phase, p->n*sizeof *keep);
     for (; r->steps < r->o->max_steps; r->steps++) {
         double promise = solve_step(&r->q, r->damping);
-        if (promise >= 0 && promise <= 1e-16*r->f)
+        if (promise >= 0 && promise <= PROMISE_LEAST*r->f)
             return LW_STOP_GRADIENT;
         memcpy(trial, x, sizeof trial[0]*(size_t)p->n_var);
         for (int i = 0; i < r->q.n; i++)
@@ -162,7 +175,7 @@ static lw_stop advance(run *r, double *x)
         r->evals++;
         if (f < r->f) {
             double gain = (r->f - f)/promise;
-            r->damping = fmax(1e-14, r->damping*fmax(0.1, 1 - pow(2*gain - 1, 3)));
+            r->damping = fmax(DAMPING_LEAST, r->damping*fmax(0.1, 1 - pow(2*gain - 1, 3)));
             r->growth = 2;
             r->idle = f > r->f*(1 - r->o->f_tol) ? r->idle + 1 : 0;
             r->f = f;
@@ -171,9 +184,9 @@ static lw_stop advance(run *r, double *x)
             return r->idle >= 3 ? LW_STOP_F_TOL : LW_STOP_EVALS;
         }
         memcpy(r->w->phase, keep, p->n*sizeof *keep);
-        r->damping = fmax(r->damping, 1e-12)*r->growth;
+        r->damping = fmax(r->damping, DAMPING_RETRY)*r->growth;
         r->growth *= 2;
-        if (r->damping > 1e12)
+        if (r->damping > DAMPING_MOST)
             return LW_STOP_X_TOL;
     }
     return LW_STOP_EVALS;
@@ -194,7 +207,7 @@ static bool called_off(const run *r, lw_stop *why)
 static lw_stop descend(run *r, double *x)
 {
     lw_stop why;
-    r->damping = 1e-3;
+    r->damping = DAMPING_FIRST;
     r->growth = 2;
     r->idle = 0;
     while (r->steps < r->o->max_steps) {
@@ -221,7 +234,7 @@ static bool reassigned(run *r, const double *x)
     if (lw_problem_settle(r->p, x, r->w))
         f = lw_problem_rows(r->p, x, r->w, false);
     r->evals++;
-    if (f < r->f*(1 - 1e-7)) {
+    if (f < r->f*(1 - REASSIGN_GAIN)) {
         r->f = f;
         return true;
     }
@@ -286,7 +299,7 @@ double lw_lm_conditioned(const lw_problem *p, const lw_lm_options *o, double *x,
                          long *evals, lw_stop *stop)
 {
     double f = lw_lm_improve(p, o, x, false, work, evals, stop);
-    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, 1e-12, work))
+    if (!isfinite(f) || !lw_problem_is_nonlinear(p) || lw_problem_admissible(p, x, MARGIN, work))
         return f;
     lw_solver_options so = lw_solver_options_default();
     lw_solver_result r;

@@ -1,12 +1,18 @@
 #include "optimise/solvers/qp.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
+
+#define ROUNDING_ROW  1e-13      /* of a . p - b, relative to its terms                                            */
+#define ROUNDING_STEP 1e-14      /* of p, relative to its way, in the metric of H                                  */
+#define DEPENDENT     1e-22      /* a row with less of its square outside the active rows depends on them          */
 
 /* These functions work column by column, because the operations of one column do not depend on each other. */
 bool lw_qp_cholesky(int n, double *h)
 {
     double column[LW_QP_MAX];
+    assert(n <= LW_QP_MAX);
     for (int k = 0; k < n; k++) {
         double pivot = h[k*n + k];
         if (!(pivot > 0 && isfinite(pivot)))
@@ -120,7 +126,7 @@ static double rounding(const active *w, int j, const double *l, const double *a,
         scale += fabs(a[j*n + c]*p[c]);
     memcpy(y, a + j*n, sizeof(double)*(size_t)n);
     forward(n, l, y);
-    return 1e-13*scale + 1e-14*sqrt(dot(n, y, y))*w->size;
+    return ROUNDING_ROW*scale + ROUNDING_STEP*sqrt(dot(n, y, y))*w->size;
 }
 
 static int most_violated(const active *w, int m, const double *l, const double *a, const double *b,
@@ -188,7 +194,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
                 t1 = w->u[k]/d[k];
                 leave = k;
             }
-        if (z2 > 1e-22*y2 && w->count < n)
+        if (z2 > DEPENDENT*y2 && w->count < n)
             t2 = -gap/z2;
         double t = fmin(t1, t2);
         if (!isfinite(t))
@@ -204,6 +210,7 @@ static bool bring_in(active *w, int j, double gap, const double *l, const double
             grow(w, l, p);
         }
         if (t2 <= t1) {
+            assert(w->count < n);
             w->row[w->count] = j;
             w->u[w->count++] = u_new;
             remake(w, l, a);
@@ -218,6 +225,7 @@ bool lw_qp_solve(int n, const double *l, const double *g, int m, const double *a
                  double *p)
 {
     active w;                                   /* q and r are set as far as they are read       */
+    assert(n <= LW_QP_MAX);
     w.n = n;
     w.count = 0;
     for (int i = 0; i < n; i++)

@@ -1,5 +1,6 @@
 #include "optimise/task/specification.h"
 
+#include <assert.h>
 #include <math.h>
 
 #define X(id, name, place, angle, prescribed) { name, place, angle, prescribed },
@@ -49,6 +50,7 @@ static int cuts(const lw_fit_spec *s, const lw_zone *box, bool y, double edge[ED
             if (side[k] > lo && side[k] < hi)
                 edge[n++] = side[k];
     }
+    assert(n <= EDGES);
     for (int i = 1; i < n; i++)
         for (int k = i; k > 0 && edge[k - 1] > edge[k]; k--) {
             double swap = edge[k];
