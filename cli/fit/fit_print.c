@@ -194,7 +194,7 @@ static void json_errors(const cli_fit_set *s, const lw_fit_report *r, cli_json *
 /* Value of one input in the user's unit: angles in radians. */
 static double input_value(const cli_fit_set *s, const lw_fit_report *r, double si)
 {
-    return r->linkage.joint[r->linkage.input[0].joint].kind == LW_JOINT_SLIDER ? length(s, si) : si;
+    return lw_joint_slides(r->linkage.joint[r->linkage.input[0].joint].kind) ? length(s, si) : si;
 }
 
 /* Print where joints reverse; inputs as in `inputs`. */
