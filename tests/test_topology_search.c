@@ -1,0 +1,108 @@
+/* A search over topologies in one call: results pass a second simulation, six links are never worse than four, the
+ * answer does not depend on the number of threads, and the stop flag and the progress are honoured. */
+#include <string.h>
+
+#include "mbs/constraints/newton.h"
+#include "optimise/topology/topology_search.h"
+#include "tests/check.h"
+
+static lw_topology_search_options options(int links, int jobs)
+{
+    lw_topology_search_options o = lw_topology_search_options_default();
+    o.links = links;
+    o.fit.jobs = jobs;
+    o.fit.starts = 30;
+    o.fit.max_rounds = 1;
+    o.fit.budget = 3000;
+    o.fit.n_result = 3;
+    return o;
+}
+
+static lw_target target(void)
+{
+    static const double x[] = { 0, 1, 2, 3, 3, 2.6, 1.5, 0.4 }, y[] = { 0, 0.2, 0, 0.3, 1.2, 2, 1.7, 1.4 };
+    lw_target t;
+    CHECK_INT(lw_target_make(8, x, y, NULL, NULL, NULL, 1, &t, NULL), LW_OK);
+    return t;
+}
+
+/* Can the input of the linkage move, by its constraint equations alone? */
+static bool drives(const lw_linkage *k)
+{
+    lw_newton *n;
+    double reached;
+    if (lw_newton_create(k, &n, NULL) != LW_OK)
+        return false;
+    double from = k->input[0].value;
+    bool moves = lw_newton_move(n, from + 1e-3, &reached) == LW_OK || lw_newton_move(n, from - 1e-3, &reached) == LW_OK;
+    lw_newton_free(n);
+    return moves;
+}
+
+static double best_of(const lw_topology_search *s) { return s->found.fit.candidate[0].objective; }
+
+static void six_links_are_never_worse_than_four(void)
+{
+    lw_target t = target();
+    lw_topology_search_options o = options(4, 2);
+    lw_topology_search four, six, again;
+    lw_fit fit;
+    CHECK_INT(lw_topology_search_run(&t, &o, &four, NULL), LW_OK);
+    CHECK_INT(lw_fit_run(&t, &o.fit, &fit, NULL), LW_OK);
+    CHECK(fit.candidate[0].objective == best_of(&four));           /* with four links it is the plain fit */
+    o = options(6, 2);
+    CHECK_INT(lw_topology_search_run(&t, &o, &six, NULL), LW_OK);
+    CHECK(best_of(&six) <= best_of(&four));
+    CHECK(six.results.n > 0 && six.n_links == 2 && six.by_links[0].links == 4 && six.by_links[1].links == 6);
+    for (int i = 0; i < six.results.n; i++)
+        CHECK(six.results.report[i].verified && drives(&six.results.report[i].linkage));
+    o = options(6, 1);
+    CHECK_INT(lw_topology_search_run(&t, &o, &again, NULL), LW_OK);
+    CHECK_INT(six.found.fit.n, again.found.fit.n);
+    for (int i = 0; i < six.found.fit.n && i < again.found.fit.n; i++) {
+        const lw_candidate *a = &six.found.fit.candidate[i], *b = &again.found.fit.candidate[i];
+        CHECK(a->objective == b->objective && strcmp(a->family->name, b->family->name) == 0);
+        CHECK(memcmp(a->dim, b->dim, sizeof *a->dim*(size_t)a->n_dim) == 0);
+    }
+    lw_fit_free(&fit);
+    lw_topology_search_free(&four);
+    lw_topology_search_free(&six);
+    lw_topology_search_free(&again);
+    lw_target_free(&t);
+}
+
+typedef struct watcher { int calls, stop; bool in_range; } watcher;
+
+static void watch(void *context, double done, double seconds, double best)
+{
+    watcher *w = context;
+    (void)seconds;
+    (void)best;
+    w->calls++;
+    w->in_range &= done >= 0 && done <= 1;
+    w->stop = 1;
+}
+
+static void progress_is_told_and_the_stop_flag_honoured(void)
+{
+    lw_target t = target();
+    lw_topology_search_options o = options(6, 1);
+    lw_topology_search s;
+    watcher w = { .in_range = true };
+    o.fit.progress = watch;
+    o.fit.context = &w;
+    o.fit.interrupt = &w.stop;
+    CHECK_INT(lw_topology_search_run(&t, &o, &s, NULL), LW_STOPPED);
+    CHECK(w.calls > 0 && w.in_range);
+    CHECK_INT(s.found.fit.stop, LW_STOP_USER);
+    CHECK(s.found.fit.n > 0);                                      /* what the first round found is kept */
+    lw_topology_search_free(&s);
+    lw_target_free(&t);
+}
+
+int main(void)
+{
+    RUN(six_links_are_never_worse_than_four);
+    RUN(progress_is_told_and_the_stop_flag_honoured);
+    return check_end();
+}
