@@ -78,11 +78,51 @@ static void both_simulations_come_to_one_objective(void)
     }
 }
 
+static void files_of_another_kind_are_named(void)
+{
+    expect("$P trace examples/ellipse.csv", 3, "", "this is a target, not a linkage: did you mean 'linkwright fit");
+    expect("$P simulate examples/ellipse.csv", 3, "", "this is a target, not a linkage");
+    expect("$P draw examples/ellipse.csv -o $D/x.svg", 3, "", "this is a target, not a linkage");
+    expect("$P trace examples/tasks/dwell.json", 3, "", "this is a task, not a linkage");
+    expect("$P fit examples/hoeken.json", 3, "", "this is a linkage, not a target or a task: did you mean "
+           "'linkwright trace");
+    expect("$P fit $D/marked.json", 3, "", "this is a list of results, not a target");
+}
+
+static void an_odd_number_of_links_with_pins_is_told(void)
+{
+    expect("$P fit examples/ellipse.csv --links 5 --rounds 1 --budget 1000", 0, "four-bar", "up to 4 are searched, not 5");
+    expect("$P fit examples/ellipse.csv --links 4 --rounds 1 2>&1 > $D/o | grep -c searched", 1, "0", NULL);
+}
+
+static void pins_are_traced_without_tracers(void)
+{
+    expect("sed 's/\"tracers\"/\"x-tracers\"/' examples/hoeken.json > $D/pins.json; "
+           "$P trace $D/pins.json -n 3", 0, ",0,B,30,",
+           "its moving pins are traced");
+    expect("$P trace $D/pins.json -n 3 --tracer B | grep -c ,A,", 1, "0", NULL);
+    expect("$P trace examples/hoeken.json -n 3 2>&1 | grep pins", 1, "", NULL);
+}
+
+static void lines_of_lengths_are_classified(void)
+{
+    expect("printf 'a,b,c,d\\n4,2,4,3\\n# x\\n\\n4;2;4;2\\n1 9 1 1' > $D/lengths.csv; $P classify $D/lengths.csv", 0,
+           "4,2,4,3,2,GCRR,\"crank-rocker\",yes,yes,no,2,", NULL);
+    expect("$P classify - < $D/lengths.csv | wc -l", 0, "4", NULL);
+    expect("$P classify - --json < $D/lengths.csv | head -n 1 | grep -c GCRR", 0, "1", NULL);
+    expect("printf '1,2,3\\n' | $P classify -", 3, "", "standard input:1: a line has four lengths");
+    expect("$P classify 5 2 4", 2, "", "L1 L2 L3 L4");
+}
+
 int main(void)
 {
     RUN(inputs_of_sliders_have_the_unit_of_the_target);
     RUN(four_bars_near_a_change_point_are_marked);
     RUN(open_targets_over_limits_have_legs_and_modes);
     RUN(both_simulations_come_to_one_objective);
+    RUN(files_of_another_kind_are_named);
+    RUN(an_odd_number_of_links_with_pins_is_told);
+    RUN(pins_are_traced_without_tracers);
+    RUN(lines_of_lengths_are_classified);
     return check_end();
 }

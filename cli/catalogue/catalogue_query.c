@@ -17,6 +17,7 @@ typedef struct job {
     const cli_call     *call;
     cli_catalogue_watch watch;
     int                 format;
+    bool                sql;               /* the question is SQL, whose columns are not fields       */
     lw_output           out;
     uint64_t            n;
     int                 n_column, width[128];
@@ -179,13 +180,29 @@ static lw_status csv_row(job *j, const lw_value *v)
     return LW_OK;
 }
 
+/* The name of a column with the unit of its values, which are in SI. */
+static void name_with_unit(const char *name, char *text, size_t size)
+{
+    const lw_query_field *f = lw_fields;
+    while (f->name && strcmp(f->name, name) != 0)
+        f++;
+    const char *unit = !f->name ? "" : f->kind == LW_FIELD_LENGTH ? " [m]" : f->kind == LW_FIELD_ANGLE ? " [rad]"
+                     : strcmp(name, "error") == 0 ? " [of path]" : "";
+    snprintf(text, size, "%s%s", name, unit);
+}
+
 static lw_status take_head(void *context, int n_column, const char *const *name)
 {
     job *j = context;
     lw_value v[128];
+    char title[128][64];
     j->n_column = n_column;
-    for (int i = 0; i < n_column; i++)
-        v[i] = (lw_value){ .kind = LW_VALUE_TEXT, .text = name[i], .size = strlen(name[i]) };
+    for (int i = 0; i < n_column; i++) {
+        const char *text = name[i];
+        if (j->format == TABLE && !j->sql)
+            name_with_unit(name[i], title[i], sizeof title[i]), text = title[i];
+        v[i] = (lw_value){ .kind = LW_VALUE_TEXT, .text = text, .size = strlen(text) };
+    }
     return j->format == TABLE ? table_row(j, v) : j->format == CSV ? csv_row(j, v) : LW_OK;
 }
 
@@ -277,6 +294,7 @@ int cli_catalogue_query(const cli_call *call)
     if (s->fields)
         return print_fields(call);
     j.format = call->common.json || s->format == JSON ? JSON : s->format == CSV ? CSV : TABLE;
+    j.sql = s->sql;
     if (s->format > CSV)
         return cli_usage(call, "query prints table, json or csv; export writes notations");
     if (s->sql && call->parsed.n_word < 3)

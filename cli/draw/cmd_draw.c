@@ -122,6 +122,9 @@ static bool holds_topologies(const char *path)
     size_t blank = strspn(text, " \t\r\n");
     lw_topologies t = lw_topologies_open(text, size, path);
     bool yes = text[blank] && (text[blank] != '{' || lw_topologies_next(&t, &m, NULL) == LW_OK);
+    size_t n = strlen(path);
+    if (n > 4 && strcmp(path + n - 4, ".csv") == 0 && cli_is_target(text, size))
+        yes = false;
     free(text);
     return yes;
 }

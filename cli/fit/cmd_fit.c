@@ -25,7 +25,7 @@ static const cli_option options[] = {
       "types of four-link mechanism to try: fourbar, slidercrank, inverted, ..., or the letters of their joints such "
       "as RRRP (R pin, P slider); 'all' tries every type", 0, 0, NULL, NULL },
     { "links", 'l', CLI_INT, offsetof(settings, links), "P", "4",
-      "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers from 3 are possible too; "
+      "try all mechanisms with up to P links: 4, 6 or 8. With --joints p or g, odd numbers are possible too; "
       "with --dof 2, numbers from 5", 4, 10, NULL, NULL },
     { "dof", 'd', CLI_INT, offsetof(settings, dof), "F", "1",
       "degree of freedom, 1 to 3: the number of driven joints at the ground. 2 gives mechanisms of 5, 7 and 9 links, 3 "
@@ -325,6 +325,10 @@ static lw_status topologies(const cli_call *call, cli_fit_set *set, lw_topology_
     o->gear_ratios = s->gear_ratios;
     o->input_ratios = s->input_ratios;
     lw_status st = check_dof(call, o->freedoms, o->links, e);
+    if (st == LW_OK && o->links > 0 && (o->links - 1 - o->freedoms)%2 != 0 && !lw_kinds_have_two_freedoms(o->joints))
+        cli_note(call, "with pins and sliders a mechanism of F = %d has an %s number of links: up to %d are searched, "
+                 "not %d; '--joints r,p,g' gives slots and gear pairs too", o->freedoms,
+                 o->freedoms%2 ? "even" : "odd", o->links - 1, o->links);
     if (st == LW_OK && s->resume)
         st = cli_fit_start_read(s->resume, &set->start, e);
     if (st == LW_OK && s->atlas)

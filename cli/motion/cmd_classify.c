@@ -1,4 +1,8 @@
 /* linkwright classify - classify the motion of a four-bar by its four lengths. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/units.h"
 #include "cli/program/json.h"
 #include "cli/program/output.h"
@@ -70,9 +74,9 @@ static void json_angles(cli_json *j, const char *key, const double *a, int n, un
     cli_json_reals(j, key, v, (size_t)n);
 }
 
-static void write_json(FILE *f, const double r[4], const lw_fourbar_class *c, unit u)
+static void write_json(FILE *f, const double r[4], const lw_fourbar_class *c, unit u, int indent)
 {
-    cli_json j = cli_json_begin(f, 2);
+    cli_json j = cli_json_begin(f, indent);
     cli_json_object(&j, NULL);
     cli_json_reals(&j, "lengths", r, 4);
     cli_json_int(&j, "class", c->number);
@@ -97,6 +101,16 @@ static void write_json(FILE *f, const double r[4], const lw_fourbar_class *c, un
     cli_json_end(&j);
 }
 
+static void write_open(FILE *f, const double r[4])
+{
+    cli_json j = cli_json_begin(f, 0);
+    cli_json_object(&j, NULL);
+    cli_json_reals(&j, "lengths", r, 4);
+    cli_json_text(&j, "class", NULL);
+    cli_json_text(&j, "name", "cannot be assembled");
+    cli_json_end(&j);
+}
+
 static lw_status read_lengths(const cli_call *call, double r[4], lw_error *e)
 {
     static const char *const names[4] = { "L1, the frame", "L2, the input", "L3, the coupler",
@@ -110,10 +124,98 @@ static lw_status read_lengths(const cli_call *call, double r[4], lw_error *e)
     return LW_OK;
 }
 
+/* ---- a table ------------------------------------------------------------------------------------ */
+
+/* Read four lengths from a line that ends at `end`, with commas, semicolons or blanks between them. */
+static bool read_line(const char *at, const char *end, double r[4])
+{
+    static const cli_option row = { .kind = CLI_REAL };
+    int n = 0;
+    while (true) {
+        char word[64];
+        at += strspn(at, " \t\r,;");
+        if (at >= end)
+            return n == 4;
+        size_t size = strcspn(at, " \t\r,;\n");
+        if (n == 4 || size >= sizeof word)
+            return false;
+        memcpy(word, at, size);
+        word[size] = 0;
+        if (cli_value(&row, "length", word, &r[n++], NULL) != LW_OK)
+            return false;
+        at += size;
+    }
+}
+
+static void write_row(FILE *f, const double r[4], const lw_fourbar_class *c, unit u)
+{
+    fprintf(f, "%.17g,%.17g,%.17g,%.17g,", r[0], r[1], r[2], r[3]);
+    if (!c)
+        fputs(",,cannot be assembled,,,,,,,\n", f);
+    else
+        fprintf(f, "%d,%s,\"%s\",%s,%s,%s,%d,%.10g,%.10g,%.10g\n", c->number, c->symbol, c->name, yes(c->grashof),
+                yes(c->crank), yes(c->rocker_turns), c->circuits, c->margin, c->transmission[0]/u.radian,
+                c->transmission[1]/u.radian);
+}
+
+/* Lines of four lengths; a first line of names, empty lines and lines with # are passed over. */
+static lw_status write_table(const cli_call *call, FILE *f, const char *file, const char *text, lw_error *e)
+{
+    const settings *s = call->settings;
+    unit u = angle_unit(s->unit);
+    bool first = true;
+    if (!call->common.json)
+        fprintf(f, "l1,l2,l3,l4,class,symbol,name,grashof,input_turns,output_turns,circuits,change_point_margin,"
+                "transmission_min_%s,transmission_max_%s\n", u.name, u.name);
+    for (int line = 1; *text; line++) {
+        const char *end = text + strcspn(text, "\n"), *at = text + strspn(text, " \t\r");
+        lw_fourbar_class c;
+        double r[4];
+        text = *end ? end + 1 : end;
+        if (at >= end || *at == '#')
+            continue;
+        if (!read_line(at, end, r)) {
+            if (!first || !isalpha((unsigned char)*at))
+                return lw_error_at(e, LW_E_NOTATION, file, line, 0, "a line has four lengths, as 4,2,5,3");
+            first = false;
+            continue;
+        }
+        first = false;
+        bool closes = lw_fourbar_classify(r, s->tolerance, &c, NULL) == LW_OK;
+        if (!call->common.json)
+            write_row(f, r, closes ? &c : NULL, u);
+        else if (closes)
+            write_json(f, r, &c, u, 0);
+        else
+            write_open(f, r);
+    }
+    return LW_OK;
+}
+
+static int run_table(const cli_call *call)
+{
+    char *text = NULL;
+    size_t size;
+    lw_output o;
+    lw_error e = { 0 };
+    const char *file = call->parsed.word[0];
+    if (cli_read_file(file, "lines of four lengths", &text, &size, &e) != LW_OK)
+        return cli_fail(call, &e);
+    lw_status st = cli_open(call, &o, &e);
+    if (st == LW_OK && (st = write_table(call, o.f, file, text, &e)) != LW_OK)
+        lw_output_abandon(&o);
+    free(text);
+    return st == LW_OK ? cli_close(call, &o, CLI_DONE) : cli_fail(call, &e);
+}
+
 static int run(const cli_call *call)
 {
     const settings *s = call->settings;
     double r[4];
+    if (call->parsed.n_word == 1)
+        return run_table(call);
+    if (call->parsed.n_word != 4)
+        return cli_usage(call, "give the four lengths L1 L2 L3 L4, or one file with four lengths in each line");
     lw_fourbar_class c;
     lw_output o;
     lw_error e = { 0 };
@@ -122,7 +224,7 @@ static int run(const cli_call *call)
         return cli_fail(call, &e);
     unit u = angle_unit(s->unit);
     if (call->common.json)
-        write_json(o.f, r, &c, u);
+        write_json(o.f, r, &c, u, 2);
     else
         write_text(o.f, &c, u);
     return cli_close(call, &o, CLI_DONE);
@@ -130,21 +232,26 @@ static int run(const cli_call *call)
 
 const cli_command cli_classify_command = {
     .name = "classify",
-    .words = "L1 L2 L3 L4",
+    .words = "L1 L2 L3 L4 | FILE.csv",
     .title = "type of motion of a four-bar, with limits, dead points and transmission angles",
     .examples =
         "  linkwright classify 4 2 5 3                     a crank-rocker? its limits\n"
         "  linkwright classify 4 2 4 2 --tolerance 1e-9    a parallelogram is a change point\n"
-        "  linkwright classify 0.1 0.03 0.08 0.09 --json   the same for programs\n",
+        "  linkwright classify 0.1 0.03 0.08 0.09 --json   the same for programs\n"
+        "  linkwright classify lengths.csv                 a row for each line of four lengths\n",
     .about =
         "Give the lengths in the order frame, input, coupler, output, all in one unit. Classes are the numbers 1\n"
         "to 14 of Barker (1985). Input angles count counter-clockwise from the frame line. 'Limits' are input\n"
         "angles at which the motion must turn back. 'Dead points' are input angles at which input and coupler are\n"
         "in line, so that the output cannot drive. 'Transmission' is the range of the angle between coupler and\n"
-        "output. Lengths that cannot be assembled give exit code 3.\n",
+        "output. Lengths that cannot be assembled give exit code 3.\n"
+        "\n"
+        "FILE has four lengths in each line, with commas or blanks between them; a first line of names and lines\n"
+        "that begin with # are passed over, - is standard input. The answer is a CSV row for each, with --json one\n"
+        "object a line; lengths that cannot be assembled have no class.\n",
     .options = options,
     .settings_size = sizeof(settings),
-    .least_words = 4,
+    .least_words = 1,
     .most_words = 4,
     .run = run,
 };

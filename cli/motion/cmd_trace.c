@@ -58,13 +58,38 @@ static const cli_option options[] = {
     { .name = NULL }
 };
 
+/* Without tracers: the pins between two moving links, each place once, as far as there is room. */
+static void trace_pins(const cli_call *call, lw_linkage *k)
+{
+    int left_out = 0;
+    for (int i = 0; i < k->n_joint; i++) {
+        const lw_joint *j = &k->joint[i];
+        bool fresh = j->kind == LW_JOINT_REVOLUTE && j->link[0] != k->ground && j->link[1] != k->ground;
+        for (int q = 0; q < k->n_tracer; q++)
+            fresh = fresh && (k->tracer[q].at.x != j->at.x || k->tracer[q].at.y != j->at.y);
+        if (!fresh)
+            continue;
+        if (k->n_tracer == LW_TRACER_MAX) {
+            left_out++;
+            continue;
+        }
+        lw_tracer *t = &k->tracer[k->n_tracer++];
+        *t = (lw_tracer){ .link = j->link[0], .at = j->at };
+        snprintf(t->name, sizeof t->name, "%s", j->name);
+    }
+    if (k->n_tracer > 0)
+        cli_note(call, "the file has no tracers: its moving pins are traced");
+    if (left_out > 0)
+        cli_note(call, "%d more moving pins are left out; name the points you want in \"tracers\"", left_out);
+}
+
 static lw_status choose_tracers(const settings *s, const char *file, const lw_linkage *k,
                                 unsigned *tracers, lw_error *e)
 {
     const char *names[LW_TRACER_MAX];
     if (k->n_tracer == 0)
-        return lw_error_at(e, LW_E_ARG, file, 0, 0, "the linkage has no tracer, so there is nothing to "
-                           "trace; add \"tracers\" to the file");
+        return lw_error_at(e, LW_E_ARG, file, 0, 0, "the linkage has no tracer and no pin between moving links, so "
+                           "there is nothing to trace; add \"tracers\" to the file");
     *tracers = (1u << k->n_tracer) - 1;
     if (!s->tracer)
         return LW_OK;
@@ -474,6 +499,8 @@ static int run(const cli_call *call)
     if (!m)
         return cli_fail(call, &e);
     job j = { call, s, m, 0, until };
+    if (m->linkage.n_tracer == 0)
+        trace_pins(call, &m->linkage);
     bool good = choose_tracers(s, call->parsed.word[0], &m->linkage, &j.tracers, &e) == LW_OK
                 && hold_idle(call, &m->linkage, &e) == LW_OK;
     int code = good ? choose_way(&j) : fail_in(call, &e);
@@ -499,7 +526,7 @@ const cli_command cli_trace_command = {
         "angles are in the units of the file. The derivatives (v, a, j) are with respect to the input in rad, or\n"
         "in its length unit for a slider; those of the tool angle are in rad. At a limit derivatives do not\n"
         "exist: their fields are empty (null in JSON). Lines that begin with # give units, arcs, limits and dead\n"
-        "points. MODEL may be - for standard input.\n"
+        "points. Without tracers in the file its moving pins are traced. MODEL may be - for standard input.\n"
         "\n"
         "Linkages made of dyads are solved in closed form. All others, and those that pass a change point, are\n"
         "followed step by step, with steps small enough never to jump to another assembly mode; standard error\n"

@@ -28,13 +28,25 @@ static char *result_text(const json_t *results, const char *file, int which, lw_
     return text;
 }
 
+bool cli_is_target(const char *text, size_t size)
+{
+    lw_target t;
+    if (lw_target_read(text, size, "", NULL, &t, NULL) != LW_OK)
+        return false;
+    lw_target_free(&t);
+    return true;
+}
+
 /* If *text holds results, replace it by the text of the requested result. */
 static lw_status unwrap(const char *file, int which, char **text, size_t *size, lw_error *e)
 {
     json_t *root = json_loadb(*text, *size, 0, NULL);
     const json_t *results = json_object_get(root, "results");
     lw_status s = LW_OK;
-    if (json_is_array(results)) {
+    if (json_object_get(root, "linkwright-task") || (!root && cli_is_target(*text, *size))) {
+        s = lw_error_at(e, LW_E_NOTATION, file, 0, 0, "this is a %s, not a linkage: did you mean 'linkwright fit %s'?",
+                        root ? "task" : "target", file);
+    } else if (json_is_array(results)) {
         char *inner = result_text(results, file, which, e);
         if (inner) {
             free(*text);
@@ -111,5 +123,18 @@ lw_status cli_read_task_file(const char *path, const lw_target_options *o, lw_ta
 {
     if (strcmp(path, "-") == 0)
         cli_say_waiting("a task (JSON)");
-    return waited(path, lw_task_file_read_file(path, o, b, t, e), e);
+    lw_status s = waited(path, lw_task_file_read_file(path, o, b, t, e), e);
+    char *text = NULL;
+    size_t size;
+    if (s == LW_E_NOTATION && strcmp(path, "-") != 0 && lw_file_read(path, &text, &size, NULL) == LW_OK) {
+        json_t *root = json_loadb(text, size, 0, NULL);
+        bool results = json_is_array(json_object_get(root, "results"));
+        if (results || json_object_get(root, "linkwright"))
+            s = lw_error_at(e, s, path, 0, 0, "this is a %s, not a target or a task: did you mean 'linkwright trace "
+                            "%s', or 'linkwright fit TARGET.csv --start-from %s'?",
+                            results ? "list of results" : "linkage", path, path);
+        json_decref(root);
+    }
+    free(text);
+    return s;
 }

@@ -18,6 +18,9 @@ void             cli_free_model(struct lw_model *m);               /* NULL is fi
 /* The same from text in memory (malloc); *text is replaced if it holds results. */
 lw_status cli_linkage_text(const char *path, int which, char **text, size_t *size, lw_linkage *k, lw_error *e);
 
+/* Is this the text of a target (CSV)? */
+bool cli_is_target(const char *text, size_t size);
+
 /* Read CSV, or the curve of a drawing if the name ends in .svg or .dxf. */
 lw_status cli_read_target(const char *path, const lw_target_options *o, lw_target *t, lw_error *e);
 
