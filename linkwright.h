@@ -807,7 +807,7 @@ typedef struct lw_result_info {
     double      error_mean, error_rms, error_max;        /* distances at the stations [m]                         */
     double      error_percent;         /* mean in percent of the target's length; NaN without length              */
     double      angle_mean, angle_max; /* [rad]; NaN without angles                                              */
-    double      transmission[2];       /* least and greatest over the motion [rad]                                */
+    double      transmission[2];       /* least and greatest over the motion, folded to [0, pi/2] [rad]           */
     double      acceleration_max;      /* by the input [m/rad^2]                                                 */
     bool        turns;                 /* the input turns fully                                                  */
     int         circuits;              /* 0: not counted                                                         */

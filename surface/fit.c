@@ -384,7 +384,7 @@ static lw_status make_scenes(const lw_results *r, lw_scene *scene, lw_page_resul
         s = lw_scene_make(&report->linkage, NULL, &o, &scene[*n], e);
         row[*n] = (lw_page_result){ .scene = &scene[*n], .type = o.title,
                                     .class_name = report->has_class ? report->barker.name : NULL,
-                                    .objective = c->objective,
+                                    .transmission_min = report->transmission_min, .objective = c->objective,
                                     .error_mean = report->error_mean, .error_max = report->error_max,
                                     .error_percent = report->error_percent };
     }

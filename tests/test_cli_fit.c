@@ -114,6 +114,30 @@ static void lines_of_lengths_are_classified(void)
     expect("$P classify 5 2 4", 2, "", "L1 L2 L3 L4");
 }
 
+/* The saved page has every result, its least transmission angle and its file. */
+static void the_page_has_every_result_and_its_file(void)
+{
+    json_t *root = json_of("$P fit examples/film-advance.csv --rounds 1 --save $D/saved -o $D/saved.json -q; "
+                           "cat $D/saved.json"), *r;
+    size_t i, n = json_array_size(json_object_get(root, "results"));
+    char line[200];
+    CHECK(n > 3);
+    json_array_foreach(json_object_get(root, "results"), i, r)
+        CHECK(member(r, "transmission_min") >= 0 && member(r, "transmission_max") <= 1.5707963268);
+    snprintf(line, sizeof line, "grep -c '<figure data-result=' $D/saved/index.html; grep -o 'download=.film-advance-"
+             "[0-9]*.json' $D/saved/index.html | wc -l");
+    ran answer = run(line);
+    int figures = 0, files = 0;
+    CHECK_INT(sscanf(answer.out, "%d %d", &figures, &files), 2);
+    CHECK_INT(figures, n);
+    CHECK_INT(files, n);
+    ran_free(&answer);
+    expect("grep -c 'Least transmission angle .deg.' $D/saved/index.html", 0, NULL, NULL);
+    expect("grep -o 'data:application/json;charset=utf-8,[^\"]*' $D/saved/index.html | head -n 1 | cut -d, -f2 | "
+           "sed 's/%/\\\\x/g' | xargs -0 printf '%b' | diff -B - $D/saved/film-advance-1.json", 0, "", "");
+    json_decref(root);
+}
+
 int main(void)
 {
     RUN(inputs_of_sliders_have_the_unit_of_the_target);
@@ -124,5 +148,6 @@ int main(void)
     RUN(an_odd_number_of_links_with_pins_is_told);
     RUN(pins_are_traced_without_tracers);
     RUN(lines_of_lengths_are_classified);
+    RUN(the_page_has_every_result_and_its_file);
     return check_end();
 }

@@ -1,8 +1,10 @@
 /* catalogues/pages/page.c - targets, results and moving linkages in one page; see page.h */
 #include "catalogues/pages/page.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "catalogues/draw/diagram.h"
@@ -13,7 +15,7 @@
 /* ==== the table of results ==================================================================================== */
 
 typedef enum column {
-    TYPE, CLASS, MEAN, MAX, PERCENT, OBJECTIVE, DIMENSIONS, N_COLUMN
+    TYPE, CLASS, MEAN, MAX, PERCENT, OBJECTIVE, TRANSMISSION, DIMENSIONS, DOWNLOAD, N_COLUMN
 } column;
 
 static const struct { const char *title; bool number, length; } columns[N_COLUMN] = {
@@ -23,7 +25,9 @@ static const struct { const char *title; bool number, length; } columns[N_COLUMN
     [MAX]        = { "Largest error", true, true },
     [PERCENT]    = { "% of path", true, false },
     [OBJECTIVE]  = { "Objective", true, false },
+    [TRANSMISSION] = { "Least transmission angle [deg]", true, false },
     [DIMENSIONS] = { "Dimensions", false, false },
+    [DOWNLOAD]   = { "File", false, false },
 };
 
 static const lw_units *units_of(const lw_page_result *r)
@@ -39,6 +43,7 @@ static double number_in(const lw_page_result *r, column c)
     case MAX:       return r->error_max/units_of(r)->metre;
     case PERCENT:   return r->error_percent;
     case OBJECTIVE: return r->objective;
+    case TRANSMISSION: return r->transmission_min*180/LW_PI;
     default:        return NAN;
     }
 }
@@ -50,6 +55,8 @@ static const char *text_in(const lw_page_result *r, column c)
 
 static bool has(const lw_page_result *r, column c)
 {
+    if (c == DOWNLOAD)
+        return r->file != NULL;
     return c == DIMENSIONS ? r->scene && r->scene->n_dim > 0
                            : text_in(r, c) || !isnan(number_in(r, c));
 }
@@ -72,6 +79,23 @@ static void dimensions(lw_bytes *b, const lw_page_result *r)
         lw_bytes_number(b, lw_scene_dimension(s, i), 6);
         lw_bytes_text(b, "</span> ");
     }
+}
+
+/* A link that holds the linkage itself. */
+static void download(lw_bytes *b, const lw_page_result *r)
+{
+    char *text = r->file ? lw_linkage_write(r->linkage, 1) : NULL, code[4];
+    if (!text)
+        return;
+    lw_bytes_text(b, "<a download=\"");
+    lw_bytes_xml(b, r->file);
+    lw_bytes_text(b, "\" href=\"data:application/json;charset=utf-8,");
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+        snprintf(code, sizeof code, isalnum(*c) && *c < 128 ? "%c" : "%%%02X", *c);
+        lw_bytes_text(b, code);
+    }
+    lw_bytes_text(b, "\">JSON</a>");
+    free(text);
 }
 
 /* Title of a column with its unit, such as "Mean error [mm]"; all results of a target share the unit. */
@@ -113,6 +137,8 @@ static void cell(lw_bytes *b, const lw_page_target *t, const lw_page_result *r, 
     lw_bytes_text(b, "\">");
     if (c == DIMENSIONS)
         dimensions(b, r);
+    else if (c == DOWNLOAD)
+        download(b, r);
     else if (text_in(r, c))
         lw_bytes_xml(b, text_in(r, c));
     else if (!isnan(number_in(r, c)))

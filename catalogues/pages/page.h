@@ -14,6 +14,9 @@ typedef struct lw_page_result {
     const char *type;             /* "four-bar"                                                     */
     const char *class_name;       /* "GCRR crank-rocker"                                            */
     const char *note;             /* a sentence below the picture                                   */
+    const lw_linkage *linkage;    /* offered as JSON ...                                            */
+    const char *file;             /* ... under this name; NULL: not offered                         */
+    double transmission_min;      /* least transmission angle, 0 to pi/2 [rad]                      */
     double objective;             /* value of eq. 17                                                */
     double error_mean, error_max; /* [m]                                                            */
     double error_percent;         /* mean error in percent of the path's length                     */

@@ -7,8 +7,6 @@
 #include "catalogues/pages/page.h"
 #include "cli/fit/fit.h"
 
-enum { PAGE_RESULTS = 3 };
-
 int cli_fit_check_folder(const cli_call *call, const char *folder, int results)
 {
     static const char *const end[] = { "svg", "png", "gif" };
@@ -81,10 +79,10 @@ lw_status cli_fit_save(const cli_fit_set *s, const char *folder, lw_error *e)
 /* ---- the page ------------------------------------------------------------------------------------ */
 
 typedef struct sheet {
-    lw_scene       scene[PAGE_RESULTS];
-    lw_page_result result[PAGE_RESULTS];
-    char           class_name[PAGE_RESULTS][96], about[160];
-    int            n;
+    lw_scene       *scene;                         /* one for each result, as the following            */
+    lw_page_result *result;
+    char          (*class_name)[128], (*file)[128], about[160];
+    int             n;
 } sheet;
 
 static void describe(const cli_fit_set *s, int i, sheet *h)
@@ -92,19 +90,28 @@ static void describe(const cli_fit_set *s, int i, sheet *h)
     const lw_fit_report *r = &s->search.results.report[i];
     const lw_candidate *c = cli_fit_candidate(s, i);
     if (r->has_class)
-        snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s", r->barker.symbol,
-                 r->barker.name);
+        snprintf(h->class_name[i], sizeof h->class_name[i], "%s %s%s", r->barker.symbol, r->barker.name,
+                 cli_fit_near_change_point(r) ? ", near a change point" : "");
+    snprintf(h->file[i], sizeof h->file[i], "%s-%d.json", s->name, i + 1);
     h->result[i] = (lw_page_result){
         .scene = &h->scene[i], .type = lw_family_title(c->family),
-        .class_name = r->has_class ? h->class_name[i] : NULL, .objective = c->objective,
+        .class_name = r->has_class ? h->class_name[i] : NULL, .linkage = &r->linkage, .file = h->file[i],
+        .transmission_min = r->transmission_min, .objective = c->objective,
         .error_mean = r->error_mean, .error_max = r->error_max, .error_percent = r->error_percent
     };
 }
 
 static lw_status fill_sheet(const cli_fit_set *s, sheet *h, lw_page_target *t, lw_error *e)
 {
+    size_t most = (size_t)s->search.results.n;
     lw_status st = LW_OK;
-    for (; h->n < s->search.results.n && h->n < PAGE_RESULTS && st == LW_OK; h->n++) {
+    h->scene = calloc(most, sizeof *h->scene);
+    h->result = calloc(most, sizeof *h->result);
+    h->class_name = calloc(most, sizeof *h->class_name);
+    h->file = calloc(most, sizeof *h->file);
+    if (!h->scene || !h->result || !h->class_name || !h->file)
+        return lw_error_set(e, LW_E_MEMORY, "no memory for a page");
+    for (; h->n < s->search.results.n && st == LW_OK; h->n++) {
         st = make_scene(s, h->n, &h->scene[h->n], e);
         describe(s, h->n, h);
     }
@@ -134,9 +141,14 @@ lw_status cli_fit_page(const cli_fit_set *s, int n_set, const char *folder, lw_e
     snprintf(path, sizeof path, "%s/index.html", folder);
     if (st == LW_OK && n > 0)
         st = lw_file_write(path, bytes.data, bytes.size, e);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
         for (int k = 0; k < h[i].n; k++)
             lw_scene_free(&h[i].scene[k]);
+        free(h[i].scene);
+        free(h[i].result);
+        free(h[i].class_name);
+        free(h[i].file);
+    }
     lw_bytes_free(&bytes);
     free(h);
     free(t);

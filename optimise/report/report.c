@@ -234,6 +234,9 @@ static void measure_between_stations(const lw_target *t, const lw_plan *plan, co
     }
 }
 
+/* A transmission angle in [0, pi] as one in [0, pi/2]. */
+static double folded(double angle) { return fmin(angle, LW_PI - angle); }
+
 /* Describe the circuit of station 0. */
 static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_fit_spec *s, const lw_candidate *c,
                              const lw_motion *m, lw_motion_limits *limits, lw_fit_report *r)
@@ -251,8 +254,9 @@ static void describe_circuit(const lw_target *t, const lw_plan *plan, const lw_f
         measure_between_stations(t, plan, s, c, limits);
     if (!r->turns)
         return;
-    r->transmission_min = a->transmission_min;           /* in [0, pi], and to rounding              */
-    r->transmission_max = a->transmission_max;
+    double first = folded(a->transmission_min), last = folded(a->transmission_max);     /* to rounding */
+    r->transmission_min = fmin(first, last);
+    r->transmission_max = a->transmission_min < LW_PI/2 && a->transmission_max > LW_PI/2 ? LW_PI/2 : fmax(first, last);
 }
 
 static double angle_of(double margin) { return asin(sqrt(fmin(fmax(margin, 0), 1))); }

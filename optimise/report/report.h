@@ -54,7 +54,7 @@ typedef struct lw_fit_report {
     lw_reversal reversal[LW_REVERSAL_MAX];  /* in that range, limits first                          */
     double   transmission_min, transmission_max;    /* over the whole turn, or from station to station if the input does
                                     * not turn [rad]: the angle in [0, pi/2] whose squared sine is the margin of
-                                    * mbs/batch/batch.h; for dyads and a turning input, in [0, pi]  */
+                                    * mbs/batch/batch.h                                             */
     double   acceleration_max;     /* over the same range, by the input: of the tracer [m/rad^2], of a function of the
                                     * output angle [rad/rad^2]                                      */
     bool     has_class;            /* a four-bar that could be classified                           */
