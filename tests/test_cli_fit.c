@@ -114,6 +114,14 @@ static void lines_of_lengths_are_classified(void)
     expect("$P classify 5 2 4", 2, "", "L1 L2 L3 L4");
 }
 
+/* The speed of a slider is in the length unit of the file: at 1 mm/s the rates by time are those by the input. */
+static void speeds_of_sliders_have_the_unit_of_the_file(void)
+{
+    expect("$P fit examples/figure-eight.csv --type sliderdriven --rounds 1 -q -o $D/slider.json > $D/table; "
+           "$P trace $D/slider.json -n 4 --mode file | grep -v '^#' > $D/by-input; "
+           "$P trace $D/slider.json -n 4 --mode file --speed 1 | grep -v '^#' | diff - $D/by-input", 0, "", NULL);
+}
+
 /* The saved page has every result, its least transmission angle and its file. */
 static void the_page_has_every_result_and_its_file(void)
 {
@@ -148,6 +156,7 @@ int main(void)
     RUN(an_odd_number_of_links_with_pins_is_told);
     RUN(pins_are_traced_without_tracers);
     RUN(lines_of_lengths_are_classified);
+    RUN(speeds_of_sliders_have_the_unit_of_the_file);
     RUN(the_page_has_every_result_and_its_file);
     return check_end();
 }

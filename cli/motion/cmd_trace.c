@@ -152,7 +152,7 @@ static lw_status prepare(const job *j, cli_trace *t, lw_error *e)
         cli_note(call, "the linkage has more arcs than the %d that are printed", LW_ARC_MAX);
     set_tools(t);
     set_window(s, call, t);
-    t->speed = cli_given(&call->parsed, "speed") ? s->speed : 0;
+    t->speed = s->speed*(t->plan.input_is_slider ? t->k.units.metre : 1);
     t->timed = cli_given(&call->parsed, "speed");
     t->steps = s->steps;
     t->rows = make_rows(j, &t->k);
