@@ -153,8 +153,38 @@ static void driven(void)
     CHECK(without > 0);
 }
 
+/* ---- forward ----------------------------------------------------------------------------------------- */
+
+/* A run with friction in all pins, which may jam in a flat posture, gives all samples or a status. */
+static void all_samples_or_a_status(void)
+{
+    static const lw_formulation with[] = { LW_FORMULATION_AUTO, LW_FORMULATION_INDEX1, LW_FORMULATION_CVODE,
+                                           LW_FORMULATION_GGL };
+    for (int k = 0; k < 8; k++) {
+        lw_rng_seed(&rng, 12, (uint64_t)k);
+        write_linkage(k%2, 2, between(0.3, 1.2));
+        put(", 'gravity': [0, -9.81], 'input': {'joint': 'A0', 'speed': -1}}");
+        drun_read_text(&d, text);
+        for (int j = 0; j < 4 && k%4 < 2; j++) {
+            if (d.model.linkage.joint[j].kind != LW_JOINT_REVOLUTE)
+                continue;
+            d.model.friction[j].coefficient = 0.1;
+            d.model.friction[j].radius = 0.05;
+            d.model.friction[j].speed = 0.01;
+        }
+        for (int f = 0; f < 4; f++) {
+            d.o.max_step = 3000;
+            lw_status s = drun_to(&d, with[f], 1e-7, 2, k%3 ? 40 : 97);
+            CHECK(s != LW_OK || d.n_moment == (k%3 ? 41 : 98));
+            CHECK(s == LW_OK || d.e.text[0]);
+        }
+        lw_model_free(&d.model);
+    }
+}
+
 int main(void)
 {
+    RUN(all_samples_or_a_status);
     RUN(driven);
     return check_end();
 }

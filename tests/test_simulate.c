@@ -58,6 +58,22 @@ static void through_flat_postures(void)
            "# singular posture in 2 rows, first at t = 0.25", NULL);
 }
 
+/* Times whose digits or whose phase are used up are refused; what is assumed is printed; 10 km are travelled at 100 m/s. */
+static void far_away(void)
+{
+    expect("$P simulate " PENDULUM " --to 1e100 -n 4", 3, "# incomplete", "less than one digit");
+    expect("$P simulate " PENDULUM " --to 1e16 -n 4", 3, "# incomplete", "too few digits");
+    expect("$P simulate " PENDULUM " --to 1e16 -n 4 --speed 1", 3, "# incomplete", "too few digits");
+    expect("$P simulate " PENDULUM " --to 1e9 -n 4", 0, "# assumed: inputs without a speed start at rest: A", "its phase good to");
+    expect("cat > $D/cart.json <<'EOF'\n"
+           "{\"linkwright\": 1, \"links\": [\"ground\", {\"name\": \"cart\", \"mass\": 1, \"centre\": [0, 0]},\n"
+           "{\"name\": \"p\", \"mass\": 1, \"centre\": [0, -1], \"inertia\": 0.1}],\n"
+           "\"joints\": [{\"name\": \"S\", \"kind\": \"t\", \"links\": [\"ground\", \"cart\"], \"at\": [0, 0], \"along\": [1, 0]},\n"
+           "{\"name\": \"A\", \"links\": [\"cart\", \"p\"], \"at\": [0, 0]}],\n"
+           "\"inputs\": [{\"joint\": \"S\", \"speed\": 100}, {\"joint\": \"A\"}], \"gravity\": [0, -9.81]}\nEOF\n"
+           "$P simulate $D/cart.json --to 100 -n 10 | tail -1", 0, "100,", NULL);
+}
+
 /* Counterweights by --balance, put on the links: no shaking force is left.  Six-bars with two and three links at the ground
  * and Jansen's leg, half as many weights as links, also on links that float. */
 static void balanced(void)
@@ -135,6 +151,7 @@ int main(void)
     RUN(rest);
     RUN(driven);
     RUN(through_flat_postures);
+    RUN(far_away);
     RUN(balanced);
     RUN(wrong);
     RUN(starts_that_do_not_fit);

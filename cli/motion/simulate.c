@@ -200,6 +200,17 @@ lw_status cli_simulate_row(void *context, const lw_moment *m)
 
 /* ---- head, tail, report --------------------------------------------------------------------------------- */
 
+/* " A B", the inputs that start at rest because their speed is not given. */
+static void name_inputs_at_rest(const cli_simulate *s, char *text, size_t size)
+{
+    const lw_linkage *k = &s->model->linkage;
+    size_t used = 0;
+    *text = '\0';
+    for (int i = 0; i < lw_dynamics_system(s->d)->n_input && used < size; i++)
+        if (lw_dynamics_starts_at_rest(s->d, i))
+            used += (size_t)snprintf(text + used, size - used, " %s", k->joint[k->input[i].joint].name);
+}
+
 void cli_simulate_head(cli_simulate *s)
 {
     if (!s->f)
@@ -220,6 +231,10 @@ void cli_simulate_head(cli_simulate *s)
         cli_json_array(&s->j, "rows");
         return;
     }
+    char text[1024];
+    name_inputs_at_rest(s, text, sizeof text);
+    if (text[0])
+        fprintf(s->f, "# assumed: inputs without a speed start at rest:%s\n", text);
     fputs("# units:", s->f);
     for (int c = 0; c < s->n_column; c++)
         fprintf(s->f, "%c%s", c ? ',' : ' ', s->column[c].unit);
@@ -249,6 +264,11 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     if (status != LW_OK)
         cli_json_text(&s->j, "ended", e->text);
     cli_json_real(&s->j, "t", r->t);
+    cli_json_array(&s->j, "assumed_at_rest");
+    for (int i = 0; i < lw_dynamics_system(s->d)->n_input; i++)
+        if (lw_dynamics_starts_at_rest(s->d, i))
+            cli_json_text(&s->j, NULL, s->model->linkage.joint[s->model->linkage.input[i].joint].name);
+    cli_json_end(&s->j);
     cli_json_int(&s->j, "rows_without_forces", r->without_forces);
     cli_json_int(&s->j, "steps", r->steps);
     cli_json_int(&s->j, "evaluations", r->rates);
@@ -257,8 +277,10 @@ void cli_simulate_tail(cli_simulate *s, lw_status status, const lw_error *e)
     cli_json_real(&s->j, "residual_rate", r->worst_off_rate);
     cli_json_real(&s->j, "energy_error", r->energy_error);
     cli_json_real(&s->j, "energy_held", r->energy_held);
-    if (r->period > 0)
+    if (r->period > 0) {
         cli_json_real(&s->j, "period", r->period);
+        cli_json_real(&s->j, "period_off", r->period_off);
+    }
     cli_json_real(&s->j, "energy_scale", r->energy_scale);
     cli_json_array(&s->j, "events");
     for (int i = 0; i < r->n_event; i++) {
@@ -281,7 +303,8 @@ void cli_simulate_report(const cli_simulate *s)
     const cli_call *c = s->call;
     char text[1024];
     if (r->period > 0)
-        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them", r->period);
+        cli_note(c, "the motion repeats itself every %.12g s; what follows ten periods is taken from them, its phase good "
+                 "to %.1e periods at the end", r->period, r->period_off);
     if (r->without_forces)
         cli_note(c, "%ld row%s in a singular posture, the first at t = %.12g s: forces without a limit there are left "
                  "empty", r->without_forces, r->without_forces == 1 ? " is" : "s are", r->without_forces_t);

@@ -92,6 +92,7 @@ typedef struct lw_dynamics_report {
     double energy_error;         /* greatest |E - E(start) - work| [J] */
     double energy_held;          /* sum of the corrections of the energy after steps, where it is kept [J] */
     double period;               /* of a motion that repeats itself: measured, used for the rest of the run [s]; 0 */
+    double period_off;           /* uncertainty of the phase at the last sample, in periods; 0 without a period */
     double energy_scale;         /* greatest kinetic energy or change of potential [J] */
     double momentum_error, momentum_scale;   /* about the only joint to ground; scale 0: not conserved */
     int    n_event, n_event_seen;            /* events kept, and all */
@@ -125,6 +126,9 @@ void lw_dynamics_joint_rows(const lw_dynamics *d, int joint, const double *q, do
 
 /* Posture and velocities of the start (n_q), on the constraints. */
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v);
+
+/* Does input i start at rest because neither its speed nor its motion is given? */
+bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i);
 
 /* Names of joints whose reactions are not unique, " A B"; "" when all are. */
 void lw_dynamics_redundant(const lw_dynamics *d, char *text, size_t size);

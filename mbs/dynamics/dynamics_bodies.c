@@ -119,7 +119,7 @@ static bool is_stuck(const stepper *w, const lw_dynamics *d, const good_state *f
 
 /* Keep the state where it is good.  Where the solver is stuck before a singular posture, step over it and begin
  * again behind it. */
-static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_status s)
+static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_status s, lw_ode_stop *stop)
 {
     lw_dynamics *d = run->d;
     double t;
@@ -133,6 +133,7 @@ static lw_status step_over_singular(lw_run *run, stepper *w, good_state *f, lw_s
         return s;
     double h = f->h;
     f->h = 0;
+    *stop = LW_ODE_STEP;                     /* that of a step that failed says nothing */
     end_steps(w, run->r);
     w->work = NULL;
     s = begin_steps(w, run, t, f->y);
@@ -183,7 +184,7 @@ static lw_status run_steps(lw_run *run, stepper *w, double t, double *y)
     lw_status s = f.y ? begin_steps(w, run, t, y) : LW_E_MEMORY;
     for (long n = 1; s == LW_OK && stop != LW_ODE_END; n++) {
         s = step(w, d->o.to, &stop, run->e);
-        s = w->implicit ? s : step_over_singular(run, w, &f, s);
+        s = w->implicit ? s : step_over_singular(run, w, &f, s, &stop);
         if (s == LW_OK && w->implicit)
             s = check_progress(run, w, &n_stuck);
         run->r->t = time_of(w);

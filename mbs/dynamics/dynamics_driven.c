@@ -9,10 +9,12 @@
  * is finite, so its drive has a limit; reactions often have none. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "mbs/dynamics/limits_internal.h"
 
 enum { N_SIDE = 6, N_NODE = 2*N_SIDE };
 
@@ -40,6 +42,7 @@ typedef struct driven {
     int         width;
     window      found, tried;
     bool        made;                        /* `found` has been looked for at found.at */
+    double      piece;                       /* longest time followed at once [s] */
     double      clear_from, clear_to;        /* no branch point between these times */
     double      middle[2*LW_SYSTEM_Q_MAX + LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
     double      rough[3*LW_SYSTEM_Q_MAX + LW_MBS_ROW_MAX];
@@ -233,6 +236,21 @@ static lw_status lost(driven *z, lw_status s, double t)
                         "a number there, or no step is short enough to stay on the motion curve", end, t);
 }
 
+/* Follow the motion to t, in pieces between which the run can be stopped. */
+static lw_status follow(driven *z, double t)
+{
+    double from = lw_prescribed_motion_time(z->motion), piece = z->piece;
+    lw_status s = LW_OK;
+    for (long i = 1; s == LW_OK && from + i*piece < t; i++) {
+        if ((s = lw_prescribed_motion_to(z->motion, from + i*piece)) != LW_OK)
+            return lost(z, s, t);
+        s = lw_limits_check(z->d->o.stop, z->d->o.until, true, from + i*piece, z->run->e);
+    }
+    if (s == LW_OK && (s = lw_prescribed_motion_to(z->motion, t)) != LW_OK)
+        return lost(z, s, t);
+    return s;
+}
+
 /* Posture and velocities y, accelerations and multipliers at t.  LW_OPEN: the forces are not known. */
 static lw_status moment_at(driven *z, double t, double *y)
 {
@@ -240,9 +258,9 @@ static lw_status moment_at(driven *z, double t, double *y)
     int n = d->n_q;
     if (z->found.half > 0 && within(&z->found, t))
         return from_window(z, t, y), LW_OK;
-    lw_status s = lw_prescribed_motion_to(z->motion, t);
+    lw_status s = follow(z, t);
     if (s != LW_OK)
-        return lost(z, s, t);
+        return s;
     memcpy(y, lw_prescribed_motion_pose(z->motion), (size_t)n*sizeof *y);
     double series[2*LW_SYSTEM_Q_MAX], half, at;
     bool near = apart(d, t, y) < beside && !(t > z->clear_from && t < z->clear_to)
@@ -268,7 +286,16 @@ static lw_status run_all(driven *z, double *y)
 {
     lw_run *run = z->run;
     lw_dynamics *d = z->d;
+    double fastest = 0, motion[3];
     lw_status s = LW_OK;
+    for (int i = 0; i < d->n_driven; i++)
+        for (double t = d->o.from; t <= d->o.to; t += d->o.to - d->o.from)
+            if (lw_mbs_motion(d, i, t, motion) == LW_OK)
+                fastest = fmax(fastest, fabs(motion[1]));
+    if (!(DBL_EPSILON*fmax(fabs(d->o.from), fabs(d->o.to))*fastest < 0.1))
+        return lw_error_set(run->e, LW_E_ARG, "the times %.9g s to %.9g s have too few digits for inputs that move by %.3g "
+                            "(radians or multiples of the size) in a second", d->o.from, d->o.to, fastest);
+    z->piece = fmin(d->o.to - d->o.from, 100/fmax(fastest, 1e-300));
     for (int k = 0; s == LW_OK && k <= d->o.intervals; k++) {
         double t = lw_run_time(d, k);
         s = moment_at(z, t, y);

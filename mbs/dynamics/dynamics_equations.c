@@ -450,7 +450,8 @@ lw_status lw_mbs_project_q(lw_dynamics *d, double t, double *q, double longest)
         double off = greatest(d->phi, d->n_c);
         if (!(off < INFINITY))
             return LW_E_NUMERIC;
-        if (off <= 4*DBL_EPSILON || (off < 1e-12 && off >= 0.5*before)) {
+        /* rounding of the rows grows with the distance travelled */
+        if (off <= 4*DBL_EPSILON || (off < 1e-12*fmax(1, greatest(q, d->n_q)) && off >= 0.5*before)) {
             if (pass == 0)
                 s = lw_mbs_factor(d, false);
             return s;

@@ -59,6 +59,8 @@ struct lw_dynamics {
     double *hold_rows;                        /* (n_c*n_q) for reports */
     double *response;                         /* n_friction x (n_q + n_c): a and l that friction of 1 N causes */
     double *start_q, *start_v;
+    double *speed_rows;                       /* (n_c + inputs) x n_q: rows that decide the velocities of the start */
+    bool    at_rest[LW_INPUT_MAX];            /* inputs without a speed, which start at rest */
     double  moved, moved_rate;                /* change of the start by putting it on the constraints */
     struct lw_reduced *reduced;               /* one coordinate, once asked for; whether the model allows it, */
     lw_status reduced_status;

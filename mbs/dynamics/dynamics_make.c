@@ -12,6 +12,7 @@ static const double nudge = 0.02;        /* distance at which the rank is checke
 const lw_dynamics_report *lw_dynamics_choice(const lw_dynamics *d) { return &d->choice; }
 const lw_system *lw_dynamics_system(const lw_dynamics *d) { return &d->s; }
 const lw_forces *lw_dynamics_forces(const lw_dynamics *d) { return &d->f; }
+bool lw_dynamics_starts_at_rest(const lw_dynamics *d, int i) { return d->at_rest[i]; }
 void lw_dynamics_start(const lw_dynamics *d, double *q, double *v)
 {
     memcpy(q, d->start_q, (size_t)d->n_q*sizeof *q);
@@ -31,7 +32,7 @@ static lw_status reserve(lw_dynamics *d, lw_error *e)
         { &d->rank_work, lw_rank_doubles((int)q, (int)speeds) }, { &d->null, q*q }, { &d->mass_null, q*q },
         { &d->small, c + q }, { &d->force, q }, { &d->bias, q }, { &d->q_try, q }, { &d->v_try, q }, { &d->a, q },
         { &d->l, c }, { &d->l_each, 2*c }, { &d->hold, q }, { &d->start_q, q }, { &d->start_v, q },
-        { &d->hold_rows, c*q }, { &d->response, (size_t)d->n_friction*(q + c) },
+        { &d->hold_rows, c*q }, { &d->speed_rows, speeds*q }, { &d->response, (size_t)d->n_friction*(q + c) },
     };
     for (size_t i = 0; i < sizeof pieces/sizeof *pieces; i++)
         all += pieces[i].n;
@@ -226,7 +227,33 @@ static double speed_off(const lw_dynamics *d, int i)
     return fabs(off);
 }
 
-/* The least velocities that satisfy the constraints and give the inputs their speeds. */
+/* Add the rate of input i to the rows of r, of which there are *n, if it is independent of them or was given; the rate
+ * is 0 unless it was given. */
+static void add_speed(lw_dynamics *d, lw_rank *r, int i, int *n)
+{
+    int j = d->s.input_joint[i], rank, before = *n;
+    size_t rows = (size_t)before*(size_t)d->n_q;
+    double *kept = d->speed_rows;
+    lw_system_measure(&d->s, j, d->start_q, kept + rows);
+    d->rhs[before] = d->model->has_speed[i] ? d->model->speed[i]/lw_system_joint_unit(&d->s, j) : 0;
+    *n = before + 1;
+    if (d->model->has_speed[i])
+        return;
+    lw_rank_place(r, d->n_q, before, d->rank_work, d->rank_ints);
+    memcpy(r->a, kept, rows*sizeof *kept);
+    lw_rank_factor(r, LW_RANK_TOLERANCE);
+    rank = r->rank;
+    lw_rank_place(r, d->n_q, before + 1, d->rank_work, d->rank_ints);
+    memcpy(r->a, kept, (rows + (size_t)d->n_q)*sizeof *kept);
+    lw_rank_factor(r, LW_RANK_TOLERANCE);
+    if (r->rank == rank)
+        *n = before;
+    else
+        d->at_rest[i] = true;
+}
+
+/* The least velocities that satisfy the constraints and give the inputs their speeds.  Inputs without a motion and
+ * without a speed are at rest where the others allow it. */
 static lw_status find_velocities(lw_dynamics *d, lw_error *e)
 {
     lw_rank r;
@@ -234,20 +261,15 @@ static lw_status find_velocities(lw_dynamics *d, lw_error *e)
     lw_status s = lw_mbs_rows(d, d->o.from, d->start_q);
     if (s == LW_OK)
         s = lw_mbs_rate_wanted(d, d->o.from);
-    for (int i = 0; i < d->s.n_input; i++)
-        n += d->model->has_speed[i];
     if (s != LW_OK)
         return s;
+    memcpy(d->speed_rows, d->jac, (size_t)d->n_c*(size_t)d->n_q*sizeof *d->jac);
+    for (int given = 1; given >= 0; given--)
+        for (int i = 0; i < d->s.n_input; i++)
+            if (d->model->has_speed[i] == (bool)given && !d->model->motion[i])
+                add_speed(d, &r, i, &n);
     lw_rank_place(&r, d->n_q, n, d->rank_work, d->rank_ints);
-    memcpy(r.a, d->jac, (size_t)d->n_c*(size_t)d->n_q*sizeof *r.a);
-    n = d->n_c;
-    for (int i = 0; i < d->s.n_input; i++) {
-        int j = d->s.input_joint[i];
-        if (!d->model->has_speed[i])
-            continue;
-        lw_system_measure(&d->s, j, d->start_q, r.a + n*d->n_q);
-        d->rhs[n++] = d->model->speed[i]/lw_system_joint_unit(&d->s, j);
-    }
+    memcpy(r.a, d->speed_rows, (size_t)n*(size_t)d->n_q*sizeof *r.a);
     lw_rank_factor(&r, LW_RANK_TOLERANCE);
     lw_rank_solve_transposed(&r, d->rhs, d->start_v);
     s = lw_mbs_arrange(d, d->o.from, d->start_q);

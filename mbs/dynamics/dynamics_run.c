@@ -1,6 +1,7 @@
 /* mbs/dynamics/dynamics_run.c - what every run does: samples, energy and momentum, limits, the right-hand side. */
 #include "mbs/dynamics/dynamics_run_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,9 +87,36 @@ void lw_run_watch(lw_run *run, const double *y)
     }
 }
 
+/* A period that is measured and repeated is off by this part, plus this share of the tolerance. */
+static const double period_rounded = 1e-13, period_share = 0.01;
+static const double least_known = 0.1;       /* phase or turn [rad] to which a sample must be known: one digit */
+
+/* What is the phase of a sample at m->t worth?  LW_E_ARG: it has no digit left. */
+static lw_status check_phase(lw_run *run, const lw_moment *m)
+{
+    const lw_dynamics *d = run->d;
+    lw_dynamics_report *r = run->r;
+    double fastest = 0, periods = r->period > 0 ? (m->t - d->o.from)/r->period : 0;
+    for (int i = 0; i < d->n_q; i++)
+        fastest = fmax(fastest, fabs(m->v[i]));
+    double off = DBL_EPSILON*fabs(m->t)*fastest;
+    if (!(off < least_known))
+        return lw_error_set(run->e, LW_E_ARG, "t = %.9g s has too few digits: the linkage moves by %.3g, in radians "
+                            "or multiples of its size, while t grows by its last digit", m->t, off);
+    off = periods*(period_rounded + period_share*d->o.relative);
+    r->period_off = fmax(r->period_off, off);
+    if (!(off < least_known))
+        return lw_error_set(run->e, LW_E_ARG, "at t = %.9g s, after %.3g periods, the phase is known to %.2g periods "
+                            "only, less than one digit: give an earlier end or a smaller tolerance", m->t, periods, off);
+    return LW_OK;
+}
+
 /* Every sample of a run is handed out here. */
 static lw_status hand_out(lw_run *run, const lw_moment *m)
 {
+    lw_status s = check_phase(run, m);
+    if (s != LW_OK)
+        return s;
     lw_dynamics_report *r = run->r;
     bool known = true;
     for (int i = 0; i < run->d->n_c; i++)
