@@ -248,7 +248,7 @@ static int run(const cli_command *c, int argc, char **argv)
     if (!settings || !line)
         fputs("linkwright: out of memory\n", stderr);
     else if (cli_parse(c->options, argc - 2, argv + 2, settings, &call.common, &call.parsed, &e) != LW_OK)
-        code = cli_usage(&call, "%s", e.text);
+        code = e.status == LW_E_MEMORY ? cli_fail(&call, &e) : cli_usage(&call, "%s", e.text);
     else if (call.common.help) {
         cli_command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
         code = finish_text(CLI_DONE);

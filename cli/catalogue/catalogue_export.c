@@ -191,7 +191,7 @@ int cli_catalogue_export(const cli_call *call)
     lw_query *q = calloc(1, sizeof *q);
     job j = { .call = call, .watch = cli_catalogue_watch_begin(call, "export", "rows") };
     if (!q)
-        return CLI_NUMERIC;
+        return cli_fail(call, &j.e);
     lw_status status = compile(call, q, &j.e);
     bool chosen = cli_given(&call->parsed, "format");
     const char *name = chosen ? formats[s->format] : q->list == LW_LIST_MECHANISMS ? "json" : "graph6";

@@ -271,7 +271,8 @@ static int run_query(job *j)
     if (status == LW_OK)
         status = cli_open(call, &j->out, &j->e);
     if (status != LW_OK) {
-        lw_query_free(q);
+        if (q)
+            lw_query_free(q);
         free(q);
         return cli_fail(call, &j->e);
     }

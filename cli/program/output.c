@@ -26,9 +26,15 @@ int cli_exit_code(lw_status s)
     return CLI_NUMERIC;
 }
 
+/* A failure must not end with exit code 0 because the failing call filled no message. */
 int cli_fail(const cli_call *call, const lw_error *e)
 {
     char text[sizeof e->file + sizeof e->text + 64];
+    if (e->status == LW_OK) {
+        fprintf(stderr, "linkwright %s: the work could not be finished; most likely it ran out of memory\n",
+                call->command->name);
+        return CLI_NUMERIC;
+    }
     lw_error_print(e, text, sizeof text);
     fprintf(stderr, "linkwright %s: %s\n", call->command->name, text);
     return cli_exit_code(e->status);

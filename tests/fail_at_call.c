@@ -1,0 +1,108 @@
+/* tests/fail_at_call.c - the test build of the program, in which the n-th call of the system fails.
+ *
+ *     LW_FAIL=malloc:3        the third call that takes memory fails
+ *     LW_CALLS_FILE=path      a program that ends writes how often each kind was called to this file: "malloc 12"
+ *
+ * Kinds: malloc (malloc, calloc, realloc, aligned_alloc, strdup, strndup, open_memstream), fsync, rename,
+ * pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take from malloc).
+ * The linker sends the calls of linkwright's own files here (--wrap in the Makefile).  Calls inside other shared
+ * libraries stay out of reach: GSL, NLopt, igraph, SUNDIALS, libplanarity, cairo, giflib and the C library itself. */
+#include <errno.h>
+#include <jansson.h>
+#include <pthread.h>
+#include <sqlite3.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum kind { MEMORY, SYNC, RENAME, THREAD, WRITE, JANSSON, SQLITE, N_KIND };
+static const char *const names[N_KIND] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson",
+                                          "sqlite" };
+static atomic_long calls[N_KIND];
+static long fail_at[N_KIND];
+static sqlite3_mem_methods sqlite_memory;
+
+static bool fails(enum kind kind, int error)
+{
+    if (++calls[kind] != fail_at[kind])
+        return false;
+    errno = error;
+    return true;
+}
+
+#define WRAP(type, name, parameters, arguments, kind, failed, error) \
+    type __real_##name parameters; \
+    type __wrap_##name parameters; \
+    type __wrap_##name parameters { return fails(kind, error) ? failed : __real_##name arguments; }
+
+WRAP(void *, malloc, (size_t n), (n), MEMORY, NULL, ENOMEM)
+WRAP(void *, calloc, (size_t n, size_t size), (n, size), MEMORY, NULL, ENOMEM)
+WRAP(void *, realloc, (void *old, size_t n), (old, n), MEMORY, NULL, ENOMEM)
+WRAP(void *, aligned_alloc, (size_t by, size_t n), (by, n), MEMORY, NULL, ENOMEM)
+WRAP(char *, strdup, (const char *text), (text), MEMORY, NULL, ENOMEM)
+WRAP(char *, strndup, (const char *text, size_t n), (text, n), MEMORY, NULL, ENOMEM)
+WRAP(FILE *, open_memstream, (char **text, size_t *n), (text, n), MEMORY, NULL, ENOMEM)
+WRAP(int, fsync, (int fd), (fd), SYNC, -1, EIO)
+WRAP(int, rename, (const char *from, const char *to), (from, to), RENAME, -1, EIO)
+WRAP(int, pthread_create, (pthread_t *t, const pthread_attr_t *a, void *(*run)(void *), void *data), (t, a, run, data),
+     THREAD, EAGAIN, EAGAIN)
+WRAP(ssize_t, write, (int fd, const void *data, size_t n), (fd, data, n), WRITE, -1, ENOSPC)
+WRAP(int, fflush, (FILE *f), (f), WRITE, EOF, ENOSPC)
+
+int __real_fclose(FILE *f);
+int __wrap_fclose(FILE *f);
+int __wrap_fclose(FILE *f)
+{
+    bool lost = fails(WRITE, ENOSPC);
+    int code = __real_fclose(f);
+    if (lost)
+        errno = ENOSPC;
+    return lost ? EOF : code;
+}
+
+static void *jansson_malloc(size_t n) { return fails(JANSSON, ENOMEM) ? NULL : __real_malloc(n); }
+
+static void *sqlite_malloc(int n)             { return fails(SQLITE, ENOMEM) ? NULL : sqlite_memory.xMalloc(n); }
+static void *sqlite_realloc(void *old, int n) { return fails(SQLITE, ENOMEM) ? NULL : sqlite_memory.xRealloc(old, n); }
+
+static ssize_t sqlite_pwrite(int fd, const void *data, size_t n, off_t at)
+{
+    return fails(WRITE, ENOSPC) ? -1 : pwrite(fd, data, n, at);
+}
+
+static void tell(void)
+{
+    FILE *f = fopen(getenv("LW_CALLS_FILE"), "w");
+    for (int k = 0; f && k < N_KIND; k++)
+        fprintf(f, "%s %ld\n", names[k], (long)calls[k]);
+    if (f)
+        __real_fclose(f);
+}
+
+__attribute__((constructor)) static void read_environment(void)
+{
+    const char *fault = getenv("LW_FAIL");
+    if (!fault && !getenv("LW_CALLS_FILE"))
+        return;
+    json_set_alloc_funcs(jansson_malloc, free);
+    sqlite3_mem_methods own;
+    sqlite3_config(SQLITE_CONFIG_GETMALLOC, &sqlite_memory);
+    own = sqlite_memory;
+    own.xMalloc = sqlite_malloc;
+    own.xRealloc = sqlite_realloc;
+    sqlite3_config(SQLITE_CONFIG_MALLOC, &own);
+    sqlite3_vfs *files = sqlite3_vfs_find(NULL);
+    files->xSetSystemCall(files, "pwrite", (sqlite3_syscall_ptr)sqlite_pwrite);
+    files->xSetSystemCall(files, "pwrite64", (sqlite3_syscall_ptr)sqlite_pwrite);
+    for (int k = 0; k < N_KIND; k++) {
+        size_t n = strlen(names[k]);
+        calls[k] = 0;                                /* SQLite has started above */
+        if (fault && strncmp(fault, names[k], n) == 0 && fault[n] == ':')
+            fail_at[k] = atol(fault + n + 1);
+    }
+    if (getenv("LW_CALLS_FILE"))
+        atexit(tell);
+}

@@ -1,0 +1,129 @@
+/* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and says why, or its output is whole.
+ *
+ * One row a command; fit, plasma, bench and catalogue add have none yet.  Each row runs undisturbed first, which tells
+ * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
+ * spread is taken: the first N_FIRST, then ever longer steps.  LW_FAULTS=n makes the spread n times as dense;
+ * LW_FAULTS_ROW=text runs the rows that hold the text. */
+#include <stdbool.h>
+#include "tests/cli_run.h"
+
+enum { N_FIRST = 24, MEMORY_ERROR = 4, WRITE_ERROR = 3 };
+
+/* $C commands write to standard output or to $D/o, which is removed before each run. */
+static const char *const rows[] = {
+    "$C numbers --loops 4",
+    "$C structures --loops 3",
+    "$C chains --links 6 -j 1",
+    "$C chains --links 6 -j 2 -o $D/o",
+    "$C mechanisms --links 6 --joints r,t",
+    "$C mechanisms < $D/watt.g6",
+    "$C mechanisms --joints r,t --json < $D/watt.g6",
+    "$C grammar parse < $D/watt.g6",
+    "$C grammar print < $D/watt.g6",
+    "$C grammar explain < $D/watt.g6",
+    "$C grammar derive --links 6",
+    "$C grammar coverage --links 6",
+    "$C classify 40 10 35 30",
+    "$C trace examples/jansen.json -n 8",
+    "$C trace examples/klann.json -n 8 --json -o $D/o",
+    "$C mobility examples/jansen.json",
+    "$C simulate examples/dynamics/governor.json --to 0.01 -n 4",
+    "$C simulate examples/pendulum.json --to 0.1 -n 4 -o $D/o",
+    "$C simulate examples/pendulum.json --analysis linear",
+    "$C convert examples/jansen.json --format pyslvs",
+    "$C convert examples/chebyshev.json -o $D/o --format dxf",
+    "$C draw examples/jansen.json -f svg -o $D/o",
+    "$C draw examples/chebyshev.json -f html -o $D/o",
+    "$C draw --grid 2x1 -f svg -o $D/o < $D/watt.g6",
+    "$C clearance examples/clearance-four-bar.json --speeds 80 --to 0.02 --settle 0.01",
+    "rm -f $D/a.db; $C catalogue build $D/a.db --links 6 -q -j 1 && $P catalogue export $D/a.db",
+    "rm -f $D/a.db; $C catalogue curves $D/a.db --links 4 --samples 40 -q -j 1 && "
+        "$P catalogue nearest $D/a.db examples/ellipse.csv",
+    "$C catalogue query $D/six.db 'links=6'",
+    "$C catalogue query $D/six.db 'links=6' -f csv -o $D/o",
+    "$C catalogue query $D/six.db 'SELECT count(*) FROM chain' --sql",
+    "$C catalogue export $D/six.db -f lam",
+    "$C catalogue nearest $D/curves.db examples/ellipse.csv",
+    "$C catalogue check $D/six.db",
+    "rm -rf $D/web; $C catalogue html $D/six.db -o $D/web -q && cat $D/web/*.html",
+};
+
+static const char *const kinds[] = { "malloc", "fsync", "rename", "pthread_create", "write", "jansson", "sqlite" };
+
+static ran run_once(const char *command, char **file)
+{
+    char line[1200], path[300];
+    snprintf(line, sizeof line, "rm -f $D/o; %s", command);
+    ran r = run(line);
+    snprintf(path, sizeof path, "%s/o", getenv("D"));
+    *file = slurp(path);
+    return r;
+}
+
+/* How often the kind of call is made in an undisturbed run. */
+static long count_calls(const char *kind)
+{
+    char path[300];
+    long n = 0;
+    snprintf(path, sizeof path, "%s/calls", getenv("D"));
+    char *text = slurp(path), *at = strstr(text, kind);
+    if (at)
+        n = atol(at + strlen(kind));
+    free(text);
+    return n;
+}
+
+static void fail_one(const char *command, const char *kind, long n, const ran *whole, const char *whole_file)
+{
+    char fault[64], *file;
+    snprintf(fault, sizeof fault, "%s:%ld", kind, n);
+    setenv("LW_FAIL", fault, 1);
+    ran r = run_once(command, &file);
+    unsetenv("LW_FAIL");
+    bool same = r.code == whole->code && strcmp(r.out, whole->out) == 0 && strcmp(file, whole_file) == 0;
+    bool said = (r.code == MEMORY_ERROR || r.code == WRITE_ERROR) && strstr(r.err, "linkwright") != NULL;
+    if (!same && !said)
+        fprintf(stderr, "LW_FAIL=%s %s\n  ended with %d, output %s, and said: %s\n", fault, command, r.code,
+                strcmp(r.out, whole->out) ? "differs" : "is the same", r.err);
+    CHECK(same || said);
+    ran_free(&r);
+    free(file);
+}
+
+static void fail_each(const char *command)
+{
+    char calls[300], *file;
+    const char *denser = getenv("LW_FAULTS");
+    double step = 1 + 0.6/(denser ? atof(denser) : 1);
+    snprintf(calls, sizeof calls, "%s/calls", getenv("D"));
+    setenv("LW_CALLS_FILE", calls, 1);
+    ran whole = run_once(command, &file);
+    unsetenv("LW_CALLS_FILE");
+    if (whole.code != 0)
+        fprintf(stderr, "%s\n  said: %s", command, whole.err);
+    CHECK_INT(whole.code, 0);
+    for (size_t k = 0; k < sizeof kinds/sizeof *kinds; k++) {
+        long n_call = count_calls(kinds[k]), n_first = N_FIRST*(denser ? atol(denser) : 1);
+        for (long n = 1; n <= n_call; n = n < n_first ? n + 1 : (long)(step*(double)n))
+            fail_one(command, kinds[k], n, &whole, file);
+    }
+    ran_free(&whole);
+    free(file);
+}
+
+static void faults(void)
+{
+    const char *only = getenv("LW_FAULTS_ROW");
+    expect("$P chains --links 6 -o $D/six.g6 && head -n 1 $D/six.g6 > $D/watt.g6 && "
+           "$P chains --links 4 -f lam -o $D/four.lam && $P catalogue build $D/six.db --links 6 -q && "
+           "$P catalogue curves $D/curves.db --links 4 --samples 200 -q", 0, NULL, NULL);
+    for (size_t i = 0; i < sizeof rows/sizeof *rows; i++)
+        if (!only || strstr(rows[i], only))
+            fail_each(rows[i]);
+}
+
+int main(void)
+{
+    RUN(faults);
+    return check_end();
+}
