@@ -299,7 +299,7 @@ lw_status lw_chain_from_text(const char *text, size_t size, const char *notation
 
 lw_status lw_mechanism_to_text(const lw_mechanism *mechanism, const char *notation, char **out, lw_error *error)
 {
-    const lw_notation *n;
+    const lw_notation *n = NULL;
     size_t length;
     *out = NULL;
     lw_status s = notation ? notation_of(notation, "", 0, &n, error)

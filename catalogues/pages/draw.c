@@ -88,7 +88,7 @@ lw_status lw_draw_save(const lw_scene *s, lw_draw_kind kind, const char *path, i
 
 lw_status lw_draw_plot(const lw_plot *p, const char *path, lw_error *e)
 {
-    lw_draw_kind kind;
+    lw_draw_kind kind = LW_DRAW_SVG;
     lw_drawing d;
     lw_bytes b = { 0 };
     lw_status st = lw_draw_kind_of(path, &kind, e);
