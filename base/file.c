@@ -152,11 +152,11 @@ static int create_beside(lw_output *o)
     return fd;
 }
 
-/* The file that a killed program left behind, or a new one, for this program alone. */
+/* The file that a killed program left behind, or a new one, for this program alone. Links are not followed. */
 static int open_partial(lw_output *o)
 {
     snprintf(o->temp, sizeof o->temp, "%s.partial", o->path);
-    int fd = open(o->temp, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    int fd = open(o->temp, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         close(fd);
         errno = EWOULDBLOCK;

@@ -4,7 +4,7 @@
  *     LW_CALLS_FILE=path      a program that ends writes how often each kind was called to this file: "malloc 12"
  *
  * Kinds: malloc (malloc, calloc, realloc, aligned_alloc, strdup, strndup, open_memstream), fsync, rename,
- * pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take from malloc).
+ * pthread_create, write (write, fflush, fclose, and writes of SQLite), jansson and sqlite (what these take).
  * The linker sends the calls of linkwright's own files here (--wrap in the Makefile).  Calls inside other shared
  * libraries stay out of reach: GSL, NLopt, igraph, SUNDIALS, libplanarity, cairo, giflib and the C library itself. */
 #include <errno.h>

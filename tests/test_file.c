@@ -258,6 +258,18 @@ static void partial_output_is_gone_on_with(void)
     CHECK_INT(lw_output_commit(&o, NULL), LW_OK);
 }
 
+/* A link that somebody put beside the output must not lead the writing to another file. */
+static void partial_output_follows_no_link(void)
+{
+    const char *path = in_folder("linked.txt"), *partial = in_folder("linked.txt.partial");
+    const char *other = in_folder("other.txt");
+    lw_output o;
+    CHECK_INT(lw_file_write(other, "kept\n", 5, NULL), LW_OK);
+    CHECK_INT(symlink(other, partial), 0);
+    CHECK_INT(lw_output_open_partial(&o, path, NULL), LW_E_IO);
+    check_content(other, "kept\n");
+}
+
 int main(void)
 {
     RUN(write_then_read);
@@ -268,6 +280,7 @@ int main(void)
     RUN(what_cannot_be_written);
     RUN(a_failed_write_leaves_the_old_file);
     RUN(partial_output_is_gone_on_with);
+    RUN(partial_output_follows_no_link);
     RUN(devices_are_written_in_place);
     RUN(what_cannot_be_read);
     RUN(standard_output_is_continued);
