@@ -1,4 +1,4 @@
-/* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with whole output.
+/* test_cli_faults.c - a call of the system fails: the command ends with code 3 or 4 and a message, or with all output.
  *
  * One row a command; fit, plasma, bench and catalogue add have none yet.  Each row runs undisturbed first, which tells
  * how often each kind of call is made (tests/fail_at_call.c), then once for each call that fails.  Of many calls a
