@@ -34,8 +34,9 @@ COMPILE  = $(CC) -std=c17 -D_GNU_SOURCE -DLW_VERSION='"$(VERSION)"' $(WARN) $(FL
 ISAS    := $(if $(filter x86_64,$(shell uname -m)),x86-64 x86-64-v3 x86-64-v4,native)
 # gcc must not split a loop's selections into paths that each take their own square root; vectors are passed to
 # inlined functions only; the other two passes take a third of the compile time and gain nothing
-KERNEL   = -mprefer-vector-width=512 -Wno-psabi $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre \
-           -fno-gcse-after-reload -fno-var-tracking)
+# gcc 12 with a stack protector stores vectors in arrays of the stack that it has not aligned for them
+KERNEL   = -mprefer-vector-width=512 -Wno-psabi -fno-stack-protector \
+           $(if $(findstring clang,$(CC)),,-fno-thread-jumps -fno-tree-pre -fno-gcse-after-reload -fno-var-tracking)
 HOT_SRC := $(wildcard mbs/batch/kernel*.c)
 LIB_SRC := $(filter-out $(HOT_SRC),$(wildcard $(STAGES:%=%/*.c) $(STAGES:%=%/*/*.c)))
 LIB_OBJ := $(foreach isa,$(ISAS),$(HOT_SRC:%.c=$B/%-$(isa).o)) $(LIB_SRC:%.c=$B/%.o)
