@@ -210,7 +210,10 @@ static char *shell_line(int argc, char **argv)
             fputs(*c == '\'' ? "'\\''" : (char[]){ *c, 0 }, f);
         fputc('\'', f);
     }
-    return fclose(f) == 0 ? line : NULL;
+    if (fclose(f) == 0)
+        return line;
+    free(line);
+    return NULL;
 }
 
 /* Check the number of words that the command, or its action, takes. *run: the function that runs it. */
