@@ -49,6 +49,10 @@ BENCHES := $(patsubst %.c,$B/%,$(filter-out %/peer_mujoco.c,$(wildcard tests/ben
 SIMBODY := $(shell pkg-config --libs simbody 2>/dev/null)
 PEER_BIN := $(if $(and $(SIMBODY),$(shell command -v g++ 2>/dev/null)),$B/peers/simbody) \
             $(if $(wildcard /usr/include/mujoco/mujoco.h /usr/local/include/mujoco/mujoco.h),$B/peers/mujoco)
+# the Python package: an interpreter that has what it needs, if there is one; sanitizers cannot be loaded into it
+PYTHON  := $(if $(findstring sanitize,$(CFLAGS)),,$(shell for p in python3 /usr/bin/python3; do \
+             $$p -c 'import cffi, numpy' 2>/dev/null && echo $$p && break; done))
+PYDEPS   = python3-dev python3-cffi python3-numpy python3-pytest   # optional
 SONAME   = liblinkwright.so.$(SO_MAJOR)
 OBJCOPY  = objcopy
 
@@ -96,6 +100,17 @@ $B/tests/%: $B/tests/%.o $B/liblinkwright.a
 $B/docs/examples/%: docs/examples/%.c linkwright.h $B/liblinkwright.so
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -D_GNU_SOURCE $(WARN) -I. $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $< -L$B -llinkwright -Wl,-rpath,$(abspath $B) -lm -o $@
+# `make python`: the package in $B/python, ready for PYTHONPATH
+$B/python/compiled: python/build_c.py linkwright.h $B/liblinkwright.so
+	@mkdir -p $(@D)
+	LINKWRIGHT_LINK="-L$(abspath $B) -llinkwright -Wl,-rpath,$(abspath $B)" $(PYTHON) python/build_c.py $(@D)
+	@touch $@
+$B/tests/test_python: $(if $(PYTHON),$B/python/compiled) python/tests/run.sh $(wildcard python/linkwright/*.py)
+	@mkdir -p $(@D) $B/python/linkwright
+	@cp python/linkwright/* $B/python/linkwright/
+	@printf '#!/bin/sh\nexec python/tests/run.sh "%s" "%s"\n' '$(PYTHON)' '$(abspath $B)/python' > $@; chmod +x $@
+python: $B/tests/test_python
+	@[ -n "$(PYTHON)" ] || { echo "no Python with cffi and numpy: make deps-python installs it"; exit 1; }
 
 $B/peers/simbody: tests/bench/peer_simbody.cc tests/bench/peer.h
 	@mkdir -p $(@D)
@@ -111,13 +126,15 @@ deps:
 	@.ci/deps $(DEPS)
 deps-bench:
 	@.ci/deps $(DEPS) $(PEERS)
+deps-python:
+	@.ci/deps $(DEPS) $(PYDEPS)
 test demo: deps
 	@$(MAKE) --no-print-directory $(JOBS) run-$@
 shared: $B/liblinkwright.so
 samples: $(SAMPLES)                # each checks its own result
 	@for s in $(SAMPLES); do $$s > $B/sample.out 2>&1 || { cat $B/sample.out; echo "$$s failed"; exit 1; }; done
-run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) samples   # replay.o named: else a second make misses it
-	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS)
+run-test: $B/linkwright $B/tests/linkwright $B/tests/fuzz/replay.o $(TESTS) $B/tests/test_python samples   # replay.o named: else a second make misses it
+	@LW_PROGRAM=$B/linkwright tests/run.sh $(TESTS) $B/tests/test_python
 pictures: $B/linkwright            # those of README.md
 	$B/linkwright fit examples/walking-foot.csv --crank-only --length-range 5:150 --min-transmission-angle 30 \
 	    --results 1 --quiet --json -o $B/foot.json
@@ -196,6 +213,6 @@ uninstall:
 
 clean:
 	rm -rf $B
-.PHONY: all shared samples deps deps-bench peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
+.PHONY: all shared samples python deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -1,0 +1,154 @@
+"""Models with masses, loads and springs, and their simulation."""
+from __future__ import annotations
+
+import json
+import os
+from typing import Callable, Optional, Union
+
+import numpy as np
+
+from ._c import ffi, lib
+from ._core import Calls, check, fill, interruptible, new_error, plain
+from .linkage import Linkage
+
+
+class Simulation:
+    """What a run gave: arrays whose first axis is the sample.
+
+    t (n) [s]; link (n, links, 6): x, y, x velocity, y velocity of the centre of mass, angle since the drawn posture,
+    angular velocity; acceleration (n, links, 3); reaction (n, joints, 3): force and moment on the joint's second
+    link; input, drive (n, inputs); tracer (n, tracers, 2); shaking (n, 3); energy (n, 3): kinetic, potential, work
+    done; residual (n).  report: how it was computed.
+    """
+
+    t: np.ndarray
+    link: np.ndarray
+    acceleration: np.ndarray
+    reaction: np.ndarray
+    input: np.ndarray
+    drive: np.ndarray
+    tracer: np.ndarray
+    shaking: np.ndarray
+    energy: np.ndarray
+    residual: np.ndarray
+    report: dict
+
+    def __init__(self, samples, report):
+        names = ("t", "link", "acceleration", "reaction", "input", "drive", "tracer", "shaking", "energy", "residual")
+        for name, column in zip(names, zip(*samples)):
+            setattr(self, name, np.array(column))
+        self.report = report
+
+    def __repr__(self):
+        return (f"<linkwright.Simulation: {len(self.t)} samples to {self.t[-1]:g} s, "
+                f"{self.report['formulation']}, energy error {self.report['energy_error']:.2g} J>")
+
+    def _repr_html_(self):
+        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in self.report.items())
+        return f"<table>{rows}</table>"
+
+
+def _copy(cdata, shape):
+    """A copy of C doubles, or of structs of them, as an array."""
+    count = int(np.prod(shape))
+    if not count:
+        return np.empty(shape)
+    return np.frombuffer(ffi.buffer(cdata, 8*count), np.float64).reshape(shape).copy()
+
+
+class Model:
+    """A linkage with masses, loads, springs, motions and clearances."""
+
+    def __init__(self, linkage: Union[Linkage, "ffi.CData"]):
+        if isinstance(linkage, Linkage):
+            out = ffi.new("lw_model **")
+            check(lib.lw_model_create(linkage._handle, out))
+            linkage = out[0]
+        self._handle = ffi.gc(linkage, lib.lw_model_destroy)
+
+    @classmethod
+    def load(cls, path: Union[str, os.PathLike]) -> "Model":
+        """From a JSON file (docs/notation.md, "Model")."""
+        out, error = ffi.new("lw_model **"), new_error()
+        check(lib.lw_model_load(os.fsencode(path), out, error), error)
+        return cls(out[0])
+
+    @classmethod
+    def from_dict(cls, data: dict) -> "Model":
+        out, error, text = ffi.new("lw_model **"), new_error(), json.dumps(data).encode()
+        check(lib.lw_model_parse(text, len(text), ffi.NULL, out, error), error)
+        return cls(out[0])
+
+    @property
+    def linkage(self) -> Linkage:
+        return Linkage(ffi.cast("lw_linkage *", lib.lw_model_linkage(self._handle)), owner=self)
+
+    def drive(self, motion: str, input: int = 0) -> None:
+        """Move an input by an expression of t: "0.5 + 10*t" [rad] or [m]."""
+        error = new_error()
+        check(lib.lw_model_drive(self._handle, input, motion.encode(), error), error)
+
+    def set_speed(self, speed: float, input: int = 0) -> None:
+        """Speed at the start [rad/s] or [m/s]; the input is free afterwards."""
+        check(lib.lw_model_set_speed(self._handle, input, speed))
+
+    def set_mass(self, link: int, mass: float, centre: tuple[float, float], inertia: float) -> None:
+        """Mass [kg], its centre in the drawn posture [m], inertia about the centre [kg m^2]."""
+        check(lib.lw_model_set_mass(self._handle, link, mass, {"x": centre[0], "y": centre[1]}, inertia))
+
+    def set_gravity(self, x: float, y: float) -> None:
+        """[m/s^2]"""
+        lib.lw_model_set_gravity(self._handle, {"x": x, "y": y})
+
+    def simulate(self, to: float = 1.0, n: int = 100, force: Optional[Callable] = None, **options) -> Simulation:
+        """Run from 0 (or options' `from_`) to `to` [s] with n intervals: n + 1 samples.
+
+        force(t, motion, load): your own loads; motion (links, 6) as in Simulation.link, load (links, 3): write force
+        and torque into it.  Options: analysis ("transient", "static", "quasistatic", "kinematic", "dynamic"),
+        formulation ("auto"), tolerance, max_steps, max_seconds.  Ctrl-C ends it.
+        """
+        keep, error, stop, samples = [], new_error(), ffi.new("int *"), []
+        what = ffi.new("lw_simulation_options *", lib.lw_simulation_options_default())
+        if "from_" in options:
+            options["from"] = options.pop("from_")
+        fill(what, {**options, "to": to, "intervals": n}, keep, special=("stop", "force"))
+        what.stop = stop
+        linkage = lib.lw_model_linkage(self._handle)
+        links, joints = lib.lw_linkage_n_link(linkage), lib.lw_linkage_n_joint(linkage)
+        inputs, tracers = lib.lw_linkage_n_input(linkage), lib.lw_linkage_n_tracer(linkage)
+
+        def visit(s):
+            samples.append((s.t, _copy(s.link, (links, 6)), _copy(s.acceleration, (links, 3)),
+                            _copy(s.joint, (joints, 3)), _copy(s.input, (inputs,)), _copy(s.drive, (inputs,)),
+                            _copy(s.tracer, (tracers, 2)),
+                            (s.shaking.force.x, s.shaking.force.y, s.shaking.moment),
+                            (s.kinetic, s.potential, s.work), s.residual))
+
+        def apply(t, link, load):
+            force(t, np.frombuffer(ffi.buffer(link, 48*links), np.float64).reshape(links, 6),
+                  np.frombuffer(ffi.buffer(load, 24*links), np.float64).reshape(links, 3))
+
+        calls = Calls(visit, force=apply)
+        if force is not None:
+            what.force.context, what.force.apply = calls.handle, lib.lw_py_force
+        out, report = ffi.new("lw_simulation **"), ffi.new("lw_simulation_report *")
+        calls.finish(lib.lw_simulation_create(self._handle, what, out, error), error)
+        simulation = ffi.gc(out[0], lib.lw_simulation_destroy)
+
+        def end():
+            stop[0] = 1
+
+        status, interrupted = interruptible(
+            lambda: lib.lw_simulation_run(simulation, lib.lw_py_sample, calls.handle, report, error), end)
+        if interrupted:
+            raise KeyboardInterrupt
+        calls.finish(status, error)
+        return Simulation(samples, plain(report[0]))
+
+    def vibrations(self, rest: bool = False, hold: bool = False) -> list[dict]:
+        """Small vibrations about the drawn posture, or the equilibrium near it: re, im [1/s], frequency, natural [Hz],
+        damping; hold: all inputs are held."""
+        found, error = [], new_error()
+        calls = Calls(lambda info: found.append(plain(info[0])))
+        calls.finish(lib.lw_model_vibrations(self._handle, rest, hold, lib.lw_py_vibration, calls.handle, error), error)
+        return found

@@ -1,0 +1,223 @@
+"""The package against published numbers, NumPy and the command line's own files.  Run by `make test`."""
+import json
+import math
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+
+EXAMPLES = Path(os.environ.get("LINKWRIGHT_EXAMPLES", Path(__file__).resolve().parents[2] / "examples"))
+
+
+def fourbar(r1=4.0, r2=1.0, r3=3.0, r4=3.5):
+    """A four-bar with the crank along x: lengths of frame, input, coupler, output."""
+    d2 = (r1 - r2)**2
+    x = r2 + (d2 + r3**2 - r4**2)/(2*(r1 - r2))
+    y = math.sqrt(r3**2 - (x - r2)**2)
+    return lw.Linkage.from_dict({
+        "linkwright": 1, "links": ["ground", "crank", "coupler", "rocker"], "ground": "ground",
+        "joints": [{"name": "O", "kind": "r", "links": ["ground", "crank"], "at": [0, 0]},
+                   {"name": "A", "kind": "r", "links": ["crank", "coupler"], "at": [r2, 0]},
+                   {"name": "B", "kind": "r", "links": ["coupler", "rocker"], "at": [x, y]},
+                   {"name": "C", "kind": "r", "links": ["ground", "rocker"], "at": [r1, 0]}],
+        "input": {"joint": "O"}, "tracers": [{"name": "P", "link": "coupler", "at": [x, y]}]})
+
+
+def test_version():
+    assert lw.__version__ == lw.version() and lw.version().count(".") == 2
+
+
+@pytest.mark.parametrize("links, dof, count", [(6, 1, 2), (8, 1, 16), (10, 1, 230), (7, 2, 3), (9, 2, 35)])
+def test_chains_are_counted_and_listed_alike(links, dof, count):          # published numbers of chains
+    assert lw.count_chains(links, dof)[0] == count
+    listed = list(lw.chains(links, dof))
+    assert len(listed) == count == len(set(listed))
+    assert all(chain.mobility == dof and chain.links == links for chain in listed)
+
+
+def test_chains_that_fall_apart_at_a_link():
+    assert [lw.count_chains(links, 2, fractionated=True)[0] for links in (7, 9)] == [1, 5]
+
+
+def test_chains_can_be_left_early_and_stay_in_order():
+    first = [chain.graph6 for chain, _ in zip(lw.chains(12), range(200))]
+    again = [chain.graph6 for chain, _ in zip(lw.chains(12, jobs=1), range(200))]
+    assert first == again and len(set(first)) == 200
+
+
+def test_ground_links_of_the_six_bars():
+    watt, stephenson = sorted(lw.chains(6), key=lambda chain: len(set(chain.orbits())))
+    assert (len(watt.mechanisms()), len(stephenson.mechanisms())) == (2, 3)
+    assert lw.count_chains(6) == (2, 5)
+    assert {mechanism.ground for mechanism in watt.mechanisms()} <= set(range(6))
+
+
+def test_texts_of_chains_come_back():
+    for chain in lw.chains(8):
+        for notation in ("graph6", "lam", "edges", "franke", "json"):
+            assert lw.Chain.from_text(chain.to_text(notation)) == chain
+        assert lw.Chain.from_joints(8, chain.joints) == chain
+
+
+def test_path_of_a_four_bar_against_numpy():
+    r1, r2, r3, r4 = 4.0, 1.0, 3.0, 3.5
+    angle = np.linspace(0, 2*np.pi, 100)
+    path = fourbar().kinematics().trace(angle)
+    ax, ay = r2*np.cos(angle), r2*np.sin(angle)
+    assert np.allclose(np.hypot(path.x - ax, path.y - ay), r3, rtol=0, atol=1e-13)
+    assert np.allclose(np.hypot(path.x - r1, path.y), r4, rtol=0, atol=1e-13)
+    assert np.all(path.margin > 0)
+
+
+def test_derivatives_of_a_posture_against_differences():
+    kinematics, h = lw.Linkage.load(EXAMPLES / "jansen.json").kinematics(), 1e-6
+    here = kinematics.pose(1.0, order=1)
+    ahead, behind = kinematics.pose(1.0 + h), kinematics.pose(1.0 - h)
+    assert np.allclose(here.tracer[:, 1], (ahead.tracer[:, 0] - behind.tracer[:, 0])/(2*h), atol=1e-8)
+    assert np.allclose(here.joint[:, 1], (ahead.joint[:, 0] - behind.joint[:, 0])/(2*h), atol=1e-8)
+
+
+def test_trace_into_writes_into_the_given_arrays():
+    kinematics = fourbar().kinematics()
+    inputs, x, y = np.linspace(0, 1, 50), np.zeros(50), np.zeros(50)
+    kinematics.trace_into(inputs, x, y)
+    assert np.array_equal(x, kinematics.trace(inputs).x) and np.array_equal(y, kinematics.trace(inputs).y)
+    with pytest.raises(ValueError):
+        kinematics.trace_into(inputs, x[:10], y)
+
+
+def test_dimensions_can_be_set():
+    kinematics = fourbar().kinematics()
+    assert kinematics.dimensions["r2"] == pytest.approx(1.0)
+    kinematics.set_dimensions(r2=0.5)
+    path = kinematics.trace(np.array([0.0]))
+    assert np.hypot(path.x[0] - 0.5, path.y[0]) == pytest.approx(3.0)
+    with pytest.raises(KeyError, match="r2"):
+        kinematics.set_dimensions(length=1)
+
+
+def test_ranges_and_curves_agree_with_the_class():
+    linkage = fourbar()
+    assert lw.classify(4, 1, 3, 3.5).symbol == "GCRR"
+    assert [info["turns"] for info in linkage.kinematics().ranges()] == [True, True]
+    curves = linkage.curves(50)
+    assert len(curves) == 2 and all(curve.info["closed"] and curve.info["limits"] == 0 for curve in curves)
+
+
+def test_mobility_by_moving():
+    info = fourbar().analyse_mobility()
+    assert (info["kind"], info["freedom"], info["count"]) == ("moves", 1, 1)
+
+
+def test_files_and_pictures(tmp_path):
+    linkage = lw.Linkage.load(EXAMPLES / "klann.json")
+    linkage.save(tmp_path / "klann.svg")
+    assert linkage.picture("png")[:4] == b"\x89PNG"
+    assert linkage._repr_svg_().lstrip().startswith("<")
+    again = lw.Linkage.from_dict(linkage.to_dict())
+    assert json.loads(again.export("json")) == linkage.to_dict()
+    assert "<svg" in next(lw.chains(6))._repr_svg_()
+
+
+def test_errors_carry_the_text_and_the_place(tmp_path):
+    bad = tmp_path / "bad.json"
+    bad.write_text('{"linkwright": 1,\n "joints": 3}')
+    with pytest.raises(lw.Error) as caught:
+        lw.Linkage.load(bad)
+    assert caught.value.status == "LW_E_NOTATION" and caught.value.line == 2 and str(bad) in str(caught.value)
+    with pytest.raises(lw.Error):
+        lw.classify(1, 1, 1, 10)
+    with pytest.raises(TypeError, match="max_seconds"):
+        lw.fit(lw.Target.load(EXAMPLES / "ellipse.csv"), seconds=1)
+
+
+def test_pendulum_keeps_its_energy_and_obeys_a_force_of_ones_own():
+    model = lw.Model.load(EXAMPLES / "pendulum.json")
+    run = model.simulate(to=2, n=50)
+    total = run.energy[:, 0] + run.energy[:, 1]
+    assert len(run.t) == 51 and np.ptp(total) < 1e-9*np.abs(run.energy[:, 0]).max()
+    pushed = model.simulate(to=2, n=50, force=lambda t, motion, load: load.__setitem__((1, 2), 0.0))
+    assert np.allclose(pushed.link, run.link, atol=1e-7)
+    held = model.simulate(to=0.1, n=10, force=lambda t, motion, load: load.__setitem__((1, 2), 5.0))
+    assert not np.allclose(held.link, run.link[:11], atol=1e-3)
+    with pytest.raises(ZeroDivisionError):
+        model.simulate(to=1, n=10, force=lambda t, motion, load: 1/0)
+
+
+def test_fit_finds_a_four_bar_again():
+    path = fourbar().trace(24)
+    target = lw.Target(x=path.x, y=path.y, closed=True)
+    results = lw.fit(target, rounds=4, seed=3)
+    assert results[0].error_max < 1e-6 and results[0].verified
+    inputs = results.inputs(0)
+    found = results[0].linkage.kinematics().trace(inputs)
+    assert np.max(np.hypot(found.x - path.x, found.y - path.y)) < 1e-6
+    assert "<table>" in results._repr_html_() and "<svg" in results.page().lower()
+
+
+def test_progress_can_end_a_search_and_pass_an_exception():
+    target = lw.Target.load(EXAMPLES / "figure-eight.csv")
+    seen = []
+    results = lw.fit(target, progress=lambda done, seconds, best: seen.append(done) or len(seen) < 3)
+    assert len(seen) >= 3 and all(result.linkage.links >= 4 for result in results)
+
+    def fail(done, seconds, best):
+        raise LookupError("of mine")
+    with pytest.raises(LookupError, match="of mine"):
+        lw.fit(target, progress=fail)
+
+
+def test_control_c_ends_a_search_and_keeps_what_was_found():
+    target, begun = lw.Target.load(EXAMPLES / "figure-eight.csv"), threading.Event()
+
+    def interrupt():
+        begun.wait()
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(lw.Stopped) as caught:
+        lw.fit(target, types="all", links=6, budget=1e12, rounds=10**6, progress=lambda *_: begun.set())
+    assert isinstance(caught.value, KeyboardInterrupt) and len(caught.value.results) >= 0
+
+
+def test_other_threads_run_while_the_library_works():
+    """The interpreter's lock is released: a thread counts on during a count of chains."""
+    ticks, end = [0], threading.Event()
+
+    def tick():
+        while not end.is_set():
+            ticks[0] += 1
+            time.sleep(0)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    before = ticks[0]
+    lw.count_chains(14, jobs=1)
+    during = ticks[0] - before
+    end.set()
+    thread.join()
+    assert during > 10
+
+
+def test_catalogue_of_chains(tmp_path):
+    with lw.Catalogue(tmp_path / "six.db", write=True) as catalogue:
+        assert catalogue.add_chains(6) == 2
+        catalogue.check()
+        assert len(catalogue.query("links=6", list="chains")) == 2
+        assert catalogue.sql("select count(*) as n from chain")[0]["n"] == 2
+        with pytest.raises(lw.Error):
+            catalogue.sql("delete from chain")
+
+
+def test_nearest_curves_of_a_catalogue(tmp_path):
+    with lw.Catalogue(tmp_path / "curves.db", write=True) as catalogue:
+        catalogue.add_curves(2000)
+        hits = catalogue.nearest(lw.Target.load(EXAMPLES / "ellipse.csv"), count=5)
+    assert len(hits) == 5 and all(a.distance <= b.distance for a, b in zip(hits, hits[1:]))
+    assert hits[0].linkage.links == 4
