@@ -112,6 +112,10 @@ $B/tests/test_python: $(if $(PYTHON),$B/python/compiled) python/tests/run.sh $(w
 python: $B/tests/test_python
 	@[ -n "$(PYTHON)" ] || { echo "no Python with cffi and numpy: make deps-python installs it"; exit 1; }
 
+notebooks: python            # docs/notebooks from python/notebooks; needs jupyter-nbconvert, python3-ipykernel, python3-matplotlib
+	@for n in python/notebooks/*.ipynb; do PYTHONPATH=$(abspath $B)/python $(PYTHON) -m nbconvert --log-level WARN --to markdown \
+	    --execute --output-dir docs/notebooks $$n || exit 1; done
+
 $B/peers/simbody: tests/bench/peer_simbody.cc tests/bench/peer.h
 	@mkdir -p $(@D)
 	g++ -std=c++17 -O3 -g -Wall -Wextra -I. $$(pkg-config --cflags-only-I simbody | sed 's/-I/-isystem/') $< $(SIMBODY) -o $@
@@ -184,7 +188,7 @@ $B/linkwright.pc: linkwright.pc.in Makefile linkwright.h
 
 # what is installed: mode, from, to.  Documentation and examples keep the names that texts call them by.
 DATA := $(wildcard catalogues/data/*.csv catalogues/data/paths/*.csv catalogues/data/mbs/*) $(wildcard docs/*.schema.json)
-DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/* docs/plots/* docs/examples/*.c) \
+DOCS := README.md CHANGELOG.md $(wildcard docs/*.md docs/*.svg docs/*.bib docs/pictures/* docs/plots/* docs/notebooks/*.md docs/notebooks/*/* docs/examples/*.c) \
         $(shell find examples -type f)
 DATADIR = $(PREFIX)/share/linkwright
 DOCDIR  = $(PREFIX)/share/doc/linkwright
@@ -213,6 +217,6 @@ uninstall:
 
 clean:
 	rm -rf $B
-.PHONY: all shared samples python deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
+.PHONY: all shared samples python notebooks deps deps-bench deps-python peers test demo pictures run-test run-demo check sanitize browser-test fuzz run-fuzz bench install uninstall clean
 .PRECIOUS: $B/%.o     # kept between makes; .SECONDARY would skip a new file that is older than the archive
 -include $(shell find $B -name '*.d' 2>/dev/null)

@@ -221,3 +221,14 @@ def test_nearest_curves_of_a_catalogue(tmp_path):
         hits = catalogue.nearest(lw.Target.load(EXAMPLES / "ellipse.csv"), count=5)
     assert len(hits) == 5 and all(a.distance <= b.distance for a, b in zip(hits, hits[1:]))
     assert hits[0].linkage.links == 4
+
+
+@pytest.mark.parametrize("name", ["fit-a-path", "six-bars", "walker"])
+def test_notebooks_run(name, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib").use("Agg")
+    folder = Path(__file__).resolve().parents[1] / "notebooks"
+    monkeypatch.chdir(folder)
+    names = {}
+    for cell in json.loads((folder / f"{name}.ipynb").read_text())["cells"]:
+        if cell["cell_type"] == "code":
+            exec("".join(cell["source"]).replace("/tmp/", f"{tmp_path}/"), names)
