@@ -1,8 +1,10 @@
 #include "base/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -149,7 +151,38 @@ static int create_beside(lw_output *o)
         if (fd < 0 && errno != EEXIST)
             break;
     }
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) != 0)
+        errno = 0;                                   /* a file system without locks: keep going */
     return fd;
+}
+
+/* Is nobody writing the temporary file? The number in its name is of a process of this machine; the lock also counts on
+ * network drives. */
+static bool is_left_over(int folder, const char *name)
+{
+    long pid;
+    int end = 0;
+    if (sscanf(name, ".lw-%ld-%*d.tmp%n", &pid, &end) < 1 || end == 0 || name[end] || pid <= 0
+        || kill((pid_t)pid, 0) == 0 || errno != ESRCH)
+        return false;
+    int fd = openat(folder, name, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    bool left = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0;
+    if (fd >= 0)
+        close(fd);
+    return left;
+}
+
+void lw_output_clean(const char *path)
+{
+    char folder[LW_PATH_SIZE];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    DIR *d = named_stream(path) < 0 ? opendir(folder) : NULL;
+    for (struct dirent *file; d && (file = readdir(d));)
+        if (strncmp(file->d_name, ".lw-", 4) == 0 && is_left_over(dirfd(d), file->d_name))
+            unlinkat(dirfd(d), file->d_name, 0);
+    if (d)
+        closedir(d);
 }
 
 /* The file that a killed program left behind, or a new one, for this program alone. Links are not followed. */
@@ -293,7 +326,7 @@ bool lw_file_is_own(const char *path)
     return own_text(path, text) && (size_t)n == strlen(text) && memcmp(kept, text, (size_t)n) == 0;
 }
 
-lw_status lw_output_commit(lw_output *o, lw_error *e)
+static lw_status commit_to(lw_output *o, const char *path, lw_error *e)
 {
     if (!o->f)
         return lw_error_set(e, LW_E_ARG, "this output is not open");
@@ -301,14 +334,32 @@ lw_status lw_output_commit(lw_output *o, lw_error *e)
     o->f = NULL;
     if (!error && o->temp[0])
         mark_own(o->temp);
-    if (!error && o->temp[0] && rename(o->temp, o->path) != 0)
+    if (!error && o->temp[0] && strcmp(o->temp, path) != 0 && rename(o->temp, path) != 0)
         error = errno;
     if (error) {
         lw_output_abandon(o);
-        return failed(e, "written", o->path, error);
+        return failed(e, "written", path, error);
     }
     o->temp[0] = '\0';
     return LW_OK;
+}
+
+lw_status lw_output_commit(lw_output *o, lw_error *e)
+{
+    return commit_to(o, o->path, e);
+}
+
+lw_status lw_output_commit_partial(lw_output *o, lw_error *e)
+{
+    char path[LW_PATH_SIZE + 16];
+    struct stat st;
+    snprintf(path, sizeof path, "%s.partial", o->path);
+    if (o->temp[0] && !o->partial && lstat(path, &st) == 0 && !(S_ISREG(st.st_mode) && lw_file_is_own(path))) {
+        lw_output_abandon(o);
+        return lw_error_at(e, LW_E_IO, path, 0, 0, "the work was stopped, and the result so far is lost: this file "
+                           "exists, and linkwright did not write it");
+    }
+    return commit_to(o, path, e);
 }
 
 void lw_output_abandon(lw_output *o)

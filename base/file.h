@@ -13,13 +13,22 @@
  * LW_E_IO if it cannot be read (the text says so if it is a directory) or is larger than 256 MiB. */
 lw_status lw_file_read(const char *path, char **text, size_t *size, lw_error *e);
 
-typedef struct lw_output { FILE *f; char path[1024], temp[1088]; bool partial; } lw_output;
+#define LW_PATH_SIZE 4096           /* of a path with its terminator: PATH_MAX */
+
+typedef struct lw_output { FILE *f; char path[LW_PATH_SIZE], temp[LW_PATH_SIZE + 32]; bool partial; } lw_output;
 
 /* Open a temporary file beside path and write to o->f.  Then call _commit (flush, sync to disk, check, rename) or
  * _abandon (remove).  After a failed commit the target is unchanged and the temporary file is removed. */
 lw_status lw_output_open(lw_output *o, const char *path, lw_error *e);
 lw_status lw_output_commit(lw_output *o, lw_error *e);
 void      lw_output_abandon(lw_output *o);
+
+/* As _commit, for a result that is not complete: the file becomes path + ".partial" and path stays as it was. LW_E_IO if
+ * such a file exists that lw_output_commit_partial did not write (lw_file_is_own). */
+lw_status lw_output_commit_partial(lw_output *o, lw_error *e);
+
+/* Remove the temporary files that killed programs left in the folder of this output. */
+void lw_output_clean(const char *path);
 
 /* Was the file written by lw_output_commit, and not changed since?  Each committed file carries the attribute
  * `user.linkwright` with its size and time of change.  On a file without attributes (copied, or a file system that

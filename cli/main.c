@@ -39,7 +39,7 @@ static void overview(FILE *f)
           "Data goes to standard output (or -o FILE), messages to standard error.\n"
           "An input is never overwritten, and a file that linkwright did not write only with --force.\n"
           "Exit codes: 0 done, 1 nothing found, 2 wrong usage, 3 bad input, 4 numerical failure,\n"
-          "5 stopped by a limit with partial results kept, 130 Ctrl-C, 143 SIGTERM.\n", f);
+          "5 stopped by a limit with partial results kept, 129 SIGHUP, 130 Ctrl-C, 143 SIGTERM.\n", f);
     fprintf(f, "The files docs/... and examples/... are in %s.\n", documents);
 }
 
@@ -150,7 +150,7 @@ static int unknown_action(const cli_command *c, const char *word)
 static int finish_text(int code)
 {
     if (fflush(stdout) == 0 && !ferror(stdout))
-        return cli_interrupted() ? 128 + *cli_stop_flag() : code;
+        return cli_end_code(code);
     fputs("linkwright: cannot write to standard output\n", stderr);
     return CLI_BAD_INPUT;
 }
@@ -255,8 +255,13 @@ static int run(const cli_command *c, int argc, char **argv)
     else if (call.common.help) {
         cli_command_help(c, call.parsed.n_word ? find_action(c, call.parsed.word[0]) : NULL, stdout);
         code = finish_text(CLI_DONE);
-    } else if ((code = check_words(&call, &act)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE)
+    } else if ((code = check_words(&call, &act)) == CLI_DONE && (code = cli_check_outputs(&call)) == CLI_DONE) {
+        cli_limit_time(call.common.time);
+        cli_limit_memory(&call);
         code = finish_text(act(&call));
+        if (cli_timed_out())
+            cli_note(&call, "stopped by --time");
+    }
     free(call.parsed.word);
     free(settings);
     free(line);
@@ -266,7 +271,7 @@ static int run(const cli_command *c, int argc, char **argv)
 int main(int argc, char **argv)
 {
     setlocale(LC_ALL, "C");
-    cli_watch_interrupt();
+    cli_watch_signals();
     if (argc < 2) {
         overview(stderr);
         return CLI_USAGE;

@@ -1,5 +1,6 @@
 #include "enumerate/derive.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "enumerate/symmetry.h"
@@ -54,6 +55,8 @@ static lw_status keep(growth *g, const lw_mechanism *m)
         prune(l);
     if (2*l->n >= l->room) {
         size_t room = 2*l->room + 64;
+        if (g->how->max_bytes > 0 && (double)(room*sizeof *l->form) > g->how->max_bytes)
+            return LW_E_MEMORY;
         lw_mechanism *form = realloc(l->form, room*sizeof *form);
         if (!form)
             return LW_E_MEMORY;
@@ -73,6 +76,8 @@ static lw_status with_kinds(growth *g, const lw_mechanism *from, lw_production p
         n_way *= n_kind;
     for (int way = 0; way < n_way && s == LW_OK; way++) {
         lw_mechanism grown = *from;
+        if (g->how->stop && *g->how->stop)
+            return LW_STOPPED;
         for (int i = 0, left = way; i < n && i < 4; i++, left /= n_kind)
             p.kind[i] = g->how->kinds[left % n_kind];
         if ((s = lw_mechanism_grow(&grown, &p)) == LW_OK)
@@ -117,6 +122,22 @@ static lw_status fill(growth *g, int n)
     return s;
 }
 
+/* Do the forms with all links fit into the memory, as far as the levels up to n show? The factor from level to level
+ * grows with the number of links, so that the last one gives a lower bound. Levels may be empty: rule 4 adds two links.
+ */
+static bool fits(const growth *g, int n)
+{
+    enum { SURE = 1000 };
+    for (int step = 1; step <= 2 && g->how->max_bytes > 0; step++) {
+        double now = (double)g->at[n].n, before = n > step ? (double)g->at[n - step].n : 0;
+        if (before < SURE || now < before)
+            continue;
+        double last = now*pow(now/before, (g->how->n_link - n)/step);
+        return 2*last*sizeof(lw_mechanism) <= g->how->max_bytes;
+    }
+    return true;
+}
+
 lw_status lw_derive_each(const lw_derive *how, lw_mechanism_visit *visit, void *context)
 {
     growth g = { .how = how };
@@ -126,7 +147,8 @@ lw_status lw_derive_each(const lw_derive *how, lw_mechanism_visit *visit, void *
         || strspn(how->kinds, "rt") != n_kind || how->kinds[0] == how->kinds[1])
         return LW_E_ARG;
     for (int n = 3; n <= how->n_link && s == LW_OK; n++)
-        s = fill(&g, n);
+        if ((s = fill(&g, n)) == LW_OK && !fits(&g, n))
+            s = LW_E_MEMORY;
     for (size_t i = 0; i < g.at[how->n_link].n && s == LW_OK; i++)
         s = visit(context, &g.at[how->n_link].form[i]);
     for (int n = 0; n <= LW_LINK_MAX; n++)

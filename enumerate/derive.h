@@ -15,14 +15,17 @@ typedef struct lw_derive {
     bool        rule[5];      /* which of rules 1 .. 4 may be used                                */
     const char *kinds;        /* kinds allowed for k: "r", "t" or "rt"                            */
     bool        regions;      /* X and Y must lie at one region: only planar graphs               */
+    double      max_bytes;    /* memory that may be used [byte]; 0: no limit                      */
+    const volatile int *stop; /* the work ends with LW_STOPPED when it becomes nonzero; NULL      */
 } lw_derive;
 
 /* All four rules, k = r, regions as the source requires. */
 lw_derive lw_derive_default(int n_link);
 
 /* Visit every mechanism reached with exactly n_link links once, in canonical form, in the order of its
- * bytes (kinds and links).  Needs memory for all mechanisms with n_link links and fewer: 220 bytes each.  LW_E_ARG,
- * LW_E_MEMORY. */
+ * bytes (kinds and links).  Needs memory for all mechanisms with n_link links and fewer: 220 bytes each, and as
+ * much again while they are sorted.  LW_E_MEMORY as soon as the numbers found with fewer links show that max_bytes do
+ * not suffice; LW_E_ARG; LW_STOPPED before the first visit. */
 lw_status lw_derive_each(const lw_derive *how, lw_mechanism_visit *visit, void *context);
 
 /* The number of chains of pins with n_link links and F = 1, and how many of them the rules reach: with X and Y

@@ -137,11 +137,11 @@ static void limits_and_faults(void)
     expect("$P chains --links 14 --dof 5 --time 1e-9", 5, NULL, "stopped");
     /* stopped in the middle of the listing: whole lines only */
     expect("LW_CLOCK_STEP=0.01 $C chains --links 14 --jobs 1 --time 8 -o $D/part", 5, NULL, NULL);
-    expect("test -s $D/part && test -z \"$(tail -c1 $D/part)\"", 0, NULL, NULL);
+    expect("test -s $D/part.partial && test -z \"$(tail -c1 $D/part.partial)\" && test ! -e $D/part", 0, NULL, NULL);
     expect("$P chains --links 21 --dof 6 --time 1e-9 --count", 5, NULL, "stopped");
     expect("LW_CLOCK_STEP=0.01 $C chains --links 18 --time 0.1 --count", 5, NULL, "structures with 8 loops");
     expect("LW_CLOCK_STEP=0.01 $C structures --loops 9 --time 0.1", 5, NULL, "stopped");
-    expect("$P chains --links 32 --count", 4, NULL, "this machine has");
+    expect("$P chains --links 32 --count", 4, NULL, "--memory");
     expect("$P chains --links 8 -o /no/such/folder/x", 3, NULL, "/no/such/folder");
     expect("$P chains --links 12 > /dev/full", 3, NULL, NULL);
 }

@@ -30,6 +30,8 @@ lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e)
     case SQLITE_FULL:
         return lw_error_at(e, LW_E_IO, s->path, 0, 0, "the disk is full; what was committed before is kept: make room "
                            "and give the same command again");
+    case SQLITE_INTERRUPT:
+        return lw_error_at(e, LW_STOPPED, s->path, 0, 0, "stopped");
     case SQLITE_NOTADB:
         return lw_error_at(e, LW_E_NOTATION, s->path, 0, 0, "this is no SQLite file");
     case SQLITE_CORRUPT:
@@ -226,13 +228,24 @@ static lw_status look_at(const lw_store *s, const lw_store_options *o, lw_error 
     return LW_OK;
 }
 
+static int is_stopped(void *store)
+{
+    return *((lw_store *)store)->stop != 0;
+}
+
+void lw_store_watch(lw_store *s)
+{
+    sqlite3_progress_handler(s->db, s->stop ? 10000 : 0, is_stopped, s);
+}
+
 static lw_status set_up(lw_store *s, lw_error *e)
 {
     static const char *const pragmas[] = {
         "PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA foreign_keys=ON", "PRAGMA temp_store=MEMORY",
-        "PRAGMA mmap_size=268435456",
+        "PRAGMA mmap_size=0",         /* a file that another program cuts short is an error then, not SIGBUS */
     };
     sqlite3_busy_timeout(s->db, BUSY_MILLISECONDS);
+    lw_store_watch(s);
     sqlite3_extended_result_codes(s->db, 1);
     sqlite3_db_config(s->db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     for (size_t i = 0; i < sizeof pragmas/sizeof *pragmas; i++) {
@@ -314,7 +327,8 @@ static lw_status open_to_read(lw_store *s, const lw_store_options *o, lw_error *
     if (s->found_version < lw_store_step_count) {
         int found = s->found_version;
         lw_store *again;
-        lw_store_options write = { .write = true, .wait = o->wait, .command = o->command };
+        lw_store_options write = { .write = true, .wait = o->wait, .command = o->command,
+                                   .stop = o->stop };
         disconnect(s);
         status = lw_store_open(s->path, &write, &again, e);
         lw_store_close(again);
@@ -347,6 +361,7 @@ lw_status lw_store_open(const char *path, const lw_store_options *o, lw_store **
         return lw_error_set(e, LW_E_MEMORY, "out of memory");
     s->lock = -1;
     s->writes = o->write;
+    s->stop = o->write ? NULL : o->stop;      /* what a writer has begun it commits */
     lw_status status = set_paths(s, path, e);
     if (status == LW_OK)
         status = look_at(s, o, e);

@@ -25,6 +25,7 @@ typedef struct lw_store_options {
     bool        create;      /* make the file if it does not exist or is empty                      */
     double      wait;        /* at most so long for another program that writes [s]                 */
     const char *command;     /* command line of this program, shown to programs that wait           */
+    const volatile int *stop;   /* queries end with LW_STOPPED when it becomes nonzero; NULL: nothing stops them */
 } lw_store_options;
 
 /* LW_E_IO: the file cannot be opened, is read-only, or another program writes to it (the text names the program);

@@ -147,7 +147,7 @@ lw_status lw_store_ask(lw_store *s, const lw_store_query *q, lw_error *e)
     if (q->goes_on)
         sqlite3_progress_handler(s->db, 10000, keep_going, (void *)(uintptr_t)q);
     lw_status status = ask(s, q, e);
-    sqlite3_progress_handler(s->db, 0, NULL, NULL);
+    lw_store_watch(s);
     sqlite3_set_authorizer(s->db, NULL, NULL);
     return status;
 }

@@ -4,13 +4,15 @@
 #define LW_CATALOGUES_STORE_STORE_INTERNAL_H
 
 #include <sqlite3.h>
+#include "base/file.h"
 #include "catalogues/store/store.h"
 
 #define LW_STORE_STATEMENT_MAX 32
 
 struct lw_store {
     sqlite3      *db;
-    char          path[1024], lock_path[1040];
+    char          path[LW_PATH_SIZE], lock_path[LW_PATH_SIZE + 16];
+    const volatile int *stop;                /* NULL: nothing stops a statement                       */
     int           lock, found_version;       /* lock: a file descriptor, -1 when nothing is written   */
     bool          writes, made;              /* made: there was no file                               */
     sqlite3_int64 run, build, sweep;
@@ -27,6 +29,9 @@ lw_status lw_store_migrate(lw_store *s, int from, lw_error *e);
 
 /* What SQLite's last failure (or `code`) means, with the file's name; `doing` is "cannot be read" or the like. */
 lw_status lw_store_fail(lw_store *s, int code, const char *doing, lw_error *e);
+
+/* Let the flag `stop` end statements; again after another progress handler was set. */
+void lw_store_watch(lw_store *s);
 
 /* The prepared statement of this text, reset and without values.  The same pointer gives the same statement. */
 lw_status lw_store_prepare(lw_store *s, const char *sql, sqlite3_stmt **statement, lw_error *e);

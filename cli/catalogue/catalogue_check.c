@@ -115,7 +115,7 @@ static int check_table(const cli_call *call)
             code = cli_fail(call, &e);
         else if (c.n[LW_DISAGREES] > 0)
             code = CLI_NUMERIC;
-        code = cli_close(call, &c.out, code);
+        code = (code == CLI_NUMERIC && c.n[LW_DISAGREES] > 0 ? cli_close_marked : cli_close)(call, &c.out, code);
         cli_note(call, "%d rows agree, %d disagree, %d known errata, %d too long, %d not counted here",
                  c.n[LW_AGREES], c.n[LW_DISAGREES], c.n[LW_ERRATUM], c.n[LW_TOO_LONG], c.n[LW_NOT_COUNTED]);
     }
@@ -189,7 +189,7 @@ static int check_store(const cli_call *call, lw_store *store)
         lw_output_abandon(&c.out);
         return cli_fail(call, &e);
     }
-    int code = cli_close(call, &c.out, c.n_differ > 0 ? CLI_NUMERIC : CLI_DONE);
+    int code = cli_close_marked(call, &c.out, c.n_differ > 0 ? CLI_NUMERIC : CLI_DONE);
     cli_note(call, "the file is whole; %llu chains are what their labels say; %ld published numbers agree, %ld do not; "
              "%llu build%s not finished", (unsigned long long)n_chain, c.n_agree, c.n_differ,
              (unsigned long long)n_open, n_open == 1 ? " is" : "s are");

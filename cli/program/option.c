@@ -25,6 +25,9 @@ const cli_option cli_common_options[] = {
         "number of threads, 0 for one per core; the answer is the same for any number", 0, 1024),
     ROW("time",   0, CLI_REAL, time, "SECONDS", "0",
         "stop after this time and keep what was found; 0 is no limit", 0, 1e9),
+    ROW("memory", 0, CLI_REAL, memory, "GB", NULL,
+        "greatest memory of the program; work that would need more ends in order. Without it three quarters of the "
+        "machine's", 0.01, 1e6),
     ROW("quiet", 'q', CLI_FLAG, quiet, NULL, NULL, "print no progress and no notes on standard error", 0, 0),
     ROW("help",  'h', CLI_FLAG, help, NULL, NULL, "show this text", 0, 0),
     { .name = NULL }

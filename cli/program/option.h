@@ -46,6 +46,7 @@ typedef struct cli_common {
     uint64_t    seed;
     int         jobs;         /* 0: one per core                                                   */
     double      time;         /* [s]; 0: no limit                                                  */
+    double      memory;       /* [GB]; 0: three quarters of the machine's (cli_memory)             */
     bool        json, force, quiet, help;
     const char *output;       /* NULL: standard output                                             */
 } cli_common;

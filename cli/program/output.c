@@ -3,10 +3,13 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 int cli_exit_code(lw_status s)
@@ -36,7 +39,10 @@ int cli_fail(const cli_call *call, const lw_error *e)
         return CLI_NUMERIC;
     }
     lw_error_print(e, text, sizeof text);
-    fprintf(stderr, "linkwright %s: %s\n", call->command->name, text);
+    fprintf(stderr, "linkwright %s: %s", call->command->name, text);
+    if (e->status == LW_E_MEMORY)
+        fprintf(stderr, "; the limit is %.3g GB (--memory)", cli_memory(call)/1e9);
+    fputc('\n', stderr);
     return cli_exit_code(e->status);
 }
 
@@ -63,17 +69,42 @@ void cli_note(const cli_call *call, const char *format, ...)
     va_end(arg);
 }
 
+/* The temporary file of -o, which a forced end removes; "" for none. */
+static char temporary[sizeof ((lw_output *)0)->temp];
+
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e)
 {
-    return lw_output_open(o, call->common.output ? call->common.output : "-", e);
+    const char *path = call->common.output ? call->common.output : "-";
+    lw_output_clean(path);
+    lw_status s = lw_output_open(o, path, e);
+    if (s == LW_OK)
+        strcpy(temporary, o->temp);
+    return s;
 }
 
 int cli_close(const cli_call *call, lw_output *o, int code)
 {
     lw_error e = { 0 };
-    if (lw_output_commit(o, &e) != LW_OK)
+    cli_finish();
+    code = cli_end_code(code);
+    bool partial = o->temp[0] && code != CLI_DONE && code != CLI_NOTHING;
+    if (partial && !o->partial && ftello(o->f) == 0) {
+        lw_output_abandon(o);
+        return code;
+    }
+    if ((partial ? lw_output_commit_partial : lw_output_commit)(o, &e) != LW_OK)
         return cli_fail(call, &e);
+    if (partial)
+        fprintf(stderr, "linkwright %s: stopped before the end: what was found is in %s.partial\n",
+                call->command->name, o->path);
     return code;
+}
+
+int cli_close_marked(const cli_call *call, lw_output *o, int code)
+{
+    lw_error e = { 0 };
+    cli_finish();
+    return lw_output_commit(o, &e) == LW_OK ? cli_end_code(code) : cli_fail(call, &e);
 }
 
 /* ---- nothing of the user is overwritten ---------------------------------------------------------- */
@@ -219,31 +250,117 @@ int cli_make_folder(const cli_call *call, const char *folder)
     return cli_fail(call, &e);
 }
 
-/* ---- Ctrl-C ------------------------------------------------------------------------------------ */
+/* ---- the end: Ctrl-C, signals and --time ---------------------------------------------------------- */
+
+#define GRACE 0.8             /* [s] how long a command may take to stop in order                    */
 
 /* The only state that a signal handler changes. */
 static volatile sig_atomic_t interrupted;
 
-static void on_interrupt(int number)
+static volatile sig_atomic_t finishing;          /* results are written: the program is not ended by force */
+static timer_t               timer;
+static bool                  timed;              /* the timer was made                               */
+
+static void set_timer(double seconds)
 {
-    int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
-    interrupted = number;
-    signal(number, SIG_DFL);
-    if (nothing >= 0) {
-        dup2(nothing, STDIN_FILENO);             /* a waiting read is restarted and meets the end */
-        close(nothing);
-    }
+    struct itimerspec t = { .it_value = { (time_t)seconds, (long)(1e9*(seconds - floor(seconds))) } };
+    if (timed)
+        timer_settime(timer, 0, &t, NULL);
 }
 
-void cli_watch_interrupt(void)
+/* A phase that does not look at the flag, for example one inside a foreign library, is ended by force. */
+static void end_now(void)
 {
-    signal(SIGINT, on_interrupt);
-    signal(SIGTERM, on_interrupt);
+    static const char text[] = "linkwright: stopped; what was begun is lost, what was written before is kept\n";
+    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        errno = 0;
+    if (temporary[0])
+        unlink(temporary);
+    _exit(cli_end_code(CLI_DONE));
+}
+
+static void on_signal(int number)
+{
+    int was = errno;
+    if (interrupted == 0) {
+        int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+        interrupted = number;
+        if (number != SIGALRM)
+            signal(number, SIG_DFL);
+        if (nothing >= 0) {
+            dup2(nothing, STDIN_FILENO);         /* a waiting read is restarted and meets the end */
+            close(nothing);
+        }
+        set_timer(GRACE);
+    } else if (number == SIGALRM && !finishing) {
+        end_now();
+    }
+    errno = was;
+}
+
+void cli_watch_signals(void)
+{
+    struct sigevent event = { .sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGALRM };
+    signal(SIGINT, on_signal);
+    signal(SIGTERM, on_signal);
+    if (signal(SIGHUP, on_signal) == SIG_IGN)
+        signal(SIGHUP, SIG_IGN);                 /* nohup */
+    signal(SIGALRM, on_signal);
+    timed = timer_create(CLOCK_MONOTONIC, &event, &timer) == 0;
+}
+
+void cli_limit_time(double seconds)
+{
+    set_timer(seconds);
+}
+
+void cli_finish(void)
+{
+    finishing = 1;
+    set_timer(0);
 }
 
 const volatile sig_atomic_t *cli_stop_flag(void)
 {
     return &interrupted;
+}
+
+int cli_end_code(int code)
+{
+    int number = interrupted;
+    if (number == SIGALRM)
+        return code == CLI_DONE || code == CLI_NOTHING ? CLI_LIMIT : code;
+    return number ? 128 + number : code;
+}
+
+/* ---- memory ------------------------------------------------------------------------------------------ */
+
+/* The limit of this process' control group, or infinity. */
+static double group_memory(void)
+{
+    double limit = INFINITY;
+    FILE *f = fopen("/sys/fs/cgroup/memory.max", "r");
+    if (f && fscanf(f, "%lf", &limit) != 1)
+        limit = INFINITY;
+    if (f)
+        fclose(f);
+    return limit;
+}
+
+double cli_memory(const cli_call *call)
+{
+    double machine = (double)sysconf(_SC_PHYS_PAGES)*(double)sysconf(_SC_PAGESIZE);
+    return call->common.memory > 0 ? 1e9*call->common.memory : 0.75*fmin(machine, group_memory());
+}
+
+void cli_limit_memory(const cli_call *call)
+{
+    struct rlimit r;
+    double most = cli_memory(call);
+    if (getrlimit(RLIMIT_DATA, &r) == 0 && (r.rlim_cur == RLIM_INFINITY || most < (double)r.rlim_cur)) {
+        r.rlim_cur = (rlim_t)most;
+        setrlimit(RLIMIT_DATA, &r);
+    }
 }
 
 /* ---- input ---------------------------------------------------------------------------------------- */

@@ -38,16 +38,33 @@ int cli_make_folder(const cli_call *call, const char *folder);
 /* Open the file of -o, or standard output; then write to o->f. */
 lw_status cli_open(const cli_call *call, lw_output *o, lw_error *e);
 
-/* Commit the output. Returns `code` if this succeeded, else the exit code of the failure. After Ctrl-C commands also
- * commit what they have; main.c sets the exit code. */
+/* Commit the output. Returns `code` if this succeeded, else the exit code of the failure. If the code is an error or
+ * CLI_LIMIT, or a signal or --time ended the work, the output so far goes to FILE.partial and FILE stays as it was. */
 int cli_close(const cli_call *call, lw_output *o, int code);
 
-/* Watch for Ctrl-C (SIGINT) and SIGTERM. The first signal sets the flag to its number and ends standard input, so that
- * a command that waits for input continues at once; a second signal ends the program. Functions of the library stop
- * when the flag is set. main.c turns it into exit code 130 or 143. */
-void cli_watch_interrupt(void);
+/* The same for an output that says itself that it is not complete: it always goes to FILE. */
+int cli_close_marked(const cli_call *call, lw_output *o, int code);
+
+/* Watch for Ctrl-C (SIGINT), SIGTERM, SIGHUP and the end of --time (SIGALRM). The first of them sets the flag to its
+ * number and ends standard input, so that a command that waits for input continues at once; a second signal ends the
+ * program. Functions of the library stop when the flag is set. A phase that does not stop by itself is ended by force
+ * less than a second later, unless cli_finish was called; the temporary file of -o is then removed. */
+void cli_watch_signals(void);
+void cli_limit_time(double seconds);         /* main.c calls it with --time; 0: no limit */
 const volatile sig_atomic_t *cli_stop_flag(void);
 #define cli_interrupted() (*cli_stop_flag() != 0)
+#define cli_timed_out()   (*cli_stop_flag() == SIGALRM)
+
+/* The memory that the program may use [byte], by --memory and the machine. cli_limit_memory makes the system hold it:
+ * allocations beyond it fail. */
+double cli_memory(const cli_call *call);
+void   cli_limit_memory(const cli_call *call);
+
+/* The work is over and results are written: --time no longer stops the command, and nothing ends it by force. */
+void cli_finish(void);
+
+/* The exit code of a command that ended with `code`: 5 after --time, 128 + the signal's number after a signal. */
+int cli_end_code(int code);
 
 /* lw_file_read for a file of the user. If path is "-" and standard input is a terminal, print what the command waits
  * for, such as "a linkage (JSON)". LW_STOPPED: after Ctrl-C. */

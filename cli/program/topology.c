@@ -137,7 +137,7 @@ bool cli_watch_goes_on(cli_watch *w, double done)
 int cli_watch_end(cli_watch *w, int code)
 {
     cli_progress_end(&w->progress);
-    if (w->over)
+    if (w->over && !cli_interrupted())
         cli_note(w->call, "stopped by --time; the results so far are kept");
     return w->over && (code == CLI_DONE || code == CLI_NOTHING) ? CLI_LIMIT : code;
 }

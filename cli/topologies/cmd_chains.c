@@ -1,7 +1,6 @@
 /* linkwright chains - list every kinematic chain with P links and F degrees of freedom once. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/suggest.h"
@@ -157,11 +156,9 @@ static lw_status say_how_long(task *t, lw_error *error)
     if (seconds > 5)
         cli_note(t->call, "about %.2g structures and %.2g chains, %.2g s on %d core%s, %.2g MB", e.structures,
                  t->expected, seconds, cores, cores == 1 ? "" : "s", e.bytes/1e6);
-    double memory = (double)sysconf(_SC_PHYS_PAGES)*(double)sysconf(_SC_PAGESIZE);
-    if (e.bytes > memory)
-        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g MB; this machine has "
-                            "%.2g MB",
-                            n.n_loop, e.bytes/1e6, memory/1e6);
+    if (e.bytes > cli_memory(t->call))
+        return lw_error_set(error, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", n.n_loop,
+                            e.bytes/1e9);
     return LW_OK;
 }
 
@@ -461,7 +458,7 @@ static int enumerate(task *t, lw_error *e)
     status = lw_chains_create_while(t->s->links, t->s->dof, t->call->common.jobs, tick_structures, t, &t->chains, e);
     cli_progress_end(&t->progress);
     if (status != LW_OK)
-        return cli_interrupted() ? CLI_DONE : cli_fail(t->call, e);
+        return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(t->call, e);
     t->progress = cli_progress_begin(t->call, "chains", "chains");
     if ((listing ? cli_resume_open(t->call, t->s->resume, &t->out, &t->before, e) : cli_open(t->call, &t->out,
                                                                                              e)) != LW_OK)

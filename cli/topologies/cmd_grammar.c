@@ -248,6 +248,8 @@ static int derive_all(const cli_call *call)
     lw_derive how = lw_derive_default(j.s->links);
     how.regions = !j.s->anywhere;
     how.kinds = j.s->k ? j.s->k : "r";
+    how.stop = cli_stop_flag();
+    how.max_bytes = cli_memory(call);
     for (int r = 1; r <= 4; r++)
         how.rule[r] = strchr(j.s->rules, '0' + r) != NULL;
     if (strspn(j.s->rules, "1234,") != strlen(j.s->rules))
@@ -258,7 +260,8 @@ static int derive_all(const cli_call *call)
     if (s == LW_E_ARG)
         lw_error_set(&j.e, s, "--joints with --links takes r, t or rt, not '%s'", how.kinds);
     if (s == LW_E_MEMORY)
-        lw_error_set(&j.e, s, "out of memory: too much is reached with %d links", how.n_link);
+        lw_error_set(&j.e, s, "the mechanisms that are reached with %d links do not fit into memory",
+                     how.n_link);
     if (s < 0) {
         lw_output_abandon(&j.out);
         return cli_fail(call, &j.e);

@@ -5,6 +5,7 @@
 #include "cli/program/json.h"
 #include "cli/program/output.h"
 #include "cli/program/progress.h"
+#include "enumerate/estimate.h"
 #include "enumerate/filter.h"
 #include "enumerate/structures.h"
 #include "grammar/derivation.h"
@@ -149,6 +150,11 @@ static int run(const cli_call *call)
         return cli_usage(call, "how many loops? give --loops L");
     if (s->loops > 8)
         cli_note(call, "9 loops take minutes, each further loop 20 to 40 times as long");
+    lw_estimate size;
+    if (s->loops > 8 && lw_chains_estimate(2*s->loops + 2, 1, &size, &e) == LW_OK && size.bytes > cli_memory(call)) {
+        lw_error_set(&e, LW_E_MEMORY, "the structures with %d loops need about %.2g GB", s->loops, size.bytes/1e9);
+        return cli_fail(call, &e);
+    }
     watch w = { call, cli_progress_begin(call, "structures", "structures"), lw_clock_wall() };
     lw_status status = lw_structures_create_while(s->loops, call->common.jobs, tick, &w, &set);
     cli_progress_end(&w.progress);
@@ -156,7 +162,7 @@ static int run(const cli_call *call)
         (void)lw_error_set(&e, status, status == LW_STOPPED ? "stopped before the structures with %d loops were "
                            "complete"
                            : "the structures with %d loops do not fit into memory", s->loops);
-        return cli_interrupted() ? CLI_DONE : cli_fail(call, &e);
+        return cli_interrupted() && !cli_timed_out() ? CLI_DONE : cli_fail(call, &e);
     }
     int code = CLI_DONE;
     if (cli_open(call, &o, &e) != LW_OK)
